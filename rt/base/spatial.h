@@ -1,0 +1,56 @@
+// Pose, twist and wrench: the three spatial quantities that cross rooms.
+// Frame: world unless the variable's name says otherwise. Units: m, rad, m/s, rad/s, N, N m. Thread: [any].
+#pragma once
+
+#include "rt/base/math.h"
+
+namespace tactus {
+
+template <class T>
+struct Pose {
+  Vec3<T> position;  // m
+  Quat<T> rotation;  // unit quaternion, target_from_source
+
+  // Takes a point of the source frame to the target frame.
+  constexpr Vec3<T> operator*(const Vec3<T>& point) const noexcept { return position + rotate(rotation, point); }
+  friend constexpr Pose operator*(const Pose& a, const Pose& b) noexcept {
+    return {a * b.position, a.rotation * b.rotation};
+  }
+  friend constexpr bool operator==(const Pose&, const Pose&) noexcept = default;
+};
+
+template <class T>
+constexpr Pose<T> inverse(const Pose<T>& p) noexcept {
+  return {-rotate_inverse(p.rotation, p.position), conjugate(p.rotation)};
+}
+
+template <class T>
+struct Twist {
+  Vec3<T> linear;   // m/s, of the body's centre of mass
+  Vec3<T> angular;  // rad/s
+  friend constexpr bool operator==(const Twist&, const Twist&) noexcept = default;
+};
+
+template <class T>
+struct Wrench {
+  Vec3<T> force;   // N
+  Vec3<T> torque;  // N m, about the body's centre of mass
+  friend constexpr bool operator==(const Wrench&, const Wrench&) noexcept = default;
+};
+
+using Vec3d = Vec3<double>;
+using Quatd = Quat<double>;
+using Posed = Pose<double>;
+using Twistd = Twist<double>;
+using Wrenchd = Wrench<double>;
+
+template <class T>
+bool is_finite(const Pose<T>& p) noexcept { return is_finite(p.position) && is_finite(p.rotation); }
+template <class T>
+bool is_finite(const Twist<T>& t) noexcept { return is_finite(t.linear) && is_finite(t.angular); }
+template <class T>
+bool is_finite(const Wrench<T>& w) noexcept { return is_finite(w.force) && is_finite(w.torque); }
+
+static_assert(std::is_trivially_copyable_v<Posed> && std::is_trivially_copyable_v<Wrenchd>);
+
+}  // namespace tactus

@@ -1,0 +1,28 @@
+// What a world may hold, given once at creation, and the bits that say which of it ran out.
+//
+// Overflow is data: the step goes on without what did not fit, by the rule beside each capacity, sets the bit and
+// counts. Thread: [any].
+#pragma once
+
+#include <cstdint>
+
+namespace tactus::physics {
+
+struct Capacities {
+  std::uint32_t bodies{256};          // dynamic bodies; beyond: `insert` refuses
+  std::uint32_t fixed_bodies{64};     // static geometry; beyond: `insert` refuses
+  std::uint32_t pairs{2048};          // overlapping boxes; beyond: pairs with the highest keys are dropped
+  std::uint32_t contacts{512};        // manifolds; beyond: the deepest are kept, ties by lower pair key
+  std::uint32_t border_contacts{0};   // contacts with bodies of another world; beyond: `add` refuses
+};
+
+// Explicit numbers, never reused.
+enum CapacityBit : std::uint32_t {
+  kBodiesFull = 1u << 0,
+  kFixedBodiesFull = 1u << 1,
+  kPairsFull = 1u << 2,
+  kContactsFull = 1u << 3,
+  kBorderContactsFull = 1u << 4,
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,46 @@
+// Where two shapes touch or are about to: at most four points on one normal.
+//
+// Frame: world; points are given from each body's centre, so that a world far from the origin loses nothing.
+// Thread: [any]; pure functions of shapes and poses, bounded work (box-box: 15 axes, one clip of a quadrilateral
+// against four edges), no allocation. Source: study of box-box by separating axes and clipping, Gottschalk 1996.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "rt/physics/shape.h"
+
+namespace tactus::physics {
+
+inline constexpr std::uint32_t kMaxManifoldPoints = 4;
+
+template <class T>
+struct ManifoldPoint {
+  Vec3<T> from_a, from_b;    // m: the contact point (midway between the surfaces) from the centre of A, of B; world axes
+  T separation{};            // m: signed gap along the normal; negative where the shapes overlap
+  std::uint32_t feature{0};  // which features made it: the same pair of features has the same id from step to step
+};
+
+template <class T>
+struct Manifold {
+  Vec3<T> normal;  // unit, from A to B
+  std::uint32_t count{0};
+  std::array<ManifoldPoint<T>, kMaxManifoldPoints> points;
+};
+
+// What narrow phase remembers of a pair from one step to the next: a hint that saves work, and a preference that
+// keeps the reference face from flickering. Part of the state: it travels on the tape.
+struct AxisCache {
+  std::uint8_t axis{0};  // 0 none; 1..6 a face axis; 7..15 an edge axis (box-box)
+  friend bool operator==(const AxisCache&, const AxisCache&) = default;
+};
+
+// Fills a manifold of the points whose separation is at most `margin` [m]; count 0 where there is none.
+// A plane may be A or B. Two planes never touch. Ties are broken by the lower feature id: the same input gives the
+// same bits, and a pair given in the other order gives the mirrored manifold only approximately, so callers keep
+// A as the body with the lower id.
+template <class T>
+Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
+                    T margin, AxisCache& cache) noexcept;
+
+}  // namespace tactus::physics

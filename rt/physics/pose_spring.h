@@ -1,0 +1,28 @@
+// A six-degree-of-freedom spring and damper between a body and a moving target, solved implicitly with the contacts.
+//
+// Per sub-step h, rows J of the body's twist: lambda = -(M^-1 + g I)^-1 (v - v_target + b e + g lambda_0), with
+// g = 1 / (h (B + h K)), b = K / (B + h K): stable on the body's side for any K, B, h. What the body gets the target
+// loses: the sum of the impulses over a step is the force on the device. Source: study 3.1; Colgate 1995 (virtual
+// coupling). Frame: world. Units: SI. Thread: the owner of the World.
+#pragma once
+
+#include <cstdint>
+
+#include "rt/base/spatial.h"
+
+namespace tactus::physics {
+
+template <class T>
+struct PoseSpring {
+  bool enabled{false};
+  std::uint32_t slot{0};            // the body, in the world's slots
+  T stiffness_N_per_m{}, damping_Ns_per_m{};
+  T stiffness_Nm_per_rad{}, damping_Nms_per_rad{};
+  Pose<T> target;                   // where the target is at the start of the step
+  Twist<T> target_velocity;         // held over the step: at sub-step j the target is at start + velocity (j + 1) h
+
+  Wrench<T> impulse;                // N s, N m s: of the last sub-step, on the body (warm start)
+  Wrench<T> step_impulse;           // sum over the step, on the body
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,70 @@
+// A scene: the bodies, the effects it calls for, the proxy, the device's place in it and what the simulated hand does.
+//
+// A plain value, loaded once from TOML (sim/scenes/*.toml) by load_scene. Frame: world, z up. Units: SI.
+// Thread: [setup], normal threads.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rt/physics/body.h"
+
+namespace tactus::sim {
+
+// What a scene calls for. One that is not declared is not simulated.
+struct Effects {
+  bool gravity{false}, friction{false}, gyroscopic{false};
+};
+
+// Gains of the coupling between device and proxy.
+struct CouplingGains {
+  double stiffness_N_per_m{2000}, damping_Ns_per_m{5};
+  double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
+};
+
+// Where the device's frame is in the scene, and how much larger its motion is there. Power is conserved: the force on
+// the hand is motion_scale times the force in the scene.
+struct DevicePlacement {
+  Posed world_from_device;
+  double motion_scale{1};
+  std::string profile{"virtuose6d"};  // a simulated device: virtuose6d or desk3d
+};
+
+// The hand's scripted target at a time, world frame; between way points the motion is a smooth step (C2).
+struct HandWaypoint {
+  double time_s{0};
+  Vec3d position_m;
+  Vec3d rotation_vector_rad;  // of the tool, about the world's axes
+};
+
+// A simulated hand: an arm's impedance that follows way points. Stiffness and damping are those of a human arm.
+struct HandScript {
+  std::vector<HandWaypoint> path;  // times ascending, from 0
+  bool repeat{true};               // the path starts again at its end; its last pose is then its first
+  double stiffness_N_per_m{400}, damping_Ns_per_m{12}, mass_kg{0.5};
+  double stiffness_Nm_per_rad{4}, damping_Nms_per_rad{0.1};
+};
+
+struct SolverChoice {
+  double contact_hertz{250}, contact_damping_ratio{10};
+  unsigned sub_steps{4}, relax_sweeps{1};         // haptic side
+  unsigned global_sub_steps_per_tick{1};          // global side: sub-steps of a global step = this x ratio
+};
+
+struct Scene {
+  std::string name;                            // file stem
+  std::string title;                           // one line for people
+  Effects effects;
+  Vec3d gravity_m_per_s2{0, 0, -9.81};
+  std::vector<physics::Body<double>> bodies;   // bodies[i].id == i
+  BodyId proxy{kNoBody};
+  DevicePlacement device;
+  CouplingGains coupling;
+  HandScript hand;
+  SolverChoice solver;
+  unsigned members{64};                        // cap of the sub-world, the proxy included
+  unsigned ratio{10};
+  std::string source;                          // the text it was loaded from: the tape carries it
+};
+
+}  // namespace tactus::sim

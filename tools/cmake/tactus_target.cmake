@@ -1,0 +1,20 @@
+# Flags that every target of the project gets, and why.
+add_library(tactus_flags INTERFACE)
+target_compile_options(tactus_flags INTERFACE
+  -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror
+  # The same bits on every machine of the instruction set, Debug or Release: never the build machine's own set,
+  # and no multiply-add that the source does not say.
+  -march=x86-64-v3 -ffp-contract=off)
+target_compile_features(tactus_flags INTERFACE cxx_std_20)
+target_include_directories(tactus_flags INTERFACE ${PROJECT_SOURCE_DIR})
+if(TACTUS_SANITIZE)
+  target_compile_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE})
+endif()
+
+# tactus_library(NAME LINKS...): all sources of the current folder, one library.
+function(tactus_library name)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_library(${name} STATIC ${sources})
+  target_link_libraries(${name} PUBLIC tactus_flags ${ARGN})
+endfunction()
