@@ -27,18 +27,19 @@ struct Body {
   T mass{};            // kg; 0 for a fixed body
   Vec3<T> inertia{};   // kg m^2, diagonal in the body frame; 0 for a fixed body
   T friction{};        // coefficient; a pair uses the geometric mean sqrt(f_a f_b)
+  T gravity_scale{1};  // 1 falls, 0 floats: the proxy is carried by the device
   BodyMotion<T> motion;
 };
 
 // A homogeneous dynamic body at rest.
 template <class T>
 Body<T> make_dynamic_body(BodyId id, const Shape<T>& shape, T mass, T friction, const Pose<T>& world_from_body) noexcept {
-  return {id, BodyKind::kDynamic, shape, mass, inertia_of(shape, mass), friction, {world_from_body, {}}};
+  return {id, BodyKind::kDynamic, shape, mass, inertia_of(shape, mass), friction, T(1), {world_from_body, {}}};
 }
 
 template <class T>
 Body<T> make_fixed_body(BodyId id, const Shape<T>& shape, T friction, const Pose<T>& world_from_body) noexcept {
-  return {id, BodyKind::kFixed, shape, T(0), {}, friction, {world_from_body, {}}};
+  return {id, BodyKind::kFixed, shape, T(0), {}, friction, T(0), {world_from_body, {}}};
 }
 
 static_assert(std::is_trivially_copyable_v<Body<double>>);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "rt/base/bounded_vector.h"
+#include "rt/base/bytes.h"
 #include "rt/physics/body.h"
 #include "rt/physics/border_contact.h"
 #include "rt/physics/capacity.h"
@@ -70,6 +71,11 @@ class World {
   BoundedVector<BorderContact<T>>& border_contacts() noexcept;
   BorderMode border_mode{BorderMode::kCapped};
 
+  // A wrench on a dynamic body, held over the next step, then forgotten. N, N m about its centre, world.
+  void apply_wrench(std::uint32_t slot, const Wrench<T>& wrench) noexcept;
+  // Changes the velocity at once. N s, N m s about its centre, world.
+  void apply_impulse(std::uint32_t slot, const Wrench<T>& impulse) noexcept;
+
   // A body that neither moves nor feels impulses while set, but keeps its place (the static coupling).
   void set_frozen(std::uint32_t slot, bool frozen) noexcept;
 
@@ -78,6 +84,11 @@ class World {
   T potential_energy(const Vec3<T>& gravity) const noexcept;  // J, -sum m g.x
   Wrench<T> momentum() const noexcept;                       // N s; N m s about the world origin
   std::uint64_t state_hash() const noexcept;                 // poses, velocities and ids, in slot order
+
+  // --- everything that the next step depends on (bodies, contacts, warm starts, spring, border contacts, flags), for
+  // keyframes and replay. Restore needs a world of the same capacities.
+  void save(ByteWriter& out) const noexcept;
+  [[nodiscard]] bool restore(ByteReader& in) noexcept;
 
  private:
 };
