@@ -2,15 +2,23 @@
 // reader, no wait on either side.
 //
 // Strict alternation makes it safe: value n lives in buffer n & 1, and the writer begins n only after it knows, by the
-// other direction's sequence number, that the reader has done with n - 2. The exchange as a whole guarantees that
-// (see rt/haptics/exchange.h); this class only orders memory: what was written before publish(n) is seen by whoever
-// saw n. Thread: writing(), publish(): the writer [rt]; try_read(): the reader [rt]. Construction [setup].
+// other direction's sequence number, that the reader has done with n - 2 (see rt/haptics/exchange.h). Two edges order
+// the memory, and both are needed:
+//   down: write of n -> publish(n), release -> try_read(n), acquire -> reads of n. Nobody sees half a value.
+//   up:   reads of n - 2 -> the reader's publish() in the other direction, release -> the writer's try_read() there,
+//         acquire -> write of n. Nobody's value changes under the eyes: without the release on this edge the reads of
+//         n - 2 could still be under way when its buffer is written again.
+// A plain store and load of the number would do for neither: the race test weakens each of the four and sees the race.
+// Thread: writing(), publish(): the writer [rt]; try_read(): the reader [rt]. Construction [setup].
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <type_traits>
+
+#include "rt/base/check.h"
 
 namespace tactus {
 
@@ -33,12 +41,15 @@ class DoubleBuffer {
 
   // The value n, or null while it is not there. Acquire: pairs with publish.
   const Value* try_read(std::uint64_t n) const noexcept {
-    return published_.load(kRead) > n ? &buffers_[n & 1] : nullptr;
+    const std::uint64_t published = published_.load(kRead);
+    if (published <= n) return nullptr;
+    TACTUS_CHECK(published - n <= 2, published, n);  // n + 2 in its buffer already: somebody skipped a number
+    return &buffers_[n & 1];
   }
 
  private:
   std::unique_ptr<Value[]> buffers_;
-  alignas(kCacheLine) std::atomic<std::uint64_t> published_{0};  // how many values were published
+  alignas(kCacheLine) std::atomic<std::uint64_t> published_{0};   // how many values were published
   char fill_[kCacheLine - sizeof(std::atomic<std::uint64_t>)]{};  // the two directions' numbers share no line
 };
 

@@ -1,0 +1,51 @@
+// The clock of the periodic loop: monotonic time, sleep to an absolute time, and the CPU time of the calling thread.
+//
+// A concept, so that tests and virtual time bring their own. tick() itself never sees a clock.
+// Thread: [rt] now_ns, thread_cpu_ns; sleep_until_ns is the one blocking call of the haptic thread.
+// Units: nanoseconds of CLOCK_MONOTONIC, which stands still while the machine is suspended; signed, so that
+// differences are.
+#pragma once
+
+#include <time.h>
+
+#include <cerrno>
+#include <concepts>
+#include <cstdint>
+
+namespace tactus {
+
+template <class C>
+concept Clock = requires(C clock, std::int64_t time_ns) {
+  { clock.now_ns() }
+  noexcept->std::same_as<std::int64_t>;
+  { clock.thread_cpu_ns() }
+  noexcept->std::same_as<std::int64_t>;  // time that this thread was running
+  { clock.sleep_until_ns(time_ns) }
+  noexcept->std::same_as<void>;  // returns at once when it has passed
+};
+
+struct MonotonicClock {
+  static std::int64_t now_ns() noexcept { return read(CLOCK_MONOTONIC); }
+  static std::int64_t thread_cpu_ns() noexcept { return read(CLOCK_THREAD_CPUTIME_ID); }
+
+  // Absolute, so that a late wake-up does not move the ones after it. A signal only starts the same sleep again; the
+  // loop's thread blocks all signals.
+  static void sleep_until_ns(std::int64_t time_ns) noexcept {
+    timespec until{};
+    until.tv_sec = static_cast<time_t>(time_ns / kSecond);
+    until.tv_nsec = static_cast<long>(time_ns % kSecond);
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {}
+  }
+
+ private:
+  static constexpr std::int64_t kSecond = 1'000'000'000;
+  static std::int64_t read(clockid_t id) noexcept {
+    timespec now{};
+    clock_gettime(id, &now);  // cannot fail for these two clocks and a valid address
+    return static_cast<std::int64_t>(now.tv_sec) * kSecond + now.tv_nsec;
+  }
+};
+
+static_assert(Clock<MonotonicClock>);
+
+}  // namespace tactus
