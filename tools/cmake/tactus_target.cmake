@@ -1,4 +1,8 @@
 # Flags that every target of the project gets, and why.
+if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  message(FATAL_ERROR "tactus builds for x86-64-v3; this machine is ${CMAKE_SYSTEM_PROCESSOR}")
+endif()
+
 add_library(tactus_flags INTERFACE)
 target_compile_options(tactus_flags INTERFACE
   -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror
@@ -8,7 +12,8 @@ target_compile_options(tactus_flags INTERFACE
 target_compile_features(tactus_flags INTERFACE cxx_std_20)
 target_include_directories(tactus_flags INTERFACE ${PROJECT_SOURCE_DIR})
 if(TACTUS_SANITIZE)
-  target_compile_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_options(tactus_flags INTERFACE
+    -fsanitize=${TACTUS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE})
 endif()
 
