@@ -17,7 +17,9 @@ class ByteWriter {
   explicit ByteWriter(std::span<std::byte> out) noexcept : out_(out) {}
 
   template <class T>
-  void put(const T& value) noexcept { put_all(std::span<const T>(&value, 1)); }
+  void put(const T& value) noexcept {
+    put_all(std::span<const T>(&value, 1));
+  }
 
   template <class T>
   void put_all(std::span<const T> values) noexcept {
@@ -45,7 +47,9 @@ class ByteReader {
   explicit ByteReader(std::span<const std::byte> in) noexcept : in_(in) {}
 
   template <class T>
-  void get(T& value) noexcept { get_all(std::span<T>(&value, 1)); }
+  void get(T& value) noexcept {
+    get_all(std::span<T>(&value, 1));
+  }
 
   template <class T>
   void get_all(std::span<T> values) noexcept {

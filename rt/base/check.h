@@ -21,7 +21,7 @@ CheckHandler set_check_handler(CheckHandler handler) noexcept;
 
 }  // namespace tactus
 
-#define TACTUS_CHECK(condition, a, b)                                                                             \
-  (static_cast<bool>(condition)                                                                                   \
-       ? void(0)                                                                                                  \
+#define TACTUS_CHECK(condition, a, b) \
+  (static_cast<bool>(condition)       \
+       ? void(0)                      \
        : ::tactus::check_failed({#condition, __FILE__, __LINE__, static_cast<double>(a), static_cast<double>(b)}))

@@ -16,9 +16,18 @@ struct Vec3 {
 
   constexpr T& operator[](int i) noexcept { return i == 0 ? x : (i == 1 ? y : z); }
   constexpr const T& operator[](int i) const noexcept { return i == 0 ? x : (i == 1 ? y : z); }
-  constexpr Vec3& operator+=(const Vec3& o) noexcept { x += o.x, y += o.y, z += o.z; return *this; }
-  constexpr Vec3& operator-=(const Vec3& o) noexcept { x -= o.x, y -= o.y, z -= o.z; return *this; }
-  constexpr Vec3& operator*=(T s) noexcept { x *= s, y *= s, z *= s; return *this; }
+  constexpr Vec3& operator+=(const Vec3& o) noexcept {
+    x += o.x, y += o.y, z += o.z;
+    return *this;
+  }
+  constexpr Vec3& operator-=(const Vec3& o) noexcept {
+    x -= o.x, y -= o.y, z -= o.z;
+    return *this;
+  }
+  constexpr Vec3& operator*=(T s) noexcept {
+    x *= s, y *= s, z *= s;
+    return *this;
+  }
   friend constexpr Vec3 operator+(Vec3 a, const Vec3& b) noexcept { return a += b; }
   friend constexpr Vec3 operator-(Vec3 a, const Vec3& b) noexcept { return a -= b; }
   friend constexpr Vec3 operator-(const Vec3& a) noexcept { return {-a.x, -a.y, -a.z}; }
@@ -28,7 +37,9 @@ struct Vec3 {
 };
 
 template <class T>
-constexpr T dot(const Vec3<T>& a, const Vec3<T>& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr T dot(const Vec3<T>& a, const Vec3<T>& b) noexcept {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 template <class T>
 constexpr Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) noexcept {
@@ -37,16 +48,24 @@ constexpr Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) noexcept {
 
 // Component by component.
 template <class T>
-constexpr Vec3<T> scale(const Vec3<T>& a, const Vec3<T>& b) noexcept { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+constexpr Vec3<T> scale(const Vec3<T>& a, const Vec3<T>& b) noexcept {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
 
 template <class T>
-constexpr T norm_squared(const Vec3<T>& a) noexcept { return dot(a, a); }
+constexpr T norm_squared(const Vec3<T>& a) noexcept {
+  return dot(a, a);
+}
 
 template <class T>
-T norm(const Vec3<T>& a) noexcept { return std::sqrt(dot(a, a)); }
+T norm(const Vec3<T>& a) noexcept {
+  return std::sqrt(dot(a, a));
+}
 
 template <class T>
-Vec3<T> abs(const Vec3<T>& a) noexcept { return {std::abs(a.x), std::abs(a.y), std::abs(a.z)}; }
+Vec3<T> abs(const Vec3<T>& a) noexcept {
+  return {std::abs(a.x), std::abs(a.y), std::abs(a.z)};
+}
 
 // The unit vector along `a`, or `fallback` where `a` is too short to have a direction.
 template <class T>
@@ -56,7 +75,9 @@ Vec3<T> normalized_or(const Vec3<T>& a, const Vec3<T>& fallback) noexcept {
 }
 
 template <class T>
-bool is_finite(const Vec3<T>& a) noexcept { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+bool is_finite(const Vec3<T>& a) noexcept {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 
 // Two unit vectors that make a right-handed frame (t1, t2, n) with the unit vector n; continuous but for one line.
 template <class T>
@@ -97,8 +118,8 @@ constexpr SymMat3<T> inverse(const SymMat3<T>& m) noexcept {
   const T det = m.xx * c_xx + m.xy * c_xy + m.xz * c_xz;
   if (!(det > T(0))) return {};
   const T s = T(1) / det;
-  return {s * c_xx, s * (m.xx * m.zz - m.xz * m.xz), s * (m.xx * m.yy - m.xy * m.xy),
-          s * c_xy, s * c_xz, s * (m.xy * m.xz - m.xx * m.yz)};
+  return {s * c_xx, s * (m.xx * m.zz - m.xz * m.xz), s * (m.xx * m.yy - m.xy * m.xy), s * c_xy,
+          s * c_xz, s * (m.xy * m.xz - m.xx * m.yz)};
 }
 
 // Unit quaternion w + xi + yj + zk. A rotation `world_from_body` takes body vectors to the world.
@@ -115,10 +136,14 @@ struct Quat {
 };
 
 template <class T>
-constexpr Quat<T> conjugate(const Quat<T>& q) noexcept { return {q.w, -q.x, -q.y, -q.z}; }
+constexpr Quat<T> conjugate(const Quat<T>& q) noexcept {
+  return {q.w, -q.x, -q.y, -q.z};
+}
 
 template <class T>
-T norm(const Quat<T>& q) noexcept { return std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z); }
+T norm(const Quat<T>& q) noexcept {
+  return std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+}
 
 template <class T>
 Quat<T> normalized(const Quat<T>& q) noexcept {
@@ -138,7 +163,9 @@ constexpr Vec3<T> rotate(const Quat<T>& q, const Vec3<T>& v) noexcept {
 }
 
 template <class T>
-constexpr Vec3<T> rotate_inverse(const Quat<T>& q, const Vec3<T>& v) noexcept { return rotate(conjugate(q), v); }
+constexpr Vec3<T> rotate_inverse(const Quat<T>& q, const Vec3<T>& v) noexcept {
+  return rotate(conjugate(q), v);
+}
 
 // R diag(d) R^T: a diagonal tensor of the body frame seen in the world.
 template <class T>
@@ -171,10 +198,14 @@ SinCos<T> sin_cos(T angle_rad) noexcept {
   for (int k = 16; k >= 2; k -= 2) c = 1.0 - c * r2 / (k * (k - 1));
   s *= r;
   switch (static_cast<long long>(turns) & 3) {
-    case 0: return {static_cast<T>(s), static_cast<T>(c)};
-    case 1: return {static_cast<T>(c), static_cast<T>(-s)};
-    case 2: return {static_cast<T>(-s), static_cast<T>(-c)};
-    default: return {static_cast<T>(-c), static_cast<T>(s)};
+    case 0:
+      return {static_cast<T>(s), static_cast<T>(c)};
+    case 1:
+      return {static_cast<T>(c), static_cast<T>(-s)};
+    case 2:
+      return {static_cast<T>(-s), static_cast<T>(-c)};
+    default:
+      return {static_cast<T>(-c), static_cast<T>(s)};
   }
 }
 

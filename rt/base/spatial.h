@@ -45,11 +45,17 @@ using Twistd = Twist<double>;
 using Wrenchd = Wrench<double>;
 
 template <class T>
-bool is_finite(const Pose<T>& p) noexcept { return is_finite(p.position) && is_finite(p.rotation); }
+bool is_finite(const Pose<T>& p) noexcept {
+  return is_finite(p.position) && is_finite(p.rotation);
+}
 template <class T>
-bool is_finite(const Twist<T>& t) noexcept { return is_finite(t.linear) && is_finite(t.angular); }
+bool is_finite(const Twist<T>& t) noexcept {
+  return is_finite(t.linear) && is_finite(t.angular);
+}
 template <class T>
-bool is_finite(const Wrench<T>& w) noexcept { return is_finite(w.force) && is_finite(w.torque); }
+bool is_finite(const Wrench<T>& w) noexcept {
+  return is_finite(w.force) && is_finite(w.torque);
+}
 
 static_assert(std::is_trivially_copyable_v<Posed> && std::is_trivially_copyable_v<Wrenchd>);
 

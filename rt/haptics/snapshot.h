@@ -20,23 +20,23 @@ struct BorderPoint {
   BodyId member{kNoBody}, outside{kNoBody};
   std::uint32_t feature{0};
   std::uint32_t padding{0};
-  Vec3d normal;             // unit, from the outside body towards the member
-  Vec3d member_anchor;      // m, in the member's body frame
-  double impulse_rate_N{0}; // non-penetration impulse of the step / its time
+  Vec3d normal;              // unit, from the outside body towards the member
+  Vec3d member_anchor;       // m, in the member's body frame
+  double impulse_rate_N{0};  // non-penetration impulse of the step / its time
   double friction{0};
-  Vec3d outside_velocity;   // m/s, of the outside body's surface at the point
+  Vec3d outside_velocity;  // m/s, of the outside body's surface at the point
 };
 
 struct WorldSnapshot {
-  std::uint64_t cycle{0};              // n; G(0) is there before the first tick
-  double global_time_s{0};             // time of the state below, on the global clock
-  std::uint32_t dropped{0};            // entries that did not fit
-  std::uint32_t component{0};          // bodies that the contact graph links to the proxy, capped or not
-  FixedVector<BodyId, kMaxMembers> members;                          // of cycle n, ascending; the proxy always
-  FixedVector<physics::Body<double>, kMaxMembers> joiners;           // members that were none in cycle n - 1
+  std::uint64_t cycle{0};                    // n; G(0) is there before the first tick
+  double global_time_s{0};                   // time of the state below, on the global clock
+  std::uint32_t dropped{0};                  // entries that did not fit
+  std::uint32_t component{0};                // bodies that the contact graph links to the proxy, capped or not
+  FixedVector<BodyId, kMaxMembers> members;  // of cycle n, ascending; the proxy always
+  FixedVector<physics::Body<double>, kMaxMembers> joiners;              // members that were none in cycle n - 1
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
   FixedVector<BorderPoint, kMaxBorderPoints> border;
-  physics::BodyMotion<double> proxy;   // the proxy in the global world (interpolation coupling)
+  physics::BodyMotion<double> proxy;  // the proxy in the global world (interpolation coupling)
 };
 
 struct MemberMotion {
@@ -50,20 +50,20 @@ struct BorderReturn {
   BodyId member{kNoBody}, outside{kNoBody};
   std::uint32_t feature{0};
   std::uint32_t padding{0};
-  Vec3d point;              // m, world, now
-  Vec3d tangent_impulse;    // N s, on the member: the outside body gets the opposite
+  Vec3d point;            // m, world, now
+  Vec3d tangent_impulse;  // N s, on the member: the outside body gets the opposite
   double normal_impulse_Ns{0};
 };
 
 struct SubWorldReport {
-  std::uint64_t cycle{0};              // n: the cycle that begins; what follows is of time t_n
-  std::uint32_t ticks{0};              // executed in the cycle that ended
-  std::uint32_t member_budget{kMaxMembers};  // the governor's wish for cycle n + 1
+  std::uint64_t cycle{0};                          // n: the cycle that begins; what follows is of time t_n
+  std::uint32_t ticks{0};                          // executed in the cycle that ended
+  std::uint32_t member_budget{kMaxMembers};        // the governor's wish for cycle n + 1
   FixedVector<MemberMotion, kMaxMembers> members;  // of the cycle that ended, those that just left included
   FixedVector<BorderReturn, kMaxBorderPoints> border;
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left
-  Wrenchd mean_device_wrench;          // N, N m, on the proxy, over the cycle that ended
-  Wrenchd stored_effort;               // N s, N m s: the effort of the cycle (interpolation coupling)
+  Wrenchd mean_device_wrench;  // N, N m, on the proxy, over the cycle that ended
+  Wrenchd stored_effort;       // N s, N m s: the effort of the cycle (interpolation coupling)
 };
 
 static_assert(std::is_trivially_copyable_v<WorldSnapshot> && std::is_trivially_copyable_v<SubWorldReport>);

@@ -69,6 +69,7 @@ class World {
   // --- constraints from outside the world
   PoseSpring<T>& device_spring() noexcept;
   BoundedVector<BorderContact<T>>& border_contacts() noexcept;
+  const BoundedVector<BorderContact<T>>& border_contacts() const noexcept;
   BorderMode border_mode{BorderMode::kCapped};
 
   // A wrench on a dynamic body, held over the next step, then forgotten. N, N m about its centre, world.
@@ -89,6 +90,7 @@ class World {
   // keyframes and replay. Restore needs a world of the same capacities.
   void save(ByteWriter& out) const noexcept;
   [[nodiscard]] bool restore(ByteReader& in) noexcept;
+  std::size_t save_size_bound() const noexcept;
 
  private:
 };

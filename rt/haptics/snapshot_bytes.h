@@ -1,0 +1,14 @@
+// A snapshot as bytes for the tape: only the entries that are used. Thread: write [rt]; read [setup], replay.
+// Bound: snapshot_bytes_bound(). Reading checks every count; false on bytes that no writer made.
+#pragma once
+
+#include "rt/base/bytes.h"
+#include "rt/haptics/snapshot.h"
+
+namespace tactus::haptics {
+
+void write_snapshot(ByteWriter& out, const WorldSnapshot& snapshot) noexcept;
+[[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot) noexcept;
+constexpr std::size_t snapshot_bytes_bound() noexcept { return sizeof(WorldSnapshot); }
+
+}  // namespace tactus::haptics

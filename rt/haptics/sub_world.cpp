@@ -1,0 +1,311 @@
+#include "rt/haptics/sub_world.h"
+
+#include "rt/base/hash.h"
+#include "rt/base/status.h"
+
+namespace tactus::haptics {
+namespace {
+
+// Past this the global world counts as lost and the force fades out; it comes back by itself.
+constexpr double kWorldLostAfter_s = 0.1;
+constexpr double kWorldFadeTicks = 10;
+// Past ratio x this the border bodies count as standing still.
+constexpr std::uint32_t kFreezeAfterCycles = 4;
+// How far a border contact's predecessor is looked for; one that moved further starts cold, which costs a sweep.
+constexpr std::uint32_t kSearchWindow = 32;
+
+bool contains(std::span<const BodyId> sorted, BodyId id) noexcept {
+  return std::binary_search(sorted.begin(), sorted.end(), id);
+}
+
+}  // namespace
+
+SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
+    : config_(config),
+      world_(config.capacities),
+      outside_velocity_(config.capacities.border_contacts),
+      renewed_(config.capacities.border_contacts) {
+  for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
+  state_.last_sub_steps = config.step.sub_steps;
+  world_.border_mode = config.border_mode;
+  auto& spring = world_.device_spring();
+  spring.stiffness_N_per_m = config.stiffness_N_per_m;
+  spring.damping_Ns_per_m = config.damping_Ns_per_m;
+  spring.stiffness_Nm_per_rad = config.stiffness_Nm_per_rad;
+  spring.damping_Nms_per_rad = config.damping_Nms_per_rad;
+}
+
+void SubWorld::set_members(std::span<const physics::Body<double>> bodies) noexcept {
+  for (const auto& body : bodies) {
+    if (body.kind != physics::BodyKind::kDynamic) continue;
+    TACTUS_CHECK(world_.insert(body), body.id, bodies.size());
+    if (body.id == config_.proxy) proxy_ = body.motion;
+  }
+}
+
+void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
+  fill_report(snapshot, report);
+  change_members(snapshot);
+  renew_border(snapshot);
+  if (config_.scheme == CouplingScheme::kStatic) freeze_all_but_proxy();
+  state_.global_proxy[0] = state_.has_snapshot != 0 ? state_.global_proxy[1] : snapshot.proxy;
+  state_.global_proxy[1] = snapshot.proxy;
+  state_.has_snapshot = 1;
+  state_.ticks_in_cycle = 0;
+  state_.cycle_impulse = {};
+}
+
+void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
+  report.cycle = snapshot.cycle;
+  report.ticks = state_.ticks_in_cycle;
+  report.members.clear();
+  report.border.clear();
+  report.warm_starts.clear();
+  report.mean_device_wrench = {};
+  report.stored_effort = {};
+  if (config_.scheme == CouplingScheme::kInterpolation) {
+    report.stored_effort = state_.cycle_impulse;
+    return;
+  }
+  if (state_.ticks_in_cycle > 0) {
+    const double rate = 1.0 / (config_.step.dt * state_.ticks_in_cycle);
+    report.mean_device_wrench = {state_.cycle_impulse.force * rate, state_.cycle_impulse.torque * rate};
+  }
+  for (const auto& body : world_.bodies()) {
+    if (config_.scheme == CouplingScheme::kStatic && body.id != config_.proxy) continue;
+    // At most kMaxMembers are ever members of a sub-world that exchanges: joins are bounded by the same capacity.
+    if (!report.members.try_push({body.id, 0, body.motion})) break;
+  }
+  report_leavers(snapshot, report);
+  report_border(report);
+}
+
+// What the contacts of those that leave carry, so that the global world goes on from there.
+void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
+  const double sub_step_s = config_.step.dt / state_.last_sub_steps;
+  for (const auto& contact : world_.contacts()) {
+    const bool low_stays = contains(snapshot.members.span(), contact.key.low());
+    const bool high_stays = contains(snapshot.members.span(), contact.key.high());
+    const bool one_leaves = contact.b_fixed ? !contains(snapshot.members.span(), world_.bodies()[contact.slot_a].id)
+                                            : !(low_stays && high_stays);
+    if (one_leaves && !report.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s))) return;
+  }
+}
+
+void SubWorld::report_border(SubWorldReport& report) const noexcept {
+  for (const auto& contact : world_.border_contacts()) {
+    const std::int32_t slot = world_.slot_of(contact.member);
+    if (slot < 0) continue;
+    const Posed& pose = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose;
+    const BorderReturn entry{contact.member,
+                             contact.outside,
+                             contact.feature,
+                             0,
+                             pose * contact.member_anchor,
+                             contact.total_tangent_impulse,
+                             contact.total_normal_impulse};
+    if (!report.border.try_push(entry)) return;
+  }
+}
+
+void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
+  for (std::uint32_t slot = members(); slot-- > 0;) {
+    const BodyId id = world_.bodies()[slot].id;
+    if (!contains(snapshot.members.span(), id)) world_.remove(id);
+  }
+  for (const auto& joiner : snapshot.joiners) {
+    const std::int32_t slot = world_.slot_of(joiner.id);
+    if (slot >= 0) {
+      // Only the static coupling sends bodies that are here already: its frozen members are refreshed.
+      if (config_.scheme == CouplingScheme::kStatic && joiner.id != config_.proxy)
+        world_.bodies()[static_cast<std::uint32_t>(slot)].motion = joiner.motion;
+      continue;
+    }
+    world_.insert(joiner);
+    if (joiner.id == config_.proxy) proxy_ = joiner.motion;
+  }
+  for (const auto& warm_start : snapshot.warm_starts) world_.add_warm_start(warm_start);
+}
+
+// Border contacts are new at every synchronisation (the friction point too); one that was there before keeps the
+// impulses that start the solver.
+void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
+  auto& contacts = world_.border_contacts();
+  for (const auto& contact : contacts) state_.border_work_J += contact.work;
+  renewed_.clear();
+  outside_velocity_.clear();
+  std::uint32_t hint = 0;
+  for (const BorderPoint& point : snapshot.border) {
+    const std::int32_t slot = world_.slot_of(point.member);
+    if (slot < 0) continue;
+    physics::BorderContact<double> contact;
+    contact.member = point.member, contact.outside = point.outside, contact.feature = point.feature;
+    contact.normal = point.normal;
+    contact.member_anchor = point.member_anchor;
+    contact.impulse_rate = point.impulse_rate_N;
+    contact.friction = point.friction;
+    contact.outside_velocity = point.outside_velocity;
+    contact.line_point = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose * point.member_anchor;
+    // Both lists are in the global world's order, so the old one is near where the last one was found.
+    for (std::uint32_t i = 0; i < std::min(kSearchWindow, contacts.size()); ++i) {
+      const std::uint32_t at = (hint + i) % contacts.size();
+      const auto& old = contacts[at];
+      if (old.member != contact.member || old.outside != contact.outside || old.feature != contact.feature) continue;
+      contact.normal_impulse = old.normal_impulse;
+      contact.tangent_impulse[0] = old.tangent_impulse[0];
+      contact.tangent_impulse[1] = old.tangent_impulse[1];
+      hint = at + 1;
+      break;
+    }
+    if (!renewed_.try_push(contact)) break;
+    (void)outside_velocity_.try_push(point.outside_velocity);
+  }
+  contacts.swap(renewed_);
+  border_count_ = contacts.size();
+}
+
+void SubWorld::freeze_all_but_proxy() noexcept {
+  for (std::uint32_t slot = 0; slot < members(); ++slot)
+    world_.set_frozen(slot, world_.bodies()[slot].id != config_.proxy);
+}
+
+SubWorldStep SubWorld::step(const DeviceTarget& target, std::uint32_t sub_steps,
+                            const physics::CutPredicate& cut) noexcept {
+  SubWorldStep result;
+  apply_lateness(result);
+  if (config_.scheme == CouplingScheme::kInterpolation)
+    step_interpolated(target, result);
+  else
+    step_world(target, sub_steps, cut, result);
+  ++state_.ticks_in_cycle;
+  return result;
+}
+
+// The rule for a late world: outside velocities fade over r ticks; past 4 r the border stands still; past 100 ms the
+// force fades out. All of it ends with the next snapshot.
+void SubWorld::apply_lateness(SubWorldStep& result) noexcept {
+  world_.border_mode = config_.border_mode;
+  if (!exchanges()) return;
+  const std::uint32_t late = state_.ticks_in_cycle >= config_.ratio ? state_.ticks_in_cycle - config_.ratio + 1 : 0;
+  const double fade = late == 0 ? 1.0 : std::max(0.0, 1.0 - static_cast<double>(late) / config_.ratio);
+  auto& contacts = world_.border_contacts();
+  for (std::uint32_t i = 0; i < contacts.size(); ++i) contacts[i].outside_velocity = fade * outside_velocity_[i];
+  if (late == 0) return;
+  result.status |= kWorldLate;
+  if (late > kFreezeAfterCycles * config_.ratio) {
+    world_.border_mode = physics::BorderMode::kFrozen;
+    result.status |= kBorderFrozen;
+  }
+  const double lost_ticks = late - kWorldLostAfter_s / config_.step.dt;
+  if (lost_ticks > 0) {
+    result.status |= kWorldFade;
+    result.force_scale = std::max(0.0, 1.0 - lost_ticks / kWorldFadeTicks);
+  }
+}
+
+void SubWorld::aim_spring(const DeviceTarget& target) noexcept {
+  auto& spring = world_.device_spring();
+  const std::int32_t slot = world_.slot_of(config_.proxy);
+  spring.enabled = slot >= 0;
+  if (!spring.enabled) return;
+  spring.slot = static_cast<std::uint32_t>(slot);
+  spring.stiffness_N_per_m = target.engaged ? config_.stiffness_N_per_m : 0.0;
+  spring.stiffness_Nm_per_rad = target.engaged ? config_.stiffness_Nm_per_rad : 0.0;
+  spring.target = target.engaged ? target.pose : proxy_.pose;
+  spring.target_velocity = target.engaged ? target.velocity : Twistd{};
+}
+
+void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
+                          SubWorldStep& result) noexcept {
+  physics::StepSettings<double> settings = config_.step;
+  settings.sub_steps = sub_steps;
+  aim_spring(target);
+  world_.begin_step(settings);
+  (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
+  result.report = world_.finish_step(settings, cut);
+  state_.last_sub_steps = sub_steps;
+
+  const Wrenchd& impulse = world_.device_spring().step_impulse;
+  state_.cycle_impulse.force += impulse.force;
+  state_.cycle_impulse.torque += impulse.torque;
+  const double rate = -1.0 / settings.dt;
+  if (target.engaged) result.on_device = {impulse.force * rate, impulse.torque * rate};
+  if (world_.device_spring().enabled) proxy_ = world_.bodies()[world_.device_spring().slot].motion;
+  if (proxy_touches()) result.status |= kProxyContact;
+  if (result.report.capacity_bits != 0) result.status |= kCapacityExceeded;
+  if (result.report.cut_sweep != physics::kNeverCut) result.status |= kSolverCut;
+}
+
+// The proxy as the device feels it goes from where it was in G(n-1) to where it is in G(n), one cycle behind; the
+// effort on it is only stored.
+void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept {
+  const auto& from = state_.global_proxy[0].pose;
+  const auto& to = state_.global_proxy[1].pose;
+  const double u = std::min(1.0, static_cast<double>(state_.ticks_in_cycle + 1) / config_.ratio);
+  const double cycle_s = config_.ratio * config_.step.dt;
+  const Vec3d turn = small_rotation_vector(to.rotation * conjugate(from.rotation));
+  proxy_.pose.position = from.position + u * (to.position - from.position);
+  proxy_.pose.rotation = normalized(quat_from_rotation_vector(u * turn) * from.rotation);
+  proxy_.velocity = u < 1.0 ? Twistd{(to.position - from.position) * (1 / cycle_s), turn * (1 / cycle_s)} : Twistd{};
+  if (!target.engaged) return;
+
+  const Vec3d stretch = target.pose.position - proxy_.pose.position;
+  const Vec3d twist = small_rotation_vector(target.pose.rotation * conjugate(proxy_.pose.rotation));
+  const Wrenchd on_proxy{config_.stiffness_N_per_m * stretch +
+                             config_.damping_Ns_per_m * (target.velocity.linear - proxy_.velocity.linear),
+                         config_.stiffness_Nm_per_rad * twist +
+                             config_.damping_Nms_per_rad * (target.velocity.angular - proxy_.velocity.angular)};
+  state_.cycle_impulse.force += config_.step.dt * on_proxy.force;
+  state_.cycle_impulse.torque += config_.step.dt * on_proxy.torque;
+  result.on_device = {-on_proxy.force, -on_proxy.torque};
+}
+
+bool SubWorld::proxy_touches() const noexcept {
+  for (const auto& contact : world_.contacts()) {
+    if (contact.key.low() != config_.proxy && contact.key.high() != config_.proxy) continue;
+    for (std::uint32_t i = 0; i < contact.count; ++i)
+      if (contact.points[i].total_normal_impulse > 0) return true;
+  }
+  return false;
+}
+
+double SubWorld::border_work_J() const noexcept {
+  double work = state_.border_work_J;
+  for (const auto& contact : world_.border_contacts()) work += contact.work;
+  return work;
+}
+
+std::uint64_t SubWorld::state_hash() const noexcept {
+  Fnv1a hash;
+  hash.add(world_.state_hash());
+  hash.add_bytes(std::as_bytes(std::span<const physics::BodyMotion<double>, 1>(&proxy_, 1)));
+  return hash.value();
+}
+
+void SubWorld::save(ByteWriter& out) const noexcept {
+  world_.save(out);
+  out.put(outside_velocity_.size());
+  out.put_all(outside_velocity_.span());
+  out.put(proxy_);
+  out.put(state_);
+}
+
+bool SubWorld::restore(ByteReader& in) noexcept {
+  std::uint32_t count = 0;
+  if (!world_.restore(in)) return false;
+  in.get(count);
+  if (!in.ok() || count > outside_velocity_.capacity()) return false;
+  outside_velocity_.resize(count);
+  in.get_all(outside_velocity_.span());
+  in.get(proxy_);
+  in.get(state_);
+  border_count_ = world_.border_contacts().size();
+  return in.ok();
+}
+
+std::size_t SubWorld::save_size_bound() const noexcept {
+  return world_.save_size_bound() + sizeof(std::uint32_t) + outside_velocity_.capacity() * sizeof(Vec3d) +
+         sizeof(proxy_) + sizeof(state_);
+}
+
+}  // namespace tactus::haptics

@@ -1,0 +1,102 @@
+// The haptic sub-world: the bodies that the hand can feel now, simulated at the device's rate.
+//
+// Between two synchronisations it is a World of its own, with the device on a spring and the border contacts as rows.
+// At a synchronisation it first reports (H(n): its members as they are) and then adopts (G(n): who is a member now,
+// joiners' state, border impulses). Members are never overwritten from outside. The coupling scheme decides which
+// part of that happens. Thread: construction and set_members are [setup]; the rest [rt], the haptic thread.
+// Frame: world. Units: SI. Bound: kMaxMembers members, kMaxBorderPoints border contacts; what does not fit is counted.
+// Source: the paper, sections 2 and 3.3.
+#pragma once
+
+#include "rt/haptics/coupling_scheme.h"
+#include "rt/haptics/snapshot.h"
+#include "rt/physics/world.h"
+
+namespace tactus::haptics {
+
+struct SubWorldConfig {
+  CouplingScheme scheme{CouplingScheme::kSubWorld};
+  physics::BorderMode border_mode{physics::BorderMode::kCapped};
+  std::uint32_t ratio{10};  // ticks per cycle
+  BodyId proxy{0};
+  physics::StepSettings<double> step;                   // dt is the tick; sub_steps is what the governor may lower
+  double stiffness_N_per_m{2000}, damping_Ns_per_m{5};  // coupling, world units
+  double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
+  physics::Capacities capacities;
+};
+
+// Where the device wants the proxy to be. Not engaged: the proxy is not held and comes to rest where it is.
+struct DeviceTarget {
+  bool engaged{false};
+  Posed pose;       // world
+  Twistd velocity;  // world
+};
+
+struct SubWorldStep {
+  Wrenchd on_device;  // N, N m, world: the mean over the tick of what the coupling does to the device
+  physics::StepReport<double> report;
+  std::uint32_t status{0};  // StatusBit: world late, border frozen, world fade, proxy contact, capacity, cut
+  double force_scale{1};    // below 1 while the world is lost: the output path applies it
+};
+
+class SubWorld {
+ public:
+  SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies);
+
+  // [setup] The members before the first tick, without a snapshot (direct coupling: every dynamic body).
+  void set_members(std::span<const physics::Body<double>> bodies) noexcept;
+
+  // A synchronisation: fills H(n) with what was, then takes over G(n).
+  void synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept;
+
+  // One tick. `sub_steps` as the governor chose.
+  SubWorldStep step(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut) noexcept;
+
+  const physics::BodyMotion<double>& proxy() const noexcept { return proxy_; }
+  std::uint32_t members() const noexcept { return static_cast<std::uint32_t>(world_.bodies().size()); }
+  std::uint32_t border_contacts() const noexcept { return border_count_; }
+  std::uint32_t ticks_in_cycle() const noexcept { return state_.ticks_in_cycle; }
+  bool exchanges() const noexcept { return config_.scheme != CouplingScheme::kDirect; }
+  double border_work_J() const noexcept;  // done on members by the border, so far
+  const physics::World<double>& world() const noexcept { return world_; }
+  const SubWorldConfig& config() const noexcept { return config_; }
+  std::uint64_t state_hash() const noexcept;
+
+  void save(ByteWriter& out) const noexcept;
+  [[nodiscard]] bool restore(ByteReader& in) noexcept;
+  std::size_t save_size_bound() const noexcept;
+
+ private:
+  struct State {  // everything that is not in world_ and that the next tick depends on
+    std::uint32_t ticks_in_cycle{0};
+    std::uint32_t last_sub_steps{0};
+    std::uint32_t has_snapshot{0};
+    std::uint32_t padding{0};
+    Wrenchd cycle_impulse;                        // N s, N m s: on the proxy by the coupling, this cycle
+    physics::BodyMotion<double> global_proxy[2];  // interpolation: in G(n-1), in G(n)
+    double border_work_J{0};
+  };
+
+  void fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
+  void report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
+  void report_border(SubWorldReport& report) const noexcept;
+  void change_members(const WorldSnapshot& snapshot) noexcept;
+  void renew_border(const WorldSnapshot& snapshot) noexcept;
+  void freeze_all_but_proxy() noexcept;
+  void apply_lateness(SubWorldStep& result) noexcept;
+  void aim_spring(const DeviceTarget& target) noexcept;
+  void step_world(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
+                  SubWorldStep& result) noexcept;
+  void step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept;
+  bool proxy_touches() const noexcept;
+
+  SubWorldConfig config_;
+  physics::World<double> world_;
+  BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
+  BoundedVector<physics::BorderContact<double>> renewed_;  // scratch of renew_border
+  physics::BodyMotion<double> proxy_;
+  std::uint32_t border_count_{0};
+  State state_;
+};
+
+}  // namespace tactus::haptics

@@ -1,0 +1,74 @@
+// What the haptic thread does each period, in three stages that the caller may time: read the device, compute, write.
+//
+// The same in real time and in virtual time; only who calls it differs. Thread: construction [setup]; the stages [rt],
+// in order. Bound: the device's read and write are bounded by their contract; compute by the governor and the cut.
+#pragma once
+
+#include "rt/haptics/exchange.h"
+#include "rt/loop/flight_recorder.h"
+
+namespace tactus::loop {
+
+template <haptics::HapticDevice Device>
+class HapticDriver {
+ public:
+  // `exchange` is null for the direct coupling, `recorder` when nothing is recorded.
+  HapticDriver(HapticLoop& loop, Device& device, Governor& governor, haptics::Exchange* exchange,
+               FlightRecorder* recorder) noexcept
+      : loop_(loop), device_(device), governor_(governor), exchange_(exchange), recorder_(recorder) {}
+
+  void read() noexcept { device_.read(input_.device); }
+
+  const TickOutput& compute(std::uint32_t operator_bits, const physics::CutPredicate& cut) noexcept {
+    input_.operator_bits = operator_bits;
+    input_.cut = cut;
+    poll_exchange();
+    WorkCounts counts = loop_.counts();
+    counts.synchronises = input_.snapshot != nullptr;
+    counts.joins = input_.snapshot != nullptr ? input_.snapshot->joiners.size() : 0;
+    plan_ = governor_.plan(counts);
+    input_.sub_steps = plan_.sub_steps;
+    if (recorder_ != nullptr) recorder_->before_tick(loop_);
+    loop_.tick(input_, output_);
+    return output_;
+  }
+
+  void write() noexcept {
+    device_.write(output_.command);
+    if (recorder_ != nullptr) recorder_->after_tick(input_, output_);
+  }
+
+  const TickOutput& output() const noexcept { return output_; }
+  const TickPlan& plan() const noexcept { return plan_; }
+  bool synchronised() const noexcept { return input_.snapshot != nullptr; }
+  std::uint32_t component() const noexcept { return component_; }
+
+ private:
+  void poll_exchange() noexcept {
+    input_.snapshot = nullptr;
+    if (exchange_ == nullptr || !loop_.wants_snapshot()) return;
+    const std::uint64_t cycle = loop_.next_cycle();
+    input_.snapshot = exchange_->snapshots.try_read(cycle);
+    if (input_.snapshot == nullptr) return;
+    component_ = input_.snapshot->component;
+    input_.sink = {&exchange_->reports.writing(cycle), &HapticDriver::publish, this};
+  }
+
+  static void publish(void* self, std::uint64_t cycle) noexcept {
+    auto& driver = *static_cast<HapticDriver*>(self);
+    driver.input_.sink.report->member_budget = driver.governor_.member_budget(driver.loop_.counts());
+    driver.exchange_->reports.publish(cycle);
+  }
+
+  HapticLoop& loop_;
+  Device& device_;
+  Governor& governor_;
+  haptics::Exchange* exchange_;
+  FlightRecorder* recorder_;
+  TickInput input_;
+  TickOutput output_;
+  TickPlan plan_;
+  std::uint32_t component_{0};
+};
+
+}  // namespace tactus::loop

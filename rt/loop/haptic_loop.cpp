@@ -1,0 +1,196 @@
+#include "rt/loop/haptic_loop.h"
+
+namespace tactus::loop {
+namespace {
+
+// After engaging, and after a lost world, the force comes in over this long: full force moves by 0.15 N a tick of
+// 1 ms. A ramp of the scale and not of the force, so that it never holds a force that the hand has already left.
+constexpr double kRecovery_s = 0.2;
+
+haptics::CouplingGains gains_at_hand(const LoopConfig& config) noexcept {
+  const double s2 = config.placement.motion_scale * config.placement.motion_scale;
+  return {s2 * config.sub_world.stiffness_N_per_m, s2 * config.sub_world.damping_Ns_per_m,
+          config.sub_world.stiffness_Nm_per_rad, config.sub_world.damping_Nms_per_rad};
+}
+
+}  // namespace
+
+HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body<double>> fixed_bodies)
+    : config_(config), sub_world_(config.sub_world, fixed_bodies) {
+  guard_.config = {
+      .period_s = config.period_s, .device = config.device, .emergency_stop_fault = config.emergency_stop_fault};
+  velocity_.config = haptics::VelocityEstimator::Config::of(config.device, config.period_s);
+  placement_.config = config.placement;
+  passivity_.config = haptics::Passivity::Config::of(config.device, gains_at_hand(config), config.period_s);
+  limiter_.config = haptics::ForceLimiter::Config::of(config.device, config.period_s);
+}
+
+void HapticLoop::tick(const TickInput& in, TickOutput& out) noexcept {
+  out = TickOutput{};
+  out.tick = state_.tick;
+  guard(in.device, out);
+  arm(in.operator_bits, out);
+  adopt(in);
+  const haptics::DeviceTarget target = couple(out);
+  step(target, in, out);
+  shape_force(out);
+  command(out);
+  ++state_.tick;
+}
+
+void HapticLoop::guard(const haptics::DeviceInput& in, TickOutput& out) noexcept {
+  input_ = guard_.accept(in);
+  out.status |= input_.status;
+  if (input_.rebased) {
+    velocity_.reset();
+    state_.last_tool = input_.device_from_tool;
+  }
+  if (input_.fault != Fault::kNone && state_.fault == Fault::kNone) state_.fault = input_.fault;
+  const double rate = 1.0 / config_.period_s;
+  const Posed& now = input_.device_from_tool;
+  tool_step_velocity_.linear = (now.position - state_.last_tool.position) * rate;
+  tool_step_velocity_.angular = small_rotation_vector(now.rotation * conjugate(state_.last_tool.rotation)) * rate;
+  state_.last_tool = now;
+}
+
+// Arming engages as soon as the device gives good samples; a fault keeps `armed` but not `engaged`, so that only a
+// re-arm brings the force back.
+void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
+  if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;
+  if ((operator_bits & kArm) != 0) state_.armed = 1;
+  if ((operator_bits & kRearm) != 0) {
+    state_.fault = Fault::kNone;
+    state_.armed = state_.rearm = 1;
+    state_.engaged = 0;
+    guard_.rearm();
+  }
+  if (input_.device_state != haptics::DeviceState::kBrake && input_.valid) state_.rearm = 0;
+  const bool may_engage = state_.armed != 0 && state_.fault == Fault::kNone && input_.valid;
+  if (may_engage && state_.engaged == 0) engage();
+  if (state_.engaged == 0 || state_.fault != Fault::kNone) out.status |= kNotArmed;
+}
+
+// The spring starts unloaded: the device, wherever it is, now stands for the proxy where that is. At the first
+// engagement the device is where the scene places it when that is within a quantum or two, and nothing is shifted.
+void HapticLoop::engage() noexcept {
+  const Posed target = placement_.world_from_target(input_.device_from_tool);
+  const Posed& proxy = sub_world_.proxy().pose;
+  const double near_m = 4.0 * config_.placement.motion_scale * config_.device.position_quantum_m;
+  const double near_rad = 4.0 * config_.device.rotation_quantum_rad;
+  const bool in_place = norm(target.position - proxy.position) <= near_m &&
+                        norm(small_rotation_vector(target.rotation * conjugate(proxy.rotation))) <= near_rad;
+  if (!in_place) placement_.clutch_to(proxy, input_.device_from_tool);
+  state_.engaged = 1;
+  state_.recovery_left_s = kRecovery_s;
+}
+
+void HapticLoop::adopt(const TickInput& in) noexcept {
+  if (in.snapshot == nullptr) return;
+  sub_world_.synchronise(*in.snapshot, *in.sink.report);
+  state_.next_cycle = in.snapshot->cycle + 1;
+  if (in.sink.publish != nullptr) in.sink.publish(in.sink.context, in.snapshot->cycle);
+}
+
+// A latched fault lets the force fade first (ten ticks) and the coupling go with it.
+haptics::DeviceTarget HapticLoop::couple(TickOutput& out) noexcept {
+  const Twistd velocity = velocity_.update(input_.device_from_tool);
+  if (state_.fault != Fault::kNone && input_.force_scale <= 0.0) state_.engaged = 0;
+  haptics::DeviceTarget target;
+  target.engaged = state_.engaged != 0;
+  target.pose = placement_.world_from_target(input_.device_from_tool);
+  target.velocity = placement_.target_twist(velocity);
+  out.target = target.pose;
+  return target;
+}
+
+void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, TickOutput& out) noexcept {
+  const haptics::SubWorldStep stepped = sub_world_.step(target, in.sub_steps, in.cut);
+  const auto& report = stepped.report;
+  out.status |= stepped.status;
+  if (in.sub_steps < config_.sub_world.step.sub_steps) out.status |= kSubStepsReduced;
+  out.wanted = placement_.device_wrench(stepped.on_device);
+  out.proxy = sub_world_.proxy();
+  out.members = sub_world_.members();
+  out.border = sub_world_.border_contacts();
+  out.pairs = report.pairs, out.contacts = report.contacts, out.points = report.points;
+  out.capacity_bits = report.capacity_bits, out.dropped = report.dropped;
+  out.cut_sweep = report.cut_sweep, out.deepest_m = report.deepest_m;
+  out.border_work_J = sub_world_.border_work_J();
+  state_.pairs = report.pairs, state_.contacts = report.contacts, state_.points = report.points;
+  state_.recovery_left_s = std::max(0.0, state_.recovery_left_s - config_.period_s);
+  const double recovered = 1.0 - state_.recovery_left_s / kRecovery_s;
+  force_scale_ = std::min({input_.force_scale, stepped.force_scale, stepped.force_scale < 1.0 ? 1.0 : recovered});
+  if ((stepped.status & kWorldFade) != 0) state_.recovery_left_s = kRecovery_s;
+}
+
+haptics::StoredEnergy HapticLoop::stored_energy(const TickOutput& out) const noexcept {
+  const Vec3d stretch = out.target.position - out.proxy.pose.position;
+  const Vec3d twist = small_rotation_vector(out.target.rotation * conjugate(out.proxy.pose.rotation));
+  return {0.5 * config_.sub_world.stiffness_N_per_m * norm_squared(stretch),
+          0.5 * config_.sub_world.stiffness_Nm_per_rad * norm_squared(twist)};
+}
+
+void HapticLoop::shape_force(TickOutput& out) noexcept {
+  if (state_.fault != Fault::kNone && state_.engaged == 0) force_scale_ = 0;
+  const Wrenchd damped = passivity_.control(out.wanted, tool_step_velocity_, stored_energy(out));
+  out.status |= passivity_.status();
+  const auto limited = limiter_.limit(damped, force_scale_, haptics::Slew::kNormal);
+  out.status |= limited.status;
+  if (limited.fault != Fault::kNone && state_.fault == Fault::kNone) state_.fault = limited.fault;
+  out.command.wrench = limited.wrench;
+  passivity_.book(limited.wrench);
+  const auto& port = passivity_.state;
+  out.device_energy_J = port.translation.in_J - port.translation.out_J + port.rotation.in_J - port.rotation.out_J;
+  out.damped_energy_J = port.translation.dissipated_J + port.rotation.dissipated_J;
+}
+
+void HapticLoop::command(TickOutput& out) noexcept {
+  out.fault = state_.fault;
+  out.command.sequence = state_.tick + 1;
+  const bool fault_done = state_.fault != Fault::kNone && state_.engaged == 0;
+  out.command.wanted = fault_done            ? haptics::DeviceState::kBrake
+                       : state_.engaged != 0 ? haptics::DeviceState::kForce
+                                             : haptics::DeviceState::kIdle;
+  out.command.rearm = state_.rearm;
+}
+
+bool HapticLoop::wants_snapshot() const noexcept {
+  return sub_world_.exchanges() && (state_.next_cycle == 0 || sub_world_.ticks_in_cycle() >= config_.sub_world.ratio);
+}
+
+WorkCounts HapticLoop::counts() const noexcept {
+  WorkCounts counts;
+  counts.bodies = sub_world_.members();
+  counts.pairs = state_.pairs, counts.contacts = state_.contacts, counts.points = state_.points;
+  counts.border = sub_world_.border_contacts();
+  return counts;
+}
+
+std::uint64_t HapticLoop::state_hash() const noexcept { return sub_world_.state_hash(); }
+
+void HapticLoop::save(ByteWriter& out) const noexcept {
+  out.put(state_);
+  out.put(guard_.state);
+  out.put(velocity_.state);
+  out.put(placement_.state);
+  out.put(passivity_.state);
+  out.put(limiter_.state);
+  sub_world_.save(out);
+}
+
+bool HapticLoop::restore(ByteReader& in) noexcept {
+  in.get(state_);
+  in.get(guard_.state);
+  in.get(velocity_.state);
+  in.get(placement_.state);
+  in.get(passivity_.state);
+  in.get(limiter_.state);
+  return sub_world_.restore(in) && in.ok();
+}
+
+std::size_t HapticLoop::save_size_bound() const noexcept {
+  return sizeof(state_) + sizeof(guard_.state) + sizeof(velocity_.state) + sizeof(placement_.state) +
+         sizeof(passivity_.state) + sizeof(limiter_.state) + sub_world_.save_size_bound();
+}
+
+}  // namespace tactus::loop

@@ -1,0 +1,50 @@
+#include "rt/loop/run_stats.h"
+
+namespace tactus::loop {
+
+OverrunCause classify_overrun(double wake_late_ns, double predicted_ns, double period_ns,
+                              bool previous_overran) noexcept {
+  if (wake_late_ns > 0.5 * period_ns) return OverrunCause::kLateWake;
+  if (wake_late_ns + predicted_ns > period_ns || previous_overran) return OverrunCause::kOwnWork;
+  return OverrunCause::kInterrupted;
+}
+
+void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t component, std::uint32_t cycle_ticks,
+                   std::uint32_t ratio) noexcept {
+  ++ticks;
+  sub_steps_sum += sub_steps;
+  if ((out.status & kProxyContact) != 0) ++contact_ticks;
+  if ((out.status & kNotArmed) == 0) ++armed_ticks;
+  for (std::uint32_t bit = 0; bit < 32; ++bit) status_ticks[bit] += (out.status >> bit) & 1u;
+  members_max = std::max(members_max, out.members);
+  border_max = std::max(border_max, out.border);
+  contacts_max = std::max(contacts_max, out.contacts);
+  points_max = std::max(points_max, out.points);
+  pairs_max = std::max(pairs_max, out.pairs);
+  component_max = std::max(component_max, component);
+  capacity_bits |= out.capacity_bits;
+  dropped += out.dropped;
+  if (cycle_ticks > 0) {
+    ++cycles;
+    if (cycle_ticks > ratio) ++late_cycles;
+    cycle_ticks_max = std::max<std::uint64_t>(cycle_ticks_max, cycle_ticks);
+  }
+  const Vec3d& force = out.command.wrench.force;
+  force_max_N = std::max(force_max_N, norm(force));
+  torque_max_Nm = std::max(torque_max_Nm, norm(out.command.wrench.torque));
+  force_sum_N += norm(force);
+  if (ticks > 1) force_step_max_N = std::max(force_step_max_N, norm(force - last_force_));
+  last_force_ = force;
+  deepest_m = std::max(deepest_m, out.deepest_m);
+  device_energy_J = out.device_energy_J;
+  damped_energy_J = out.damped_energy_J;
+  border_work_J = out.border_work_J;
+  if (out.fault != last_fault_) {
+    if (out.fault != Fault::kNone) ++fault_count;
+    (void)faults.try_push(
+        {out.tick, out.fault != Fault::kNone ? out.fault : last_fault_, out.fault != Fault::kNone ? 0u : 1u});
+    last_fault_ = out.fault;
+  }
+}
+
+}  // namespace tactus::loop
