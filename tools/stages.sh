@@ -71,10 +71,10 @@ run_logged() {
   "${@:2}" </dev/null 2>&1 9>&- | tee "$logs/$1.log" | show_progress
 }
 
-# The part of a log that explains: from ninja's first failed step on, else the end.
+# The part of a log that explains: from the first failed step of ninja or error of CMake on, else the end.
 explain_log() {
-  if grep -q '^FAILED:' "$1"; then
-    sed -n '/^FAILED:/,$p' "$1" | cut -c1-300 | head -n 40
+  if grep -qE '^(FAILED:|CMake Error)' "$1"; then
+    sed -nE '/^(FAILED:|CMake Error)/,$p' "$1" | cut -c1-300 | head -n 40
   else
     tail -n 25 "$1"
   fi
@@ -100,13 +100,13 @@ build_preset() {
   say "building ($preset)"
   if ! configure_preset "$preset"; then
     explain_log "$logs/$preset-configure.log"
-    say "configuring ($preset) failed; the log is build/logs/$preset-configure.log, its end is above" >&2
+    say "configuring ($preset) failed; the log is build/logs/$preset-configure.log, the reason is above" >&2
     return 1
   fi
   if ! run_logged "$preset-build" "${same_addresses[@]}" \
       cmake --build "$root/build/$preset" --parallel "$jobs" "${targets[@]}"; then
     explain_log "$logs/$preset-build.log"
-    say "building ($preset) failed; the log is build/logs/$preset-build.log, its end is above" >&2
+    say "building ($preset) failed; the log is build/logs/$preset-build.log, the reason is above" >&2
     return 1
   fi
   echo "  $((SECONDS - start)) s"
