@@ -1,0 +1,64 @@
+// How stiff and how damped the device-proxy coupling may be, from the device's description. For set-up: the loop
+// refuses gains that the rules below refuse, and the tool prints the numbers.
+//
+// Thread: [any], pure. Units: SI, in the names. b, m: the device's own damping and mass at the tool; T: period;
+// t_d: delay beyond the sample-and-hold; K, B: the coupling's stiffness and damping; f_c: the device's Coulomb
+// friction; q: its quantum. The same formulas hold for rotation with N m/rad, N m s/rad, kg m^2, rad.
+//   engineering  K < (b + B) / (T/2 + t_d)     uncoupled stability, no hand: Gil, Avello, Rubio, Florez 2004; with the
+//                                              delay: Hulin, Preusche, Hirzinger 2008. A hold is a delay of T/2.
+//   damper       B <= 0.5 m / T                a sampled damper on a free mass. With the backward difference, the hold
+//   and
+//                                              one period of delay its poles are the roots of z^3 - z^2 + (c/2)(z + 1),
+//                                              c = B T/m: stable for c < 2 (sqrt 2 - 1) = 0.83. 0.5 is a margin of 1.66
+//   certificate  K < 2 (b - |B|) / T           passive for every passive hand: Colgate, Schenkel 1997, b > K T/2 + |B|
+//   quantised    K <= min(2 b / T, 2 f_c / q)  no limit cycle from the encoder: Abbott, Okamura 2005
+// Only the first two refuse: the certificate holds for no virtual damping that is worth having (it needs B < b), which
+// is why a passivity controller stands behind the coupling.
+#pragma once
+
+#include "rt/haptics/device.h"
+
+namespace tactus::haptics {
+
+struct CouplingGains {
+  double stiffness_N_per_m{2000}, damping_Ns_per_m{5};
+  double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
+};
+
+// The share of the uncoupled limit that is allowed. The formula is linear in the damping and within about a tenth of
+// a simulated device's limit; the rest covers a device description that is off and a delay that varies.
+inline constexpr double kAllowedStiffnessShare = 0.55;
+
+// One axis' device, and what is asked of it. Translation in N/m, N s/m, kg, N, m; rotation in N m/rad and so on.
+struct AxisLimits {
+  double period_s{1e-3}, delay_s{0};
+  double mass{0}, damping{0}, coulomb_friction{0}, quantum{0};
+};
+
+double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept;
+double damping_limit(const AxisLimits& axis) noexcept;
+double passive_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept;  // <= 0: none is passive
+double quantisation_stiffness_limit(
+    const AxisLimits& axis) noexcept;  // a device without friction: 0, none is free of it
+
+struct AxisVerdict {
+  double stiffness{0}, damping{0};  // asked for
+  double stiffness_limit{0};        // uncoupled stability
+  double stiffness_allowed{0};      // kAllowedStiffnessShare of it: what is accepted
+  double margin{0};                 // limit / stiffness; infinite for no stiffness
+  double damping_limit{0};
+  double passive_limit{0};  // certificate
+  double quantisation_limit{0};
+  bool passive{false};               // the certificate holds
+  bool free_of_limit_cycles{false};  // the quantisation limit holds
+  bool accepted{false};              // not above stiffness_allowed and damping_limit; finite and not negative
+};
+
+struct CouplingVerdict {
+  AxisVerdict translation, rotation;  // rotation of a 3-DoF device: not judged, accepted
+  bool accepted{false};
+};
+
+CouplingVerdict check_coupling(const CouplingGains& gains, const DeviceProperties& device, double period_s) noexcept;
+
+}  // namespace tactus::haptics

@@ -1,0 +1,75 @@
+// Time-domain passivity at the device port: an observer that books the energy that the hand and the virtual side
+// exchange, and a controller that adds damping when the virtual side has given more than it got.
+//
+// Thread: control(), book() [rt], once a tick each. Frame: one for both arguments (the loop: device). Units: SI.
+// Wrenches are on the hand, as the device is told. Energy counts positive into the virtual side:
+//   E_k = E_(k-1) - T f_(k-1).v_k      f: really sent last tick (after all limits), v: over the interval just ended
+// exact where v is the backward difference of the tool's pose and the hold starts with the tick. Translation and
+// rotation are booked apart: a spring's energy must not pay for a torque.
+// When E_k < 0 and |v| > v_eps:  f_k = f - alpha v_k,  alpha = min(alpha_max, -E_k / (T |v_k|^2)).
+// The damping is booked when it was sent, so what alpha_max left unpaid stays in E as a debt for the next ticks.
+// Bounds: alpha <= alpha_max, so the controller never kicks; E >= -debt_cap_J, the rest is forgiven (counted), so it
+// never brakes for long; E <= energy_cap_J + what the coupling stores now, the rest is dropped (counted), so that an
+// hour of dissipation cannot hide later activity. A passive virtual side gets back its own wrench, bit for bit.
+// Sets kPassivityActive. Source: Hannaford, Ryu 2002, "Time-domain passivity control of haptic interfaces"; the exact
+// book for a held force: Ryu, Kim, Hannaford 2004.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "rt/base/status.h"
+#include "rt/haptics/coupling_limits.h"
+
+namespace tactus::haptics {
+
+// Energy that the coupling's springs hold now: 1/2 K e^2. It is the hand's to get back and not activity.
+struct StoredEnergy {
+  double translation_J{0}, rotation_J{0};
+};
+
+struct Passivity {
+  struct PortConfig {
+    double max_damping{0};  // alpha_max, N s/m or N m s/rad
+    double min_speed{0};    // v_eps, m/s or rad/s: slower, alpha would follow the quantum and not the hand
+    double energy_cap_J{0.05};
+    double debt_cap_J{0.05};
+  };
+  struct Config {
+    double period_s{1e-3};
+    PortConfig translation, rotation;
+
+    // alpha_max = the device's own damping + the coupling's, at the hand: what is stable at this rate anyhow.
+    static Config of(const DeviceProperties& device, const CouplingGains& gains, double period_s) noexcept;
+  };
+
+  // One port's book, J since the start. energy = in - out - dropped + forgiven.
+  struct Port {
+    Vec3d sent;                          // N or N m: on the hand over the interval that ends with the next tick
+    Vec3d damping;                       // its part that the controller added
+    double energy_J{0};                  // E
+    double in_J{0}, out_J{0};            // into the virtual side, out of it
+    double dissipated_J{0};              // by the controller's damping, as it asked for it
+    double dropped_J{0}, forgiven_J{0};  // beyond the energy cap, beyond the debt cap
+    double alpha{0};                     // of this tick, N s/m or N m s/rad
+  };
+  struct State {
+    Port translation, rotation;
+  };
+
+  Config config;
+  State state;
+
+  // Closes the book of the interval just ended, then returns `wanted` with the damping that is due. An argument that is
+  // not finite books nothing and returns `wanted` as it is: the force limiter judges it.
+  Wrenchd control(const Wrenchd& wanted, const Twistd& tool_velocity, const StoredEnergy& stored = {}) noexcept;
+  // What the device was really told in this tick.
+  void book(const Wrenchd& sent) noexcept;
+  std::uint32_t status() const noexcept {
+    return state.translation.alpha > 0 || state.rotation.alpha > 0 ? std::uint32_t{kPassivityActive} : 0u;
+  }
+};
+
+static_assert(std::is_trivially_copyable_v<Passivity::State>);
+
+}  // namespace tactus::haptics
