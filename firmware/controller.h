@@ -1,0 +1,109 @@
+// The core of the device's program: one step per control period, from encoder counts and the command that came to motor
+// efforts and the state frame to send. A board supplies the inputs and carries out the outputs; nothing here knows one.
+//
+// Thread: the control period's, [rt]: no heap, no lock, no exception, bounded work, float arithmetic. Units: N on
+// prismatic axes (0 to 2), N m on rotary ones (3 to 5), SI elsewhere.
+//
+// Which frames feed the watchdog: those that decode, carry finite efforts, and are newer than the newest accepted one.
+// Duplicates, late-comers, broken frames and NaN do not. After `brake_frames` periods without such a frame (in any
+// state, so also at start) the next one only starts a new sequence: it is obeyed in nothing but that, so that an old
+// frame left in a buffer moves no motor and a host that starts afresh is understood. The watchdog brakes in FORCE
+// only; a device that nobody commands is IDLE, not broken.
+#pragma once
+
+#include "firmware/faults.h"
+#include "firmware/protocol.h"
+
+namespace tactus::firmware {
+
+using AxisValues = std::array<float, kAxes>;
+
+struct Config {
+  AxisValues quantum{};     // m or rad per count, > 0
+  AxisValues max_effort{};  // N or N m, per motor; 0 for an axis without one
+  AxisValues max_speed{};   // m/s or rad/s, per axis; beyond: BRAKE
+  float max_force_N{0};     // norm of axes 0 to 2
+  float max_torque_Nm{0};   // norm of axes 3 to 5
+  std::uint32_t period_us{1000};
+  std::uint8_t fade_frames{3};    // missed in a row: the effort fades
+  std::uint8_t brake_frames{10};  // missed in a row: BRAKE
+};
+
+// All numbers finite and in range, fade before brake. A controller with a bad one stays in RESET with a fault.
+bool is_valid(const Config& config) noexcept;
+
+struct ControllerInputs {
+  AxisCounts counts{};
+  std::uint64_t time_us{0};  // device clock, monotone
+  std::uint8_t buttons{0};
+  bool stop_line{false};  // the e-stop line is active
+  bool motor_bus_ok{true};
+};
+
+struct ControllerOutputs {
+  AxisValues effort{};  // to the motors, until the next step
+  bool brake{true};     // short the motors
+  std::array<std::byte, kStateFrameSize> state_frame{};
+};
+
+// What a period brings, most urgent first; a step handles exactly one. See the table in controller.cpp.
+enum class Event : std::uint8_t {
+  kStopLine = 0,
+  kMotorBus = 1,
+  kOverspeed = 2,
+  kEffortNotFinite = 3,
+  kCommandsLost = 4,
+  kWantBrake = 5,
+  kRearm = 6,  // rising edge of the flag: one that is stuck cannot defeat the latch
+  kWantForce = 7,
+  kWantIdle = 8,
+  kNothing = 9,
+};
+inline constexpr unsigned kStates = 4, kEvents = 10;
+
+// The whole state machine: a pure function.
+State next_state(State state, Event event) noexcept;
+
+class Controller {
+ public:
+  explicit Controller(const Config& config) noexcept;
+
+  // Once per control period. `command_frame`: the newest frame that came since the last step; empty if none did.
+  ControllerOutputs step(const ControllerInputs& inputs, std::span<const std::byte> command_frame) noexcept;
+
+  State state() const noexcept { return state_; }
+  Fault fault() const noexcept { return fault_; }
+  std::uint16_t limits() const noexcept { return limits_; }
+  std::uint32_t missed_commands() const noexcept { return missed_; }
+  std::uint32_t refused_frames() const noexcept { return refused_; }  // broken, old or not finite; saturates
+  DecodeError last_decode_error() const noexcept { return last_decode_error_; }
+
+ private:
+  struct Reception {
+    bool accepted{false}, effort_not_finite{false}, rearm_edge{false};
+    State wanted{State::kIdle};
+  };
+
+  Reception receive(std::span<const std::byte> bytes) noexcept;
+  Event event_of(const ControllerInputs& inputs, const Reception& reception, bool overspeed) const noexcept;
+  void enter(State next, Event event) noexcept;
+  AxisValues limited_effort() noexcept;
+  void limit_group(AxisValues& effort, unsigned first, float max_norm, Limit norm_limit) noexcept;
+
+  Config config_;
+  bool config_valid_;
+  State state_{State::kReset};
+  Fault fault_{Fault::kNone};
+  std::uint16_t limits_{0};
+  AxisSpeed speed_;
+  AxisValues commanded_{};  // of the newest accepted command
+  std::uint32_t newest_command_{0};
+  std::uint32_t missed_{0};  // periods in a row without an accepted command; saturates
+  bool sequence_known_{false};
+  bool rearm_before_{true};  // the flag must be seen clear before it counts
+  std::uint32_t refused_{0};
+  DecodeError last_decode_error_{DecodeError::kNone};
+  std::uint32_t state_sequence_{0};
+};
+
+}  // namespace tactus::firmware
