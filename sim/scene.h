@@ -51,6 +51,16 @@ struct SolverChoice {
   unsigned global_sub_steps_per_tick{1};          // global side: sub-steps of a global step = this x ratio
 };
 
+// What a generator made, and what it says of its own work.
+struct GeneratedPart {
+  std::string kind;                  // wall, pile, tower, card_house, domino_row
+  BodyId first{kNoBody};             // ids first .. first + count - 1
+  unsigned count{0};
+  double friction{0};                // of its bodies
+  std::vector<double> foot_friction; // card house, by level from the ground: least coefficient under its cards' feet
+  double top_friction{0};            // card house: least coefficient between cards where their tops meet; 0 otherwise
+};
+
 struct Scene {
   std::string name;                            // file stem
   std::string title;                           // one line for people
@@ -64,6 +74,7 @@ struct Scene {
   SolverChoice solver;
   unsigned members{64};                        // cap of the sub-world, the proxy included
   unsigned ratio{10};
+  std::vector<GeneratedPart> generated;        // in the order of the file
   std::string source;                          // the text it was loaded from: the tape carries it
 };
 

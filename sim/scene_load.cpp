@@ -1,0 +1,321 @@
+#include "sim/scene_load.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "rt/haptics/snapshot.h"
+#include "sim/scene_load_parts.h"
+#include "sim/scene_load_reader.h"
+
+namespace tactus::sim {
+namespace {
+
+constexpr double kNominalTick_s = 1e-3;
+constexpr Range kStiffness{"a stiffness", 0, 1e5};
+constexpr Range kDamping{"a damping", 0, 1e4};
+
+// Fills a scene from the document, table by table; the order of calls is that of body ids where it matters.
+class SceneReader {
+ public:
+  SceneReader(const TomlNode& root, Scene& scene, SceneDiagnostics& diagnostics)
+      : root_(&root, "", diagnostics), scene_(scene), diagnostics_(diagnostics) {}
+
+  void read() {
+    scene_.title = root_.text("title", "", 200);
+    read_effects();
+    read_simulation();
+    read_device();
+    read_coupling();
+    read_proxy();
+    read_bodies();
+    read_generators();
+    read_hand();
+    root_.finish();
+    check_effects();
+    check_card_houses();
+  }
+
+ private:
+  TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
+
+  void read_effects() {
+    const std::vector<std::string_view> known{"gravity", "friction", "gyroscopic"};
+    bool* const flags[] = {&scene_.effects.gravity, &scene_.effects.friction, &scene_.effects.gyroscopic};
+    for (const TomlNode& item : root_.array("effects", 64)) {
+      const auto found = std::find(known.begin(), known.end(), item.text);
+      if (item.kind != TomlKind::kText || found == known.end()) {
+        const auto nearest = nearest_word(item.text, known);
+        diagnostics_.add({item.line, item.column, "effects",
+                          fmt::format("{} is not an effect{}", item.shown(),
+                                      nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
+                          "gravity, friction, gyroscopic"});
+        continue;
+      }
+      bool& flag = *flags[found - known.begin()];
+      if (flag) diagnostics_.add({item.line, item.column, "effects", item.shown() + " is there twice", "once"});
+      flag = true;
+    }
+    const Vec3d g = root_.vector("gravity_m_per_s2", scene_.gravity_m_per_s2, {"an acceleration", -1000, 1000});
+    if (root_.has("gravity_m_per_s2") && !scene_.effects.gravity)
+      root_.mistake("gravity_m_per_s2", "set, but the effect gravity is not declared",
+                    "\"gravity\" among the effects, or no gravity_m_per_s2");
+    scene_.gravity_m_per_s2 = scene_.effects.gravity ? g : Vec3d{};
+  }
+
+  void read_simulation() {
+    TableReader t = table("simulation");
+    SolverChoice& solver = scene_.solver;
+    scene_.ratio = t.count("ratio", scene_.ratio, {"a ratio", 1, 64});
+    scene_.members = t.count("members", scene_.members, {"a number of members", 1, haptics::kMaxMembers});
+    solver.sub_steps = t.count("sub_steps", solver.sub_steps, {"a number of sub-steps", 1, 64});
+    solver.relax_sweeps = t.count("relax_sweeps", solver.relax_sweeps, {"a number of sweeps", 1, 16});
+    solver.global_sub_steps_per_tick =
+        t.count("global_sub_steps_per_tick", solver.global_sub_steps_per_tick, {"a number of sub-steps", 1, 16});
+    solver.contact_hertz = t.number("contact_hertz_Hz", solver.contact_hertz, {"a contact frequency", 1, 10000});
+    solver.contact_damping_ratio =
+        t.number("contact_damping_ratio", solver.contact_damping_ratio, {"a damping ratio", 0.1, 100});
+    const double highest = max_contact_hertz(solver, kNominalTick_s);
+    if (solver.contact_hertz > highest)
+      t.mistake("contact_hertz_Hz",
+                fmt::format("{} Hz is too stiff for {} haptic and {} global sub-steps in a tick of 1 ms",
+                            solver.contact_hertz, solver.sub_steps, solver.global_sub_steps_per_tick),
+                fmt::format("at most {} Hz: 250 Hz x the smaller number of sub-steps", highest));
+    t.finish();
+  }
+
+  void read_device() {
+    TableReader t = table("device");
+    scene_.device.profile = t.word("profile", scene_.device.profile, {"virtuose6d", "desk3d"});
+    scene_.device.world_from_device = t.pose();
+    scene_.device.motion_scale = t.number("motion_scale", scene_.device.motion_scale, {"a scale", 0.01, 100});
+    t.finish();
+  }
+
+  void read_coupling() {
+    TableReader t = table("coupling");
+    CouplingGains& gains = scene_.coupling;
+    gains.stiffness_N_per_m = t.number("stiffness_N_per_m", gains.stiffness_N_per_m, kStiffness);
+    gains.damping_Ns_per_m = t.number("damping_Ns_per_m", gains.damping_Ns_per_m, kDamping);
+    gains.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", gains.stiffness_Nm_per_rad, kStiffness);
+    gains.damping_Nms_per_rad = t.number("damping_Nms_per_rad", gains.damping_Nms_per_rad, kDamping);
+    t.finish();
+  }
+
+  void read_proxy() {
+    if (!root_.require("proxy", "a table [proxy]: the body that the device holds")) return;
+    TableReader t = table("proxy");
+    if (!t.there()) return;
+    scene_.proxy = 0;
+    check_friction(t, add(read_body(t, BodyRole::kProxy)).friction);
+    t.finish();
+  }
+
+  void read_bodies() {
+    unsigned number = 0;
+    for (const TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
+      TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
+      if (!t.there()) continue;
+      check_friction(t, add(read_body(t, BodyRole::kBody)).friction);
+      t.finish();
+    }
+  }
+
+  void read_generators() {
+    unsigned number = 0;
+    for (const TomlNode& node : root_.array("generate", 1000)) {
+      TableReader t(&node, fmt::format("[generate.{}]", ++number), diagnostics_);
+      if (!t.there()) continue;
+      Generated made = read_generator(t, kMaxSceneBodies - static_cast<unsigned>(scene_.bodies.size()));
+      if (made.bodies.empty()) continue;
+      check_friction(t, made.part.friction);
+      made.part.first = static_cast<BodyId>(scene_.bodies.size());
+      for (const auto& body : made.bodies) add(body);
+      scene_.generated.push_back(std::move(made.part));
+    }
+  }
+
+  void read_hand() {
+    TableReader t = table("hand");
+    HandScript& hand = scene_.hand;
+    hand.repeat = t.flag("repeat", hand.repeat);
+    hand.stiffness_N_per_m = t.number("stiffness_N_per_m", hand.stiffness_N_per_m, kStiffness);
+    hand.damping_Ns_per_m = t.number("damping_Ns_per_m", hand.damping_Ns_per_m, kDamping);
+    hand.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", hand.stiffness_Nm_per_rad, kStiffness);
+    hand.damping_Nms_per_rad = t.number("damping_Nms_per_rad", hand.damping_Nms_per_rad, kDamping);
+    hand.mass_kg = t.number("mass_kg", hand.mass_kg, {"a mass of a hand", 0, 10});
+    unsigned number = 0;
+    for (const TomlNode& node : t.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
+    check_path(t);
+    t.finish();
+  }
+
+  void read_waypoint(const TomlNode& node, unsigned number) {
+    TableReader t(&node, fmt::format("[hand] path.{}", number), diagnostics_);
+    if (!t.there()) return;
+    HandWaypoint point;
+    t.require("time_s", "a number");
+    point.time_s = t.number("time_s", 0, {"a time", 0, 3600});
+    point.position_m = t.vector("position_m", {}, {"a place", -1e4, 1e4});
+    t.require("position_m", "[x, y, z]");
+    point.rotation_vector_rad = t.vector("rotation_vector_rad", {}, {"a rotation", -10, 10});
+    auto& path = scene_.hand.path;
+    if (path.empty() && point.time_s != 0)
+      t.mistake("time_s", fmt::format("the path begins at {} s", point.time_s), "0");
+    if (!path.empty() && point.time_s <= path.back().time_s)
+      t.mistake("time_s", fmt::format("{} s is not after {} s", point.time_s, path.back().time_s), "ascending times");
+    path.push_back(point);
+    t.finish();
+  }
+
+  void check_path(TableReader& t) {
+    auto& path = scene_.hand.path;
+    if (scene_.proxy == kNoBody) return;
+    const Vec3d proxy = scene_.bodies[scene_.proxy].motion.pose.position;
+    if (path.empty()) {
+      path.push_back({0, proxy, {}});  // without a path the hand rests where the proxy is
+      return;
+    }
+    const auto& first = path.front();
+    const auto& last = path.back();
+    if (scene_.hand.repeat &&
+        (first.position_m != last.position_m || first.rotation_vector_rad != last.rotation_vector_rad))
+      t.mistake("path", "repeats, and does not end where it begins", "a last pose like the first, or repeat = false");
+    if (norm(first.position_m - proxy) > 1e-3)
+      t.warning("path", fmt::format("begins {:.3g} m from the proxy", norm(first.position_m - proxy)),
+                "a first way point at the proxy's position_m");
+  }
+
+  physics::Body<double>& add(physics::Body<double> body) {
+    body.id = static_cast<BodyId>(scene_.bodies.size());
+    scene_.bodies.push_back(body);
+    return scene_.bodies.back();
+  }
+
+  void check_friction(TableReader& t, double friction) {
+    if (friction > 0 && !scene_.effects.friction)
+      t.mistake("friction", "set, but the effect friction is not declared", "\"friction\" among the effects, or 0");
+  }
+
+  // What is declared and has nothing to act on costs time for nothing.
+  void check_effects() {
+    const auto unused = [this](const char* effect, const char* why) {
+      root_.warning("effects", fmt::format("\"{}\" is declared and not used: {}", effect, why), "leave it out");
+    };
+    const auto& bodies = scene_.bodies;
+    const auto any = [&bodies](auto condition) { return std::any_of(bodies.begin(), bodies.end(), condition); };
+    if (scene_.effects.gravity && scene_.gravity_m_per_s2 == Vec3d{})
+      unused("gravity", "gravity_m_per_s2 is zero");
+    else if (scene_.effects.gravity && !any([](const auto& b) { return b.gravity_scale > 0; }))
+      unused("gravity", "no body falls");
+    if (scene_.effects.friction && !any([](const auto& b) { return b.friction > 0; }))
+      unused("friction", "every coefficient is zero");
+    // A body with three equal moments of inertia has no gyroscopic term.
+    const auto uneven = [](const auto& b) {
+      return std::abs(b.inertia.x - b.inertia.y) + std::abs(b.inertia.y - b.inertia.z) > 1e-9 * b.inertia.x;
+    };
+    if (scene_.effects.gyroscopic && !any(uneven)) unused("gyroscopic", "every body is a sphere, a cube or fixed");
+  }
+
+  void check_card_houses() {
+    double ground = 0;  // the roughest ground decides nothing: a house may stand on any, so take the best
+    for (const auto& body : scene_.bodies)
+      if (body.kind == physics::BodyKind::kFixed) ground = std::max(ground, body.friction);
+    for (const auto& part : scene_.generated) {
+      if (part.foot_friction.empty()) continue;
+      const double on_ground = std::sqrt(part.friction * ground);
+      if (part.friction < part.top_friction)
+        root_.warning("generate",
+                      fmt::format("the card house cannot stand: friction {:.3g} between cards", part.friction),
+                      fmt::format("at least {:.3g}", part.top_friction));
+      if (on_ground < part.foot_friction.front())
+        root_.warning("generate",
+                      fmt::format("the card house cannot stand: friction {:.3g} with the ground", on_ground),
+                      fmt::format("at least {:.3g}", part.foot_friction.front()));
+    }
+  }
+
+  TableReader root_;
+  Scene& scene_;
+  SceneDiagnostics& diagnostics_;
+};
+
+std::string lines_of(const std::string& name, const std::vector<Mistake>& list, const char* label) {
+  std::string text;
+  for (const Mistake& m : list) {
+    const std::string place = m.line == 0 ? "" : fmt::format(":{}:{}", m.line, m.column);
+    std::string line = fmt::format("{}{}: {}{}: {}; accepted: {}", name, place, label, m.where, m.what, m.accepted);
+    // One line each, whatever a key or a file name holds.
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
+    text += (text.empty() ? "" : "\n") + line;
+  }
+  return text;
+}
+
+void sort_by_place(std::vector<Mistake>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const Mistake& a, const Mistake& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+}
+
+Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diagnostics) {
+  sort_by_place(found.mistakes);
+  sort_by_place(found.warnings);
+  const bool good = found.ok();
+  std::string message = found.message();
+  if (diagnostics != nullptr) *diagnostics = std::move(found);
+  if (!good) return Status::error(std::move(message));
+  return scene;
+}
+
+}  // namespace
+
+void SceneDiagnostics::add(Mistake mistake) {
+  if (full())
+    ++left_out;
+  else
+    mistakes.push_back(std::move(mistake));
+}
+
+std::string SceneDiagnostics::message() const {
+  std::string text = lines_of(name, mistakes, "");
+  if (left_out > 0) text += fmt::format("\n{}: and {} more", name, left_out);
+  return text;
+}
+
+std::string SceneDiagnostics::warning_message() const { return lines_of(name, warnings, "warning: "); }
+
+Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics) {
+  SceneDiagnostics found;
+  found.name = std::string(name);
+  Scene scene;
+  scene.name = std::filesystem::path(name).stem().string();
+  TomlNode root;
+  if (read_toml(text, root, found)) SceneReader(root, scene, found).read();
+  if (found.ok()) scene.source = std::string(text);
+  return finish(std::move(scene), std::move(found), diagnostics);
+}
+
+Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  if (file && !std::filesystem::is_directory(path)) {
+    text.resize(kMaxSceneBytes + 1);  // one byte more than is accepted says that there is more
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (!file.bad()) return parse_scene(text, path.string(), diagnostics);
+  }
+  SceneDiagnostics found;
+  found.name = path.string();
+  found.add({0, 0, "the file", "cannot be read", "the path of a scene file, such as sim/scenes/card_house.toml"});
+  return finish({}, std::move(found), diagnostics);
+}
+
+double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept {
+  return 0.25 * std::min(solver.sub_steps, solver.global_sub_steps_per_tick) / tick_s;
+}
+
+}  // namespace tactus::sim
