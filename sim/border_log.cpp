@@ -1,0 +1,131 @@
+#include "sim/border_log.h"
+
+namespace tactus::sim {
+namespace {
+
+using haptics::BorderPoint;
+using haptics::BorderReturn;
+using physics::Body;
+using physics::Contact;
+
+// A contact seen from the member's side.
+struct Sides {
+  std::uint32_t member, outside;
+  bool member_is_a;
+};
+
+BorderPoint border_point(const Contact<double>& contact, const physics::ContactPoint<double>& point, const Sides& sides,
+                         std::span<const Body<double>> bodies, std::span<const Posed> start, double step_s) noexcept {
+  const Body<double>& member = bodies[sides.member];
+  const Body<double>& outside = bodies[sides.outside];
+  BorderPoint result;
+  result.member = member.id;
+  result.outside = outside.id;
+  result.feature = point.feature;
+  result.normal = sides.member_is_a ? -contact.normal : contact.normal;
+  // Arms are of the start of the step: so is the rotation that takes them into the body.
+  const Vec3d& from_member = sides.member_is_a ? point.from_a : point.from_b;
+  result.member_anchor = rotate_inverse(start[sides.member].rotation, from_member);
+  result.impulse_rate_N = point.total_normal_impulse / step_s;
+  result.friction = contact.friction;
+  const Vec3d arm = member.motion.pose * result.member_anchor - outside.motion.pose.position;
+  result.outside_velocity = outside.motion.velocity.linear + cross(outside.motion.velocity.angular, arm);
+  return result;
+}
+
+double kinetic_energy(const Body<double>& body) noexcept {
+  const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
+  return 0.5 * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
+}
+
+void give(Body<double>& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point,
+          physics::World<double>& world, HandBack& result) noexcept {
+  const double before = kinetic_energy(body);
+  world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
+  result.impulse_Ns += impulse;
+  result.magnitude_Ns += norm(impulse);
+  result.energy_J += kinetic_energy(body) - before;
+}
+
+// What the global step's own friction gave the outside body at this pair, taken back.
+void take_back(const Contact<double>& contact, std::uint32_t outside, physics::World<double>& world,
+               HandBack& result) noexcept {
+  Body<double>& body = world.bodies()[outside];
+  const bool outside_is_b = contact.slot_b == outside;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    const Vec3d on_outside = outside_is_b ? point.total_friction : -point.total_friction;
+    const Vec3d arm = outside_is_b ? point.from_b : point.from_a;
+    give(body, outside, -on_outside, body.motion.pose.position + arm, world, result);
+  }
+}
+
+const Contact<double>* find_contact(std::span<const Contact<double>> contacts, BodyId a, BodyId b) noexcept {
+  const PairKey key = PairKey::of(a, b, false);
+  const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
+                                   [](const Contact<double>& c, const PairKey& k) { return c.key < k; });
+  return at != contacts.end() && at->key == key ? &*at : nullptr;
+}
+
+}  // namespace
+
+BorderLog::BorderLog(std::uint32_t max_contacts) {
+  points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
+  order_.reserve(points_.capacity());
+}
+
+std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::span<const Body<double>> bodies,
+                              std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
+                              FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
+  border.clear();
+  points_.clear();
+  for (const auto& contact : contacts) {
+    if (contact.b_fixed || members[contact.slot_a] == members[contact.slot_b]) continue;
+    const bool a = members[contact.slot_a] != 0;
+    const Sides sides{a ? contact.slot_a : contact.slot_b, a ? contact.slot_b : contact.slot_a, a};
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      if (point.total_normal_impulse <= 0 && point.separation > 0) continue;  // it was only near
+      points_.push_back(border_point(contact, point, sides, bodies, start, step_s));
+    }
+  }
+  const auto fits = std::min<std::size_t>(points_.size(), haptics::kMaxBorderPoints);
+  order_.clear();
+  for (std::uint32_t i = 0; i < points_.size(); ++i) order_.push_back(i);
+  if (fits < points_.size()) {
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t i, std::uint32_t j) {
+      return points_[i].impulse_rate_N != points_[j].impulse_rate_N
+                 ? points_[i].impulse_rate_N > points_[j].impulse_rate_N
+                 : i < j;
+    });
+    std::sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(fits));
+  }
+  for (std::size_t i = 0; i < fits; ++i) (void)border.try_push(points_[order_[i]]);
+  return static_cast<std::uint32_t>(points_.size() - fits);
+}
+
+HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
+                          physics::BorderMode mode, physics::World<double>& world) noexcept {
+  HandBack result;
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    const BorderReturn& entry = returns[i];
+    const std::int32_t found = world.slot_of(entry.outside);
+    if (found < 0 || !is_finite(entry.tangent_impulse) || !is_finite(entry.point)) continue;
+    const auto outside = static_cast<std::uint32_t>(found);
+    if (members[outside] != 0) {
+      ++result.skipped;
+      continue;
+    }
+    // Once for every pair: a pair's returns follow each other.
+    const bool first_of_pair =
+        i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
+    if (mode != physics::BorderMode::kReplay && first_of_pair) {
+      const Contact<double>* contact = find_contact(world.contacts(), entry.member, entry.outside);
+      if (contact != nullptr) take_back(*contact, outside, world, result);
+    }
+    give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);
+  }
+  return result;
+}
+
+}  // namespace tactus::sim

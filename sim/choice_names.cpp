@@ -1,0 +1,53 @@
+#include "sim/choice_names.h"
+
+#include <array>
+#include <utility>
+
+namespace tactus::sim {
+namespace {
+
+using haptics::CouplingScheme;
+using physics::BorderMode;
+
+template <class Choice, std::size_t kCount>
+using Names = std::array<std::pair<Choice, std::string_view>, kCount>;
+
+constexpr Names<CouplingScheme, 4> kCouplingSchemes{{{CouplingScheme::kSubWorld, "sub-world"},
+                                                     {CouplingScheme::kDirect, "direct"},
+                                                     {CouplingScheme::kInterpolation, "interpolation"},
+                                                     {CouplingScheme::kStatic, "static"}}};
+constexpr Names<BorderMode, 3> kBorderModes{
+    {{BorderMode::kCapped, "capped"}, {BorderMode::kReplay, "replay"}, {BorderMode::kFrozen, "frozen"}}};
+constexpr Names<CutOrder, 2> kCutOrders{
+    {{CutOrder::kBestFirst, "best-first"}, {CutOrder::kBreadthFirst, "breadth-first"}}};
+constexpr Names<Reach, 2> kReaches{{{Reach::kTwoCycles, "two-cycles"}, {Reach::kPaper, "paper"}}};
+
+template <class Choice, std::size_t kCount>
+std::string_view find_name(const Names<Choice, kCount>& names, Choice choice) noexcept {
+  for (const auto& [value, name] : names)
+    if (value == choice) return name;
+  return "unknown";
+}
+
+template <class Choice, std::size_t kCount>
+std::optional<Choice> find_choice(const Names<Choice, kCount>& names, std::string_view word) noexcept {
+  for (const auto& [value, name] : names)
+    if (name == word) return value;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string_view name_of(CouplingScheme scheme) noexcept { return find_name(kCouplingSchemes, scheme); }
+std::string_view name_of(BorderMode mode) noexcept { return find_name(kBorderModes, mode); }
+std::string_view name_of(CutOrder order) noexcept { return find_name(kCutOrders, order); }
+std::string_view name_of(Reach reach) noexcept { return find_name(kReaches, reach); }
+
+std::optional<CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept {
+  return find_choice(kCouplingSchemes, word);
+}
+std::optional<BorderMode> parse_border_mode(std::string_view word) noexcept { return find_choice(kBorderModes, word); }
+std::optional<CutOrder> parse_cut_order(std::string_view word) noexcept { return find_choice(kCutOrders, word); }
+std::optional<Reach> parse_reach(std::string_view word) noexcept { return find_choice(kReaches, word); }
+
+}  // namespace tactus::sim

@@ -1,0 +1,96 @@
+#include "sim/global_thread.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sched.h>
+
+#include <cstring>
+
+#include "rt/base/clock.h"
+#include "rt/base/denormals.h"
+
+namespace tactus::sim {
+namespace {
+
+// A stall must not keep a program from ending.
+constexpr std::chrono::nanoseconds kLongestSleep{5'000'000};
+
+// A thread inherits its creator's class, which may be real time by now.
+Status make_normal(std::thread& thread) {
+  const sched_param priority{};
+  const int error = pthread_setschedparam(thread.native_handle(), SCHED_OTHER, &priority);
+  if (error == 0) return Status::good();
+  return Status::error(fmt::format("cannot give the global world's thread normal priority: {}", std::strerror(error)));
+}
+
+Status pin(std::thread& thread, int cpu) {
+  if (cpu < 0) return Status::good();
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  if (cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(cpu), &cpus);
+  const int error = pthread_setaffinity_np(thread.native_handle(), sizeof cpus, &cpus);
+  if (error == 0) return Status::good();
+  return Status::error(fmt::format("cannot run the global world on CPU {}: {}", cpu, std::strerror(error)));
+}
+
+}  // namespace
+
+GlobalThread::GlobalThread(GlobalWorld& world, haptics::Exchange& exchange, GlobalThreadOptions options)
+    : server_(world, exchange), options_(std::move(options)) {}
+
+GlobalThread::~GlobalThread() { stop(); }
+
+Status GlobalThread::start() {
+  TACTUS_CHECK(!thread_.joinable(), 0, 0);
+  server_.publish_first();
+  thread_ = std::thread([this] { run(); });
+  const Status normal = make_normal(thread_);
+  const Status pinned = pin(thread_, options_.cpu);
+  return normal.ok() ? pinned : normal;
+}
+
+void GlobalThread::stop() noexcept {
+  stop_.store(true, std::memory_order_relaxed);
+  if (thread_.joinable()) thread_.join();
+}
+
+GlobalThread::Progress GlobalThread::progress() const noexcept {
+  return {cycles_.load(std::memory_order_relaxed), last_step_ns_.load(std::memory_order_relaxed),
+          longest_step_ns_.load(std::memory_order_relaxed)};
+}
+
+void GlobalThread::run() noexcept {
+  set_denormals_flush();
+  while (!stop_.load(std::memory_order_relaxed)) {
+    if (!server_.has_report()) {
+      sleep(options_.poll_period);
+      continue;
+    }
+    stall_before(server_.next_report());
+    const std::int64_t begin_ns = MonotonicClock::now_ns();
+    (void)server_.serve();
+    const std::int64_t time_ns = MonotonicClock::now_ns() - begin_ns;
+    step_times_.record(time_ns);
+    last_step_ns_.store(time_ns, std::memory_order_relaxed);
+    longest_step_ns_.store(std::max(time_ns, longest_step_ns_.load(std::memory_order_relaxed)),
+                           std::memory_order_relaxed);
+    cycles_.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+void GlobalThread::stall_before(std::uint64_t report) noexcept {
+  for (const Stall& stall : options_.stalls) {
+    if (stall.at_report != report) continue;
+    auto left = stall.duration;
+    while (left.count() > 0 && !stop_.load(std::memory_order_relaxed)) {
+      sleep(std::min(left, kLongestSleep));
+      left -= kLongestSleep;
+    }
+  }
+}
+
+void GlobalThread::sleep(std::chrono::nanoseconds duration) const noexcept {
+  MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + duration.count());
+}
+
+}  // namespace tactus::sim

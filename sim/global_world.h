@@ -1,0 +1,109 @@
+// The global world: every body of the scene, one step of r ticks per cycle, beside the sub-worlds that it serves.
+//
+// One cycle: take the report H(n), impose the members' state, hand the border impulses on, step r T, choose the
+// members of cycle n + 1, write the snapshot G(n+1). Members are the sub-world's to move: only joiners' state goes
+// down. What the coupling schemes change is in `impose` and `fill_snapshot`; the direct coupling has no global world.
+// A device is a proxy with its sub-world; a body is a member of one sub-world at most. A scene names one proxy today:
+// the three parts of a step are apart so that several reports can go in before it and several snapshots come out.
+// Thread: construction [setup]; the rest: one owner, any priority; allocates nothing. Frame: world. Units: SI.
+// Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics.
+// Source: the paper, section 2.
+#pragma once
+
+#include <string>
+
+#include "rt/base/result.h"
+#include "rt/haptics/coupling_scheme.h"
+#include "sim/border_log.h"
+#include "sim/extraction.h"
+#include "sim/pair_grid.h"
+#include "sim/scene.h"
+
+namespace tactus::sim {
+
+struct GlobalOptions {
+  haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
+  physics::BorderMode border_mode{physics::BorderMode::kCapped};
+  ExtractionOptions extraction;
+  ReachSettings reach;             // with the ratio and the tick period
+  double touch_tolerance_m{1e-4};  // before the first step, bodies this near count as touching
+};
+
+// Since the start; "most" are high-water marks.
+struct GlobalStatistics {
+  std::uint64_t steps{0};
+  std::uint32_t bodies{0}, fixed_bodies{0};
+  std::uint32_t pairs{0}, contacts{0}, points{0};  // of the last step
+  std::uint32_t most_pairs{0}, most_contacts{0}, most_members{0}, most_component{0}, most_border_points{0};
+  std::uint32_t most_close_left_out{0};
+  std::uint64_t joins{0}, leaves{0};
+  std::uint64_t dropped_entries{0};  // of snapshots: border points and warm starts that did not fit
+  std::uint64_t rejected_states{0};  // members whose reported state was not finite
+  std::uint32_t capacity_bits{0};    // physics::CapacityBit
+  double imposed_energy_J{0};        // work done on the global world by imposing the members' state
+  double handed_back_impulse_Ns{0};  // magnitudes, at the border, to outside bodies
+  double handed_back_energy_J{0};
+  std::uint64_t handed_back_skipped{0};
+  double deepest_m{0};
+};
+
+// Can this scene be run so? Else one line that says why not.
+Status check_global_options(const Scene& scene, const GlobalOptions& options);
+
+class GlobalWorld {
+ public:
+  // The options must have passed check_global_options.
+  GlobalWorld(const Scene& scene, const GlobalOptions& options);
+
+  // G(0): members chosen where the bodies are, nothing stepped yet.
+  void first_snapshot(haptics::WorldSnapshot& first, std::uint32_t device = 0) noexcept;
+  // One cycle: from H(n) to G(n+1).
+  void step(const haptics::SubWorldReport& report, haptics::WorldSnapshot& next) noexcept;
+
+  // The parts of `step`, by device.
+  void impose(std::uint32_t device, const haptics::SubWorldReport& report) noexcept;
+  void advance() noexcept;
+  void fill_snapshot(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
+                     haptics::WorldSnapshot& next) noexcept;
+  std::uint32_t devices() const noexcept { return static_cast<std::uint32_t>(devices_.size()); }
+
+  const physics::World<double>& world() const noexcept { return world_; }
+  const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
+  const GlobalStatistics& statistics() const noexcept { return statistics_; }
+  double time_s() const noexcept { return time_s_; }
+  double step_s() const noexcept { return settings_.dt; }
+  double kinetic_energy_J() const noexcept { return world_.kinetic_energy(); }
+  double potential_energy_J() const noexcept { return world_.potential_energy(settings_.gravity); }
+  Wrenchd momentum() const noexcept { return world_.momentum(); }
+  std::uint64_t state_hash() const noexcept { return world_.state_hash(); }
+
+ private:
+  struct Device {
+    std::uint32_t proxy;  // slot
+    Extraction extraction;
+    Posed reported_proxy;  // where the device's own world had it at t_n
+  };
+
+  void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
+  void find_touches_at_rest() noexcept;
+  void find_touches() noexcept;
+  void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
+  void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
+  void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
+
+  GlobalOptions options_;
+  physics::StepSettings<double> settings_;
+  physics::World<double> world_;
+  PairGrid grid_;
+  ContactGraph graph_;
+  BorderLog border_log_;
+  std::vector<Device> devices_;
+  std::vector<Posed> start_;  // by slot, at the start of the step
+  std::vector<Touch> touches_;
+  std::vector<physics::Aabb<double>> bounds_;
+  std::vector<std::uint8_t> free_;  // by slot: member of no other device's sub-world
+  double time_s_{0};
+  GlobalStatistics statistics_;
+};
+
+}  // namespace tactus::sim

@@ -1,0 +1,79 @@
+// Which boxes of moving bodies overlap: a broad phase whose work grows with bodies + pairs, not with their square.
+//
+// A hierarchical uniform grid. Every box lives in the cell of its lower corner, on the level whose cells are just
+// larger than it; so a box meets others of its level only in the cells next door, and larger ones in the few cells
+// under it. Levels come from the boxes' sizes, each time anew; cells are hashed into a table that a counting sort
+// fills. Exactly the pairs of the brute-force test, wherever the boxes are and however their sizes differ; order is
+// fixed by the input. Static geometry stays out (the world keeps it apart).
+// Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m.
+// Bound: as many boxes as given at construction (our own bug beyond); pairs beyond the vector's capacity are left out
+// and find says false. Boxes with a coordinate that is not a number overlap nothing.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "rt/physics/world.h"
+
+namespace tactus::sim {
+
+class PairGrid {
+ public:
+  // What the last find did: counts, which grow the same on every machine.
+  struct Work {
+    std::uint64_t box_tests{0};  // pairs of boxes compared
+    std::uint64_t rows{0};       // rows of cells looked up
+  };
+
+  explicit PairGrid(std::uint32_t max_bodies);
+
+  // Appends the pairs of overlapping boxes, each once, a and b in no particular order. False: some did not fit.
+  [[nodiscard]] bool find(std::span<const physics::Aabb<double>> bounds,
+                          BoundedVector<physics::SlotPair>& pairs) noexcept;
+
+  const Work& work() const noexcept { return work_; }
+
+ private:
+  static constexpr int kLevels = 64;             // each twice as coarse as the one before
+  static constexpr int kBaseLevel = 24;          // the level of the commonest size
+  static constexpr int kTopLevel = kLevels - 1;  // one cell that holds whatever is larger than all others
+
+  struct Cell {
+    std::int64_t x, y, z;
+  };
+  struct Entry {  // a box in the order of its bucket
+    physics::Aabb<double> box;
+    Cell cell;
+    std::uint32_t body, level;
+  };
+
+  void choose_levels(std::span<const physics::Aabb<double>> bounds) noexcept;
+  void fill_table(std::span<const physics::Aabb<double>> bounds) noexcept;
+  int level_of(const physics::Aabb<double>& box) const noexcept;
+  std::int64_t coordinate(double x_m, std::uint32_t level) const noexcept;
+  Cell cell_of(const Vec3d& corner, std::uint32_t level) const noexcept;
+  std::uint32_t bucket_of(const Cell& cell, std::uint32_t level) const noexcept;
+
+  bool find_on_own_level(std::uint32_t index, BoundedVector<physics::SlotPair>& pairs) noexcept;
+  bool find_on_coarser_level(std::uint32_t index, std::uint32_t level,
+                             BoundedVector<physics::SlotPair>& pairs) noexcept;
+  bool scan_row(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
+                BoundedVector<physics::SlotPair>& pairs) noexcept;
+  bool scan_entries(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
+                    std::uint32_t begin, std::uint32_t end, BoundedVector<physics::SlotPair>& pairs) noexcept;
+
+  std::vector<Entry> entries_;
+  std::vector<std::uint32_t> bucket_;  // by body
+  std::vector<std::uint32_t> level_;   // by body
+  std::vector<std::uint32_t> start_;   // by bucket; one more than buckets
+  std::uint32_t mask_{0};              // buckets - 1, a power of two
+  double base_cell_m_{1};
+  std::array<double, kLevels> cells_per_m_{};
+  std::array<std::uint32_t, kLevels> population_{};
+  std::uint32_t coarsest_{0};  // level in use
+  std::uint32_t count_{0};
+  Work work_;
+};
+
+}  // namespace tactus::sim
