@@ -13,27 +13,14 @@
 #include "rt/physics/border_contact.h"
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
+#include "rt/physics/contact_table.h"
+#include "rt/physics/pair_finder.h"
 #include "rt/physics/pose_spring.h"
+#include "rt/physics/solver.h"
 #include "rt/physics/step.h"
+#include "rt/physics/warm_start.h"
 
 namespace tactus::physics {
-
-// Two slots whose bounds overlap. Filled by a pair finder, in any order; the world sorts.
-struct SlotPair {
-  std::uint32_t a{0}, b{0};
-};
-
-// Impulses of a contact that another world knew, so that a body that moves between worlds keeps its warm start.
-// In newtons (impulse / sub-step): the two worlds' sub-steps differ.
-template <class T>
-struct WarmStart {
-  PairKey key;
-  AxisCache axis_cache;
-  std::uint32_t count{0};
-  std::array<std::uint32_t, kMaxManifoldPoints> features{};
-  std::array<T, kMaxManifoldPoints> normal_force{};       // N
-  std::array<Vec3<T>, kMaxManifoldPoints> friction_force{};  // N, on B, world
-};
 
 template <class T>
 class World {
@@ -53,10 +40,10 @@ class World {
   std::span<const Body<T>> fixed_bodies() const noexcept;  // by id
 
   // --- one step, in three calls. `settings` must be the same in all three.
-  void begin_step(const StepSettings<T>& settings) noexcept;     // bounds of all bodies, grown by what they move in dt
-  std::span<const Aabb<T>> bounds() const noexcept;              // by slot, dynamic bodies
-  std::span<const Aabb<T>> fixed_bounds() const noexcept;        // by fixed slot
-  BoundedVector<SlotPair>& dynamic_pairs() noexcept;             // for the pair finder; cleared by begin_step
+  void begin_step(const StepSettings<T>& settings) noexcept;  // bounds of all bodies, grown by what they move in dt
+  std::span<const Aabb<T>> bounds() const noexcept;           // by slot, dynamic bodies
+  std::span<const Aabb<T>> fixed_bounds() const noexcept;     // by fixed slot
+  BoundedVector<SlotPair>& dynamic_pairs() noexcept;          // for the pair finder; cleared by begin_step
   StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {}) noexcept;
 
   // --- contacts of the last step, by pair key
@@ -68,6 +55,8 @@ class World {
 
   // --- constraints from outside the world
   PoseSpring<T>& device_spring() noexcept;
+  // Adds one; false (and kBorderContactsFull in the next report) when there is no room.
+  bool add_border_contact(const BorderContact<T>& contact) noexcept;
   BoundedVector<BorderContact<T>>& border_contacts() noexcept;
   const BoundedVector<BorderContact<T>>& border_contacts() const noexcept;
   BorderMode border_mode{BorderMode::kCapped};
@@ -77,26 +66,43 @@ class World {
   // Changes the velocity at once. N s, N m s about its centre, world.
   void apply_impulse(std::uint32_t slot, const Wrench<T>& impulse) noexcept;
 
-  // A body that neither moves nor feels impulses while set, but keeps its place (the static coupling).
+  // A body that neither moves nor feels impulses while set, but keeps its place and the velocity that it goes on with
+  // (the static coupling). To the others it is at rest and infinitely heavy.
   void set_frozen(std::uint32_t slot, bool frozen) noexcept;
 
   // --- books
-  T kinetic_energy() const noexcept;                         // J, dynamic bodies
+  T kinetic_energy() const noexcept;                          // J, dynamic bodies
   T potential_energy(const Vec3<T>& gravity) const noexcept;  // J, -sum m g.x
-  Wrench<T> momentum() const noexcept;                       // N s; N m s about the world origin
-  std::uint64_t state_hash() const noexcept;                 // poses, velocities and ids, in slot order
+  Wrench<T> momentum() const noexcept;                        // N s; N m s about the world origin
+  std::uint64_t state_hash() const noexcept;                  // poses, velocities and ids, in slot order
 
   // --- everything that the next step depends on (bodies, contacts, warm starts, spring, border contacts, flags), for
   // keyframes and replay. Restore needs a world of the same capacities.
   void save(ByteWriter& out) const noexcept;
+  std::size_t save_size_bound() const noexcept;  // bytes that `save` never exceeds
+  // False, and the world is empty, when the bytes are short or hold more than fits.
   [[nodiscard]] bool restore(ByteReader& in) noexcept;
-  std::size_t save_size_bound() const noexcept;
 
  private:
-};
+  void clear() noexcept;
+  bool refuse(CapacityBit bit) noexcept;
+  void add_pairs() noexcept;
+  void add_fixed_pairs() noexcept;
 
-// All pairs of dynamic bodies whose bounds overlap, by brute force: O(n^2), fixed order, no structure. [rt]
-template <class T>
-bool find_pairs_brute_force(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>& pairs) noexcept;
+  Capacities capacities_;
+  BoundedVector<Body<T>> bodies_, fixed_bodies_;  // by id
+  BoundedVector<std::uint8_t> frozen_;            // by slot
+  BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step
+  bool wrench_applied_{false};
+  BoundedVector<Aabb<T>> bounds_, fixed_bounds_;
+  BoundedVector<T> reach_;                 // m, by slot: how far the surface may move in this step
+  BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows
+  ContactTable<T> contacts_;
+  Solver<T> solver_;
+  PoseSpring<T> spring_;
+  BoundedVector<BorderContact<T>> border_contacts_;
+  T last_sub_step_{};                           // s, of the stored impulses; 0 before the first step
+  std::uint32_t refused_bits_{0}, refused_{0};  // of insert and add, for the next report
+};
 
 }  // namespace tactus::physics

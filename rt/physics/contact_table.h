@@ -1,0 +1,86 @@
+// The contacts of a world from step to step: pairs in, manifolds out, impulses carried over.
+//
+// Per step: add_pair for every pair that may touch (any order), then build: sort by key, narrow phase, and the impulses
+// of the same pair and feature in the last step. Pairs without points leave no trace, so more pairs than needed give
+// the same bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI.
+// Bound: `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties
+// by lower key); what did not fit is counted.
+#pragma once
+
+#include <span>
+
+#include "rt/base/bounded_vector.h"
+#include "rt/physics/body.h"
+#include "rt/physics/capacity.h"
+#include "rt/physics/contact.h"
+#include "rt/physics/step.h"
+#include "rt/physics/warm_start.h"
+
+namespace tactus::physics {
+
+template <class T>
+class ContactTable {
+ public:
+  explicit ContactTable(const Capacities& capacities);  // [setup]
+
+  std::span<const Contact<T>> contacts() const noexcept { return contacts_.span(); }
+  std::span<Contact<T>> contacts() noexcept { return contacts_.span(); }
+
+  // --- pairs of this step
+  void clear_pairs() noexcept;
+  // `b` is a slot of the fixed bodies when `with_fixed`. The body with the lower id comes first, a fixed one second.
+  void add_pair(PairKey key, std::uint32_t a, std::uint32_t b) noexcept;
+
+  // What narrow phase needs to know about the bodies.
+  struct Scene {
+    std::span<const Body<T>> bodies, fixed_bodies;  // by slot
+    std::span<const T> reach;                       // m, by slot: how far the body's surface may move in this step
+  };
+  // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
+  // Fills pairs, contacts, points, deepest, dropped and the bits of the report.
+  void build(const Scene& scene, const StepSettings<T>& settings, T sub_step, T impulse_scale,
+             StepReport<T>& report) noexcept;
+
+  // --- impulses from another world, used by the next build, then dropped. False: no room.
+  bool add_warm_start(const WarmStart<T>& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
+  std::span<const WarmStart<T>> warm_starts() const noexcept { return warm_starts_.span(); }
+
+  // --- membership changed: a slot was inserted below which all others moved up, or removed with all its contacts
+  void slot_inserted(std::uint32_t slot, bool fixed) noexcept;
+  void slot_removed(std::uint32_t slot, bool fixed) noexcept;
+
+  // For restoring: empties the table and hands out its storage.
+  BoundedVector<Contact<T>>& stored_contacts() noexcept { return contacts_; }
+  BoundedVector<WarmStart<T>>& stored_warm_starts() noexcept { return warm_starts_; }
+
+ private:
+  struct Pair {
+    PairKey key;
+    std::uint32_t a{0}, b{0};
+  };
+  // A manifold before it is a contact. `last` and `given` say where its impulses come from, or kNone.
+  struct Found {
+    Pair pair;
+    Manifold<T> manifold;
+    AxisCache axis_cache;
+    T separation{};  // the smallest of its points
+    std::uint32_t last{0}, given{0};
+  };
+
+  void sort_pairs() noexcept;
+  void sort_warm_starts() noexcept;
+  void find_manifolds(const Scene& scene, const StepSettings<T>& settings) noexcept;
+  void keep_deepest(StepReport<T>& report) noexcept;
+  Contact<T> make_contact(const Found& found, const Scene& scene, T sub_step, T impulse_scale) const noexcept;
+
+  BoundedVector<Pair> pairs_;
+  bool pairs_are_heap_{false};
+  std::uint32_t pairs_dropped_{0};
+  BoundedVector<Found> found_;
+  BoundedVector<std::uint32_t> order_;             // of found_, by depth; of warm_starts_, by key
+  BoundedVector<Contact<T>> contacts_, last_;      // by key
+  BoundedVector<WarmStart<T>> warm_starts_;        // as they came
+  BoundedVector<std::uint32_t> warm_start_order_;  // by key, then as they came
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,41 @@
+// How a body moves when nothing touches it: the free rotation over one sub-step.
+//
+// Frame: world; inertia diagonal in the body frame. Units: SI. Thread: [any], pure. Bound: 4 fixed-point iterations,
+// each wins a factor h |w| (1 - I_min / I_max); meant for h |w| < 0.5.
+#pragma once
+
+#include "rt/base/spatial.h"
+
+namespace tactus::physics {
+
+// Rotation and angular velocity at the end of a sub-step.
+template <class T>
+struct FreeRotation {
+  Quat<T> change;            // end_from_start, world axes
+  Vec3<T> angular_velocity;  // rad/s, world
+};
+
+// The gyroscopic term by implicit midpoint in the body frame: I (w1 - w0) + h m x I m = 0, m = (w0 + w1) / 2, and the
+// rotation by the Cayley map of h m. Midpoint keeps the energy; with the Cayley map, and not with the exponential
+// one, the same equation says that the world's angular momentum is kept as well:
+// (1 + h m x / 2) I w1 = (1 - h m x / 2) I w0.
+template <class T>
+FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& angular_velocity, const Vec3<T>& inertia,
+                              T h) noexcept;
+
+// The same for a body whose inertia is the same about every axis, or whose gyroscopic term is left out: the angular
+// velocity stays, the rotation is the exponential map of h w.
+template <class T>
+FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept;
+
+// Is there a gyroscopic term at all?
+template <class T>
+constexpr bool is_anisotropic(const Vec3<T>& inertia) noexcept {
+  const T low = inertia.x < inertia.y ? (inertia.x < inertia.z ? inertia.x : inertia.z)
+                                      : (inertia.y < inertia.z ? inertia.y : inertia.z);
+  const T high = inertia.x > inertia.y ? (inertia.x > inertia.z ? inertia.x : inertia.z)
+                                       : (inertia.y > inertia.z ? inertia.y : inertia.z);
+  return high - low > T(1e-6) * high;  // below: rounding of an inertia meant to be isotropic
+}
+
+}  // namespace tactus::physics

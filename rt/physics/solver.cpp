@@ -1,0 +1,165 @@
+#include "rt/physics/solver.h"
+
+#include <algorithm>
+
+#include "rt/physics/integrate.h"
+
+namespace tactus::physics {
+
+template <class T>
+Solver<T>::Solver(const Capacities& capacities)
+    : motion_(capacities.bodies),
+      inverse_inertia_(capacities.bodies),
+      before_(capacities.bodies),
+      contacts_(capacities.contacts),
+      border_(capacities.border_contacts) {}
+
+template <class T>
+void Solver<T>::prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
+  const auto count = static_cast<std::uint32_t>(input.bodies.size());
+  motion_.resize(count), inverse_inertia_.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Body<T>& body = input.bodies[i];
+    SolverBody<T>& state = motion_[i];
+    state = {};
+    inverse_inertia_[i] = {};
+    if (input.frozen[i] != 0) continue;  // infinite mass, at rest
+    state.v = body.motion.velocity.linear, state.w = body.motion.velocity.angular;
+    state.inverse_mass = T(1) / body.mass;
+    inverse_inertia_[i] = rotate_diagonal(body.motion.pose.rotation,
+                                          Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
+  }
+  contacts_.prepare(input.contacts, state());
+  border_.prepare(input.border, input.border_mode, input.bodies, state(), h, input.impulse_scale, settings.friction);
+  const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
+  spring_.prepare(input.spring, spring_start, state(), h, input.impulse_scale);
+}
+
+template <class T>
+void Solver<T>::apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
+  if (settings.gravity != Vec3<T>{}) {
+    const Vec3<T> change = h * settings.gravity;
+    for (std::uint32_t i = 0; i < motion_.size(); ++i)
+      if (motion_[i].inverse_mass > T(0)) motion_[i].v += input.bodies[i].gravity_scale * change;
+  }
+  for (std::uint32_t i = 0; i < input.wrenches.size(); ++i) {
+    motion_[i].v += (h * motion_[i].inverse_mass) * input.wrenches[i].force;
+    motion_[i].w += inverse_inertia_[i] * (h * input.wrenches[i].torque);
+  }
+}
+
+// Warm start for a sub-step that no sweep will correct. With d the change of velocity that the impulses make, kinetic
+// energy changes by v.M.d + d.M.d / 2; where that is positive the impulses are scaled to where it is smallest.
+template <class T>
+void Solver<T>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
+  before_.resize(motion_.size());
+  for (std::uint32_t i = 0; i < motion_.size(); ++i) before_[i] = {motion_[i].v, motion_[i].w};
+  border_.warm_start(state());
+  contacts_.warm_start(state());
+  T linear = T(0), quadratic = T(0);
+  for (std::uint32_t i = 0; i < motion_.size(); ++i) {
+    if (motion_[i].inverse_mass == T(0)) continue;
+    const Body<T>& body = input.bodies[i];
+    const Quat<T>& q = body.motion.pose.rotation;
+    const Vec3<T> dv = motion_[i].v - before_[i].linear;
+    const Vec3<T> dw = rotate_inverse(q, motion_[i].w - before_[i].angular);
+    const Vec3<T> momentum = scale(body.inertia, dw);
+    linear += body.mass * dot(before_[i].linear, dv) + dot(rotate_inverse(q, before_[i].angular), momentum);
+    quadratic += body.mass * norm_squared(dv) + dot(dw, momentum);
+  }
+  if (linear + T(0.5) * quadratic <= T(0)) return;
+  const T factor = quadratic > T(0) ? std::clamp(-linear / quadratic, T(0), T(1)) : T(0);
+  contacts_.scale_impulses(factor);
+  border_.scale_impulses(factor);
+  for (std::uint32_t i = 0; i < motion_.size(); ++i) {
+    motion_[i].v = before_[i].linear + factor * (motion_[i].v - before_[i].linear);
+    motion_[i].w = before_[i].angular + factor * (motion_[i].w - before_[i].angular);
+  }
+}
+
+template <class T>
+void Solver<T>::sweep_relax(const StepSettings<T>& settings, const SweepRule<T>& rule, bool last) noexcept {
+  spring_.solve(state());
+  border_.solve(state(), rule, false);
+  contacts_.relax(state(), rule, settings.friction, last);
+}
+
+template <class T>
+void Solver<T>::move(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
+  for (std::uint32_t i = 0; i < motion_.size(); ++i) {
+    SolverBody<T>& state = motion_[i];
+    if (state.inverse_mass == T(0)) continue;
+    state.delta_position += h * state.v;
+    if (settings.gyroscopic && is_anisotropic(input.bodies[i].inertia)) {
+      // The gyroscopic term is integrated together with the rotation, so that a free body keeps energy and momentum.
+      const auto turned = rotate_freely(state.delta_rotation * input.bodies[i].motion.pose.rotation, state.w,
+                                        input.bodies[i].inertia, h);
+      state.delta_rotation = turned.change * state.delta_rotation;
+      state.w = turned.angular_velocity;
+    } else {
+      state.delta_rotation = rotate_steadily(state.w, h).change * state.delta_rotation;
+    }
+  }
+}
+
+template <class T>
+void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settings) noexcept {
+  for (std::uint32_t i = 0; i < motion_.size(); ++i) {
+    if (motion_[i].inverse_mass == T(0)) continue;
+    BodyMotion<T>& motion = input.bodies[i].motion;
+    motion.pose.position += motion_[i].delta_position;
+    motion.pose.rotation = normalized(motion_[i].delta_rotation * motion.pose.rotation);
+    motion.velocity = {motion_[i].v, motion_[i].w};
+  }
+  contacts_.store(input.contacts);
+  border_.store(input.border, settings.dt);
+}
+
+template <class T>
+void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
+                     StepReport<T>& report) noexcept {
+  const T h = settings.dt / static_cast<T>(settings.sub_steps);
+  const SweepRule<T> rule = SweepRule<T>::of(settings, h);
+  std::uint32_t sweep = 0;
+  const auto go_on = [&]() noexcept {
+    if (report.cut_sweep == kNeverCut && cut(sweep)) report.cut_sweep = sweep;
+    if (report.cut_sweep != kNeverCut) return false;
+    ++sweep;
+    return true;
+  };
+
+  prepare(input, settings, h);
+  for (std::uint32_t j = 0; j < settings.sub_steps; ++j) {
+    border_.begin_sub_step(j, state());
+    apply_forces(input, settings, h);
+    border_.apply_replay(state());
+    spring_.begin_sub_step(j, state());
+    if (go_on()) {
+      border_.warm_start(state());
+      contacts_.warm_start(state());
+      spring_.solve(state());
+      border_.solve(state(), rule, true);
+      contacts_.solve_biased(state(), rule);
+    } else {
+      spring_.solve(state());
+      warm_start_without_gain(input);
+    }
+    move(input, settings, h);
+    bool counted = false;
+    for (std::uint32_t k = 0; k < settings.relax_sweeps && go_on(); ++k) {
+      counted = k + 1 == settings.relax_sweeps;
+      sweep_relax(settings, rule, counted);
+    }
+    if (!counted && j + 1 == settings.sub_steps && report.cut_sweep != kNeverCut)
+      counted = true, sweep_relax(settings, rule, true);
+    if (!counted) contacts_.add_to_totals();
+    border_.end_sub_step(state());
+    spring_.end_sub_step();
+  }
+  store(input, settings);
+}
+
+template class Solver<double>;
+template class Solver<float>;
+
+}  // namespace tactus::physics

@@ -1,0 +1,56 @@
+// One step of the soft-step solver: sub-steps of forces, warm start, biased sweep, integration, relax sweeps.
+//
+// Order in every sweep: the device's spring, the border contacts, the contacts by key. A cut is asked for before each
+// sweep; once it fires no sweep follows but one relax sweep at the very end. The sub-steps that are left still
+// integrate: their warm start is held back as far as it would raise the kinetic energy (an impulse that once stopped
+// an impact must not be given again), and the spring, whose cost is that of one contact, is still solved.
+// Frame: world. Units: SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
+#pragma once
+
+#include "rt/physics/border_solver.h"
+#include "rt/physics/capacity.h"
+#include "rt/physics/contact_solver.h"
+#include "rt/physics/spring_solver.h"
+#include "rt/physics/step.h"
+
+namespace tactus::physics {
+
+// What the solver works on; all by slot.
+template <class T>
+struct SolverInput {
+  std::span<Body<T>> bodies;
+  std::span<const std::uint8_t> frozen;
+  std::span<const Wrench<T>> wrenches;  // N, N m; empty where no body has one
+  std::span<Contact<T>> contacts;       // by key
+  PoseSpring<T>& spring;
+  std::span<BorderContact<T>> border;
+  BorderMode border_mode;
+  T impulse_scale;  // this sub-step / that of the stored impulses of spring and border
+};
+
+template <class T>
+class Solver {
+ public:
+  explicit Solver(const Capacities& capacities);  // [setup]
+
+  void step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
+            StepReport<T>& report) noexcept;
+
+ private:
+  void prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
+  void apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
+  void warm_start_without_gain(const SolverInput<T>& input) noexcept;
+  void sweep_relax(const StepSettings<T>& settings, const SweepRule<T>& rule, bool last) noexcept;
+  void move(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
+  void store(const SolverInput<T>& input, const StepSettings<T>& settings) noexcept;
+  SolverBodies<T> state() noexcept { return {motion_.span(), inverse_inertia_.span()}; }
+
+  BoundedVector<SolverBody<T>> motion_;
+  BoundedVector<SymMat3<T>> inverse_inertia_;
+  BoundedVector<Twist<T>> before_;  // velocities before a warm start that may be held back
+  ContactSolver<T> contacts_;
+  BorderSolver<T> border_;
+  SpringSolver<T> spring_;
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,76 @@
+// What the solver's sweeps need of a body, packed: everything that changes within a step and is read at every contact.
+//
+// Frame: world. Units: SI. 16 scalars, so 128 bytes in double: two whole cache lines. The inverse inertia, constant
+// over a step, lies in an array of its own: integration does not read it. Thread: the owner of the World [rt].
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "rt/base/bounded_vector.h"
+#include "rt/physics/body.h"
+
+namespace tactus::physics {
+
+template <class T>
+struct alignas(16 * sizeof(T)) SolverBody {
+  Vec3<T> v, w;            // m/s, rad/s
+  Vec3<T> delta_position;  // m, since the start of the step
+  Quat<T> delta_rotation;  // now_from_start, world axes
+  T inverse_mass{};        // 1/kg; 0 where nothing moves it
+  T fill[2]{};
+};
+static_assert(sizeof(SolverBody<double>) == 128 && sizeof(SolverBody<float>) == 64);
+
+// The dynamic bodies of one step, by slot. Fixed bodies have none: their rows leave that side out.
+template <class T>
+struct SolverBodies {
+  std::span<SolverBody<T>> motion;
+  std::span<const SymMat3<T>> inverse_inertia;  // 1/(kg m^2), world, at the start of the step
+};
+
+// Adds the impulse `p` [N s] at `r` [m] from the centre.
+template <class T>
+void apply_impulse_at(SolverBody<T>& body, const SymMat3<T>& inverse_inertia, const Vec3<T>& r,
+                      const Vec3<T>& p) noexcept {
+  body.v += body.inverse_mass * p;
+  body.w += inverse_inertia * cross(r, p);
+}
+
+template <class T>
+Vec3<T> velocity_at(const SolverBody<T>& body, const Vec3<T>& r) noexcept {
+  return body.v + cross(body.w, r);
+}
+
+// What one impulse along d1 at r does to the velocity along d2: an entry of J M^-1 J^T.
+template <class T>
+T inverse_effective_mass(T inverse_mass, const SymMat3<T>& inverse_inertia, const Vec3<T>& r, const Vec3<T>& d1,
+                         const Vec3<T>& d2) noexcept {
+  return inverse_mass * dot(d1, d2) + dot(inverse_inertia * cross(r, d1), cross(r, d2));
+}
+
+template <class T>
+T invert_or_zero(T value) noexcept {
+  return value > T(0) ? T(1) / value : T(0);
+}
+
+// One number for both tangents: the inverse of the larger eigenvalue of the 2 x 2 matrix. A step of that size, cut back
+// to the disk of Coulomb, never raises the kinetic energy, and where it stops sliding friction is opposite to the slip;
+// with the inverse of the matrix itself it would be neither.
+template <class T>
+T tangent_mass_of(T k11, T k22, T k12) noexcept {
+  const T mean = T(0.5) * (k11 + k22), half = T(0.5) * (k11 - k22);
+  return invert_or_zero(mean + std::sqrt(half * half + k12 * k12));
+}
+
+// Shortens the vector (x, y) to `radius` at most.
+template <class T>
+void clamp_to_disk(T& x, T& y, T radius) noexcept {
+  const T length_squared = x * x + y * y;
+  if (length_squared > radius * radius) {
+    const T s = radius / std::sqrt(length_squared);
+    x *= s, y *= s;
+  }
+}
+
+}  // namespace tactus::physics

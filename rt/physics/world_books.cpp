@@ -1,0 +1,252 @@
+// The books of a world: energy, momentum, hash; and its state as bytes.
+#include "rt/physics/world.h"
+
+namespace tactus::physics {
+namespace {
+
+// Every field on its own, for writing and for reading: structs have padding, and the same state must give the same
+// bytes. `io(x)` writes or reads x.
+template <class Io, class T>
+void each_field(Io& io, Vec3<T>& v) noexcept {
+  io(v.x), io(v.y), io(v.z);
+}
+template <class Io, class T>
+void each_field(Io& io, Quat<T>& q) noexcept {
+  io(q.w), io(q.x), io(q.y), io(q.z);
+}
+template <class Io, class T>
+void each_field(Io& io, Pose<T>& p) noexcept {
+  each_field(io, p.position), each_field(io, p.rotation);
+}
+template <class Io, class T>
+void each_field(Io& io, Twist<T>& t) noexcept {
+  each_field(io, t.linear), each_field(io, t.angular);
+}
+template <class Io, class T>
+void each_field(Io& io, Wrench<T>& w) noexcept {
+  each_field(io, w.force), each_field(io, w.torque);
+}
+
+template <class Io, class T>
+void each_field(Io& io, Body<T>& b) noexcept {
+  io(b.id), io(b.kind);
+  io(b.shape.kind), io(b.shape.radius), io(b.shape.half_length), each_field(io, b.shape.half_extents);
+  io(b.mass), each_field(io, b.inertia), io(b.friction), io(b.gravity_scale);
+  each_field(io, b.motion.pose), each_field(io, b.motion.velocity);
+}
+
+template <class Io, class T>
+void each_field(Io& io, Contact<T>& c) noexcept {
+  io(c.key.value), io(c.slot_a), io(c.slot_b), io(c.b_fixed), io(c.axis_cache.axis), io(c.friction);
+  each_field(io, c.normal);
+  io(c.count);
+  for (std::uint32_t i = 0; i < c.count && i < kMaxManifoldPoints; ++i) {
+    ContactPoint<T>& p = c.points[i];
+    each_field(io, p.from_a), each_field(io, p.from_b);
+    io(p.separation), io(p.feature), io(p.normal_impulse), io(p.tangent_impulse[0]), io(p.tangent_impulse[1]);
+    io(p.total_normal_impulse), each_field(io, p.total_friction);
+  }
+}
+
+template <class Io, class T>
+void each_field(Io& io, WarmStart<T>& w) noexcept {
+  io(w.key.value), io(w.axis_cache.axis), io(w.count);
+  for (std::uint32_t i = 0; i < w.count && i < kMaxManifoldPoints; ++i)
+    io(w.features[i]), io(w.normal_force[i]), each_field(io, w.friction_force[i]);
+}
+
+template <class Io, class T>
+void each_field(Io& io, PoseSpring<T>& s) noexcept {
+  io(s.enabled), io(s.slot);
+  io(s.stiffness_N_per_m), io(s.damping_Ns_per_m), io(s.stiffness_Nm_per_rad), io(s.damping_Nms_per_rad);
+  each_field(io, s.target), each_field(io, s.target_velocity);
+  each_field(io, s.impulse), each_field(io, s.step_impulse);
+}
+
+template <class Io, class T>
+void each_field(Io& io, BorderContact<T>& c) noexcept {
+  io(c.member), io(c.outside), io(c.feature);
+  each_field(io, c.normal), each_field(io, c.member_anchor);
+  io(c.impulse_rate), io(c.friction);
+  each_field(io, c.outside_velocity), each_field(io, c.line_point);
+  io(c.friction_free), io(c.normal_impulse), io(c.tangent_impulse[0]), io(c.tangent_impulse[1]);
+  io(c.step_normal_impulse), each_field(io, c.step_tangent_impulse);
+  io(c.total_normal_impulse), each_field(io, c.total_tangent_impulse), io(c.work);
+}
+
+struct Writing {
+  ByteWriter& out;
+  template <class V>
+  void operator()(const V& value) noexcept {
+    out.put(value);
+  }
+};
+struct Reading {
+  ByteReader& in;
+  template <class V>
+  void operator()(V& value) noexcept {
+    in.get(value);
+  }
+};
+
+template <class V>
+void write_all(ByteWriter& out, std::span<const V> items) noexcept {
+  Writing io{out};
+  out.put(static_cast<std::uint32_t>(items.size()));
+  for (V item : items) each_field(io, item);
+}
+
+template <class V>
+bool read_all(ByteReader& in, BoundedVector<V>& items) noexcept {
+  Reading io{in};
+  std::uint32_t count = 0;
+  in.get(count);
+  if (!in.ok() || count > items.capacity()) return false;
+  items.resize(count);
+  for (V& item : items) item = {}, each_field(io, item);
+  return in.ok();
+}
+
+class Fnv1a {
+ public:
+  template <class V>
+  void operator()(const V& value) noexcept {
+    unsigned char bytes[sizeof(V)];
+    std::memcpy(bytes, &value, sizeof(V));
+    for (const unsigned char byte : bytes) hash_ = (hash_ ^ byte) * 0x100000001b3ull;
+  }
+  std::uint64_t value() const noexcept { return hash_; }
+
+ private:
+  std::uint64_t hash_{0xcbf29ce484222325ull};
+};
+
+}  // namespace
+
+template <class T>
+T World<T>::kinetic_energy() const noexcept {
+  T sum = T(0);
+  for (const Body<T>& body : bodies_) {
+    const Vec3<T> w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
+    sum += T(0.5) * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
+  }
+  return sum;
+}
+
+template <class T>
+T World<T>::potential_energy(const Vec3<T>& gravity) const noexcept {
+  T sum = T(0);
+  for (const Body<T>& body : bodies_) sum -= body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
+  return sum;
+}
+
+template <class T>
+Wrench<T> World<T>::momentum() const noexcept {
+  Wrench<T> sum;
+  for (const Body<T>& body : bodies_) {
+    const Quat<T>& q = body.motion.pose.rotation;
+    const Vec3<T> linear = body.mass * body.motion.velocity.linear;
+    const Vec3<T> spin = rotate(q, scale(body.inertia, rotate_inverse(q, body.motion.velocity.angular)));
+    sum.force += linear;
+    sum.torque += cross(body.motion.pose.position, linear) + spin;
+  }
+  return sum;
+}
+
+template <class T>
+std::uint64_t World<T>::state_hash() const noexcept {
+  Fnv1a hash;
+  for (Body<T> body : bodies_) {
+    hash(body.id);
+    each_field(hash, body.motion.pose), each_field(hash, body.motion.velocity);
+  }
+  return hash.value();
+}
+
+template <class T>
+void World<T>::save(ByteWriter& out) const noexcept {
+  Writing io{out};
+  write_all(out, bodies_.span());
+  write_all(out, fixed_bodies_.span());
+  out.put_all(frozen_.span());
+  io(wrench_applied_);
+  if (wrench_applied_)
+    for (Wrench<T> wrench : wrenches_) each_field(io, wrench);
+  write_all(out, contacts_.contacts());
+  write_all(out, contacts_.warm_starts());
+  PoseSpring<T> spring = spring_;
+  each_field(io, spring);
+  write_all(out, border_contacts_.span());
+  io(static_cast<std::uint32_t>(border_mode)), io(last_sub_step_), io(refused_bits_), io(refused_);
+}
+
+template <class T>
+std::size_t World<T>::save_size_bound() const noexcept {
+  const Capacities& c = capacities_;
+  return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
+         c.contacts * (sizeof(Contact<T>) + sizeof(WarmStart<T>)) + c.border_contacts * sizeof(BorderContact<T>) +
+         sizeof(PoseSpring<T>) + 64;  // 64: counts and the last line of save
+}
+
+template <class T>
+void World<T>::clear() noexcept {
+  bodies_.clear(), fixed_bodies_.clear(), frozen_.clear(), wrenches_.clear();
+  bounds_.clear(), fixed_bounds_.clear(), reach_.clear(), dynamic_pairs_.clear();
+  contacts_.stored_contacts().clear(), contacts_.stored_warm_starts().clear(), contacts_.clear_pairs();
+  border_contacts_.clear();
+  spring_ = {};
+  wrench_applied_ = false;
+  last_sub_step_ = T(0);
+  refused_bits_ = 0, refused_ = 0;
+}
+
+template <class T>
+bool World<T>::restore(ByteReader& in) noexcept {
+  clear();
+  const auto read = [&]() noexcept {
+    Reading io{in};
+    if (!read_all(in, bodies_) || !read_all(in, fixed_bodies_)) return false;
+    frozen_.resize(bodies_.size());
+    in.get_all(frozen_.span());
+    wrenches_.resize(bodies_.size());
+    io(wrench_applied_);
+    for (Wrench<T>& wrench : wrenches_) {
+      wrench = {};
+      if (wrench_applied_) each_field(io, wrench);
+    }
+    if (!read_all(in, contacts_.stored_contacts()) || !read_all(in, contacts_.stored_warm_starts())) return false;
+    each_field(io, spring_);
+    if (!read_all(in, border_contacts_)) return false;
+    std::uint32_t mode = 0;
+    io(mode), io(last_sub_step_), io(refused_bits_), io(refused_);
+    border_mode = static_cast<BorderMode>(mode);
+    return in.ok();
+  };
+  if (!read()) {
+    clear();
+    return false;
+  }
+  fixed_bounds_.resize(fixed_bodies_.size());
+  for (std::uint32_t i = 0; i < fixed_bodies_.size(); ++i)
+    fixed_bounds_[i] = bounds_of(fixed_bodies_[i].shape, fixed_bodies_[i].motion.pose, T(0));
+  return true;
+}
+
+template double World<double>::kinetic_energy() const noexcept;
+template float World<float>::kinetic_energy() const noexcept;
+template double World<double>::potential_energy(const Vec3<double>&) const noexcept;
+template float World<float>::potential_energy(const Vec3<float>&) const noexcept;
+template Wrench<double> World<double>::momentum() const noexcept;
+template Wrench<float> World<float>::momentum() const noexcept;
+template std::uint64_t World<double>::state_hash() const noexcept;
+template std::uint64_t World<float>::state_hash() const noexcept;
+template void World<double>::save(ByteWriter&) const noexcept;
+template void World<float>::save(ByteWriter&) const noexcept;
+template std::size_t World<double>::save_size_bound() const noexcept;
+template std::size_t World<float>::save_size_bound() const noexcept;
+template void World<double>::clear() noexcept;
+template void World<float>::clear() noexcept;
+template bool World<double>::restore(ByteReader&) noexcept;
+template bool World<float>::restore(ByteReader&) noexcept;
+
+}  // namespace tactus::physics
