@@ -1,0 +1,64 @@
+// Faults that a script inflicts on the simulated device and its link, tick by tick.
+//
+// A script is a list, separated by commas, of  kind[/state|/command]@tick[+ticks][:amount]
+//   lost            frames sent in these ticks never arrive
+//   late:K          frames sent in these ticks arrive K ticks later (1 to 63); a newer one that is there hides them
+//   duplicated      instead of the frame the one before it is sent again
+//   corrupted[:N]   N bits of the frame flip (default 1), so that its check fails
+//   nan             state: the decoded sample has NaN in position and rotation; command: the wrench has NaN
+//   wild            all counts of the state frame are random, its check is right
+//   teleport:X      the x count of the state frame jumps by X metres, its check is right
+//   frozen          the device's program hangs: the same state frame again and again, commands wait, and the motors
+//                   have no effort, for the bridge's own timer runs out
+//   unplugged       nothing passes and the link says so; the device lives on
+//   estop           the e-stop line is active
+// Ticks count reads, from 0; `+ticks` is how many, by default 1. Without a direction lost, late, duplicated and
+// corrupted hit both; nan hits the state. Example: lost@1000+20,teleport@3000:0.3,late/command@7000+100:2
+// Thread: parsing [setup]; active() [rt], a loop over at most 64 faults.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "rt/base/result.h"
+
+namespace tactus::hal {
+
+enum class FaultKind : std::uint8_t {
+  kLost = 0,
+  kLate = 1,
+  kDuplicated = 2,
+  kCorrupted = 3,
+  kNan = 4,
+  kWild = 5,
+  kTeleport = 6,
+  kFrozen = 7,
+  kUnplugged = 8,
+  kEmergencyStop = 9,
+};
+
+enum class FaultDirection : std::uint8_t { kState = 1, kCommand = 2, kBoth = 3 };
+
+inline constexpr unsigned kMaxFaults = 64;
+inline constexpr unsigned kMaxLateTicks = 63;
+
+struct InjectedFault {
+  FaultKind kind{FaultKind::kLost};
+  FaultDirection direction{FaultDirection::kBoth};
+  std::uint64_t tick{0}, ticks{1};
+  double amount{0};  // ticks for late, bits for corrupted, metres for teleport
+};
+
+struct FaultScript {
+  std::array<InjectedFault, kMaxFaults> faults{};
+  std::uint32_t count{0};
+
+  // The first fault of this kind that acts in this direction at this tick, or null.
+  const InjectedFault* active(FaultKind kind, FaultDirection direction, std::uint64_t tick) const noexcept;
+};
+
+// One line on an error: which fault of the list, what is wrong, what is accepted. An empty text is an empty script.
+Result<FaultScript> parse_fault_script(std::string_view text);
+
+}  // namespace tactus::hal

@@ -1,0 +1,96 @@
+#include "hal/hand.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace tactus::hal {
+namespace {
+
+struct SmoothStep {
+  double share, rate;  // of the way; per unit of the parameter
+};
+
+// 10 u^3 - 15 u^4 + 6 u^5: first and second derivatives vanish at both ends.
+SmoothStep smooth_step(double u) noexcept {
+  const double rest = 1.0 - u;
+  return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * rest * rest};
+}
+
+bool is_finite_and_at_least(double x, double least) noexcept { return std::isfinite(x) && x >= least; }
+
+}  // namespace
+
+Vec3d rotation_vector_of(const Quatd& q) noexcept {
+  const Vec3d v = q.w < 0.0 ? -q.vec() : q.vec();
+  const double s = norm(v), c = std::abs(q.w);
+  if (s < 1e-12) return 2.0 * v;
+  // The angle whose sine and cosine are s and c, in [0, pi/2]: x += sin(angle - x) cubes the error, which starts
+  // below 0.34. Own arithmetic, so that every build has the same bits.
+  double half_angle = 1.5707963267948966 * s;
+  for (int i = 0; i < 4; ++i) {
+    const auto x = sin_cos(half_angle);
+    half_angle += s * x.cos - c * x.sin;
+  }
+  return v * (2.0 * half_angle / s);
+}
+
+HandModel::HandModel(const HandParameters& parameters, std::span<const HandWaypoint> path) : parameters_(parameters) {
+  if (path.empty()) return;
+  const auto pose_of = [](const HandWaypoint& w) {
+    return Posed{w.position_m, quat_from_rotation_vector(w.rotation_vector_rad)};
+  };
+  first_.pose = pose_of(path.front()), last_.pose = pose_of(path.back());
+  start_s_ = path.front().time_s, end_s_ = path.back().time_s;
+  segments_.reserve(path.size());
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Posed from = pose_of(path[i]), to = pose_of(path[i + 1]);
+    segments_.push_back({path[i].time_s, path[i + 1].time_s - path[i].time_s, from.position,
+                         to.position - from.position, from.rotation,
+                         rotation_vector_of(to.rotation * conjugate(from.rotation))});
+  }
+}
+
+Status HandModel::check(const HandParameters& p, std::span<const HandWaypoint> path) {
+  const double impedance[] = {p.stiffness_N_per_m,    p.damping_Ns_per_m,    p.mass_kg,
+                              p.stiffness_Nm_per_rad, p.damping_Nms_per_rad, p.inertia_kg_m2};
+  for (const double value : impedance)
+    if (!is_finite_and_at_least(value, 0.0))
+      return Status::error("hand: stiffness, damping, mass and inertia must be finite and not negative, one is " +
+                           std::to_string(value));
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::string which = "hand: way point " + std::to_string(i + 1);
+    if (!is_finite(path[i].position_m) || !is_finite(path[i].rotation_vector_rad) ||
+        !is_finite_and_at_least(path[i].time_s, 0.0))
+      return Status::error(which + ": time, position and rotation must be finite, the time not negative");
+    if (i > 0 && path[i].time_s <= path[i - 1].time_s)
+      return Status::error(which + ": its time " + std::to_string(path[i].time_s) + " s must be after " +
+                           std::to_string(path[i - 1].time_s) + " s, the one before");
+  }
+  if (p.repeat && path.size() > 1 &&
+      !(path.front().position_m == path.back().position_m &&
+        path.front().rotation_vector_rad == path.back().rotation_vector_rad))
+    return Status::error("hand: a path that repeats must end in the pose in which it starts");
+  return Status::good();
+}
+
+HandTarget HandModel::target_at(double time_s) const noexcept {
+  double t = time_s;
+  const double length_s = end_s_ - start_s_;
+  if (parameters_.repeat && t > end_s_ && length_s > 0.0) {
+    const double into = t - start_s_;
+    t = start_s_ + (into - length_s * std::floor(into / length_s));
+  }
+  if (segments_.empty() || t <= start_s_) return first_;
+  if (t >= end_s_) return last_;
+
+  const auto after = std::upper_bound(segments_.begin(), segments_.end(), t,
+                                      [](double value, const Segment& s) { return value < s.start_s; });
+  const Segment& s = *(after - 1);
+  const SmoothStep step = smooth_step(std::min((t - s.start_s) / s.duration_s, 1.0));
+  const double rate = step.rate / s.duration_s;
+  return {{s.position + s.move * step.share, normalized(quat_from_rotation_vector(s.turn * step.share) * s.rotation)},
+          {s.move * rate, s.turn * rate}};
+}
+
+}  // namespace tactus::hal

@@ -1,0 +1,67 @@
+// A simulated hand: an arm's impedance that follows a scripted target and holds the device's tool.
+//
+// Force on the tool: k (x_target - x) + c (v_target - v), the same in rotation; the hand's mass is added to the
+// device's, for the hand holds it rigidly. The target moves between way points along a smooth step (position, speed
+// and acceleration continuous; it rests for an instant at each). Frame: the device's. Units: SI.
+// Thread: construction [setup] (copies the path); the rest [rt], no allocation, a binary search over the path.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rt/base/result.h"
+#include "rt/base/spatial.h"
+
+namespace tactus::hal {
+
+struct HandWaypoint {
+  double time_s{0};
+  Vec3d position_m;
+  Vec3d rotation_vector_rad;  // of the tool, about the device's axes
+};
+
+struct HandParameters {
+  double stiffness_N_per_m{400}, damping_Ns_per_m{12}, mass_kg{0.5};
+  double stiffness_Nm_per_rad{4}, damping_Nms_per_rad{0.1}, inertia_kg_m2{1e-3};
+  bool repeat{false};  // the path starts again at its end, whose pose is then that of its start
+};
+
+struct HandTarget {
+  Posed pose;    // device_from_tool
+  Twistd twist;  // m/s, rad/s
+};
+
+class HandModel {
+ public:
+  // A hand that holds still at the origin.
+  HandModel() : HandModel(HandParameters{}, {}) {}
+
+  // [setup] `path`: times ascending; an empty one rests at the origin. Check it first.
+  HandModel(const HandParameters& parameters, std::span<const HandWaypoint> path);
+
+  // [setup] One line: which way point or parameter is wrong, and what is accepted.
+  static Status check(const HandParameters& parameters, std::span<const HandWaypoint> path);
+
+  const HandParameters& parameters() const noexcept { return parameters_; }
+
+  // Before the first way point: the first. After the last: the last, or the path again.
+  HandTarget target_at(double time_s) const noexcept;
+
+ private:
+  struct Segment {
+    double start_s, duration_s;
+    Vec3d position, move;  // m
+    Quatd rotation;
+    Vec3d turn;  // rad, device axes: from the start's rotation to the end's, the short way
+  };
+
+  HandParameters parameters_;
+  std::vector<Segment> segments_;
+  HandTarget first_, last_;
+  double start_s_{0}, end_s_{0};
+};
+
+// The rotation vector of a unit quaternion, at most half a turn long: the inverse of quat_from_rotation_vector.
+Vec3d rotation_vector_of(const Quatd& q) noexcept;
+
+}  // namespace tactus::hal

@@ -1,0 +1,51 @@
+// The mechanics of the simulated device with a hand on its tool: a mass and an isotropic inertia with viscous damping,
+// Coulomb friction, amplifiers that saturate, and stops.
+//
+// Semi-implicit: damping, the hand's spring and friction act on the speed at the end of the sub-step, so none of them
+// can add energy or chatter; friction sticks whenever it can hold. Books: kinetic energy changes by exactly the sum of
+// the works, which are taken with the mean speed of the sub-step. Frame: the device's. Units: SI.
+// Thread: [rt], the owner's; no allocation, no loop but over three components.
+#pragma once
+
+#include "hal/hand.h"
+#include "hal/profiles.h"
+
+namespace tactus::hal {
+
+// J, each the work done on device and hand together since the start; dissipation is negative.
+struct EnergyBook {
+  double motors{0}, hand{0}, viscous{0}, coulomb{0}, stops{0};
+};
+
+class Plant {
+ public:
+  // [setup] At rest at `device_from_tool`, moved inside the stops if it is not.
+  Plant(const PlantParameters& parameters, const HandParameters& hand, const Posed& device_from_tool) noexcept;
+
+  // One sub-step of `h_s`. `motor_effort` is cut where the amplifiers saturate. `shorted`: no effort, but damping.
+  void step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept;
+
+  Posed pose() const noexcept { return kinematics_.pose_of(coordinates_); }  // device_from_tool
+  const AxisVector& coordinates() const noexcept { return coordinates_; }    // m, rad
+  const Twistd& twist() const noexcept { return twist_; }
+  const Wrenchd& hand_wrench() const noexcept { return hand_wrench_; }    // on the tool, last sub-step
+  const Wrenchd& motor_wrench() const noexcept { return motor_wrench_; }  // on the tool, last sub-step
+  const EnergyBook& energy() const noexcept { return energy_; }
+  double kinetic_energy_J() const noexcept;
+
+ private:
+  struct Line;  // one vector equation: translation or rotation
+  Vec3d advance(const Line& line, const Vec3d& speed) noexcept;
+  void hit_stops() noexcept;
+
+  CartesianStage kinematics_;
+  PlantParameters parameters_;
+  HandParameters hand_;
+  double mass_kg_, inertia_kg_m2_;  // of device and hand together
+  AxisVector coordinates_{};
+  Twistd twist_;
+  Wrenchd hand_wrench_, motor_wrench_;
+  EnergyBook energy_;
+};
+
+}  // namespace tactus::hal
