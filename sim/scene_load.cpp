@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "rt/haptics/snapshot.h"
+#include "sim/nearest_word.h"
 #include "sim/scene_load_parts.h"
 #include "sim/scene_load_reader.h"
 

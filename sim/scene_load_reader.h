@@ -60,7 +60,4 @@ class TableReader {
   std::vector<std::string_view> known_;
 };
 
-// The word of `known` that needs the fewest changes to become `word`, or empty where none is near. [any]
-std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
-
 }  // namespace tactus::sim

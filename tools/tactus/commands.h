@@ -1,0 +1,18 @@
+// The subcommands of the program, one source file each. Every function adds its subcommand to the program and sets
+// `exit_code` when it is run: 0 good; 1 it ran and the verdict is bad; 2 bad usage or input; 3 the machine cannot.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace tactus::tools {
+
+inline constexpr int kExitGood = 0, kExitVerdictBad = 1, kExitBadInput = 2, kExitMachineCannot = 3;
+
+CLI::App* add_scene_command(CLI::App& program, int& exit_code);
+
+// One line on stderr: "tactus: " and the text. Returns `exit_code`, so that a command can end with it.
+int complain(const std::string& text, int exit_code);
+
+}  // namespace tactus::tools

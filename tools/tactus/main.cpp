@@ -1,0 +1,108 @@
+// The tactus program: finds the subcommand, and says in one line what is wrong with a command line.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "sim/nearest_word.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+// The innermost subcommand that was named: the program itself where none was.
+const CLI::App& innermost(const CLI::App& program) {
+  const CLI::App* app = &program;
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  return *app;
+}
+
+std::string path_of(const CLI::App& app) {
+  return app.get_parent() == nullptr ? app.get_name() : path_of(*app.get_parent()) + " " + app.get_name();
+}
+
+std::vector<std::string> subcommands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* sub : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+
+// A word that nothing takes: an option that does not exist, a subcommand that does not, one argument too many.
+std::string explain_extra(const CLI::App& app, const std::string& extra) {
+  std::vector<std::string> known = subcommands_of(app);
+  const bool is_option = extra.starts_with("-");
+  if (is_option) {
+    known.clear();
+    for (const auto* option : app.get_options())
+      for (const auto& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::string word = extra.substr(0, extra.find('='));
+  const std::vector<std::string_view> views(known.begin(), known.end());
+  const auto nearest = sim::nearest_word(word, views);
+  const char* what = is_option ? "no such option" : known.empty() ? "one argument too many" : "no such command";
+  return fmt::format("{}: {}: {}{}; accepted: {}", path_of(app), word, what,
+                     nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest),
+                     known.empty() ? fmt::format("see {} --help", path_of(app)) : joined(known));
+}
+
+int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code) {
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return program.exit(help);  // --help: the text on stdout
+  } catch (const CLI::ExtrasError&) {
+    const auto extras = program.remaining(true);
+    return complain(explain_extra(innermost(program), extras.empty() ? "" : extras.front()), kExitBadInput);
+  } catch (const CLI::ParseError& error) {
+    const std::string path = path_of(innermost(program));
+    return complain(fmt::format("{}: {}; accepted: see {} --help", path, error.what(), path), kExitBadInput);
+  }
+  const CLI::App& named = innermost(program);
+  const auto subcommands = subcommands_of(named);
+  if (!subcommands.empty())
+    return complain(
+        fmt::format("{}: no command; accepted: {}; see {} --help", path_of(named), joined(subcommands), path_of(named)),
+        kExitBadInput);
+  return exit_code;
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App program{"tactus: feel a large world of rigid bodies through a force-feedback device, at 1 kHz."};
+  program.name("tactus");
+  program.footer(
+      "Example:\n  tactus scene check sim/scenes/card_house.toml\n\n"
+      "Every command has --help and an example of its own. Exit status: 0 good; 1 it ran and the verdict is bad;\n"
+      "2 bad usage or input; 3 the machine cannot do it.");
+  int exit_code = kExitGood;
+  add_scene_command(program, exit_code);
+  return parse_and_run(program, argc, argv, exit_code);
+}
+
+}  // namespace
+
+int complain(const std::string& text, int exit_code) {
+  std::string line = text;
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+  std::replace_if(line.begin(), line.end(), is_control, ' ');
+  // A text that begins with a command's path begins with the program's name already.
+  fmt::print(stderr, "{}{}\n", line.starts_with("tactus") ? "" : "tactus: ", line);
+  return exit_code;
+}
+
+}  // namespace tactus::tools
+
+int main(int argc, char** argv) {
+  try {
+    return tactus::tools::run_program(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return tactus::tools::complain("out of memory", tactus::tools::kExitMachineCannot);
+  } catch (const std::exception& error) {
+    return tactus::tools::complain(error.what(), tactus::tools::kExitMachineCannot);
+  }
+}

@@ -1,0 +1,148 @@
+// tactus scene check FILE: is the scene good, what does it call for, what does that cost?
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "hal/profiles.h"
+#include "sim/scene_load.h"
+#include "sim/scene_report.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct CheckOptions {
+  std::string file;
+  double rate_Hz{1000};
+  bool json{false};
+};
+
+ordered_json to_json(const std::vector<sim::Mistake>& mistakes) {
+  ordered_json list = ordered_json::array();
+  for (const auto& m : mistakes)
+    list.push_back(
+        {{"line", m.line}, {"column", m.column}, {"where", m.where}, {"what", m.what}, {"accepted", m.accepted}});
+  return list;
+}
+
+ordered_json to_json(const haptics::AxisVerdict& axis, const char* stiffness_unit, const char* damping_unit) {
+  return {{std::string("stiffness_") + stiffness_unit, axis.stiffness},
+          {std::string("stiffness_limit_") + stiffness_unit, axis.stiffness_limit},
+          {std::string("stiffness_allowed_") + stiffness_unit, axis.stiffness_allowed},
+          {std::string("damping_") + damping_unit, axis.damping},
+          {std::string("damping_limit_") + damping_unit, axis.damping_limit},
+          {"margin", axis.margin},
+          {"passive", axis.passive},
+          {"accepted", axis.accepted}};
+}
+
+ordered_json to_json(const sim::SceneReport& r) {
+  ordered_json effects = ordered_json::array(), parts = ordered_json::array();
+  for (const auto& e : r.effects)
+    effects.push_back({{"name", e.name}, {"declared", e.declared}, {"used", e.used}, {"cost", e.cost}});
+  for (const auto& p : r.generated)
+    parts.push_back({{"kind", p.kind},
+                     {"first_id", p.first},
+                     {"bodies", p.count},
+                     {"friction", p.friction},
+                     {"needed_foot_friction", p.foot_friction},
+                     {"needed_top_friction", p.top_friction}});
+  return {{"bodies",
+           {{"total", r.bodies.total},
+            {"dynamic", r.bodies.dynamic},
+            {"fixed", r.bodies.fixed},
+            {"boxes", r.bodies.boxes},
+            {"spheres", r.bodies.spheres},
+            {"capsules", r.bodies.capsules},
+            {"planes", r.bodies.planes}}},
+          {"effects", effects},
+          {"generated", parts},
+          {"lightest_kg", r.lightest_kg},
+          {"heaviest_kg", r.heaviest_kg},
+          {"mass_ratio", r.mass_ratio},
+          {"contact_hertz_Hz", r.contact_hertz_Hz},
+          {"max_contact_hertz_Hz", r.max_contact_hertz_Hz},
+          {"penetration",
+           {{"proxy_m_per_N", r.penetration.proxy_m_per_N}, {"lightest_m_per_N", r.penetration.lightest_m_per_N}}},
+          {"coupling",
+           {{"translation", to_json(r.coupling.translation, "N_per_m", "Ns_per_m")},
+            {"rotation", to_json(r.coupling.rotation, "Nm_per_rad", "Nms_per_rad")}}},
+          {"start", {{"contacts", r.start.contacts}, {"points", r.start.points}, {"deepest_m", r.start.deepest_m}}},
+          {"hand",
+           {{"duration_s", r.hand.duration_s},
+            {"max_speed_m_per_s", r.hand.max_speed_m_per_s},
+            {"device_max_speed_m_per_s", r.hand.device_max_speed_m_per_s},
+            {"farthest_m", r.hand.farthest_m},
+            {"workspace_radius_m", r.hand.workspace_radius_m}}},
+          {"capacity",
+           {{"member_cap", r.capacity.member_cap},
+            {"members_possible", r.capacity.members_possible},
+            {"contacts_per_body", r.capacity.contacts_per_body},
+            {"sub_world_contacts", r.capacity.sub_world_contacts},
+            {"global_sub_steps", r.capacity.global_sub_steps}}},
+          {"problems", r.problems}};
+}
+
+// The device that the scene names; the loader knows no others.
+haptics::DeviceProperties device_of(const sim::Scene& scene, double tick_s) {
+  const hal::DeviceProfile* profile = hal::find_profile(scene.device.profile);
+  TACTUS_CHECK(profile != nullptr, 0, 0);
+  haptics::DeviceProperties properties = profile->properties;
+  properties.delay_s = profile->transport_delay_ticks * tick_s;
+  return properties;
+}
+
+int check_scene(const CheckOptions& options) {
+  sim::SceneDiagnostics diagnostics;
+  const auto scene = sim::load_scene(options.file, &diagnostics);
+  ordered_json object{{"file", options.file},
+                      {"accepted", scene.ok()},
+                      {"mistakes", to_json(diagnostics.mistakes)},
+                      {"warnings", to_json(diagnostics.warnings)}};
+  if (!scene.ok()) {
+    if (options.json) fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print(stderr, "tactus: {}\n", scene.message());
+    return kExitBadInput;
+  }
+  const double tick_s = 1 / options.rate_Hz;
+  const auto report = sim::report_on(scene.value(), device_of(scene.value(), tick_s), tick_s);
+  if (!diagnostics.warnings.empty()) fmt::print(stderr, "{}\n", diagnostics.warning_message());
+  if (options.json) {
+    object["name"] = report.name;
+    object["title"] = report.title;
+    object["good"] = report.good();
+    object["report"] = to_json(report);
+    fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else {
+    fmt::print("{}", sim::to_text(report));
+  }
+  return report.good() ? kExitGood : kExitVerdictBad;
+}
+
+}  // namespace
+
+CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* scene = program.add_subcommand("scene", "Work with scene files (TOML).");
+  scene->footer("Example:\n  tactus scene check sim/scenes/card_house.toml");
+  CLI::App* check =
+      scene->add_subcommand("check", "Validate a scene; list the effects it calls for and what they cost.");
+  check->footer(
+      "Every mistake gets a line: file, line, column, key, what is wrong, what is accepted.\n"
+      "Exit status: 0 the scene is good; 1 it will not run well, by the problems listed; 2 it is no scene.\n\n"
+      "Example:\n  tactus scene check sim/scenes/card_house.toml\n"
+      "  tactus scene check --json sim/scenes/pile700.toml");
+  check->add_option("FILE", options->file, "the scene, such as sim/scenes/card_house.toml")->required();
+  check->add_option("--rate", options->rate_Hz, "haptic ticks a second to judge stiffnesses by [Hz]")
+      ->check(CLI::Range(100.0, 20000.0))
+      ->capture_default_str();
+  check->add_flag("--json", options->json, "one JSON object on stdout");
+  check->callback([options, &exit_code] { exit_code = check_scene(*options); });
+  return scene;
+}
+
+}  // namespace tactus::tools
