@@ -130,7 +130,8 @@ Fault count_missed(InputGuard& guard, const Finding& finding) noexcept {
     case Outcome::kFatal:
       return finding.fault;
     case Outcome::kRejected:
-      return ++state.rejected >= kRejectedTicks ? finding.fault : Fault::kNone;
+      ++state.rejected;
+      return state.rejected >= kRejectedTicks || state.missed >= kFadeOutTicks ? finding.fault : Fault::kNone;
     case Outcome::kMissing:
       if (state.based == 0 && state.first_frame_left > 0) {
         --state.first_frame_left;

@@ -1,0 +1,119 @@
+#include "rt/haptics/coupling_limits.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+using namespace tactus;
+using namespace tactus::haptics;
+
+namespace {
+
+// A device's mass with its damping, on a sampled spring and damper whose force is held for a period and late by
+// `delay_ticks`; solved exactly between the samples. True when a push dies out within 20 s.
+bool is_stable(const AxisLimits& axis, double stiffness, double damping, int delay_ticks) {
+  const double T = axis.period_s, m = axis.mass, b = axis.damping;
+  const double decay = b > 0 ? std::exp(-b / m * T) : 1.0;
+  double x = 0, v = 0.01, last_x = 0, pipeline[4] = {};
+  double early = 0, late = 0;
+  const int ticks = static_cast<int>(20.0 / T);
+  for (int k = 0; k < ticks; ++k) {
+    for (int i = 3; i > 0; --i) pipeline[i] = pipeline[i - 1];
+    pipeline[0] = -stiffness * x - damping * (x - last_x) / T;
+    last_x = x;
+    const double f = pipeline[delay_ticks];
+    // m dv/dt = f - b v over T, with f constant.
+    if (b > 0) {
+      const double end = f / b;
+      x += end * T + (v - end) * (m / b) * (1 - decay);
+      v = end + (v - end) * decay;
+    } else {
+      x += v * T + 0.5 * f / m * T * T;
+      v += f / m * T;
+    }
+    if (!(std::abs(x) < 1e6)) return false;
+    if (k < ticks / 10) early = std::max(early, std::abs(v));
+    if (k >= ticks - ticks / 10) late = std::max(late, std::abs(v));
+  }
+  return late < early;
+}
+
+}  // namespace
+
+TEST_CASE("the default gains on the default device have the margins that the formulas give") {
+  const CouplingVerdict verdict = check_coupling({}, {}, 1e-3);
+  CHECK(verdict.accepted);
+  CHECK(verdict.translation.stiffness_limit == Approx(5.5 / 1.5e-3));  // 3667 N/m
+  CHECK(verdict.translation.margin == Approx(11.0 / 6.0));             // 1.83
+  CHECK(verdict.translation.stiffness_allowed == Approx(0.55 * 5.5 / 1.5e-3));
+  CHECK(verdict.translation.damping_limit == Approx(150.0));
+  CHECK(verdict.rotation.stiffness_limit == Approx(0.022 / 1.5e-3));
+  CHECK(verdict.rotation.damping_limit == Approx(0.5));
+  CHECK_FALSE(verdict.translation.passive);  // B > b
+}
+
+TEST_CASE("the uncoupled limit separates the stable from the unstable in a simulated device") {
+  const double damping = GENERATE(2.0, 5.0, 10.0);
+  const double period = GENERATE(1e-3, 0.25e-3);
+  const int delay_ticks = GENERATE(0, 1);
+  const AxisLimits axis{period, delay_ticks * period, 0.3, 0.5, 0, 0};
+  const double limit = uncoupled_stiffness_limit(axis, damping);
+  CHECK(is_stable(axis, 0.9 * limit, damping, delay_ticks));
+  CHECK_FALSE(is_stable(axis, 1.2 * limit, damping, delay_ticks));
+}
+
+TEST_CASE("the damper limit keeps its margin to the instability of a free mass with one period of delay") {
+  const AxisLimits axis{1e-3, 1e-3, 0.3, 0, 0, 0};
+  const double edge = 2 * (std::sqrt(2.0) - 1) * axis.mass / axis.period_s;
+  CHECK(is_stable(axis, 0, 0.98 * edge, 1));
+  CHECK_FALSE(is_stable(axis, 0, 1.02 * edge, 1));
+  CHECK(damping_limit(axis) == Approx(edge / (4 * (std::sqrt(2.0) - 1))));
+}
+
+TEST_CASE("the certificate is b > K T / 2 + |B|, for either sign of B") {
+  const AxisLimits axis{1e-3, 0, 0.3, 0.5, 0, 0};
+  CHECK(passive_stiffness_limit(axis, 0) == Approx(1000));
+  for (const double B : {0.2, -0.2}) {
+    const double K = passive_stiffness_limit(axis, B);
+    CHECK(axis.damping == Approx(K * axis.period_s / 2 + std::abs(B)));
+  }
+  CHECK(passive_stiffness_limit(axis, 0.6) < 0);
+}
+
+TEST_CASE("the quantisation limit is the smaller of damping and dry friction, and zero without friction") {
+  CHECK(quantisation_stiffness_limit({1e-3, 0, 0.3, 0.5, 0.1, 1e-5}) == Approx(1000));
+  CHECK(quantisation_stiffness_limit({1e-3, 0, 0.3, 0.5, 0.002, 1e-5}) == Approx(400));
+  CHECK(quantisation_stiffness_limit({1e-3, 0, 0.3, 0.5, 0, 1e-5}) == 0);
+  CHECK(quantisation_stiffness_limit({1e-3, 0, 0.3, 0.5, 0, 0}) == Approx(1000));
+}
+
+TEST_CASE("gains are refused above the allowed share, above the damper limit, negative or not a number") {
+  const DeviceProperties device;
+  CouplingGains gains;
+  gains.stiffness_N_per_m = 0.549 * 5.5 / 1.5e-3;
+  CHECK(check_coupling(gains, device, 1e-3).accepted);
+  gains.stiffness_N_per_m = 0.551 * 5.5 / 1.5e-3;
+  CHECK_FALSE(check_coupling(gains, device, 1e-3).translation.accepted);
+  gains = {};
+  gains.damping_Ns_per_m = 150.1;
+  CHECK_FALSE(check_coupling(gains, device, 1e-3).translation.accepted);
+  for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    gains = {};
+    gains.stiffness_Nm_per_rad = bad;
+    CHECK_FALSE(check_coupling(gains, device, 1e-3).accepted);
+    gains = {};
+    gains.damping_Ns_per_m = bad;
+    CHECK_FALSE(check_coupling(gains, device, 1e-3).accepted);
+  }
+  gains = {0, 5, 0, 0.02};
+  CHECK(check_coupling(gains, device, 1e-3).accepted);
+  CHECK(std::isinf(check_coupling(gains, device, 1e-3).translation.margin));
+}
+
+TEST_CASE("a three-degree-of-freedom device is judged by its translation alone") {
+  DeviceProperties device;
+  device.has_rotation = false;
+  CouplingGains gains;
+  gains.stiffness_Nm_per_rad = 1e6;
+  CHECK(check_coupling(gains, device, 1e-3).accepted);
+}
