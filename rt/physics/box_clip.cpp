@@ -11,37 +11,65 @@ void push(ClipPolygon<T>& polygon, const ClipPoint<T>& point) noexcept {
   if (polygon.count < kMaxClipPoints) polygon.points[polygon.count++] = point;
 }
 
-// Where the line from `from` to `to` meets a side.
+// What is beyond a side by no more than this stays as it is [m]: in a stack of equal boxes every corner lies on a
+// side, and must not take turns between being a corner and a crossing. The solver's slop.
 template <class T>
-ClipPoint<T> crossing(const ClipPoint<T>& from, const ClipPoint<T>& to, T ratio, std::uint8_t side) noexcept {
+inline constexpr T kSideTolerance = T(1e-5);
+
+// Where the line from `from` to `to` meets a side. `id`: of the line and the side together.
+template <class T>
+ClipPoint<T> crossing(const ClipPoint<T>& from, const ClipPoint<T>& to, T beyond_from, T beyond_to,
+                      std::uint8_t side) noexcept {
+  // Where the inner one is itself beyond the side, within the tolerance, the crossing is at the tolerance's end.
+  const T shift = beyond_from <= T(0) || beyond_to <= T(0) ? T(0) : kSideTolerance<T>;
+  const T ratio = (beyond_from - shift) / (beyond_from - beyond_to);
   const auto id = static_cast<std::uint8_t>(8 + from.line * 4 + (side - kFirstSide));
   return {from.u + ratio * (to.u - from.u), from.v + ratio * (to.v - from.v), from.w + ratio * (to.w - from.w), id,
           from.line};
 }
 
-// Keeps what has sign * coordinate <= limit.
+// Keeps what has sign * coordinate <= limit, but for the tolerance.
 template <class T>
 void clip_to_side(ClipPolygon<T>& polygon, T ClipPoint<T>::*coordinate, T sign, T limit, std::uint8_t side) noexcept {
   std::array<T, kMaxClipPoints> beyond;
   bool all_inside = true;
   for (std::uint32_t k = 0; k < polygon.count; ++k) {
     beyond[k] = sign * (polygon.points[k].*coordinate) - limit;
-    all_inside = all_inside && beyond[k] <= T(0);
+    all_inside = all_inside && beyond[k] <= kSideTolerance<T>;
   }
   if (all_inside) return;
   ClipPolygon<T> kept;
   for (std::uint32_t k = 0; k < polygon.count; ++k) {
     const std::uint32_t next = k + 1 == polygon.count ? 0 : k + 1;
-    const bool inside = beyond[k] <= T(0), next_inside = beyond[next] <= T(0);
+    const bool inside = beyond[k] <= kSideTolerance<T>, next_inside = beyond[next] <= kSideTolerance<T>;
     if (inside) push(kept, polygon.points[k]);
     if (inside == next_inside) continue;
-    ClipPoint<T> point =
-        crossing(polygon.points[k], polygon.points[next], beyond[k] / (beyond[k] - beyond[next]), side);
-    point.*coordinate = sign * limit;
+    ClipPoint<T> point = crossing(polygon.points[k], polygon.points[next], beyond[k], beyond[next], side);
     if (inside) point.line = side;  // from here the polygon follows the side
     push(kept, point);
   }
   polygon = kept;
+}
+
+// A sliver of contact, as where two cards meet at their upper edges, is a line: of two neighbours that nearly coincide
+// the lower id stays, with the depth of the deeper.
+template <class T>
+bool merge(ClipPoint<T>& into, const ClipPoint<T>& point) noexcept {
+  constexpr T near = T(2) * kSideTolerance<T>;
+  if (!(std::abs(into.u - point.u) <= near && std::abs(into.v - point.v) <= near)) return false;
+  const T w = std::min(into.w, point.w);
+  if (point.id < into.id) into = point;
+  into.w = w;
+  return true;
+}
+
+template <class T>
+void merge_neighbours(ClipPolygon<T>& polygon) noexcept {
+  std::uint32_t kept = 0;
+  for (std::uint32_t k = 0; k < polygon.count; ++k)
+    if (kept == 0 || !merge(polygon.points[kept - 1], polygon.points[k])) polygon.points[kept++] = polygon.points[k];
+  if (kept > 1 && merge(polygon.points[0], polygon.points[kept - 1])) --kept;
+  polygon.count = kept;
 }
 
 // Keeps the best score seen; what beats it by less than the tolerance only if its id is lower.
@@ -97,6 +125,7 @@ void clip_to_rectangle(ClipPolygon<T>& polygon, T half_u, T half_v) noexcept {
   clip_to_side(polygon, &ClipPoint<T>::u, T(-1), half_u, kFirstSide + 1);
   clip_to_side(polygon, &ClipPoint<T>::v, T(1), half_v, kFirstSide + 2);
   clip_to_side(polygon, &ClipPoint<T>::v, T(-1), half_v, kFirstSide + 3);
+  merge_neighbours(polygon);
 }
 
 template <class T>

@@ -28,7 +28,8 @@ struct ClipPolygon {
   std::array<ClipPoint<T>, kMaxClipPoints> points;
 };
 
-// Cuts the polygon to |u| <= half_u, |v| <= half_v. Empty where nothing is left. A point on a side stays.
+// Cuts the polygon to |u| <= half_u, |v| <= half_v. Empty where nothing is left. A point on a side, or
+// beyond it by at most 10 um, stays where it is; of points within 20 um of each other one is left.
 template <class T>
 void clip_to_rectangle(ClipPolygon<T>& polygon, T half_u, T half_v) noexcept;
 

@@ -31,7 +31,7 @@ template <class T>
 struct BoxPair {
   const PairView<T>& pair;
   Vec3<T> axis_a[3], axis_b[3];  // of the bodies, in the world
-  T h_a[3], h_b[3];              // m, half extents
+  T h[6];                        // m, half extents of A, of B
   T d_a[3], d_b[3];              // m, centre of B from the centre of A, in A's axes, in B's axes
   T r[3][3], abs_r[3][3];        // r[i][j] = axis_a[i] . axis_b[j]
 
@@ -40,8 +40,8 @@ struct BoxPair {
     axis_a[0] = a.x, axis_a[1] = a.y, axis_a[2] = a.z;
     axis_b[0] = b.x, axis_b[1] = b.y, axis_b[2] = b.z;
     const Vec3<T>&ha = view.a.half_extents, &hb = view.b.half_extents;
-    h_a[0] = ha.x, h_a[1] = ha.y, h_a[2] = ha.z;
-    h_b[0] = hb.x, h_b[1] = hb.y, h_b[2] = hb.z;
+    h[0] = ha.x, h[1] = ha.y, h[2] = ha.z;
+    h[3] = hb.x, h[4] = hb.y, h[5] = hb.z;
   }
 
   void relate() noexcept {
@@ -54,7 +54,7 @@ struct BoxPair {
   // Gap between the boxes' shadows on the unit vector n.
   T separation_along(const Vec3<T>& n) const noexcept {
     T reach = T(0);
-    for (int i = 0; i < 3; ++i) reach += h_a[i] * std::abs(dot(axis_a[i], n)) + h_b[i] * std::abs(dot(axis_b[i], n));
+    for (int i = 0; i < 3; ++i) reach += h[i] * std::abs(dot(axis_a[i], n)) + h[3 + i] * std::abs(dot(axis_b[i], n));
     return std::abs(dot(n, pair.b_from_a)) - reach;
   }
 };
@@ -90,10 +90,10 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
   AxisTest<T> test;
   const T margin = b.pair.margin;
   for (int i = 0; i < 3; ++i) {
-    test.face[i] = std::abs(b.d_a[i]) - b.h_a[i] -
-                   (b.abs_r[i][0] * b.h_b[0] + b.abs_r[i][1] * b.h_b[1] + b.abs_r[i][2] * b.h_b[2]);
-    test.face[3 + i] = std::abs(b.d_b[i]) - b.h_b[i] -
-                       (b.abs_r[0][i] * b.h_a[0] + b.abs_r[1][i] * b.h_a[1] + b.abs_r[2][i] * b.h_a[2]);
+    test.face[i] =
+        std::abs(b.d_a[i]) - b.h[i] - (b.abs_r[i][0] * b.h[3] + b.abs_r[i][1] * b.h[4] + b.abs_r[i][2] * b.h[5]);
+    test.face[3 + i] =
+        std::abs(b.d_b[i]) - b.h[3 + i] - (b.abs_r[0][i] * b.h[0] + b.abs_r[1][i] * b.h[1] + b.abs_r[2][i] * b.h[2]);
     if (!(test.face[i] <= margin))
       test.apart = 1 + i;
     else if (!(test.face[3 + i] <= margin))
@@ -106,8 +106,8 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
       const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
       const T sine_squared = b.r[i1][j] * b.r[i1][j] + b.r[i2][j] * b.r[i2][j];
       if (!(sine_squared > kParallelSineSquared<T>)) continue;
-      const T reach = b.h_a[i1] * b.abs_r[i2][j] + b.h_a[i2] * b.abs_r[i1][j] + b.h_b[j1] * b.abs_r[i][j2] +
-                      b.h_b[j2] * b.abs_r[i][j1];
+      const T reach = b.h[i1] * b.abs_r[i2][j] + b.h[i2] * b.abs_r[i1][j] + b.h[3 + j1] * b.abs_r[i][j2] +
+                      b.h[3 + j2] * b.abs_r[i][j1];
       const T separation =
           (std::abs(b.d_a[i2] * b.r[i1][j] - b.d_a[i1] * b.r[i2][j]) - reach) / std::sqrt(sine_squared);
       const int code = kFirstEdge + 3 * i + j;
@@ -121,17 +121,25 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
   return test;
 }
 
-// The best face, unless the preferred one (the last step's, else the best of A) is about as good.
+// The best face, unless the last step's is about as good. Without one, of those that are about as good as the best
+// the one across which its box is thinnest (the lower code on a tie): where two cards meet edge to edge, their broad
+// faces press, not the narrow ones.
 template <class T>
-int choose_face(const AxisTest<T>& test, int cached) noexcept {
-  int best = 1, best_of_a = 1;
-  for (int code = 2; code <= 6; ++code) {
-    if (test.face[code - 1] > test.face[best - 1]) best = code;
-    if (code < kFirstFaceB) best_of_a = best;
+int choose_face(const BoxPair<T>& boxes, const AxisTest<T>& test, int cached) noexcept {
+  const T best = *std::max_element(test.face, test.face + 6);
+  const auto about_best = [&](int code) noexcept {
+    const T separation = test.face[code - 1];
+    return !(best > separation + preference(separation));
+  };
+  if (cached >= 1 && cached < kFirstEdge && about_best(cached)) return cached;
+  int chosen = 0;
+  T thinnest = T(0);
+  for (int code = 1; code < kFirstEdge; ++code) {
+    const T h = boxes.h[code - 1];
+    if (!about_best(code) || (chosen != 0 && h >= thinnest)) continue;
+    chosen = code, thinnest = h;
   }
-  const int preferred = cached >= 1 && cached <= 6 ? cached : best_of_a;
-  const T held = test.face[preferred - 1];
-  return test.face[best - 1] > held + preference(held) ? best : preferred;
+  return chosen;
 }
 
 // A reference face and the other box, in the reference box's axes.
@@ -150,8 +158,8 @@ struct FaceFrame {
         i(on_a ? code - 1 : code - kFirstFaceB),
         u((i + 1) % 3),
         v((i + 2) % 3),
-        h(on_a ? b.h_a : b.h_b),
-        h_other(on_a ? b.h_b : b.h_a),
+        h(on_a ? b.h : b.h + 3),
+        h_other(on_a ? b.h + 3 : b.h),
         axis(on_a ? b.axis_a : b.axis_b) {
     for (int k = 0; k < 3; ++k) {
       offset[k] = on_a ? b.d_a[k] : -b.d_b[k];
@@ -221,10 +229,10 @@ void add_closest_point(const BoxPair<T>& boxes, const Vec3<T>& normal, T separat
                        Manifold<T>& manifold) noexcept {
   constexpr int kRounds = 8;
   const Vec3<T>& offset = boxes.pair.b_from_a;
-  Vec3<T> on_a = nearest_in_box(boxes.axis_a, boxes.h_a, offset), on_b;
+  Vec3<T> on_a = nearest_in_box(boxes.axis_a, boxes.h, offset), on_b;
   for (int round = 0; round < kRounds; ++round) {
-    on_b = offset + nearest_in_box(boxes.axis_b, boxes.h_b, on_a - offset);
-    on_a = nearest_in_box(boxes.axis_a, boxes.h_a, on_b);
+    on_b = offset + nearest_in_box(boxes.axis_b, boxes.h + 3, on_a - offset);
+    on_a = nearest_in_box(boxes.axis_a, boxes.h, on_b);
   }
   const Vec3<T> n = direction_or(on_b - on_a, normal);
   const T along = boxes.separation_along(n);
@@ -271,11 +279,11 @@ void add_edge_contact(const BoxPair<T>& boxes, int code, T separation, Manifold<
   std::uint32_t sides = 0;
   for (int k = 0; k < 3; ++k) {
     const bool plus_a = dot(boxes.axis_a[k], n) > T(0), plus_b = dot(boxes.axis_b[k], n) < T(0);
-    if (k != i) centre_a += boxes.axis_a[k] * (plus_a ? boxes.h_a[k] : -boxes.h_a[k]);
-    if (k != j) centre_b += boxes.axis_b[k] * (plus_b ? boxes.h_b[k] : -boxes.h_b[k]);
+    if (k != i) centre_a += boxes.axis_a[k] * (plus_a ? boxes.h[k] : -boxes.h[k]);
+    if (k != j) centre_b += boxes.axis_b[k] * (plus_b ? boxes.h[3 + k] : -boxes.h[3 + k]);
     sides |= (k != i && plus_a ? 1u << k : 0u) | (k != j && plus_b ? 8u << k : 0u);
   }
-  const Vec3<T> half_a = boxes.axis_a[i] * boxes.h_a[i], half_b = boxes.axis_b[j] * boxes.h_b[j];
+  const Vec3<T> half_a = boxes.axis_a[i] * boxes.h[i], half_b = boxes.axis_b[j] * boxes.h[3 + j];
   const auto [s, t] = closest_on_segments(half_a, half_b, centre_b - centre_a);
   manifold.normal = n;
   add_point(boxes.pair, manifold, T(0.5) * (centre_a + half_a * s + centre_b + half_b * t), separation,
@@ -295,7 +303,7 @@ void collide_box_box(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& 
     cache.axis = static_cast<std::uint8_t>(test.apart);
     return;
   }
-  const int face = choose_face(test, cached);
+  const int face = choose_face(boxes, test, cached);
   const T face_separation = test.face[face - 1];
   // An edge contact of the last step may stay on half the preference.
   const T hold = preference(face_separation) * (cached >= kFirstEdge ? T(0.5) : T(1));
