@@ -36,13 +36,15 @@ TEST_CASE("constant velocity on a quantised scale is found within one quantum ov
   }
 }
 
-TEST_CASE("a step of velocity much larger than the quantum shows in the next tick") {
-  VelocityEstimator estimator{};
-  double x = 0;
-  for (int k = 0; k < 50; ++k) estimator.update({{x, 0, 0}, {}});
-  for (int k = 0; k < 5; ++k) {
-    x += 0.2 * kT;  // 20 quanta a tick
-    CHECK(estimator.update({{quantised(x), 0, 0}, {}}).linear.x == Approx(0.2).margin(kQuantum / kT));
+TEST_CASE("a step of velocity of more than two quanta a tick shows in the next tick") {
+  for (const double quanta : {3.0, 20.0}) {
+    VelocityEstimator estimator{};
+    double x = 0;
+    for (int k = 0; k < 50; ++k) estimator.update({{x, 0, 0}, {}});
+    for (int k = 0; k < 5; ++k) {
+      x += quanta * kQuantum;
+      CHECK(estimator.update({{x, 0, 0}, {}}).linear.x == Approx(quanta * kQuantum / kT));
+    }
   }
 }
 
@@ -98,6 +100,7 @@ TEST_CASE("the first pose and a reset start at rest, wherever the tool is") {
 
 TEST_CASE("the window follows the rate: 8 at 1 kHz, 16 at 4 kHz, never beyond the ring") {
   CHECK(VelocityEstimator::Config::of({}, 1e-3).window == 8);
+  CHECK(VelocityEstimator::Config::of({}, 0.5e-3).window == 11);
   CHECK(VelocityEstimator::Config::of({}, 0.25e-3).window == 16);
   CHECK(VelocityEstimator::Config::of({}, 0.1e-3).window == kMaxVelocityWindow);
 }
