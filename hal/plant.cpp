@@ -55,7 +55,7 @@ void Plant::step(double h_s, const AxisVector& motor_effort, bool shorted, const
                            target.pose.position - position, target.twist.linear, &hand_wrench_.force},
                           twist_.linear);
   if (p.has_rotation) {
-    const Vec3d error = rotation_vector_of(target.pose.rotation * conjugate(pose().rotation));
+    const Vec3d error = small_rotation_vector(target.pose.rotation * conjugate(pose().rotation));
     twist_.angular =
         advance({h_s, inertia_kg_m2_, p.damping_Nms_per_rad + (shorted ? p.brake_damping_Nms_per_rad : 0.0),
                  p.coulomb_torque_Nm, hand_.stiffness_Nm_per_rad, hand_.damping_Nms_per_rad, motor_wrench_.torque,
