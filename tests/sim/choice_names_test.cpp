@@ -1,0 +1,32 @@
+#include "sim/choice_names.h"
+
+#include <catch2/catch.hpp>
+
+using namespace tactus;
+
+TEST_CASE("Every choice has a name, and its name gives it back") {
+  using haptics::CouplingScheme;
+  for (const auto scheme :
+       {CouplingScheme::kSubWorld, CouplingScheme::kDirect, CouplingScheme::kInterpolation, CouplingScheme::kStatic})
+    CHECK(sim::parse_coupling_scheme(sim::name_of(scheme)) == scheme);
+  for (const auto mode : {physics::BorderMode::kCapped, physics::BorderMode::kReplay, physics::BorderMode::kFrozen})
+    CHECK(sim::parse_border_mode(sim::name_of(mode)) == mode);
+  for (const auto order : {sim::CutOrder::kBestFirst, sim::CutOrder::kBreadthFirst})
+    CHECK(sim::parse_cut_order(sim::name_of(order)) == order);
+  for (const auto reach : {sim::Reach::kTwoCycles, sim::Reach::kPaper})
+    CHECK(sim::parse_reach(sim::name_of(reach)) == reach);
+}
+
+TEST_CASE("Names are the words of the command line") {
+  CHECK(sim::name_of(haptics::CouplingScheme::kSubWorld) == "sub-world");
+  CHECK(sim::name_of(physics::BorderMode::kReplay) == "replay");
+  CHECK(sim::name_of(sim::Reach::kPaper) == "paper");
+}
+
+TEST_CASE("Other words name nothing") {
+  CHECK_FALSE(sim::parse_coupling_scheme("subworld"));
+  CHECK_FALSE(sim::parse_coupling_scheme(""));
+  CHECK_FALSE(sim::parse_border_mode("ghost"));
+  CHECK_FALSE(sim::parse_cut_order("best"));
+  CHECK_FALSE(sim::parse_reach("Paper"));
+}

@@ -1,0 +1,125 @@
+#include "sim/global_thread.h"
+
+#include <catch2/catch.hpp>
+#include <memory>
+#include <thread>
+
+#include "rt/base/denormals.h"
+
+namespace {
+
+using namespace tactus;
+using namespace tactus::sim;
+
+Scene pile() {
+  Scene scene;
+  scene.effects = {true, true, true};
+  for (unsigned i = 0; i < 12; ++i)
+    scene.bodies.push_back(physics::make_dynamic_body<double>(i, physics::Shape<double>::box({0.05, 0.05, 0.05}), 0.2,
+                                                              0.5, {{0.02 * (i % 3), 0, 0.05 + 0.11 * i}, {}}));
+  scene.proxy = 0;
+  scene.bodies.push_back(physics::make_fixed_body<double>(12, physics::Shape<double>::plane(), 0.5, {}));
+  return scene;
+}
+
+// What a device might have done in cycle n: any report will do, as long as both runs get the same.
+void fill_report(haptics::SubWorldReport& report, std::uint64_t n) {
+  report = {};
+  report.cycle = n;
+  report.ticks = 10;
+  report.mean_device_wrench.force = {0.1 * static_cast<double>(n % 7), 0, 1};
+}
+
+// The snapshots' essence, one after the other.
+using Trail = std::vector<std::pair<Vec3d, std::uint32_t>>;
+
+void record(Trail& trail, const haptics::WorldSnapshot& snapshot) {
+  trail.emplace_back(snapshot.proxy.pose.position, snapshot.members.size());
+}
+
+constexpr std::uint64_t kCycles = 60;
+
+Trail run_in_one_thread() {
+  const Scene scene = pile();
+  GlobalWorld world(scene, {});
+  auto exchange = std::make_unique<haptics::Exchange>();
+  SnapshotServer server(world, *exchange);
+  server.publish_first();
+  Trail trail;
+  for (std::uint64_t n = 0; n < kCycles; ++n) {
+    record(trail, *exchange->snapshots.try_read(n));
+    CHECK_FALSE(server.serve());  // no report, no step
+    fill_report(exchange->reports.writing(n), n);
+    exchange->reports.publish(n);
+    CHECK(server.serve());
+  }
+  return trail;
+}
+
+Trail run_in_two_threads(const GlobalThreadOptions& options, GlobalThread::Progress& progress, std::uint64_t& timed) {
+  const Scene scene = pile();
+  GlobalWorld world(scene, {});
+  auto exchange = std::make_unique<haptics::Exchange>();
+  GlobalThread thread(world, *exchange, options);
+  (void)thread.start();
+  Trail trail;
+  for (std::uint64_t n = 0; n < kCycles; ++n) {
+    const haptics::WorldSnapshot* snapshot = nullptr;
+    while ((snapshot = exchange->snapshots.try_read(n)) == nullptr) std::this_thread::yield();
+    CHECK(snapshot->cycle == n);
+    record(trail, *snapshot);
+    fill_report(exchange->reports.writing(n), n);
+    exchange->reports.publish(n);
+  }
+  while (exchange->snapshots.try_read(kCycles) == nullptr) std::this_thread::yield();
+  thread.stop();
+  progress = thread.progress();
+  timed = thread.step_times().count();
+  return trail;
+}
+
+}  // namespace
+
+TEST_CASE("The thread gives the same snapshots as one thread does, stalled or not") {
+  set_denormals_flush();
+  const Trail expected = run_in_one_thread();
+  GlobalThreadOptions options;
+  if (GENERATE(false, true)) options.stalls = {{5, std::chrono::milliseconds(30)}, {6, std::chrono::milliseconds(1)}};
+  GlobalThread::Progress progress;
+  std::uint64_t timed = 0;
+  CHECK(run_in_two_threads(options, progress, timed) == expected);
+  CHECK(progress.cycles == kCycles);
+  CHECK(timed == kCycles);
+  CHECK(progress.longest_step_ns >= progress.last_step_ns);
+}
+
+TEST_CASE("A CPU that is not there is reported, and the thread runs elsewhere") {
+  const Scene scene = pile();
+  GlobalWorld world(scene, {});
+  auto exchange = std::make_unique<haptics::Exchange>();
+  GlobalThreadOptions options;
+  options.cpu = 100'000;
+  GlobalThread thread(world, *exchange, options);
+  const Status status = thread.start();
+  CHECK_FALSE(status.ok());
+  CHECK(status.message().find("100000") != std::string::npos);
+  fill_report(exchange->reports.writing(0), 0);
+  exchange->reports.publish(0);
+  while (exchange->snapshots.try_read(1) == nullptr) std::this_thread::yield();
+  thread.stop();
+  CHECK(thread.progress().cycles == 1);
+}
+
+TEST_CASE("A stall does not keep the thread from stopping") {
+  const Scene scene = pile();
+  GlobalWorld world(scene, {});
+  auto exchange = std::make_unique<haptics::Exchange>();
+  GlobalThreadOptions options;
+  options.stalls = {{0, std::chrono::hours(24)}};
+  GlobalThread thread(world, *exchange, options);
+  (void)thread.start();
+  fill_report(exchange->reports.writing(0), 0);
+  exchange->reports.publish(0);
+  thread.stop();
+  SUCCEED();
+}

@@ -1,0 +1,342 @@
+#include "sim/global_world.h"
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <memory>
+
+namespace {
+
+using namespace tactus;
+using namespace tactus::sim;
+using haptics::CouplingScheme;
+using haptics::SubWorldReport;
+using haptics::WorldSnapshot;
+using physics::Shape;
+
+constexpr double kSide_m = 0.1, kMass_kg = 0.2, kGravity = 9.81;
+
+// Cubes stacked on a plane, the top one the proxy: as heavy as the others, held by nobody.
+Scene stack(unsigned cubes) {
+  Scene scene;
+  scene.effects = {true, true, true};
+  for (unsigned i = 0; i < cubes; ++i)
+    scene.bodies.push_back(
+        physics::make_dynamic_body<double>(i, Shape<double>::box({kSide_m / 2, kSide_m / 2, kSide_m / 2}), kMass_kg,
+                                           0.5, {{0, 0, kSide_m * (0.5 + i)}, {}}));
+  scene.proxy = cubes - 1;
+  scene.bodies.push_back(physics::make_fixed_body<double>(cubes, Shape<double>::plane(), 0.5, {}));
+  return scene;
+}
+
+// Floating balls far from each other, the first one the proxy.
+Scene floating(unsigned balls) {
+  Scene scene;
+  for (unsigned i = 0; i < balls; ++i)
+    scene.bodies.push_back(
+        physics::make_dynamic_body<double>(i, Shape<double>::sphere(0.1), 2.0, 0.5, {{3.0 * i, 0, 0}, {}}));
+  scene.proxy = 0;
+  return scene;
+}
+
+GlobalOptions slow_device() {
+  GlobalOptions options;
+  options.reach.max_speed_m_per_s = 1e-3, options.reach.max_angular_speed_rad_per_s = 0, options.reach.margin_m = 0;
+  return options;
+}
+
+// A global world with its snapshot and report, which are too large for a stack.
+struct Bench {
+  Scene scene;
+  GlobalWorld world;
+  std::unique_ptr<WorldSnapshot> snapshot = std::make_unique<WorldSnapshot>();
+  std::unique_ptr<SubWorldReport> report = std::make_unique<SubWorldReport>();
+
+  Bench(const Scene& s, const GlobalOptions& options) : scene(s), world(scene, options) {
+    REQUIRE(check_global_options(scene, options).ok());
+    world.first_snapshot(*snapshot);
+  }
+  void step() {
+    report->cycle = snapshot->cycle;
+    world.step(*report, *snapshot);
+  }
+  const physics::Body<double>& body(std::uint32_t slot) const { return world.world().bodies()[slot]; }
+};
+
+std::vector<BodyId> ids(const WorldSnapshot& snapshot) { return {snapshot.members.begin(), snapshot.members.end()}; }
+
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+haptics::MemberMotion motion(BodyId id, const Vec3d& where, const Vec3d& velocity) {
+  haptics::MemberMotion m;
+  m.id = id;
+  m.motion.pose = {where, quat_from_rotation_vector(Vec3d{0.1, 0.2, 0.3})};
+  m.motion.velocity = {velocity, {1, 2, 3}};
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("The first snapshot holds the bodies in touch with the proxy, whole, bit by bit, at cycle 0") {
+  Bench bench(stack(4), slow_device());
+  CHECK(bench.snapshot->cycle == 0);
+  CHECK(bench.snapshot->component == 4);
+  CHECK(ids(*bench.snapshot) == std::vector<BodyId>{0, 1, 2, 3});
+  REQUIRE(bench.snapshot->joiners.size() == 4);
+  for (std::uint32_t i = 0; i < 4; ++i) CHECK(same_bits(bench.snapshot->joiners[i], bench.scene.bodies[i]));
+  CHECK(bench.snapshot->border.empty());
+  CHECK(bench.snapshot->warm_starts.empty());
+  CHECK(bench.world.time_s() == 0);
+}
+
+TEST_CASE("Bodies further apart than the tolerance do not touch at the start") {
+  Scene scene = stack(4);
+  scene.bodies[0].motion.pose.position.z -= 3e-4;  // into the plane, away from its neighbour
+  Bench bench(scene, slow_device());
+  CHECK(bench.snapshot->component == 3);
+}
+
+TEST_CASE("The members' state is imposed bit by bit, leavers included") {
+  Bench bench(floating(4), slow_device());
+  REQUIRE(bench.report->members.try_push(motion(0, {0.1, 0.2, 0.3}, {1e-3, 2, -1.0 / 3})));
+  REQUIRE(bench.report->members.try_push(motion(2, {6.1, 0.2, 0.3}, {0.7, 0, 0})));  // no member any more
+  bench.world.impose(0, *bench.report);
+  for (const auto& member : bench.report->members) CHECK(same_bits(bench.body(member.id).motion, member.motion));
+  CHECK(same_bits(bench.body(1), bench.scene.bodies[1]));
+}
+
+TEST_CASE("The work of imposing is booked: kinetic and potential energy") {
+  Scene scene = floating(1);
+  scene.effects.gravity = true;
+  Bench bench(scene, slow_device());
+  auto member = motion(0, {0, 0, 0.5}, {3, 0, 0});
+  member.motion.velocity.angular = {};
+  REQUIRE(bench.report->members.try_push(member));
+  bench.world.impose(0, *bench.report);
+  CHECK(bench.world.statistics().imposed_energy_J == Approx(0.5 * 2 * 9 + 2 * kGravity * 0.5));
+}
+
+TEST_CASE("A state that is not a number is not imposed") {
+  Bench bench(floating(2), slow_device());
+  REQUIRE(bench.report->members.try_push(motion(0, {std::nan(""), 0, 0}, {})));
+  bench.report->mean_device_wrench.force.x = std::nan("");
+  bench.step();
+  CHECK(bench.world.statistics().rejected_states == 1);
+  CHECK(same_bits(bench.body(0).motion, bench.scene.bodies[0].motion));
+}
+
+TEST_CASE("The device's mean wrench holds the proxy over the step, once") {
+  Bench bench(floating(2), slow_device());
+  bench.report->mean_device_wrench.force = {4, 0, 0};
+  bench.step();
+  CHECK(bench.body(0).motion.velocity.linear.x == Approx(4 * 0.01 / 2.0));
+  bench.report->mean_device_wrench = {};
+  bench.step();
+  CHECK(bench.body(0).motion.velocity.linear.x == Approx(4 * 0.01 / 2.0));
+  CHECK(bench.body(1).motion.velocity.linear == Vec3d{});
+}
+
+TEST_CASE("The global clock and the cycle number go on by one step each") {
+  Bench bench(floating(2), slow_device());
+  for (int i = 1; i <= 5; ++i) {
+    bench.step();
+    CHECK(bench.snapshot->cycle == static_cast<std::uint64_t>(i));
+    CHECK(bench.snapshot->global_time_s == Approx(0.01 * i));
+  }
+}
+
+TEST_CASE("At the border of a resting stack the impulses carry what stands above it") {
+  GlobalOptions options = slow_device();
+  options.extraction.cap = 2;
+  // Members: the top two of four. Nothing is imposed, so that the stack rests as the global world has it.
+  Bench bench(stack(4), options);
+  for (int i = 0; i < 100; ++i) bench.step();
+  REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{2, 3});
+  REQUIRE(bench.snapshot->border.size() == 4);
+  double force = 0;
+  for (const auto& point : bench.snapshot->border) {
+    CHECK(point.member == 2);
+    CHECK(point.outside == 1);
+    CHECK(norm(point.normal - Vec3d{0, 0, 1}) < 1e-4);
+    const Vec3d where = bench.body(2).motion.pose * point.member_anchor;
+    CHECK(std::abs(where.z - 2 * kSide_m) < 1e-4);
+    CHECK(std::abs(where.x) == Approx(kSide_m / 2).margin(1e-4));
+    CHECK(std::abs(where.y) == Approx(kSide_m / 2).margin(1e-4));
+    CHECK(norm(point.outside_velocity) < 1e-3);
+    force += point.impulse_rate_N;
+  }
+  CHECK(force == Approx(2 * kMass_kg * kGravity).epsilon(0.01));
+  CHECK(bench.snapshot->component == 4);
+}
+
+TEST_CASE("Static geometry is never a border") {
+  GlobalOptions options = slow_device();
+  Bench bench(stack(2), options);
+  for (int i = 0; i < 20; ++i) bench.step();
+  CHECK(ids(*bench.snapshot) == std::vector<BodyId>{0, 1});
+  CHECK(bench.snapshot->border.empty());
+}
+
+TEST_CASE("A joiner comes whole, bit by bit, with the impulses of its contacts") {
+  // The proxy floats above a stack of two and is then put on it: the stack joins.
+  Scene scene = stack(3);
+  scene.bodies[2].motion.pose.position.z += 0.5;
+  scene.bodies[2].gravity_scale = 0;
+  Bench bench(scene, slow_device());
+  for (int i = 0; i < 50; ++i) bench.step();
+  REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{2});
+  // It overlaps by less than the slop: it touches, and nothing pushes.
+  auto member = motion(2, bench.body(1).motion.pose.position + Vec3d{0, 0, kSide_m - 5e-6}, {});
+  member.motion.pose.rotation = {}, member.motion.velocity = {};
+  REQUIRE(bench.report->members.try_push(member));
+  bench.step();
+  REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{0, 1, 2});
+  REQUIRE(bench.snapshot->joiners.size() == 2);
+  for (std::uint32_t i = 0; i < 2; ++i) CHECK(same_bits(bench.snapshot->joiners[i], bench.body(i)));
+  // 0 on the plane carries both, 1 on 0 carries itself, at rest.
+  const auto force_of = [&](PairKey key) {
+    double force = 0;
+    for (const auto& warm : bench.snapshot->warm_starts)
+      for (std::uint32_t i = 0; i < warm.count && warm.key == key; ++i) force += warm.normal_force[i];
+    return force;
+  };
+  CHECK(force_of(PairKey::of(0, 3, true)) == Approx(2 * kMass_kg * kGravity).epsilon(0.05));
+  CHECK(force_of(PairKey::of(0, 1, false)) == Approx(kMass_kg * kGravity).epsilon(0.05));
+  // Those that stay are not sent again.
+  bench.report->members.clear();
+  bench.step();
+  CHECK(bench.snapshot->joiners.empty());
+  CHECK(bench.snapshot->warm_starts.empty());
+}
+
+TEST_CASE("A snapshot is complete when the cap is full") {
+  GlobalOptions options = slow_device();
+  options.extraction.cap = 7;
+  options.extraction.order = GENERATE(CutOrder::kBestFirst, CutOrder::kBreadthFirst);
+  Bench bench(stack(12), options);
+  for (int i = 0; i < 30; ++i) {
+    bench.step();
+    const auto members = ids(*bench.snapshot);
+    const auto is_member = [&](BodyId id) { return std::binary_search(members.begin(), members.end(), id); };
+    REQUIRE(members.size() == 7);
+    REQUIRE(std::is_sorted(members.begin(), members.end()));
+    REQUIRE(is_member(bench.scene.proxy));
+    for (const auto& joiner : bench.snapshot->joiners) CHECK(is_member(joiner.id));
+    for (const auto& point : bench.snapshot->border) CHECK((is_member(point.member) && !is_member(point.outside)));
+    for (const auto& warm : bench.snapshot->warm_starts)
+      CHECK((is_member(warm.key.low()) || is_member(warm.key.high())));
+    CHECK(bench.snapshot->component == 12);
+    CHECK(same_bits(bench.snapshot->proxy, bench.body(11).motion));
+  }
+  CHECK(bench.snapshot->border.size() == 4);
+  CHECK(bench.world.statistics().most_members == 7);
+}
+
+TEST_CASE("A member budget lowers the cap of the next cycle") {
+  Bench bench(stack(10), slow_device());
+  CHECK(bench.snapshot->members.size() == 10);
+  bench.report->member_budget = 4;
+  bench.step();
+  CHECK(ids(*bench.snapshot) == std::vector<BodyId>{6, 7, 8, 9});
+}
+
+TEST_CASE("Friction of the sub-world reaches the outside body, in replay as it is") {
+  GlobalOptions options = slow_device();
+  options.border_mode = physics::BorderMode::kReplay;
+  Bench bench(floating(3), options);
+  haptics::BorderReturn entry;
+  entry.member = 0, entry.outside = 1, entry.point = bench.body(1).motion.pose.position;
+  entry.tangent_impulse = {0, 0.3, -0.1};
+  REQUIRE(bench.report->border.try_push(entry));
+  bench.step();
+  CHECK(norm(2.0 * bench.body(1).motion.velocity.linear + entry.tangent_impulse) < 1e-15);
+  CHECK(bench.world.statistics().handed_back_impulse_Ns == Approx(norm(entry.tangent_impulse)));
+}
+
+TEST_CASE("Interpolation: the proxy alone is a member, the stored effort acts at once, nothing is imposed") {
+  GlobalOptions options = slow_device();
+  options.coupling = CouplingScheme::kInterpolation;
+  Bench bench(stack(3), options);
+  CHECK(ids(*bench.snapshot) == std::vector<BodyId>{2});
+  Bench loose(floating(2), options);
+  REQUIRE(loose.report->members.try_push(motion(0, {9, 9, 9}, {9, 9, 9})));
+  loose.report->stored_effort.force = {0, 0.5, 0};
+  loose.report->mean_device_wrench.force = {100, 0, 0};
+  loose.world.impose(0, *loose.report);
+  CHECK(loose.body(0).motion.velocity.linear == Vec3d{0, 0.25, 0});
+  CHECK(loose.body(0).motion.pose == loose.scene.bodies[0].motion.pose);
+  loose.step();
+  CHECK(same_bits(loose.snapshot->proxy, loose.body(0).motion));
+  CHECK(loose.snapshot->joiners.empty());
+}
+
+TEST_CASE("Static: only the proxy is imposed, the other members come anew each time, without a border") {
+  GlobalOptions options = slow_device();
+  options.coupling = CouplingScheme::kStatic;
+  options.extraction.cap = 3;
+  Bench bench(stack(5), options);
+  REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{2, 3, 4});
+  REQUIRE(bench.report->members.try_push(motion(2, {7, 7, 7}, {})));
+  auto proxy = motion(4, {0, 0, 4.5 * kSide_m}, {});
+  REQUIRE(bench.report->members.try_push(proxy));
+  bench.world.impose(0, *bench.report);
+  CHECK(same_bits(bench.body(2), bench.scene.bodies[2]));
+  CHECK(same_bits(bench.body(4).motion, proxy.motion));
+  bench.report->members.clear();
+  for (int i = 0; i < 5; ++i) bench.step();
+  CHECK(bench.snapshot->border.empty());
+  CHECK(bench.snapshot->warm_starts.empty());
+  REQUIRE(bench.snapshot->joiners.size() == 2);
+  CHECK(same_bits(bench.snapshot->joiners[0], bench.body(2)));
+  CHECK(same_bits(bench.snapshot->joiners[1], bench.body(3)));
+}
+
+TEST_CASE("All members: every moving body from cycle 0") {
+  GlobalOptions options = slow_device();
+  options.extraction.all_members = true;
+  Bench bench(floating(100), options);
+  CHECK(bench.snapshot->members.size() == 100);
+  CHECK(bench.snapshot->joiners.size() == 100);
+  bench.step();
+  CHECK(bench.snapshot->members.size() == 100);
+  CHECK(bench.snapshot->joiners.empty());
+}
+
+TEST_CASE("Scenes and options that cannot run are refused in one line") {
+  const auto message = [](const Scene& scene, const GlobalOptions& options) {
+    return check_global_options(scene, options).message();
+  };
+  GlobalOptions options;
+  CHECK(message(floating(3), options).empty());
+  options.coupling = CouplingScheme::kDirect;
+  CHECK(message(floating(3), options).find("direct") != std::string::npos);
+  options = {};
+  options.extraction.cap = 257;
+  CHECK(message(floating(3), options).find("257") != std::string::npos);
+  options = {};
+  options.reach.ratio = 0;
+  CHECK(message(floating(3), options).find("ratio") != std::string::npos);
+  options = {};
+  options.extraction.all_members = true;
+  CHECK(message(floating(257), options).find("257") != std::string::npos);
+  CHECK(message(floating(256), options).empty());
+  Scene scene = stack(2);
+  scene.proxy = 2;  // the plane
+  CHECK(message(scene, {}).find("proxy") != std::string::npos);
+}
+
+TEST_CASE("The same scene and reports give the same bits") {
+  GlobalOptions options = slow_device();
+  options.extraction.cap = 3;
+  Bench one(stack(6), options), two(stack(6), options);
+  for (int i = 0; i < 20; ++i) {
+    for (Bench* bench : {&one, &two}) {
+      bench->report->mean_device_wrench.force = {0.3 * i, 0.1, -1};
+      bench->step();
+    }
+    REQUIRE(one.world.state_hash() == two.world.state_hash());
+    REQUIRE(ids(*one.snapshot) == ids(*two.snapshot));
+  }
+}
