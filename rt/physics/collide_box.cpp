@@ -42,9 +42,6 @@ struct BoxPair {
     const Vec3<T>&ha = view.a.half_extents, &hb = view.b.half_extents;
     h[0] = ha.x, h[1] = ha.y, h[2] = ha.z;
     h[3] = hb.x, h[4] = hb.y, h[5] = hb.z;
-  }
-
-  void relate() noexcept {
     for (int i = 0; i < 3; ++i) {
       d_a[i] = dot(axis_a[i], pair.b_from_a), d_b[i] = dot(axis_b[i], pair.b_from_a);
       for (int j = 0; j < 3; ++j) r[i][j] = dot(axis_a[i], axis_b[j]), abs_r[i][j] = std::abs(r[i][j]);
@@ -64,16 +61,29 @@ Vec3<T> towards_b(const BoxPair<T>& boxes, const Vec3<T>& n) noexcept {
   return dot(n, boxes.pair.b_from_a) < T(0) ? -n : n;
 }
 
+template <class T>
+Vec3<T> axis_of(const Quat<T>& world_from_body, int i) noexcept {
+  return rotate(world_from_body, Vec3<T>{i == 0 ? T(1) : T(0), i == 1 ? T(1) : T(0), i == 2 ? T(1) : T(0)});
+}
+
 // One axis, before anything else is worked out: most pairs that were apart still are.
 template <class T>
-bool still_apart(const BoxPair<T>& boxes, int code) noexcept {
-  if (code <= 0 || code > 15) return false;
-  if (code < kFirstFaceB) return boxes.separation_along(boxes.axis_a[code - 1]) > boxes.pair.margin;
-  if (code < kFirstEdge) return boxes.separation_along(boxes.axis_b[code - kFirstFaceB]) > boxes.pair.margin;
-  const Vec3<T> n = cross(boxes.axis_a[(code - kFirstEdge) / 3], boxes.axis_b[(code - kFirstEdge) % 3]);
-  const T length_squared = norm_squared(n);
-  if (!(length_squared > kParallelSineSquared<T>)) return false;
-  return boxes.separation_along(n * (T(1) / std::sqrt(length_squared))) > boxes.pair.margin;
+bool still_apart(const PairView<T>& pair, int code) noexcept {
+  if (code < 1 || code > 15) return false;
+  Vec3<T> n;
+  if (code < kFirstFaceB) {
+    n = axis_of(pair.world_from_a, code - 1);
+  } else if (code < kFirstEdge) {
+    n = axis_of(pair.world_from_b, code - kFirstFaceB);
+  } else {
+    n = cross(axis_of(pair.world_from_a, (code - kFirstEdge) / 3), axis_of(pair.world_from_b, (code - kFirstEdge) % 3));
+    const T length_squared = norm_squared(n);
+    if (!(length_squared > kParallelSineSquared<T>)) return false;
+    n *= T(1) / std::sqrt(length_squared);
+  }
+  const T reach = dot(abs(rotate_inverse(pair.world_from_a, n)), pair.a.half_extents) +
+                  dot(abs(rotate_inverse(pair.world_from_b, n)), pair.b.half_extents);
+  return std::abs(dot(n, pair.b_from_a)) - reach > pair.margin;
 }
 
 // What the 15 axes say. `apart`: the axis beyond the margin, or 0.
@@ -181,20 +191,25 @@ ClipPolygon<T> incident_face(const FaceFrame<T>& f) noexcept {
   const bool plus_j = !(f.sign * f.column[j][f.i] > T(0));
   constexpr bool plus_k[4] = {true, false, false, true}, plus_l[4] = {true, true, false, false};
 
+  // The face's middle and its two half sides, in u, v and along the normal.
+  const int to[3] = {f.u, f.v, f.i};
+  T middle[3], side_k[3], side_l[3];
+  for (int c = 0; c < 3; ++c) {
+    const T side_j = f.h_other[j] * f.column[j][to[c]];
+    middle[c] = f.offset[to[c]] + (plus_j ? side_j : -side_j);
+    side_k[c] = f.h_other[k] * f.column[k][to[c]], side_l[c] = f.h_other[l] * f.column[l][to[c]];
+  }
   const auto bit = [](bool set, int position) noexcept { return static_cast<unsigned>(set) << position; };
   ClipPolygon<T> polygon;
   polygon.count = 4;
   for (std::uint32_t n = 0; n < 4; ++n) {
-    const T along_j = plus_j ? f.h_other[j] : -f.h_other[j], along_k = plus_k[n] ? f.h_other[k] : -f.h_other[k],
-            along_l = plus_l[n] ? f.h_other[l] : -f.h_other[l];
-    const auto coordinate = [&](int c) noexcept {
-      return f.offset[c] + along_j * f.column[j][c] + along_k * f.column[k][c] + along_l * f.column[l][c];
-    };
+    const T sign_k = plus_k[n] ? T(1) : T(-1), sign_l = plus_l[n] ? T(1) : T(-1);
     // The line to the next corner runs along k where l stays, else along l. Its label names the box's edge: the axis
     // and the sides of the two others.
     const unsigned line = n % 2 == 0 ? 4u * static_cast<unsigned>(k) + bit(plus_l[n], 0) + bit(plus_j, 1)
                                      : 4u * static_cast<unsigned>(l) + bit(plus_j, 0) + bit(plus_k[n], 1);
-    polygon.points[n] = {coordinate(f.u), coordinate(f.v), f.sign * coordinate(f.i) - f.h[f.i],
+    const auto coordinate = [&](int c) noexcept { return middle[c] + sign_k * side_k[c] + sign_l * side_l[c]; };
+    polygon.points[n] = {coordinate(0), coordinate(1), f.sign * coordinate(2) - f.h[f.i],
                          static_cast<std::uint8_t>(bit(plus_j, j) | bit(plus_k[n], k) | bit(plus_l[n], l)),
                          static_cast<std::uint8_t>(line)};
   }
@@ -294,10 +309,9 @@ void add_edge_contact(const BoxPair<T>& boxes, int code, T separation, Manifold<
 
 template <class T>
 void collide_box_box(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache) noexcept {
-  BoxPair<T> boxes(pair);
   const int cached = cache.axis;
-  if (still_apart(boxes, cached)) return;
-  boxes.relate();
+  if (still_apart(pair, cached)) return;
+  const BoxPair<T> boxes(pair);
   const AxisTest<T> test = test_axes(boxes);
   if (test.apart != 0) {
     cache.axis = static_cast<std::uint8_t>(test.apart);
