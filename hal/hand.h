@@ -1,6 +1,6 @@
 // A simulated hand: an arm's impedance that follows a scripted target and holds the device's tool.
 //
-// Force on the tool: k (x_target - x) + c (v_target - v), the same in rotation (with 2 sin(angle / 2) for the angle);
+// Force on the tool: k (x_target - x) + c (v_target - v), the same in rotation (2 sin(angle / 2) stands for the angle);
 // the hand's mass is added to the device's, for the hand holds it rigidly. The target moves between way points along a
 // smooth step (position, speed and acceleration continuous; it rests for an instant at each). Frame: the device's.
 // Units: SI. Thread: construction [setup] (copies the path); the rest [rt], no allocation, a binary search over the

@@ -171,6 +171,9 @@ TEST_CASE("each way of being wrong has its own number") {
   CHECK(decode_state({}, s) == DecodeError::kWrongSize);
   CHECK(decode_state(std::span(good).first(kStateFrameSize - 1), s) == DecodeError::kWrongSize);
   CHECK(decode_state(good_command, s) == DecodeError::kWrongSize);
+  std::array<std::byte, kStateFrameSize + 1> longer{};
+  std::copy(good.begin(), good.end(), longer.begin());
+  CHECK(decode_state(longer, s) == DecodeError::kWrongSize);
   CHECK(changed(0, 0x75) == DecodeError::kWrongMagic);
   CHECK(changed(1, 2) == DecodeError::kWrongVersion);
   CHECK(changed(2, 2) == DecodeError::kWrongType);

@@ -46,6 +46,7 @@ TEST_CASE("sequences go on beyond 32 bits, and an old frame stays old") {
   FrameCodec early(kQuantum, true);
   CHECK(sequence_after(early, 5) == 5);
   CHECK(sequence_after(early, 3) == 3);
+  CHECK(sequence_after(early, 0xfffffff0u) == 0xfffffff0ull);  // before the first: nothing to continue
 }
 
 TEST_CASE("a state frame becomes a sample in SI") {

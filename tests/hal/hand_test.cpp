@@ -28,6 +28,9 @@ TEST_CASE("the target is at each way point at its time and rests there") {
     CHECK(difference(t.pose.rotation, quat_from_rotation_vector(w.rotation_vector_rad)) < 1e-14);
     CHECK(norm(t.twist.linear) < 1e-12);
     CHECK(norm(t.twist.angular) < 1e-12);
+    const HandTarget before = hand.target_at(w.time_s - 1e-6);  // the end of one segment is the start of the next
+    CHECK(difference(before.pose.position, t.pose.position) < 1e-12);
+    CHECK(difference(before.pose.rotation, t.pose.rotation) < 1e-12);
   }
 }
 

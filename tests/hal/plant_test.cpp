@@ -127,6 +127,18 @@ TEST_CASE("a tool that the hand holds sags by F / k") {
   CHECK(plant.hand_wrench().torque.x == Approx(-0.1).epsilon(1e-9));
 }
 
+TEST_CASE("a hand far stiffer than the sub-step can follow still does not shake the tool") {
+  HandParameters hand;
+  hand.stiffness_N_per_m = 1e9, hand.stiffness_Nm_per_rad = 1e6;
+  Plant plant(free_mass(), hand, {});
+  HandTarget target;
+  target.pose = {{0.1, 0, 0}, quat_from_rotation_vector(Vec3d{0.2, 0.1, 0})};
+  run(plant, 1.0, {}, target);
+  CHECK(norm(plant.pose().position - target.pose.position) < 1e-9);
+  CHECK(norm(small_rotation_vector(plant.pose().rotation * conjugate(target.pose.rotation))) < 1e-9);
+  CHECK(plant.kinetic_energy_J() < 1e-12);
+}
+
 TEST_CASE("the hand brings the tool to its way points, to within what friction holds") {
   PlantParameters p = free_mass();
   p.damping_Ns_per_m = 0.5, p.coulomb_force_N = 0.2, p.damping_Nms_per_rad = 2e-3, p.coulomb_torque_Nm = 5e-3;

@@ -326,6 +326,11 @@ TEST_CASE("an unplugged device is gone at once, brakes by itself, and is back wh
   CHECK(rig.effort() == 2.0);
 }
 
+TEST_CASE("what was under way when the device was unplugged is gone") {
+  Rig rig("late/state@99:60,unplugged@100+50,lost/state@159", 3);  // frame 99 would come into the gap of 159
+  CHECK(story(rig, 157, 162) == "156 157 158 missing 160 161");
+}
+
 TEST_CASE("the e-stop line cuts the effort in its own tick and latches") {
   Rig rig("estop@100+5");
   rig.command.wrench.force.x = 2;
