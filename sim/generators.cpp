@@ -94,8 +94,9 @@ Bodies make_pile(const PileSpec& spec) {
   const unsigned per_layer = columns * rows;
   for (unsigned n = 0; n < spec.count; ++n) {
     const unsigned layer = n / per_layer, i = n % per_layer % columns, j = n % per_layer / columns;
-    // Round the four corners of a square, layer by layer: each shift is along one axis only.
-    const double sx = layer % 4 == 1 || layer % 4 == 2 ? 0.5 : -0.5, sy = layer % 4 >= 2 ? 0.5 : -0.5;
+    // Two layers by two layers round the four corners of a square: each shift is along one axis, x and y in turn.
+    const unsigned corner = layer / 2 % 4;
+    const double sx = corner == 1 || corner == 2 ? 0.5 : -0.5, sy = corner >= 2 ? 0.5 : -0.5;
     const double x = (i + 0.5) * pitch - 0.5 * columns * pitch + sx * shift + max_offset * random.symmetric();
     const double y = (j + 0.5) * pitch - 0.5 * rows * pitch + sy * shift + max_offset * random.symmetric();
     bodies.push_back(box({spec.cube_m, spec.cube_m, spec.cube_m}, spec.mass_kg, spec.friction,

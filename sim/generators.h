@@ -27,8 +27,9 @@ struct WallSpec {
 unsigned count_of(const WallSpec& spec) noexcept;
 Bodies make_wall(const WallSpec& spec);
 
-// Cubes in layers inside an open box of four fixed walls. Each layer is shifted by a quarter of a cube against the one
-// below, so that every cube rests on two and the heap hangs together; yaw and place are jittered within the gaps.
+// Cubes in layers inside an open box of four fixed walls. Every second layer is shifted by a quarter of a cube against
+// the one below, along x and y in turn, so that its cubes rest on two each and the whole heap hangs together by its
+// contacts; cubes of the layers between stand on one. Yaw and place are jittered within the gaps.
 struct PileSpec {
   unsigned count{700}, layers{8};
   double cube_m{0.05}, mass_kg{0.075}, friction{0};

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 namespace tactus::sim {
 namespace {
 
@@ -16,10 +18,13 @@ constexpr Range kDensity{"a density", 1e-3, 1e5};
 constexpr Range kVelocity{"a velocity", -100, 100};
 constexpr Range kAngularVelocity{"an angular velocity", -1000, 1000};
 
-Shape<double> read_shape(TableReader& table, BodyRole role) {
-  const std::string word = role == BodyRole::kProxy ? table.word("shape", "sphere", {"sphere", "capsule", "box"})
-                                                    : table.word("shape", "box", {"box", "sphere", "capsule", "plane"});
-  table.require("shape", role == BodyRole::kProxy ? "sphere, capsule, box" : "box, sphere, capsule, plane");
+// Nothing where the kind of shape is not known: a mistake has been added, and the other keys cannot be judged.
+std::optional<Shape<double>> read_shape(TableReader& table, BodyRole role) {
+  const bool proxy = role == BodyRole::kProxy;
+  if (!table.require("shape", proxy ? "sphere, capsule, box" : "box, sphere, capsule, plane")) return std::nullopt;
+  const std::string word = proxy ? table.word("shape", "", {"sphere", "capsule", "box"})
+                                 : table.word("shape", "", {"box", "sphere", "capsule", "plane"});
+  if (word.empty()) return std::nullopt;
   if (word == "plane") return Shape<double>::plane();
   if (word == "box") {
     table.require("size_m", "[x, y, z]: the full lengths of the edges");
@@ -148,7 +153,12 @@ void read_domino_row(TableReader& table, double friction, unsigned room, Generat
 }  // namespace
 
 Body<double> read_body(TableReader& table, BodyRole role) {
-  const Shape<double> shape = read_shape(table, role);
+  const auto known_shape = read_shape(table, role);
+  if (!known_shape) {
+    table.ignore_the_rest();
+    return physics::make_dynamic_body(kNoBody, Shape<double>::sphere(0.05), 1.0, 0.0, Posed{});
+  }
+  const Shape<double>& shape = *known_shape;
   const double friction = table.number("friction", 0, kFriction);
   const Posed pose = table.pose();
   const bool is_plane = shape.kind == ShapeKind::kPlane;

@@ -169,7 +169,7 @@ std::span<const TomlNode> TableReader::array(const char* key, std::size_t longes
 }
 
 void TableReader::finish() {
-  if (table_ == nullptr) return;
+  if (table_ == nullptr || !judged_) return;
   std::sort(known_.begin(), known_.end());
   for (const TomlNode& item : table_->items) {
     if (std::find(known_.begin(), known_.end(), item.key) != known_.end()) continue;

@@ -48,7 +48,8 @@ class TableReader {
   // A mistake at the key's value, or at the table where the key is missing.
   void mistake(const char* key, std::string what, std::string accepted);
   void warning(const char* key, std::string what, std::string accepted);
-  void finish();  // unknown keys
+  void finish();                                        // unknown keys
+  void ignore_the_rest() noexcept { judged_ = false; }  // finish() does nothing: which keys there may be is not known
 
  private:
   const TomlNode* find(const char* key);
@@ -58,6 +59,7 @@ class TableReader {
   std::string where_;
   SceneDiagnostics& diagnostics_;
   std::vector<std::string_view> known_;
+  bool judged_{true};
 };
 
 }  // namespace tactus::sim
