@@ -153,13 +153,21 @@ void BorderSolver<T>::scale_impulses(T factor) noexcept {
 }
 
 template <class T>
-void BorderSolver<T>::store(std::span<BorderContact<T>> contacts, T dt) noexcept {
+void BorderSolver<T>::store_impulses(std::span<BorderContact<T>> contacts, T share) const noexcept {
+  for (std::uint32_t k = 0; k < rows_.size(); ++k) {
+    const auto blend = [share](T& to, T from) noexcept { to = share == T(1) ? from : to + share * (from - to); };
+    blend(contacts[k].normal_impulse, rows_[k].normal_impulse);
+    for (int d = 0; d < 2; ++d) blend(contacts[k].tangent_impulse[d], rows_[k].tangent_impulse[d]);
+  }
+}
+
+template <class T>
+void BorderSolver<T>::store(std::span<BorderContact<T>> contacts, T dt, T share) const noexcept {
+  store_impulses(contacts, share);
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     const Row& row = rows_[k];
     BorderContact<T>& c = contacts[k];
     if (mode_ == BorderMode::kCapped) c.line_point += dt * c.outside_velocity;
-    c.normal_impulse = row.normal_impulse;
-    c.tangent_impulse[0] = row.tangent_impulse[0], c.tangent_impulse[1] = row.tangent_impulse[1];
     c.step_normal_impulse = row.step_normal, c.step_tangent_impulse = row.step_tangent;
     c.total_normal_impulse += row.step_normal, c.total_tangent_impulse += row.step_tangent;
     c.work += row.work;

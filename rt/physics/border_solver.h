@@ -28,7 +28,9 @@ class BorderSolver {
   void solve(SolverBodies<T> bodies, const SweepRule<T>& rule, bool biased) noexcept;
   void end_sub_step(SolverBodies<T> bodies) noexcept;
   void scale_impulses(T factor) noexcept;
-  void store(std::span<BorderContact<T>> contacts, T dt) noexcept;
+  // `share` as for contacts.
+  void store(std::span<BorderContact<T>> contacts, T dt, T share) const noexcept;
+  void keep_impulses(std::span<BorderContact<T>> contacts) const noexcept { store_impulses(contacts, T(1)); }
 
  private:
   struct Row {
@@ -49,6 +51,7 @@ class BorderSolver {
   };
 
   T normal_limit(const Row& row) const noexcept;
+  void store_impulses(std::span<BorderContact<T>> contacts, T share) const noexcept;
 
   BoundedVector<Row> rows_;
   BorderMode mode_{BorderMode::kCapped};

@@ -75,7 +75,9 @@ void ContactTable<T>::find_manifolds(const Scene& scene, const StepSettings<T>& 
     const bool with_fixed = pair.key.with_fixed();
     const Body<T>& a = scene.bodies[pair.a];
     const Body<T>& b = with_fixed ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-    const T reach = scene.reach[pair.a] + (with_fixed ? T(0) : scene.reach[pair.b]);
+    // Two bodies fall side by side, or one of them is held: gravity counts once.
+    const Reach<T> other = with_fixed ? Reach<T>{} : scene.reach[pair.b];
+    const T reach = scene.reach[pair.a].moved + other.moved + std::max(scene.reach[pair.a].fallen, other.fallen);
     const T margin = std::min(std::max(settings.min_margin, reach), settings.max_margin);
 
     found_.resize(found_.size() + 1);  // as many as pairs at most

@@ -18,6 +18,12 @@
 
 namespace tactus::physics {
 
+// How far a body's surface may move in one step: by its velocity, and by gravity.
+template <class T>
+struct Reach {
+  T moved{}, fallen{};  // m
+};
+
 template <class T>
 class ContactTable {
  public:
@@ -34,7 +40,7 @@ class ContactTable {
   // What narrow phase needs to know about the bodies.
   struct Scene {
     std::span<const Body<T>> bodies, fixed_bodies;  // by slot
-    std::span<const T> reach;                       // m, by slot: how far the body's surface may move in this step
+    std::span<const Reach<T>> reach;                // by slot
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
   // Fills pairs, contacts, points, deepest, dropped and the bits of the report.

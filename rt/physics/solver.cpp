@@ -103,7 +103,8 @@ void Solver<T>::move(const SolverInput<T>& input, const StepSettings<T>& setting
 }
 
 template <class T>
-void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settings) noexcept {
+void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settings,
+                      std::uint32_t uncorrected) noexcept {
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
     if (motion_[i].inverse_mass == T(0)) continue;
     BodyMotion<T>& motion = input.bodies[i].motion;
@@ -111,8 +112,9 @@ void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settin
     motion.pose.rotation = normalized(motion_[i].delta_rotation * motion.pose.rotation);
     motion.velocity = {motion_[i].v, motion_[i].w};
   }
-  contacts_.store(input.contacts);
-  border_.store(input.border, settings.dt);
+  const T share = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
+  contacts_.store(input.contacts, share);
+  border_.store(input.border, settings.dt, share);
 }
 
 template <class T>
@@ -120,7 +122,7 @@ void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& setting
                      StepReport<T>& report) noexcept {
   const T h = settings.dt / static_cast<T>(settings.sub_steps);
   const SweepRule<T> rule = SweepRule<T>::of(settings, h);
-  std::uint32_t sweep = 0;
+  std::uint32_t sweep = 0, uncorrected = 0;  // sub-steps since the last relax sweep
   const auto go_on = [&]() noexcept {
     if (report.cut_sweep == kNeverCut && cut(sweep)) report.cut_sweep = sweep;
     if (report.cut_sweep != kNeverCut) return false;
@@ -146,17 +148,22 @@ void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& setting
     }
     move(input, settings, h);
     bool counted = false;
+    ++uncorrected;
     for (std::uint32_t k = 0; k < settings.relax_sweeps && go_on(); ++k) {
       counted = k + 1 == settings.relax_sweeps;
       sweep_relax(settings, rule, counted);
+      uncorrected = 0;
     }
-    if (!counted && j + 1 == settings.sub_steps && report.cut_sweep != kNeverCut)
-      counted = true, sweep_relax(settings, rule, true);
+    if (!counted && j + 1 == settings.sub_steps && report.cut_sweep != kNeverCut) {
+      contacts_.keep_impulses(input.contacts), border_.keep_impulses(input.border);
+      sweep_relax(settings, rule, true);
+      counted = true;
+    }
     if (!counted) contacts_.add_to_totals();
     border_.end_sub_step(state());
     spring_.end_sub_step();
   }
-  store(input, settings);
+  store(input, settings, uncorrected);
 }
 
 template class Solver<double>;

@@ -3,8 +3,10 @@
 // Order in every sweep: the device's spring, the border contacts, the contacts by key. A cut is asked for before each
 // sweep; once it fires no sweep follows but one relax sweep at the very end. The sub-steps that are left still
 // integrate: their warm start is held back as far as it would raise the kinetic energy (an impulse that once stopped
-// an impact must not be given again), and the spring, whose cost is that of one contact, is still solved.
-// Frame: world. Units: SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
+// an impact must not be given again), and the spring, whose cost is that of one contact, is still solved. The last
+// relax sweep then corrects n sub-steps at once: the next warm start gets 1/n of its correction, because it will be
+// given n times; with all of it, steps that are cut again and again would shake themselves loose. Frame: world. Units:
+// SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
 #pragma once
 
 #include "rt/physics/border_solver.h"
@@ -42,7 +44,7 @@ class Solver {
   void warm_start_without_gain(const SolverInput<T>& input) noexcept;
   void sweep_relax(const StepSettings<T>& settings, const SweepRule<T>& rule, bool last) noexcept;
   void move(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
-  void store(const SolverInput<T>& input, const StepSettings<T>& settings) noexcept;
+  void store(const SolverInput<T>& input, const StepSettings<T>& settings, std::uint32_t uncorrected) noexcept;
   SolverBodies<T> state() noexcept { return {motion_.span(), inverse_inertia_.span()}; }
 
   BoundedVector<SolverBody<T>> motion_;

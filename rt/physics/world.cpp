@@ -195,16 +195,17 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
   contacts_.clear_pairs();
   const auto count = bodies_.size();
   bounds_.resize(count), reach_.resize(count);
-  const T fall = norm(settings.gravity) * settings.dt;
+  // Semi-implicit: s sub-steps fall (1 + 1 / s) times the parabola.
+  const T fall =
+      T(0.5) * (T(1) + T(1) / static_cast<T>(settings.sub_steps)) * norm(settings.gravity) * settings.dt * settings.dt;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Body<T>& body = bodies_[i];
     const Twist<T>& velocity = body.motion.velocity;
-    T speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape) +
-              std::abs(body.gravity_scale) * fall;
+    T speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
     if (spring_.enabled && spring_.slot == i) speed = std::max(speed, norm(spring_.target_velocity.linear));
-    reach_[i] = frozen_[i] != 0 ? T(0) : speed * settings.dt;
+    reach_[i] = frozen_[i] != 0 ? Reach<T>{} : Reach<T>{speed * settings.dt, std::abs(body.gravity_scale) * fall};
     // The bounds of two bodies grow by at least the margin of their pair.
-    const T margin = std::min(std::max(settings.min_margin, reach_[i]), settings.max_margin);
+    const T margin = std::min(std::max(settings.min_margin, reach_[i].moved + reach_[i].fallen), settings.max_margin);
     bounds_[i] = bounds_of(body.shape, body.motion.pose, margin);
   }
 }

@@ -95,7 +95,7 @@ class World {
   BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step
   bool wrench_applied_{false};
   BoundedVector<Aabb<T>> bounds_, fixed_bounds_;
-  BoundedVector<T> reach_;                 // m, by slot: how far the surface may move in this step
+  BoundedVector<Reach<T>> reach_;          // by slot
   BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows
   ContactTable<T> contacts_;
   Solver<T> solver_;

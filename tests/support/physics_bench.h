@@ -1,0 +1,101 @@
+// A world that predicts: what a body does by the formulas of mechanics, beside the world that must do it.
+// Frame: z up. Units: SI.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "rt/physics/world.h"
+
+namespace tactus::test {
+
+inline constexpr double kGravity = 9.81;  // m/s^2
+inline constexpr double kPi = 3.14159265358979323846;
+
+template <class T = double>
+struct PhysicsBench {
+  explicit PhysicsBench(const physics::Capacities& capacities = {}) : world(capacities) {
+    settings.gravity = {T(0), T(0), T(-kGravity)};
+  }
+
+  physics::World<T> world;
+  physics::StepSettings<T> settings;
+  physics::StepReport<T> report;
+  physics::CutPredicate cut;
+
+  void step() {
+    world.begin_step(settings);
+    find_pairs_brute_force<T>(world.bounds(), world.dynamic_pairs());
+    report = world.finish_step(settings, cut);
+  }
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) step();
+  }
+  void run_seconds(double seconds) { run(static_cast<int>(std::lround(seconds / static_cast<double>(settings.dt)))); }
+
+  physics::Body<T>& body(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))]; }
+  Vec3<T>& position(BodyId id) { return body(id).motion.pose.position; }
+  Twist<T>& velocity(BodyId id) { return body(id).motion.velocity; }
+  std::uint32_t slot(BodyId id) { return static_cast<std::uint32_t>(world.slot_of(id)); }
+  T h() const { return settings.dt / static_cast<T>(settings.sub_steps); }
+
+  // The ground z = 0, tilted so that downhill is +x.
+  void add_ground(BodyId id, T friction, T slope_rad = T(0)) {
+    const Quat<T> tilt = quat_from_rotation_vector(Vec3<T>{T(0), slope_rad, T(0)});
+    world.insert(physics::make_fixed_body<T>(id, physics::Shape<T>::plane(), friction, {{}, tilt}));
+  }
+  void add_sphere(BodyId id, T radius, T mass, T friction, const Vec3<T>& at, const Vec3<T>& velocity = {}) {
+    auto made = physics::make_dynamic_body<T>(id, physics::Shape<T>::sphere(radius), mass, friction, {at, {}});
+    made.motion.velocity.linear = velocity;
+    world.insert(made);
+  }
+  void add_box(BodyId id, const Vec3<T>& half, T mass, T friction, const Pose<T>& pose, const Twist<T>& velocity = {}) {
+    auto made = physics::make_dynamic_body<T>(id, physics::Shape<T>::box(half), mass, friction, pose);
+    made.motion.velocity = velocity;
+    world.insert(made);
+  }
+  // Cubes of side 2 half, each resting on the one below, the lowest on z = 0.
+  void add_stack(BodyId first, std::uint32_t count, T half, T mass, T friction) {
+    for (std::uint32_t k = 0; k < count; ++k)
+      add_box(first + k, {half, half, half}, mass, friction, {{T(0), T(0), half * T(2 * k + 1)}, {}});
+  }
+
+  // --- what mechanics says
+  // Position of a thrown body after n sub-steps of semi-implicit Euler, exactly.
+  Vec3<double> thrown(const Vec3<double>& x0, const Vec3<double>& v0, std::uint64_t n) const {
+    const double k = static_cast<double>(n), h_s = static_cast<double>(h());
+    return x0 + (k * h_s) * v0 + Vec3<double>{0, 0, -kGravity * h_s * h_s * k * (k + 1) / 2};
+  }
+  // How deep a load sinks into one soft contact point of effective mass `mass`.
+  double overlap_under(double load_N, double mass_kg) const {
+    const double omega = 2 * kPi * static_cast<double>(settings.contact_hertz);
+    return static_cast<double>(settings.slop) + load_N / (mass_kg * omega * omega);
+  }
+};
+
+// Effective mass of the four corner contacts in parallel under a cube, on the ground or on another such cube.
+inline double cube_face_mass(double mass, double half, bool on_ground) {
+  const double inertia = mass * (2 * half) * (2 * half) / 6;
+  const double inverse = 1 / mass + 2 * half * half / inertia;  // the corner is off the axis by half in both directions
+  return 4 / (on_ground ? inverse : 2 * inverse);
+}
+
+// Numbers that look random and are the same everywhere.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed * 2862933555777941757ull + 3037000493ull) {}
+  double operator()(double low, double high) {
+    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+    return low + (high - low) * static_cast<double>(state_ >> 11) / 9007199254740992.0;
+  }
+  Vec3d vector(double size) {
+    const double x = (*this)(-size, size), y = (*this)(-size, size), z = (*this)(-size, size);
+    return {x, y, z};
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace tactus::test
