@@ -39,7 +39,7 @@ class TemporaryFile {
   }
   void write(const Bytes& bytes) const {
     if (std::FILE* file = std::fopen(path_.c_str(), "wb")) {
-      std::fwrite(bytes.data(), 1, bytes.size(), file);
+      if (!bytes.empty()) std::fwrite(bytes.data(), 1, bytes.size(), file);
       std::fclose(file);
     }
   }
