@@ -40,6 +40,7 @@ class HapticDriver {
 
   const TickOutput& output() const noexcept { return output_; }
   const TickPlan& plan() const noexcept { return plan_; }
+  std::uint32_t sub_steps() const noexcept { return plan_.sub_steps; }
   bool synchronised() const noexcept { return input_.snapshot != nullptr; }
   std::uint32_t component() const noexcept { return component_; }
 

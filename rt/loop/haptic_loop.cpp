@@ -29,8 +29,8 @@ void HapticLoop::tick(const TickInput& in, TickOutput& out) noexcept {
   out = TickOutput{};
   out.tick = state_.tick;
   guard(in.device, out);
-  arm(in.operator_bits, out);
   adopt(in);
+  arm(in.operator_bits, out);
   const haptics::DeviceTarget target = couple(out);
   step(target, in, out);
   shape_force(out);

@@ -1,6 +1,6 @@
 // One tick of the haptic loop: from what the device said to what it is told. Pure: no clock, no I/O, no thread.
 //
-//   guard -> arm -> adopt snapshot -> couple -> step sub-world -> wrench -> passivity -> limit -> command
+//   guard -> adopt snapshot -> arm -> couple -> step sub-world -> wrench -> passivity -> limit -> command
 //
 // Everything that a tick depends on is in its input and in the state, and the state can be saved: the tape replays it
 // bit by bit. Thread: construction [setup]; tick() [rt]. Frame: device frame at both ends, world inside. Units: SI.
@@ -108,8 +108,8 @@ class HapticLoop {
   };
 
   void guard(const haptics::DeviceInput& in, TickOutput& out) noexcept;
-  void arm(std::uint32_t operator_bits, TickOutput& out) noexcept;
   void adopt(const TickInput& in) noexcept;
+  void arm(std::uint32_t operator_bits, TickOutput& out) noexcept;
   void engage() noexcept;
   haptics::DeviceTarget couple(TickOutput& out) noexcept;
   void step(const haptics::DeviceTarget& target, const TickInput& in, TickOutput& out) noexcept;

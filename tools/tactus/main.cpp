@@ -76,10 +76,13 @@ int run_program(int argc, char** argv) {
   CLI::App program{"tactus: feel a large world of rigid bodies through a force-feedback device, at 1 kHz."};
   program.name("tactus");
   program.footer(
-      "Example:\n  tactus scene check sim/scenes/card_house.toml\n\n"
+      "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"
+      "  tactus scene check sim/scenes/card_house.toml\n\n"
       "Every command has --help and an example of its own. Exit status: 0 good; 1 it ran and the verdict is bad;\n"
       "2 bad usage or input; 3 the machine cannot do it.");
   int exit_code = kExitGood;
+  add_run_command(program, exit_code);
+  add_replay_command(program, exit_code);
   add_scene_command(program, exit_code);
   return parse_and_run(program, argc, argv, exit_code);
 }

@@ -1,0 +1,212 @@
+#include "tools/session/realtime_run.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+
+#include <chrono>
+#include <thread>
+
+#include "rt/loop/calibration.h"
+#include "rt/loop/periodic_thread.h"
+#include "sim/global_thread.h"
+
+namespace tactus::session {
+namespace {
+
+// The cut fires this far into the period: what is left is for the relax sweep in reserve and for the device.
+constexpr double kCutShare = 0.85;
+
+int last_allowed_cpu() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof(set), &set) != 0) return -1;
+  for (int cpu = CPU_SETSIZE - 1; cpu >= 0; --cpu)
+    if (CPU_ISSET(cpu, &set)) return cpu;
+  return -1;
+}
+
+struct Deadline {
+  std::int64_t cut_ns{0};
+  static bool passed(void* self, std::uint32_t) noexcept {
+    return MonotonicClock::now_ns() > static_cast<const Deadline*>(self)->cut_ns;
+  }
+};
+
+// The haptic thread's tick: the driver's three stages, each timed, and the books.
+class RealtimeTick {
+ public:
+  RealtimeTick(Session& session, LiveStatus& live, std::atomic<bool>& rearm, std::uint64_t most_ticks)
+      : session_(session),
+        live_(live),
+        rearm_(rearm),
+        most_ticks_(most_ticks),
+        period_ns_(static_cast<std::int64_t>(session.options.period_s() * 1e9)) {}
+
+  bool operator()(const loop::TickTiming& timing) noexcept {
+    Driver& driver = *session_.driver;
+    driver.read();
+    const std::int64_t read_ns = MonotonicClock::now_ns();
+    Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_))};
+    std::uint32_t bits = session_.operator_bits();
+    if (rearm_.load(std::memory_order_relaxed)) {
+      rearm_.store(false, std::memory_order_relaxed);
+      bits |= loop::kRearm;
+    }
+    const loop::TickOutput& out = driver.compute(bits, {&Deadline::passed, &deadline});
+    const std::int64_t computed_ns = MonotonicClock::now_ns();
+    driver.write();
+    const std::int64_t wrote_ns = MonotonicClock::now_ns();
+
+    compute.record(computed_ns - read_ns);
+    device.record((read_ns - timing.woke_ns) + (wrote_ns - computed_ns));
+    session_.count_tick();
+    judge(timing, wrote_ns);
+    show(out);
+    return session_.stats.ticks < most_ticks_;
+  }
+
+  Histogram compute, device;
+  std::uint64_t late_wake{0}, own_work{0}, interrupted{0};
+
+ private:
+  void judge(const loop::TickTiming& timing, std::int64_t ended_ns) noexcept {
+    const bool overran = ended_ns > timing.scheduled_ns + period_ns_;
+    if (overran) {
+      const auto wake_late_ns = static_cast<double>(timing.woke_ns - timing.scheduled_ns);
+      // What the simulated device usually takes is part of what the tick had to do.
+      const double predicted_ns = session_.driver->plan().predicted_ns + static_cast<double>(device.percentile_ns(50));
+      switch (loop::classify_overrun(wake_late_ns, predicted_ns, static_cast<double>(period_ns_), overran_before_)) {
+        case loop::OverrunCause::kLateWake:
+          ++late_wake;
+          break;
+        case loop::OverrunCause::kOwnWork:
+          ++own_work;
+          break;
+        case loop::OverrunCause::kInterrupted:
+          ++interrupted;
+          break;
+      }
+    }
+    overran_before_ = overran;
+  }
+
+  void show(const loop::TickOutput& out) noexcept {
+    constexpr auto relaxed = std::memory_order_relaxed;
+    live_.ticks.store(session_.stats.ticks, relaxed);
+    live_.overruns.store(late_wake + own_work + interrupted, relaxed);
+    live_.late_cycles.store(session_.stats.late_cycles, relaxed);
+    live_.force_N.store(norm(out.command.wrench.force), relaxed);
+    live_.members.store(out.members, relaxed);
+    live_.contacts.store(out.contacts, relaxed);
+    live_.border.store(out.border, relaxed);
+    live_.status.store(out.status, relaxed);
+    live_.fault.store(static_cast<std::uint32_t>(out.fault), relaxed);
+  }
+
+  Session& session_;
+  LiveStatus& live_;
+  std::atomic<bool>& rearm_;
+  std::uint64_t most_ticks_;
+  std::int64_t period_ns_;
+  bool overran_before_{false};
+};
+
+// The cost model of the core that the loop will run on, measured at its priority.
+double calibrate_governor(Session& session, const loop::SetupRequest& setup) {
+  double scale = 1;
+  std::thread worker([&] {
+    loop::CpuAwake awake;
+    (void)loop::setup_realtime(setup, awake);
+    const loop::Calibration result = loop::calibrate(loop::CostModel{});
+    loop::GovernorConfig config = session.governor->config();
+    config.cost = result.cost;
+    *session.governor = loop::Governor(config);
+    scale = result.scale;
+  });
+  worker.join();
+  return scale;
+}
+
+std::vector<sim::Stall> wall_clock_stalls(const Session& session) {
+  std::vector<sim::Stall> stalls;
+  const auto period_ns = static_cast<std::uint64_t>(session.options.period_s() * 1e9);
+  for (const WorldStall& stall : session.stalls)
+    stalls.push_back({stall.at_tick / session.ratio, std::chrono::nanoseconds(stall.ticks * period_ns)});
+  return stalls;
+}
+
+// Shows and listens until the run is over.
+void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& live, const RealtimeHooks& hooks,
+            std::atomic<bool>& rearm, const std::atomic<bool>& stop) {
+  const auto began = std::chrono::steady_clock::now();
+  while (thread.running() && !stop.load(std::memory_order_relaxed)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
+    if (hooks.rearm_requested && hooks.rearm_requested()) rearm.store(true, std::memory_order_relaxed);
+    if (hooks.show && !hooks.show(live, elapsed.count())) return;
+  }
+}
+
+}  // namespace
+
+Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, const std::atomic<bool>& stop) {
+  const RunOptions& options = session.options;
+  loop::PeriodicSettings settings;
+  settings.period = std::chrono::nanoseconds(std::llround(options.period_s() * 1e9));
+  settings.setup.cpu = options.cpu >= 0 ? options.cpu : last_allowed_cpu();
+  settings.setup.priority = options.priority;
+  const double cost_scale = calibrate_governor(session, settings.setup);
+
+  std::optional<sim::GlobalThread> world;
+  if (session.global != nullptr) {
+    sim::GlobalThreadOptions world_options;
+    world_options.cpu = options.world_cpu;
+    world_options.stalls = wall_clock_stalls(session);
+    world.emplace(*session.global, *session.exchange, world_options);
+    if (const Status status = world->start(); !status.ok()) return status;
+  }
+  if (session.drain != nullptr)
+    if (const Status status = session.drain->start(); !status.ok()) return status;
+
+  LiveStatus live;
+  std::atomic<bool> rearm{false};
+  const auto most_ticks = options.duration_s > 0
+                              ? static_cast<std::uint64_t>(std::llround(options.duration_s * options.rate_Hz))
+                              : ~std::uint64_t{0};
+  RealtimeTick tick(session, live, rearm, most_ticks);
+  loop::PeriodicThread<RealtimeTick> thread(tick);
+  const auto began = std::chrono::steady_clock::now();
+  if (const Status status = thread.start(settings); !status.ok()) return status;
+  attend(thread, live, hooks, rearm, stop);
+  thread.stop();
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
+  if (world) world->stop();
+
+  RunSummary summary = session.summary();
+  summary.real_time = true;
+  summary.wall_s = wall.count();
+  summary.setup = thread.setup_report();
+  summary.timing = thread.health();
+  summary.compute = tick.compute;
+  summary.device = tick.device;
+  summary.overruns_late_wake = tick.late_wake;
+  summary.overruns_own_work = tick.own_work;
+  summary.overruns_interrupted = tick.interrupted;
+  summary.cost_scale = cost_scale;
+  if (world) summary.global_step = world->step_times();
+  if (session.drain == nullptr) return summary;
+
+  const Status status = session.drain->stop();
+  if (!status.ok()) return status;
+  summary.tape = options.record.string();
+  summary.tape_bytes = session.drain->counts().bytes;
+  summary.tape_dropped = session.drain->counts().lost;
+  if (summary.exit_code() != 0) {
+    const std::string path = "tactus-fault.tape";
+    const Status dumped = session.drain->dump(path, to_tape_text(options, session.scene.name, session.scene.source));
+    if (dumped.ok()) summary.fault_tape = path;
+  }
+  return summary;
+}
+
+}  // namespace tactus::session

@@ -1,0 +1,31 @@
+// Running a tape again: the same loop, the same inputs, every output compared bit by bit.
+// Thread: normal.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "rt/base/result.h"
+
+namespace tactus::session {
+
+struct ReplayReport {
+  std::uint64_t ticks{0}, compared{0};  // on the tape; replayed and compared
+  std::uint64_t keyframes{0}, snapshots{0}, gaps{0};
+  std::uint64_t different{0};  // ticks whose output differs
+  std::uint64_t first_different_tick{0};
+  std::string first_difference;          // the field, what the tape has, what the replay has
+  std::uint64_t keyframes_different{0};  // keyframes that the replay's own state did not reproduce
+  std::uint64_t unreplayable{0};         // ticks between a gap and the next keyframe
+  std::string scene_name;
+  std::string warning;  // the tape's end is missing, or it is of another instruction set
+  std::uint64_t state_hash{0};
+
+  bool good() const noexcept { return different == 0 && keyframes_different == 0 && compared > 0; }
+};
+
+// An error for a tape that cannot be replayed at all: one line. `progress` gets the share done, 0 to 1.
+Result<ReplayReport> replay(const std::string& path, const std::function<void(double)>& progress = {});
+
+}  // namespace tactus::session

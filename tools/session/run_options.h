@@ -1,0 +1,51 @@
+// What a run is asked to be: the options of `tactus run`, and the header text by which a tape brings them back.
+// Thread: normal. Units in the names.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "rt/base/result.h"
+#include "rt/haptics/coupling_scheme.h"
+#include "rt/physics/border_contact.h"
+#include "sim/extraction.h"
+
+namespace tactus::session {
+
+struct RunOptions {
+  std::filesystem::path scene;
+  std::string device{"sim"};
+  haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
+  physics::BorderMode border{physics::BorderMode::kCapped};
+  sim::CutOrder order{sim::CutOrder::kBestFirst};
+  sim::Reach reach{sim::Reach::kTwoCycles};
+  bool all_members{false};  // every dynamic body a member from tick 0
+  double rate_Hz{1000};
+  unsigned ratio{0};     // 0: the scene's
+  unsigned members{0};   // 0: the scene's
+  double duration_s{0};  // 0: until stopped; virtual time needs one
+  int cpu{-1};           // -1: the last core that this process may use
+  int world_cpu{-1};     // -1: any
+  int priority{80};      // SCHED_FIFO
+  bool virtual_time{false};
+  bool rearm{false};   // take a latched fault back by itself, one second after it latched
+  std::string inject;  // faults of device, link and world, by script
+  std::filesystem::path record;
+  std::uint64_t seed{1};  // of the simulated device's link
+
+  double period_s() const noexcept { return 1.0 / rate_Hz; }
+};
+
+// Ranges and combinations. One line: the option, what was given, what is accepted.
+Status check_options(const RunOptions& options);
+
+// The header text of a tape: the options that the haptic thread's results depend on, and the scene's own text.
+std::string to_tape_text(const RunOptions& options, const std::string& scene_name, const std::string& scene_source);
+
+struct TapeSettings {
+  RunOptions options;
+  std::string scene_name, scene_source;
+};
+Result<TapeSettings> from_tape_text(const std::string& text);
+
+}  // namespace tactus::session

@@ -1,0 +1,274 @@
+#include "tools/session/session.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "firmware/faults.h"
+#include "rt/haptics/coupling_limits.h"
+#include "sim/choice_names.h"
+
+namespace tactus::session {
+namespace {
+
+// A keyframe a second of 1 kHz, and a ring that a stalled disk may leave alone for a few seconds.
+constexpr std::uint32_t kKeyframeTicks = 1000;
+constexpr std::uint64_t kRingBytes = 16u << 20;
+constexpr std::size_t kHistoryBytes = 64u << 20;
+// --rearm waits this long after a fault has latched.
+constexpr double kRearmAfter_s = 1.0;
+
+std::vector<physics::Body<double>> fixed_bodies_of(const sim::Scene& scene) {
+  std::vector<physics::Body<double>> fixed;
+  for (const auto& body : scene.bodies)
+    if (body.kind == physics::BodyKind::kFixed) fixed.push_back(body);
+  return fixed;
+}
+
+std::uint32_t dynamic_bodies_of(const sim::Scene& scene) {
+  return static_cast<std::uint32_t>(scene.bodies.size() - fixed_bodies_of(scene).size());
+}
+
+unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
+  if (options.coupling == haptics::CouplingScheme::kDirect) return 1;
+  return options.ratio != 0 ? options.ratio : scene.ratio;
+}
+
+unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
+  if (options.coupling == haptics::CouplingScheme::kDirect) return dynamic_bodies_of(scene);
+  if (options.coupling == haptics::CouplingScheme::kInterpolation) return 1;
+  if (options.all_members) return std::min(dynamic_bodies_of(scene), haptics::kMaxMembers);
+  return options.members != 0 ? options.members : scene.members;
+}
+
+physics::StepSettings<double> step_settings(const sim::Scene& scene, double period_s) {
+  physics::StepSettings<double> step;
+  step.dt = period_s;
+  step.sub_steps = scene.solver.sub_steps;
+  step.relax_sweeps = scene.solver.relax_sweeps;
+  step.contact_hertz = scene.solver.contact_hertz;
+  step.contact_damping_ratio = scene.solver.contact_damping_ratio;
+  step.gravity = scene.effects.gravity ? scene.gravity_m_per_s2 : Vec3d{};
+  step.friction = scene.effects.friction;
+  step.gyroscopic = scene.effects.gyroscopic;
+  return step;
+}
+
+// What a sub-world of that many members may need: a packed cube has up to 26 neighbours, each pair counted once.
+physics::Capacities sub_world_capacities(const sim::Scene& scene, std::uint32_t members) {
+  physics::Capacities capacities;
+  capacities.bodies = members;
+  capacities.fixed_bodies = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(fixed_bodies_of(scene).size()));
+  capacities.pairs = 16 * members + 64;
+  capacities.contacts = 10 * members + 32;
+  capacities.border_contacts = haptics::kMaxBorderPoints;
+  return capacities;
+}
+
+haptics::DevicePlacement::Config placement_of(const sim::Scene& scene, const haptics::DeviceProperties& device) {
+  return {scene.device.world_from_device, scene.device.motion_scale, device.has_rotation};
+}
+
+// The scene says where the hand goes in the world; the device wants it in its own frame.
+hal::HandModel make_hand(const sim::Scene& scene) {
+  const sim::HandScript& script = scene.hand;
+  const Posed device_from_world = inverse(scene.device.world_from_device);
+  std::vector<hal::HandWaypoint> path;
+  for (const sim::HandWaypoint& waypoint : script.path) {
+    const Quatd rotation = device_from_world.rotation * quat_from_rotation_vector(waypoint.rotation_vector_rad);
+    path.push_back({waypoint.time_s, (device_from_world * waypoint.position_m) * (1.0 / scene.device.motion_scale),
+                    hal::rotation_vector_of(rotation)});
+  }
+  hal::HandParameters parameters;
+  parameters.stiffness_N_per_m = script.stiffness_N_per_m;
+  parameters.damping_Ns_per_m = script.damping_Ns_per_m;
+  parameters.mass_kg = script.mass_kg;
+  parameters.stiffness_Nm_per_rad = script.stiffness_Nm_per_rad;
+  parameters.damping_Nms_per_rad = script.damping_Nms_per_rad;
+  parameters.repeat = script.repeat;
+  return hal::HandModel(parameters, path);
+}
+
+Status check_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
+  const double s2 = scene.device.motion_scale * scene.device.motion_scale;
+  const sim::CouplingGains& gains = scene.coupling;
+  const auto verdict = haptics::check_coupling({s2 * gains.stiffness_N_per_m, s2 * gains.damping_Ns_per_m,
+                                                gains.stiffness_Nm_per_rad, gains.damping_Nms_per_rad},
+                                               device, options.period_s());
+  if (verdict.accepted) return Status::good();
+  const auto line = [&](const char* what, const haptics::AxisVerdict& v, const char* stiff, const char* damp) {
+    return Status::error(fmt::format(
+        "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable at {:g} Hz on this device; accepted: "
+        "stiffness up to {:.4g} {} (0.55 of the limit {:.4g}), damping up to {:.4g} {}",
+        scene.name, what, v.stiffness, stiff, v.damping, damp, options.rate_Hz, v.stiffness_allowed, stiff,
+        v.stiffness_limit, v.damping_limit, damp));
+  };
+  return verdict.translation.accepted ? line("rotational", verdict.rotation, "N m/rad", "N m s/rad")
+                                      : line("translational", verdict.translation, "N/m", "N s/m");
+}
+
+// One contact frequency in both worlds, and both worlds must resolve it: at most a quarter of the sub-step rate.
+Status check_frequency(const sim::Scene& scene, const RunOptions& options) {
+  const double haptic_Hz = 0.25 * scene.solver.sub_steps * options.rate_Hz;
+  const double global_Hz = options.coupling == haptics::CouplingScheme::kDirect
+                               ? haptic_Hz
+                               : 0.25 * scene.solver.global_sub_steps_per_tick * options.rate_Hz;
+  const double limit_Hz = std::min(haptic_Hz, global_Hz);
+  if (scene.solver.contact_hertz <= limit_Hz * (1 + 1e-9)) return Status::good();
+  return Status::error(fmt::format(
+      "{}: contact frequency {:g} Hz is not resolved at --rate {:g} Hz; accepted: up to {:g} Hz (a quarter of the "
+      "slower world's sub-steps per second)",
+      scene.name, scene.solver.contact_hertz, options.rate_Hz, limit_Hz));
+}
+
+sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& options,
+                                  const haptics::DeviceProperties& device) {
+  sim::GlobalOptions global;
+  global.coupling = options.coupling;
+  global.border_mode = options.border;
+  global.extraction.cap = members_of(scene, options);
+  global.extraction.order = options.order;
+  global.extraction.all_members = options.all_members;
+  global.reach.reach = options.reach;
+  global.reach.ratio = ratio_of(scene, options);
+  global.reach.tick_period_s = options.period_s();
+  global.reach.max_speed_m_per_s = device.max_speed_m_per_s * scene.device.motion_scale;
+  global.reach.max_angular_speed_rad_per_s = device.max_angular_speed_rad_per_s;
+  return global;
+}
+
+}  // namespace
+
+loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
+                             const haptics::DeviceProperties& device) {
+  loop::LoopConfig config;
+  config.period_s = options.period_s();
+  config.device = device;
+  config.placement = placement_of(scene, device);
+  config.emergency_stop_fault = static_cast<std::uint32_t>(firmware::Fault::kEmergencyStop);
+  haptics::SubWorldConfig& sub = config.sub_world;
+  sub.scheme = options.coupling;
+  sub.border_mode = options.border;
+  sub.ratio = ratio_of(scene, options);
+  sub.proxy = scene.proxy;
+  sub.step = step_settings(scene, options.period_s());
+  sub.stiffness_N_per_m = scene.coupling.stiffness_N_per_m;
+  sub.damping_Ns_per_m = scene.coupling.damping_Ns_per_m;
+  sub.stiffness_Nm_per_rad = scene.coupling.stiffness_Nm_per_rad;
+  sub.damping_Nms_per_rad = scene.coupling.damping_Nms_per_rad;
+  sub.capacities = sub_world_capacities(scene, members_of(scene, options));
+  return config;
+}
+
+std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOptions& options,
+                                            const haptics::DeviceProperties& device) {
+  const auto fixed = fixed_bodies_of(scene);
+  auto loop = std::make_unique<loop::HapticLoop>(loop_config(scene, options, device), fixed);
+  if (options.coupling == haptics::CouplingScheme::kDirect) loop->set_members(scene.bodies);
+  return loop;
+}
+
+Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions options_in) {
+  std::unique_ptr<Session> session(new Session());
+  session->scene = std::move(scene_in);
+  session->options = std::move(options_in);
+  const sim::Scene& scene = session->scene;
+  const RunOptions& options = session->options;
+  session->ratio = ratio_of(scene, options);
+  session->members = members_of(scene, options);
+
+  const hal::DeviceProfile* profile = hal::find_profile(scene.device.profile);
+  if (profile == nullptr)
+    return Status::error(fmt::format("{}: no device profile '{}'", scene.name, scene.device.profile));
+  auto script = split_inject_script(options.inject);
+  if (!script.ok()) return script.status();
+  session->stalls = script.value().stalls;
+  auto faults = hal::parse_fault_script(script.value().device);
+  if (!faults.ok()) return Status::error("--inject: " + faults.message());
+  hal::SimulationOptions simulation;
+  simulation.period_ns = std::llround(options.period_s() * 1e9);
+  simulation.seed = options.seed;
+  simulation.faults = faults.value();
+  if (const Status status = hal::SimulatedDevice::check(simulation); !status.ok()) return status;
+
+  session->device = std::make_unique<hal::SimulatedDevice>(*profile, make_hand(scene), simulation);
+  const haptics::DeviceProperties& device = session->device->properties();
+  if (const Status status = check_gains(scene, options, device); !status.ok()) return status;
+  if (const Status status = check_frequency(scene, options); !status.ok()) return status;
+
+  session->loop = make_loop(scene, options, device);
+  loop::GovernorConfig governor;
+  governor.period_ns = options.period_s() * 1e9;
+  governor.sub_steps = scene.solver.sub_steps;
+  // The contact frequency must stay resolved: s >= 4 f T.
+  governor.min_sub_steps = std::min(
+      scene.solver.sub_steps,
+      std::max(1u, static_cast<unsigned>(std::ceil(4.0 * scene.solver.contact_hertz * options.period_s() - 1e-9))));
+  governor.members = session->members;
+  governor.min_members = std::min(governor.min_members, governor.members);
+  session->governor = std::make_unique<loop::Governor>(governor);
+
+  if (options.coupling != haptics::CouplingScheme::kDirect) {
+    const sim::GlobalOptions global = global_options(scene, options, device);
+    if (const Status status = sim::check_global_options(scene, global); !status.ok()) return status;
+    session->global = std::make_unique<sim::GlobalWorld>(scene, global);
+    session->exchange = std::make_unique<haptics::Exchange>();
+  }
+  session->driver =
+      std::make_unique<Driver>(*session->loop, *session->device, *session->governor, session->exchange.get(), nullptr);
+  return session;
+}
+
+Status Session::record(const std::string& tape_path) {
+  std::unique_ptr<loop::TapeWriter> tape;
+  if (!tape_path.empty()) {
+    auto created = loop::TapeWriter::create(tape_path, to_tape_text(options, scene.name, scene.source));
+    if (!created.ok()) return created.status();
+    tape = std::move(created).value();
+  }
+  recorder = std::make_unique<loop::FlightRecorder>(*loop, kRingBytes, kKeyframeTicks);
+  loop::DrainSettings settings;
+  settings.history_bytes = kHistoryBytes;
+  settings.keyframe_kind = loop::kKeyframeRecord;
+  drain = std::make_unique<loop::TapeDrain>(recorder->ring(), settings, std::move(tape));
+  driver = std::make_unique<Driver>(*loop, *device, *governor, exchange.get(), recorder.get());
+  return Status::good();
+}
+
+void Session::count_tick() noexcept {
+  const loop::TickOutput& out = driver->output();
+  const std::uint32_t ended = driver->synchronised() ? cycle_ticks_ : 0;
+  if (driver->synchronised()) cycle_ticks_ = 0;
+  ++cycle_ticks_;
+  stats.add(out, driver->sub_steps(), driver->component(), ended, ratio);
+  latched_ticks_ = out.fault != Fault::kNone ? latched_ticks_ + 1 : 0;
+}
+
+std::uint32_t Session::operator_bits() noexcept {
+  if (stats.ticks == 0) return loop::kArm;
+  if (options.rearm && latched_ticks_ >= kRearmAfter_s * options.rate_Hz) {
+    latched_ticks_ = 0;
+    return loop::kRearm;
+  }
+  return 0;
+}
+
+RunSummary Session::summary() const {
+  RunSummary summary;
+  summary.options = options;
+  summary.scene_name = scene.name;
+  summary.scene_title = scene.title;
+  summary.ratio = ratio;
+  summary.members_cap = members;
+  summary.sub_steps = scene.solver.sub_steps;
+  summary.bodies = dynamic_bodies_of(scene);
+  summary.stats = stats;
+  summary.has_global = global != nullptr;
+  if (global != nullptr) summary.global = global->statistics();
+  summary.hand_work_J = device->plant().energy().hand;
+  summary.motor_work_J = device->plant().energy().motors;
+  summary.state_hash = loop->state_hash();
+  return summary;
+}
+
+}  // namespace tactus::session

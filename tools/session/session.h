@@ -1,0 +1,68 @@
+// Everything that a run consists of, built from a scene and the options: the haptic loop with its device, governor and
+// recorder on one side, the global world on the other, the exchange between them. Real time and virtual time run the
+// same parts; only who calls them, and when, differs.
+// Thread: built on a normal thread ([setup]); then the driver belongs to the haptic thread, the global world to its
+// own.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hal/simulated_device.h"
+#include "rt/loop/haptic_driver.h"
+#include "rt/loop/run_stats.h"
+#include "rt/loop/tape_drain.h"
+#include "sim/snapshot_server.h"
+#include "tools/session/run_options.h"
+#include "tools/session/stall_script.h"
+#include "tools/session/summary.h"
+
+namespace tactus::session {
+
+using Driver = loop::HapticDriver<hal::SimulatedDevice>;
+
+// What the haptic thread of this scene is made of. Also what a replay builds its loop from.
+loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
+                             const haptics::DeviceProperties& device);
+// A loop with its fixed bodies, and with all members where no exchange brings them.
+std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOptions& options,
+                                            const haptics::DeviceProperties& device);
+
+class Session {
+ public:
+  // One line on everything that does not go together: gains the device cannot hold, too many bodies, a bad script.
+  static Result<std::unique_ptr<Session>> create(sim::Scene scene, RunOptions options);
+
+  // Whether to keep records, and to write a tape. Before the first tick.
+  Status record(const std::string& tape_path);  // empty: history only
+
+  sim::Scene scene;
+  RunOptions options;
+  unsigned ratio, members;
+  std::unique_ptr<loop::HapticLoop> loop;
+  std::unique_ptr<hal::SimulatedDevice> device;
+  std::unique_ptr<loop::Governor> governor;
+  std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as the next
+  std::unique_ptr<sim::GlobalWorld> global;
+  std::unique_ptr<loop::FlightRecorder> recorder;  // null when nothing is recorded
+  std::unique_ptr<loop::TapeDrain> drain;
+  std::unique_ptr<Driver> driver;
+  std::vector<WorldStall> stalls;
+  loop::RunStats stats;
+
+  // One tick of the driver, its figures into `stats`. Real time measures around the three stages itself.
+  void count_tick() noexcept;
+  // Whether the operator, or --rearm after a second, takes a fault back in the coming tick.
+  std::uint32_t operator_bits() noexcept;
+
+  // The figures that both kinds of run have.
+  RunSummary summary() const;
+
+ private:
+  Session() = default;
+  std::uint32_t latched_ticks_{0};
+  std::uint32_t cycle_ticks_{0};
+};
+
+}  // namespace tactus::session

@@ -1,0 +1,237 @@
+#include "tools/session/summary.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/choice_names.h"
+
+namespace tactus::session {
+namespace {
+
+using nlohmann::json;
+
+double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
+double percent(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+double mean_force_N(const RunSummary& s) {
+  return s.stats.ticks == 0 ? 0.0 : s.stats.force_sum_N / static_cast<double>(s.stats.ticks);
+}
+double mean_sub_steps(const RunSummary& s) {
+  return s.stats.ticks == 0 ? 0.0 : static_cast<double>(s.stats.sub_steps_sum) / static_cast<double>(s.stats.ticks);
+}
+// What the global clock lost to the haptic clock.
+double dilation_ms(const RunSummary& s) {
+  if (!s.has_global) return 0;
+  const double haptic_ms = static_cast<double>(s.stats.ticks) * s.options.period_s() * 1e3;
+  const double global_ms = static_cast<double>(s.stats.cycles) * s.ratio * s.options.period_s() * 1e3;
+  return std::max(0.0, haptic_ms - global_ms);
+}
+
+std::string times_line(const char* name, const Histogram& h) {
+  return fmt::format("  {:<22} p50 {:>7.1f}   p99 {:>7.1f}   p99.99 {:>7.1f}   max {:>8.1f} µs\n", name,
+                     us(h.percentile_ns(50)), us(h.percentile_ns(99)), us(h.percentile_ns(99.99)), us(h.max_ns()));
+}
+
+json times_json(const Histogram& h) {
+  return {{"count", h.count()},
+          {"mean_us", h.mean_ns() * 1e-3},
+          {"p50_us", us(h.percentile_ns(50))},
+          {"p99_us", us(h.percentile_ns(99))},
+          {"p99_99_us", us(h.percentile_ns(99.99))},
+          {"max_us", us(h.max_ns())}};
+}
+
+std::string verdict(const RunSummary& s) {
+  if (!s.stats.faults.empty() && s.exit_code() == 1 && s.stats.faults.items[s.stats.faults.size() - 1].cleared == 0)
+    return "BAD: a fault is latched";
+  if (s.overruns_own_work > 0) return "BAD: ticks were lost to the program's own work";
+  if (s.degraded()) return "good, DEGRADED: without real-time privileges, see set-up";
+  return "good";
+}
+
+std::string timing_text(const RunSummary& s) {
+  if (!s.real_time) return "timing                 virtual time: no clock was read, nothing was late\n";
+  const auto& t = s.timing;
+  std::string text = "timing\n";
+  text += times_line("wake-up", t.wake_latency);
+  text += times_line("execution", t.execution);
+  text += times_line("  compute", s.compute);
+  text += times_line("  simulated device", s.device);
+  text += fmt::format(
+      "  {:<22} {} of {} ticks; cause: late wake-up {}, interrupted {}, own work {}; {} deadlines skipped\n",
+      "overruns", t.overruns, t.ticks, s.overruns_late_wake, s.overruns_interrupted, s.overruns_own_work,
+      t.skipped_ticks);
+  text += fmt::format("  {:<22} {} minor, {} major page faults; {} involuntary context switches\n", "haptic thread",
+                      t.minor_faults, t.major_faults, t.involuntary_switches);
+  return text;
+}
+
+std::string global_text(const RunSummary& s) {
+  if (!s.has_global) return "global world           none: direct coupling, the whole world runs at the haptic rate\n";
+  std::string text = "global world\n";
+  if (s.global_step.count() > 0) text += times_line("step", s.global_step);
+  text +=
+      fmt::format("  {:<22} {} cycles of {} ticks; {} late, the longest {} ticks; clock dilated by {:.0f} ms\n",
+                  "exchange", s.stats.cycles, s.ratio, s.stats.late_cycles, s.stats.cycle_ticks_max, dilation_ms(s));
+  text += fmt::format("  {:<22} {} bodies, at most {} contacts; deepest overlap {:.3f} mm\n", "size", s.global.bodies,
+                      s.global.most_contacts, 1e3 * s.global.deepest_m);
+  text += fmt::format("  {:<22} component of the proxy at most {} bodies; {} joins, {} leaves\n", "contact graph",
+                      s.stats.component_max, s.global.joins, s.global.leaves);
+  return text;
+}
+
+std::string faults_text(const RunSummary& s) {
+  if (s.stats.fault_count == 0) return "faults                 none\n";
+  std::string text = fmt::format("faults                 {}\n", s.stats.fault_count);
+  for (const auto& event : s.stats.faults) {
+    text += fmt::format("  tick {:<17} {}{}\n", event.tick, event.cleared != 0 ? "re-armed after: " : "",
+                        describe(event.fault));
+  }
+  return text;
+}
+
+std::string status_text(const RunSummary& s) {
+  std::string text;
+  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+    const std::string_view name = name_of(static_cast<StatusBit>(1u << bit));
+    if (s.stats.status_ticks[bit] == 0 || name.empty() || (1u << bit) == kProxyContact) continue;
+    text += fmt::format("  {:<22} {} ticks\n", name, s.stats.status_ticks[bit]);
+  }
+  return text.empty() ? text : "limits and conditions\n" + text;
+}
+
+std::string setup_text(const RunSummary& s) {
+  if (!s.real_time) return {};
+  std::string text = "set-up of the haptic thread\n";
+  for (const auto& step : s.setup.steps)
+    text += fmt::format("  {:<4} {:<17} {}\n", step.ok ? "ok" : "FAIL", step.name, step.message());
+  return text;
+}
+
+}  // namespace
+
+int RunSummary::exit_code() const noexcept {
+  const bool latched = !stats.faults.empty() && stats.faults.items[stats.faults.size() - 1].cleared == 0;
+  return latched || overruns_own_work > 0 ? 1 : 0;
+}
+
+std::string to_text(const RunSummary& s) {
+  std::string text =
+      fmt::format("\ntactus run: {} ({})\n", s.scene_title.empty() ? s.scene_name : s.scene_title, verdict(s));
+  text += fmt::format("run                    {} ticks at {:g} Hz, ratio {}, {} coupling, border {}, device {}\n",
+                      s.stats.ticks, s.options.rate_Hz, s.ratio, sim::name_of(s.options.coupling),
+                      sim::name_of(s.options.border), s.options.device);
+  text += timing_text(s);
+  text +=
+      fmt::format("sub-world\n  {:<22} at most {} members of {} (cap {}), {} contacts, {} points, {} border contacts\n",
+                  "high water", s.stats.members_max, s.bodies, s.members_cap, s.stats.contacts_max, s.stats.points_max,
+                  s.stats.border_max);
+  text += fmt::format("  {:<22} mean {:.2f} of {}; deepest overlap {:.3f} mm\n", "sub-steps", mean_sub_steps(s),
+                      s.sub_steps, 1e3 * s.stats.deepest_m);
+  text += global_text(s);
+  text += fmt::format("hand\n  {:<22} {:.1f} % of the ticks\n", "in contact",
+                      percent(s.stats.contact_ticks, s.stats.ticks));
+  text += fmt::format("  {:<22} mean {:.2f} N, max {:.2f} N, {:.3f} N m; largest step {:.2f} N a tick\n", "force",
+                      mean_force_N(s), s.stats.force_max_N, s.stats.torque_max_Nm, s.stats.force_step_max_N);
+  text += fmt::format("  {:<22} device port {:+.4f} J, passivity control {:.4f} J, border {:+.4f} J\n", "energy",
+                      s.stats.device_energy_J, s.stats.damped_energy_J, s.stats.border_work_J);
+  text += fmt::format("  {:<22} by the hand {:+.4f} J, by the motors {:+.4f} J\n", "work on the device", s.hand_work_J,
+                      s.motor_work_J);
+  text += status_text(s);
+  text += faults_text(s);
+  if (s.stats.capacity_bits != 0)
+    text += fmt::format("capacity               exceeded (bits {:#x}), {} entries left out\n", s.stats.capacity_bits,
+                        s.stats.dropped);
+  if (!s.tape.empty())
+    text += fmt::format("tape                   {} ({:.1f} MB), {} records dropped\n", s.tape,
+                        static_cast<double>(s.tape_bytes) * 1e-6, s.tape_dropped);
+  if (!s.fault_tape.empty()) text += fmt::format("flight recorder        {}\n", s.fault_tape);
+  text += fmt::format("state hash             {:016x}\n", s.state_hash);
+  return text + setup_text(s);
+}
+
+json to_json(const RunSummary& s) {
+  json j;
+  j["scene"] = s.scene_name;
+  j["verdict"] = verdict(s);
+  j["exit_code"] = s.exit_code();
+  j["degraded"] = s.degraded();
+  j["real_time"] = s.real_time;
+  j["run"] = {{"rate_Hz", s.options.rate_Hz},
+              {"ratio", s.ratio},
+              {"ticks", s.stats.ticks},
+              {"duration_s", static_cast<double>(s.stats.ticks) * s.options.period_s()},
+              {"wall_s", s.wall_s},
+              {"coupling", sim::name_of(s.options.coupling)},
+              {"border", sim::name_of(s.options.border)},
+              {"device", s.options.device},
+              {"bodies", s.bodies},
+              {"cost_scale", s.cost_scale}};
+  if (s.real_time) {
+    const auto& t = s.timing;
+    j["timing"] = {{"wake_up", times_json(t.wake_latency)},
+                   {"execution", times_json(t.execution)},
+                   {"compute", times_json(s.compute)},
+                   {"simulated_device", times_json(s.device)},
+                   {"overruns", t.overruns},
+                   {"overruns_late_wake", s.overruns_late_wake},
+                   {"overruns_interrupted", s.overruns_interrupted},
+                   {"overruns_own_work", s.overruns_own_work},
+                   {"skipped_ticks", t.skipped_ticks},
+                   {"minor_page_faults", t.minor_faults},
+                   {"major_page_faults", t.major_faults},
+                   {"involuntary_context_switches", t.involuntary_switches}};
+    for (const auto& step : s.setup.steps)
+      j["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
+  }
+  j["sub_world"] = {{"members_max", s.stats.members_max},     {"members_cap", s.members_cap},
+                    {"contacts_max", s.stats.contacts_max},   {"points_max", s.stats.points_max},
+                    {"pairs_max", s.stats.pairs_max},         {"border_contacts_max", s.stats.border_max},
+                    {"sub_steps_mean", mean_sub_steps(s)},    {"deepest_overlap_m", s.stats.deepest_m},
+                    {"capacity_bits", s.stats.capacity_bits}, {"dropped_entries", s.stats.dropped}};
+  if (s.has_global) {
+    j["global_world"] = {{"cycles", s.stats.cycles},
+                         {"late_cycles", s.stats.late_cycles},
+                         {"longest_cycle_ticks", s.stats.cycle_ticks_max},
+                         {"dilation_ms", dilation_ms(s)},
+                         {"contacts_max", s.global.most_contacts},
+                         {"component_max", s.stats.component_max},
+                         {"joins", s.global.joins},
+                         {"leaves", s.global.leaves},
+                         {"deepest_overlap_m", s.global.deepest_m},
+                         {"imposed_energy_J", s.global.imposed_energy_J},
+                         {"capacity_bits", s.global.capacity_bits},
+                         {"dropped_entries", s.global.dropped_entries}};
+    if (s.global_step.count() > 0) j["global_world"]["step"] = times_json(s.global_step);
+  }
+  j["hand"] = {
+      {"contact_ticks", s.stats.contact_ticks}, {"contact_percent", percent(s.stats.contact_ticks, s.stats.ticks)},
+      {"force_mean_N", mean_force_N(s)},        {"force_max_N", s.stats.force_max_N},
+      {"torque_max_Nm", s.stats.torque_max_Nm}, {"force_step_max_N", s.stats.force_step_max_N}};
+  j["energy"] = {{"device_port_J", s.stats.device_energy_J},
+                 {"passivity_control_J", s.stats.damped_energy_J},
+                 {"border_work_J", s.stats.border_work_J},
+                 {"hand_work_J", s.hand_work_J},
+                 {"motor_work_J", s.motor_work_J}};
+  json conditions = json::object();
+  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+    const std::string_view name = name_of(static_cast<StatusBit>(1u << bit));
+    if (!name.empty() && s.stats.status_ticks[bit] > 0) conditions[std::string(name)] = s.stats.status_ticks[bit];
+  }
+  j["condition_ticks"] = conditions;
+  j["faults"] = json::array();
+  for (const auto& event : s.stats.faults) {
+    j["faults"].push_back({{"tick", event.tick},
+                           {"code", static_cast<std::uint32_t>(event.fault)},
+                           {"text", std::string(describe(event.fault))},
+                           {"rearmed", event.cleared != 0}});
+  }
+  j["state_hash"] = fmt::format("{:016x}", s.state_hash);
+  if (!s.tape.empty()) j["tape"] = {{"path", s.tape}, {"bytes", s.tape_bytes}, {"dropped_records", s.tape_dropped}};
+  if (!s.fault_tape.empty()) j["flight_recorder"] = s.fault_tape;
+  return j;
+}
+
+}  // namespace tactus::session

@@ -1,0 +1,52 @@
+// The end of a run, said honestly: one struct of figures, shown to people and as JSON with units in the keys.
+// Thread: normal, after the run.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "rt/loop/realtime_setup.h"
+#include "rt/loop/run_stats.h"
+#include "rt/loop/timing.h"
+#include "sim/global_world.h"
+#include "tools/session/run_options.h"
+
+namespace tactus::session {
+
+struct RunSummary {
+  RunOptions options;
+  std::string scene_name, scene_title;
+  unsigned ratio{0}, members_cap{0}, sub_steps{0};
+  std::uint32_t bodies{0};
+  double wall_s{0};  // of the loop; 0 in virtual time
+  loop::RunStats stats;
+
+  // Real time only.
+  bool real_time{false};
+  loop::SetupReport setup;
+  loop::TimingHealth timing;
+  Histogram compute, device;  // of the tick without the simulated device; of the simulated device alone
+  std::uint64_t overruns_late_wake{0}, overruns_own_work{0}, overruns_interrupted{0};
+  double cost_scale{1};  // calibration: this core's cost / the fixed table
+
+  // With a global world.
+  bool has_global{false};
+  sim::GlobalStatistics global;
+  Histogram global_step;  // wall clock; empty in virtual time
+
+  // Energy, J: hand and device of the simulation.
+  double hand_work_J{0}, motor_work_J{0};
+  std::uint64_t state_hash{0};
+  std::string tape;  // path, empty if none
+  std::uint64_t tape_bytes{0}, tape_dropped{0};
+  std::string fault_tape;  // flight recorder dump, empty if none
+
+  // 0 good, 1 a fault is latched at the end or a tick was lost to the program's own work.
+  int exit_code() const noexcept;
+  bool degraded() const noexcept { return real_time && setup.degraded(); }
+};
+
+std::string to_text(const RunSummary& summary);
+nlohmann::json to_json(const RunSummary& summary);
+
+}  // namespace tactus::session

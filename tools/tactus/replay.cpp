@@ -1,0 +1,74 @@
+// tactus replay TAPE: run a tape again and compare every output, bit by bit.
+#include "tools/session/replay.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+struct ReplayOptions {
+  std::string tape;
+  bool json{false};
+};
+
+int run_replay(const ReplayOptions& options) {
+  const bool terminal = !options.json && isatty(STDERR_FILENO) != 0;
+  const auto result = session::replay(options.tape, [&](double share) {
+    if (terminal) fmt::print(stderr, "\rreplaying {:3.0f} % ", 100 * share);
+  });
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (!result.ok()) return complain(result.message(), kExitBadInput);
+  const session::ReplayReport& r = result.value();
+  if (options.json) {
+    const nlohmann::ordered_json object{{"tape", options.tape},
+                                        {"scene", r.scene_name},
+                                        {"same_bits", r.good()},
+                                        {"ticks", r.ticks},
+                                        {"compared_ticks", r.compared},
+                                        {"different_ticks", r.different},
+                                        {"first_different_tick", r.first_different_tick},
+                                        {"first_difference", r.first_difference},
+                                        {"keyframes", r.keyframes},
+                                        {"different_keyframes", r.keyframes_different},
+                                        {"snapshots", r.snapshots},
+                                        {"gaps", r.gaps},
+                                        {"unreplayable_ticks", r.unreplayable},
+                                        {"warning", r.warning},
+                                        {"state_hash", fmt::format("{:016x}", r.state_hash)}};
+    fmt::print("{}\n", object.dump(2));
+    return r.good() ? kExitGood : kExitVerdictBad;
+  }
+  if (!r.warning.empty()) fmt::print(stderr, "tactus: warning: {}\n", r.warning);
+  fmt::print("tactus replay: {} ({})\n", options.tape, r.good() ? "the same bits" : "DIFFERENT");
+  fmt::print("  ticks                {} on the tape, {} compared, {} different\n", r.ticks, r.compared, r.different);
+  fmt::print("  keyframes            {}, {} different; {} snapshots\n", r.keyframes, r.keyframes_different,
+             r.snapshots);
+  fmt::print("  gaps                 {}; {} ticks before a keyframe could not be replayed\n", r.gaps, r.unreplayable);
+  if (r.different > 0) fmt::print("  first difference     tick {}: {}\n", r.first_different_tick, r.first_difference);
+  fmt::print("  state hash           {:016x}\n", r.state_hash);
+  return r.good() ? kExitGood : kExitVerdictBad;
+}
+
+}  // namespace
+
+CLI::App* add_replay_command(CLI::App& program, int& exit_code) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = program.add_subcommand("replay", "Run a tape again and compare every output, bit by bit.");
+  command->footer(
+      "The tape holds what the device said, what the global world sent and what the governor chose; the replay\n"
+      "computes every tick anew. Exit status: 0 the same bits; 1 different; 2 no such tape.\n\n"
+      "Example:\n  tactus run sim/scenes/card_house.toml --duration 5 --record my.tape\n  tactus replay my.tape");
+  command->add_option("TAPE", options->tape, "what `tactus run --record` wrote")->required();
+  command->add_flag("--json", options->json, "one JSON object on stdout");
+  command->callback([options, &exit_code] { exit_code = run_replay(*options); });
+  return command;
+}
+
+}  // namespace tactus::tools

@@ -1,0 +1,192 @@
+// tactus run SCENE: the main job.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "sim/choice_names.h"
+#include "sim/scene_load.h"
+#include "tools/session/realtime_run.h"
+#include "tools/session/virtual_run.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+constexpr double kDefaultVirtual_s = 10;
+
+std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM
+void ask_to_stop(int) { g_stop.store(true); }
+
+struct Words {
+  std::string coupling{"sub-world"}, border{"capped"}, order{"best-first"}, reach{"two-cycles"};
+};
+
+struct RunCommand {
+  session::RunOptions options;
+  Words words;
+  bool json{false};
+};
+
+Status read_words(RunCommand& command) {
+  const Words& w = command.words;
+  session::RunOptions& o = command.options;
+  const auto unknown = [](const char* option, const std::string& word, const char* accepted) {
+    return Status::error(fmt::format("tactus run: {}: '{}' is none; accepted: {}", option, word, accepted));
+  };
+  const auto coupling = sim::parse_coupling_scheme(w.coupling);
+  if (!coupling) return unknown("--coupling", w.coupling, "sub-world, direct, interpolation, static");
+  if (w.border == "ghost")
+    return Status::error("tactus run: --border: ghost is not in this version; accepted: capped, replay, frozen");
+  const auto border = sim::parse_border_mode(w.border);
+  if (!border) return unknown("--border", w.border, "capped, replay, frozen");
+  const auto order = sim::parse_cut_order(w.order);
+  if (!order) return unknown("--order", w.order, "best-first, breadth-first");
+  const auto reach = sim::parse_reach(w.reach);
+  if (!reach) return unknown("--reach", w.reach, "two-cycles, paper");
+  o.coupling = *coupling, o.border = *border, o.order = *order, o.reach = *reach;
+  if (o.virtual_time && o.duration_s == 0) o.duration_s = kDefaultVirtual_s;
+  const Status status = check_options(o);
+  return status.ok() ? status : Status::error("tactus run: " + status.message());
+}
+
+void show_live(const session::LiveStatus& live, double elapsed_s, std::uint64_t& last_ticks, double& last_s) {
+  const std::uint64_t ticks = live.ticks.load(std::memory_order_relaxed);
+  const double rate_Hz = elapsed_s > last_s ? static_cast<double>(ticks - last_ticks) / (elapsed_s - last_s) : 0;
+  last_ticks = ticks, last_s = elapsed_s;
+  const std::uint32_t status = live.status.load(std::memory_order_relaxed);
+  std::string notes;
+  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+    const auto name = name_of(static_cast<StatusBit>(1u << bit));
+    if (((status >> bit) & 1u) != 0 && !name.empty()) notes += fmt::format(" {}", name);
+  }
+  const auto fault = static_cast<Fault>(live.fault.load(std::memory_order_relaxed));
+  if (fault != Fault::kNone) notes = fmt::format(" FAULT: {} (Enter re-arms)", describe(fault));
+  fmt::print(
+      stderr,
+      "\r\033[K{:6.1f} s {:5.0f} Hz  force {:5.2f} N  members {:3}  contacts {:3}  border {:3}  overruns {} |{:.80}",
+      elapsed_s, rate_Hz, live.force_N.load(std::memory_order_relaxed), live.members.load(std::memory_order_relaxed),
+      live.contacts.load(std::memory_order_relaxed), live.border.load(std::memory_order_relaxed),
+      live.overruns.load(std::memory_order_relaxed), notes);
+}
+
+// Enter on the keyboard; nothing where standard input is none.
+bool enter_pressed() {
+  pollfd in{STDIN_FILENO, POLLIN, 0};
+  if (isatty(STDIN_FILENO) == 0 || poll(&in, 1, 0) <= 0 || (in.revents & POLLIN) == 0) return false;
+  char line[256];
+  return read(STDIN_FILENO, line, sizeof line) > 0;
+}
+
+Result<session::RunSummary> run_in_real_time(session::Session& session, bool json) {
+  if (const Status status = session.record(session.options.record.string()); !status.ok()) return status;
+  std::signal(SIGINT, ask_to_stop);
+  std::signal(SIGTERM, ask_to_stop);
+  session::RealtimeHooks hooks;
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  std::uint64_t last_ticks = 0;
+  double last_s = 0, next_line_s = 0;
+  hooks.show = [&](const session::LiveStatus& live, double elapsed_s) {
+    // On a terminal the line moves; in a log it comes every two seconds.
+    if (terminal || (!json && elapsed_s >= next_line_s)) {
+      show_live(live, elapsed_s, last_ticks, last_s);
+      if (!terminal) fmt::print(stderr, "\n");
+      next_line_s += 2;
+    }
+    return true;
+  };
+  hooks.rearm_requested = enter_pressed;
+  auto summary = session::run_realtime(session, hooks, g_stop);
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  return summary;
+}
+
+Result<session::RunSummary> run_in_virtual_time(session::Session& session) {
+  if (!session.options.record.empty())
+    if (const Status status = session.record(session.options.record.string()); !status.ok()) return status;
+  const auto ticks = static_cast<std::uint64_t>(std::llround(session.options.duration_s * session.options.rate_Hz));
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  auto summary = session::run_virtual(session, ticks, [&](const loop::TickOutput& out) {
+    if (terminal && out.tick % 500 == 0)
+      fmt::print(stderr, "\r\033[Kvirtual time {:.1f} of {:.1f} s",
+                 static_cast<double>(out.tick) * session.options.period_s(), session.options.duration_s);
+    return !g_stop.load(std::memory_order_relaxed);
+  });
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  return summary;
+}
+
+int run_scene(RunCommand& command) {
+  if (const Status status = read_words(command); !status.ok()) return complain(status.message(), kExitBadInput);
+  auto scene = sim::load_scene(command.options.scene);
+  if (!scene.ok()) {
+    fmt::print(stderr, "tactus: {}\n", scene.message());
+    return kExitBadInput;
+  }
+  auto session = session::Session::create(std::move(scene).value(), command.options);
+  if (!session.ok()) return complain("tactus run: " + session.message(), kExitBadInput);
+  auto summary = command.options.virtual_time ? run_in_virtual_time(*session.value())
+                                              : run_in_real_time(*session.value(), command.json);
+  if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
+  if (command.json)
+    fmt::print("{}\n", to_json(summary.value()).dump(2));
+  else
+    fmt::print("{}", to_text(summary.value()));
+  return summary.value().exit_code();
+}
+
+void add_options(CLI::App& app, RunCommand& command) {
+  session::RunOptions& o = command.options;
+  app.add_option("SCENE", o.scene, "the scene, such as sim/scenes/card_house.toml")->required();
+  app.add_option("--device", o.device, "the device: sim")->capture_default_str();
+  app.add_option("--coupling", command.words.coupling, "sub-world, direct, interpolation or static")
+      ->capture_default_str();
+  app.add_option("--border", command.words.border, "of the sub-world: capped, replay (the paper's) or frozen")
+      ->capture_default_str();
+  app.add_option("--order", command.words.order, "in which the contact graph is cut: best-first or breadth-first")
+      ->capture_default_str();
+  app.add_option("--reach", command.words.reach, "of the boundary cube: two-cycles or paper")->capture_default_str();
+  app.add_option("--rate", o.rate_Hz, "haptic ticks a second [Hz]")->capture_default_str();
+  app.add_option("--ratio", o.ratio, "haptic ticks per global step; default: the scene's");
+  app.add_option("--members", o.members, "most bodies in the sub-world, the proxy included; default: the scene's");
+  app.add_option("--duration", o.duration_s, "seconds to run; default: until stopped, in virtual time 10");
+  app.add_option("--cpu", o.cpu, "core of the haptic thread; default: the last one allowed")
+      ->check(CLI::Range(0, 1023));
+  app.add_option("--world-cpu", o.world_cpu, "core of the global world; default: any")->check(CLI::Range(0, 1023));
+  app.add_option("--priority", o.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
+      ->capture_default_str();
+  app.add_flag("--virtual-time", o.virtual_time, "one thread on a virtual clock: the same bits every time");
+  app.add_option("--record", o.record, "write a tape here, for `tactus replay`");
+  app.add_flag("--rearm", o.rearm, "take a latched fault back by itself after a second; else Enter does");
+  app.add_option("--inject", o.inject,
+                 "faults, as KIND@TICK[+TICKS][:AMOUNT],...: lost, late, duplicated, corrupted, nan, wild,\n"
+                 "teleport, frozen, unplugged, estop; and of the world: stall");
+  app.add_option("--seed", o.seed, "of what is random in injected faults")->capture_default_str();
+  app.add_flag("--json", command.json, "one JSON object on stdout, units in the keys");
+}
+
+}  // namespace
+
+CLI::App* add_run_command(CLI::App& program, int& exit_code) {
+  auto command = std::make_shared<RunCommand>();
+  CLI::App* run = program.add_subcommand("run", "Feel a scene: the haptic loop, the global world and the device.");
+  run->footer(
+      "While it runs, a status line shows rate, force, members, contacts, overruns; Ctrl-C ends it, Enter re-arms "
+      "after\n"
+      "a fault. Exit status: 0 good; 1 a fault is latched at the end, or a tick was lost to the program's own work;\n"
+      "2 bad usage or scene; 3 the machine cannot do it.\n\n"
+      "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"
+      "  tactus run sim/scenes/pile700.toml --ratio 10 --json\n"
+      "  tactus run sim/scenes/pile700.toml --virtual-time --coupling static\n"
+      "  tactus run sim/scenes/stack20.toml --inject lost@1000+20,stall@3000+50 --rearm --record my.tape");
+  add_options(*run, *command);
+  run->callback([command, &exit_code] { exit_code = run_scene(*command); });
+  return run;
+}
+
+}  // namespace tactus::tools
