@@ -263,7 +263,7 @@ TEST_CASE("No more than eight leave at once unless the cap asks for it") {
   bench.choose();
   bench.touches.clear();
   for (int cycle = 0; cycle < 4; ++cycle) CHECK(bench.choose().size() == 50);
-  for (const std::size_t left : {42, 34, 26, 18, 10, 2, 1}) CHECK(bench.choose().size() == left);
+  for (const std::size_t left : {42u, 34u, 26u, 18u, 10u, 2u, 1u}) CHECK(bench.choose().size() == left);
   bench.link_row();
   for (int cycle = 0; cycle < 7; ++cycle) bench.choose();
   CHECK(bench.choose(20) == range(20));  // a lower budget takes effect at once
