@@ -75,6 +75,7 @@ template <bool kTotals, class T>
   for (std::uint32_t i = 0; i < c.count; ++i) {
     const T x = c.x[i], y = c.y[i], mass = c.tangent_mass[i];
     const T last_1 = c.tangent_impulse[0][i], last_2 = c.tangent_impulse[1][i];
+    if (c.normal_impulse[i] == T(0) && last_1 == T(0) && last_2 == T(0)) continue;  // about to touch, not touching
     T next_1 = last_1 - mass * (v.t1 - y * v.mn), next_2 = last_2 - mass * (v.t2 + x * v.mn);
     clamp_to_disk(next_1, next_2, c.friction * c.normal_impulse[i]);
     const T f1 = next_1 - last_1, f2 = next_2 - last_2, m = x * f2 - y * f1;
@@ -149,6 +150,8 @@ void solve_contact(ContactConstraint<T>& c, const SolverBodies<T>& bodies, const
     p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
     m += rubbed.mn * c.n;
   }
+  // Many contacts are only about to touch; leaving them out changes no bit.
+  if (p == Vec3<T>{} && m == Vec3<T>{}) return;
   apply_to_bodies<kFixed>(c, bodies, p, m);
 }
 

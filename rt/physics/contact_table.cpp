@@ -129,7 +129,7 @@ Contact<T> ContactTable<T>::make_contact(const Found& found, const Scene& scene,
   contact.friction = std::sqrt(scene.bodies[found.pair.a].friction * b.friction);
   contact.normal = found.manifold.normal;
   contact.count = found.manifold.count;
-  const auto [t1, t2] = tangents_of(contact.normal);
+  const Tangents<T> now = tangents_of(contact.normal);
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const ManifoldPoint<T>& made = found.manifold.points[i];
     ContactPoint<T>& point = contact.points[i];
@@ -140,7 +140,7 @@ Contact<T> ContactTable<T>::make_contact(const Found& found, const Scene& scene,
     // The normal has turned since: the old friction vector is projected on the new tangents.
     const auto start_with = [&](T normal_impulse, const Vec3<T>& friction) {
       point.normal_impulse = normal_impulse;
-      point.tangent_impulse[0] = dot(friction, t1), point.tangent_impulse[1] = dot(friction, t2);
+      point.tangent_impulse[0] = dot(friction, now.t1), point.tangent_impulse[1] = dot(friction, now.t2);
     };
     if (found.last != kNone) {
       const Contact<T>& last = last_[found.last];
