@@ -61,29 +61,40 @@ Vec3<T> towards_b(const BoxPair<T>& boxes, const Vec3<T>& n) noexcept {
   return dot(n, boxes.pair.b_from_a) < T(0) ? -n : n;
 }
 
+// Column i of the rotation.
 template <class T>
-Vec3<T> axis_of(const Quat<T>& world_from_body, int i) noexcept {
-  return rotate(world_from_body, Vec3<T>{i == 0 ? T(1) : T(0), i == 1 ? T(1) : T(0), i == 2 ? T(1) : T(0)});
+Vec3<T> axis_of(const Quat<T>& q, int i) noexcept {
+  if (i == 0)
+    return {T(1) - T(2) * (q.y * q.y + q.z * q.z), T(2) * (q.x * q.y + q.w * q.z), T(2) * (q.x * q.z - q.w * q.y)};
+  if (i == 1)
+    return {T(2) * (q.x * q.y - q.w * q.z), T(1) - T(2) * (q.x * q.x + q.z * q.z), T(2) * (q.y * q.z + q.w * q.x)};
+  return {T(2) * (q.x * q.z + q.w * q.y), T(2) * (q.y * q.z - q.w * q.x), T(1) - T(2) * (q.x * q.x + q.y * q.y)};
+}
+
+template <class T>
+T reach_along(const Vec3<T>& n, const Quat<T>& world_from_body, const Vec3<T>& half_extents) noexcept {
+  return dot(abs(rotate_inverse(world_from_body, n)), half_extents);
 }
 
 // One axis, before anything else is worked out: most pairs that were apart still are.
 template <class T>
 bool still_apart(const PairView<T>& pair, int code) noexcept {
   if (code < 1 || code > 15) return false;
-  Vec3<T> n;
+  const Quat<T>&q_a = pair.world_from_a, &q_b = pair.world_from_b;
+  const Vec3<T>&h_a = pair.a.half_extents, &h_b = pair.b.half_extents;
   if (code < kFirstFaceB) {
-    n = axis_of(pair.world_from_a, code - 1);
-  } else if (code < kFirstEdge) {
-    n = axis_of(pair.world_from_b, code - kFirstFaceB);
-  } else {
-    n = cross(axis_of(pair.world_from_a, (code - kFirstEdge) / 3), axis_of(pair.world_from_b, (code - kFirstEdge) % 3));
-    const T length_squared = norm_squared(n);
-    if (!(length_squared > kParallelSineSquared<T>)) return false;
-    n *= T(1) / std::sqrt(length_squared);
+    const Vec3<T> n = axis_of(q_a, code - 1);
+    return std::abs(dot(n, pair.b_from_a)) - h_a[code - 1] - reach_along(n, q_b, h_b) > pair.margin;
   }
-  const T reach = dot(abs(rotate_inverse(pair.world_from_a, n)), pair.a.half_extents) +
-                  dot(abs(rotate_inverse(pair.world_from_b, n)), pair.b.half_extents);
-  return std::abs(dot(n, pair.b_from_a)) - reach > pair.margin;
+  if (code < kFirstEdge) {
+    const Vec3<T> n = axis_of(q_b, code - kFirstFaceB);
+    return std::abs(dot(n, pair.b_from_a)) - h_b[code - kFirstFaceB] - reach_along(n, q_a, h_a) > pair.margin;
+  }
+  const Vec3<T> w = cross(axis_of(q_a, (code - kFirstEdge) / 3), axis_of(q_b, (code - kFirstEdge) % 3));
+  const T length_squared = norm_squared(w);
+  if (!(length_squared > kParallelSineSquared<T>)) return false;
+  const Vec3<T> n = w * (T(1) / std::sqrt(length_squared));
+  return std::abs(dot(n, pair.b_from_a)) - reach_along(n, q_a, h_a) - reach_along(n, q_b, h_b) > pair.margin;
 }
 
 // What the 15 axes say. `apart`: the axis beyond the margin, or 0.

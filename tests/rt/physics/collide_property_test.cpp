@@ -24,7 +24,7 @@ Pair random_pair(Random& random, ShapeKind kind_a, ShapeKind kind_b) {
   const Vec3d direction = kind_b == ShapeKind::kPlane ? -rotate(pair.pose_b.rotation, Vec3d{0, 0, 1}) : random.unit();
   double near = 0, far = 1.0;
   const Vec3d start = pair.pose_a.position;
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 12; ++i) {
     const double middle = 0.5 * (near + far);
     pair.pose_b.position = start + direction * middle;
     (reference_distance(pair.a, pair.pose_a, pair.b, pair.pose_b) > 0 ? far : near) = middle;

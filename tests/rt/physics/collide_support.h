@@ -72,8 +72,8 @@ inline double distance(const Vec3d& point, const Segment& s) {
 
 // Ternary search of a convex function: slow, and nothing to get wrong.
 inline double distance(const Segment& a, const Segment& b) {
-  double low = 0, high = 1;
-  for (int i = 0; i < 100; ++i) {
+  double low = 0, high = 1;  // each round leaves two thirds: 60 rounds leave 3e-11 of the segment
+  for (int i = 0; i < 60; ++i) {
     const double s = low + (high - low) / 3, t = high - (high - low) / 3;
     if (distance(a.from + (a.to - a.from) * s, b) < distance(a.from + (a.to - a.from) * t, b))
       high = t;
@@ -138,12 +138,19 @@ inline bool overlap(const PosedBox& a, const PosedBox& b) {
   return false;
 }
 
+// Spheres about the segments: spares most of the searches.
+inline bool may_be_nearer(const Segment& a, const Segment& b, double than) {
+  return 0.5 * (norm(a.from + a.to - b.from - b.to) - norm(a.to - a.from) - norm(b.to - b.from)) < than;
+}
+
 inline double distance(const PosedBox& a, const PosedBox& b) {
   if (overlap(a, b)) return 0;
   double least = distance(a.corner(0), b);
   for (unsigned k = 0; k < 8; ++k) least = std::min({least, distance(a.corner(k), b), distance(b.corner(k), a)});
+  const auto edges_b = b.edges();
   for (const Segment& edge_a : a.edges())
-    for (const Segment& edge_b : b.edges()) least = std::min(least, distance(edge_a, edge_b));
+    for (const Segment& edge_b : edges_b)
+      if (may_be_nearer(edge_a, edge_b, least)) least = std::min(least, distance(edge_a, edge_b));
   return least;
 }
 
