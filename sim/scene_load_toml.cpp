@@ -3,9 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 // The one file that sees the TOML library. Compiled in, not linked, because the limit on nesting is a constant of its
 // build: the default of 256, times the dots that a key may have, would be deep enough to overflow the stack.
+// Its assertions fail on texts that people write ("[" before a line break), and a release build takes them for granted,
+// which is undefined behaviour: here they are exceptions, in every build, that refuse the text.
+namespace {
+struct TomlAssertion {};
+[[noreturn]] void refuse_text() { throw TomlAssertion{}; }
+}  // namespace
+#define TOML_ASSERT(...) ((__VA_ARGS__) ? void(0) : refuse_text())
+#undef NDEBUG
 #undef TOML_HEADER_ONLY
 #undef TOML_SHARED_LIB
 #define TOML_HEADER_ONLY 1
@@ -41,6 +50,37 @@ bool too_many_dots(std::string_view text, SceneDiagnostics& diagnostics) {
     }
   }
   return false;
+}
+
+// Does the library's parser fail an assertion of its own on this text?
+bool breaks_parser(std::string_view text) {
+  try {
+    (void)toml::parse(text);
+    return false;
+  } catch (const TomlAssertion&) { return true; }
+}
+
+// The line that breaks it: the parser goes from left to right, so the first lines break it from that line on.
+unsigned breaking_line(std::string_view text) {
+  std::vector<std::size_t> ends;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] == '\n') ends.push_back(i + 1);
+  const auto breaks = [text](std::size_t end) { return breaks_parser(text.substr(0, end)); };
+  const auto first = std::partition_point(ends.begin(), ends.end(), [&](std::size_t end) { return !breaks(end); });
+  return static_cast<unsigned>(first - ends.begin()) + 1;
+}
+
+// Nothing, and one mistake, where the text is no TOML.
+std::optional<toml::table> parse_text(std::string_view text, SceneDiagnostics& diagnostics) {
+  try {
+    toml::parse_result parsed = toml::parse(text);
+    if (parsed) return std::move(parsed).table();
+    const auto& at = parsed.error().source().begin;
+    diagnostics.add({at.line, at.column, "the file", std::string(parsed.error().description()), "TOML 1.0"});
+  } catch (const TomlAssertion&) {
+    diagnostics.add({breaking_line(text), 1, "the file", "a key or a bracket that is not complete", "TOML 1.0"});
+  }
+  return std::nullopt;
 }
 
 class Converter {
@@ -142,16 +182,8 @@ bool read_toml(std::string_view text, TomlNode& root, SceneDiagnostics& diagnost
     return false;
   }
   if (too_many_dots(text, diagnostics)) return false;
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    const auto& at = parsed.error().source().begin;
-    std::string what(parsed.error().description());
-    std::replace_if(
-        what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
-    diagnostics.add({at.line, at.column, "the file", std::move(what), "TOML 1.0"});
-    return false;
-  }
-  return Converter(diagnostics).convert(parsed.table(), root, 0);
+  const auto table = parse_text(text, diagnostics);
+  return table && Converter(diagnostics).convert(*table, root, 0);
 }
 
 }  // namespace tactus::sim

@@ -110,6 +110,7 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {"[[generate]]\nkind = \"domino_row\"\nspacing_m = 0.001", 3, 13, "[generate.1] spacing_m", "thickness", ">="},
       {"[[generate]]\nkind = \"pile\"\ncubes_m = 1", 3, 1, "[generate.1] cubes_m", "did you mean cube_m?", "count"},
       {"title = ", 1, 9, "the file", "", "TOML"},
+      {"title = \"a\"\n# b\n[\n", 3, 1, "the file", "not complete", "TOML"},
       {"title = \"a\"\ntitle = \"b\"", 2, 9, "the file", "redefine", "TOML"},
   };
   for (const Case& c : cases) {

@@ -116,6 +116,6 @@ TEST_CASE("help teaches with an example") {
     const Output output = run(std::string(command) + "--help");
     CHECK(output.exit_code == 0);
     CHECK(output.err.empty());
-    CHECK_THAT(output.out, Contains("Example:\n  tactus scene check sim/scenes/card_house.toml"));
+    CHECK_THAT(output.out, Contains("Example") && Contains("  tactus scene check sim/scenes/card_house.toml"));
   }
 }
