@@ -285,6 +285,7 @@ TEST_CASE("stop ends the loop and may be followed by a new start with new counte
     thread.stop();
     CHECK(!thread.running());
     CHECK(thread.health().ticks == ticks);
+    CHECK(thread.health().wake_latency.count() == ticks);
   }
 }
 
