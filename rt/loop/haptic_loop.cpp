@@ -56,6 +56,8 @@ void HapticLoop::guard(const haptics::DeviceInput& in, TickOutput& out) noexcept
 // Arming engages as soon as the device gives good samples; a fault keeps `armed` but not `engaged`, so that only a
 // re-arm brings the force back.
 void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
+  // The device acts on the flag's rise, so that a stuck flag cannot defeat its latch: it falls when a fault latches.
+  if (state_.fault != Fault::kNone) state_.rearm = 0;
   if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;
   if ((operator_bits & kArm) != 0) state_.armed = 1;
   if ((operator_bits & kRearm) != 0) {

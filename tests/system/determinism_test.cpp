@@ -1,0 +1,142 @@
+// Same tape, same bits: twice, Debug and Release, virtual and real time, with and without recording.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/temporary_file.h"
+#include "tests/system/session_bench.h"
+#include "tools/session/realtime_run.h"
+#include "tools/session/replay.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+std::uint64_t hash_of_run(const std::string& file, const session::RunOptions& options, std::uint64_t ticks) {
+  auto session = make_session(scene_file(file), options);
+  return run(*session, ticks).state_hash;
+}
+
+std::string program_output(const std::string& command) {
+  FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::string text;
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
+  INFO(command);
+  REQUIRE(pclose(pipe) == 0);
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("the same run in virtual time gives the same bits twice, and others with another scene") {
+  const auto options = virtual_options();
+  const std::uint64_t once = hash_of_run("card_house.toml", options, 1000);
+  CHECK(once == hash_of_run("card_house.toml", options, 1000));
+  CHECK(once != hash_of_run("wall.toml", options, 1000));
+}
+
+TEST_CASE("recording changes no bit") {
+  const TemporaryFile tape;
+  session::RunOptions options = virtual_options();
+  const std::uint64_t plain = hash_of_run("card_house.toml", options, 1500);
+  options.record = tape.path();
+  auto session = make_session(scene_file("card_house.toml"), options);
+  REQUIRE(session->record(options.record.string()).ok());
+  CHECK(run(*session, 1500).state_hash == plain);
+}
+
+TEST_CASE("a recorded virtual run replays with the same bits, whatever the coupling and the border") {
+  const TemporaryFile tape;
+  session::RunOptions options = virtual_options();
+  options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect,
+                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic);
+  options.border = GENERATE(physics::BorderMode::kCapped, physics::BorderMode::kReplay);
+  options.record = tape.path();
+  options.members = 8;
+  options.inject = "lost/state@700+4,stall@900+60";
+  auto session = make_session(scene_file("card_house.toml"), options);
+  REQUIRE(session->record(options.record.string()).ok());
+  const auto summary = run(*session, 2500);
+  session.reset();
+  const auto report = session::replay(tape.path());
+  INFO(report.message());
+  REQUIRE(report.ok());
+  INFO(report.value().first_difference);
+  CHECK(report.value().good());
+  CHECK(report.value().compared == 2500);
+  CHECK(report.value().keyframes >= 2);
+  CHECK(report.value().state_hash == summary.state_hash);
+}
+
+TEST_CASE("a recorded real-time run replays with the same bits") {
+  const TemporaryFile tape;
+  session::RunOptions options = virtual_options();
+  options.virtual_time = false;
+  options.duration_s = 2;
+  options.record = tape.path();
+  auto session = make_session(scene_text(kPressScene), options);
+  REQUIRE(session->record(options.record.string()).ok());
+  std::atomic<bool> stop{false};
+  const auto summary = session::run_realtime(*session, {}, stop);
+  INFO(summary.message());
+  REQUIRE(summary.ok());
+  const std::uint64_t ticks = summary.value().stats.ticks;
+  CHECK(ticks == 2000);
+  session.reset();
+  const auto report = session::replay(tape.path());
+  INFO(report.message());
+  REQUIRE(report.ok());
+  INFO(report.value().first_difference);
+  CHECK(report.value().good());
+  CHECK(report.value().compared + report.value().unreplayable == ticks);
+  CHECK(report.value().unreplayable == 0);
+}
+
+TEST_CASE("a replay notices one changed bit of one input") {
+  const TemporaryFile tape;
+  session::RunOptions options = virtual_options();
+  options.record = tape.path();
+  auto session = make_session(scene_text(kPressScene), options);
+  REQUIRE(session->record(options.record.string()).ok());
+  run(*session, 1200);
+  session.reset();
+  // Copied record by record, one device sample nudged by one unit in the last place.
+  const TemporaryFile nudged;
+  auto in = loop::TapeReader::open(tape.path());
+  REQUIRE(in.ok());
+  auto out = loop::TapeWriter::create(nudged.path(), in.value()->text());
+  REQUIRE(out.ok());
+  loop::TapeRecord record;
+  while (in.value()->next(record) == loop::TapeRead::kRecord) {
+    std::vector<std::byte> payload(record.payload.begin(), record.payload.end());
+    if (record.kind == loop::kTickRecord) {
+      loop::TickRecord tick;
+      REQUIRE(payload.size() == sizeof tick);
+      std::memcpy(&tick, payload.data(), sizeof tick);
+      double& z = tick.device.sample.device_from_tool.position.z;
+      if (tick.out.tick == 900) z = std::nextafter(z, 1.0);
+      std::memcpy(payload.data(), &tick, sizeof tick);
+    }
+    REQUIRE(out.value()->write(record.kind, payload).ok());
+  }
+  REQUIRE(out.value()->close().ok());
+  const auto report = session::replay(nudged.path());
+  REQUIRE(report.ok());
+  CHECK_FALSE(report.value().good());
+  CHECK(report.value().first_different_tick == 900);
+}
+
+TEST_CASE("Debug and Release give the same state hash", "[determinism]") {
+  if (!std::filesystem::exists(TACTUS_DEBUG_PROGRAM)) FAIL("build the debug preset first: " TACTUS_DEBUG_PROGRAM);
+  const std::string scene = GENERATE("card_house.toml", "wall.toml", "free.toml");
+  const std::string arguments =
+      " run " TACTUS_SOURCE_DIR "/sim/scenes/" + scene + " --virtual-time --duration 1.5 --json";
+  const auto release = nlohmann::json::parse(program_output(TACTUS_PROGRAM + arguments));
+  const auto debug = nlohmann::json::parse(program_output(TACTUS_DEBUG_PROGRAM + arguments));
+  CHECK(release["state_hash"] == debug["state_hash"]);
+  CHECK(release["run"]["ticks"] == 1500);
+}

@@ -1,0 +1,57 @@
+// The haptic thread after start: no allocation, no lock, no page fault. Counted, with counters that are shown to fire.
+#include <cstdlib>
+#include <mutex>
+
+#include "tests/support/rt_guard.h"
+#include "tests/system/session_bench.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+TEST_CASE("a hundred thousand ticks of the haptic thread allocate nothing, lock nothing and fault no page") {
+  if (!RtGuard::available()) return;  // the sanitizers have their own allocator
+  session::RunOptions options = virtual_options();
+  options.members = 4;  // so that members come and go and there is a border
+  auto session = make_session(scene_file("domino_row.toml"), options);
+  REQUIRE(session->record("").ok());
+  sim::SnapshotServer server(*session->global, *session->exchange);
+  server.publish_first();
+  std::uint64_t allocations = 0, frees = 0, locks = 0, faults = 0;
+  constexpr std::uint64_t kTicks = 100'000, kWarmUp = 100;
+  for (std::uint64_t tick = 0; tick < kTicks + kWarmUp; ++tick) {
+    server.serve();
+    {
+      RtGuard guard;
+      session->driver->read();
+      session->driver->compute(session->operator_bits(), {});
+      session->driver->write();
+      session->count_tick();
+      if (tick >= kWarmUp) {
+        allocations += guard.allocations(), frees += guard.frees(), locks += guard.locks();
+        faults += guard.minor_faults() + guard.major_faults();
+      }
+    }
+    if (tick % 64 == 0) session->drain->drain();
+  }
+  CHECK(allocations == 0);
+  CHECK(frees == 0);
+  CHECK(locks == 0);
+  CHECK(faults == 0);
+  CHECK(session->stats.cycles > kTicks / 11);
+  CHECK(session->stats.contact_ticks > 1000);
+}
+
+TEST_CASE("the guard that counts them does fire in this program") {
+  if (!RtGuard::available()) return;
+  const volatile std::size_t size = 100;
+  RtGuard guard;
+  void* volatile memory = std::malloc(size);  // volatile: the compiler may not drop the pair
+  std::mutex mutex;
+  mutex.lock();
+  mutex.unlock();
+  std::free(memory);
+  const auto allocations = guard.allocations(), frees = guard.frees(), locks = guard.locks();
+  CHECK(allocations == 1);
+  CHECK(frees == 1);
+  CHECK(locks == 1);
+}
