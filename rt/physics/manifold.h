@@ -2,7 +2,8 @@
 //
 // Frame: world; points are given from each body's centre, so that a world far from the origin loses nothing.
 // Thread: [any]; pure functions of shapes and poses, bounded work (box-box: 15 axes, one clip of a quadrilateral
-// against four edges), no allocation. Source: study of box-box by separating axes and clipping, Gottschalk 1996.
+// against four edges, eight projections where no face looks at the other), no allocation.
+// Source: separating axes, Gottschalk 1996; clipping, Sutherland and Hodgman 1974.
 #pragma once
 
 #include <array>
@@ -35,7 +36,9 @@ struct AxisCache {
   friend bool operator==(const AxisCache&, const AxisCache&) = default;
 };
 
-// Fills a manifold of the points whose separation is at most `margin` [m]; count 0 where there is none.
+// Fills a manifold of the points whose separation is at most `margin` [m]; count 0 where there is none, also where a
+// pose is not finite. Within the margin a contact is always found, and the least separation is never larger than the
+// distance; between boxes it may be smaller while they are apart corner to corner.
 // A plane may be A or B. Two planes never touch. Ties are broken by the lower feature id: the same input gives the
 // same bits, and a pair given in the other order gives the mirrored manifold only approximately, so callers keep
 // A as the body with the lower id.

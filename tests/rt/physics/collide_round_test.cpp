@@ -106,6 +106,16 @@ TEST_CASE("A capsule tipped onto another reports both ends, each with its own ga
   REQUIRE(m.points[0].separation + m.points[1].separation == Approx(0.002).margin(1e-7));
 }
 
+TEST_CASE("Where two capsules' ends pass by a hair the nearer point carries the distance of the ends") {
+  // B's low end is 0.4 mm beyond A's end; B rises back over A by 1 in 50, so the closest points are the two ends.
+  const auto a = Shape<double>::capsule(0.02, 0.1), b = Shape<double>::capsule(0.02, 0.05);
+  const double rise = std::atan(0.02), past = 4e-4, above = 0.041;
+  const Vec3d low_end{0.1 + past, 0, above}, direction{-std::cos(rise), 0, std::sin(rise)};
+  const auto m = touch(a, {{}, kAlongX}, b, {low_end + direction * 0.05, turn({0, 1, 0}, rise - kPi / 2)}, 0.005);
+  REQUIRE(m.count == 2);
+  REQUIRE(least_separation(m) == Approx(std::sqrt(past * past + above * above) - 0.04).margin(1e-12));
+}
+
 TEST_CASE("Capsules end to end touch in one point on the caps") {
   const auto a = Shape<double>::capsule(0.02, 0.1);
   const auto m = touch(a, {}, a, {{0, 0, 0.241}, {}}, 0.005);
