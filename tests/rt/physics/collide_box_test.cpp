@@ -155,9 +155,16 @@ TEST_CASE("Two cards that lean on each other keep two points along their upper e
     const double foot = 0.05 * std::cos(lean) + 0.00015 * std::sin(lean) - 2e-6, height = 0.05 * std::sin(lean);
     const Vec3d normal = require_steady(kCard, {{-foot, 0, height}, turn({0, 1, 0}, -lean)}, kCard,
                                         {{foot, 0, height}, turn({0, 1, 0}, lean)}, 2);
-    // A broad face presses, of A or of B: not the narrow upper ones.
+    // A broad face presses, of A or of B.
     REQUIRE(normal.x == Approx(std::sin(lean)).margin(1e-9));
   }
+}
+
+TEST_CASE("Where two cards overlap by a hair at one edge their broad faces press, not the narrow ones") {
+  // B lies on A's end: 2 um deep along z, only 1 um along x.
+  const auto m = touch(kCard, {}, kCard, {{0.1 - 1e-6, 0, 0.0003 - 2e-6}, {}}, 5e-4);
+  REQUIRE(m.count > 0);
+  REQUIRE(m.normal == Vec3d{0, 0, 1});
 }
 
 TEST_CASE("A card on the ridge of two cards keeps two points on each") {
