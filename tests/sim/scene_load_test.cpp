@@ -133,6 +133,15 @@ TEST_CASE("a message is one line for each mistake, in the order of the file") {
         "x.toml:4:11: [proxy] mass_kg: -1 is not a mass; accepted: a number >= 1e-06 and <= 1e+06");
 }
 
+TEST_CASE("mistakes are in the order of the file, whatever order its tables are read in") {
+  const auto found =
+      diagnose("[hand]\nmass_kg = -1\n[coupling]\ndamping_Ns_per_m = -1\n[simulation]\nratio = 0" + kProxy);
+  REQUIRE(found.mistakes.size() == 3);
+  CHECK(found.mistakes[0].line == 2);
+  CHECK(found.mistakes[1].line == 4);
+  CHECK(found.mistakes[2].line == 6);
+}
+
 TEST_CASE("a line stays a line whatever a key holds") {
   const auto found = diagnose("\"a\\nb\\u001b[31m\" = 1" + kProxy);
   REQUIRE(found.mistakes.size() == 1);
