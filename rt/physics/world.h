@@ -80,11 +80,12 @@ class World {
   // keyframes and replay. Restore needs a world of the same capacities.
   void save(ByteWriter& out) const noexcept;
   std::size_t save_size_bound() const noexcept;  // bytes that `save` never exceeds
-  // False, and the world is empty, when the bytes are short or hold more than fits.
+  // False, and the world is empty, when the bytes are short, hold more than fits or are no world.
   [[nodiscard]] bool restore(ByteReader& in) noexcept;
 
  private:
   void clear() noexcept;
+  bool is_consistent() const noexcept;
   bool refuse(CapacityBit bit) noexcept;
   void add_pairs() noexcept;
   void add_fixed_pairs() noexcept;

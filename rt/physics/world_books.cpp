@@ -195,9 +195,36 @@ void World<T>::clear() noexcept {
   contacts_.stored_contacts().clear(), contacts_.stored_warm_starts().clear(), contacts_.clear_pairs();
   border_contacts_.clear();
   spring_ = {};
+  border_mode = BorderMode::kCapped;
   wrench_applied_ = false;
   last_sub_step_ = T(0);
   refused_bits_ = 0, refused_ = 0;
+}
+
+// What a world made by itself always is, and bytes from a damaged tape may not be.
+template <class T>
+bool World<T>::is_consistent() const noexcept {
+  const auto ascending = [](const BoundedVector<Body<T>>& bodies, BodyKind kind) noexcept {
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+      const Body<T>& b = bodies[i];
+      if (b.id > kMaxBodyId || b.kind != kind || b.shape.kind > ShapeKind::kPlane) return false;
+      if (i > 0 && bodies[i - 1].id >= b.id) return false;
+      if (!is_finite(b.motion.pose) || !is_finite(b.motion.velocity)) return false;
+      if (kind == BodyKind::kDynamic &&
+          !(b.mass > T(0) && b.inertia.x > T(0) && b.inertia.y > T(0) && b.inertia.z > T(0)))
+        return false;
+    }
+    return true;
+  };
+  if (!ascending(bodies_, BodyKind::kDynamic) || !ascending(fixed_bodies_, BodyKind::kFixed)) return false;
+  for (const Contact<T>& c : contacts_.contacts())
+    if (c.count > kMaxManifoldPoints || c.slot_a >= bodies_.size() ||
+        c.slot_b >= (c.b_fixed ? fixed_bodies_.size() : bodies_.size()))
+      return false;
+  for (const WarmStart<T>& w : contacts_.warm_starts())
+    if (w.count > kMaxManifoldPoints) return false;
+  if (spring_.enabled && spring_.slot >= bodies_.size()) return false;
+  return border_mode >= BorderMode::kCapped && border_mode <= BorderMode::kFrozen;
 }
 
 template <class T>
@@ -220,7 +247,7 @@ bool World<T>::restore(ByteReader& in) noexcept {
     std::uint32_t mode = 0;
     io(mode), io(last_sub_step_), io(refused_bits_), io(refused_);
     border_mode = static_cast<BorderMode>(mode);
-    return in.ok();
+    return in.ok() && is_consistent();
   };
   if (!read()) {
     clear();
@@ -244,6 +271,8 @@ template void World<double>::save(ByteWriter&) const noexcept;
 template void World<float>::save(ByteWriter&) const noexcept;
 template std::size_t World<double>::save_size_bound() const noexcept;
 template std::size_t World<float>::save_size_bound() const noexcept;
+template bool World<double>::is_consistent() const noexcept;
+template bool World<float>::is_consistent() const noexcept;
 template void World<double>::clear() noexcept;
 template void World<float>::clear() noexcept;
 template bool World<double>::restore(ByteReader&) noexcept;

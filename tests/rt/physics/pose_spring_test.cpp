@@ -133,6 +133,12 @@ TEST_CASE("Pressed against the ground the spring's force is what the ground carr
   CHECK(force == Approx(-2000 * (0.005 - (0.02 - bench.position(5).z))).epsilon(1e-4));
   REQUIRE(bench.world.contacts().size() == 1);
   CHECK(bench.world.contacts()[0].points[0].total_normal_impulse / bench.settings.dt == Approx(-force).epsilon(1e-6));
+  for (const unsigned sub_steps : {8u, 2u, 4u}) {  // the balance of the two survives a change of the sub-step
+    bench.settings.sub_steps = sub_steps;
+    bench.step();
+    CHECK(bench.world.device_spring().step_impulse.force.z / bench.settings.dt == Approx(force).epsilon(1e-6));
+    CHECK(std::abs(bench.velocity(5).linear.z) < 1e-9);
+  }
 }
 
 TEST_CASE("A frozen body holds against the spring, whose force is still K e") {

@@ -287,6 +287,35 @@ TEST_CASE("Bytes that are short or hold too much are refused and leave an empty 
   CHECK_FALSE(copy.world.restore(in));
 }
 
+TEST_CASE("Damaged bytes are refused or give a world that can be asked, never a slot that is not there") {
+  PhysicsBench<> bench;
+  insert_all(bench, heap(8));
+  bench.run(50);
+  std::vector<std::byte> bytes(bench.world.save_size_bound());
+  ByteWriter out(bytes);
+  bench.world.save(out);
+  Random random(11);
+  int refused = 0;
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<std::byte> damaged(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(out.size()));
+    damaged[static_cast<std::size_t>(random(0, static_cast<double>(out.size())))] ^= std::byte{0x80};
+    PhysicsBench<> copy;
+    ByteReader in(damaged);
+    if (!copy.world.restore(in)) {
+      ++refused;
+      CHECK(copy.world.bodies().empty());
+      continue;
+    }
+    for (const Contact<double>& contact : copy.world.contacts()) {
+      REQUIRE(contact.slot_a < copy.world.bodies().size());
+      REQUIRE(contact.slot_b < (contact.b_fixed ? copy.world.fixed_bodies().size() : copy.world.bodies().size()));
+      REQUIRE(contact.count <= kMaxManifoldPoints);
+    }
+    for (const Body<double>& body : copy.world.bodies()) REQUIRE(is_finite(body.motion.pose));
+  }
+  CHECK(refused > 20);
+}
+
 TEST_CASE("Impulses given from another world start a contact as if it had been here all along") {
   const auto make = [](PhysicsBench<>& bench) {
     bench.add_ground(0, 0.5, 0.1);
