@@ -22,12 +22,17 @@ fail() {
   exit "$1"
 }
 
-# Whatever ends a script ends it with one line, and leaves nothing of root's in the checkout of the user behind sudo.
-on_exit() {
-  local status=$1 line=$2 command=$3
+# Leaves nothing of root's in the checkout of the user behind sudo.
+give_back() {
   if [[ $EUID == 0 && -n ${SUDO_UID:-} && -d $root/build && $(stat -c %u "$root") == "$SUDO_UID" ]]; then
     chown -RPh "$SUDO_UID:${SUDO_GID:-$SUDO_UID}" "$root/build" || true
   fi
+}
+
+# Whatever ends a script ends it with one line.
+on_exit() {
+  local status=$1 line=$2 command=$3
+  give_back
   if ((status != 0)) && [[ -z $explained ]]; then
     printf '%s: stopped with status %s at line %s: %s\n' "$program" "$status" "$line" "$command" >&2
   fi
