@@ -28,8 +28,14 @@ BorderPoint border_point(const Contact<double>& contact, const physics::ContactP
   result.member_anchor = rotate_inverse(start[sides.member].rotation, from_member);
   result.impulse_rate_N = point.total_normal_impulse / step_s;
   result.friction = contact.friction;
-  const Vec3d arm = member.motion.pose * result.member_anchor - outside.motion.pose.position;
-  result.outside_velocity = outside.motion.velocity.linear + cross(outside.motion.velocity.angular, arm);
+  const Vec3d& from_outside = sides.member_is_a ? point.from_b : point.from_a;
+  const Posed& outside_start = start[sides.outside];
+  const Vec3d anchor = rotate_inverse(outside_start.rotation, from_outside);
+  result.outside_point = outside.motion.pose * anchor;
+  result.separation_m = point.separation;
+  // The mean over the step, not the velocity at its end: a body that is held trembles within a step, and a member that
+  // follows such an instant for a whole cycle is thrown.
+  result.outside_velocity = (result.outside_point - outside_start * anchor) * (1.0 / step_s);
   return result;
 }
 

@@ -86,6 +86,7 @@ class GlobalWorld {
 
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
+  void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
   void find_touches() noexcept;
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;

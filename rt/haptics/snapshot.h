@@ -24,7 +24,9 @@ struct BorderPoint {
   Vec3d member_anchor;       // m, in the member's body frame
   double impulse_rate_N{0};  // non-penetration impulse of the step / its time
   double friction{0};
-  Vec3d outside_velocity;  // m/s, of the outside body's surface at the point
+  Vec3d outside_point;     // m, world: the outside body's surface at the point, at the end of the step
+  double separation_m{0};  // signed gap along the normal when the member's point is at outside_point
+  Vec3d outside_velocity;  // m/s, of the outside body's surface at the point: its mean over the step
 };
 
 struct WorldSnapshot {

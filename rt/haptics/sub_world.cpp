@@ -18,13 +18,22 @@ bool contains(std::span<const BodyId> sorted, BodyId id) noexcept {
   return std::binary_search(sorted.begin(), sorted.end(), id);
 }
 
+// From a (share 0) to b (share 1) the short way round. The chord and not the arc: it ends on b exactly, and the turn of
+// one cycle is so small that its speed is even to a share of turn^2 / 8.
+Quatd between(const Quatd& a, const Quatd& b, double share) noexcept {
+  const double way = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0 ? -share : share;
+  const double rest = 1.0 - share;
+  return normalized(
+      Quatd{rest * a.w + way * b.w, rest * a.x + way * b.x, rest * a.y + way * b.y, rest * a.z + way * b.z});
+}
+
 }  // namespace
 
 SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
     : config_(config),
       world_(config.capacities),
       outside_velocity_(config.capacities.border_contacts),
-      renewed_(config.capacities.border_contacts) {
+      replaced_(config.capacities.border_contacts) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
   state_.last_sub_steps = config.step.sub_steps;
   world_.border_mode = config.border_mode;
@@ -48,6 +57,7 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   change_members(snapshot);
   renew_border(snapshot);
   if (config_.scheme == CouplingScheme::kStatic) freeze_all_but_proxy();
+  if (config_.scheme == CouplingScheme::kInterpolation && state_.has_snapshot == 0) proxy_ = snapshot.proxy;
   state_.global_proxy[0] = state_.has_snapshot != 0 ? state_.global_proxy[1] : snapshot.proxy;
   state_.global_proxy[1] = snapshot.proxy;
   state_.has_snapshot = 1;
@@ -132,7 +142,8 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
 void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
   auto& contacts = world_.border_contacts();
   for (const auto& contact : contacts) state_.border_work_J += contact.work;
-  renewed_.clear();
+  replaced_.swap(contacts);
+  contacts.clear();
   outside_velocity_.clear();
   std::uint32_t hint = 0;
   for (const BorderPoint& point : snapshot.border) {
@@ -146,10 +157,11 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
     contact.friction = point.friction;
     contact.outside_velocity = point.outside_velocity;
     contact.line_point = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose * point.member_anchor;
+    contact.gap = point.separation_m + dot(point.normal, contact.line_point - point.outside_point);
     // Both lists are in the global world's order, so the old one is near where the last one was found.
-    for (std::uint32_t i = 0; i < std::min(kSearchWindow, contacts.size()); ++i) {
-      const std::uint32_t at = (hint + i) % contacts.size();
-      const auto& old = contacts[at];
+    for (std::uint32_t i = 0; i < std::min(kSearchWindow, replaced_.size()); ++i) {
+      const std::uint32_t at = (hint + i) % replaced_.size();
+      const auto& old = replaced_[at];
       if (old.member != contact.member || old.outside != contact.outside || old.feature != contact.feature) continue;
       contact.normal_impulse = old.normal_impulse;
       contact.tangent_impulse[0] = old.tangent_impulse[0];
@@ -157,10 +169,9 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
       hint = at + 1;
       break;
     }
-    if (!renewed_.try_push(contact)) break;
-    (void)outside_velocity_.try_push(point.outside_velocity);
+    // The world counts what does not fit, and the next step reports it.
+    if (world_.add_border_contact(contact)) (void)outside_velocity_.try_push(point.outside_velocity);
   }
-  contacts.swap(renewed_);
   border_count_ = contacts.size();
 }
 
@@ -241,12 +252,13 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
 void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept {
   const auto& from = state_.global_proxy[0].pose;
   const auto& to = state_.global_proxy[1].pose;
-  const double u = std::min(1.0, static_cast<double>(state_.ticks_in_cycle + 1) / config_.ratio);
+  const bool late = state_.ticks_in_cycle >= config_.ratio;
+  const double u = late ? 1.0 : static_cast<double>(state_.ticks_in_cycle + 1) / config_.ratio;
   const double cycle_s = config_.ratio * config_.step.dt;
   const Vec3d turn = small_rotation_vector(to.rotation * conjugate(from.rotation));
   proxy_.pose.position = from.position + u * (to.position - from.position);
-  proxy_.pose.rotation = normalized(quat_from_rotation_vector(u * turn) * from.rotation);
-  proxy_.velocity = u < 1.0 ? Twistd{(to.position - from.position) * (1 / cycle_s), turn * (1 / cycle_s)} : Twistd{};
+  proxy_.pose.rotation = between(from.rotation, to.rotation, u);
+  proxy_.velocity = late ? Twistd{} : Twistd{(to.position - from.position) * (1 / cycle_s), turn * (1 / cycle_s)};
   if (!target.engaged) return;
 
   const Vec3d stretch = target.pose.position - proxy_.pose.position;
@@ -266,6 +278,8 @@ bool SubWorld::proxy_touches() const noexcept {
     for (std::uint32_t i = 0; i < contact.count; ++i)
       if (contact.points[i].total_normal_impulse > 0) return true;
   }
+  for (const auto& contact : world_.border_contacts())
+    if (contact.member == config_.proxy && contact.step_normal_impulse > 0) return true;
   return false;
 }
 
@@ -294,13 +308,13 @@ bool SubWorld::restore(ByteReader& in) noexcept {
   std::uint32_t count = 0;
   if (!world_.restore(in)) return false;
   in.get(count);
-  if (!in.ok() || count > outside_velocity_.capacity()) return false;
+  if (!in.ok() || count != world_.border_contacts().size()) return false;
   outside_velocity_.resize(count);
   in.get_all(outside_velocity_.span());
   in.get(proxy_);
   in.get(state_);
   border_count_ = world_.border_contacts().size();
-  return in.ok();
+  return in.ok() && state_.last_sub_steps > 0;
 }
 
 std::size_t SubWorld::save_size_bound() const noexcept {

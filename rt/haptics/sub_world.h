@@ -93,7 +93,7 @@ class SubWorld {
   SubWorldConfig config_;
   physics::World<double> world_;
   BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
-  BoundedVector<physics::BorderContact<double>> renewed_;  // scratch of renew_border
+  BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew_border
   physics::BodyMotion<double> proxy_;
   std::uint32_t border_count_{0};
   State state_;

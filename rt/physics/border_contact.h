@@ -11,7 +11,10 @@
 namespace tactus::physics {
 
 enum class BorderMode : std::uint32_t {
-  kCapped = 1,  // unilateral contact against the neighbour's motion; impulse at most impulse_rate x time
+  // Unilateral contact against the neighbour's motion; the impulse of a pair, over all its points, is at most the sum
+  // of their impulse_rate x time. Which point carries it is the solver's to find: a cap on each point would leave no
+  // torque against a tilt, and a tall stack on such a border falls.
+  kCapped = 1,
   kReplay = 2,  // the impulse itself, every sub-step (the paper)
   kFrozen = 3,  // unilateral contact against a neighbour at rest, impulse unlimited
 };
@@ -19,16 +22,17 @@ enum class BorderMode : std::uint32_t {
 template <class T>
 struct BorderContact {
   BodyId member{kNoBody}, outside{kNoBody};
-  std::uint32_t feature{0};        // names the contact point among those of the pair
-  Vec3<T> normal;                  // unit, world, from the outside body towards the member
-  Vec3<T> member_anchor;           // m, the contact point in the member's body frame
-  T impulse_rate{};                // N: what the global step found: its impulse / its time
-  T friction{};                    // coefficient of the pair
-  Vec3<T> outside_velocity;        // m/s, of the outside body's surface at the point, world
+  std::uint32_t feature{0};  // names the contact point among those of the pair
+  Vec3<T> normal;            // unit, world, from the outside body towards the member
+  Vec3<T> member_anchor;     // m, the contact point in the member's body frame
+  T impulse_rate{};          // N: what the global step found: its impulse / its time
+  T friction{};              // coefficient of the pair
+  Vec3<T> outside_velocity;  // m/s, of the outside body's surface at the point, world
 
   // The friction point (paper 2.2): the member's point stays on the line through `line_point` along `normal`.
-  Vec3<T> line_point;              // m, world; moves with outside_velocity
-  bool friction_free{false};       // true once the tangential impulse exceeded mu i; refreshed at each synchronisation
+  Vec3<T> line_point;         // m, world; moves with outside_velocity
+  T gap{};                    // m: signed gap along the normal when the member's point is at line_point
+  bool friction_free{false};  // true once the tangential impulse exceeded mu i; refreshed at each synchronisation
 
   // What the solver did. Warm-start impulses of the last sub-step, sums since the last clear [N s].
   T normal_impulse{};

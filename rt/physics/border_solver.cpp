@@ -22,10 +22,15 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, BorderMode m
   mode_ = mode;
   h_ = h;
   rows_.resize(static_cast<std::uint32_t>(contacts.size()));
+  pairs_.clear();
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     BorderContact<T>& c = contacts[k];
     Row& row = rows_[k];
     row = {};
+    const bool same_pair = k > 0 && contacts[k - 1].member == c.member && contacts[k - 1].outside == c.outside;
+    if (!same_pair) (void)pairs_.try_push({});
+    row.pair = pairs_.size() - 1;
+    pairs_[row.pair].cap += c.impulse_rate * h;
     c.step_normal_impulse = T(0), c.step_tangent_impulse = {};
     const Body<T>* member = find_by_id(bodies, c.member);
     if (member == nullptr) continue;
@@ -41,6 +46,7 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, BorderMode m
     row.offset = member->motion.pose.position + row.r - c.line_point;
     row.neighbour_velocity = mode == BorderMode::kCapped ? c.outside_velocity : Vec3<T>{};
     row.cap = c.impulse_rate * h;
+    row.gap = c.gap;
     row.friction = c.friction;
     const SymMat3<T>& inertia = solver_bodies.inverse_inertia[row.slot];
     row.normal_mass = invert_or_zero(inverse_effective_mass(mass, inertia, row.r, row.n, row.n));
@@ -54,10 +60,42 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, BorderMode m
   }
 }
 
-// The most that the normal row may push in a sub-step.
+// The most that the normal row may push in a sub-step: what the pair's other points leave of its cap.
 template <class T>
 T BorderSolver<T>::normal_limit(const Row& row) const noexcept {
-  return mode_ == BorderMode::kFrozen ? std::numeric_limits<T>::max() : row.cap;
+  if (mode_ == BorderMode::kFrozen) return std::numeric_limits<T>::max();
+  const Pair& pair = pairs_[row.pair];
+  return std::max(T(0), pair.cap - (pair.sum - row.normal_impulse));
+}
+
+template <class T>
+T BorderSolver<T>::gap_at(const Row& row, const SolverBody<T>& body, T elapsed) const noexcept {
+  const Vec3<T> off =
+      row.offset + body.delta_position + rotate(body.delta_rotation, row.r) - row.r - elapsed * row.neighbour_velocity;
+  return row.gap + dot(row.n, off);
+}
+
+// The normal row, by the rules of an inner contact: apart, it lets the gap close; overlapping, it pushes out softly in
+// the biased sweep and stops the approach in the relax sweep.
+template <class T>
+void BorderSolver<T>::press(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule,
+                            bool biased) noexcept {
+  const T gap = gap_at(row, body, biased ? row.elapsed : row.elapsed + h_);
+  Softness<T> soft = Softness<T>::rigid();
+  T bias{};
+  if (gap > T(0)) {
+    bias = gap * rule.inverse_h;
+  } else if (biased) {
+    soft = rule.softness;
+    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(T(0), gap + rule.slop), -rule.max_push_speed);
+  }
+  const T u = dot(row.n, velocity_at(body, row.r) - row.neighbour_velocity);
+  const T free =
+      row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - soft.impulse_scale * row.normal_impulse;
+  const T next = std::clamp(free, T(0), normal_limit(row));
+  apply_impulse_at(body, inertia, row.r, (next - row.normal_impulse) * row.n);
+  pairs_[row.pair].sum += next - row.normal_impulse;
+  row.normal_impulse = next;
 }
 
 template <class T>
@@ -66,8 +104,9 @@ void BorderSolver<T>::begin_sub_step(std::uint32_t j, SolverBodies<T> bodies) no
     if (!row.active) continue;
     const SolverBody<T>& body = bodies.motion[row.slot];
     row.start_velocity = velocity_at(body, row.r);
+    row.elapsed = static_cast<T>(j) * h_;
     const Vec3<T> off = row.offset + body.delta_position + rotate(body.delta_rotation, row.r) - row.r -
-                        (static_cast<T>(j) * h_) * row.neighbour_velocity;
+                        row.elapsed * row.neighbour_velocity;
     row.error[0] = dot(row.t1, off), row.error[1] = dot(row.t2, off);
   }
 }
@@ -84,11 +123,15 @@ void BorderSolver<T>::apply_replay(SolverBodies<T> bodies) noexcept {
 
 template <class T>
 void BorderSolver<T>::warm_start(SolverBodies<T> bodies) noexcept {
+  for (Pair& pair : pairs_) pair.sum = T(0);
   for (Row& row : rows_) {
     if (!row.active) continue;
     Vec3<T> impulse;
     if (mode_ != BorderMode::kReplay) {
-      row.normal_impulse = std::clamp(row.normal_impulse, T(0), normal_limit(row));
+      const T wanted = row.normal_impulse;
+      row.normal_impulse = T(0);
+      row.normal_impulse = std::clamp(wanted, T(0), normal_limit(row));
+      pairs_[row.pair].sum += row.normal_impulse;
       impulse = row.normal_impulse * row.n;
     }
     clamp_to_disk(row.tangent_impulse[0], row.tangent_impulse[1], row.friction * row.normal_impulse);
@@ -105,12 +148,7 @@ void BorderSolver<T>::solve(SolverBodies<T> bodies, const SweepRule<T>& rule, bo
     if (!row.active) continue;
     SolverBody<T>& body = bodies.motion[row.slot];
     const SymMat3<T>& inertia = bodies.inverse_inertia[row.slot];
-    if (mode_ != BorderMode::kReplay) {
-      const T u = dot(row.n, velocity_at(body, row.r) - row.neighbour_velocity);
-      const T next = std::clamp(row.normal_impulse - row.normal_mass * u, T(0), normal_limit(row));
-      apply_impulse_at(body, inertia, row.r, (next - row.normal_impulse) * row.n);
-      row.normal_impulse = next;
-    }
+    if (mode_ != BorderMode::kReplay) press(row, body, inertia, rule, biased);
     if (!row.holds) continue;
     const Vec3<T> u = velocity_at(body, row.r) - row.neighbour_velocity;
     T next[2];
@@ -145,6 +183,7 @@ void BorderSolver<T>::end_sub_step(SolverBodies<T> bodies) noexcept {
 
 template <class T>
 void BorderSolver<T>::scale_impulses(T factor) noexcept {
+  for (Pair& pair : pairs_) pair.sum *= factor;
   for (Row& row : rows_) {
     if (mode_ != BorderMode::kReplay) row.normal_impulse *= factor;
     row.tangent_impulse[0] *= factor, row.tangent_impulse[1] *= factor;
