@@ -68,7 +68,7 @@ void each_field(Io& io, BorderContact<T>& c) noexcept {
   io(c.member), io(c.outside), io(c.feature);
   each_field(io, c.normal), each_field(io, c.member_anchor);
   io(c.impulse_rate), io(c.friction);
-  each_field(io, c.outside_velocity), each_field(io, c.line_point);
+  each_field(io, c.outside_velocity), each_field(io, c.line_point), io(c.gap);
   io(c.friction_free), io(c.normal_impulse), io(c.tangent_impulse[0]), io(c.tangent_impulse[1]);
   io(c.step_normal_impulse), each_field(io, c.step_tangent_impulse);
   io(c.total_normal_impulse), each_field(io, c.total_tangent_impulse), io(c.work);
