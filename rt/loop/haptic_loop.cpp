@@ -57,8 +57,9 @@ void HapticLoop::guard(const haptics::DeviceInput& in, TickOutput& out) noexcept
 // re-arm brings the force back.
 void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
   // The device acts on the flag's rise, so that a stuck flag cannot defeat its latch: it falls when a fault latches.
-  if (state_.fault != Fault::kNone) state_.rearm = 0;
-  if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;
+  // It falls too when the guard believes the device again: it has left BRAKE, or its time for that is over and a next
+  // re-arm must be a rise again.
+  if (state_.fault != Fault::kNone || input_.valid) state_.rearm = 0;
   if ((operator_bits & kArm) != 0) state_.armed = 1;
   if ((operator_bits & kRearm) != 0) {
     state_.fault = Fault::kNone;
@@ -66,8 +67,9 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
     state_.engaged = 0;
     guard_.rearm();
   }
-  if (input_.device_state != haptics::DeviceState::kBrake && input_.valid) state_.rearm = 0;
-  const bool may_engage = state_.armed != 0 && state_.fault == Fault::kNone && input_.valid;
+  if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;  // last: whatever else is asked for
+  const bool ready = input_.valid && input_.device_state != haptics::DeviceState::kBrake;
+  const bool may_engage = state_.armed != 0 && state_.fault == Fault::kNone && ready;
   if (may_engage && state_.engaged == 0) engage();
   if (state_.engaged == 0 || state_.fault != Fault::kNone) out.status |= kNotArmed;
 }
@@ -119,10 +121,11 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   out.cut_sweep = report.cut_sweep, out.deepest_m = report.deepest_m;
   out.border_work_J = sub_world_.border_work_J();
   state_.pairs = report.pairs, state_.contacts = report.contacts, state_.points = report.points;
+  // A lost world takes the ramp back with it: the force comes in again from where it had faded to.
   state_.recovery_left_s = std::max(0.0, state_.recovery_left_s - config_.period_s);
-  const double recovered = 1.0 - state_.recovery_left_s / kRecovery_s;
-  force_scale_ = std::min({input_.force_scale, stepped.force_scale, stepped.force_scale < 1.0 ? 1.0 : recovered});
-  if ((stepped.status & kWorldFade) != 0) state_.recovery_left_s = kRecovery_s;
+  const double recovered = std::min(1.0 - state_.recovery_left_s / kRecovery_s, stepped.force_scale);
+  if ((stepped.status & kWorldFade) != 0) state_.recovery_left_s = kRecovery_s * (1.0 - recovered);
+  force_scale_ = std::min(input_.force_scale, recovered);
 }
 
 haptics::StoredEnergy HapticLoop::stored_energy(const TickOutput& out) const noexcept {
@@ -134,11 +137,17 @@ haptics::StoredEnergy HapticLoop::stored_energy(const TickOutput& out) const noe
 
 void HapticLoop::shape_force(TickOutput& out) noexcept {
   if (state_.fault != Fault::kNone && state_.engaged == 0) force_scale_ = 0;
-  const Wrenchd damped = passivity_.control(out.wanted, tool_step_velocity_, stored_energy(out));
-  out.status |= passivity_.status();
-  const auto limited = limiter_.limit(damped, force_scale_, haptics::Slew::kNormal);
+  // The book goes on without a coupling, but a debt of before is not braked for: not engaged means no force.
+  Wrenchd due = passivity_.control(out.wanted, tool_step_velocity_, stored_energy(out));
+  if (state_.engaged == 0) due = {};
+  if (state_.engaged != 0) out.status |= passivity_.status();
+  const auto limited = limiter_.limit(due, force_scale_, haptics::Slew::kNormal);
   out.status |= limited.status;
-  if (limited.fault != Fault::kNone && state_.fault == Fault::kNone) state_.fault = limited.fault;
+  if (limited.fault != Fault::kNone) {
+    // Our own wrench was no number: nothing is left to fade, and no coupling that could bring it back.
+    if (state_.fault == Fault::kNone) state_.fault = limited.fault;
+    state_.engaged = state_.rearm = 0;
+  }
   out.command.wrench = limited.wrench;
   passivity_.book(limited.wrench);
   const auto& port = passivity_.state;
