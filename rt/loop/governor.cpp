@@ -31,7 +31,9 @@ std::uint32_t Governor::member_budget(const WorkCounts& counts) noexcept {
   const double budget_ns = config_.budget * config_.period_ns;
   const double predicted_ns = predict_ns(config_.cost, counts, config_.min_sub_steps);
   if (counts.bodies > 0 && predicted_ns > budget_ns) {
-    const auto fit = static_cast<std::uint32_t>(counts.bodies * budget_ns / predicted_ns);
+    // All but the fixed cost goes with the members.
+    const double room_ns = std::max(0.0, budget_ns - config_.cost.fixed);
+    const auto fit = static_cast<std::uint32_t>(counts.bodies * room_ns / (predicted_ns - config_.cost.fixed));
     member_budget_ = std::clamp(fit, config_.min_members, member_budget_);
   } else if (predicted_ns < 0.8 * budget_ns && member_budget_ < config_.members) {
     ++member_budget_;

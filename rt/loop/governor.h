@@ -6,6 +6,7 @@
 // and the cut predicate of the loop is the backstop.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace tactus::loop {
@@ -51,7 +52,9 @@ struct GovernorConfig {
 
 class Governor {
  public:
-  explicit Governor(const GovernorConfig& config) noexcept : config_(config), member_budget_(config.members) {}
+  explicit Governor(const GovernorConfig& config) noexcept : config_(config), member_budget_(config.members) {
+    config_.min_members = std::min(config_.min_members, config_.members);
+  }
 
   TickPlan plan(const WorkCounts& counts) const noexcept;
 
