@@ -1,5 +1,7 @@
 #include "rt/haptics/snapshot_bytes.h"
 
+#include <cmath>
+
 namespace tactus::haptics {
 namespace {
 
@@ -17,6 +19,23 @@ bool read_list(ByteReader& in, FixedVector<T, kCapacity>& list) noexcept {
   list.count = count;
   in.get_all(list.span());
   return in.ok();
+}
+
+bool is_body(const physics::Body<double>& b) noexcept {
+  return b.id <= kMaxBodyId && b.kind == physics::BodyKind::kDynamic && b.shape.kind < physics::ShapeKind::kPlane &&
+         is_finite(b.motion.pose) && is_finite(b.motion.velocity) && std::isfinite(b.mass) && b.mass > 0 &&
+         is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 && b.inertia.z > 0;
+}
+
+// What the sub-world takes for granted of a snapshot: bytes from a damaged tape must not reach its checks.
+bool is_sound(const WorldSnapshot& s) noexcept {
+  for (std::uint32_t i = 1; i < s.members.size(); ++i)
+    if (s.members[i - 1] >= s.members[i]) return false;
+  for (const auto& joiner : s.joiners)
+    if (!is_body(joiner)) return false;
+  for (const auto& warm_start : s.warm_starts)
+    if (warm_start.count > physics::kMaxManifoldPoints) return false;
+  return true;
 }
 
 }  // namespace
@@ -40,7 +59,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s) noexcept {
   in.get(s.component);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
-         read_list(in, s.border);
+         read_list(in, s.border) && is_sound(s);
 }
 
 }  // namespace tactus::haptics

@@ -1,5 +1,6 @@
 // A snapshot as bytes for the tape: only the entries that are used. Thread: write [rt]; read [setup], replay.
-// Bound: snapshot_bytes_bound(). Reading checks every count; false on bytes that no writer made.
+// Bound: snapshot_bytes_bound(). Reading checks every count and what the sub-world takes for granted (members
+// ascending, joiners that are bodies); false on bytes that no writer made.
 #pragma once
 
 #include "rt/base/bytes.h"
