@@ -1,0 +1,149 @@
+#include "rt/loop/run_stats.h"
+
+#include <catch2/catch.hpp>
+
+using namespace tactus;
+using namespace tactus::loop;
+
+namespace {
+
+constexpr std::uint32_t kRatio = 10;
+
+// A run, tick by tick.
+struct Run {
+  RunStats stats;
+  TickOutput out;
+  void add(std::uint32_t sub_steps = 4, std::uint32_t component = 0, std::uint32_t cycle_ticks = 0) {
+    stats.add(out, sub_steps, component, cycle_ticks, kRatio);
+    ++out.tick;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("ticks are counted by what they were: in contact, armed, with each status bit") {
+  Run run;
+  for (std::uint32_t t = 0; t < 30; ++t) {
+    run.out.status = 0;
+    if (t < 10) run.out.status |= kNotArmed;
+    if (t >= 25) run.out.status |= kProxyContact | kWorldLate;
+    if (t == 7) run.out.status |= kFrameMissing;
+    run.add(t < 5 ? 2 : 4);
+  }
+  CHECK(run.stats.ticks == 30);
+  CHECK(run.stats.armed_ticks == 20);
+  CHECK(run.stats.contact_ticks == 5);
+  CHECK(run.stats.status_ticks[0] == 1);    // kFrameMissing
+  CHECK(run.stats.status_ticks[6] == 5);    // kWorldLate
+  CHECK(run.stats.status_ticks[12] == 10);  // kNotArmed
+  CHECK(run.stats.status_ticks[13] == 5);   // kProxyContact
+  CHECK(run.stats.status_ticks[3] == 0);
+  CHECK(run.stats.sub_steps_sum == 5 * 2 + 25 * 4);
+}
+
+TEST_CASE("the largest counts of a run are kept, each for itself") {
+  Run run;
+  run.out.members = 5, run.out.border = 9, run.out.contacts = 1, run.out.points = 4, run.out.pairs = 7;
+  run.out.capacity_bits = 2, run.out.dropped = 3, run.out.deepest_m = 1e-3;
+  run.add(4, 100);
+  run.out.members = 6, run.out.border = 2, run.out.contacts = 2, run.out.points = 3, run.out.pairs = 8;
+  run.out.capacity_bits = 8, run.out.dropped = 4, run.out.deepest_m = 1e-4;
+  run.add(4, 50);
+  CHECK(run.stats.members_max == 6);
+  CHECK(run.stats.border_max == 9);
+  CHECK(run.stats.contacts_max == 2);
+  CHECK(run.stats.points_max == 4);
+  CHECK(run.stats.pairs_max == 8);
+  CHECK(run.stats.component_max == 100);
+  CHECK(run.stats.capacity_bits == 10);
+  CHECK(run.stats.dropped == 7);
+  CHECK(run.stats.deepest_m == 1e-3);
+}
+
+TEST_CASE("a cycle is late when it took more ticks than the ratio") {
+  Run run;
+  for (const std::uint32_t ticks : {0u, 10u, 0u, 11u, 10u, 35u, 0u}) run.add(4, 0, ticks);
+  CHECK(run.stats.cycles == 4);
+  CHECK(run.stats.late_cycles == 2);
+  CHECK(run.stats.cycle_ticks_max == 35);
+}
+
+TEST_CASE("forces: largest, sum, and the largest step between two ticks, from the second on") {
+  Run run;
+  run.out.command.wrench = {{3, 0, 4}, {0, 1, 0}};
+  run.out.device_energy_J = 1, run.out.damped_energy_J = 2, run.out.border_work_J = 3;
+  run.add();
+  CHECK(run.stats.force_step_max_N == 0);  // nothing is known of before
+  run.out.command.wrench = {{3, 0, 0}, {0, 0, 2}};
+  run.add();
+  run.out.command.wrench = {};
+  run.out.device_energy_J = -1, run.out.damped_energy_J = 4, run.out.border_work_J = -5;
+  run.add();
+  CHECK(run.stats.force_max_N == 5);
+  CHECK(run.stats.torque_max_Nm == 2);
+  CHECK(run.stats.force_sum_N == 8);
+  CHECK(run.stats.force_step_max_N == 4);
+  // Energies are sums already: the last word counts.
+  CHECK(run.stats.device_energy_J == -1);
+  CHECK(run.stats.damped_energy_J == 4);
+  CHECK(run.stats.border_work_J == -5);
+}
+
+TEST_CASE("faults are listed where they latch and where a re-arm takes them back") {
+  Run run;
+  const auto ticks = [&](Fault fault, int count) {
+    run.out.fault = fault;
+    for (int i = 0; i < count; ++i) run.add();
+  };
+  ticks(Fault::kNone, 5);
+  ticks(Fault::kLinkLost, 3);
+  ticks(Fault::kNone, 2);
+  ticks(Fault::kDeviceBrake, 4);
+  ticks(Fault::kInputJump, 1);  // re-armed and latched again within a tick
+  REQUIRE(run.stats.faults.size() == 4);
+  const auto check = [&](std::uint32_t i, std::uint64_t tick, Fault fault, std::uint32_t cleared) {
+    CAPTURE(i);
+    CHECK(run.stats.faults[i].tick == tick);
+    CHECK(run.stats.faults[i].fault == fault);
+    CHECK(run.stats.faults[i].cleared == cleared);
+  };
+  check(0, 5, Fault::kLinkLost, 0);
+  check(1, 8, Fault::kLinkLost, 1);
+  check(2, 10, Fault::kDeviceBrake, 0);
+  check(3, 14, Fault::kInputJump, 0);
+  CHECK(run.stats.fault_count == 3);
+}
+
+TEST_CASE("faults beyond the list are counted all the same") {
+  Run run;
+  for (int i = 0; i < 40; ++i) {
+    run.out.fault = i % 2 == 0 ? Fault::kLinkLost : Fault::kNone;
+    run.add();
+  }
+  CHECK(run.stats.faults.size() == 16);
+  CHECK(run.stats.fault_count == 20);
+  CHECK(run.stats.faults[15].tick == 15);
+}
+
+TEST_CASE("an overrun's cause: late wake-up, own work, or the machine") {
+  constexpr double kPeriod = 1e6;
+  struct {
+    double wake_ns, predicted_ns;
+    bool previous;
+    OverrunCause cause;
+  } const table[] = {
+      {0, 5e5, false, OverrunCause::kInterrupted},    // awake in time, work that fits, once
+      {4e5, 5e5, false, OverrunCause::kInterrupted},  // fits still
+      {4e5, 6.1e5, false, OverrunCause::kOwnWork},    // does not fit what the wake-up left
+      {0, 1.1e6, false, OverrunCause::kOwnWork},      // fits no period
+      {0, 5e5, true, OverrunCause::kOwnWork},         // twice in a row, awake in time
+      {5.1e5, 5e5, false, OverrunCause::kLateWake},   // the wake-up alone took half
+      {5.1e5, 1.1e6, true, OverrunCause::kLateWake},  // whatever else
+      {5e5, 5e5, false, OverrunCause::kInterrupted},  // both bounds are still inside
+      {5e5, 5.1e5, false, OverrunCause::kOwnWork},
+  };
+  for (const auto& row : table) {
+    CAPTURE(row.wake_ns, row.predicted_ns, row.previous);
+    CHECK(classify_overrun(row.wake_ns, row.predicted_ns, kPeriod, row.previous) == row.cause);
+  }
+}
