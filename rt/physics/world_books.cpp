@@ -87,6 +87,11 @@ struct Reading {
   void operator()(V& value) noexcept {
     in.get(value);
   }
+  void operator()(bool& value) noexcept {  // a byte that is neither 0 nor 1 is no bool
+    std::uint8_t byte = 0;
+    in.get(byte);
+    value = byte != 0;
+  }
 };
 
 template <class V>
