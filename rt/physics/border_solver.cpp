@@ -90,9 +90,9 @@ void BorderSolver<T>::press(Row& row, SolverBody<T>& body, const SymMat3<T>& ine
     bias = std::max(soft.mass_scale * soft.bias_rate * std::min(T(0), gap + rule.slop), -rule.max_push_speed);
   }
   const T u = dot(row.n, velocity_at(body, row.r) - row.neighbour_velocity);
-  const T free =
+  const T wanted =
       row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - soft.impulse_scale * row.normal_impulse;
-  const T next = std::clamp(free, T(0), normal_limit(row));
+  const T next = std::clamp(wanted, T(0), normal_limit(row));
   apply_impulse_at(body, inertia, row.r, (next - row.normal_impulse) * row.n);
   pairs_[row.pair].sum += next - row.normal_impulse;
   row.normal_impulse = next;
