@@ -1,0 +1,230 @@
+// What latches, what only fades, how the force goes, and what it takes to have it back.
+#include <catch2/catch.hpp>
+#include <memory>
+
+#include "rt/loop/haptic_loop.h"
+#include "tests/rt/loop/haptic_loop_bench.h"
+
+using namespace tactus;
+using namespace tactus::loop;
+using namespace tactus::test::haptic_loop_bench;
+
+namespace {
+
+struct Cause {
+  Fault fault;
+  ReadStatus status;
+  int ticks;  // until it latches
+};
+
+// One tick of a device that is in the state that ends in `cause`.
+void fail(Bench& bench, const Cause& cause) {
+  auto& sample = bench.in.device.sample;
+  switch (cause.fault) {
+    case Fault::kInputNotFinite:
+      bench.tool.position.y = kNaN;
+      break;
+    case Fault::kInputRotation:
+      bench.tool.rotation.w = 1.1;
+      break;
+    case Fault::kInputWorkspace:
+      bench.tool.position = {0, 0, 5};
+      break;
+    case Fault::kInputJump:
+      bench.tool.position = {0, 0.1, 0};
+      break;
+    case Fault::kDeviceFault:
+      sample.device_fault = 3;
+      break;
+    case Fault::kEmergencyStop:
+      sample.device_fault = kEmergencyStop;
+      break;
+    case Fault::kDeviceBrake:
+      sample.state = DeviceState::kBrake;
+      break;
+    default:
+      break;
+  }
+  bench.tick(0, cause.status);
+}
+
+}  // namespace
+
+TEST_CASE("any fault latches, takes the force to zero within ten ticks, brakes, and only a re-arm takes it back") {
+  const Cause cause = GENERATE(
+      Cause{Fault::kLinkLost, ReadStatus::kMissing, 10}, Cause{Fault::kDeviceUnplugged, ReadStatus::kDisconnected, 1},
+      Cause{Fault::kInputNotFinite, ReadStatus::kFresh, 3}, Cause{Fault::kInputRotation, ReadStatus::kFresh, 3},
+      Cause{Fault::kInputWorkspace, ReadStatus::kFresh, 3}, Cause{Fault::kInputJump, ReadStatus::kFresh, 3},
+      Cause{Fault::kDeviceFault, ReadStatus::kFresh, 1}, Cause{Fault::kEmergencyStop, ReadStatus::kFresh, 1},
+      Cause{Fault::kDeviceBrake, ReadStatus::kFresh, 1});
+  CAPTURE(static_cast<std::uint32_t>(cause.fault));
+  Bench bench;
+  bench.hold({2e-3, 1e-3, 0});
+  REQUIRE(bench.force() > 4);
+
+  for (int i = 1; i < cause.ticks; ++i) {
+    fail(bench, cause);
+    REQUIRE(bench.out.fault == Fault::kNone);
+  }
+  double last = bench.force();
+  for (int i = 0; i < 10; ++i) {
+    fail(bench, cause);
+    CHECK(bench.out.fault == cause.fault);
+    CHECK(bench.force() <= last);
+    last = bench.force();
+  }
+  CHECK(bench.out.command.wrench == Wrenchd{});
+  CHECK(bench.out.command.wanted == DeviceState::kBrake);
+
+  // The cause is gone, and somebody arms: that is not enough.
+  bench.tool = {{2e-3, 1e-3, 0}, {}};
+  bench.in.device.sample.device_fault = 0;
+  bench.in.device.sample.state = DeviceState::kBrake;
+  for (int i = 0; i < 100; ++i) {
+    bench.tick(kArm);
+    REQUIRE(bench.out.fault == cause.fault);
+    REQUIRE(bench.out.command.wrench == Wrenchd{});
+    REQUIRE(bench.out.command.wanted == DeviceState::kBrake);
+    REQUIRE(bench.out.command.rearm == 0);
+    REQUIRE((bench.out.status & kNotArmed) != 0);
+  }
+
+  bench.force_step_max = 0;
+  bench.tick(kRearm);
+  CHECK(bench.out.fault == Fault::kNone);
+  CHECK(bench.out.command.rearm == 1);
+  CHECK(bench.out.command.wanted != DeviceState::kBrake);
+  bench.tick();
+  CHECK(bench.out.command.wanted == DeviceState::kForce);
+  check_close(bench.out.target.position, bench.out.proxy.pose.position, 1e-10);
+  bench.move({1e-3, 0, 0});
+  bench.run(250);
+  CHECK(bench.out.command.rearm == 0);
+  CHECK(bench.out.fault == Fault::kNone);
+  check_close(bench.out.command.wrench.force, {-kStiffness * 1e-3, 0, 0}, 1e-6);
+  CHECK(bench.force_step_max < 0.25);  // the ramp: at most 2 N and the damping's 2.5 N, over 200 ticks
+}
+
+TEST_CASE("missing frames fade the force by a tenth a tick, and the next frame brings it back under the slew limit") {
+  Bench bench;
+  bench.hold({5e-3, 0, 0});
+  const double whole = kStiffness * 5e-3;
+  for (int missed = 1; missed <= 8; ++missed) {
+    bench.tick(0, ReadStatus::kMissing);
+    CHECK(bench.force() == Approx(whole * (1 - 0.1 * missed)).epsilon(1e-5));
+    CHECK(((bench.out.status & kForceFading) != 0) == (missed >= 3));
+  }
+  bench.tick();
+  CHECK(bench.force() == Approx(0.2 * whole + 5).epsilon(1e-5));
+  CHECK((bench.out.status & kSlewLimited) != 0);
+  bench.tick();
+  CHECK(bench.force() == Approx(whole).epsilon(1e-5));
+  CHECK(bench.out.fault == Fault::kNone);
+}
+
+TEST_CASE("a fault while idle brakes at once") {
+  Bench bench;
+  bench.run(3);
+  bench.tick(0, ReadStatus::kDisconnected);
+  CHECK(bench.out.fault == Fault::kDeviceUnplugged);
+  CHECK(bench.out.command.wanted == DeviceState::kBrake);
+  CHECK(bench.out.command.wrench == Wrenchd{});
+}
+
+TEST_CASE("a wrench of our own that is no number is never sent, latches and brakes at once") {
+  // The stretch of the interpolation is not held back by a solver: 1e308 N/m and 10 m are no number.
+  LoopConfig config = make_config(CouplingScheme::kInterpolation);
+  config.sub_world.stiffness_N_per_m = 1e308;
+  config.placement.motion_scale = 1e4;
+  Bench bench(config);
+  const auto snapshot = std::make_unique<haptics::WorldSnapshot>();
+  const auto report = std::make_unique<haptics::SubWorldReport>();
+  bench.in.snapshot = snapshot.get(), bench.in.sink.report = report.get();
+  bench.tick();
+  bench.in.snapshot = nullptr;
+  bench.tick(kArm);
+  bench.run(2);
+  REQUIRE(bench.out.command.wanted == DeviceState::kForce);
+  bench.tool.position.x = 1e-3;
+  bench.tick();
+  CHECK_FALSE(is_finite(bench.out.wanted));
+  CHECK(bench.out.fault == Fault::kOutputNotFinite);
+  CHECK(bench.out.command.wrench == Wrenchd{});
+  CHECK(bench.out.command.wanted == DeviceState::kBrake);
+  // Finite again, and arming: still latched.
+  bench.tool.position.x = 0;
+  for (int i = 0; i < 30; ++i) {
+    bench.in.device.sample.state = DeviceState::kIdle;  // not the device's own latch
+    bench.tick(i > 5 ? kArm : 0u);
+    REQUIRE(bench.out.fault == Fault::kOutputNotFinite);
+    REQUIRE(bench.out.command.wrench == Wrenchd{});
+    REQUIRE(bench.out.command.wanted == DeviceState::kBrake);
+  }
+  bench.tick(kRearm);
+  CHECK(bench.out.fault == Fault::kNone);
+}
+
+TEST_CASE("the re-arm flag rises once and falls when the device has left BRAKE") {
+  Bench bench;
+  bench.hold({1e-3, 0, 0});
+  for (int i = 0; i < 12; ++i) bench.tick(0, ReadStatus::kDisconnected);
+  auto& state = bench.in.device.sample.state;
+  state = DeviceState::kBrake;
+  // The device takes 20 ticks to hear of it.
+  std::uint32_t before = 0;
+  int rises = 0;
+  for (int i = 0; i < 60; ++i) {
+    bench.tick(i == 0 ? kRearm : 0u);
+    if (bench.out.command.rearm != 0 && before == 0) ++rises;
+    before = bench.out.command.rearm;
+    CHECK(before == (i < 20 ? 1u : 0u));
+    CHECK(bench.out.command.wanted == (i < 20 ? DeviceState::kIdle : DeviceState::kForce));
+    state = i < 19 ? DeviceState::kBrake : bench.out.command.wanted;
+  }
+  CHECK(rises == 1);
+}
+
+TEST_CASE("a device that stays in BRAKE is not engaged, and a second re-arm is a rise again") {
+  Bench bench;
+  bench.hold({1e-3, 0, 0});
+  for (int i = 0; i < 12; ++i) bench.tick(0, ReadStatus::kDisconnected);
+  std::uint32_t before = 0;
+  int rises = 0;
+  for (int i = 0; i < 300; ++i) {
+    bench.in.device.sample.state = DeviceState::kBrake;
+    bench.tick(i % 100 == 0 ? kRearm : 0u);
+    if (bench.out.command.rearm != 0 && before == 0) ++rises;
+    before = bench.out.command.rearm;
+    REQUIRE(bench.out.command.wanted != DeviceState::kForce);
+    REQUIRE(bench.out.command.wrench == Wrenchd{});
+    REQUIRE((bench.out.status & kNotArmed) != 0);
+  }
+  CHECK(rises == 3);
+}
+
+TEST_CASE("a device that begins in BRAKE needs a re-arm") {
+  Bench bench;
+  bench.in.device.sample.state = DeviceState::kBrake;
+  for (int i = 0; i < 30; ++i) {
+    bench.in.device.sample.state = DeviceState::kBrake;
+    bench.tick(kArm);
+    REQUIRE(bench.out.command.wanted == DeviceState::kIdle);
+  }
+  bench.in.device.sample.state = DeviceState::kBrake;
+  bench.tick(kRearm);
+  CHECK(bench.out.command.rearm == 1);
+  bench.tick();
+  CHECK(bench.out.command.wanted == DeviceState::kForce);
+}
+
+TEST_CASE("a fault that comes back takes the re-arm flag with it") {
+  Bench bench;
+  bench.hold({1e-3, 0, 0});
+  for (int i = 0; i < 12; ++i) bench.tick(0, ReadStatus::kDisconnected);
+  bench.in.device.sample.state = DeviceState::kBrake;
+  bench.tick(kRearm);
+  REQUIRE(bench.out.command.rearm == 1);
+  bench.tick(0, ReadStatus::kDisconnected);
+  CHECK(bench.out.fault == Fault::kDeviceUnplugged);
+  CHECK(bench.out.command.rearm == 0);
+}
