@@ -227,7 +227,7 @@ TEST_CASE("a card house on too smooth a ground, or of too smooth cards, is a war
   CHECK(warn(0.07, 0.26).empty());                            // sqrt(0.07 x 0.26) = 0.135
 }
 
-TEST_CASE("the hand's path begins at the proxy, or there is a warning; without a path the hand rests there") {
+TEST_CASE("the hand's path begins at the proxy, or there is a warning, without a path the hand rests there") {
   const std::string proxy = "\n[proxy]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.1\nposition_m = [1, 2, 3]\n";
   const auto rests = good(proxy);
   REQUIRE(rests.hand.path.size() == 1);

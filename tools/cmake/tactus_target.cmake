@@ -10,7 +10,7 @@ target_compile_options(tactus_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # The same bits on every machine of the instruction set, Debug or Release: never the build machine's own set,
   # and no multiply-add that the source does not say.
-  -march=x86-64-v3 -ffp-contract=off)
+  -march=x86-64-v3 -mno-fma -ffp-contract=off)
 target_compile_features(tactus_flags INTERFACE cxx_std_20)
 target_include_directories(tactus_flags INTERFACE ${PROJECT_SOURCE_DIR})
 if(TACTUS_SANITIZE)

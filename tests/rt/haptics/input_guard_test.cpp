@@ -250,7 +250,7 @@ TEST_CASE("an extrapolated pose never leaves the workspace that a sample must be
   for (int i = 0; i < 9; ++i) CHECK(norm(guard.accept(stream.lost()).device_from_tool.position) <= 0.21);
 }
 
-TEST_CASE("a device in RESET, IDLE or BRAKE at start is no fault; BRAKE after FORCE is") {
+TEST_CASE("a device in RESET, IDLE or BRAKE at start is no fault, BRAKE after FORCE is") {
   InputGuard guard = make_guard();
   Stream stream;
   for (const DeviceState state : {DeviceState::kReset, DeviceState::kBrake, DeviceState::kIdle, DeviceState::kForce,
@@ -282,7 +282,7 @@ TEST_CASE("a device without an emergency stop number reports any fault as its ow
   CHECK(r.guard.accept(r.stream.fresh()).fault == Fault::kDeviceFault);
 }
 
-TEST_CASE("a latched fault stays, whatever comes, until rearm; then the first good sample re-bases anywhere") {
+TEST_CASE("a latched fault stays, whatever comes, until rearm, then the first good sample re-bases anywhere") {
   Running r;
   for (int i = 0; i < 10; ++i) r.guard.accept(r.stream.lost());
   for (int i = 0; i < 100; ++i) {
@@ -312,7 +312,7 @@ TEST_CASE("a dead link latches again ten ticks after rearm") {
   }
 }
 
-TEST_CASE("after rearm the device gets time to clear its fault, without force; one that does not is a fault again") {
+TEST_CASE("after rearm the device gets time to clear its fault, without force, one that does not is a fault again") {
   Running r;
   r.stream.input.sample.device_fault = 9;
   r.stream.input.sample.state = DeviceState::kBrake;
