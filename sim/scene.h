@@ -47,35 +47,35 @@ struct HandScript {
 
 struct SolverChoice {
   double contact_hertz{250}, contact_damping_ratio{10};
-  unsigned sub_steps{4}, relax_sweeps{1};         // haptic side
-  unsigned global_sub_steps_per_tick{1};          // global side: sub-steps of a global step = this x ratio
+  unsigned sub_steps{4}, relax_sweeps{1};  // haptic side
+  unsigned global_sub_steps_per_tick{1};   // global side: sub-steps of a global step = this x ratio
 };
 
 // What a generator made, and what it says of its own work.
 struct GeneratedPart {
-  std::string kind;                  // wall, pile, tower, card_house, domino_row
-  BodyId first{kNoBody};             // ids first .. first + count - 1
+  std::string kind;       // wall, pile, tower, card_house, domino_row
+  BodyId first{kNoBody};  // ids first .. first + count - 1
   unsigned count{0};
-  double friction{0};                // of its bodies
-  std::vector<double> foot_friction; // card house, by level from the ground: least coefficient under its cards' feet
-  double top_friction{0};            // card house: least coefficient between cards where their tops meet; 0 otherwise
+  double friction{0};                 // of its bodies
+  std::vector<double> foot_friction;  // card house, by level from the ground: least coefficient under its cards' feet
+  double top_friction{0};             // card house: least coefficient between cards where their tops meet; 0 otherwise
 };
 
 struct Scene {
-  std::string name;                            // file stem
-  std::string title;                           // one line for people
+  std::string name;   // file stem
+  std::string title;  // one line for people
   Effects effects;
   Vec3d gravity_m_per_s2{0, 0, -9.81};
-  std::vector<physics::Body<double>> bodies;   // bodies[i].id == i
+  std::vector<physics::Body<double>> bodies;  // bodies[i].id == i
   BodyId proxy{kNoBody};
   DevicePlacement device;
   CouplingGains coupling;
   HandScript hand;
   SolverChoice solver;
-  unsigned members{64};                        // cap of the sub-world, the proxy included
+  unsigned members{64};  // cap of the sub-world, the proxy included
   unsigned ratio{10};
-  std::vector<GeneratedPart> generated;        // in the order of the file
-  std::string source;                          // the text it was loaded from: the tape carries it
+  std::vector<GeneratedPart> generated;  // in the order of the file
+  std::string source;                    // the text it was loaded from: the tape carries it
 };
 
 }  // namespace tactus::sim

@@ -11,35 +11,35 @@ namespace tactus {
 
 enum class Fault : std::uint32_t {
   kNone = 0,
-  kLinkLost = 1,            // 10 frames in a row missing
-  kDeviceUnplugged = 2,     // the link says that the device is gone
-  kInputNotFinite = 3,      // NaN or infinity in 3 samples in a row
-  kInputRotation = 4,       // quaternion norm off 1 by more than 1e-3, 3 in a row
-  kInputWorkspace = 5,      // outside the device's workspace + 5 %, 3 in a row
-  kInputJump = 6,           // moved faster than the device can, 3 in a row
-  kInputStale = 7,          // sequence or device time does not advance, 10 in a row
-  kDeviceBrake = 8,         // the device reports BRAKE
-  kDeviceFault = 9,         // the device reports a fault of its own
-  kOutputNotFinite = 10,    // our own wrench was not finite
-  kEmergencyStop = 11,      // the e-stop line is active
-  kWorldLost = 12,          // reserved
+  kLinkLost = 1,          // 10 frames in a row missing
+  kDeviceUnplugged = 2,   // the link says that the device is gone
+  kInputNotFinite = 3,    // NaN or infinity in 3 samples in a row
+  kInputRotation = 4,     // quaternion norm off 1 by more than 1e-3, 3 in a row
+  kInputWorkspace = 5,    // outside the device's workspace + 5 %, 3 in a row
+  kInputJump = 6,         // moved faster than the device can, 3 in a row
+  kInputStale = 7,        // sequence or device time does not advance, 10 in a row
+  kDeviceBrake = 8,       // the device reports BRAKE
+  kDeviceFault = 9,       // the device reports a fault of its own
+  kOutputNotFinite = 10,  // our own wrench was not finite
+  kEmergencyStop = 11,    // the e-stop line is active
+  kWorldLost = 12,        // reserved
 };
 
 enum StatusBit : std::uint32_t {
-  kFrameMissing = 1u << 0,      // no valid frame in this tick
-  kForceFading = 1u << 1,       // 3 or more in a row missing or rejected
-  kInputRejected = 1u << 2,     // a frame came and the input guard refused it
-  kForceSaturated = 1u << 3,    // force or torque cut to the limit
+  kFrameMissing = 1u << 0,    // no valid frame in this tick
+  kForceFading = 1u << 1,     // 3 or more in a row missing or rejected
+  kInputRejected = 1u << 2,   // a frame came and the input guard refused it
+  kForceSaturated = 1u << 3,  // force or torque cut to the limit
   kSlewLimited = 1u << 4,
-  kPassivityActive = 1u << 5,   // the passivity controller adds damping
-  kWorldLate = 1u << 6,         // the cycle is longer than r ticks
-  kBorderFrozen = 1u << 7,      // late by more than 4 r ticks: border bodies at rest
-  kWorldFade = 1u << 8,         // late by more than 100 ms: the force is faded out
-  kSolverCut = 1u << 9,         // the cut predicate fired
-  kSubStepsReduced = 1u << 10,  // the governor chose fewer sub-steps than asked for
-  kCapacityExceeded = 1u << 11, // see the capacity bits
-  kNotArmed = 1u << 12,         // no force until armed
-  kProxyContact = 1u << 13,     // the proxy touches something: not a limit, but it belongs in every record
+  kPassivityActive = 1u << 5,    // the passivity controller adds damping
+  kWorldLate = 1u << 6,          // the cycle is longer than r ticks
+  kBorderFrozen = 1u << 7,       // late by more than 4 r ticks: border bodies at rest
+  kWorldFade = 1u << 8,          // late by more than 100 ms: the force is faded out
+  kSolverCut = 1u << 9,          // the cut predicate fired
+  kSubStepsReduced = 1u << 10,   // the governor chose fewer sub-steps than asked for
+  kCapacityExceeded = 1u << 11,  // see the capacity bits
+  kNotArmed = 1u << 12,          // no force until armed
+  kProxyContact = 1u << 13,      // the proxy touches something: not a limit, but it belongs in every record
 };
 
 // One line for people: what it is and what to do. Never empty.

@@ -42,8 +42,8 @@ struct DeviceCommand {
   std::uint64_t sequence{0};               // counted by the loop, one a tick
   Wrenchd wrench;                          // N, N m, device frame, about the tool's origin; what the hand shall feel
   DeviceState wanted{DeviceState::kIdle};  // kIdle, kForce or kBrake
-  std::uint32_t rearm{0};      // 1: leave a latched BRAKE. The device acts on the change from 0 to 1: to ask again,
-                               // send 0 first. Not together with wanting kBrake
+  std::uint32_t rearm{0};  // 1: leave a latched BRAKE. The device acts on the change from 0 to 1: to ask again,
+                           // send 0 first. Not together with wanting kBrake
 };
 
 // What the loop must know of a device. From its description; fixed after start.

@@ -33,7 +33,8 @@ struct Body {
 
 // A homogeneous dynamic body at rest.
 template <class T>
-Body<T> make_dynamic_body(BodyId id, const Shape<T>& shape, T mass, T friction, const Pose<T>& world_from_body) noexcept {
+Body<T> make_dynamic_body(BodyId id, const Shape<T>& shape, T mass, T friction,
+                          const Pose<T>& world_from_body) noexcept {
   return {id, BodyKind::kDynamic, shape, mass, inertia_of(shape, mass), friction, T(1), {world_from_body, {}}};
 }
 

@@ -11,13 +11,13 @@ namespace tactus::physics {
 
 template <class T>
 struct ContactPoint {
-  Vec3<T> from_a, from_b;     // m, from the centres of A and B, world axes, at the start of the step
-  T separation{};             // m, at the start of the step
+  Vec3<T> from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
+  T separation{};          // m, at the start of the step
   std::uint32_t feature{0};
-  T normal_impulse{};         // N s, of the last sub-step
-  T tangent_impulse[2]{};     // N s, of the last sub-step, along `tangents_of(normal)`
-  T total_normal_impulse{};   // N s, over the step
-  Vec3<T> total_friction{};   // N s, over the step, on B, world
+  T normal_impulse{};        // N s, of the last sub-step
+  T tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
+  T total_normal_impulse{};  // N s, over the step
+  Vec3<T> total_friction{};  // N s, over the step, on B, world
 };
 
 template <class T>
@@ -27,7 +27,7 @@ struct Contact {
   bool b_fixed{false};                 // true: B is a fixed body. A fixed body is always B.
   AxisCache axis_cache;
   T friction{};
-  Vec3<T> normal;                      // from A to B
+  Vec3<T> normal;  // from A to B
   std::uint32_t count{0};
   std::array<ContactPoint<T>, kMaxManifoldPoints> points;
 

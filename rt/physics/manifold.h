@@ -17,8 +17,8 @@ inline constexpr std::uint32_t kMaxManifoldPoints = 4;
 
 template <class T>
 struct ManifoldPoint {
-  Vec3<T> from_a, from_b;    // m: the contact point (midway between the surfaces) from the centre of A, of B; world axes
-  T separation{};            // m: signed gap along the normal; negative where the shapes overlap
+  Vec3<T> from_a, from_b;  // m: the contact point (midway between the surfaces) from the centre of A, of B; world axes
+  T separation{};          // m: signed gap along the normal; negative where the shapes overlap
   std::uint32_t feature{0};  // which features made it: the same pair of features has the same id from step to step
 };
 

@@ -8,7 +8,7 @@ namespace tactus::physics {
 
 template <class T>
 struct Softness {
-  T bias_rate{};      // 1/s: velocity per metre of error
+  T bias_rate{};  // 1/s: velocity per metre of error
   T mass_scale{T(1)};
   T impulse_scale{};
 

@@ -21,29 +21,29 @@ inline constexpr std::uint32_t kNeverCut = 0xffffffffu;
 // Fixed for a run but for sub_steps, which the governor chooses before each tick.
 template <class T>
 struct StepSettings {
-  T dt{T(1e-3)};                    // s: the whole step
-  std::uint32_t sub_steps{4};       // h = dt / sub_steps
-  std::uint32_t relax_sweeps{1};    // per sub-step
-  T contact_hertz{T(250)};          // Hz, the same in both worlds; at most 0.25 / h
+  T dt{T(1e-3)};                  // s: the whole step
+  std::uint32_t sub_steps{4};     // h = dt / sub_steps
+  std::uint32_t relax_sweeps{1};  // per sub-step
+  T contact_hertz{T(250)};        // Hz, the same in both worlds; at most 0.25 / h
   T contact_damping_ratio{T(10)};
-  T max_push_speed{T(0.25)};        // m/s: an overlap is pushed out no faster
-  T slop{T(1e-5)};                  // m: overlap that is left alone
-  T min_margin{T(5e-4)};            // m: points further apart than this + relative speed x dt are not found
-  T max_margin{T(2e-2)};            // m
-  Vec3<T> gravity{};                // m/s^2
-  bool friction{true};              // effect: Coulomb friction
-  bool gyroscopic{true};            // effect: the gyroscopic term
+  T max_push_speed{T(0.25)};  // m/s: an overlap is pushed out no faster
+  T slop{T(1e-5)};            // m: overlap that is left alone
+  T min_margin{T(5e-4)};      // m: points further apart than this + relative speed x dt are not found
+  T max_margin{T(2e-2)};      // m
+  Vec3<T> gravity{};          // m/s^2
+  bool friction{true};        // effect: Coulomb friction
+  bool gyroscopic{true};      // effect: the gyroscopic term
 };
 
 template <class T>
 struct StepReport {
-  std::uint32_t capacity_bits{0};       // CapacityBit
-  std::uint32_t dropped{0};             // pairs and contacts left out
-  std::uint32_t pairs{0};               // tested by narrow phase
-  std::uint32_t contacts{0};            // manifolds solved
-  std::uint32_t points{0};              // points solved
-  std::uint32_t cut_sweep{kNeverCut};   // sweep at which the cut fired
-  T deepest_m{};                        // largest overlap at the start of the step [m]
+  std::uint32_t capacity_bits{0};      // CapacityBit
+  std::uint32_t dropped{0};            // pairs and contacts left out
+  std::uint32_t pairs{0};              // tested by narrow phase
+  std::uint32_t contacts{0};           // manifolds solved
+  std::uint32_t points{0};             // points solved
+  std::uint32_t cut_sweep{kNeverCut};  // sweep at which the cut fired
+  T deepest_m{};                       // largest overlap at the start of the step [m]
 };
 
 }  // namespace tactus::physics
