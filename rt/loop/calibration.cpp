@@ -28,22 +28,26 @@ physics::World<double> make_stacks() {
   return world;
 }
 
+physics::StepReport<double> step(physics::World<double>& world, std::uint32_t sub_steps) {
+  physics::StepSettings<double> settings;
+  settings.gravity = {0, 0, -9.81};
+  settings.sub_steps = sub_steps;
+  world.begin_step(settings);
+  (void)physics::find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
+  return world.finish_step(settings);
+}
+
 struct Measured {
   double p50{0}, p90{0}, p99{0}, predicted{0};
 };
 
 Measured measure(physics::World<double>& world, const CostModel& table, std::uint32_t sub_steps) {
   MonotonicClock clock;
-  physics::StepSettings<double> settings;
-  settings.gravity = {0, 0, -9.81};
-  settings.sub_steps = sub_steps;
   std::array<double, kMeasuredTicks> times{};
   Measured result;
   for (std::uint32_t tick = 0; tick < kWarmTicks + kMeasuredTicks; ++tick) {
     const auto begin = clock.now_ns();
-    world.begin_step(settings);
-    (void)physics::find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
-    const auto report = world.finish_step(settings);
+    const auto report = step(world, sub_steps);
     if (tick >= kWarmTicks) times[tick - kWarmTicks] = static_cast<double>(clock.now_ns() - begin);
     const WorkCounts counts{kColumns * kHeight, report.pairs, report.contacts, report.points, 0, 0, false};
     result.predicted = predict_ns(table, counts, sub_steps);
@@ -56,6 +60,11 @@ Measured measure(physics::World<double>& world, const CostModel& table, std::uin
 }
 
 }  // namespace
+
+void work_beside(const std::atomic<bool>& stop) {
+  physics::World<double> world = make_stacks();
+  while (!stop.load(std::memory_order_relaxed)) (void)step(world, 4);
+}
 
 Calibration calibrate(const CostModel& table, double safety) {
   physics::World<double> world = make_stacks();

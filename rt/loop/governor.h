@@ -19,7 +19,7 @@ struct CostModel {
   double per_contact{700};         // a manifold: collide, match, prepare
   double per_point_sub_step{95};   // warm start, biased and relax sweep of a contact point
   double per_body_sub_step{60};    // integration
-  double per_border_sub_step{70};  // a border contact
+  double per_border_sub_step{110};  // a border contact
   double synchronisation{15000};   // a tick that adopts a snapshot
   double per_join{1500};
 };

@@ -3,10 +3,10 @@
 namespace tactus::loop {
 
 OverrunCause classify_overrun(double wake_late_ns, double predicted_ns, double period_ns,
-                              bool previous_overran) noexcept {
-  if (wake_late_ns > 0.5 * period_ns) return OverrunCause::kLateWake;
-  if (wake_late_ns + predicted_ns > period_ns || previous_overran) return OverrunCause::kOwnWork;
-  return OverrunCause::kInterrupted;
+                              std::uint32_t missed_before) noexcept {
+  if (predicted_ns > period_ns) return OverrunCause::kOwnWork;
+  if (wake_late_ns > 0.5 * period_ns || wake_late_ns + predicted_ns > period_ns) return OverrunCause::kLateWake;
+  return missed_before >= 2 ? OverrunCause::kOwnWork : OverrunCause::kInterrupted;
 }
 
 void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t component, std::uint32_t cycle_ticks,

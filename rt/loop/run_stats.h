@@ -11,11 +11,12 @@ namespace tactus::loop {
 enum class OverrunCause : std::uint32_t { kLateWake = 0, kOwnWork = 1, kInterrupted = 2 };
 
 // A tick that missed its deadline is the program's own doing when its work, as the calibrated cost model predicts it
-// from the counts, did not fit into what the wake-up left, or when two ticks in a row miss while awake in time (a gap
-// of the machine rarely hits twice; work that is too much does). It is a late wake-up when the wake-up alone took more
-// than half of the period. Otherwise the thread was interrupted: the machine's gap.
+// from the counts, does not fit the period by itself, or when it is the third miss in a row of ticks that woke in time:
+// a gap of the machine hits one tick, work that is too much hits them all. It is a late wake-up when the wake-up took
+// more than half of the period, or just what the work needed. Otherwise it was interrupted: the machine's gap.
+// `missed_before`: ticks in a row before this one that missed their deadlines as well.
 OverrunCause classify_overrun(double wake_late_ns, double predicted_ns, double period_ns,
-                              bool previous_overran) noexcept;
+                              std::uint32_t missed_before) noexcept;
 
 struct FaultEvent {
   std::uint64_t tick{0};

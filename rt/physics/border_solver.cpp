@@ -58,6 +58,10 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, BorderMode m
     if (row.holds)
       row.tangent_impulse[0] = scale * c.tangent_impulse[0], row.tangent_impulse[1] = scale * c.tangent_impulse[1];
   }
+  // A pair that the other world found touching without pressing may not push: its rows would cost and do nothing.
+  if (mode == BorderMode::kFrozen) return;
+  for (Row& row : rows_)
+    if (pairs_[row.pair].cap == T(0)) row.active = false;
 }
 
 // The most that the normal row may push in a sub-step: what the pair's other points leave of its cap.

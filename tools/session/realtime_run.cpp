@@ -75,7 +75,7 @@ class RealtimeTick {
       const auto wake_late_ns = static_cast<double>(timing.woke_ns - timing.scheduled_ns);
       // What the simulated device usually takes is part of what the tick had to do.
       const double predicted_ns = session_.driver->plan().predicted_ns + static_cast<double>(device.percentile_ns(50));
-      switch (loop::classify_overrun(wake_late_ns, predicted_ns, static_cast<double>(period_ns_), overran_before_)) {
+      switch (loop::classify_overrun(wake_late_ns, predicted_ns, static_cast<double>(period_ns_), missed_in_a_row_)) {
         case loop::OverrunCause::kLateWake:
           ++late_wake;
           break;
@@ -87,7 +87,7 @@ class RealtimeTick {
           break;
       }
     }
-    overran_before_ = overran;
+    missed_in_a_row_ = overran ? missed_in_a_row_ + 1 : 0;
   }
 
   void show(const loop::TickOutput& out) noexcept {
@@ -108,12 +108,14 @@ class RealtimeTick {
   std::atomic<bool>& rearm_;
   std::uint64_t most_ticks_;
   std::int64_t period_ns_;
-  bool overran_before_{false};
+  std::uint32_t missed_in_a_row_{0};
 };
 
 // The cost model of the core that the loop will run on, measured at its priority.
 double calibrate_governor(Session& session, const loop::SetupRequest& setup) {
   double scale = 1;
+  std::atomic<bool> done{false};
+  std::thread beside([&] { loop::work_beside(done); });
   std::thread worker([&] {
     loop::CpuAwake awake;
     (void)loop::setup_realtime(setup, awake);
@@ -124,6 +126,8 @@ double calibrate_governor(Session& session, const loop::SetupRequest& setup) {
     scale = result.scale;
   });
   worker.join();
+  done.store(true, std::memory_order_relaxed);
+  beside.join();
   return scale;
 }
 

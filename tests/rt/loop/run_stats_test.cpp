@@ -129,21 +129,22 @@ TEST_CASE("an overrun's cause: late wake-up, own work, or the machine") {
   constexpr double kPeriod = 1e6;
   struct {
     double wake_ns, predicted_ns;
-    bool previous;
+    std::uint32_t missed_before;
     OverrunCause cause;
   } const table[] = {
-      {0, 5e5, false, OverrunCause::kInterrupted},    // awake in time, work that fits, once
-      {4e5, 5e5, false, OverrunCause::kInterrupted},  // fits still
-      {4e5, 6.1e5, false, OverrunCause::kOwnWork},    // does not fit what the wake-up left
-      {0, 1.1e6, false, OverrunCause::kOwnWork},      // fits no period
-      {0, 5e5, true, OverrunCause::kOwnWork},         // twice in a row, awake in time
-      {5.1e5, 5e5, false, OverrunCause::kLateWake},   // the wake-up alone took half
-      {5.1e5, 1.1e6, true, OverrunCause::kLateWake},  // whatever else
-      {5e5, 5e5, false, OverrunCause::kInterrupted},  // both bounds are still inside
-      {5e5, 5.1e5, false, OverrunCause::kOwnWork},
+      {0, 5e5, 0, OverrunCause::kInterrupted},    // awake in time, work that fits
+      {0, 5e5, 1, OverrunCause::kInterrupted},    // one gap may reach into two ticks
+      {0, 5e5, 2, OverrunCause::kOwnWork},        // three in a row, awake in time: the work is too much
+      {4e5, 5e5, 0, OverrunCause::kInterrupted},  // fits still
+      {4e5, 6.1e5, 0, OverrunCause::kLateWake},   // the wake-up took what the work needed
+      {0, 1.1e6, 0, OverrunCause::kOwnWork},      // fits no period
+      {5.1e5, 1.1e6, 0, OverrunCause::kOwnWork},  // nor would it have fitted had it woken in time
+      {5.1e5, 1e5, 0, OverrunCause::kLateWake},   // the wake-up alone took half
+      {5.1e5, 1e5, 9, OverrunCause::kLateWake},   // however often
+      {5e5, 5e5, 0, OverrunCause::kInterrupted},  // both bounds are still inside
   };
   for (const auto& row : table) {
-    CAPTURE(row.wake_ns, row.predicted_ns, row.previous);
-    CHECK(classify_overrun(row.wake_ns, row.predicted_ns, kPeriod, row.previous) == row.cause);
+    CAPTURE(row.wake_ns, row.predicted_ns, row.missed_before);
+    CHECK(classify_overrun(row.wake_ns, row.predicted_ns, kPeriod, row.missed_before) == row.cause);
   }
 }
