@@ -14,13 +14,13 @@ namespace tactus::loop {
 // Nanoseconds per unit of work. The defaults are the fixed table of virtual time; `calibrate` scales them to a core.
 struct CostModel {
   double fixed{8000};
-  double per_body{150};            // bounds, poses, bookkeeping
-  double per_pair{60};             // a pair that narrow phase looks at
-  double per_contact{700};         // a manifold: collide, match, prepare
-  double per_point_sub_step{95};   // warm start, biased and relax sweep of a contact point
-  double per_body_sub_step{60};    // integration
+  double per_body{150};             // bounds, poses, bookkeeping
+  double per_pair{60};              // a pair that narrow phase looks at
+  double per_contact{700};          // a manifold: collide, match, prepare
+  double per_point_sub_step{95};    // warm start, biased and relax sweep of a contact point
+  double per_body_sub_step{60};     // integration
   double per_border_sub_step{110};  // a border contact
-  double synchronisation{15000};   // a tick that adopts a snapshot
+  double synchronisation{15000};    // a tick that adopts a snapshot
   double per_join{1500};
 };
 
