@@ -2,11 +2,11 @@
 
 namespace tactus::loop {
 
-OverrunCause classify_overrun(double wake_late_ns, double predicted_ns, double period_ns,
-                              std::uint32_t missed_before) noexcept {
-  if (predicted_ns > period_ns) return OverrunCause::kOwnWork;
-  if (wake_late_ns > 0.5 * period_ns || wake_late_ns + predicted_ns > period_ns) return OverrunCause::kLateWake;
-  return missed_before >= 2 ? OverrunCause::kOwnWork : OverrunCause::kInterrupted;
+OverrunCause classify_overrun(double wake_late_ns, double used_ns, double predicted_ns, double period_ns) noexcept {
+  if (used_ns > period_ns && 2 * predicted_ns >= used_ns) return OverrunCause::kOwnWork;
+  const double needed_ns = std::min(used_ns, 2 * predicted_ns);
+  if (wake_late_ns > 0.5 * period_ns || wake_late_ns + needed_ns > period_ns) return OverrunCause::kLateWake;
+  return OverrunCause::kInterrupted;
 }
 
 void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t component, std::uint32_t cycle_ticks,

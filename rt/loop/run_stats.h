@@ -10,13 +10,12 @@ namespace tactus::loop {
 // Why a tick was past its deadline.
 enum class OverrunCause : std::uint32_t { kLateWake = 0, kOwnWork = 1, kInterrupted = 2 };
 
-// A tick that missed its deadline is the program's own doing when its work, as the calibrated cost model predicts it
-// from the counts, does not fit the period by itself, or when it is the third miss in a row of ticks that woke in time:
-// a gap of the machine hits one tick, work that is too much hits them all. It is a late wake-up when the wake-up took
-// more than half of the period, or just what the work needed. Otherwise it was interrupted: the machine's gap.
-// `missed_before`: ticks in a row before this one that missed their deadlines as well.
-OverrunCause classify_overrun(double wake_late_ns, double predicted_ns, double period_ns,
-                              std::uint32_t missed_before) noexcept;
+// Own work is a tick whose thread used more processor time than the period, where its counts explain at least half of
+// that by the calibrated cost model: a host that takes the core away without saying so looks like processor time too,
+// but no count goes with it. A late wake-up took more than half of the period, or just what the tick then needed.
+// Otherwise the thread was interrupted.
+// `used_ns`: by the thread's own clock in this tick; `predicted_ns`: by the cost model, before it.
+OverrunCause classify_overrun(double wake_late_ns, double used_ns, double predicted_ns, double period_ns) noexcept;
 
 struct FaultEvent {
   std::uint64_t tick{0};

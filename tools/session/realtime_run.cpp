@@ -44,6 +44,7 @@ class RealtimeTick {
 
   bool operator()(const loop::TickTiming& timing) noexcept {
     Driver& driver = *session_.driver;
+    cpu_began_ns_ = MonotonicClock::thread_cpu_ns();
     driver.read();
     const std::int64_t read_ns = MonotonicClock::now_ns();
     Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_))};
@@ -73,9 +74,9 @@ class RealtimeTick {
     const bool overran = ended_ns > timing.scheduled_ns + period_ns_;
     if (overran) {
       const auto wake_late_ns = static_cast<double>(timing.woke_ns - timing.scheduled_ns);
-      // What the simulated device usually takes is part of what the tick had to do.
-      const double predicted_ns = session_.driver->plan().predicted_ns + static_cast<double>(device.percentile_ns(50));
-      switch (loop::classify_overrun(wake_late_ns, predicted_ns, static_cast<double>(period_ns_), missed_in_a_row_)) {
+      const auto used_ns = static_cast<double>(MonotonicClock::thread_cpu_ns() - cpu_began_ns_);
+      const double predicted_ns = session_.driver->plan().predicted_ns;
+      switch (loop::classify_overrun(wake_late_ns, used_ns, predicted_ns, static_cast<double>(period_ns_))) {
         case loop::OverrunCause::kLateWake:
           ++late_wake;
           break;
@@ -87,7 +88,6 @@ class RealtimeTick {
           break;
       }
     }
-    missed_in_a_row_ = overran ? missed_in_a_row_ + 1 : 0;
   }
 
   void show(const loop::TickOutput& out) noexcept {
@@ -108,7 +108,7 @@ class RealtimeTick {
   std::atomic<bool>& rearm_;
   std::uint64_t most_ticks_;
   std::int64_t period_ns_;
-  std::uint32_t missed_in_a_row_{0};
+  std::int64_t cpu_began_ns_{0};  // the thread's own clock at the start of the tick
 };
 
 // The cost model of the core that the loop will run on, measured at its priority.

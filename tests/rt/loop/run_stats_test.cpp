@@ -128,23 +128,21 @@ TEST_CASE("faults beyond the list are counted all the same") {
 TEST_CASE("an overrun's cause: late wake-up, own work, or the machine") {
   constexpr double kPeriod = 1e6;
   struct {
-    double wake_ns, predicted_ns;
-    std::uint32_t missed_before;
+    double wake_ns, used_ns, predicted_ns;
     OverrunCause cause;
   } const table[] = {
-      {0, 5e5, 0, OverrunCause::kInterrupted},    // awake in time, work that fits
-      {0, 5e5, 1, OverrunCause::kInterrupted},    // one gap may reach into two ticks
-      {0, 5e5, 2, OverrunCause::kOwnWork},        // three in a row, awake in time: the work is too much
-      {4e5, 5e5, 0, OverrunCause::kInterrupted},  // fits still
-      {4e5, 6.1e5, 0, OverrunCause::kLateWake},   // the wake-up took what the work needed
-      {0, 1.1e6, 0, OverrunCause::kOwnWork},      // fits no period
-      {5.1e5, 1.1e6, 0, OverrunCause::kOwnWork},  // nor would it have fitted had it woken in time
-      {5.1e5, 1e5, 0, OverrunCause::kLateWake},   // the wake-up alone took half
-      {5.1e5, 1e5, 9, OverrunCause::kLateWake},   // however often
-      {5e5, 5e5, 0, OverrunCause::kInterrupted},  // both bounds are still inside
+      {0, 5e5, 5e5, OverrunCause::kInterrupted},    // awake in time, little used: somebody else had the core
+      {4e5, 5e5, 5e5, OverrunCause::kInterrupted},  // would have done still
+      {4e5, 6.1e5, 5e5, OverrunCause::kLateWake},   // the wake-up took what the work needed
+      {0, 1.1e6, 6e5, OverrunCause::kOwnWork},      // more than any period has, and the counts say so
+      {0, 1.1e6, 5e5, OverrunCause::kInterrupted},  // the counts do not explain it
+      {5.1e5, 1.1e6, 6e5, OverrunCause::kOwnWork},  // nor would it have done had it woken in time
+      {5.1e5, 1e5, 1e5, OverrunCause::kLateWake},   // the wake-up alone took half
+      {4e5, 9e6, 1e5, OverrunCause::kInterrupted},  // late, but what it needed would still have fitted
+      {5e5, 5e5, 5e5, OverrunCause::kInterrupted},  // both bounds are still inside
   };
   for (const auto& row : table) {
-    CAPTURE(row.wake_ns, row.predicted_ns, row.missed_before);
-    CHECK(classify_overrun(row.wake_ns, row.predicted_ns, kPeriod, row.missed_before) == row.cause);
+    CAPTURE(row.wake_ns, row.used_ns, row.predicted_ns);
+    CHECK(classify_overrun(row.wake_ns, row.used_ns, row.predicted_ns, kPeriod) == row.cause);
   }
 }
