@@ -237,6 +237,15 @@ TEST_CASE("the hand's path begins at the proxy, or there is a warning, without a
   CHECK(diagnose("[hand]\npath = [{time_s = 0, position_m = [1, 2, 3]}]" + proxy).warnings.empty());
 }
 
+TEST_CASE("a letter with an accent beside a number is a mistake, and nothing worse") {
+  for (const char* letter : {"\u00e9", "\u017f", "\u0416", "\ufd00", "\ufefe", "\uffff"}) {
+    const auto found = diagnose("[simulation]\nratio = 10" + std::string(letter) + "\n" + kProxy);
+    INFO(letter);
+    REQUIRE(found.mistakes.size() == 1);
+    CHECK(found.mistakes[0].line == 2);
+  }
+}
+
 TEST_CASE("no text exhausts the stack or the memory") {
   const auto repeated = [](const std::string& s, std::size_t n) {
     std::string text;
