@@ -24,7 +24,7 @@ Moved moved_since_start(const session::Session& session) {
 
 }  // namespace
 
-TEST_CASE("a card house stands for sixty seconds", "[no-asan]") {
+TEST_CASE("a card house stands for sixty seconds", "[no-asan][no-tsan]") {
   sim::Scene scene = scene_file("card_house.toml");
   const Vec3d start = scene.hand.path.front().position_m;
   scene.hand.path = {{0.0, start + Vec3d{0, 0, 0.02}, {}}};  // the hand stays off it

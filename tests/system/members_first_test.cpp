@@ -79,7 +79,8 @@ TEST_CASE("no body is touched before it is a member: a fast hand in a field of c
   CHECK(deepest_m <= 1e-4);  // rounding and the global clock, which is up to a cycle ahead of what the hand feels
 }
 
-TEST_CASE("no body is touched before it is a member: a pile whose component is larger than the cap") {
+TEST_CASE("no body is touched before it is a member: a pile whose component is larger than the cap",
+          "[no-asan][no-tsan]") {
   auto session = make_session(scene_file("pile700.toml"), virtual_options());
   double deepest_m = 0;
   std::uint64_t tick = 0;
