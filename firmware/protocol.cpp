@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "firmware/little_endian.h"
+
 namespace tactus::firmware {
 namespace {
 
@@ -21,19 +23,6 @@ constexpr std::array<std::uint32_t, 16> make_crc_table() noexcept {
   return table;
 }
 constexpr std::array<std::uint32_t, 16> kCrcTable = make_crc_table();
-
-// Byte by byte: the order on the wire does not depend on the processor's.
-template <class U>
-void put(std::span<std::byte> out, std::size_t offset, U value) noexcept {
-  for (std::size_t i = 0; i < sizeof(U); ++i) out[offset + i] = static_cast<std::byte>((value >> (8 * i)) & 0xffu);
-}
-
-template <class U>
-U get(std::span<const std::byte> in, std::size_t offset) noexcept {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < sizeof(U); ++i) value |= std::to_integer<std::uint64_t>(in[offset + i]) << (8 * i);
-  return static_cast<U>(value);
-}
 
 void put_header(std::span<std::byte> out, std::uint8_t type, State state, std::uint32_t sequence) noexcept {
   put<std::uint8_t>(out, 0, kMagic);

@@ -1,0 +1,56 @@
+// What a board supplies, and the one control period that every board runs.
+//
+// A board is mechanics (encoders, motors, the e-stop line) and a link to the host; what lies between them is the same
+// on all: Device. `run_period` is called once per control period by whatever keeps time on the board. New hardware is
+// one class for each of the two concepts. Thread: the control period's, [rt]: nothing here waits, allocates or throws;
+// the two classes may not either. Bound: one period, at most one service request.
+#pragma once
+
+#include <concepts>
+
+#include "firmware/device.h"
+
+namespace tactus::firmware {
+
+// Encoders and motors. sample() fills counts, time, buttons, e-stop and supply; drive() carries out until the next
+// call.
+template <class M>
+concept Mechanics = requires(M mechanics, ControllerInputs& inputs, const ControllerOutputs& outputs) {
+  { mechanics.sample(inputs) }
+  noexcept->std::same_as<void>;
+  { mechanics.drive(outputs) }
+  noexcept->std::same_as<void>;
+};
+
+// The device's end of a link.
+template <class L>
+concept DeviceLink = requires(L link, std::span<std::byte, kMaxFrameSize> buffer, std::span<const std::byte> frame,
+                              ServiceMessage& message) {
+  // The newest command frame since the last call into `buffer`, and its size; 0 when none came. Older ones that came
+  // with it are dropped.
+  { link.receive_command(buffer) }
+  noexcept->std::same_as<std::size_t>;
+  { link.send_state(frame) }
+  noexcept->std::same_as<void>;
+  // A service request that waits; false when none does. reply_service answers the one taken last.
+  { link.receive_service(message) }
+  noexcept->std::same_as<bool>;
+  { link.reply_service(message) }
+  noexcept->std::same_as<void>;
+};
+
+template <Mechanics M, DeviceLink L>
+void run_period(Device& device, M& mechanics, L& link) noexcept {
+  ServiceMessage message;
+  if (link.receive_service(message)) link.reply_service(device.serve(message));
+
+  ControllerInputs inputs;
+  mechanics.sample(inputs);
+  std::array<std::byte, kMaxFrameSize> buffer;
+  const std::size_t size = link.receive_command(buffer);
+  const ControllerOutputs outputs = device.step(inputs, std::span<const std::byte>(buffer).first(size));
+  mechanics.drive(outputs);
+  link.send_state(outputs.state_frame);
+}
+
+}  // namespace tactus::firmware
