@@ -1,0 +1,173 @@
+// A link whose other end is in the same process: the whole firmware on simulated mechanics, one control period per
+// receive(). What needs a device on a link, and has none, takes this one: the same bytes cross it as a cable.
+//
+// receive(): the mechanics move on by one period under the efforts in force, the device runs its period with the
+// command that send() left, and its state frame is handed out. So a command is seen one tick after it was sent, and
+// nothing is ever superseded. Device time advances with receive() alone. Faults are switched on and off by hand (the
+// script of faults by tick is the SimulatedDevice's).
+// Thread: construction [setup]; receive(), send() [rt], no allocation, no lock, bounded; call() and the switches by the
+// same thread, or while nobody receives. Frame: the device's. Units: SI. Same calls, same bits, but for arrival_ns
+// with Stamp::kClock.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+
+#include "firmware/board.h"
+#include "hal/frame_link.h"
+#include "hal/plant.h"
+#include "rt/base/clock.h"
+
+namespace tactus::hal {
+
+class LoopbackLink {
+ public:
+  // What arrival_ns is: periods since construction, or CLOCK_MONOTONIC as on a real link.
+  enum class Stamp : std::uint8_t { kPeriods, kClock };
+
+  LoopbackLink(const DeviceProfile& profile, const HandModel& hand, std::int64_t period_ns,
+               Stamp stamp = Stamp::kPeriods)
+      : config_(firmware_config(profile, static_cast<std::uint32_t>(period_ns / 1000))),
+        device_(config_),
+        mechanics_(profile, hand, period_ns),
+        period_ns_(period_ns),
+        stamp_(stamp) {}
+
+  // --- FrameLink
+  ReceivedFrame receive(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
+    if (powered_) firmware::run_period(device_, mechanics_, wire_);
+    ++periods_;
+    const bool arrives = powered_ && plugged_ && dropped_states_ == 0;
+    if (dropped_states_ > 0) --dropped_states_;
+    if (!arrives) return {};
+    std::copy(wire_.state.begin(), wire_.state.end(), buffer.begin());
+    if (corrupted_states_ > 0) --corrupted_states_, buffer[17] ^= std::byte{0x10};
+    ++counters_.received;
+    const std::int64_t virtual_ns = static_cast<std::int64_t>(periods_) * period_ns_;
+    return {wire_.state.size(), stamp_ == Stamp::kClock ? MonotonicClock::now_ns() : virtual_ns, 0};
+  }
+
+  bool send(std::span<const std::byte> frame) noexcept {
+    if (!connected() || frame.size() > wire_.command.size()) {
+      ++counters_.send_failed;
+      return false;
+    }
+    ++counters_.sent;
+    if (dropped_commands_ > 0) {
+      --dropped_commands_;
+      return true;
+    }
+    if (wire_.command_size > 0) ++counters_.send_superseded;
+    std::copy(frame.begin(), frame.end(), wire_.command.begin());
+    if (corrupted_commands_ > 0) --corrupted_commands_, wire_.command[13] ^= std::byte{0x10};
+    wire_.command_size = frame.size();
+    return true;
+  }
+
+  bool connected() const noexcept { return plugged_ && powered_; }
+  LinkCounters counters() const noexcept { return counters_; }
+
+  Result<firmware::ServiceMessage> call(const firmware::ServiceMessage& request, std::chrono::milliseconds) {
+    if (!connected()) return Status::error("loopback: the device is unplugged; plug it in");
+    return device_.serve(request);
+  }
+
+  // --- Faults
+  void set_plugged(bool plugged) noexcept {
+    if (plugged_ && !plugged) ++counters_.disconnects, wire_.command_size = 0;
+    plugged_ = plugged;
+  }
+  // Off: the device's program ends and the mechanics stand still. On: the program starts afresh, motors shorted.
+  void set_powered(bool powered) noexcept {
+    if (powered && !powered_) device_ = firmware::Device(config_), wire_.command_size = 0;
+    if (powered_ && !powered) ++counters_.disconnects, mechanics_.drive({});
+    powered_ = powered;
+  }
+  void set_stop_line(bool active) noexcept { mechanics_.stop_line = active; }
+  void set_motor_bus(bool good) noexcept { mechanics_.motor_bus_ok = good; }
+  void set_buttons(std::uint8_t buttons) noexcept { mechanics_.buttons = buttons; }
+  // The next `count` frames of a direction are lost, or have a flipped bit.
+  void drop_states(unsigned count) noexcept { dropped_states_ = count; }
+  void drop_commands(unsigned count) noexcept { dropped_commands_ = count; }
+  void corrupt_states(unsigned count) noexcept { corrupted_states_ = count; }
+  void corrupt_commands(unsigned count) noexcept { corrupted_commands_ = count; }
+
+  // --- The truth behind the frames
+  std::uint64_t periods() const noexcept { return periods_; }
+  const Plant& plant() const noexcept { return mechanics_.plant; }
+  const firmware::Device& device() const noexcept { return device_; }
+  const firmware::ControllerOutputs& motor_outputs() const noexcept { return mechanics_.outputs; }
+
+ private:
+  static constexpr unsigned kSubSteps = 4;  // of the mechanics per period, as the simulated device's default
+
+  struct SimulatedMechanics {
+    Plant plant;
+    HandModel hand;
+    AxisVector quantum;
+    double sub_step_s;
+    std::int64_t period_ns;
+    std::uint64_t samples{0};
+    firmware::ControllerOutputs outputs;
+    std::uint8_t buttons{0};
+    bool stop_line{false}, motor_bus_ok{true};
+
+    SimulatedMechanics(const DeviceProfile& profile, const HandModel& a_hand, std::int64_t a_period_ns)
+        : plant(profile.plant, a_hand.parameters(), a_hand.target_at(0.0).pose),
+          hand(a_hand),
+          quantum(profile.quantum),
+          sub_step_s(static_cast<double>(a_period_ns) * 1e-9 / kSubSteps),
+          period_ns(a_period_ns) {}
+
+    void sample(firmware::ControllerInputs& inputs) noexcept {
+      if (samples > 0) advance();
+      for (unsigned i = 0; i < kAxisCount; ++i)
+        inputs.counts[i] = firmware::count_of(plant.coordinates()[i], quantum[i]);
+      inputs.time_us = samples++ * static_cast<std::uint64_t>(period_ns) / 1000;
+      inputs.buttons = buttons, inputs.stop_line = stop_line, inputs.motor_bus_ok = motor_bus_ok;
+    }
+
+    void drive(const firmware::ControllerOutputs& next) noexcept { outputs = next; }
+
+    void advance() noexcept {
+      AxisVector effort{};
+      for (unsigned i = 0; i < kAxisCount; ++i) effort[i] = static_cast<double>(outputs.effort[i]);
+      for (unsigned s = 1; s <= kSubSteps; ++s) {
+        const auto sub_steps = static_cast<double>((samples - 1) * kSubSteps + s);
+        plant.step(sub_step_s, effort, outputs.brake, hand.target_at(sub_steps * sub_step_s));
+      }
+    }
+  };
+
+  // The device's end.
+  struct Wire {
+    std::array<std::byte, firmware::kStateFrameSize> state{};
+    std::array<std::byte, firmware::kMaxFrameSize> command{};
+    std::size_t command_size{0};
+
+    std::size_t receive_command(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
+      std::copy(command.begin(), command.end(), buffer.begin());
+      return std::exchange(command_size, 0);
+    }
+    void send_state(std::span<const std::byte> frame) noexcept {
+      std::copy_n(frame.begin(), std::min(frame.size(), state.size()), state.begin());
+    }
+    bool receive_service(firmware::ServiceMessage&) noexcept { return false; }  // call() asks the device itself
+    void reply_service(const firmware::ServiceMessage&) noexcept {}
+  };
+
+  firmware::Config config_;
+  firmware::Device device_;
+  SimulatedMechanics mechanics_;
+  Wire wire_;
+  std::int64_t period_ns_;
+  Stamp stamp_;
+  LinkCounters counters_;
+  std::uint64_t periods_{0};
+  unsigned dropped_states_{0}, dropped_commands_{0}, corrupted_states_{0}, corrupted_commands_{0};
+  bool plugged_{true}, powered_{true};
+};
+
+static_assert(FrameLink<LoopbackLink>);
+
+}  // namespace tactus::hal
