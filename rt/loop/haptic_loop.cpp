@@ -67,6 +67,10 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
     state_.engaged = 0;
     guard_.rearm();
   }
+  if ((operator_bits & kStopLine) != 0) {
+    if (state_.fault == Fault::kNone) state_.fault = Fault::kEmergencyStop;
+    state_.engaged = state_.rearm = 0;
+  }
   if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;  // last: whatever else is asked for
   const bool ready = input_.valid && input_.device_state != haptics::DeviceState::kBrake;
   const bool may_engage = state_.armed != 0 && state_.fault == Fault::kNone && ready;

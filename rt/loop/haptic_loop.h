@@ -31,6 +31,9 @@ enum OperatorBit : std::uint32_t {
   kArm = 1u << 0,     // engage: couple the device where it is, force on
   kRearm = 1u << 1,   // clear a latched fault, tell the device to leave BRAKE, engage
   kDisarm = 1u << 2,  // force off
+  // The e-stop's status line beside the link is active: Fault kEmergencyStop, and no force from this tick on. The cut
+  // itself is in the firmware or the hardware; nothing is left to fade.
+  kStopLine = 1u << 3,
 };
 
 // Tells the other side that H(n) is written. Called between adoption and the rest of the tick.

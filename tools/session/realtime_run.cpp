@@ -9,6 +9,7 @@
 #include "rt/loop/calibration.h"
 #include "rt/loop/periodic_thread.h"
 #include "sim/global_thread.h"
+#include "tools/session/stolen_time.h"
 
 namespace tactus::session {
 namespace {
@@ -180,6 +181,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   RealtimeTick tick(session, live, rearm, most_ticks);
   loop::PeriodicThread<RealtimeTick> thread(tick);
   const auto began = std::chrono::steady_clock::now();
+  const auto cpu_before = cpu_time_now(settings.setup.cpu);
   if (const Status status = thread.start(settings); !status.ok()) return status;
   attend(thread, live, hooks, rearm, stop);
   thread.stop();
@@ -197,6 +199,8 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   summary.overruns_own_work = tick.own_work;
   summary.overruns_interrupted = tick.interrupted;
   summary.cost_scale = cost_scale;
+  summary.haptic_cpu = settings.setup.cpu;
+  summary.stolen_share = stolen_share(cpu_before, cpu_time_now(settings.setup.cpu));
   if (world) summary.global_step = world->step_times();
   if (session.drain == nullptr) return summary;
 
@@ -207,7 +211,8 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   summary.tape_dropped = session.drain->counts().lost;
   if (summary.exit_code() != 0) {
     const std::string path = "tactus-fault.tape";
-    const Status dumped = session.drain->dump(path, to_tape_text(options, session.scene.name, session.scene.source));
+    const Status dumped = session.drain->dump(
+        path, to_tape_text(options, session.device->properties(), session.scene.name, session.scene.source));
     if (dumped.ok()) summary.fault_tape = path;
   }
   return summary;

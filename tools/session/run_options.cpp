@@ -6,6 +6,7 @@
 
 #include "rt/haptics/snapshot.h"
 #include "sim/choice_names.h"
+#include "tools/session/device_choice.h"
 
 namespace tactus::session {
 namespace {
@@ -16,6 +17,48 @@ template <class T>
 Status check_range(const char* option, T value, T low, T high, const char* unit) {
   if (value >= low && value <= high) return Status::good();
   return Status::error(fmt::format("{}: {} is out of range; accepted: {} to {}{}", option, value, low, high, unit));
+}
+
+// The properties that are numbers, by name. JSON keeps their bits: it writes the shortest text that reads back the
+// same.
+using Properties = haptics::DeviceProperties;
+constexpr std::pair<const char*, double Properties::*> kProperties[] = {
+    {"workspace_radius_m", &Properties::workspace_radius_m},
+    {"max_speed_m_per_s", &Properties::max_speed_m_per_s},
+    {"max_angular_speed_rad_per_s", &Properties::max_angular_speed_rad_per_s},
+    {"max_force_N", &Properties::max_force_N},
+    {"max_torque_Nm", &Properties::max_torque_Nm},
+    {"continuous_force_N", &Properties::continuous_force_N},
+    {"continuous_torque_Nm", &Properties::continuous_torque_Nm},
+    {"position_quantum_m", &Properties::position_quantum_m},
+    {"rotation_quantum_rad", &Properties::rotation_quantum_rad},
+    {"mass_kg", &Properties::mass_kg},
+    {"damping_Ns_per_m", &Properties::damping_Ns_per_m},
+    {"inertia_kg_m2", &Properties::inertia_kg_m2},
+    {"damping_Nms_per_rad", &Properties::damping_Nms_per_rad},
+    {"delay_s", &Properties::delay_s},
+    {"coulomb_friction_N", &Properties::coulomb_friction_N},
+    {"coulomb_friction_Nm", &Properties::coulomb_friction_Nm},
+};
+static_assert(sizeof(haptics::DeviceProperties) == 8 + sizeof(double) * std::size(kProperties), "one is not listed");
+
+json properties_to_json(const haptics::DeviceProperties& device) {
+  json object{{"has_rotation", device.has_rotation}};
+  for (const auto& [name, member] : kProperties) object[name] = device.*member;
+  return object;
+}
+
+// The name of what is missing or no number; empty when all is there.
+std::string properties_from_json(const json& object, haptics::DeviceProperties& device) {
+  const auto rotation = object.find("has_rotation");
+  if (rotation == object.end() || !rotation->is_boolean()) return "has_rotation";
+  device.has_rotation = rotation->get<bool>();
+  for (const auto& [name, member] : kProperties) {
+    const auto at = object.find(name);
+    if (at == object.end() || !at->is_number()) return name;
+    device.*member = at->get<double>();
+  }
+  return {};
 }
 
 }  // namespace
@@ -30,13 +73,20 @@ Status check_options(const RunOptions& o) {
        }) {
     if (!status.ok()) return status;
   }
-  if (o.device != "sim") {
-    return Status::error(fmt::format("--device: '{}' is no device of this build; accepted: sim", o.device));
-  }
+  const auto choice = parse_device_choice(o.device);
+  if (!choice.ok()) return choice.status();
+  const bool taped = o.taped_device.has_value();
+  if (o.virtual_time && choice.value().is_real() && !taped)
+    return Status::error(fmt::format("--virtual-time: {} keeps real time; accepted: with --device sim", o.device));
+  if (o.virtual_time && !o.gpio.empty())
+    return Status::error("--gpio: lines are of real time; accepted: without --virtual-time");
+  if (!o.device_file.empty() && !choice.value().is_real())
+    return Status::error("--device-file: the simulated device is the scene's profile; accepted: with usb or can");
   return Status::good();
 }
 
-std::string to_tape_text(const RunOptions& o, const std::string& scene_name, const std::string& scene_source) {
+std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& device, const std::string& scene_name,
+                         const std::string& scene_source) {
   json text;
   text["tactus"] = "tape of a haptic thread";
   text["coupling"] = sim::name_of(o.coupling);
@@ -50,6 +100,8 @@ std::string to_tape_text(const RunOptions& o, const std::string& scene_name, con
   text["inject"] = o.inject;
   text["seed"] = o.seed;
   text["virtual_time"] = o.virtual_time;
+  text["device"] = o.device;
+  text["device_properties"] = properties_to_json(device);
   text["scene_name"] = scene_name;
   text["scene"] = scene_source;
   return text.dump();
@@ -91,6 +143,11 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   o.members = small("members");
   o.seed = parsed["seed"].get<std::uint64_t>();
   o.inject = word("inject");
+  o.device = word("device");
+  const auto properties = parsed.find("device_properties");
+  if (properties == parsed.end() || !properties->is_object()) return bad("has no 'device_properties'");
+  const std::string missing = properties_from_json(*properties, o.taped_device.emplace());
+  if (!missing.empty()) return bad(fmt::format("has no '{}' among its 'device_properties'", missing));
   tape.scene_name = word("scene_name");
   tape.scene_source = word("scene");
   if (const Status status = check_options(o); !status.ok()) return bad("has " + status.message());

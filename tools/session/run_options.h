@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_scheme.h"
+#include "rt/haptics/device.h"
 #include "rt/physics/border_contact.h"
 #include "sim/extraction.h"
 
@@ -14,7 +16,9 @@ namespace tactus::session {
 
 struct RunOptions {
   std::filesystem::path scene;
-  std::string device{"sim"};
+  std::string device{"sim"};          // see device_choice.h
+  std::filesystem::path device_file;  // describes a real device; empty: the scene's profile does
+  std::string gpio;                   // lines beside the link: e-stop, drive enable, probe, heartbeat; empty: none
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   physics::BorderMode border{physics::BorderMode::kCapped};
   sim::CutOrder order{sim::CutOrder::kBestFirst};
@@ -32,6 +36,8 @@ struct RunOptions {
   std::string inject;  // faults of device, link and world, by script
   std::filesystem::path record;
   std::uint64_t seed{1};  // of the simulated device's link
+  // Of a tape that is replayed: the device that it was made with, which is not opened then.
+  std::optional<haptics::DeviceProperties> taped_device;
 
   double period_s() const noexcept { return 1.0 / rate_Hz; }
 };
@@ -39,8 +45,10 @@ struct RunOptions {
 // Ranges and combinations. One line: the option, what was given, what is accepted.
 Status check_options(const RunOptions& options);
 
-// The header text of a tape: the options that the haptic thread's results depend on, and the scene's own text.
-std::string to_tape_text(const RunOptions& options, const std::string& scene_name, const std::string& scene_source);
+// The header text of a tape: the options that the haptic thread's results depend on, the device's properties, and the
+// scene's own text.
+std::string to_tape_text(const RunOptions& options, const haptics::DeviceProperties& device,
+                         const std::string& scene_name, const std::string& scene_source);
 
 struct TapeSettings {
   RunOptions options;

@@ -7,6 +7,7 @@
 #include "firmware/faults.h"
 #include "rt/haptics/coupling_limits.h"
 #include "sim/choice_names.h"
+#include "tools/session/open_device.h"
 
 namespace tactus::session {
 namespace {
@@ -177,21 +178,21 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   session->ratio = ratio_of(scene, options);
   session->members = members_of(scene, options);
 
-  const hal::DeviceProfile* profile = hal::find_profile(scene.device.profile);
-  if (profile == nullptr)
-    return Status::error(fmt::format("{}: no device profile '{}'", scene.name, scene.device.profile));
   auto script = split_inject_script(options.inject);
   if (!script.ok()) return script.status();
   session->stalls = script.value().stalls;
   auto faults = hal::parse_fault_script(script.value().device);
   if (!faults.ok()) return Status::error("--inject: " + faults.message());
-  hal::SimulationOptions simulation;
-  simulation.period_ns = std::llround(options.period_s() * 1e9);
-  simulation.seed = options.seed;
-  simulation.faults = faults.value();
-  if (const Status status = hal::SimulatedDevice::check(simulation); !status.ok()) return status;
+  if (!script.value().device.empty() && options.device != "sim")
+    return Status::error(
+        fmt::format("--inject: faults of the device are for the simulated one, not for {}; accepted: "
+                    "stall, or --device sim",
+                    options.device));
 
-  session->device = std::make_unique<hal::SimulatedDevice>(*profile, make_hand(scene), simulation);
+  auto opened = open_device(options, scene.device.profile, make_hand(scene), faults.value());
+  if (!opened.ok()) return opened.status();
+  session->device = std::move(opened.value().device);
+  session->device_identity = std::move(opened.value().identity);
   const haptics::DeviceProperties& device = session->device->properties();
   if (const Status status = check_gains(scene, options, device); !status.ok()) return status;
   if (const Status status = check_frequency(scene, options); !status.ok()) return status;
@@ -222,7 +223,8 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
 Status Session::record(const std::string& tape_path) {
   std::unique_ptr<loop::TapeWriter> tape;
   if (!tape_path.empty()) {
-    auto created = loop::TapeWriter::create(tape_path, to_tape_text(options, scene.name, scene.source));
+    auto created =
+        loop::TapeWriter::create(tape_path, to_tape_text(options, device->properties(), scene.name, scene.source));
     if (!created.ok()) return created.status();
     tape = std::move(created).value();
   }
@@ -265,8 +267,12 @@ RunSummary Session::summary() const {
   summary.stats = stats;
   summary.has_global = global != nullptr;
   if (global != nullptr) summary.global = global->statistics();
-  summary.hand_work_J = device->plant().energy().hand;
-  summary.motor_work_J = device->plant().energy().motors;
+  if (const hal::SimulatedDevice* truth = simulated()) {
+    summary.hand_work_J = truth->plant().energy().hand;
+    summary.motor_work_J = truth->plant().energy().motors;
+  }
+  summary.device_identity = device_identity;
+  summary.link = device->link_report();
   summary.state_hash = loop->state_hash();
   return summary;
 }

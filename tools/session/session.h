@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "hal/any_device.h"
 #include "hal/simulated_device.h"
 #include "rt/loop/haptic_driver.h"
 #include "rt/loop/run_stats.h"
@@ -20,7 +21,7 @@
 
 namespace tactus::session {
 
-using Driver = loop::HapticDriver<hal::SimulatedDevice>;
+using Driver = loop::HapticDriver<hal::AnyDevice>;
 
 // What the haptic thread of this scene is made of. Also what a replay builds its loop from.
 loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
@@ -41,7 +42,8 @@ class Session {
   RunOptions options;
   unsigned ratio, members;
   std::unique_ptr<loop::HapticLoop> loop;
-  std::unique_ptr<hal::SimulatedDevice> device;
+  std::unique_ptr<hal::AnyDevice> device;
+  std::string device_identity;  // of a real one, for people
   std::unique_ptr<loop::Governor> governor;
   std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as the next
   std::unique_ptr<sim::GlobalWorld> global;
@@ -55,6 +57,9 @@ class Session {
   void count_tick() noexcept;
   // Whether the operator, or --rearm after a second, takes a fault back in the coming tick.
   std::uint32_t operator_bits() noexcept;
+
+  // The truth behind the simulated device's frames; null on a real device.
+  const hal::SimulatedDevice* simulated() const noexcept { return device->as<hal::SimulatedDevice>(); }
 
   // The figures that both kinds of run have.
   RunSummary summary() const;

@@ -51,6 +51,8 @@ std::string verdict(const RunSummary& s) {
   return "good";
 }
 
+std::string core_name(int cpu) { return cpu < 0 ? "all cores" : fmt::format("core {}", cpu); }
+
 std::string timing_text(const RunSummary& s) {
   if (!s.real_time) return "timing                 virtual time: no clock was read, nothing was late\n";
   const auto& t = s.timing;
@@ -58,13 +60,17 @@ std::string timing_text(const RunSummary& s) {
   text += times_line("wake-up", t.wake_latency);
   text += times_line("execution", t.execution);
   text += times_line("  compute", s.compute);
-  text += times_line("  simulated device", s.device);
+  text += times_line(s.simulated() ? "  simulated device" : "  device", s.device);
   text += fmt::format(
       "  {:<22} {} of {} ticks; cause: late wake-up {}, interrupted {}, own work {}; {} deadlines skipped\n",
       "overruns", t.overruns, t.ticks, s.overruns_late_wake, s.overruns_interrupted, s.overruns_own_work,
       t.skipped_ticks);
   text += fmt::format("  {:<22} {} minor, {} major page faults; {} involuntary context switches\n", "haptic thread",
                       t.minor_faults, t.major_faults, t.involuntary_switches);
+  // No cause of a verdict, but the first to look at when wake-ups are late: the machine, not tactus.
+  if (s.stolen_share.value_or(0) > 0)
+    text += fmt::format("  {:<22} {:.2f} % of the time of {}, taken by this machine's host (the machine)\n", "stolen",
+                        100 * *s.stolen_share, core_name(s.haptic_cpu));
   return text;
 }
 
@@ -80,6 +86,43 @@ std::string global_text(const RunSummary& s) {
   text += fmt::format("  {:<22} component of the proxy at most {} bodies; {} joins, {} leaves\n", "contact graph",
                       s.stats.component_max, s.global.joins, s.global.leaves);
   return text;
+}
+
+// Every state frame that the device numbered, and every command, by what became of it.
+std::string link_text(const RunSummary& s) {
+  if (!s.link) return {};
+  const hal::LinkCounters& link = s.link->link;
+  const hal::LinkedDeviceCounters& reads = s.link->reads;
+  std::string text = fmt::format("device                 {}\n", s.device_identity);
+  text +=
+      fmt::format("  {:<22} {} received: {} fresh, {} superseded, {} corrupt; {} malformed, {} lost\n", "state frames",
+                  link.received, reads.fresh, reads.superseded, reads.corrupt, link.malformed, s.link->lost);
+  text +=
+      fmt::format("  {:<22} {} without a new frame, {} without a device\n", "ticks", reads.missing, reads.disconnected);
+  text += fmt::format("  {:<22} {} sent, {} superseded, {} failed\n", "command frames", link.sent, link.send_superseded,
+                      link.send_failed);
+  text += fmt::format("  {:<22} {} errors, {} disconnects\n", "link", link.errors, link.disconnects);
+  return text + times_line("age of the force", s.link->force_age);
+}
+
+json link_json(const RunSummary& s) {
+  const hal::LinkCounters& link = s.link->link;
+  const hal::LinkedDeviceCounters& reads = s.link->reads;
+  return {{"identity", s.device_identity},
+          {"received", link.received},
+          {"fresh", reads.fresh},
+          {"superseded", reads.superseded},
+          {"corrupt", reads.corrupt},
+          {"malformed", link.malformed},
+          {"lost", s.link->lost},
+          {"missing_ticks", reads.missing},
+          {"disconnected_ticks", reads.disconnected},
+          {"sent", link.sent},
+          {"send_superseded", link.send_superseded},
+          {"send_failed", link.send_failed},
+          {"errors", link.errors},
+          {"disconnects", link.disconnects},
+          {"force_age", times_json(s.link->force_age)}};
 }
 
 std::string faults_text(const RunSummary& s) {
@@ -123,6 +166,7 @@ std::string to_text(const RunSummary& s) {
   text += fmt::format("run                    {} ticks at {:g} Hz, ratio {}, {} coupling, border {}, device {}\n",
                       s.stats.ticks, s.options.rate_Hz, s.ratio, sim::name_of(s.options.coupling),
                       sim::name_of(s.options.border), s.options.device);
+  text += link_text(s);
   text += timing_text(s);
   text +=
       fmt::format("sub-world\n  {:<22} at most {} members of {} (cap {}), {} contacts, {} points, {} border contacts\n",
@@ -137,8 +181,9 @@ std::string to_text(const RunSummary& s) {
                       mean_force_N(s), s.stats.force_max_N, s.stats.torque_max_Nm, s.stats.force_step_max_N);
   text += fmt::format("  {:<22} device port {:+.4f} J, passivity control {:.4f} J, border {:+.4f} J\n", "energy",
                       s.stats.device_energy_J, s.stats.damped_energy_J, s.stats.border_work_J);
-  text += fmt::format("  {:<22} by the hand {:+.4f} J, by the motors {:+.4f} J\n", "work on the device", s.hand_work_J,
-                      s.motor_work_J);
+  if (s.simulated())
+    text += fmt::format("  {:<22} by the hand {:+.4f} J, by the motors {:+.4f} J\n", "work on the device",
+                        s.hand_work_J, s.motor_work_J);
   text += status_text(s);
   text += faults_text(s);
   if (s.stats.capacity_bits != 0)
@@ -174,7 +219,7 @@ json to_json(const RunSummary& s) {
     j["timing"] = {{"wake_up", times_json(t.wake_latency)},
                    {"execution", times_json(t.execution)},
                    {"compute", times_json(s.compute)},
-                   {"simulated_device", times_json(s.device)},
+                   {s.simulated() ? "simulated_device" : "device", times_json(s.device)},
                    {"overruns", t.overruns},
                    {"overruns_late_wake", s.overruns_late_wake},
                    {"overruns_interrupted", s.overruns_interrupted},
@@ -183,6 +228,8 @@ json to_json(const RunSummary& s) {
                    {"minor_page_faults", t.minor_faults},
                    {"major_page_faults", t.major_faults},
                    {"involuntary_context_switches", t.involuntary_switches}};
+    if (s.stolen_share) j["timing"]["stolen_share"] = *s.stolen_share;
+    if (s.link) j["device_link"] = link_json(s);
     for (const auto& step : s.setup.steps)
       j["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
   }
@@ -212,9 +259,11 @@ json to_json(const RunSummary& s) {
       {"torque_max_Nm", s.stats.torque_max_Nm}, {"force_step_max_N", s.stats.force_step_max_N}};
   j["energy"] = {{"device_port_J", s.stats.device_energy_J},
                  {"passivity_control_J", s.stats.damped_energy_J},
-                 {"border_work_J", s.stats.border_work_J},
-                 {"hand_work_J", s.hand_work_J},
-                 {"motor_work_J", s.motor_work_J}};
+                 {"border_work_J", s.stats.border_work_J}};
+  if (s.simulated()) {
+    j["energy"]["hand_work_J"] = s.hand_work_J;
+    j["energy"]["motor_work_J"] = s.motor_work_J;
+  }
   json conditions = json::object();
   for (std::uint32_t bit = 0; bit < 32; ++bit) {
     const std::string_view name = name_of(static_cast<StatusBit>(1u << bit));

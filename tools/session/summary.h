@@ -3,8 +3,10 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
+#include "hal/device_on_link.h"
 #include "rt/loop/realtime_setup.h"
 #include "rt/loop/run_stats.h"
 #include "rt/loop/timing.h"
@@ -25,16 +27,21 @@ struct RunSummary {
   bool real_time{false};
   loop::SetupReport setup;
   loop::TimingHealth timing;
-  Histogram compute, device;  // of the tick without the simulated device; of the simulated device alone
+  Histogram compute, device;  // of the tick without the device; of reading and writing the device alone
   std::uint64_t overruns_late_wake{0}, overruns_own_work{0}, overruns_interrupted{0};
-  double cost_scale{1};  // calibration: this core's cost / the fixed table
+  std::optional<double> stolen_share;  // of the haptic thread's core, by the machine's host, where the kernel tells
+  int haptic_cpu{-1};                  // -1: not pinned
+  double cost_scale{1};                // calibration: this core's cost / the fixed table
 
   // With a global world.
   bool has_global{false};
   sim::GlobalStatistics global;
   Histogram global_step;  // wall clock; empty in virtual time
 
-  // Energy, J: hand and device of the simulation.
+  std::string device_identity;          // of a real device
+  std::optional<hal::LinkReport> link;  // of a device on a link
+
+  // Energy, J: hand and device of the simulation; 0 on a real device.
   double hand_work_J{0}, motor_work_J{0};
   std::uint64_t state_hash{0};
   std::string tape;  // path, empty if none
@@ -44,6 +51,7 @@ struct RunSummary {
   // 0 good, 1 a fault is latched at the end or a tick was lost to the program's own work.
   int exit_code() const noexcept;
   bool degraded() const noexcept { return real_time && setup.degraded(); }
+  bool simulated() const noexcept { return options.device == "sim"; }
 };
 
 std::string to_text(const RunSummary& summary);

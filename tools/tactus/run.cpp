@@ -143,7 +143,9 @@ int run_scene(RunCommand& command) {
 void add_options(CLI::App& app, RunCommand& command) {
   session::RunOptions& o = command.options;
   app.add_option("SCENE", o.scene, "the scene, such as sim/scenes/card_house.toml")->required();
-  app.add_option("--device", o.device, "the device: sim")->capture_default_str();
+  app.add_option("--device", o.device, "sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE")->capture_default_str();
+  app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
+  app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
   app.add_option("--coupling", command.words.coupling, "sub-world, direct, interpolation or static")
       ->capture_default_str();
   app.add_option("--border", command.words.border, "of the sub-world: capped, replay (the paper's) or frozen")

@@ -1,0 +1,64 @@
+// Any device, chosen when the program starts: what the session runs on.
+//
+// Two virtual calls a tick stand between the loop and the device; everything inside them stays the device's own type.
+// Owns the device. Thread: construction, as() and link_report() [setup] and by the owner after the loop has ended;
+// read(), write() [rt], with the bounds of the device inside.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "hal/device_on_link.h"
+#include "rt/haptics/device.h"
+
+namespace tactus::hal {
+
+class AnyDevice {
+ public:
+  template <haptics::HapticDevice D>
+  explicit AnyDevice(std::unique_ptr<D> device) : held_(std::make_unique<Held<D>>(std::move(device))) {}
+
+  const haptics::DeviceProperties& properties() const noexcept { return held_->properties(); }
+  void read(haptics::DeviceInput& input) noexcept { held_->read(input); }
+  void write(const haptics::DeviceCommand& command) noexcept { held_->write(command); }
+
+  // What came and went over its link; nothing where the device has no link.
+  std::optional<LinkReport> link_report() const noexcept { return held_->link_report(); }
+  // The device itself where it is a D, else null.
+  template <haptics::HapticDevice D>
+  D* as() const noexcept {
+    auto* held = dynamic_cast<Held<D>*>(held_.get());
+    return held == nullptr ? nullptr : held->device.get();
+  }
+
+ private:
+  struct Holder {
+    virtual ~Holder() = default;
+    virtual const haptics::DeviceProperties& properties() const noexcept = 0;
+    virtual void read(haptics::DeviceInput& input) noexcept = 0;
+    virtual void write(const haptics::DeviceCommand& command) noexcept = 0;
+    virtual std::optional<LinkReport> link_report() const noexcept = 0;
+  };
+
+  template <class D>
+  struct Held final : Holder {
+    explicit Held(std::unique_ptr<D> d) : device(std::move(d)) {}
+    const haptics::DeviceProperties& properties() const noexcept override { return device->properties(); }
+    void read(haptics::DeviceInput& input) noexcept override { device->read(input); }
+    void write(const haptics::DeviceCommand& command) noexcept override { device->write(command); }
+    std::optional<LinkReport> link_report() const noexcept override {
+      if constexpr (requires { device->link_report(); })
+        return device->link_report();
+      else
+        return std::nullopt;
+    }
+    std::unique_ptr<D> device;
+  };
+
+  std::unique_ptr<Holder> held_;
+};
+
+static_assert(haptics::HapticDevice<AnyDevice>);
+
+}  // namespace tactus::hal

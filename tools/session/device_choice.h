@@ -1,0 +1,30 @@
+// What `--device` names: the simulated device, or a real one and where it hangs.
+//
+//   sim   usb   usb:SERIAL   can:IFACE   can:IFACE:NODE
+//
+// Thread: normal.
+#pragma once
+
+#include <string>
+
+#include "rt/base/result.h"
+
+namespace tactus::session {
+
+enum class DeviceKind { kSimulated, kUsb, kCan };
+
+struct DeviceChoice {
+  DeviceKind kind{DeviceKind::kSimulated};
+  std::string serial;     // usb; empty: the only one there is
+  std::string interface;  // can, such as can0
+  unsigned node{1};       // can: the device's node id
+
+  bool is_real() const noexcept { return kind != DeviceKind::kSimulated; }
+};
+
+inline constexpr unsigned kMostCanNode = 63;
+
+// One line on anything else: what was given and what is accepted.
+Result<DeviceChoice> parse_device_choice(const std::string& text);
+
+}  // namespace tactus::session

@@ -1,0 +1,40 @@
+// The device that a run asks for, opened: simulated, on USB, on CAN; or none, where a tape says what the device said.
+//
+// A real device is described by a device file or the scene's profile; before it is driven, its identity, version and
+// limits are compared with that description. Thread: normal, before the loop runs.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "hal/any_device.h"
+#include "hal/hand.h"
+#include "hal/simulated_device.h"
+#include "tools/session/device_choice.h"
+#include "tools/session/run_options.h"
+
+namespace tactus::session {
+
+// Stands in where a tape is replayed: what the loop must know of the device, and nothing that comes from it.
+class TapedDevice {
+ public:
+  explicit TapedDevice(const haptics::DeviceProperties& properties) : properties_(properties) {}
+  const haptics::DeviceProperties& properties() const noexcept { return properties_; }
+  void read(haptics::DeviceInput& input) noexcept { input = {}; }
+  void write(const haptics::DeviceCommand&) noexcept {}
+
+ private:
+  haptics::DeviceProperties properties_;
+};
+
+struct OpenedDevice {
+  std::unique_ptr<hal::AnyDevice> device;
+  std::string identity;  // of a real device, for people; empty else
+};
+
+// `profile_name`: the scene's. `hand` and `faults` are the simulated device's alone. One line on an error: what the
+// machine lacks or what the device says, and what to do.
+Result<OpenedDevice> open_device(const RunOptions& options, const std::string& profile_name, const hal::HandModel& hand,
+                                 const hal::FaultScript& faults);
+
+}  // namespace tactus::session

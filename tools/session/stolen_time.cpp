@@ -1,0 +1,40 @@
+#include "tools/session/stolen_time.h"
+
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace tactus::session {
+
+// user nice system idle iowait irq softirq steal, then guest times that are in user and nice already.
+std::optional<CpuTime> cpu_time(const std::string& proc_stat, int cpu) {
+  const std::string wanted = cpu < 0 ? "cpu" : "cpu" + std::to_string(cpu);
+  std::istringstream lines(proc_stat);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name;
+    if (!(words >> name) || name != wanted) continue;
+    CpuTime time;
+    for (int column = 0; column < 8; ++column) {
+      std::uint64_t ticks = 0;
+      if (!(words >> ticks)) return std::nullopt;
+      time.all += ticks;
+      time.stolen = ticks;  // the eighth is the last that stays
+    }
+    return time;
+  }
+  return std::nullopt;
+}
+
+std::optional<CpuTime> cpu_time_now(int cpu) {
+  std::ifstream file("/proc/stat");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return cpu_time(text, cpu);
+}
+
+std::optional<double> stolen_share(const std::optional<CpuTime>& before, const std::optional<CpuTime>& after) {
+  if (!before || !after || after->all <= before->all || after->stolen < before->stolen) return std::nullopt;
+  return static_cast<double>(after->stolen - before->stolen) / static_cast<double>(after->all - before->all);
+}
+
+}  // namespace tactus::session
