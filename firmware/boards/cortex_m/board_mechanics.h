@@ -1,0 +1,61 @@
+// Encoders and motors behind the board's registers: the Mechanics of firmware/board.h.
+//
+// Thread: the control period's, [rt]. Units: N or N m per axis in, set-points in 1/32767 of the axis' full effort out.
+// Bound: a set-point beyond the full one saturates; an axis whose full effort is 0 has no motor and gets 0.
+#pragma once
+
+#include "firmware/board.h"
+#include "firmware/boards/cortex_m/board_registers.h"
+#include "firmware/boards/cortex_m/period_clock.h"
+
+namespace tactus::firmware::cortex_m {
+
+class BoardMechanics {
+ public:
+  // `full_effort`: N or N m per motor at the full set-point.
+  BoardMechanics(BoardRegisters& registers, const PeriodClock& clock, const AxisValues& full_effort) noexcept
+      : registers_(registers), clock_(clock) {
+    for (unsigned i = 0; i < kAxes; ++i)
+      setpoint_per_effort_[i] = full_effort[i] > 0.0f ? static_cast<float>(kFullSetpoint) / full_effort[i] : 0.0f;
+  }
+
+  void sample(ControllerInputs& inputs) noexcept {
+    const std::uint32_t pins = registers_.pins;
+    for (unsigned i = 0; i < kAxes; ++i) inputs.counts[i] = static_cast<std::int32_t>(registers_.encoder_count[i]);
+    inputs.time_us = clock_.now_us();
+    inputs.buttons = static_cast<std::uint8_t>(pins >> kFirstButtonPin);
+    inputs.stop_line = (pins & kPinStopReleased) == 0;
+    inputs.motor_bus_ok = (pins & kPinSupplyGood) != 0;
+  }
+
+  void drive(const ControllerOutputs& outputs) noexcept {
+    if (outputs.brake) {
+      short_motors(registers_);
+    } else {
+      bool any = false;
+      for (unsigned i = 0; i < kAxes; ++i) {
+        const std::int32_t setpoint = setpoint_of(outputs.effort[i] * setpoint_per_effort_[i]);
+        registers_.motor_setpoint[i] = static_cast<std::uint32_t>(setpoint);
+        any = any || setpoint != 0;
+      }
+      registers_.motor_stage = static_cast<std::uint32_t>(any ? MotorStage::kDriven : MotorStage::kOff);
+    }
+    registers_.heartbeat = registers_.heartbeat ^ 1u;
+  }
+
+ private:
+  // To the nearest; NaN gives 0.
+  static std::int32_t setpoint_of(float x) noexcept {
+    constexpr auto full = static_cast<float>(kFullSetpoint);
+    if (!(x > -full)) return x == x ? -kFullSetpoint : 0;
+    if (x >= full) return kFullSetpoint;
+    return static_cast<std::int32_t>(x < 0.0f ? x - 0.5f : x + 0.5f);
+  }
+
+  BoardRegisters& registers_;
+  const PeriodClock& clock_;
+  AxisValues setpoint_per_effort_{};
+};
+static_assert(Mechanics<BoardMechanics>);
+
+}  // namespace tactus::firmware::cortex_m

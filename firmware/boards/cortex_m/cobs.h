@@ -1,0 +1,83 @@
+// Frames on a line of bytes: consistent overhead byte stuffing. A frame's zeros are coded away, so that a zero on the
+// line always ends a frame: a receiver that starts anywhere, or after any damage, is right again after the next zero.
+//
+// A block is a code n from 1 to 255 and n - 1 bytes that are not zero; it stands for these bytes and a zero, but for
+// the last block, which has none. Frames here are shorter than 255 bytes, so a code of 255 never occurs and a frame
+// grows by two bytes: its first code and the zero that ends it. What is inside is protocol.h's, magic, CRC and all.
+// Source: Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999. Thread: [any]. Bound: kMaxFrameSize.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "firmware/protocol.h"
+
+namespace tactus::firmware {
+
+inline constexpr std::size_t kMaxStuffedSize = kMaxFrameSize + 2;
+
+// Returns the size, `frame.size() + 2`. A frame beyond kMaxFrameSize gives 0.
+inline std::size_t stuff(std::span<const std::byte> frame, std::span<std::byte, kMaxStuffedSize> out) noexcept {
+  if (frame.size() > kMaxFrameSize) return 0;
+  std::size_t code_at = 0, size = 1;
+  for (const std::byte b : frame) {
+    if (b == std::byte{0}) {
+      out[code_at] = static_cast<std::byte>(size - code_at);
+      code_at = size;
+    } else {
+      out[size] = b;
+    }
+    ++size;
+  }
+  out[code_at] = static_cast<std::byte>(size - code_at);
+  out[size] = std::byte{0};
+  return size + 1;
+}
+
+// Takes the line byte by byte.
+class FrameReader {
+ public:
+  // True when this byte ends a frame: then frame() has it, until the next call. A frame that is empty is none; one that
+  // is broken or too long is counted.
+  bool accept(std::byte b) noexcept {
+    if (complete_) complete_ = false, size_ = 0;
+    if (b == std::byte{0}) {
+      const bool began = begun_, whole = !broken_ && left_ == 0 && size_ > 0;
+      begun_ = broken_ = false, left_ = 0;
+      complete_ = began && whole;
+      if (began && !whole && malformed_ != ~std::uint32_t{0}) ++malformed_;
+      if (!complete_) size_ = 0;
+      return complete_;
+    }
+    if (broken_) return false;
+    if (left_ > 0) {
+      --left_;
+      append(b);
+      return false;
+    }
+    if (begun_) append(std::byte{0});  // the zero between two blocks
+    begun_ = true;
+    left_ = std::to_integer<std::size_t>(b) - 1;
+    return false;
+  }
+
+  std::span<const std::byte> frame() const noexcept { return std::span<const std::byte>(bytes_).first(size_); }
+  std::uint32_t malformed() const noexcept { return malformed_; }  // saturates
+
+ private:
+  void append(std::byte b) noexcept {
+    if (size_ < bytes_.size())
+      bytes_[size_++] = b;
+    else
+      broken_ = true;
+  }
+
+  std::array<std::byte, kMaxFrameSize> bytes_{};
+  std::size_t size_{0}, left_{0};  // left_: bytes of the block that are still to come
+  bool begun_{false}, broken_{false}, complete_{false};
+  std::uint32_t malformed_{0};
+};
+
+}  // namespace tactus::firmware
