@@ -39,8 +39,31 @@ concept DeviceLink = requires(L link, std::span<std::byte, kMaxFrameSize> buffer
   noexcept->std::same_as<void>;
 };
 
-template <Mechanics M, DeviceLink L>
-void run_period(Device& device, M& mechanics, L& link) noexcept {
+// Where a configuration survives the supply. load() [setup]: the block stored last into `room`, and its size; 0 when
+// none is. store() takes a block over; false when it cannot: a board that writes slowly copies it and writes beside.
+template <class S>
+concept Storage = requires(S storage, std::span<std::byte> room, std::span<const std::byte> block) {
+  { storage.load(room) } -> std::same_as<std::size_t>;
+  { storage.store(block) }
+  noexcept->std::same_as<bool>;
+};
+
+// A board that keeps nothing, and says so.
+struct NoStorage {
+  std::size_t load(std::span<std::byte>) noexcept { return 0; }
+  bool store(std::span<const std::byte>) noexcept { return false; }
+};
+
+// [setup] Before the first period. False: something was stored, and it is none of ours; the factory's is in force.
+template <Storage S>
+bool restore_configuration(Device& device, S& storage) {
+  std::array<std::byte, kConfigBlockSize> room;
+  const std::size_t size = storage.load(room);
+  return size == 0 || (size <= room.size() && device.restore(std::span<const std::byte>(room).first(size)));
+}
+
+template <Mechanics M, DeviceLink L, Storage S>
+void run_period(Device& device, M& mechanics, L& link, S& storage) noexcept {
   ServiceMessage message;
   if (link.receive_service(message)) link.reply_service(device.serve(message));
 
@@ -51,6 +74,15 @@ void run_period(Device& device, M& mechanics, L& link) noexcept {
   const ControllerOutputs outputs = device.step(inputs, std::span<const std::byte>(buffer).first(size));
   mechanics.drive(outputs);
   link.send_state(outputs.state_frame);
+
+  if (const std::span<const std::byte> block = device.block_to_store(); !block.empty())
+    device.stored(storage.store(block));
+}
+
+template <Mechanics M, DeviceLink L>
+void run_period(Device& device, M& mechanics, L& link) noexcept {
+  NoStorage none;
+  run_period(device, mechanics, link, none);
 }
 
 }  // namespace tactus::firmware

@@ -10,11 +10,11 @@ constexpr State R = State::kReset, I = State::kIdle, F = State::kForce, B = Stat
 // Rows: the state. Columns: the event, in the order of its numbers. BRAKE is left by a re-arm alone, and only when
 // nothing more urgent is there: the causes come first in the order of events.
 constexpr std::array<std::array<State, kEvents>, kStates> kNext{{
-    //  stop bus speed effort lost brake rearm force idle nothing
-    {{B, R, R, B, I, B, I, I, I, I}},  // RESET: waits for the supply; any calm period ends it
-    {{B, B, B, B, I, B, I, F, I, I}},  // IDLE
-    {{B, B, B, B, B, B, F, F, I, F}},  // FORCE
-    {{B, B, B, B, B, B, I, B, B, B}},  // BRAKE
+    //  stop bus speed supervision effort lost brake rearm force idle nothing
+    {{B, R, R, B, B, I, B, I, I, I, I}},  // RESET: waits for the supply; any calm period ends it
+    {{B, B, B, B, B, I, B, I, F, I, I}},  // IDLE
+    {{B, B, B, B, B, B, B, F, F, I, F}},  // FORCE
+    {{B, B, B, B, B, B, B, I, B, B, B}},  // BRAKE
 }};
 
 constexpr std::uint32_t kSaturated = 0xffffffffu;
@@ -26,8 +26,26 @@ bool is_limit(float x) noexcept { return is_finite(x) && x >= 0.0f && x <= kMaxP
 float magnitude(float x) noexcept { return x < 0.0f ? -x : x; }
 void count_up(std::uint32_t& counter) noexcept { counter += counter != kSaturated ? 1u : 0u; }
 
-Fault fault_of(Event event) noexcept {
+// The s from 0 to 1 at which base + s (sum - base) leaves the ball of radius max_norm; sum is outside, base inside.
+float share_within_norm(const float* base, const float* sum, float sum_squared, float max_norm) noexcept {
+  float base_squared = 0.0f, along = 0.0f, step_squared = 0.0f;
+  for (unsigned i = 0; i < 3; ++i) {
+    const float step = sum[i] - base[i];
+    base_squared += base[i] * base[i], along += base[i] * step, step_squared += step * step;
+  }
+  if (base_squared == 0.0f) return max_norm / __builtin_sqrtf(sum_squared);
+  // |base|^2 + 2 s along + s^2 |step|^2 = max_norm^2
+  const float room = max_norm * max_norm - base_squared;
+  if (!(room > 0.0f) || !(step_squared > 0.0f)) return 0.0f;
+  const float root = __builtin_sqrtf(along * along + step_squared * room);
+  const float share = along > 0.0f ? room / (root + along) : (root - along) / step_squared;  // no cancellation
+  return share < 0.0f ? 0.0f : (share > 1.0f ? 1.0f : share);
+}
+
+Fault fault_of(Event event, Fault supervision_fault) noexcept {
   switch (event) {
+    case Event::kSupervision:
+      return supervision_fault;
     case Event::kStopLine:
       return Fault::kEmergencyStop;
     case Event::kMotorBus:
@@ -60,25 +78,39 @@ State next_state(State state, Event event) noexcept {
   return kNext[static_cast<std::size_t>(state)][static_cast<std::size_t>(event)];
 }
 
+float watchdog_share(std::uint32_t missed, const Config& config) noexcept {
+  if (missed < config.fade_frames) return 1.0f;
+  if (missed >= config.brake_frames) return 0.0f;
+  const auto left = static_cast<float>(config.brake_frames - missed);
+  return left / static_cast<float>(config.brake_frames - config.fade_frames + 1);
+}
+
 Controller::Controller(const Config& config) noexcept
     : config_(config), config_valid_(is_valid(config)), missed_(config.brake_frames) {}
 
-ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<const std::byte> command_frame) noexcept {
+void Controller::configure(const Config& config) noexcept {
+  const bool was_valid = config_valid_;
+  config_ = config, config_valid_ = is_valid(config);
+  if (!was_valid && config_valid_) fault_ = Fault::kNone;
+}
+
+ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<const std::byte> command_frame,
+                                   const Supervision& supervision) noexcept {
   const Reception reception = receive(command_frame);
   bool overspeed = false;
-  const AxisValues speed = speed_.update(inputs.counts, inputs.time_us, config_.period_us, config_.quantum);
-  for (unsigned i = 0; i < kAxes; ++i) overspeed = overspeed || magnitude(speed[i]) > config_.max_speed[i];
+  speed_ = speed_meter_.update(inputs.counts, inputs.time_us, config_.period_us, config_.quantum);
+  for (unsigned i = 0; i < kAxes; ++i) overspeed = overspeed || magnitude(speed_[i]) > config_.max_speed[i];
 
   if (config_valid_) {
-    const Event event = event_of(inputs, reception, overspeed);
-    enter(next_state(state_, event), event);
+    const Event event = event_of(inputs, reception, supervision, overspeed);
+    enter(next_state(state_, event), event, supervision.fault);
   } else {
-    fault_ = Fault::kBadConfiguration;
+    state_ = State::kReset, fault_ = Fault::kBadConfiguration;
   }
 
   ControllerOutputs outputs;
-  limits_ = 0;
-  outputs.effort = limited_effort();
+  limits_ = supervision.limits;
+  outputs.effort = limited_effort(supervision);
   outputs.brake = state_ == State::kReset || state_ == State::kBrake;
   if (inputs.stop_line) limits_ |= bit_of(Limit::kStopLine);
   if (!inputs.motor_bus_ok) limits_ |= bit_of(Limit::kMotorBusLow);
@@ -129,64 +161,81 @@ Controller::Reception Controller::receive(std::span<const std::byte> bytes) noex
   return reception;
 }
 
-Event Controller::event_of(const ControllerInputs& inputs, const Reception& reception, bool overspeed) const noexcept {
+Event Controller::event_of(const ControllerInputs& inputs, const Reception& reception, const Supervision& supervision,
+                           bool overspeed) const noexcept {
   if (inputs.stop_line) return Event::kStopLine;
   if (!inputs.motor_bus_ok) return Event::kMotorBus;
   if (overspeed) return Event::kOverspeed;
+  if (supervision.fault != Fault::kNone) return Event::kSupervision;
   if (reception.effort_not_finite) return Event::kEffortNotFinite;
   if (missed_ >= config_.brake_frames) return Event::kCommandsLost;
-  if (!reception.accepted) return Event::kNothing;
+  const bool force_must_end = state_ == State::kForce && !supervision.force_allowed;
+  if (!reception.accepted) return force_must_end ? Event::kWantIdle : Event::kNothing;
   if (reception.wanted == State::kBrake) return Event::kWantBrake;
   if (reception.rearm_edge) return Event::kRearm;
-  return reception.wanted == State::kForce ? Event::kWantForce : Event::kWantIdle;
+  return reception.wanted == State::kForce && supervision.force_allowed ? Event::kWantForce : Event::kWantIdle;
 }
 
-void Controller::enter(State next, Event event) noexcept {
-  if (next == State::kBrake && state_ != State::kBrake) fault_ = fault_of(event);  // the first cause is the one kept
+void Controller::enter(State next, Event event, Fault supervision_fault) noexcept {
+  // The first cause is the one kept.
+  if (next == State::kBrake && state_ != State::kBrake) fault_ = fault_of(event, supervision_fault);
   if (next != State::kBrake && state_ == State::kBrake) fault_ = Fault::kNone;
   state_ = next;
 }
 
-AxisValues Controller::limited_effort() noexcept {
-  if (state_ != State::kForce) return {};
-  AxisValues effort = commanded_;
-  limit_group(effort, 0, config_.max_force_N, Limit::kForce);
-  limit_group(effort, 3, config_.max_torque_Nm, Limit::kTorque);
+// The arm's support first, the command's efforts on top of it as far as the limits leave room. Only the command's part
+// fades: the arm does not drop while the host is late. Every effort between the two is within the limits, for the set
+// of efforts within them is convex.
+AxisValues Controller::limited_effort(const Supervision& supervision) noexcept {
+  const bool supported = state_ == State::kForce || (state_ == State::kIdle && supervision.support_in_idle);
+  AxisValues support{};
+  if (supported && supervision.support != AxisValues{})
+    support = add_within_limits({}, supervision.support, supervision.effort_share);
+  if (state_ != State::kForce) return support;
+
+  AxisValues effort = add_within_limits(support, commanded_, supervision.effort_share);
   if (missed_ >= config_.fade_frames) {
-    // Linear, from just below the whole effort at `fade_frames` to zero at `brake_frames`.
-    const auto left = static_cast<float>(config_.brake_frames - missed_);
-    const float fade = left / static_cast<float>(config_.brake_frames - config_.fade_frames + 1);
-    for (float& e : effort) e *= fade;
+    const float fade = watchdog_share(missed_, config_);
+    for (unsigned i = 0; i < kAxes; ++i) effort[i] = support[i] + fade * (effort[i] - support[i]);
     limits_ |= bit_of(Limit::kFading);
   }
   return effort;
 }
 
-// Three axes are scaled together, so that the direction that the host chose is kept.
-void Controller::limit_group(AxisValues& effort, unsigned first, float max_norm, Limit norm_limit) noexcept {
-  float scale = 1.0f;
-  for (unsigned i = first; i < first + 3; ++i) {
-    const float wanted = magnitude(effort[i]);
-    if (wanted <= config_.max_effort[i]) continue;
-    limits_ |= axis_limit_bit(i);
-    const float axis_scale = config_.max_effort[i] / wanted;
-    if (axis_scale < scale) scale = axis_scale;
+// base + s extra, with the largest s from 0 to 1 that the motors and the two norms allow: three axes share one s, so
+// that the direction that the host chose is kept. `base` is within the limits.
+AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValues& extra,
+                                         const AxisValues& share) noexcept {
+  AxisValues sum{};
+  for (unsigned first = 0; first < kAxes; first += 3) {
+    const float max_norm = first == 0 ? config_.max_force_N : config_.max_torque_Nm;
+    AxisValues max_effort{};
+    float scale = 1.0f, norm_squared = 0.0f;
+    for (unsigned i = first; i < first + 3; ++i) {
+      max_effort[i] = config_.max_effort[i] * share[i];
+      const float wanted = magnitude(extra[i]);
+      const float room = extra[i] < 0.0f ? max_effort[i] + base[i] : max_effort[i] - base[i];
+      if (wanted <= room) continue;
+      limits_ |= axis_limit_bit(i);
+      const float axis_scale = room / wanted;
+      if (axis_scale < scale) scale = axis_scale;
+    }
+    for (unsigned i = first; i < first + 3; ++i) {
+      sum[i] = base[i] + extra[i] * scale;
+      norm_squared += sum[i] * sum[i];
+    }
+    if (norm_squared > max_norm * max_norm) {
+      limits_ |= bit_of(first == 0 ? Limit::kForce : Limit::kTorque);
+      const float norm_scale = share_within_norm(&base[first], &sum[first], norm_squared, max_norm);
+      for (unsigned i = first; i < first + 3; ++i) sum[i] = base[i] + (sum[i] - base[i]) * norm_scale;
+    }
+    // Rounding may leave a last bit above the motor's limit.
+    for (unsigned i = first; i < first + 3; ++i) {
+      const float limit = max_effort[i];
+      sum[i] = sum[i] > limit ? limit : (sum[i] < -limit ? -limit : sum[i]);
+    }
   }
-  float norm_squared = 0.0f;
-  for (unsigned i = first; i < first + 3; ++i) {
-    effort[i] *= scale;
-    norm_squared += effort[i] * effort[i];
-  }
-  if (norm_squared > max_norm * max_norm) {
-    limits_ |= bit_of(norm_limit);
-    const float norm_scale = max_norm / __builtin_sqrtf(norm_squared);
-    for (unsigned i = first; i < first + 3; ++i) effort[i] *= norm_scale;
-  }
-  // Rounding may leave a last bit above the motor's limit.
-  for (unsigned i = first; i < first + 3; ++i) {
-    const float limit = config_.max_effort[i];
-    effort[i] = effort[i] > limit ? limit : (effort[i] < -limit ? -limit : effort[i]);
-  }
+  return sum;
 }
 
 }  // namespace tactus::firmware

@@ -9,6 +9,9 @@
 // state, so also at start) the next one only starts a new sequence: it is obeyed in nothing but that, so that an old
 // frame left in a buffer moves no motor and a host that starts afresh is understood. The watchdog brakes in FORCE
 // only; a device that nobody commands is IDLE, not broken.
+//
+// What the rooms around the controller know (homing, temperature, self-test, the arm's weight) comes in as Supervision,
+// by value, once per period; a controller that gets none is complete without it.
 #pragma once
 
 #include "firmware/faults.h"
@@ -38,6 +41,21 @@ struct ControllerInputs {
   std::uint8_t buttons{0};
   bool stop_line{false};  // the e-stop line is active
   bool motor_bus_ok{true};
+  // What better encoders and motors tell as well; for encoders.h and thermal.h. Bit k is axis k.
+  std::uint8_t index_edges{0};     // an index pulse came since the last sample
+  std::uint8_t encoder_errors{0};  // line fault, or a transition that cannot be
+  AxisCounts index_counts{};       // the count latched at the newest pulse, where there was one
+  AxisValues measured_rise_K{};    // winding over ambient, from a sensor; 0 without one
+};
+
+// One period's verdict of the rooms around the controller. By default: nothing to say.
+struct Supervision {
+  Fault fault{Fault::kNone};                  // a cause for BRAKE, there now
+  bool force_allowed{true};                   // false: a command that wants FORCE counts as one that wants IDLE
+  bool support_in_idle{false};                // `support` acts in IDLE too
+  std::uint16_t limits{0};                    // bits to report beside the controller's own
+  AxisValues effort_share{1, 1, 1, 1, 1, 1};  // of each motor's max_effort, 0 to 1
+  AxisValues support{};  // N, N m: carries the arm, beneath the command's efforts; inside all limits
 };
 
 struct ControllerOutputs {
@@ -51,26 +69,39 @@ enum class Event : std::uint8_t {
   kStopLine = 0,
   kMotorBus = 1,
   kOverspeed = 2,
-  kEffortNotFinite = 3,
-  kCommandsLost = 4,
-  kWantBrake = 5,
-  kRearm = 6,  // rising edge of the flag: one that is stuck cannot defeat the latch
-  kWantForce = 7,
-  kWantIdle = 8,
-  kNothing = 9,
+  kSupervision = 3,  // Supervision::fault
+  kEffortNotFinite = 4,
+  kCommandsLost = 5,
+  kWantBrake = 6,
+  kRearm = 7,  // rising edge of the flag: one that is stuck cannot defeat the latch
+  kWantForce = 8,
+  kWantIdle = 9,
+  kNothing = 10,
 };
-inline constexpr unsigned kStates = 4, kEvents = 10;
+inline constexpr unsigned kStates = 4, kEvents = 11;
 
 // The whole state machine: a pure function.
 State next_state(State state, Event event) noexcept;
+
+// The share of the effort that is left with so many commands missed in a row: 1 before fade_frames, then linear from
+// just below 1 to 0 at brake_frames.
+float watchdog_share(std::uint32_t missed, const Config& config) noexcept;
 
 class Controller {
  public:
   explicit Controller(const Config& config) noexcept;
 
   // Once per control period. `command_frame`: the newest frame that came since the last step; empty if none did.
-  ControllerOutputs step(const ControllerInputs& inputs, std::span<const std::byte> command_frame) noexcept;
+  ControllerOutputs step(const ControllerInputs& inputs, std::span<const std::byte> command_frame,
+                         const Supervision& supervision = {}) noexcept;
 
+  // Between two periods: the next step runs with `config`. A device that waited for a good one stops waiting.
+  void configure(const Config& config) noexcept;
+  // Between two periods, when the meaning of counts changed: what the last reading is in the new meaning.
+  void rebase(const AxisCounts& counts) noexcept { speed_meter_.rebase(counts); }
+
+  const Config& config() const noexcept { return config_; }
+  const AxisValues& speed() const noexcept { return speed_; }  // of this period, unfiltered; what overspeed looks at
   State state() const noexcept { return state_; }
   Fault fault() const noexcept { return fault_; }
   std::uint16_t limits() const noexcept { return limits_; }
@@ -85,17 +116,19 @@ class Controller {
   };
 
   Reception receive(std::span<const std::byte> bytes) noexcept;
-  Event event_of(const ControllerInputs& inputs, const Reception& reception, bool overspeed) const noexcept;
-  void enter(State next, Event event) noexcept;
-  AxisValues limited_effort() noexcept;
-  void limit_group(AxisValues& effort, unsigned first, float max_norm, Limit norm_limit) noexcept;
+  Event event_of(const ControllerInputs& inputs, const Reception& reception, const Supervision& supervision,
+                 bool overspeed) const noexcept;
+  void enter(State next, Event event, Fault supervision_fault) noexcept;
+  AxisValues limited_effort(const Supervision& supervision) noexcept;
+  AxisValues add_within_limits(const AxisValues& base, const AxisValues& extra, const AxisValues& share) noexcept;
 
   Config config_;
   bool config_valid_;
   State state_{State::kReset};
   Fault fault_{Fault::kNone};
   std::uint16_t limits_{0};
-  AxisSpeed speed_;
+  AxisSpeed speed_meter_;
+  AxisValues speed_{};
   AxisValues commanded_{};  // of the newest accepted command
   std::uint32_t newest_command_{0};
   std::uint32_t missed_{0};  // periods in a row without an accepted command; saturates

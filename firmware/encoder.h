@@ -54,6 +54,9 @@ class AxisSpeed {
     return speed;
   }
 
+  // Counts mean something else from now on, `counts` is the last reading in the new meaning: no speed comes of that.
+  void rebase(const AxisCounts& counts) noexcept { counts_ = counts; }
+
  private:
   AxisCounts counts_{};
   std::uint64_t time_us_{0};

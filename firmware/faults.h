@@ -16,6 +16,9 @@ enum class Fault : std::uint16_t {
   kEffortNotFinite = 4,   // a command with NaN or infinity came: the host's program is wrong
   kMotorBus = 5,          // the motors' supply failed
   kBadConfiguration = 6,  // the device's own configuration makes no sense; not cured by a re-arm
+  kEncoder = 7,           // line fault, impossible transition, or index pulses at distances that cannot be
+  kOverheated = 8,        // a winding is at its hard limit, modelled or measured; cured by cooling down
+  kSelfTest = 9,          // tables, configuration or watchdog are not what they were built to be
 };
 
 enum class Limit : std::uint16_t {
@@ -30,6 +33,9 @@ enum class Limit : std::uint16_t {
   kFading = 72,       // commands are missing: the effort fades
   kStopLine = 73,     // the e-stop line is active now
   kMotorBusLow = 74,  // the motors' supply is not good now
+  kWarm = 75,         // a winding is above its warning: its effort is cut further the hotter it gets
+  kNotHomed = 76,     // homing is demanded and not done: FORCE is refused
+  kHoming = 77,       // homing is under way: FORCE is refused
 };
 
 inline constexpr std::uint16_t kFirstLimit = 64, kLastLimit = 79;

@@ -48,8 +48,10 @@ DecodeError check(std::span<const std::byte> in, std::size_t size, std::uint8_t 
 
 }  // namespace
 
-std::uint32_t crc32c(std::span<const std::byte> bytes) noexcept {
-  std::uint32_t crc = 0xffffffffu;
+std::uint32_t crc32c(std::span<const std::byte> bytes) noexcept { return crc32c_continued(0, bytes); }
+
+std::uint32_t crc32c_continued(std::uint32_t crc, std::span<const std::byte> bytes) noexcept {
+  crc = ~crc;
   for (const std::byte b : bytes) {
     crc ^= std::to_integer<std::uint32_t>(b);
     crc = kCrcTable[crc & 0xfu] ^ (crc >> 4);

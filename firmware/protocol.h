@@ -78,6 +78,8 @@ enum class DecodeError : std::uint8_t {
 
 // CRC-32C (Castagnoli), reflected, initial value and final exclusive-or 0xffffffff; of "123456789": 0xe3069283.
 std::uint32_t crc32c(std::span<const std::byte> bytes) noexcept;
+// Of bytes that come in pieces: `crc` is that of the pieces before, 0 for none.
+std::uint32_t crc32c_continued(std::uint32_t crc, std::span<const std::byte> bytes) noexcept;
 
 void encode_state(const StateFrame& frame, std::span<std::byte, kStateFrameSize> out) noexcept;
 void encode_command(const CommandFrame& frame, std::span<std::byte, kCommandFrameSize> out) noexcept;

@@ -26,6 +26,7 @@ Config configuration() {
 struct Bench {
   Controller controller;
   ControllerInputs inputs;
+  Supervision supervision;
   StateFrame frame;  // the last one sent
   ControllerOutputs outputs;
   std::uint32_t sequence{0};
@@ -34,7 +35,7 @@ struct Bench {
 
   void step(std::span<const std::byte> bytes) {
     inputs.time_us += 1000;
-    outputs = controller.step(inputs, bytes);
+    outputs = controller.step(inputs, bytes, supervision);
     REQUIRE(decode_state(outputs.state_frame, frame) == DecodeError::kNone);
   }
   void nothing(int periods = 1) {
@@ -83,6 +84,9 @@ void inflict(Bench& b, Event event) {
     case Event::kOverspeed:
       b.inputs.counts[1] += 201, b.command(State::kForce);
       break;  // 2.01 m/s
+    case Event::kSupervision:
+      b.supervision.fault = Fault::kEncoder, b.command(State::kForce);
+      break;
     case Event::kEffortNotFinite:
       b.command(State::kForce, {kNan});
       break;
@@ -109,7 +113,8 @@ void inflict(Bench& b, Event event) {
 
 // The rules in words, not the table.
 State expected(State state, Event event) {
-  const bool stops = event == Event::kStopLine || event == Event::kEffortNotFinite || event == Event::kWantBrake;
+  const bool stops = event == Event::kStopLine || event == Event::kSupervision || event == Event::kEffortNotFinite ||
+                     event == Event::kWantBrake;
   const bool stops_when_up = event == Event::kMotorBus || event == Event::kOverspeed;
   if (state == State::kBrake) return event == Event::kRearm ? State::kIdle : State::kBrake;
   if (stops) return State::kBrake;
@@ -128,6 +133,8 @@ Fault expected_fault(Event event) {
       return Fault::kMotorBus;
     case Event::kOverspeed:
       return Fault::kOverspeed;
+    case Event::kSupervision:
+      return Fault::kEncoder;
     case Event::kEffortNotFinite:
       return Fault::kEffortNotFinite;
     case Event::kCommandsLost:
