@@ -1,0 +1,69 @@
+// The device's end of a CAN link on a Linux board: firmware::DeviceLink over SocketCAN, classic or FD.
+//
+// Thread: open() [setup]; the rest [rt], the control period's: no wait, no allocation. Bound: receive_command() reads
+// at most CanSocket::kQueuedFrames frames; of service requests kWaitingRequests wait, more are dropped and counted.
+// Beyond the bounds, and when things fail: while the controller is bus-off nothing is sent (state frames are counted as
+// failed, the device's watchdog counts the missing commands as ever); it goes on when the kernel reports the restart
+// (`ip link set can0 type can restart-ms 100` makes it by itself) or when any frame comes.
+#pragma once
+
+#include "firmware/board.h"
+#include "firmware/boards/linux_can/can_socket.h"
+#include "firmware/can_codec.h"
+
+namespace tactus::firmware {
+
+struct CanDeviceOptions {
+  const char* interface { "can0" };
+  std::uint8_t node{1};  // 1 to kMaxCanNode
+  bool fd{false};
+};
+
+struct CanDeviceCounters {
+  std::uint64_t commands{0};     // whole ones
+  std::uint64_t superseded{0};   // whole, replaced by a newer one in the same period
+  std::uint64_t incomplete{0};   // commands of which a fragment never came
+  std::uint64_t malformed{0};    // on our identifiers, no frames of ours
+  std::uint64_t lost{0};         // dropped by the kernel for want of room, and requests for which there was none
+  std::uint64_t states{0};       // sent
+  std::uint64_t send_failed{0};  // states, whole or in part, that did not go out
+  std::uint64_t bus_off{0}, error_passive{0}, arbitration_lost{0}, interface_down{0};
+};
+
+class CanDeviceLink {
+ public:
+  static constexpr std::size_t kWaitingRequests = 4;
+
+  [[nodiscard]] CanOpenError open(const CanDeviceOptions& options) noexcept;
+
+  std::size_t receive_command(std::span<std::byte, kMaxFrameSize> buffer) noexcept;
+  void send_state(std::span<const std::byte> frame) noexcept;
+  bool receive_service(ServiceMessage& message) noexcept;
+  void reply_service(const ServiceMessage& message) noexcept;
+
+  bool bus_off() const noexcept { return bus_off_; }
+  CanDeviceCounters counters() const noexcept;
+
+ private:
+  void drain() noexcept;
+  void take(const CanReceived& frame) noexcept;
+  void take_command(const CanReceived& frame) noexcept;
+  void take_request(const CanReceived& frame) noexcept;
+  void take_error(const CanReceived& frame) noexcept;
+  bool send_fragments(const StateFrame& frame) noexcept;
+
+  CanDeviceOptions options_;
+  CanSocket socket_;
+  StateSplitter splitter_;
+  CommandAssembler assembler_;
+  std::array<std::byte, kMaxFrameSize> command_{};
+  std::size_t command_size_{0};  // 0: none since the last look
+  std::array<ServiceMessage, kWaitingRequests> requests_{};
+  std::size_t first_request_{0}, waiting_requests_{0};
+  bool bus_off_{false};
+  CanDeviceCounters counters_{};
+};
+
+static_assert(DeviceLink<CanDeviceLink>);
+
+}  // namespace tactus::firmware

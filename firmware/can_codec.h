@@ -1,0 +1,146 @@
+// The control frames and the service messages on CAN: identifiers, fragments, bus load; both ends.
+//
+// Identifier: 11 bits, function (high four) and node id 1 to 127 (low seven); the lower one wins the bus:
+//   1 command 0   2 command 1   3 state 0   4 state 1   5 state 2   6 status   7 service request   8 service reply
+// There is no emergency identifier: state and fault number are in every period's state. Little-endian, bit 0 first.
+//
+// CAN FD (bit rate switched): a whole frame of protocol.h in one, state as function 3, 56 bytes and 8 zeros; command as
+// function 1, 40 bytes and 8 zeros. Service messages go as classic frames of 8 bytes on either bus.
+//
+// Classic: frames of 8 bytes, each one 64-bit number. CAN's own CRC-15 stands in for the CRC-32C.
+//   bits     0-21      22-43     44-47           48-63
+//   state 0  count 0   count 1   sequence 0-3    48-49 state, 50-55 fault, 56-63 time bits 3-10 [8 us]
+//   state 1  count 2   count 3   sequence 0-3    48-63 limit bits
+//   state 2  count 4   count 5   sequence 0-3    48-51 sequence 4-7, 52-55 missed, 56-63 echoed sequence 0-7
+//   status   0-15 sequence, 16-47 time [us], 48-55 buttons, 56-63 missed
+//   bits     0-15      16-31     32-47           48-51 exponent e, 52-59 sequence 0-7, and
+//   cmd 0    effort 0  effort 1  effort 2        60-61 wanted state, 62 re-arm, 63 zero
+//   cmd 1    effort 3  effort 4  effort 5        60-63 sequence 8-11
+// Counts are signed and saturate at +-(2^21 - 1); missed saturates. An effort is a signed number m and means m 2^(e-20)
+// N or N m: three share the smallest e that holds the largest of them, so that no full scale has to be agreed on;
+// -32768 is "not finite", which the device refuses as ever. Beyond 1023 the three shrink together. The status is sent
+// after the state whose sequence divides by ten, and when the buttons change. Both ends rebuild whole frames: sequence
+// and time continue from the last, nearest to what was expected, and only forwards after a gap.
+//
+// What that loads the bus with, and the rate that fits: can_bus_load.h.
+// Thread: [any], one owner per object; no allocation, bounded.
+#pragma once
+
+#include "firmware/service.h"
+
+namespace tactus::firmware {
+
+enum class CanFunction : std::uint8_t {
+  kCommand0 = 1,
+  kCommand1 = 2,
+  kState0 = 3,
+  kState1 = 4,
+  kState2 = 5,
+  kStatus = 6,
+  kServiceRequest = 7,
+  kServiceReply = 8,
+};
+
+inline constexpr std::uint8_t kMaxCanNode = 127;
+inline constexpr std::size_t kClassicSize = 8, kFdStateSize = 64, kFdCommandSize = 48;
+inline constexpr unsigned kStateFragments = 3, kCommandFragments = 2;
+inline constexpr std::uint32_t kStatusPeriods = 10;
+inline constexpr std::int32_t kMaxCanCount = (1 << 21) - 1;
+
+constexpr std::uint32_t can_id(CanFunction function, std::uint8_t node) noexcept {
+  return (static_cast<std::uint32_t>(function) << 7) | node;
+}
+constexpr CanFunction can_function(std::uint32_t id) noexcept { return static_cast<CanFunction>((id >> 7) & 0xfu); }
+
+using CanData = std::array<std::byte, kClassicSize>;
+struct CanFragment {
+  CanFunction function{};
+  CanData data{};
+};
+
+// The device's end of a state: the fragments to send, in their order.
+class StateSplitter {
+ public:
+  // How many of `out` are used: three, or four with a status.
+  unsigned split(const StateFrame& frame, std::array<CanFragment, kStateFragments + 1>& out) noexcept;
+
+ private:
+  bool status_sent_{false};
+  std::uint8_t buttons_{0};
+};
+
+std::array<CanFragment, kCommandFragments> split_command(const CommandFrame& frame) noexcept;
+
+// Of fragments that came since the last look(): the whole frames among them. A fragment of another period than those
+// that wait, or one that came already, starts a new set; so does waiting over more than one look().
+class FragmentSet {
+ public:
+  static constexpr unsigned kMaxLooks = 2;
+
+  // True: the set of `count` fragments is complete, and empty again.
+  bool add(unsigned index, unsigned count, std::uint8_t key, const CanData& data) noexcept;
+  void look() noexcept;
+  void forget() noexcept;
+  std::uint64_t word(unsigned index) const noexcept { return words_[index]; }
+  std::uint32_t incomplete() const noexcept { return incomplete_; }  // sets given up; wraps
+
+ private:
+  std::array<std::uint64_t, kStateFragments> words_{};
+  unsigned present_{0}, looks_{0};
+  std::uint8_t key_{0};
+  std::uint32_t incomplete_{0};
+};
+
+// The host's end of a state.
+class StateAssembler {
+ public:
+  static constexpr unsigned kGapLooks = 64;  // looks without a frame, beyond which the 8-bit sequence may have wrapped
+
+  explicit StateAssembler(std::uint32_t period_us) noexcept : period_us_(period_us) {}
+
+  // Once per period, before the fragments that came in it.
+  void look() noexcept;
+  // True: `frame` is a whole new one. `data` of another size or function: malformed, nothing changes.
+  bool accept(CanFunction function, std::span<const std::byte> data, StateFrame& frame) noexcept;
+  // Frames were lost, nobody knows how many: what waits is given up, the sequence goes on forwards.
+  void forget() noexcept;
+  // The sequence of the command sent last; the echo is rebuilt from it.
+  void sent(std::uint32_t sequence) noexcept { sent_ = sequence; }
+
+  std::uint32_t incomplete() const noexcept { return set_.incomplete(); }
+  std::uint32_t malformed() const noexcept { return malformed_; }  // wraps
+
+ private:
+  void take_status(std::uint64_t word) noexcept;
+  void rebuild(StateFrame& frame) noexcept;
+  void continue_sequence_and_time(StateFrame& frame) noexcept;
+
+  FragmentSet set_;
+  std::uint32_t period_us_;
+  std::uint32_t sequence_{0}, sent_{0}, echoed_{0}, malformed_{0};
+  std::uint64_t time_us_{0};
+  unsigned silent_looks_{0};
+  bool state_gap_{true}, status_gap_{true};  // the next one of that kind continues forwards
+  std::uint8_t buttons_{0}, status_missed_{0};
+};
+
+// The device's end of a command.
+class CommandAssembler {
+ public:
+  void look() noexcept { set_.look(); }
+  bool accept(CanFunction function, std::span<const std::byte> data, CommandFrame& frame) noexcept;
+  void forget() noexcept { set_.forget(); }
+  std::uint32_t incomplete() const noexcept { return set_.incomplete(); }
+  std::uint32_t malformed() const noexcept { return malformed_; }
+
+ private:
+  FragmentSet set_;
+  std::uint32_t sequence_{0}, malformed_{0};
+};
+
+// A whole frame as the data of a CAN FD frame, `out`, which is at least as large: zeros follow.
+void pad_fd(std::span<const std::byte> frame, std::span<std::byte> out) noexcept;
+// The frame of `size` bytes in such data of `padded`; empty if the length is another or zeros do not follow.
+std::span<const std::byte> unpad_fd(std::span<const std::byte> data, std::size_t padded, std::size_t size) noexcept;
+
+}  // namespace tactus::firmware
