@@ -7,7 +7,9 @@
 //   corrupted[:N]   N bits of the frame flip (default 1), so that its check fails
 //   nan             state: the decoded sample has NaN in position and rotation; command: the wrench has NaN
 //   wild            all counts of the state frame are random, its check is right
-//   teleport:X      the x count of the state frame jumps by X metres, its check is right
+//   teleport:X      the first axis' count of the state frame jumps, as for X metres of the tool at the centre; its
+//   check
+//                   is right
 //   frozen          the device's program hangs: the same state frame again and again, commands wait, and the motors
 //                   have no effort, for the bridge's own timer runs out
 //   unplugged       nothing passes and the link says so; the device lives on

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "firmware/protocol.h"
-#include "hal/axes.h"
+#include "hal/kinematics/kinematics.h"
 #include "rt/haptics/device.h"
 
 namespace tactus::hal {
@@ -14,7 +14,8 @@ namespace tactus::hal {
 class FrameCodec {
  public:
   // `quantum`: m or rad per count. Without rotation the torque of a command is left out.
-  FrameCodec(const AxisVector& quantum, bool has_rotation) noexcept : quantum_(quantum), has_rotation_(has_rotation) {}
+  FrameCodec(const Kinematics& kinematics, const AxisVector& quantum, bool has_rotation) noexcept
+      : kinematics_(kinematics), quantum_(quantum), has_rotation_(has_rotation) {}
 
   // On an error `sample` is left as it was.
   [[nodiscard]] firmware::DecodeError decode(std::span<const std::byte> bytes, haptics::DeviceSample& sample) noexcept;
@@ -23,7 +24,7 @@ class FrameCodec {
   void encode(const haptics::DeviceCommand& command, std::span<std::byte, firmware::kCommandFrameSize> bytes) noexcept;
 
  private:
-  CartesianStage kinematics_;
+  Kinematics kinematics_;
   AxisVector quantum_;
   bool has_rotation_;
   AxisVector coordinates_{};           // of the newest sample

@@ -30,7 +30,9 @@ class LinkedDevice {
  public:
   // [setup] `period_ns`: the control period of both ends.
   LinkedDevice(const DeviceProfile& profile, std::int64_t period_ns, Link& link) noexcept
-      : properties_(profile.properties), codec_(profile.quantum, profile.properties.has_rotation), link_(&link) {
+      : properties_(profile.properties),
+        codec_(profile.kinematics, profile.quantum, profile.properties.has_rotation),
+        link_(&link) {
     properties_.delay_s = static_cast<double>(profile.transport_delay_ticks) * static_cast<double>(period_ns) * 1e-9;
   }
 

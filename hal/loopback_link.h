@@ -113,7 +113,7 @@ class LoopbackLink {
     bool stop_line{false}, motor_bus_ok{true};
 
     SimulatedMechanics(const DeviceProfile& profile, const HandModel& a_hand, std::int64_t a_period_ns)
-        : plant(profile.plant, a_hand.parameters(), a_hand.target_at(0.0).pose),
+        : plant(profile.plant, a_hand.parameters(), a_hand.target_at(0.0).pose, profile.kinematics),
           hand(a_hand),
           quantum(profile.quantum),
           sub_step_s(static_cast<double>(a_period_ns) * 1e-9 / kSubSteps),

@@ -4,25 +4,6 @@
 #include <cmath>
 
 namespace tactus::hal {
-namespace {
-
-// Axis coordinates of a pose, by walking there: the rotation's error, turned into axis rates, closes in a few steps.
-// Set-up only. It also keeps the pitch inside its limit.
-AxisVector coordinates_of(const CartesianStage& kinematics, const Posed& pose) noexcept {
-  AxisVector q{pose.position.x, pose.position.y, pose.position.z, 0, 0, 0};
-  for (int i = 0; i < 200; ++i) {
-    const Vec3d error = rotation_vector_of(pose.rotation * conjugate(kinematics.pose_of(q).rotation));
-    const double angle = norm(error);
-    if (angle < 1e-14) break;
-    const AxisVector rate = kinematics.rates_of(q, {{}, error * std::min(1.0, 0.2 / angle)});
-    for (unsigned axis = 3; axis < kAxisCount; ++axis) q[axis] += rate[axis];
-    q[4] = std::clamp(q[4], -kPitchLimit_rad, kPitchLimit_rad);
-  }
-  return q;
-}
-
-}  // namespace
-
 struct Plant::Line {
   double h, mass, damping, friction;  // s; kg, N s/m, N (or their rotary kin)
   double hand_stiffness, hand_damping;
@@ -30,13 +11,17 @@ struct Plant::Line {
   Vec3d* hand_force;                 // out: the hand's, on the tool
 };
 
-Plant::Plant(const PlantParameters& parameters, const HandParameters& hand, const Posed& device_from_tool) noexcept
-    : parameters_(parameters),
+Plant::Plant(const PlantParameters& parameters, const HandParameters& hand, const Posed& device_from_tool,
+             const Kinematics& kinematics) noexcept
+    : kinematics_(kinematics),
+      parameters_(parameters),
       hand_(hand),
       mass_kg_(parameters.mass_kg + hand.mass_kg),
       inertia_kg_m2_(parameters.inertia_kg_m2 + hand.inertia_kg_m2) {
   Posed start = device_from_tool;
   if (!parameters.has_rotation) start.rotation = {};
+  const double distance = norm(start.position);
+  if (distance > parameters.stop_radius_m) start.position = start.position * (parameters.stop_radius_m / distance);
   coordinates_ = coordinates_of(kinematics_, start);
   hit_stops();
 }
@@ -49,22 +34,30 @@ void Plant::step(double h_s, const AxisVector& motor_effort, bool shorted, const
   motor_wrench_ = kinematics_.wrench_of(coordinates_, effort);
   const PlantParameters& p = parameters_;
 
-  const Vec3d position{coordinates_[0], coordinates_[1], coordinates_[2]};
+  const Posed here = pose();
   twist_.linear = advance({h_s, mass_kg_, p.damping_Ns_per_m + (shorted ? p.brake_damping_Ns_per_m : 0.0),
                            p.coulomb_force_N, hand_.stiffness_N_per_m, hand_.damping_Ns_per_m, motor_wrench_.force,
-                           target.pose.position - position, target.twist.linear, &hand_wrench_.force},
+                           target.pose.position - here.position, target.twist.linear, &hand_wrench_.force},
                           twist_.linear);
   if (p.has_rotation) {
-    const Vec3d error = small_rotation_vector(target.pose.rotation * conjugate(pose().rotation));
+    const Vec3d error = small_rotation_vector(target.pose.rotation * conjugate(here.rotation));
     twist_.angular =
         advance({h_s, inertia_kg_m2_, p.damping_Nms_per_rad + (shorted ? p.brake_damping_Nms_per_rad : 0.0),
                  p.coulomb_torque_Nm, hand_.stiffness_Nm_per_rad, hand_.damping_Nms_per_rad, motor_wrench_.torque,
                  error, target.twist.angular, &hand_wrench_.torque},
                 twist_.angular);
   }
-  const AxisVector rate = kinematics_.rates_of(coordinates_, twist_);
-  for (unsigned i = 0; i < kAxisCount; ++i) coordinates_[i] += h_s * rate[i];
+  move(h_s);
   hit_stops();
+}
+
+// By the rates of half way: the axes' paths bend where the tool's does not.
+void Plant::move(double h_s) noexcept {
+  AxisVector half_way = coordinates_;
+  AxisVector rate = kinematics_.rates_of(coordinates_, twist_);
+  for (unsigned i = 0; i < kAxisCount; ++i) half_way[i] += 0.5 * h_s * rate[i];
+  rate = kinematics_.rates_of(half_way, twist_);
+  for (unsigned i = 0; i < kAxisCount; ++i) coordinates_[i] += h_s * rate[i];
 }
 
 Vec3d Plant::advance(const Line& l, const Vec3d& speed) noexcept {
@@ -92,22 +85,35 @@ Vec3d Plant::advance(const Line& l, const Vec3d& speed) noexcept {
 
 void Plant::hit_stops() noexcept {
   const double before = kinetic_energy_J();
-  const Vec3d position{coordinates_[0], coordinates_[1], coordinates_[2]};
-  const double distance = norm(position);
-  if (distance > parameters_.stop_radius_m) {
+  hit_sphere();
+  if (std::abs(coordinates_[kPitchAxis]) > kPitchLimit_rad) hit_pitch_stop();
+  energy_.stops += kinetic_energy_J() - before;
+}
+
+void Plant::hit_sphere() noexcept {
+  constexpr int kSteps = 4;  // back along a line that the axes' rates only touch: the second one is enough
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3d position = pose().position;
+    const double distance = norm(position);
+    if (distance <= parameters_.stop_radius_m) return;
     const Vec3d outwards = position * (1.0 / distance);
-    for (int i = 0; i < 3; ++i) coordinates_[static_cast<unsigned>(i)] = outwards[i] * parameters_.stop_radius_m;
+    const AxisVector back = kinematics_.rates_of(coordinates_, {outwards * (parameters_.stop_radius_m - distance), {}});
+    for (unsigned axis = 0; axis < kAxisCount; ++axis) coordinates_[axis] += back[axis];
     const double speed = dot(twist_.linear, outwards);
     if (speed > 0.0) twist_.linear -= outwards * speed;
   }
-  if (std::abs(coordinates_[4]) > kPitchLimit_rad) {
-    coordinates_[4] = std::copysign(kPitchLimit_rad, coordinates_[4]);
-    // The pitch axis is at right angles to the two others: taking its share of the speed leaves theirs alone.
-    const Vec3d pitch_axis = kinematics_.twist_of(coordinates_, {0, 0, 0, 0, 1, 0}).angular;
-    const double speed = dot(twist_.angular, pitch_axis);
-    if (speed * coordinates_[4] > 0.0) twist_.angular -= pitch_axis * speed;
-  }
-  energy_.stops += kinetic_energy_J() - before;
+}
+
+// A blow on the pitch axis: it changes the tool's twist along that axis' row of the inverse, as far as the axis stops.
+void Plant::hit_pitch_stop() noexcept {
+  coordinates_[kPitchAxis] = std::copysign(kPitchLimit_rad, coordinates_[kPitchAxis]);
+  const double rate = kinematics_.rates_of(coordinates_, twist_)[kPitchAxis];
+  if (rate * coordinates_[kPitchAxis] <= 0.0) return;
+  const Wrenchd row = kinematics_.wrench_of(coordinates_, unit_axis(kPitchAxis));
+  const double mobility = norm_squared(row.force) / mass_kg_ + norm_squared(row.torque) / inertia_kg_m2_;
+  const double blow = rate / mobility;
+  twist_.linear -= row.force * (blow / mass_kg_);
+  twist_.angular -= row.torque * (blow / inertia_kg_m2_);
 }
 
 double Plant::kinetic_energy_J() const noexcept {

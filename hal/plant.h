@@ -1,5 +1,5 @@
 // The mechanics of the simulated device with a hand on its tool: a mass and an isotropic inertia with viscous damping,
-// Coulomb friction, amplifiers that saturate, and stops.
+// Coulomb friction, amplifiers that saturate, and stops: the workspace's sphere, and the wrist's pitch limit.
 //
 // Semi-implicit: damping, the hand's spring and friction act on the speed at the end of the sub-step, so none of them
 // can add energy or chatter; friction sticks whenever it can hold. Books: kinetic energy changes by exactly the sum of
@@ -20,7 +20,8 @@ struct EnergyBook {
 class Plant {
  public:
   // [setup] At rest at `device_from_tool`, moved inside the stops if it is not.
-  Plant(const PlantParameters& parameters, const HandParameters& hand, const Posed& device_from_tool) noexcept;
+  Plant(const PlantParameters& parameters, const HandParameters& hand, const Posed& device_from_tool,
+        const Kinematics& kinematics = {}) noexcept;
 
   // One sub-step of `h_s`. `motor_effort` is cut where the amplifiers saturate. `shorted`: no effort, but damping.
   void step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept;
@@ -38,7 +39,11 @@ class Plant {
   Vec3d advance(const Line& line, const Vec3d& speed) noexcept;
   void hit_stops() noexcept;
 
-  CartesianStage kinematics_;
+  void move(double h_s) noexcept;
+  void hit_sphere() noexcept;
+  void hit_pitch_stop() noexcept;
+
+  Kinematics kinematics_;
   PlantParameters parameters_;
   HandParameters hand_;
   double mass_kg_, inertia_kg_m2_;  // of device and hand together

@@ -1,113 +1,148 @@
 #include "hal/profiles.h"
 
+#include <array>
+
 namespace tactus::hal {
 namespace {
 
+constexpr double kTurn_rad = 2.0 * 3.14159265358979323846;
 // Both ends know the limit; the host's acts first. 1 % lets a wrench at the limit through in spite of rounding.
 constexpr double kFirmwareMargin = 1.01;
 // A wrist's three efforts for a torque M have a norm of at most M sqrt(1 + sin pitch): not orthogonal axes.
 constexpr double kWristNorm = 1.41;
-// The host's guard refuses samples faster than 1.5 times the device's speed; the firmware brakes only beyond that.
+// The host's guard refuses samples faster than 1.5 times the device's speed; the firmware brakes only beyond that. A
+// wrist whose pitch is 60 degrees turns its yaw and roll axes twice as fast as the tool, and is still let through.
 constexpr double kOverspeedMargin = 2.0;
-
-constexpr AxisVector per_axis(double translation, double rotation) noexcept {
-  return {translation, translation, translation, rotation, rotation, rotation};
-}
+// An axis that is not there has counts that stay 0; the firmware wants a quantum and a speed all the same.
+constexpr double kUnusedQuantum = 1e-4, kUnusedSpeed = 1.0;
 
 // The class of the Virtuose 6D35-45: 35 N and 3 N m peak, 10 N and 1 N m continuous, a workspace 0.45 m across.
-// Everything else is an estimate for an arm of this size: apparent mass and inertia, damping, friction, encoder quanta,
-// speeds, what shorted motors brake with.
-constexpr DeviceProfile make_virtuose6d() noexcept {
-  DeviceProfile p;
-  p.name = "virtuose6d";
-  p.properties = {.has_rotation = true,
-                  .workspace_radius_m = 0.225,
-                  .max_speed_m_per_s = 1.0,
-                  .max_angular_speed_rad_per_s = 10.0,
-                  .max_force_N = 35.0,
-                  .max_torque_Nm = 3.0,
-                  .continuous_force_N = 10.0,
-                  .continuous_torque_Nm = 1.0,
-                  .position_quantum_m = 1e-5,
-                  .rotation_quantum_rad = 1e-4,
-                  .mass_kg = 0.3,
-                  .damping_Ns_per_m = 0.5,
-                  .inertia_kg_m2 = 1e-3,
-                  .damping_Nms_per_rad = 2e-3,
-                  .delay_s = 1e-3};
-  p.plant = {.mass_kg = 0.3,
-             .inertia_kg_m2 = 1e-3,
-             .damping_Ns_per_m = 0.5,
-             .damping_Nms_per_rad = 2e-3,
-             .coulomb_force_N = 0.2,
-             .coulomb_torque_Nm = 5e-3,
-             .brake_damping_Ns_per_m = 20.0,
-             .brake_damping_Nms_per_rad = 0.05,
-             .stop_radius_m = 0.225,
-             .max_effort = per_axis(35.0, 3.0),
-             .has_rotation = true};
-  p.quantum = per_axis(1e-5, 1e-4);
-  return p;
+// Everything else is an estimate for an arm of this size: links, apparent mass and inertia, damping, friction,
+// encoders, speeds, what shorted motors brake with. The encoders give 1e-5 m and 1e-4 rad at the centre.
+DeviceDescription make_virtuose6d() {
+  DeviceDescription d;
+  d.name = "virtuose6d";
+  d.kind = KinematicsKind::kWristedArm;
+  d.links = {.upper_m = 0.45, .forearm_m = 0.45};
+  d.workspace_radius_m = 0.225;
+  d.max_speed_m_per_s = 1.0, d.max_angular_speed_rad_per_s = 10.0;
+  d.peak_force_N = 35.0, d.peak_torque_Nm = 3.0;
+  d.continuous_force_N = 10.0, d.continuous_torque_Nm = 1.0;
+  d.mass_kg = 0.3, d.inertia_kg_m2 = 1e-3;
+  d.damping_Ns_per_m = 0.5, d.damping_Nms_per_rad = 2e-3;
+  d.coulomb_friction_N = 0.2, d.coulomb_friction_Nm = 5e-3;
+  d.brake_damping_Ns_per_m = 20.0, d.brake_damping_Nms_per_rad = 0.05;
+  d.counts_per_turn = {262144, 262144, 262144, 65536, 65536, 65536};
+  return d;
 }
 
 // The class of a desktop device with three degrees of freedom: 8 N peak, a workspace 0.16 m across.
-// Everything else is an estimate, continuous force included.
-constexpr DeviceProfile make_desk3d() noexcept {
-  DeviceProfile p;
-  p.name = "desk3d";
-  p.properties = {.has_rotation = false,
-                  .workspace_radius_m = 0.08,
-                  .max_speed_m_per_s = 1.0,
-                  .max_angular_speed_rad_per_s = 10.0,
-                  .max_force_N = 8.0,
-                  .max_torque_Nm = 0.0,
-                  .continuous_force_N = 3.0,
-                  .continuous_torque_Nm = 0.0,
-                  .position_quantum_m = 2e-5,
-                  .rotation_quantum_rad = 1e-4,
-                  .mass_kg = 0.2,
-                  .damping_Ns_per_m = 0.5,
-                  .inertia_kg_m2 = 1e-3,
-                  .damping_Nms_per_rad = 2e-3,
-                  .delay_s = 1e-3};
-  p.plant = {.mass_kg = 0.2,
-             .inertia_kg_m2 = 1e-3,
-             .damping_Ns_per_m = 0.5,
-             .damping_Nms_per_rad = 2e-3,
-             .coulomb_force_N = 0.1,
-             .coulomb_torque_Nm = 0.0,
-             .brake_damping_Ns_per_m = 10.0,
-             .brake_damping_Nms_per_rad = 0.0,
-             .stop_radius_m = 0.08,
-             .max_effort = per_axis(8.0, 0.0),
-             .has_rotation = false};
-  p.quantum = per_axis(2e-5, 1e-4);
-  return p;
+// Everything else is an estimate, continuous force included. The encoders give 2e-5 m at the centre.
+DeviceDescription make_desk3d() {
+  DeviceDescription d;
+  d.name = "desk3d";
+  d.kind = KinematicsKind::kPointArm;
+  d.links = {.upper_m = 0.16, .forearm_m = 0.16};
+  d.workspace_radius_m = 0.08;
+  d.max_speed_m_per_s = 1.0, d.max_angular_speed_rad_per_s = 10.0;
+  d.peak_force_N = 8.0, d.continuous_force_N = 3.0;
+  d.mass_kg = 0.2, d.inertia_kg_m2 = 1e-3;
+  d.damping_Ns_per_m = 0.5, d.damping_Nms_per_rad = 2e-3;
+  d.coulomb_friction_N = 0.1;
+  d.brake_damping_Ns_per_m = 10.0;
+  d.counts_per_turn = {50000, 50000, 50000, 0, 0, 0};
+  return d;
 }
 
-constexpr std::array<DeviceProfile, 2> kProfiles{make_virtuose6d(), make_desk3d()};
+Kinematics kinematics_of(const DeviceDescription& d) noexcept {
+  switch (d.kind) {
+    case KinematicsKind::kWristedArm:
+      return WristedArm(d.links);
+    case KinematicsKind::kPointArm:
+      return PointArm(d.links);
+    default:
+      return CartesianStage();
+  }
+}
+
+AxisVector quantum_of(const DeviceDescription& d) noexcept {
+  AxisVector quantum;
+  for (unsigned i = 0; i < kAxisCount; ++i)
+    quantum[i] = d.counts_per_m[i] > 0      ? 1.0 / d.counts_per_m[i]
+                 : d.counts_per_turn[i] > 0 ? kTurn_rad / d.counts_per_turn[i]
+                                            : kUnusedQuantum;
+  return quantum;
+}
+
+struct BuiltIn {
+  std::array<DeviceDescription, 2> descriptions{make_virtuose6d(), make_desk3d()};
+  std::array<DeviceProfile, 2> profiles{make_profile(descriptions[0]), make_profile(descriptions[1])};
+};
+
+const BuiltIn& built_in() noexcept {
+  static const BuiltIn made;
+  return made;
+}
 
 }  // namespace
 
-std::span<const DeviceProfile> all_profiles() noexcept { return kProfiles; }
+DeviceProfile make_profile(const DeviceDescription& d) {
+  DeviceProfile p;
+  p.description = d, p.name = d.name, p.transport_delay_ticks = d.transport_delay_ticks;
+  p.kinematics = kinematics_of(d), p.quantum = quantum_of(d);
+  p.bounds = bounds_over(
+      p.kinematics, p.quantum,
+      {d.workspace_radius_m, d.peak_force_N, d.peak_torque_Nm, d.max_speed_m_per_s, d.max_angular_speed_rad_per_s});
+  p.properties = {.has_rotation = d.has_rotation(),
+                  .workspace_radius_m = d.workspace_radius_m,
+                  .max_speed_m_per_s = d.max_speed_m_per_s,
+                  .max_angular_speed_rad_per_s = d.max_angular_speed_rad_per_s,
+                  .max_force_N = d.peak_force_N,
+                  .max_torque_Nm = d.peak_torque_Nm,
+                  .continuous_force_N = d.continuous_force_N,
+                  .continuous_torque_Nm = d.continuous_torque_Nm,
+                  .position_quantum_m = p.bounds.position_quantum_m,
+                  .rotation_quantum_rad = p.bounds.rotation_quantum_rad,
+                  .mass_kg = d.mass_kg,
+                  .damping_Ns_per_m = d.damping_Ns_per_m,
+                  .inertia_kg_m2 = d.inertia_kg_m2,
+                  .damping_Nms_per_rad = d.damping_Nms_per_rad,
+                  .coulomb_friction_N = d.coulomb_friction_N,
+                  .coulomb_friction_Nm = d.coulomb_friction_Nm};
+  p.plant = {.mass_kg = d.mass_kg,
+             .inertia_kg_m2 = d.inertia_kg_m2,
+             .damping_Ns_per_m = d.damping_Ns_per_m,
+             .damping_Nms_per_rad = d.damping_Nms_per_rad,
+             .coulomb_force_N = d.coulomb_friction_N,
+             .coulomb_torque_Nm = d.coulomb_friction_Nm,
+             .brake_damping_Ns_per_m = d.brake_damping_Ns_per_m,
+             .brake_damping_Nms_per_rad = d.brake_damping_Nms_per_rad,
+             .stop_radius_m = d.workspace_radius_m,
+             .max_effort = p.bounds.effort,
+             .has_rotation = d.has_rotation()};
+  return p;
+}
+
+std::span<const DeviceDescription> built_in_descriptions() noexcept { return built_in().descriptions; }
+
+std::span<const DeviceProfile> all_profiles() noexcept { return built_in().profiles; }
 
 const DeviceProfile* find_profile(std::string_view name) noexcept {
-  for (const DeviceProfile& profile : kProfiles)
+  for (const DeviceProfile& profile : all_profiles())
     if (profile.name == name) return &profile;
   return nullptr;
 }
 
 firmware::Config firmware_config(const DeviceProfile& profile, std::uint32_t period_us) noexcept {
-  const haptics::DeviceProperties& p = profile.properties;
   firmware::Config config;
   for (unsigned i = 0; i < kAxisCount; ++i) {
+    const double speed = kOverspeedMargin * profile.bounds.rate[i];
     config.quantum[i] = static_cast<float>(profile.quantum[i]);
     config.max_effort[i] = static_cast<float>(kFirmwareMargin * profile.plant.max_effort[i]);
-    const double max_speed = i < 3 ? p.max_speed_m_per_s : p.max_angular_speed_rad_per_s;
-    config.max_speed[i] = static_cast<float>(kOverspeedMargin * max_speed);
+    config.max_speed[i] = static_cast<float>(speed > 0 ? speed : kUnusedSpeed);
   }
-  config.max_force_N = static_cast<float>(kFirmwareMargin * p.max_force_N);
-  config.max_torque_Nm = static_cast<float>(kFirmwareMargin * kWristNorm * p.max_torque_Nm);
+  config.max_force_N = static_cast<float>(kFirmwareMargin * profile.bounds.arm_effort_norm);
+  config.max_torque_Nm = static_cast<float>(kFirmwareMargin * kWristNorm * profile.properties.max_torque_Nm);
   config.period_us = period_us;
   return config;
 }

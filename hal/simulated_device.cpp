@@ -36,13 +36,14 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, HandModel hand, c
     : options_(options),
       properties_(profile.properties),
       quantum_(profile.quantum),
+      travel_per_axis_(norm(profile.kinematics.twist_of({}, unit_axis(0)).linear)),
       // One tick is there anyway: a command is seen in the period after it was written.
       state_delay_ticks_((delay_of(profile, options) - 1) / 2),
       command_delay_ticks_(delay_of(profile, options) - 1 - state_delay_ticks_),
       hand_(std::move(hand)),
-      plant_(profile.plant, hand_.parameters(), hand_.target_at(0.0).pose),
+      plant_(profile.plant, hand_.parameters(), hand_.target_at(0.0).pose, profile.kinematics),
       controller_(firmware_config(profile, static_cast<std::uint32_t>(options.period_ns / 1000))),
-      codec_(profile.quantum, profile.properties.has_rotation),
+      codec_(profile.kinematics, profile.quantum, profile.properties.has_rotation),
       random_state_(options.seed) {
   properties_.delay_s = static_cast<double>(delay_of(profile, options)) * static_cast<double>(options.period_ns) * 1e-9;
 }
@@ -128,7 +129,7 @@ void SimulatedDevice::distort(StateBytes& bytes) noexcept {
   const bool wild = fault(FaultKind::kWild, FaultDirection::kState) != nullptr;
   firmware::StateFrame frame;
   if ((teleport == nullptr && !wild) || firmware::decode_state(bytes, frame) != firmware::DecodeError::kNone) return;
-  if (teleport != nullptr) frame.counts[0] += firmware::count_of(teleport->amount, quantum_[0]);
+  if (teleport != nullptr) frame.counts[0] += firmware::count_of(teleport->amount / travel_per_axis_, quantum_[0]);
   if (wild)
     for (std::int32_t& count : frame.counts) count = static_cast<std::int32_t>(random());
   firmware::encode_state(frame, bytes);

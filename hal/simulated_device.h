@@ -67,6 +67,7 @@ class SimulatedDevice {
   SimulationOptions options_;
   haptics::DeviceProperties properties_;
   AxisVector quantum_;
+  double travel_per_axis_;  // m of the tool at the centre per unit of axis 0
   std::uint64_t state_delay_ticks_, command_delay_ticks_;
   HandModel hand_;
   Plant plant_;

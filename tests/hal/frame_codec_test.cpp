@@ -1,8 +1,11 @@
 #include "hal/frame_codec.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
+#include <random>
 
+#include "hal/profiles.h"
 #include "hal/simulated_link.h"
 
 using namespace tactus;
@@ -37,20 +40,20 @@ firmware::CommandFrame sent(FrameCodec& codec, const haptics::DeviceCommand& com
 }  // namespace
 
 TEST_CASE("sequences go on beyond 32 bits, and an old frame stays old") {
-  FrameCodec codec(kQuantum, true);
+  FrameCodec codec(CartesianStage(), kQuantum, true);
   CHECK(sequence_after(codec, 0xfffffffeu) == 0xfffffffeull);
   CHECK(sequence_after(codec, 0xffffffffu) == 0xffffffffull);
   CHECK(sequence_after(codec, 1) == 0x1'0000'0001ull);
   CHECK(sequence_after(codec, 0xffffffffu) == 0xffffffffull);
   CHECK(sequence_after(codec, 2) == 0x1'0000'0002ull);
-  FrameCodec early(kQuantum, true);
+  FrameCodec early(CartesianStage(), kQuantum, true);
   CHECK(sequence_after(early, 5) == 5);
   CHECK(sequence_after(early, 3) == 3);
   CHECK(sequence_after(early, 0xfffffff0u) == 0xfffffff0ull);  // before the first: nothing to continue
 }
 
 TEST_CASE("a state frame becomes a sample in SI") {
-  FrameCodec codec(kQuantum, true);
+  FrameCodec codec(CartesianStage(), kQuantum, true);
   static_cast<void>(sent(codec, {0x2'0000'0007ull, {}, haptics::DeviceState::kForce, 0}));
   firmware::StateFrame frame{firmware::State::kForce, 5, 0, 3, 0x81, 9, 6, 123456, {1000, -2000, 3, 100, 200, -300}};
   haptics::DeviceSample s;
@@ -65,7 +68,7 @@ TEST_CASE("a state frame becomes a sample in SI") {
 }
 
 TEST_CASE("bytes that are no frame leave the sample alone") {
-  FrameCodec codec(kQuantum, true);
+  FrameCodec codec(CartesianStage(), kQuantum, true);
   haptics::DeviceSample s;
   s.sequence = 42;
   auto bytes = state_bytes({});
@@ -75,7 +78,7 @@ TEST_CASE("bytes that are no frame leave the sample alone") {
 }
 
 TEST_CASE("a wrench becomes the efforts of the axes as they are") {
-  FrameCodec codec(kQuantum, true);
+  FrameCodec codec(CartesianStage(), kQuantum, true);
   firmware::StateFrame frame;
   frame.counts = {0, 0, 0, 5000, -8000, 2000};  // 0.5, -0.8, 0.2 rad
   haptics::DeviceSample s;
@@ -89,10 +92,44 @@ TEST_CASE("a wrench becomes the efforts of the axes as they are") {
 }
 
 TEST_CASE("without rotation no torque is sent, and wanting a reset is wanting to idle") {
-  FrameCodec codec(kQuantum, false);
+  FrameCodec codec(CartesianStage(), kQuantum, false);
   const auto out = sent(codec, {1, {{1, 2, 3}, {4, 5, 6}}, haptics::DeviceState::kReset, 0});
   CHECK(out.effort == std::array<float, 6>{1, 2, 3, 0, 0, 0});
   CHECK(out.wanted == firmware::State::kIdle);
+}
+
+TEST_CASE("an arm's counts are joint angles, and its efforts are torques") {
+  const WristedArm arm({0.45, 0.4});
+  FrameCodec codec(arm, {2e-5, 2e-5, 2e-5, 1e-4, 1e-4, 1e-4}, true);
+  firmware::StateFrame frame;
+  frame.counts = {10000, -15000, 5000, 5000, -8000, 2000};
+  const AxisVector q{0.2, -0.3, 0.1, 0.5, -0.8, 0.2};
+  haptics::DeviceSample s;
+  REQUIRE(codec.decode(state_bytes(frame), s) == firmware::DecodeError::kNone);
+  CHECK(norm(s.device_from_tool.position - arm.pose_of(q).position) < 1e-15);
+  CHECK(norm(small_rotation_vector(s.device_from_tool.rotation * conjugate(arm.pose_of(q).rotation))) < 1e-15);
+  const Wrenchd wrench{{1, 2, 3}, {0.4, 0.5, 0.6}};
+  const auto out = sent(codec, {1, wrench, haptics::DeviceState::kForce, 0});
+  const AxisVector effort = arm.efforts_of(q, wrench);
+  for (unsigned i = 0; i < kAxisCount; ++i)
+    CHECK(static_cast<double>(out.effort[i]) == Approx(effort[i]).epsilon(1e-6));
+}
+
+TEST_CASE("whatever counts come, the pose is finite and so are the efforts of a finite wrench") {
+  std::mt19937_64 random(5);
+  for (const DeviceProfile& profile : all_profiles()) {
+    FrameCodec codec(profile.kinematics, profile.quantum, profile.properties.has_rotation);
+    for (int i = 0; i < 20000; ++i) {
+      firmware::StateFrame frame;
+      for (std::int32_t& count : frame.counts) count = static_cast<std::int32_t>(random());
+      haptics::DeviceSample s;
+      REQUIRE(codec.decode(state_bytes(frame), s) == firmware::DecodeError::kNone);
+      REQUIRE(is_finite(s.device_from_tool));
+      REQUIRE(norm(s.device_from_tool.rotation) == Approx(1.0).epsilon(1e-12));
+      const auto out = sent(codec, {1, {{20, -20, 20}, {1, 2, 1}}, haptics::DeviceState::kForce, 0});
+      for (const float effort : out.effort) REQUIRE(std::isfinite(effort));
+    }
+  }
 }
 
 TEST_CASE("a link delivers in the tick of arrival, once, and keeps the frame that was sent last") {

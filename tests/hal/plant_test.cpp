@@ -219,6 +219,62 @@ TEST_CASE("kinetic energy is the sum of the works, and friction only takes") {
   CHECK(plant.energy().hand > 0.0);
 }
 
+TEST_CASE("an arm's tool moves as the forces say, not as its joints bend") {
+  const WristedArm arm({0.45, 0.45});
+  Plant plant(free_mass(), no_hand(), {}, arm);
+  const Wrenchd wrench{{0.3, -0.4, 0.2}, {0.001, 0.002, -0.001}};
+  const double time_s = 0.4;
+  for (long i = std::lround(time_s / kStep_s); i > 0; --i)
+    plant.step(kStep_s, arm.efforts_of(plant.coordinates(), wrench), false, {});
+  CHECK(norm(plant.twist().linear - wrench.force * (time_s / 0.3)) < 1e-10);
+  CHECK(norm(plant.twist().angular - wrench.torque * (time_s / 1e-3)) < 1e-10);
+  // x = F t (t + h) / 2 m; what the path's bend adds in a step is of third order in the step's length.
+  CHECK(norm(plant.pose().position - wrench.force * (0.5 * time_s * (time_s + kStep_s) / 0.3)) < 1e-8);
+  const Vec3d turned = rotation_vector_of(plant.pose().rotation);
+  CHECK(norm(turned - wrench.torque * (0.5 * time_s * (time_s + kStep_s) / 1e-3)) < 1e-7);
+}
+
+TEST_CASE("an arm's efforts act on the tool by the transposed Jacobian, its amplifiers saturate axis by axis") {
+  const PointArm arm({0.2, 0.1});
+  PlantParameters p = free_mass();
+  p.has_rotation = false, p.max_effort = {0.05, 0.1, 0.02, 0, 0, 0};
+  Plant plant(p, no_hand(), {}, arm);
+  plant.step(kStep_s, {9, -9, 9, 9, 9, 9}, false, {});
+  // At rest axis 0 drives y over 0.1 m, axis 1 x over 0.2 m, axis 2 z over 0.1 m.
+  CHECK(norm(plant.motor_wrench().force - Vec3d{-0.5, 0.5, 0.2}) < 1e-14);
+  CHECK(plant.motor_wrench().torque == Vec3d{});
+}
+
+TEST_CASE("an arm's stops end the motion outwards, leave that along them, and give no energy back") {
+  const WristedArm arm({0.45, 0.45});
+  PlantParameters p = free_mass();
+  p.stop_radius_m = 0.2;
+  Plant plant(p, no_hand(), {}, arm);
+  double highest_stops = 0;
+  for (int i = 0; i < 12000; ++i) {
+    const Wrenchd push{{i % 4000 < 2000 ? 5.0 : -5.0, 1, 2}, {0.001, i % 3000 < 1500 ? -0.01 : 0.01, 0}};
+    plant.step(kStep_s, arm.efforts_of(plant.coordinates(), push), false, {});
+    REQUIRE(norm(plant.pose().position) <= 0.2 * (1 + 1e-9));
+    REQUIRE(std::abs(plant.coordinates()[4]) <= kPitchLimit_rad);
+    REQUIRE(plant.energy().stops <= highest_stops);
+    highest_stops = plant.energy().stops;
+    const EnergyBook& b = plant.energy();
+    REQUIRE(plant.kinetic_energy_J() == Approx(b.motors + b.stops).margin(1e-9));
+  }
+  CHECK(highest_stops < -0.1);
+}
+
+TEST_CASE("a wrist at its stop lets the pitch axis turn no further, and the arm moves on") {
+  const WristedArm arm({0.45, 0.45});
+  Plant plant(free_mass(), no_hand(), arm.pose_of({0, 0, 0, 0, kPitchLimit_rad - 1e-6, 0}), arm);
+  const Wrenchd push{{0, 0.5, 0}, {0, 0.01, 0.003}};
+  for (int i = 0; i < 400; ++i) plant.step(kStep_s, arm.efforts_of(plant.coordinates(), push), false, {});
+  const AxisVector rate = arm.rates_of(plant.coordinates(), plant.twist());
+  CHECK(plant.coordinates()[4] == kPitchLimit_rad);
+  CHECK(rate[4] <= 1e-12);
+  CHECK(rate[0] > 0.1);
+}
+
 TEST_CASE("without rotation the tool keeps its orientation") {
   PlantParameters p = free_mass();
   p.has_rotation = false;

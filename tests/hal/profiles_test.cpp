@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <string>
 
 using namespace tactus;
 using namespace tactus::hal;
@@ -17,21 +18,51 @@ TEST_CASE("profiles are found by name, and an unknown name is none") {
 
 TEST_CASE("what a profile promises is what its mechanics are") {
   for (const DeviceProfile& p : all_profiles()) {
-    CAPTURE(std::string(p.name));
-    CHECK(p.properties.mass_kg == p.plant.mass_kg);
-    CHECK(p.properties.damping_Ns_per_m == p.plant.damping_Ns_per_m);
-    CHECK(p.properties.inertia_kg_m2 == p.plant.inertia_kg_m2);
-    CHECK(p.properties.damping_Nms_per_rad == p.plant.damping_Nms_per_rad);
+    CAPTURE(p.name);
+    const DeviceDescription& d = p.description;
+    CHECK(p.name == d.name);
+    CHECK((p.properties.mass_kg == d.mass_kg && p.plant.mass_kg == d.mass_kg));
+    CHECK((p.properties.inertia_kg_m2 == d.inertia_kg_m2 && p.plant.inertia_kg_m2 == d.inertia_kg_m2));
+    CHECK((p.properties.damping_Ns_per_m == d.damping_Ns_per_m && p.plant.damping_Ns_per_m == d.damping_Ns_per_m));
+    CHECK(p.properties.damping_Nms_per_rad == d.damping_Nms_per_rad);
+    CHECK(p.plant.damping_Nms_per_rad == d.damping_Nms_per_rad);
+    CHECK((p.properties.coulomb_friction_N == d.coulomb_friction_N && p.plant.coulomb_force_N == d.coulomb_friction_N));
+    CHECK(p.properties.coulomb_friction_Nm == d.coulomb_friction_Nm);
+    CHECK(p.plant.coulomb_torque_Nm == d.coulomb_friction_Nm);
     CHECK(p.properties.has_rotation == p.plant.has_rotation);
-    CHECK(p.plant.stop_radius_m <= p.properties.workspace_radius_m);
-    CHECK(p.properties.continuous_force_N <= p.properties.max_force_N);
-    for (unsigned i = 0; i < 3; ++i) {
-      CHECK(p.quantum[i] == p.properties.position_quantum_m);
-      CHECK(p.quantum[i + 3] == p.properties.rotation_quantum_rad);
-      CHECK(p.plant.max_effort[i] == p.properties.max_force_N);
-      CHECK(p.plant.max_effort[i + 3] == p.properties.max_torque_Nm);
-    }
+    CHECK(p.plant.stop_radius_m == p.properties.workspace_radius_m);
+    CHECK(p.properties.max_force_N == d.peak_force_N);
+    CHECK(p.properties.max_torque_Nm == d.peak_torque_Nm);
+    CHECK(p.properties.continuous_force_N == d.continuous_force_N);
+    CHECK(p.properties.continuous_torque_Nm == d.continuous_torque_Nm);
+    CHECK(p.properties.max_speed_m_per_s == d.max_speed_m_per_s);
+    CHECK(find_mistake(d).table == nullptr);
   }
+}
+
+TEST_CASE("the built-in encoders give about 10 and 20 micrometres at the centre") {
+  const auto at_centre = [](const char* name, unsigned axis) {
+    const DeviceProfile& p = *find_profile(name);
+    const Twistd column = p.kinematics.twist_of({}, unit_axis(axis));
+    return p.quantum[axis] * (axis < 3 ? norm(column.linear) : norm(column.angular));
+  };
+  for (unsigned i = 0; i < 3; ++i) {
+    CHECK(at_centre("virtuose6d", i) == Approx(1e-5).epsilon(0.1));
+    CHECK(at_centre("virtuose6d", i + 3) == Approx(1e-4).epsilon(0.1));
+    CHECK(at_centre("desk3d", i) == Approx(2e-5).epsilon(0.1));
+  }
+}
+
+TEST_CASE("a stage's profile has the quanta and the limits of its axes") {
+  DeviceDescription d = find_profile("virtuose6d")->description;
+  d.kind = KinematicsKind::kStage;
+  d.counts_per_m = {1e5, 1e5, 1e5, 0, 0, 0}, d.counts_per_turn = {0, 0, 0, 62832, 62832, 62832};
+  const DeviceProfile p = make_profile(d);
+  CHECK(p.quantum[0] == Approx(1e-5));
+  CHECK(p.quantum[3] == Approx(2 * 3.14159265358979 / 62832));
+  CHECK(p.properties.position_quantum_m == Approx(1e-5 * kSpreadMargin));
+  CHECK(p.plant.max_effort[2] == Approx(35.0 * kSpreadMargin));
+  CHECK(p.plant.max_effort[5] == Approx(3.0 * kSpreadMargin));
 }
 
 TEST_CASE("the firmware is configured validly at every rate, and lets the host's limit through") {
@@ -40,10 +71,29 @@ TEST_CASE("the firmware is configured validly at every rate, and lets the host's
       const firmware::Config c = firmware_config(p, period_us);
       CHECK(firmware::is_valid(c));
       CHECK(c.period_us == period_us);
-      CHECK(static_cast<double>(c.max_force_N) > p.properties.max_force_N);
+      CHECK(static_cast<double>(c.max_force_N) > p.bounds.arm_effort_norm);
       // The worst wrist: a torque M halfway between yaw and roll at the pitch limit has axis efforts M sqrt(1 + sin).
       CHECK(static_cast<double>(c.max_torque_Nm) >=
             p.properties.max_torque_Nm * std::sqrt(1.0 + std::sin(kPitchLimit_rad)));
-      CHECK(static_cast<double>(c.max_speed[0]) > 1.5 * p.properties.max_speed_m_per_s);
+      for (unsigned i = 0; i < kAxisCount; ++i) {
+        CHECK(static_cast<double>(c.max_effort[i]) >= p.plant.max_effort[i]);
+        CHECK(static_cast<double>(c.max_speed[i]) > 1.5 * p.bounds.rate[i]);
+      }
     }
+}
+
+TEST_CASE("figures of a description that cannot hold together are found, with what is accepted") {
+  const auto mistake = [](auto&& spoil) {
+    DeviceDescription d = find_profile("virtuose6d")->description;
+    spoil(d);
+    return find_mistake(d);
+  };
+  const auto key = [&](auto&& spoil) { return std::string(mistake(spoil).key); };
+  CHECK(key([](DeviceDescription& d) { d.workspace_radius_m = 0.4; }) == "radius_m");
+  CHECK(mistake([](DeviceDescription& d) { d.workspace_radius_m = 0.4; }).accepted.find("at most 0.2") == 0);
+  CHECK(key([](DeviceDescription& d) { d.continuous_force_N = 36; }) == "continuous_force_N");
+  CHECK(key([](DeviceDescription& d) { d.continuous_torque_Nm = 4; }) == "continuous_torque_Nm");
+  CHECK(key([](DeviceDescription& d) { d.kind = KinematicsKind::kPointArm; }) == "peak_torque_Nm");
+  CHECK(mistake([](DeviceDescription& d) { d.kind = KinematicsKind::kStage, d.workspace_radius_m = 2; }).key ==
+        nullptr);
 }

@@ -1,0 +1,55 @@
+#include "hal/device_description.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace tactus::hal {
+namespace {
+
+std::string shown(double x) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", x);
+  return text.data();
+}
+
+DescriptionMistake above(const char* key, double value, double peak) {
+  return {"[limits]", key, shown(value) + " is above the peak", "at most " + shown(peak)};
+}
+
+}  // namespace
+
+double largest_workspace_m(const ArmLinks& links) noexcept {
+  // The tool's distance from the shoulder is d^2 = a^2 + b^2 + 2 a b sin(e), cos(e) the elbow's bounded cosine.
+  const double a = links.upper_m, b = links.forearm_m, squares = a * a + b * b;
+  const double sine = std::sqrt(1.0 - kCosPitchLimit * kCosPitchLimit), centre = std::sqrt(squares);
+  const double outwards = std::sqrt(squares + 2.0 * a * b * sine) - centre;
+  const double inwards = centre - std::sqrt(squares - 2.0 * a * b * sine);
+  return std::min({outwards, inwards, 0.9 * b});
+}
+
+AxisKinds axes_of(KinematicsKind kind) noexcept {
+  switch (kind) {
+    case KinematicsKind::kStage:
+      return {3, 3};
+    case KinematicsKind::kPointArm:
+      return {0, 3};
+    default:
+      return {0, 6};
+  }
+}
+
+DescriptionMistake find_mistake(const DeviceDescription& d) {
+  const double largest = largest_workspace_m(d.links);
+  if (d.kind != KinematicsKind::kStage && d.workspace_radius_m > largest)
+    return {"[workspace]", "radius_m", shown(d.workspace_radius_m) + " is more than the links reach freely",
+            "at most " + shown(largest) + ", or longer links"};
+  if (d.continuous_force_N > d.peak_force_N) return above("continuous_force_N", d.continuous_force_N, d.peak_force_N);
+  if (d.continuous_torque_Nm > d.peak_torque_Nm)
+    return above("continuous_torque_Nm", d.continuous_torque_Nm, d.peak_torque_Nm);
+  if (!d.has_rotation() && d.peak_torque_Nm > 0)
+    return {"[limits]", "peak_torque_Nm", "set, but a point_arm takes no torque", "0, or another kinematics kind"};
+  return {};
+}
+
+}  // namespace tactus::hal

@@ -1,0 +1,134 @@
+// What holds all over a device's workspace: found by looking at poses spread over it, once, at set-up.
+//
+// Works for any ToolKinematics whose tool moves freely inside a sphere about the device frame's origin, the wrist
+// within its pitch limit. Bounds are the worst of the poses looked at, with kSpreadMargin for those between them (the
+// property test tries 20 000 others). Frame: the device's. Units: SI. Thread: [setup]; no allocation; some ten
+// thousand evaluations of the kinematics, milliseconds. Same bits in every build.
+#pragma once
+
+#include <algorithm>
+
+#include "hal/hand.h"
+#include "hal/kinematics/wrist.h"
+
+namespace tactus::hal {
+
+inline constexpr double kSpreadMargin = 1.08;
+
+// Axis coordinates of a pose, by walking there from rest: the pose's error, turned into axis rates, closes in a few
+// steps. A pitch beyond its limit, and what the device cannot turn, is left out.
+template <ToolKinematics K>
+AxisVector coordinates_of(const K& kinematics, const Posed& device_from_tool) noexcept {
+  constexpr int kMaxSteps = 200;
+  constexpr double kLongestStep_m = 0.05, kLongestTurn_rad = 0.2, kClose = 1e-14;  // m and rad
+  AxisVector q{};
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const Posed here = kinematics.pose_of(q);
+    Twistd way{device_from_tool.position - here.position,
+               rotation_vector_of(device_from_tool.rotation * conjugate(here.rotation))};
+    const double distance = norm(way.linear), angle = norm(way.angular);
+    if (distance < kClose && angle < kClose) break;
+    if (distance > kLongestStep_m) way.linear = way.linear * (kLongestStep_m / distance);
+    if (angle > kLongestTurn_rad) way.angular = way.angular * (kLongestTurn_rad / angle);
+    const AxisVector rate = kinematics.rates_of(q, way);
+    for (unsigned axis = 0; axis < kAxisCount; ++axis) q[axis] += rate[axis];
+    q[kPitchAxis] = std::clamp(q[kPitchAxis], -kPitchLimit_rad, kPitchLimit_rad);
+  }
+  return q;
+}
+
+// What the tool may do.
+struct ToolLimits {
+  double workspace_radius_m{0};
+  double force_N{0}, torque_Nm{0};
+  double speed_m_per_s{0}, angular_speed_rad_per_s{0};
+};
+
+struct ReachBounds {
+  // The tool's place is known to within half of these along each axis of the device's frame.
+  double position_quantum_m{0}, rotation_quantum_rad{0};
+  AxisVector effort{};        // N or N m: no wrench within the limits asks more of an axis
+  double arm_effort_norm{0};  // of axes 0 to 2 together
+  AxisVector rate{};          // m/s or rad/s: no twist within the limits moves an axis faster, the wrist straight
+};
+
+namespace detail {
+
+inline constexpr unsigned kDirections = 60, kWristYaws = 6;
+
+// Directions spread evenly over the sphere: a spiral in steps of the golden angle.
+inline Vec3d spread_direction(unsigned k) noexcept {
+  constexpr double kGoldenAngle_rad = 2.39996322972865332;
+  const double z = 1.0 - (2.0 * k + 1.0) / kDirections, across = std::sqrt(1.0 - z * z);
+  const auto turn = sin_cos(kGoldenAngle_rad * k);
+  return {across * turn.cos, across * turn.sin, z};
+}
+
+// The largest stretch of the map with these columns: the root of the largest eigenvalue of its Gram matrix, by
+// repeated multiplication, from a start that is no eigenvector by accident.
+inline double largest_stretch(const std::array<Vec3d, 3>& columns) noexcept {
+  Vec3d direction = normalized_or(Vec3d{0.9, 0.7, 0.5}, Vec3d{1, 0, 0});
+  double stretch = 0;
+  for (int i = 0; i < 60; ++i) {
+    Vec3d image;
+    for (const Vec3d& column : columns) image += column * dot(column, direction);
+    stretch = std::sqrt(norm(image));
+    direction = normalized_or(image, direction);
+  }
+  return stretch;
+}
+
+template <ToolKinematics K>
+void widen_quanta(const K& kinematics, const AxisVector& q, const AxisVector& quantum, ReachBounds& bounds) noexcept {
+  Vec3d off_m, off_rad;
+  for (unsigned axis = 0; axis < kAxisCount; ++axis) {
+    const Twistd column = kinematics.twist_of(q, unit_axis(axis));
+    off_m += abs(column.linear) * quantum[axis];
+    off_rad += abs(column.angular) * quantum[axis];
+  }
+  bounds.position_quantum_m = std::max({bounds.position_quantum_m, off_m.x, off_m.y, off_m.z});
+  bounds.rotation_quantum_rad = std::max({bounds.rotation_quantum_rad, off_rad.x, off_rad.y, off_rad.z});
+}
+
+template <ToolKinematics K>
+void widen_drives(const K& kinematics, const AxisVector& q, const ToolLimits& limits, ReachBounds& bounds) noexcept {
+  std::array<Vec3d, 3> linear, angular;
+  for (unsigned axis = 0; axis < kAxisCount; ++axis) {
+    const Twistd column = kinematics.twist_of(q, unit_axis(axis));
+    const double effort = limits.force_N * norm(column.linear) + limits.torque_Nm * norm(column.angular);
+    bounds.effort[axis] = std::max(bounds.effort[axis], effort);
+    if (axis < 3) linear[axis] = column.linear, angular[axis] = column.angular;
+    // The wrench that an axis alone exerts is its row of the inverse.
+    const Wrenchd row = kinematics.wrench_of(q, unit_axis(axis));
+    const double rate = limits.speed_m_per_s * norm(row.force) + limits.angular_speed_rad_per_s * norm(row.torque);
+    bounds.rate[axis] = std::max(bounds.rate[axis], rate);
+  }
+  const double together = limits.force_N * largest_stretch(linear) + limits.torque_Nm * largest_stretch(angular);
+  bounds.arm_effort_norm = std::max(bounds.arm_effort_norm, together);
+}
+
+}  // namespace detail
+
+template <ToolKinematics K>
+ReachBounds bounds_over(const K& kinematics, const AxisVector& quantum, const ToolLimits& limits) noexcept {
+  constexpr double kHalfTurn_rad = 3.14159265358979323846;  // the other half mirrors it
+  ReachBounds bounds;
+  for (unsigned k = 0; k <= detail::kDirections; ++k) {  // the last one: the centre
+    const Vec3d place = k < detail::kDirections ? detail::spread_direction(k) * limits.workspace_radius_m : Vec3d{};
+    AxisVector q = coordinates_of(kinematics, {place, {}});
+    q[3] = q[4] = q[5] = 0;
+    detail::widen_drives(kinematics, q, limits, bounds);
+    for (unsigned turn = 0; turn < detail::kWristYaws; ++turn)
+      for (const double pitch : {-kPitchLimit_rad, 0.0, kPitchLimit_rad}) {
+        q[3] = turn * kHalfTurn_rad / detail::kWristYaws, q[kPitchAxis] = pitch;
+        detail::widen_quanta(kinematics, q, quantum, bounds);
+      }
+  }
+  bounds.position_quantum_m *= kSpreadMargin, bounds.rotation_quantum_rad *= kSpreadMargin;
+  bounds.arm_effort_norm *= kSpreadMargin;
+  for (double& effort : bounds.effort) effort *= kSpreadMargin;
+  for (double& rate : bounds.rate) rate *= kSpreadMargin;
+  return bounds;
+}
+
+}  // namespace tactus::hal
