@@ -209,7 +209,8 @@ void StateAssembler::continue_sequence_and_time(StateFrame& frame) noexcept {
   const auto expected_low = static_cast<std::uint32_t>(expected_quanta);
   const std::int32_t off = static_cast<std::int32_t>(continued(expected_low, quanta_low, 8, state_gap_) - expected_low);
   frame.time_us = (expected_quanta + static_cast<std::uint64_t>(std::int64_t{off})) << kTimeShift;
-  if (!is_newer(sequence_, frame.sequence)) sequence_ = frame.sequence, time_us_ = frame.time_us;
+  // Also backwards: a stream that is sent again stays an old one, however long it is.
+  sequence_ = frame.sequence, time_us_ = frame.time_us;
   state_gap_ = false;
   silent_looks_ = 0;
 }
