@@ -10,7 +10,7 @@
 #include <cstring>
 #include <string_view>
 
-namespace tactus::firmware::boards {
+namespace tactus::firmware {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -139,4 +139,4 @@ void Pace::wait() noexcept {
   ++counters_.periods;
 }
 
-}  // namespace tactus::firmware::boards
+}  // namespace tactus::firmware

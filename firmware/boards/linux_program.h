@@ -15,7 +15,7 @@
 
 #include "firmware/board.h"
 
-namespace tactus::firmware::boards {
+namespace tactus::firmware {
 
 struct ProgramOptions {
   std::string mechanics;          // --mechanics: the file that linux_io.h reads
@@ -94,4 +94,4 @@ PaceCounters run_board(const ProgramOptions& options, const std::atomic<bool>& s
   return counters;
 }
 
-}  // namespace tactus::firmware::boards
+}  // namespace tactus::firmware

@@ -17,7 +17,7 @@
 
 #include "firmware/protocol.h"
 
-namespace tactus::firmware::boards {
+namespace tactus::firmware {
 
 class Mailbox {
  public:
@@ -53,4 +53,4 @@ class Mailbox {
   std::uint8_t writing_{0}, reading_{2};  // each its own side's
 };
 
-}  // namespace tactus::firmware::boards
+}  // namespace tactus::firmware

@@ -75,7 +75,7 @@ void exchange_latest() {
 }
 
 void exchange_mailbox() {
-  tactus::firmware::boards::Mailbox mailbox;
+  tactus::firmware::Mailbox mailbox;
   static_assert(sizeof(Payload) == tactus::firmware::kMaxFrameSize);
   exchange(
       [&](std::uint64_t n, Delays&) {

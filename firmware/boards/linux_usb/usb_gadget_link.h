@@ -1,0 +1,98 @@
+// The device's end of the USB link on a Linux board: frames through FunctionFS, without the control period ever waiting
+// for the bus.
+//
+// A read or write of a FunctionFS endpoint blocks until the host has asked, poll() does not work on endpoints, and what
+// asynchronous I/O has read is copied by a kernel worker of normal priority, which a busy board may hold up for long.
+// So each endpoint has a thread of its own that blocks in plain calls at real-time priority, and mailboxes of the
+// newest frame lie between them and the control period. A third thread answers endpoint 0: it hands a service request
+// to the control period and keeps the reply until the host fetches it. Thread: open(), close(), plug(), unplug()
+// [setup]; the four of DeviceLink [rt], the control period's alone: one atomic exchange and a copy each, send_state
+// also wakes the writer; counters() [any]. Bound: one service request at a time; one that is not answered within 200 ms
+// is given up.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "firmware/board.h"
+#include "firmware/boards/board_thread.h"
+#include "firmware/boards/linux_usb/usb_gadget.h"
+#include "firmware/boards/mailbox.h"
+
+struct usb_ctrlrequest;
+
+namespace tactus::firmware {
+
+// Since open().
+struct GadgetCounters {
+  std::uint64_t commands_received{0};
+  std::uint64_t commands_superseded{0};  // replaced by a newer one before the control period looked
+  std::uint64_t states_sent{0};          // fetched by the host
+  std::uint64_t states_superseded{0};    // replaced by a newer one before the host fetched them
+  std::uint64_t transfer_errors{0};      // transfers that ended with an error while the host had us configured
+  std::uint64_t service_requests{0};
+  std::uint64_t service_refused{0};  // malformed, unknown, or not answered in time
+  std::uint64_t disconnects{0};      // the host went away or reset us
+};
+
+class UsbGadgetLink {
+ public:
+  UsbGadgetLink() = default;
+  ~UsbGadgetLink() { close(); }
+  UsbGadgetLink(const UsbGadgetLink&) = delete;
+  UsbGadgetLink& operator=(const UsbGadgetLink&) = delete;
+
+  // Sets the gadget up and binds it: the host may come at once. priority: of the three threads, SCHED_FIFO; above the
+  // control period's own, or a busy board starves its link. The error in one line; empty: none.
+  std::string open(const GadgetOptions& options, int priority);
+  void close() noexcept;
+  // As if the cable were put in and pulled out; for tests.
+  std::string plug() { return gadget_.bind(); }
+  void unplug() noexcept { gadget_.unbind(); }
+
+  bool configured() const noexcept { return configured_.load(std::memory_order_relaxed); }  // by the host
+  bool realtime() const noexcept { return reader_.realtime() && writer_.realtime() && control_.realtime(); }
+  const std::string& udc() const noexcept { return gadget_.udc(); }
+  GadgetCounters counters() const noexcept;
+
+  // --- DeviceLink
+  std::size_t receive_command(std::span<std::byte, kMaxFrameSize> buffer) noexcept { return commands_.take(buffer); }
+  void send_state(std::span<const std::byte> frame) noexcept;
+  bool receive_service(ServiceMessage& message) noexcept;
+  void reply_service(const ServiceMessage& message) noexcept;
+
+ private:
+  // Whose turn it is with service_: the owner of the state changes it.
+  enum class Service : std::uint8_t { kFree, kRequest, kAtPeriod, kReply };
+
+  void read_commands() noexcept;
+  void write_states() noexcept;
+  void wake_writer() noexcept;
+  void answer_control() noexcept;
+  void handle_setup(const usb_ctrlrequest& setup) noexcept;
+  bool take_request(const usb_ctrlrequest& setup) noexcept;
+  bool give_reply(const usb_ctrlrequest& setup) noexcept;
+  void await_reply() noexcept;
+  void note_error(int error) noexcept;
+  std::string open_files(const std::string& mount);
+  std::string start_threads(int priority);
+
+  using Counter = std::atomic<std::uint64_t>;
+  static void count(Counter& counter) noexcept { counter.fetch_add(1, std::memory_order_relaxed); }
+
+  UsbGadget gadget_;
+  int control_file_{-1}, state_file_{-1}, command_file_{-1};
+  Mailbox commands_, states_;
+  std::atomic<std::uint32_t> states_written_{0};  // the writer sleeps on it
+  std::atomic<Service> service_state_{Service::kFree};
+  ServiceMessage service_;
+  std::atomic<bool> configured_{false};
+  Counter commands_received_{0}, commands_superseded_{0}, states_sent_{0}, states_superseded_{0}, transfer_errors_{0},
+      service_requests_{0}, service_refused_{0}, disconnects_{0};
+  BoardThread reader_, writer_, control_;  // last: they are stopped before anything that they use goes
+};
+
+static_assert(DeviceLink<UsbGadgetLink>);
+
+}  // namespace tactus::firmware
