@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <catch2/catch.hpp>
+#include <concepts>
 
 #include "firmware/device.h"
 
@@ -53,9 +54,12 @@ struct DeviceBench {
   ServiceMessage ask(Operation operation, unsigned number, std::uint32_t value = 0) {
     return device.serve({operation, ServiceStatus::kGood, 7, static_cast<std::uint16_t>(number), value});
   }
-  ServiceStatus write(unsigned number, std::uint32_t value) { return ask(Operation::kWrite, number, value).status; }
+  // Of any whole type: 32 bits are an int on one machine, a long on another.
+  template <std::integral T>
+  ServiceStatus write(unsigned number, T value) {
+    return ask(Operation::kWrite, number, static_cast<std::uint32_t>(value)).status;
+  }
   ServiceStatus write(unsigned number, float value) { return write(number, std::bit_cast<std::uint32_t>(value)); }
-  ServiceStatus write(unsigned number, int value) { return write(number, static_cast<std::uint32_t>(value)); }
   ServiceStatus execute(unsigned number, std::uint32_t argument = 0) {
     return ask(Operation::kExecute, number, argument).status;
   }

@@ -1,7 +1,8 @@
 // Encoders and motors behind the board's registers: the Mechanics of firmware/board.h.
 //
 // Thread: the control period's, [rt]. Units: N or N m per axis in, set-points in 1/32767 of the axis' full effort out.
-// Bound: a set-point beyond the full one saturates; an axis whose full effort is 0 has no motor and gets 0.
+// Bound: a set-point beyond the full one saturates; an axis whose full effort is 0 has no motor and gets 0. Of several
+// index pulses within one period the newest is told.
 #pragma once
 
 #include "firmware/board.h"
@@ -15,17 +16,29 @@ class BoardMechanics {
   // `full_effort`: N or N m per motor at the full set-point.
   BoardMechanics(BoardRegisters& registers, const PeriodClock& clock, const AxisValues& full_effort) noexcept
       : registers_(registers), clock_(clock) {
-    for (unsigned i = 0; i < kAxes; ++i)
+    for (unsigned i = 0; i < kAxes; ++i) {
       setpoint_per_effort_[i] = full_effort[i] > 0.0f ? static_cast<float>(kFullSetpoint) / full_effort[i] : 0.0f;
+      index_pulses_[i] = registers.index_pulses[i];
+    }
   }
 
   void sample(ControllerInputs& inputs) noexcept {
     const std::uint32_t pins = registers_.pins;
-    for (unsigned i = 0; i < kAxes; ++i) inputs.counts[i] = static_cast<std::int32_t>(registers_.encoder_count[i]);
     inputs.time_us = clock_.now_us();
     inputs.buttons = static_cast<std::uint8_t>(pins >> kFirstButtonPin);
     inputs.stop_line = (pins & kPinStopReleased) == 0;
     inputs.motor_bus_ok = (pins & kPinSupplyGood) != 0;
+    inputs.encoder_errors = static_cast<std::uint8_t>(registers_.encoder_errors & ((1u << kAxes) - 1u));
+    inputs.index_edges = 0;
+    for (unsigned i = 0; i < kAxes; ++i) {
+      inputs.counts[i] = static_cast<std::int32_t>(registers_.encoder_count[i]);
+      inputs.measured_rise_K[i] = static_cast<float>(static_cast<std::int32_t>(registers_.winding_rise_mK[i])) * 1e-3f;
+      // The pulses before what they latched: a pulse in between is told again, with the same count, in the next period.
+      const std::uint32_t pulses = registers_.index_pulses[i];
+      if (pulses != index_pulses_[i]) inputs.index_edges = static_cast<std::uint8_t>(inputs.index_edges | 1u << i);
+      index_pulses_[i] = pulses;
+      inputs.index_counts[i] = static_cast<std::int32_t>(registers_.index_count[i]);
+    }
   }
 
   void drive(const ControllerOutputs& outputs) noexcept {
@@ -55,6 +68,7 @@ class BoardMechanics {
   BoardRegisters& registers_;
   const PeriodClock& clock_;
   AxisValues setpoint_per_effort_{};
+  std::array<std::uint32_t, kAxes> index_pulses_{};
 };
 static_assert(Mechanics<BoardMechanics>);
 

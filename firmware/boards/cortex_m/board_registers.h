@@ -3,7 +3,8 @@
 // On a chip these are the counters of its timers, the compare values of its PWM, its pins: a port replaces the struct
 // by them. On mps2-an386 it is memory at an address that the linker script gives, and whoever shares that memory is the
 // mechanics. Read so that a board where nothing is connected (all zeros) is stopped and without supply.
-// Thread: the control period's, and the fault handlers. Units: counts; set-points in 1/32767 of the full effort.
+// Thread: the control period's, and the fault handlers. Units: counts; set-points in 1/32767 of the full effort;
+// K/1000.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +18,29 @@ enum class MotorStage : std::uint32_t {
   kShorted = 2,  // windings shorted: the brake
 };
 
+// Signed values are two's complement.
 struct BoardRegisters {
-  std::uint32_t volatile encoder_count[6];     // in: two's complement, wraps
-  std::uint32_t volatile pins;                 // in: see below
-  std::uint32_t volatile motor_stage;          // out: MotorStage
-  std::uint32_t volatile motor_setpoint[6];    // out: -32767 to 32767, two's complement
-  std::uint32_t volatile heartbeat;            // out: toggles once per control period, for an external watchdog
-  std::uint32_t volatile fault_program_count;  // out: where the program was when it failed, 0 if it did not
+  // In, by axis.
+  std::uint32_t volatile encoder_count[6];    // wraps
+  std::uint32_t volatile index_pulses[6];     // index pulses so far, wraps
+  std::uint32_t volatile index_count[6];      // the count that the newest pulse latched
+  std::uint32_t volatile winding_rise_mK[6];  // over ambient, from a sensor; 0 without one
+  // In: bits.
+  std::uint32_t volatile encoder_errors;  // bit k: axis k has a line fault, or made a transition that cannot be
+  std::uint32_t volatile pins;            // see below
+  // Out.
+  std::uint32_t volatile motor_stage;          // MotorStage
+  std::uint32_t volatile motor_setpoint[6];    // by axis, -32767 to 32767
+  std::uint32_t volatile heartbeat;            // toggles once per control period, for an external watchdog
+  std::uint32_t volatile fault_program_count;  // where the program was when it last failed; 0 if it never did
 };
-static_assert(sizeof(BoardRegisters) == 64 && offsetof(BoardRegisters, motor_stage) == 28);
+static_assert(sizeof(BoardRegisters) == 140 && offsetof(BoardRegisters, motor_stage) == 104);
 
 inline constexpr std::uint32_t kPinStopReleased = 1u << 0;  // the e-stop's contact is closed: it opens to stop
 inline constexpr std::uint32_t kPinSupplyGood = 1u << 1;
 inline constexpr unsigned kFirstButtonPin = 8;  // eight of them
 inline constexpr std::int32_t kFullSetpoint = 32767;
+inline constexpr std::uint32_t kUnknownPlace = 0xffffffffu;  // a fault_program_count: the stack did not tell
 
 // From any context, also with a broken stack: plain stores. The stage first, since that alone stops the motors.
 inline void short_motors(BoardRegisters& registers) noexcept {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "firmware/controller.h"
+#include "firmware/identity.h"
 
 namespace tactus::firmware::cortex_m {
 
@@ -21,6 +22,9 @@ constexpr Config make_configuration() noexcept {
 
 // N or N m per motor at the full set-point: what its amplifier gives at its full current.
 inline constexpr AxisValues kFullEffort{10.0f, 10.0f, 10.0f, 0.0f, 0.0f, 0.0f};
+
+// A chip has a number of its own to read the serial from.
+inline constexpr Identity kIdentity = make_identity(DeviceClass::kDesk3, "mps2-an386");
 
 inline constexpr std::uint32_t kSerialBitRate_Hz = 1'000'000;
 // A program that hangs this long loses the motors (NMI), and twice as long its life (reset).

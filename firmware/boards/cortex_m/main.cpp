@@ -3,6 +3,7 @@
 // One control period per SysTick; between them the core sleeps. The handlers move bytes and count ticks, nothing else,
 // and all have the same priority: no handler interrupts another, but for the faults and the watchdog's NMI.
 #include "firmware/boards/cortex_m/board_mechanics.h"
+#include "firmware/boards/cortex_m/board_storage.h"
 #include "firmware/boards/cortex_m/cmsdk.h"
 #include "firmware/boards/cortex_m/configuration.h"
 #include "firmware/boards/cortex_m/serial_link.h"
@@ -11,7 +12,11 @@
 using namespace tactus::firmware;
 using namespace tactus::firmware::cortex_m;
 
-extern "C" BoardRegisters board_registers;  // from the linker script
+// From the linker script.
+extern "C" {
+extern BoardRegisters board_registers;
+extern StorageMemory storage_memory;
+}
 
 namespace {
 
@@ -55,20 +60,26 @@ void on_uart0_transmitter() {
     uart.data = std::to_integer<std::uint32_t>(b);
 }
 
-// The watchdog is not kicked any more: it resets the chip.
+// The watchdog is not kicked any more: its NMI comes here once more, then it resets the chip. The first place counts.
 [[noreturn]] void stop_after_fault(const std::uint32_t* frame) {
   short_motors(board_registers);
+  static bool stopped = false;
   constexpr unsigned program_count = 6;  // of the eight words that an exception leaves on the stack
-  if (frame >= &stack_limit && frame + program_count < &stack_top)
-    board_registers.fault_program_count = frame[program_count];
+  if (!stopped) {
+    const bool on_stack = frame >= &stack_limit && frame + program_count < &stack_top;
+    board_registers.fault_program_count = on_stack ? frame[program_count] : kUnknownPlace;
+  }
+  stopped = true;
   for (;;) {}
 }
 
 int main() {
   short_motors(board_registers);
   constexpr Config configuration = make_configuration();
-  static Device device(configuration);
+  static Device device(configuration, kIdentity);
   static BoardMechanics mechanics(board_registers, period_clock, kFullEffort);
+  static BoardStorage storage(storage_memory);
+  (void)restore_configuration(device, storage);  // a bad one shows in the self-test's register
 
   start_watchdog(kWatchdogTimeout_us);
   start_uart(uart0(), kSerialBitRate_Hz);
@@ -77,7 +88,7 @@ int main() {
   if (!period_clock.start(systick(), kCoreClock_Hz, configuration.period_us)) return 1;
   while (stack_is_intact()) {
     sleep_until_next_tick();
-    run_period(device, mechanics, serial_link);
+    run_period(device, mechanics, serial_link, storage);
     kick_watchdog();
   }
   return 1;  // the stack has reached its end: startup.cpp takes that as a fault

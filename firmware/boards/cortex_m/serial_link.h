@@ -86,6 +86,7 @@ class SerialLink {
   std::uint32_t malformed() const noexcept { return reader_.malformed(); }
   std::uint32_t bytes_lost() const noexcept { return overflow_.load(std::memory_order_relaxed); }  // wraps
   std::uint32_t frames_not_sent() const noexcept { return not_sent_; }                             // wraps
+  std::uint32_t requests_refused() const noexcept { return requests_refused_; }                    // wraps
 
  private:
   // What is there now, not what comes meanwhile: at most a ring full of bytes.
@@ -94,10 +95,14 @@ class SerialLink {
     for (std::size_t left = incoming_.size(); left > 0 && incoming_.pop(b); --left)
       if (reader_.accept(b)) sort(reader_.frame());
   }
-  // A request is known by its whole form, anything else is the controller's to judge, and to count.
+  // What has the size of a request is judged here, anything else by the controller, which counts what it refuses. A
+  // host asks one question at a time; of two the second is answered.
   void sort(std::span<const std::byte> frame) noexcept {
     if (frame.size() == kServiceFrameSize) {
-      if (decode_service(frame, ServiceDirection::kRequest, request_) == DecodeError::kNone) asked_ = true;
+      if (decode_service(frame, ServiceDirection::kRequest, request_) == DecodeError::kNone)
+        asked_ = true;
+      else
+        ++requests_refused_;
       return;
     }
     std::copy(frame.begin(), frame.end(), command_.begin());
@@ -122,7 +127,7 @@ class SerialLink {
   std::size_t command_size_{0};
   ServiceMessage request_;
   bool asked_{false};
-  std::uint32_t not_sent_{0};
+  std::uint32_t not_sent_{0}, requests_refused_{0};
 };
 
 }  // namespace tactus::firmware

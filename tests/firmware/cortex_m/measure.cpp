@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "firmware/boards/cortex_m/board_mechanics.h"
+#include "firmware/boards/cortex_m/board_storage.h"
 #include "firmware/boards/cortex_m/configuration.h"
 #include "firmware/boards/cortex_m/serial_link.h"
 #include "firmware/boards/cortex_m/startup.h"
@@ -15,7 +16,10 @@
 using namespace tactus::firmware;
 using namespace tactus::firmware::cortex_m;
 
-extern "C" BoardRegisters board_registers;
+extern "C" {
+extern BoardRegisters board_registers;
+extern StorageMemory storage_memory;
+}
 
 namespace {
 
@@ -49,6 +53,7 @@ struct Rig {
   SysTickRegisters beat{};
   Device device{six_motors()};
   BoardMechanics mechanics{board_registers, clock, {10, 10, 10, 1, 1, 1}};
+  BoardStorage storage{storage_memory};
   std::uint32_t sequence{0};
   std::uint32_t empty_counts{0};
   std::uint32_t random{1};
@@ -86,7 +91,7 @@ struct Rig {
     auto* const top = reinterpret_cast<std::uint32_t volatile*>(here);
     for (auto* word = top - 1; word >= &stack_limit; --word) *word = kStackPaint;
     const std::uint32_t before = timer();
-    run_period(device, mechanics, link);
+    run_period(device, mechanics, link, storage);
     const std::uint32_t after = timer();
     auto* word = const_cast<std::uint32_t volatile*>(&stack_limit);
     while (word < top && *word == kStackPaint) ++word;
