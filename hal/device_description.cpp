@@ -14,7 +14,7 @@ std::string shown(double x) {
 }
 
 DescriptionMistake above(const char* key, double value, double peak) {
-  return {"[limits]", key, shown(value) + " is above the peak", "at most " + shown(peak)};
+  return {"limits", key, shown(value) + " is above the peak", "at most " + shown(peak)};
 }
 
 }  // namespace
@@ -42,13 +42,13 @@ AxisKinds axes_of(KinematicsKind kind) noexcept {
 DescriptionMistake find_mistake(const DeviceDescription& d) {
   const double largest = largest_workspace_m(d.links);
   if (d.kind != KinematicsKind::kStage && d.workspace_radius_m > largest)
-    return {"[workspace]", "radius_m", shown(d.workspace_radius_m) + " is more than the links reach freely",
+    return {"workspace", "radius_m", shown(d.workspace_radius_m) + " is more than the links reach freely",
             "at most " + shown(largest) + ", or longer links"};
   if (d.continuous_force_N > d.peak_force_N) return above("continuous_force_N", d.continuous_force_N, d.peak_force_N);
   if (d.continuous_torque_Nm > d.peak_torque_Nm)
     return above("continuous_torque_Nm", d.continuous_torque_Nm, d.peak_torque_Nm);
   if (!d.has_rotation() && d.peak_torque_Nm > 0)
-    return {"[limits]", "peak_torque_Nm", "set, but a point_arm takes no torque", "0, or another kinematics kind"};
+    return {"limits", "peak_torque_Nm", "set, but a point_arm takes no torque", "0, or another kinematics kind"};
   return {};
 }
 

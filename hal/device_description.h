@@ -24,13 +24,13 @@ struct DeviceDescription {
   ArmLinks links;  // of an arm
 
   double workspace_radius_m{0};  // the mechanical stop, about the centre
-  double max_speed_m_per_s{0}, max_angular_speed_rad_per_s{0};
+  double max_speed_m_per_s{0}, max_angular_speed_rad_per_s{10};
   // At the tool, everywhere in the workspace; torques are 0 without a wrist.
   double peak_force_N{0}, peak_torque_Nm{0};
   double continuous_force_N{0}, continuous_torque_Nm{0};
-  // As felt at the tool: isotropic, gravity balanced.
-  double mass_kg{0}, inertia_kg_m2{0};
-  double damping_Ns_per_m{0}, damping_Nms_per_rad{0};
+  // As felt at the tool: isotropic, gravity balanced. Without a wrist nothing looks at what rotation is like.
+  double mass_kg{0}, inertia_kg_m2{1e-3};
+  double damping_Ns_per_m{0}, damping_Nms_per_rad{2e-3};
   double coulomb_friction_N{0}, coulomb_friction_Nm{0};
   double brake_damping_Ns_per_m{0}, brake_damping_Nms_per_rad{0};  // more, while the motors are shorted
 
@@ -56,10 +56,10 @@ struct AxisKinds {
 };
 AxisKinds axes_of(KinematicsKind kind) noexcept;
 
-// One line: the first figure that cannot be, by its key in a file, and what is accepted. Ranges of single figures are
-// the reader's; this is what must hold between them.
+// The first figure that cannot go with the others, by its key in a file, and what is accepted. Ranges of single figures
+// are the reader's.
 struct DescriptionMistake {
-  const char* table{nullptr};  // null: there is none
+  const char* table{nullptr};  // of the file; null: there is no mistake
   const char* key{nullptr};
   std::string what, accepted;
 };

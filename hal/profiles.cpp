@@ -44,11 +44,9 @@ DeviceDescription make_desk3d() {
   d.kind = KinematicsKind::kPointArm;
   d.links = {.upper_m = 0.16, .forearm_m = 0.16};
   d.workspace_radius_m = 0.08;
-  d.max_speed_m_per_s = 1.0, d.max_angular_speed_rad_per_s = 10.0;
+  d.max_speed_m_per_s = 1.0;
   d.peak_force_N = 8.0, d.continuous_force_N = 3.0;
-  d.mass_kg = 0.2, d.inertia_kg_m2 = 1e-3;
-  d.damping_Ns_per_m = 0.5, d.damping_Nms_per_rad = 2e-3;
-  d.coulomb_friction_N = 0.1;
+  d.mass_kg = 0.2, d.damping_Ns_per_m = 0.5, d.coulomb_friction_N = 0.1;
   d.brake_damping_Ns_per_m = 10.0;
   d.counts_per_turn = {50000, 50000, 50000, 0, 0, 0};
   return d;
