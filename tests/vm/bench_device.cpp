@@ -1,0 +1,223 @@
+// The device of the bench: the whole firmware on simulated mechanics, behind a link of the kernel's.
+//
+//   bench_device LINK [OPTION VALUE]...     LINK: usb, can:IFACE, can-fd:IFACE
+//   --scene FILE   whose device and hand it has    --rate HZ         control periods a second, default 1000
+//   --control FIFO commands, a line each           --stop-line N     of --gpio-chip NAME: the e-stop
+//   --priority N   SCHED_FIFO, default 60          --serial TEXT     of the USB device
+// Commands: NAME N of a LinkFaults member sets it for N frames; `plug`, `unplug` (USB); `buttons N`; `motor-bus 0|1`;
+// `hand restart`; `report` prints the truth so far; `quit`. What happens is told as lines on standard output, see
+// simulated_board.h.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <string_view>
+
+#include "firmware/boards/linux_can/can_device_link.h"
+#include "firmware/boards/linux_program.h"
+#include "firmware/boards/linux_usb/usb_gadget_link.h"
+#include "sim/scene_load.h"
+#include "tests/vm/hostile_link.h"
+#include "tests/vm/simulated_board.h"
+
+namespace tactus::vm {
+namespace {
+
+[[noreturn]] void fail(const std::string& message) {
+  std::fprintf(stderr, "bench_device: %s\n", message.c_str());
+  std::exit(2);
+}
+
+struct Options {
+  std::string link, scene, control, serial{"BENCH-1"}, gpio_chip{"gpiochip0"};
+  unsigned rate_Hz{1000};
+  int stop_line{-1}, priority{60};
+};
+
+Options read_options(int argc, char** argv) {
+  if (argc < 2) fail("no link; accepted: usb, can:IFACE, can-fd:IFACE");
+  Options options;
+  options.link = argv[1];
+  for (int i = 2; i + 1 < argc; i += 2) {
+    const std::string_view name = argv[i];
+    const char* value = argv[i + 1];
+    if (name == "--scene")
+      options.scene = value;
+    else if (name == "--control")
+      options.control = value;
+    else if (name == "--serial")
+      options.serial = value;
+    else if (name == "--gpio-chip")
+      options.gpio_chip = value;
+    else if (name == "--rate")
+      options.rate_Hz = static_cast<unsigned>(std::atoi(value));
+    else if (name == "--stop-line")
+      options.stop_line = std::atoi(value);
+    else if (name == "--priority")
+      options.priority = std::atoi(value);
+    else
+      fail("unknown option " + std::string(name));
+  }
+  if (options.rate_Hz < 1 || options.rate_Hz > 10'000) fail("--rate: accepted: 1 to 10000");
+  return options;
+}
+
+sim::Scene read_scene(const std::string& file) {
+  auto scene = sim::load_scene(file);
+  if (!scene.ok()) fail(scene.message());
+  return std::move(scene).value();
+}
+
+// The scene says where the hand goes in the world; the device wants it in its own frame.
+hal::HandModel hand_of(const sim::Scene& scene) {
+  const Posed device_from_world = inverse(scene.device.world_from_device);
+  std::vector<hal::HandWaypoint> path;
+  for (const sim::HandWaypoint& point : scene.hand.path) {
+    const Quatd turn = device_from_world.rotation * quat_from_rotation_vector(point.rotation_vector_rad);
+    path.push_back({point.time_s, (device_from_world * point.position_m) * (1.0 / scene.device.motion_scale),
+                    hal::rotation_vector_of(turn)});
+  }
+  hal::HandParameters parameters;
+  parameters.stiffness_N_per_m = scene.hand.stiffness_N_per_m;
+  parameters.damping_Ns_per_m = scene.hand.damping_Ns_per_m;
+  parameters.mass_kg = scene.hand.mass_kg;
+  parameters.stiffness_Nm_per_rad = scene.hand.stiffness_Nm_per_rad;
+  parameters.damping_Nms_per_rad = scene.hand.damping_Nms_per_rad;
+  parameters.repeat = scene.hand.repeat;
+  return hal::HandModel(parameters, path);
+}
+
+// Lines from the FIFO as they come; never waits.
+class ControlLines {
+ public:
+  explicit ControlLines(const std::string& fifo) {
+    // Both directions, so that a writer that closes it is not an end of file.
+    if (!fifo.empty() && (file_ = open(fifo.c_str(), O_RDWR | O_NONBLOCK)) < 0) fail("cannot open " + fifo);
+  }
+  bool next(std::string& line) {
+    char byte;
+    while (file_ >= 0 && read(file_, &byte, 1) == 1) {
+      if (byte == '\n') {
+        line = std::exchange(partial_, {});
+        return true;
+      }
+      partial_ += byte;
+    }
+    return false;
+  }
+
+ private:
+  int file_{-1};
+  std::string partial_;
+};
+
+template <class Link>
+bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, SimulatedBoard& board,
+          const firmware::Device& device) {
+  const std::size_t space = std::min(line.find(' '), line.size());
+  const std::string name = line.substr(0, space);
+  const std::uint64_t value = std::strtoull(line.c_str() + space, nullptr, 10);
+  LinkFaults& f = link.faults;
+  const std::map<std::string, std::uint64_t*> faults{{"lost_states", &f.lost_states},
+                                                     {"corrupt_states", &f.corrupt_states},
+                                                     {"repeated_states", &f.repeated_states},
+                                                     {"wild_states", &f.wild_states},
+                                                     {"odd_sizes", &f.odd_sizes},
+                                                     {"silence", &f.silence},
+                                                     {"lost_commands", &f.lost_commands},
+                                                     {"corrupt_commands", &f.corrupt_commands},
+                                                     {"repeated_commands", &f.repeated_commands},
+                                                     {"babble", &f.babble}};
+  if (const auto fault = faults.find(name); fault != faults.end()) {
+    *fault->second = value;
+  } else if (name == "buttons") {
+    board.buttons = static_cast<std::uint8_t>(value);
+  } else if (name == "motor-bus") {
+    board.motor_bus_ok = value != 0;
+  } else if (name == "hand") {
+    board.restart_hand();
+  } else if (name == "report") {
+    std::printf(
+        "report periods=%llu commands=%llu refused=%u state=%u fault=%u largest_effort=%g largest_share=%g "
+        "finite=%d\n",
+        static_cast<unsigned long long>(board.periods()), static_cast<unsigned long long>(link.commands()),
+        device.controller().refused_frames(), static_cast<unsigned>(device.controller().state()),
+        static_cast<unsigned>(device.controller().fault()), static_cast<double>(link.largest_effort()),
+        board.largest_share_seen(), !link.saw_effort_not_finite());
+  } else if (name == "quit") {
+    return false;
+  } else if constexpr (requires { true_link.unplug(); }) {
+    if (name == "unplug")
+      true_link.unplug();
+    else if (name == "plug") {
+      if (const std::string e = true_link.plug(); !e.empty()) fail(e);
+    } else
+      fail("unknown command '" + line + "'");
+  } else {
+    fail("unknown command '" + line + "'");
+  }
+  std::printf("done %s\n", line.c_str());
+  return true;
+}
+
+template <class Link>
+int run(const Options& options, Link& true_link) {
+  const sim::Scene scene = read_scene(options.scene);
+  const hal::DeviceProfile* profile = hal::find_profile(scene.device.profile);
+  if (profile == nullptr) fail("the scene's device profile is none");
+  const std::uint32_t period_us = 1'000'000 / options.rate_Hz;
+  const firmware::Config config = hal::firmware_config(*profile, period_us);
+  firmware::Device device(config, firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial));
+  SimulatedBoard board(*profile, hand_of(scene), config);
+  if (options.stop_line >= 0)
+    if (const std::string e = board.stop_line.open(options.gpio_chip, static_cast<unsigned>(options.stop_line));
+        !e.empty())
+      fail(e);
+  HostileLink<Link> link(true_link, 1);
+  ControlLines control(options.control);
+  if (const std::string refused = firmware::make_realtime(options.priority, -1); !refused.empty()) fail(refused);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  std::printf("ready\n");
+
+  const std::atomic<bool>& stop = firmware::stop_on_signals();
+  firmware::Pace pace(period_us);
+  std::string line;
+  for (bool go_on = true; go_on && !stop.load();) {
+    pace.wait();
+    firmware::run_period(device, board, link);
+    board.tell(device);
+    while (go_on && control.next(line)) go_on = obey(line, link, true_link, board, device);
+  }
+  const firmware::PaceCounters& paced = pace.counters();
+  std::printf("end periods=%llu skipped=%llu max_late_us=%lld\n", static_cast<unsigned long long>(paced.periods),
+              static_cast<unsigned long long>(paced.skipped), static_cast<long long>(paced.max_late_ns / 1000));
+  return 0;
+}
+
+int run_can(const Options& options, const std::string& interface, bool fd) {
+  firmware::CanDeviceLink link;
+  const firmware::CanOpenError error = link.open({interface.c_str(), 1, fd});
+  if (error.step != firmware::CanOpenError::Step::kNone) fail(interface + ": " + std::strerror(error.number));
+  return run(options, link);
+}
+
+int run_usb(const Options& options) {
+  firmware::UsbGadgetLink link;
+  firmware::GadgetOptions gadget;
+  gadget.serial = options.serial;
+  if (const std::string error = link.open(gadget, options.priority + 1); !error.empty()) fail(error);
+  return run(options, link);
+}
+
+}  // namespace
+}  // namespace tactus::vm
+
+int main(int argc, char** argv) {
+  const tactus::vm::Options options = tactus::vm::read_options(argc, argv);
+  if (options.link == "usb") return tactus::vm::run_usb(options);
+  if (options.link.starts_with("can:")) return tactus::vm::run_can(options, options.link.substr(4), false);
+  if (options.link.starts_with("can-fd:")) return tactus::vm::run_can(options, options.link.substr(7), true);
+  tactus::vm::fail("link '" + options.link + "' is none; accepted: usb, can:IFACE, can-fd:IFACE");
+}

@@ -1,0 +1,125 @@
+// A device's link that lies: what passes through it can be lost, broken, repeated, out of all bounds, of the wrong
+// length, too much or nothing at all. Around any DeviceLink; its own faults only, the link's stay as they are.
+//
+// Each fault holds for a number of frames that is set from outside. Also keeps the book of what the host sent: the
+// largest effort that a whole command asked for. Thread: one, the control period's.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/board.h"
+
+namespace tactus::vm {
+
+// Frames that each fault still holds for.
+struct LinkFaults {
+  std::uint64_t lost_states{0}, corrupt_states{0}, repeated_states{0}, wild_states{0}, odd_sizes{0}, silence{0};
+  std::uint64_t lost_commands{0}, corrupt_commands{0}, repeated_commands{0};
+  std::uint64_t babble{0};  // periods in which eight frames of rubbish follow the true one
+};
+
+template <firmware::DeviceLink Link>
+class HostileLink {
+ public:
+  HostileLink(Link& link, std::uint64_t seed) : link_(link), random_(seed) {}
+
+  LinkFaults faults;
+
+  std::size_t receive_command(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
+    std::size_t size = link_.receive_command(buffer);
+    if (size > 0) note(buffer.first(size));
+    if (holds(faults.repeated_commands) && last_size_ > 0) {
+      std::copy_n(last_command_.begin(), last_size_, buffer.begin());
+      return last_size_;
+    }
+    if (size == 0) return 0;
+    std::copy_n(buffer.begin(), size, last_command_.begin());
+    last_size_ = size;
+    if (holds(faults.corrupt_commands)) flip_bits(buffer.first(size));
+    if (holds(faults.lost_commands)) size = 0;
+    return size;
+  }
+
+  void send_state(std::span<const std::byte> frame) noexcept {
+    if (holds(faults.silence) || holds(faults.lost_states)) return;
+    std::array<std::byte, firmware::kMaxFrameSize> bytes{};
+    std::size_t size = std::min(frame.size(), bytes.size());
+    std::copy_n(frame.begin(), size, bytes.begin());
+    if (holds(faults.repeated_states) && last_state_size_ > 0)
+      size = last_state_size_, bytes = last_state_;
+    else
+      last_state_size_ = size, last_state_ = bytes;
+    if (holds(faults.wild_states)) make_wild(std::span(bytes).first(size));
+    if (holds(faults.corrupt_states)) flip_bits(std::span(bytes).first(size));
+    if (holds(faults.odd_sizes)) size = random() % (firmware::kMaxFrameSize + 1);
+    link_.send_state(std::span(bytes).first(size));
+    if (holds(faults.babble))
+      for (int i = 0; i < 8; ++i) send_rubbish();
+  }
+
+  bool receive_service(firmware::ServiceMessage& message) noexcept { return link_.receive_service(message); }
+  void reply_service(const firmware::ServiceMessage& message) noexcept { link_.reply_service(message); }
+
+  // Of whole commands that came: how many, and the largest effort of an axis [N, N m].
+  std::uint64_t commands() const noexcept { return commands_; }
+  float largest_effort() const noexcept { return largest_effort_; }
+  bool saw_effort_not_finite() const noexcept { return not_finite_; }
+
+ private:
+  static bool holds(std::uint64_t& frames) noexcept { return frames > 0 && frames-- > 0; }
+
+  void note(std::span<const std::byte> bytes) noexcept {
+    firmware::CommandFrame command;
+    if (firmware::decode_command(bytes, command) != firmware::DecodeError::kNone) return;
+    ++commands_;
+    for (const float effort : command.effort) {
+      if (!std::isfinite(effort)) not_finite_ = true;
+      largest_effort_ = std::fmax(largest_effort_, std::fabs(effort));
+    }
+  }
+
+  void flip_bits(std::span<std::byte> bytes) noexcept {
+    for (unsigned flips = 1 + static_cast<unsigned>(random() % 8); flips > 0 && !bytes.empty(); --flips) {
+      const std::uint64_t bit = random() % (8 * bytes.size());
+      bytes[bit / 8] ^= static_cast<std::byte>(1u << (bit % 8));
+    }
+  }
+
+  // Every field wild under a right check; a state number that exists, so that the frame is believed.
+  void make_wild(std::span<std::byte> bytes) noexcept {
+    firmware::StateFrame frame;
+    if (bytes.size() != firmware::kStateFrameSize ||
+        firmware::decode_state(bytes, frame) != firmware::DecodeError::kNone)
+      return;
+    for (std::int32_t& count : frame.counts) count = static_cast<std::int32_t>(random());
+    frame.time_us = random(), frame.limits = static_cast<std::uint16_t>(random());
+    frame.fault = static_cast<std::uint16_t>(random()), frame.missed_commands = static_cast<std::uint8_t>(random());
+    frame.echoed_sequence = static_cast<std::uint32_t>(random());
+    if (random() % 4 == 0) frame.sequence = static_cast<std::uint32_t>(random());
+    firmware::encode_state(frame, bytes.template first<firmware::kStateFrameSize>());
+  }
+
+  void send_rubbish() noexcept {
+    std::array<std::byte, firmware::kMaxFrameSize> bytes;
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    link_.send_state(std::span(bytes).first(random() % (bytes.size() + 1)));
+  }
+
+  // splitmix64 (Steele, Lea, Flood 2014).
+  std::uint64_t random() noexcept {
+    std::uint64_t z = random_ += 0x9e3779b97f4a7c15ull;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    return z ^ (z >> 31);
+  }
+
+  Link& link_;
+  std::uint64_t random_, commands_{0};
+  std::array<std::byte, firmware::kMaxFrameSize> last_command_{}, last_state_{};
+  std::size_t last_size_{0}, last_state_size_{0};
+  float largest_effort_{0};
+  bool not_finite_{false};
+};
+
+}  // namespace tactus::vm
