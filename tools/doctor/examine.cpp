@@ -1,0 +1,74 @@
+#include "tools/doctor/examine.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "tools/doctor/checks.h"
+
+namespace tactus::doctor {
+namespace {
+
+using Check = Finding (*)(const Patient&);
+
+constexpr std::array<Check, 17> kAlways{check_kernel,      check_machine,    check_clock_source, check_throttling,
+                                        check_swap,        check_huge_pages, check_cores,        check_isolation,
+                                        check_timer_ticks, check_rcu,        check_governor,     check_idle_states,
+                                        check_sibling,     check_interrupts, check_smi,          check_priority_limit,
+                                        check_memory_limit};
+
+}  // namespace
+
+Report examine(const SystemView& system, const Request& request) {
+  Report report;
+  report.cpu = request.cpu >= 0 ? request.cpu : std::max(system.process().last_allowed_cpu, 0);
+  const Patient patient{system, request, report.cpu};
+  for (const Check check : kAlways) report.findings.push_back(check(patient));
+  if (request.usb) report.findings.push_back(check_usb(patient));
+  if (!request.can_interface.empty()) report.findings.push_back(check_can(patient));
+  if (request.gpio) report.findings.push_back(check_gpio(patient));
+  return report;
+}
+
+bool Report::representative() const {
+  return std::none_of(findings.begin(), findings.end(), [](const Finding& f) { return f.distorts; });
+}
+
+Verdict Report::worst() const {
+  Verdict worst = Verdict::kGreen;
+  for (const Finding& finding : findings) worst = std::max(worst, finding.verdict);
+  return worst;
+}
+
+const char* name_of(Verdict verdict) {
+  constexpr std::array<const char*, 3> names{"green", "amber", "red"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+Finding green(const char* check, std::string found) {
+  return {check, Verdict::kGreen, std::move(found), {}, {}, false};
+}
+
+Finding amber(const char* check, std::string found, std::string cure, std::string commands) {
+  return {check, Verdict::kAmber, std::move(found), std::move(cure), std::move(commands), false};
+}
+
+Finding red(const char* check, std::string found, std::string cure, std::string commands) {
+  return {check, Verdict::kRed, std::move(found), std::move(cure), std::move(commands), false};
+}
+
+std::optional<std::string> boot_parameter(const SystemView& system, const std::string& name) {
+  std::istringstream words(system.read("/proc/cmdline").value_or(""));
+  std::optional<std::string> value;  // the last one counts, as for the kernel
+  for (std::string word; words >> word;) {
+    if (word == name) value = "";
+    if (word.starts_with(name + "=")) value = word.substr(name.size() + 1);
+  }
+  return value;
+}
+
+bool contains(const std::vector<int>& cpus, int cpu) { return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end(); }
+
+std::string cpu_folder(int cpu) { return "/sys/devices/system/cpu/cpu" + std::to_string(cpu); }
+
+}  // namespace tactus::doctor

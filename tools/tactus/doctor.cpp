@@ -1,0 +1,110 @@
+// tactus doctor: is this PC fit for the rate? Green, amber, red; each with its cure.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/doctor/examine.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+using doctor::Finding;
+using doctor::Report;
+using doctor::Verdict;
+
+struct DoctorOptions {
+  doctor::Request request;
+  std::string device{"sim"}, root{"/"};
+  bool json{false}, fix{false};
+};
+
+std::string coloured(Verdict verdict, bool colour) {
+  const std::string name = fmt::format("{:<5}", doctor::name_of(verdict));
+  if (!colour) return name;
+  constexpr const char* kColours[]{"32", "33", "31"};
+  return fmt::format("\033[{}m{}\033[0m", kColours[static_cast<std::size_t>(verdict)], name);
+}
+
+void print_text(const Report& report) {
+  const bool colour = isatty(STDOUT_FILENO) != 0;
+  int counts[3]{};
+  for (const Finding& f : report.findings) {
+    ++counts[static_cast<std::size_t>(f.verdict)];
+    fmt::print("{}  {:<20} {}\n", coloured(f.verdict, colour), f.check, f.found);
+    if (!f.cure.empty()) fmt::print("       {:<20} cure: {}\n", "", f.cure);
+  }
+  fmt::print("\ncpu {} for the haptic thread: {} green, {} amber, {} red\n", report.cpu, counts[0], counts[1],
+             counts[2]);
+  if (!report.representative())
+    fmt::print("timing figures taken here are NOT representative of a dedicated real-time PC:\n");
+  for (const Finding& f : report.findings)
+    if (f.distorts) fmt::print("  {}: {}\n", f.check, f.found);
+}
+
+void print_fixes(const Report& report) {
+  fmt::print("# What would cure the findings on this machine; read it, then run what you want, as root.\n");
+  for (const Finding& f : report.findings)
+    if (!f.commands.empty()) fmt::print("\n# {}: {}\n{}\n", f.check, f.found, f.commands);
+}
+
+void print_json(const Report& report) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const Finding& f : report.findings)
+    rows.push_back({{"check", f.check}, {"verdict", doctor::name_of(f.verdict)}, {"found", f.found}, {"cure", f.cure}});
+  const nlohmann::ordered_json object{{"rows", rows}, {"cpu", report.cpu}, {"representative", report.representative()}};
+  fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+int examine(DoctorOptions options) {
+  if (options.device.starts_with("can:")) {
+    options.request.can_interface = options.device.substr(4, options.device.find(':', 4) - 4);
+  } else if (options.device == "usb" || options.device.starts_with("usb:")) {
+    options.request.usb = true;
+  } else if (options.device != "sim") {
+    return complain(
+        "tactus doctor: --device: '" + options.device + "' is no device; accepted: sim, usb[:SERIAL], can:IFACE",
+        kExitBadInput);
+  }
+  const auto system = doctor::SystemView::open(options.root);
+  if (!system.ok()) return complain("tactus doctor: --tree: " + system.message(), kExitBadInput);
+  const Report report = doctor::examine(system.value(), options.request);
+  if (options.json)
+    print_json(report);
+  else if (options.fix)
+    print_fixes(report);
+  else
+    print_text(report);
+  return report.worst() == Verdict::kRed ? kExitVerdictBad : kExitGood;
+}
+
+}  // namespace
+
+CLI::App* add_doctor_command(CLI::App& program, int& exit_code) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* doctor = program.add_subcommand("doctor", "Is this PC fit for the rate? Each finding with its cure.");
+  doctor->footer(
+      "green: as it should be; amber: late wake-ups now and then; red: deadlines will be missed, or it will not run.\n"
+      "Nothing is changed. Exit status: 0 nothing is red; 1 something is; 2 bad usage.\n\n"
+      "Example:\n  tactus doctor --cpu 3\n  tactus doctor --device can:can0\n  tactus doctor --fix > cure.sh");
+  doctor
+      ->add_option("--cpu", options->request.cpu, "core of the haptic thread; by default the last this process may use")
+      ->check(CLI::Range(0, 4095));
+  doctor->add_option("--rate", options->request.rate_Hz, "ticks a second that the link must carry [Hz]")
+      ->check(CLI::Range(100.0, 20000.0))
+      ->capture_default_str();
+  doctor->add_option("--device", options->device, "sim, usb[:SERIAL] or can:IFACE: looks at its bus, too")
+      ->capture_default_str();
+  doctor->add_flag("--gpio", options->request.gpio, "look at the GPIO lines, too");
+  doctor->add_option("--tree", options->root,
+                     "examine a recorded tree of another machine instead (proc, sys, process)");
+  doctor->add_flag("--fix", options->fix, "print the commands that would cure the findings; runs none of them");
+  doctor->add_flag("--json", options->json, "one JSON object on stdout");
+  doctor->callback([options, &exit_code] { exit_code = examine(*options); });
+  return doctor;
+}
+
+}  // namespace tactus::tools
