@@ -1,6 +1,13 @@
 #include "firmware/thermal.h"
 
 namespace tactus::firmware {
+namespace {
+
+// The highest limit that a register takes. A sensor that says more, or infinity, is believed no further: the model
+// would never come back.
+constexpr float kHottest_K = 1000.0f;
+
+}  // namespace
 
 bool is_valid(const ThermalConfig& config) noexcept {
   bool valid = true;
@@ -29,7 +36,8 @@ void ThermalModel::update(const AxisValues& effort, const AxisValues& measured_r
     if (config_.limit_K[i] == 0.0f) continue;
     const float share = step_s / (config_.time_constant_s[i] + step_s);
     rise_K_[i] += share * (config_.gain_K_per_effort2[i] * mean_square - rise_K_[i]);
-    if (measured_rise_K[i] > rise_K_[i]) rise_K_[i] = measured_rise_K[i];
+    const float measured_K = measured_rise_K[i] < kHottest_K ? measured_rise_K[i] : kHottest_K;
+    if (measured_rise_K[i] > rise_K_[i]) rise_K_[i] = measured_K;  // NaN is not above anything
   }
   periods_ = 0;
   judge();

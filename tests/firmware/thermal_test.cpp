@@ -1,6 +1,7 @@
 #include "firmware/thermal.h"
 
 #include <cmath>
+#include <limits>
 
 #include "device_bench.h"
 
@@ -118,4 +119,17 @@ TEST_CASE("a winding that a sensor finds at its limit brakes, and may be re-arme
   for (int i = 0; i < 1000; ++i) b.command(State::kIdle);
   b.rearm();
   CHECK(b.state() == State::kIdle);
+}
+
+TEST_CASE("a sensor that says infinity brakes, and the model comes back when the sensor does") {
+  ThermalModel model;
+  model.configure(motor(1, 1.0f, 40, 80));
+  run(model, 0, 64, std::numeric_limits<float>::infinity());
+  CHECK(model.is_too_hot());
+  CHECK(model.effort_share()[0] == 0.0f);
+  run(model, 0, 64 * 100);  // 1000 K, six time constants ago: 1.7 K
+  CHECK_FALSE(model.is_too_hot());
+  CHECK(model.rise_K()[0] < 5.0f);
+  run(model, 0, 64, std::numeric_limits<float>::quiet_NaN());
+  CHECK(model.rise_K()[0] < 5.0f);
 }
