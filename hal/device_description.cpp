@@ -1,20 +1,15 @@
 #include "hal/device_description.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace tactus::hal {
 namespace {
 
-std::string shown(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%g", x);
-  return text.data();
-}
-
 DescriptionMistake above(const char* key, double value, double peak) {
-  return {"limits", key, shown(value) + " is above the peak", "at most " + shown(peak)};
+  return {"limits", key, fmt::format("{:g} is above the peak", value), fmt::format("at most {:g}", peak)};
 }
 
 }  // namespace
@@ -42,8 +37,8 @@ AxisKinds axes_of(KinematicsKind kind) noexcept {
 DescriptionMistake find_mistake(const DeviceDescription& d) {
   const double largest = largest_workspace_m(d.links);
   if (d.kind != KinematicsKind::kStage && d.workspace_radius_m > largest)
-    return {"workspace", "radius_m", shown(d.workspace_radius_m) + " is more than the links reach freely",
-            "at most " + shown(largest) + ", or longer links"};
+    return {"workspace", "radius_m", fmt::format("{:g} is more than the links reach freely", d.workspace_radius_m),
+            fmt::format("at most {:g}, or longer links", largest)};
   if (d.continuous_force_N > d.peak_force_N) return above("continuous_force_N", d.continuous_force_N, d.peak_force_N);
   if (d.continuous_torque_Nm > d.peak_torque_Nm)
     return above("continuous_torque_Nm", d.continuous_torque_Nm, d.peak_torque_Nm);

@@ -1,0 +1,117 @@
+// Is the device on a link the one that its description says? Asked before it is driven.
+//
+// Its protocol, its class where it names one, the control period, the watchdog's frames, and for every axis that the
+// description has: the encoder's quantum, which must agree, for the pose follows from it; the effort limit, which must
+// let through what the description promises, and not much more, for it is the last guard; the speed limit, which must
+// not brake motions that the description allows. Units: SI. Thread: [setup], [normal]; never the haptic thread.
+// Bound: some thirty questions of at most `patience` each; the first that is not answered ends the check.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+
+#include "firmware/identity.h"
+#include "firmware/registers.h"
+#include "hal/frame_link.h"
+#include "hal/profiles.h"
+
+namespace tactus::hal {
+
+// A firmware that lets through more than this multiple of what the description needs does not guard this device.
+inline constexpr double kMostSpareEffort = 1.5;
+// Registers are floats, and a person may have typed them.
+inline constexpr double kQuantumTolerance = 1e-5, kLimitTolerance = 1e-3;
+
+template <FrameLink Link>
+class IdentityCheck {
+ public:
+  IdentityCheck(const DeviceProfile& profile, std::uint32_t period_us, Link& link, std::chrono::milliseconds patience)
+      : profile_(profile), period_us_(period_us), link_(link), patience_(patience) {}
+
+  Status run() {
+    whole(firmware::number::kProtocol, "protocol version", firmware::kProtocolVersion, "update the device's firmware");
+    check_class();
+    whole(firmware::number::kPeriod, "control period [us]", period_us_, "run at the device's rate (--rate)");
+    const firmware::Config standard;
+    whole(firmware::number::kFadeFrames, "missed frames until the force fades", standard.fade_frames, kCorrect);
+    whole(firmware::number::kBrakeFrames, "missed frames until the brake", standard.brake_frames, kCorrect);
+    const AxisKinds axes = axes_of(profile_.description.kind);
+    for (unsigned axis = 0; axis < axes.prismatic + axes.rotary; ++axis) check_axis(axis);
+    return status_;
+  }
+
+ private:
+  static constexpr const char* kCorrect = "write the register, or name the description of this device (--device-file)";
+
+  void check_class() {
+    const std::uint32_t told = read(firmware::number::kDeviceClass);
+    const auto device_class = static_cast<firmware::DeviceClass>(told);
+    const bool has_rotation = profile_.description.has_rotation();
+    const bool other = (device_class == firmware::DeviceClass::kDesk3 && has_rotation) ||
+                       (device_class == firmware::DeviceClass::kVirtuose6 && !has_rotation);
+    if (other) fail("device class", told, has_rotation ? 2 : 1, "name the description of this device (--device-file)");
+  }
+
+  void check_axis(unsigned axis) {
+    const firmware::Config expected = firmware_config(profile_, period_us_);
+    const auto number = [axis](std::uint16_t first) { return static_cast<std::uint16_t>(first + axis); };
+    const auto named = [axis](const char* what) { return fmt::format("{} of axis {}", what, axis); };
+    const double quantum = real(number(firmware::number::kQuantum)), described = profile_.quantum[axis];
+    if (!(std::abs(quantum - described) <= kQuantumTolerance * described))
+      fail(named("quantum"), quantum, described, kCorrect);
+    const double effort = real(number(firmware::number::kMaxEffort)), needed = profile_.bounds.effort[axis];
+    if (!(effort >= needed * (1.0 - kLimitTolerance) && effort <= kMostSpareEffort * needed))
+      fail(named("effort limit"), effort, static_cast<double>(expected.max_effort[axis]), kCorrect);
+    const double speed = real(number(firmware::number::kMaxSpeed)), fastest = profile_.bounds.rate[axis];
+    if (!(speed >= fastest * (1.0 - kLimitTolerance)))
+      fail(named("speed limit"), speed, static_cast<double>(expected.max_speed[axis]), kCorrect);
+  }
+
+  void whole(std::uint16_t number, const char* what, std::uint32_t described, const char* advice) {
+    const std::uint32_t told = read(number);
+    if (told != described) fail(what, told, described, advice);
+  }
+
+  double real(std::uint16_t number) { return static_cast<double>(std::bit_cast<float>(read(number))); }
+
+  // 0 once something failed: the first reason is the one that is told.
+  std::uint32_t read(std::uint16_t number) {
+    if (!status_.ok()) return 0;
+    const firmware::ServiceMessage request{firmware::Operation::kRead, firmware::ServiceStatus::kGood, ++tag_, number,
+                                           0};
+    const auto reply = link_.call(request, patience_);
+    if (!reply.ok()) {
+      status_ = reply.status();
+    } else if (reply.value().status != firmware::ServiceStatus::kGood) {
+      status_ = Status::error(fmt::format("device: register {:#06x} is not there (status {}); update its firmware",
+                                          number, static_cast<unsigned>(reply.value().status)));
+    } else {
+      return reply.value().value;
+    }
+    return 0;
+  }
+
+  void fail(const std::string& what, double told, double described, const char* advice) {
+    if (!status_.ok()) return;
+    status_ = Status::error(fmt::format("device: its {} is {:.9g}, the description {} has {:.9g}; {}", what, told,
+                                        profile_.name, described, advice));
+  }
+
+  const DeviceProfile& profile_;
+  std::uint32_t period_us_;
+  Link& link_;
+  std::chrono::milliseconds patience_;
+  std::uint8_t tag_{0};
+  Status status_{Status::good()};
+};
+
+// One line on an error: what the device says, what the description says, what to do.
+template <FrameLink Link>
+Status check_identity(const DeviceProfile& profile, std::uint32_t period_us, Link& link,
+                      std::chrono::milliseconds patience = std::chrono::milliseconds(100)) {
+  return IdentityCheck<Link>(profile, period_us, link, patience).run();
+}
+
+}  // namespace tactus::hal
