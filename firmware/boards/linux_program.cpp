@@ -27,6 +27,7 @@ std::string usage(std::string_view program, const char* purpose, std::span<const
   };
   line("mechanics", "FILE", "encoders, motors and limits of this board");
   for (const BoardOption& option : board_options) line(option.name, option.value, option.meaning);
+  line("state", "FILE", "where the configuration is kept; if not given, nowhere");
   line("period-us", "N", "control period, 50 to 1000000; 1000 if not given");
   line("priority", "N", "SCHED_FIFO 1 to 99, 0 for a normal thread; 80 if not given");
   line("cpu", "N", "core to stay on; any if not given");
@@ -53,6 +54,7 @@ std::string take_option(std::string_view name, std::string_view value, std::span
     return "--" + std::string(name) + ": '" + std::string(value) + "'; accepted: " + accepted;
   };
   if (name == "mechanics") return options.mechanics = value, "";
+  if (name == "state") return options.state = value, "";
   if (name == "period-us")
     return read_number<std::uint32_t>(value, 50, 1'000'000, options.period_us) ? "" : wrong("50 to 1000000");
   if (name == "priority") return read_number(value, 0, 99, options.priority) ? "" : wrong("0 to 99");

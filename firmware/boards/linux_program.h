@@ -18,7 +18,8 @@
 namespace tactus::firmware {
 
 struct ProgramOptions {
-  std::string mechanics;          // --mechanics: the file that linux_io.h reads
+  std::string mechanics;          // --mechanics: see mechanics_file.h
+  std::string state;              // --state: where the configuration is kept; empty: nowhere
   std::uint32_t period_us{1000};  // --period-us, 50 to 1 000 000
   int priority{80};               // --priority, SCHED_FIFO 1 to 99; 0: a normal thread
   int cpu{-1};                    // --cpu; -1: any
@@ -82,16 +83,23 @@ PaceCounters run_paced(std::uint32_t period_us, std::uint64_t periods, const std
   return pace.counters();
 }
 
-// The control loop of a board whose device, mechanics and link are ready. At the end the motors are shorted.
+// The control loop of a board whose device, mechanics, link and storage are ready. At the end the motors are shorted.
+template <Mechanics M, DeviceLink L, Storage S>
+PaceCounters run_board(const ProgramOptions& options, const std::atomic<bool>& stop, Device& device, M& mechanics,
+                       L& link, S& storage) {
+  if (const std::string refused = make_realtime(options.priority, options.cpu); !refused.empty())
+    std::fprintf(stderr, "not real-time: %s\n", refused.c_str());
+  const PaceCounters counters = run_paced(options.period_us, options.periods, stop,
+                                          [&]() noexcept { run_period(device, mechanics, link, storage); });
+  mechanics.drive(ControllerOutputs{});
+  return counters;
+}
+
 template <Mechanics M, DeviceLink L>
 PaceCounters run_board(const ProgramOptions& options, const std::atomic<bool>& stop, Device& device, M& mechanics,
                        L& link) {
-  if (const std::string refused = make_realtime(options.priority, options.cpu); !refused.empty())
-    std::fprintf(stderr, "not real-time: %s\n", refused.c_str());
-  const PaceCounters counters =
-      run_paced(options.period_us, options.periods, stop, [&]() noexcept { run_period(device, mechanics, link); });
-  mechanics.drive(ControllerOutputs{});
-  return counters;
+  NoStorage none;
+  return run_board(options, stop, device, mechanics, link, none);
 }
 
 }  // namespace tactus::firmware
