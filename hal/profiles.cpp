@@ -13,7 +13,7 @@ constexpr double kWristNorm = 1.41;
 // The host's guard refuses samples faster than 1.5 times the device's speed; the firmware brakes only beyond that. A
 // wrist whose pitch is 60 degrees turns its yaw and roll axes twice as fast as the tool, and is still let through.
 constexpr double kOverspeedMargin = 2.0;
-// An axis that is not there has counts that stay 0; the firmware wants a quantum and a speed all the same.
+// What is not there (an axis, the tool's rotation) stays 0; a quantum and a speed are wanted all the same.
 constexpr double kUnusedQuantum = 1e-4, kUnusedSpeed = 1.0;
 
 // The class of the Virtuose 6D35-45: 35 N and 3 N m peak, 10 N and 1 N m continuous, a workspace 0.45 m across.
@@ -107,6 +107,7 @@ DeviceProfile make_profile(const DeviceDescription& d) {
                   .damping_Nms_per_rad = d.damping_Nms_per_rad,
                   .coulomb_friction_N = d.coulomb_friction_N,
                   .coulomb_friction_Nm = d.coulomb_friction_Nm};
+  if (!d.has_rotation()) p.properties.rotation_quantum_rad = kUnusedQuantum;
   p.plant = {.mass_kg = d.mass_kg,
              .inertia_kg_m2 = d.inertia_kg_m2,
              .damping_Ns_per_m = d.damping_Ns_per_m,
