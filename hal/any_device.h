@@ -23,6 +23,9 @@ class AnyDevice {
   void read(haptics::DeviceInput& input) noexcept { held_->read(input); }
   void write(const haptics::DeviceCommand& command) noexcept { held_->write(command); }
 
+  // [setup] Just before the first tick: what waits on its link is dropped, and the link's counters begin anew.
+  Status start() { return held_->start(); }
+
   // What came and went over its link; nothing where the device has no link.
   std::optional<LinkReport> link_report() const noexcept { return held_->link_report(); }
   // The device itself where it is a D, else null.
@@ -38,6 +41,7 @@ class AnyDevice {
     virtual const haptics::DeviceProperties& properties() const noexcept = 0;
     virtual void read(haptics::DeviceInput& input) noexcept = 0;
     virtual void write(const haptics::DeviceCommand& command) noexcept = 0;
+    virtual Status start() = 0;
     virtual std::optional<LinkReport> link_report() const noexcept = 0;
   };
 
@@ -47,6 +51,12 @@ class AnyDevice {
     const haptics::DeviceProperties& properties() const noexcept override { return device->properties(); }
     void read(haptics::DeviceInput& input) noexcept override { device->read(input); }
     void write(const haptics::DeviceCommand& command) noexcept override { device->write(command); }
+    Status start() override {
+      if constexpr (requires { device->start(); })
+        return device->start();
+      else
+        return Status::good();
+    }
     std::optional<LinkReport> link_report() const noexcept override {
       if constexpr (requires { device->link_report(); })
         return device->link_report();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "hal/any_link.h"
 #include "hal/linked_device.h"
 #include "rt/base/clock.h"
 #include "rt/base/histogram.h"
@@ -27,6 +28,8 @@ class DeviceOnLink {
  public:
   DeviceOnLink(const DeviceProfile& profile, std::int64_t period_ns, std::unique_ptr<Link> link)
       : link_(std::move(link)), device_(profile, period_ns, *link_) {}
+
+  Status start() { return start_link(*link_); }
 
   const haptics::DeviceProperties& properties() const noexcept { return device_.properties(); }
 

@@ -22,7 +22,7 @@ struct DeviceChoice {
   bool is_real() const noexcept { return kind != DeviceKind::kSimulated; }
 };
 
-inline constexpr unsigned kMostCanNode = 63;
+inline constexpr unsigned kMostCanNode = 127;
 
 // One line on anything else: what was given and what is accepted.
 Result<DeviceChoice> parse_device_choice(const std::string& text);

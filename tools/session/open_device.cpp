@@ -1,35 +1,49 @@
 #include "tools/session/open_device.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
+
+#include "tools/session/open_link.h"
 
 namespace tactus::session {
 namespace {
 
-Result<OpenedDevice> open_simulated(const RunOptions& options, const hal::DeviceProfile& profile,
-                                    const hal::HandModel& hand, const hal::FaultScript& faults) {
-  hal::SimulationOptions simulation;
-  simulation.period_ns = std::llround(options.period_s() * 1e9);
-  simulation.seed = options.seed;
-  simulation.faults = faults;
-  if (const Status status = hal::SimulatedDevice::check(simulation); !status.ok()) return status;
-  auto device = std::make_unique<hal::SimulatedDevice>(profile, hand, simulation);
-  return OpenedDevice{std::make_unique<hal::AnyDevice>(std::move(device)), ""};
-}
+std::int64_t period_ns(const RunOptions& options) { return std::llround(options.period_s() * 1e9); }
 
 }  // namespace
 
-Result<OpenedDevice> open_device(const RunOptions& options, const std::string& profile_name, const hal::HandModel& hand,
-                                 const hal::FaultScript& faults) {
-  if (options.taped_device)
-    return OpenedDevice{std::make_unique<hal::AnyDevice>(std::make_unique<TapedDevice>(*options.taped_device)), ""};
+Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile) {
+  Hardware hardware;
   const auto choice = parse_device_choice(options.device);
   if (!choice.ok()) return choice.status();
-  const hal::DeviceProfile* profile = hal::find_profile(profile_name);
-  if (profile == nullptr) return Status::error(fmt::format("no device profile '{}'", profile_name));
-  if (!choice.value().is_real()) return open_simulated(options, *profile, hand, faults);
-  return Status::error(fmt::format("--device: '{}' is no device of this build; accepted: sim", options.device));
+  if (options.taped_device) return hardware;
+  if (choice.value().is_real()) {
+    auto opened = open_link(choice.value(), period_ns(options));
+    if (!opened.ok()) return opened.status();
+    using Device = hal::DeviceOnLink<hal::AnyLink>;
+    auto device = std::make_unique<Device>(profile, period_ns(options), std::move(opened.value().link));
+    hardware.device = std::make_unique<hal::AnyDevice>(std::move(device));
+    hardware.identity = std::move(opened.value().name);
+  }
+  if (!options.gpio.empty()) {
+    const auto lines = hal::parse_gpio_options(options.gpio);
+    if (!lines.ok()) return lines.status();
+    auto gpio = hal::GpioLines::open(lines.value());
+    if (!gpio.ok()) return Status::error("--gpio: " + gpio.message());
+    hardware.gpio = std::move(gpio).value();
+  }
+  return hardware;
+}
+
+Result<std::unique_ptr<hal::AnyDevice>> make_simulated(const RunOptions& options, const hal::DeviceProfile& profile,
+                                                       const hal::HandModel& hand, const hal::FaultScript& faults) {
+  if (options.taped_device)
+    return std::make_unique<hal::AnyDevice>(std::make_unique<TapedDevice>(*options.taped_device));
+  hal::SimulationOptions simulation;
+  simulation.period_ns = period_ns(options);
+  simulation.seed = options.seed;
+  simulation.faults = faults;
+  if (const Status status = hal::SimulatedDevice::check(simulation); !status.ok()) return status;
+  return std::make_unique<hal::AnyDevice>(std::make_unique<hal::SimulatedDevice>(profile, hand, simulation));
 }
 
 }  // namespace tactus::session

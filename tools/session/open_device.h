@@ -1,4 +1,5 @@
 // The device that a run asks for, opened: simulated, on USB, on CAN; or none, where a tape says what the device said.
+// With it the lines of --gpio.
 //
 // A real device is described by a device file or the scene's profile; before it is driven, its identity, version and
 // limits are compared with that description. Thread: normal, before the loop runs.
@@ -8,6 +9,7 @@
 #include <string>
 
 #include "hal/any_device.h"
+#include "hal/gpio/gpio_lines.h"
 #include "hal/hand.h"
 #include "hal/simulated_device.h"
 #include "tools/session/device_choice.h"
@@ -27,14 +29,19 @@ class TapedDevice {
   haptics::DeviceProperties properties_;
 };
 
-struct OpenedDevice {
+// What a run holds of the machine's.
+struct Hardware {
   std::unique_ptr<hal::AnyDevice> device;
-  std::string identity;  // of a real device, for people; empty else
+  std::string identity;                  // of a real device, for people; empty else
+  std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
 };
 
-// `profile_name`: the scene's. `hand` and `faults` are the simulated device's alone. One line on an error: what the
-// machine lacks or what the device says, and what to do.
-Result<OpenedDevice> open_device(const RunOptions& options, const std::string& profile_name, const hal::HandModel& hand,
-                                 const hal::FaultScript& faults);
+// The real device and the lines, where the options ask for them; else empty. One line on an error: what the machine
+// lacks or what the device says, and what to do.
+Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile);
+
+// In place of a real device: the simulated one, or the one of a tape.
+Result<std::unique_ptr<hal::AnyDevice>> make_simulated(const RunOptions& options, const hal::DeviceProfile& profile,
+                                                       const hal::HandModel& hand, const hal::FaultScript& faults);
 
 }  // namespace tactus::session

@@ -38,6 +38,7 @@ class RealtimeTick {
  public:
   RealtimeTick(Session& session, LiveStatus& live, std::atomic<bool>& rearm, std::uint64_t most_ticks)
       : session_(session),
+        gpio_(session.gpio.get()),
         live_(live),
         rearm_(rearm),
         most_ticks_(most_ticks),
@@ -46,6 +47,7 @@ class RealtimeTick {
   bool operator()(const loop::TickTiming& timing) noexcept {
     Driver& driver = *session_.driver;
     cpu_began_ns_ = MonotonicClock::thread_cpu_ns();
+    if (gpio_ != nullptr) gpio_->probe(true);
     driver.read();
     const std::int64_t read_ns = MonotonicClock::now_ns();
     Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_))};
@@ -54,9 +56,11 @@ class RealtimeTick {
       rearm_.store(false, std::memory_order_relaxed);
       bits |= loop::kRearm;
     }
+    if (gpio_ != nullptr && gpio_->estop()) bits |= loop::kStopLine;
     const loop::TickOutput& out = driver.compute(bits, {&Deadline::passed, &deadline});
     const std::int64_t computed_ns = MonotonicClock::now_ns();
     driver.write();
+    if (gpio_ != nullptr) show_on_lines(out);
     const std::int64_t wrote_ns = MonotonicClock::now_ns();
 
     compute.record(computed_ns - read_ns);
@@ -91,6 +95,13 @@ class RealtimeTick {
     }
   }
 
+  // The drives are enabled as long as force is wanted; a fault takes the line back with the command that brakes.
+  void show_on_lines(const loop::TickOutput& out) noexcept {
+    gpio_->enable(out.command.wanted == haptics::DeviceState::kForce);
+    gpio_->heartbeat();
+    gpio_->probe(false);
+  }
+
   void show(const loop::TickOutput& out) noexcept {
     constexpr auto relaxed = std::memory_order_relaxed;
     live_.ticks.store(session_.stats.ticks, relaxed);
@@ -105,6 +116,7 @@ class RealtimeTick {
   }
 
   Session& session_;
+  hal::GpioLines* gpio_;  // null: no lines
   LiveStatus& live_;
   std::atomic<bool>& rearm_;
   std::uint64_t most_ticks_;
@@ -181,12 +193,14 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   RealtimeTick tick(session, live, rearm, most_ticks);
   loop::PeriodicThread<RealtimeTick> thread(tick);
   const auto began = std::chrono::steady_clock::now();
+  if (const Status status = session.device->start(); !status.ok()) return status;
   const auto cpu_before = cpu_time_now(settings.setup.cpu);
   if (const Status status = thread.start(settings); !status.ok()) return status;
   attend(thread, live, hooks, rearm, stop);
   thread.stop();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
   if (world) world->stop();
+  if (session.gpio != nullptr) session.gpio->enable(false);
 
   RunSummary summary = session.summary();
   summary.real_time = true;

@@ -4,9 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/gpio/gpio_options.h"
 #include "rt/haptics/snapshot.h"
 #include "sim/choice_names.h"
 #include "tools/session/device_choice.h"
+#include "tools/session/stall_script.h"
 
 namespace tactus::session {
 namespace {
@@ -78,8 +80,16 @@ Status check_options(const RunOptions& o) {
   const bool taped = o.taped_device.has_value();
   if (o.virtual_time && choice.value().is_real() && !taped)
     return Status::error(fmt::format("--virtual-time: {} keeps real time; accepted: with --device sim", o.device));
+  if (!o.gpio.empty())
+    if (const auto lines = hal::parse_gpio_options(o.gpio); !lines.ok()) return lines.status();
   if (o.virtual_time && !o.gpio.empty())
     return Status::error("--gpio: lines are of real time; accepted: without --virtual-time");
+  if (const auto script = split_inject_script(o.inject); !script.ok())
+    return script.status();
+  else if (!script.value().device.empty() && choice.value().is_real())
+    return Status::error(fmt::format(
+        "--inject: faults of the device are for the simulated one, not for {}; accepted: stall, or --device sim",
+        o.device));
   if (!o.device_file.empty() && !choice.value().is_real())
     return Status::error("--device-file: the simulated device is the scene's profile; accepted: with usb or can");
   return Status::good();

@@ -7,7 +7,7 @@
 #include "firmware/faults.h"
 #include "rt/haptics/coupling_limits.h"
 #include "sim/choice_names.h"
-#include "tools/session/open_device.h"
+#include "tools/session/open_link.h"
 
 namespace tactus::session {
 namespace {
@@ -169,7 +169,7 @@ std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOp
   return loop;
 }
 
-Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions options_in) {
+Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions options_in, Hardware hardware) {
   std::unique_ptr<Session> session(new Session());
   session->scene = std::move(scene_in);
   session->options = std::move(options_in);
@@ -183,16 +183,17 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   session->stalls = script.value().stalls;
   auto faults = hal::parse_fault_script(script.value().device);
   if (!faults.ok()) return Status::error("--inject: " + faults.message());
-  if (!script.value().device.empty() && options.device != "sim")
-    return Status::error(
-        fmt::format("--inject: faults of the device are for the simulated one, not for {}; accepted: "
-                    "stall, or --device sim",
-                    options.device));
-
-  auto opened = open_device(options, scene.device.profile, make_hand(scene), faults.value());
-  if (!opened.ok()) return opened.status();
-  session->device = std::move(opened.value().device);
-  session->device_identity = std::move(opened.value().identity);
+  const bool simulated = hardware.device == nullptr;
+  if (simulated) {
+    const auto profile = find_description(scene.device.profile, {});
+    if (!profile.ok()) return Status::error(fmt::format("{}: {}", scene.name, profile.message()));
+    auto device = make_simulated(options, profile.value(), make_hand(scene), faults.value());
+    if (!device.ok()) return device.status();
+    hardware.device = std::move(device).value();
+  }
+  session->device = std::move(hardware.device);
+  session->device_identity = std::move(hardware.identity);
+  session->gpio = std::move(hardware.gpio);
   const haptics::DeviceProperties& device = session->device->properties();
   if (const Status status = check_gains(scene, options, device); !status.ok()) return status;
   if (const Status status = check_frequency(scene, options); !status.ok()) return status;

@@ -10,11 +10,13 @@
 #include <string>
 
 #include "hal/any_device.h"
+#include "hal/gpio/gpio_lines.h"
 #include "hal/simulated_device.h"
 #include "rt/loop/haptic_driver.h"
 #include "rt/loop/run_stats.h"
 #include "rt/loop/tape_drain.h"
 #include "sim/snapshot_server.h"
+#include "tools/session/open_device.h"
 #include "tools/session/run_options.h"
 #include "tools/session/stall_script.h"
 #include "tools/session/summary.h"
@@ -33,7 +35,8 @@ std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOp
 class Session {
  public:
   // One line on everything that does not go together: gains the device cannot hold, too many bodies, a bad script.
-  static Result<std::unique_ptr<Session>> create(sim::Scene scene, RunOptions options);
+  // `hardware`: opened before, see open_device.h; without a device in it, the simulated one is made.
+  static Result<std::unique_ptr<Session>> create(sim::Scene scene, RunOptions options, Hardware hardware = {});
 
   // Whether to keep records, and to write a tape. Before the first tick.
   Status record(const std::string& tape_path);  // empty: history only
@@ -43,7 +46,8 @@ class Session {
   unsigned ratio, members;
   std::unique_ptr<loop::HapticLoop> loop;
   std::unique_ptr<hal::AnyDevice> device;
-  std::string device_identity;  // of a real one, for people
+  std::string device_identity;           // of a real one, for people
+  std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
   std::unique_ptr<loop::Governor> governor;
   std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as the next
   std::unique_ptr<sim::GlobalWorld> global;

@@ -82,8 +82,10 @@ int run_program(int argc, char** argv) {
       "2 bad usage or input; 3 the machine cannot do it.");
   int exit_code = kExitGood;
   add_run_command(program, exit_code);
+  add_hil_command(program, exit_code);
   add_replay_command(program, exit_code);
   add_scene_command(program, exit_code);
+  add_doctor_command(program, exit_code);
   return parse_and_run(program, argc, argv, exit_code);
 }
 

@@ -11,6 +11,7 @@
 
 #include "sim/choice_names.h"
 #include "sim/scene_load.h"
+#include "tools/session/open_link.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
@@ -128,7 +129,14 @@ int run_scene(RunCommand& command) {
     fmt::print(stderr, "tactus: {}\n", scene.message());
     return kExitBadInput;
   }
-  auto session = session::Session::create(std::move(scene).value(), command.options);
+  const auto profile = session::find_description(scene.value().device.profile, command.options.device_file);
+  if (!profile.ok()) {
+    fmt::print(stderr, "tactus: {}\n", profile.message());  // a line for each mistake in the file
+    return kExitBadInput;
+  }
+  auto hardware = session::open_hardware(command.options, profile.value());
+  if (!hardware.ok()) return complain("tactus run: " + hardware.message(), kExitMachineCannot);
+  auto session = session::Session::create(std::move(scene).value(), command.options, std::move(hardware).value());
   if (!session.ok()) return complain("tactus run: " + session.message(), kExitBadInput);
   auto summary = command.options.virtual_time ? run_in_virtual_time(*session.value())
                                               : run_in_real_time(*session.value(), command.json);

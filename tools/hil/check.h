@@ -1,0 +1,70 @@
+// The suite's checks: each one function in a file of its own kind, all in one table.
+//
+// A check gets a device that is IDLE without fault, looks at one thing, and says what it measured and which threshold
+// it was held against. Thread: normal.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/hil/bench.h"
+
+namespace tactus::hil {
+
+enum class Verdict { kGood, kBad, kSkipped };
+
+// One number, with its unit in the name.
+struct Figure {
+  std::string name;
+  double value{0};
+};
+
+struct Finding {
+  Verdict verdict{Verdict::kGood};
+  std::string measured;   // a line for people
+  std::string threshold;  // what it was held against
+  std::string reason;     // why bad or skipped
+  std::vector<Figure> figures;
+};
+
+Finding bad(std::string reason, std::string threshold = {});
+Finding skipped(std::string reason);
+
+enum Need : unsigned {
+  kNothing = 0,
+  kMotors = 1,  // motors are on, or shorted: the person is asked first
+  kForce = 2,   // a force that moves the tool: --force
+  kSoak = 4,    // takes its time: --soak
+};
+
+struct Check {
+  const char* name;
+  const char* what;  // half a line for --list
+  unsigned needs;
+  Finding (*run)(Bench&);
+};
+
+std::span<const Check> all_checks() noexcept;
+
+// --- tools/hil/checks/
+Finding check_identity(Bench& bench);
+Finding check_registers(Bench& bench);
+Finding check_losses(Bench& bench);
+Finding check_round_trip(Bench& bench);
+Finding check_force_age(Bench& bench);
+Finding check_clock(Bench& bench);
+Finding check_watchdog(Bench& bench);
+Finding check_brake(Bench& bench);
+Finding check_not_finite(Bench& bench);
+Finding check_broken_commands(Bench& bench);
+Finding check_repeated_commands(Bench& bench);
+Finding check_saturation(Bench& bench);
+Finding check_force(Bench& bench);
+Finding check_emergency_stop(Bench& bench);
+Finding check_unplug(Bench& bench);
+Finding check_broken_states(Bench& bench);
+Finding check_bus_off(Bench& bench);
+Finding check_soak(Bench& bench);
+
+}  // namespace tactus::hil

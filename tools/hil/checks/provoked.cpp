@@ -1,0 +1,174 @@
+// Faults from outside: the e-stop, a device that goes away, broken frames, a bus that goes down.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/hil/check.h"
+#include "tools/hil/latch.h"
+
+namespace tactus::hil {
+namespace {
+
+using firmware::Limit;
+using firmware::State;
+
+constexpr std::uint64_t kSettle = 100, kStay = 100;
+
+struct Provocation {
+  const char* fault;
+  std::function<bool(const Record&)> sign, gone;  // that the fault is there; that it is over
+  State wanted_after;                             // while it must stay latched
+};
+
+struct Provoked {
+  ExchangeResult result;
+  std::optional<std::size_t> first_sign;  // among the records
+  std::string refused;                    // it cannot be provoked here
+};
+
+enum Stage : std::uint32_t { kBefore = 0, kDuring = 1, kAfter = 2, kLatched = 3, kRearm = 4, kAgain = 5 };
+
+// FORCE at zero force; the fault comes, stays for a while, goes; then the latch, the re-arm, FORCE again.
+Result<Provoked> provoke(Bench& bench, const Provocation& what) {
+  const auto patience = static_cast<double>(bench.provoker().patience().count());
+  const Phase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
+                        {.ticks = bench.ticks(patience), .wanted = State::kForce},
+                        {.ticks = bench.ticks(patience), .wanted = what.wanted_after},
+                        {.ticks = kStay, .wanted = what.wanted_after},
+                        {.ticks = kSettle, .rearm = true},
+                        {.ticks = kSettle, .wanted = State::kForce}};
+  Provoked provoked;
+  bool on = false, off = false;
+  std::size_t records = 0, since_sign = 0;
+  const Director director = [&](const Record& record) {
+    ++records;
+    if (record.phase < kDuring) return Next::kGoOn;
+    if (!on) {
+      on = true;
+      if (const Status status = bench.provoker().set(what.fault, true); !status.ok()) {
+        provoked.refused = status.message();
+        return Next::kStop;
+      }
+    }
+    if (!provoked.first_sign && what.sign(record)) provoked.first_sign = records - 1;
+    if (record.phase == kDuring) return provoked.first_sign && ++since_sign >= kStay ? Next::kNextPhase : Next::kGoOn;
+    if (record.phase > kAfter) return Next::kGoOn;
+    if (!off) {
+      off = true;
+      if (const Status status = bench.provoker().set(what.fault, false); !status.ok())
+        provoked.refused = status.message();
+    }
+    return what.gone(record) ? Next::kNextPhase : Next::kGoOn;
+  };
+  auto result = bench.exchange(plan, director);
+  if (on && !off) (void)bench.provoker().set(what.fault, false);
+  if (!result.ok()) return result.status();
+  provoked.result = std::move(result).value();
+  return provoked;
+}
+
+// The device's answers once the fault is over, and the way back to FORCE.
+std::string recovery(std::span<const Record> records) {
+  if (in_phases(records, kAgain, kAgain).empty()) return "it did not come back";
+  return never_forced(records, kAgain);
+}
+
+// Where the device was away, its last phase is BRAKE by its watchdog, or a fresh start: IDLE, and no force either.
+std::string safe_when_back(std::span<const Record> records) {
+  for (const Record& record : in_phases(records, kLatched, kLatched))
+    if (record.got == Got::kFresh && record.state.state == State::kForce)
+      return "it came back in FORCE, without a re-arm";
+  return {};
+}
+
+// Ticks from the last whole frame until the link says that the device is away.
+std::uint64_t ticks_to_notice(std::span<const Record> records, std::size_t first_sign) {
+  for (std::size_t i = first_sign; i > 0; --i)
+    if (records[i - 1].got == Got::kFresh) return first_sign - (i - 1);
+  return first_sign;
+}
+
+Finding away(Bench& bench, const char* fault) {
+  Finding finding;
+  finding.threshold = "noticed, no force when it is back, FORCE again after a re-arm";
+  const Provocation what{fault, [](const Record& r) { return r.got == Got::kDisconnected; },
+                         [](const Record& r) { return r.got == Got::kFresh; }, State::kIdle};
+  auto provoked = provoke(bench, what);
+  if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
+  if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
+  if (!provoked.value().first_sign) return bad("the link never said that the device was away", finding.threshold);
+  const std::span<const Record> records = provoked.value().result.records;
+  const std::uint64_t notice = ticks_to_notice(records, *provoked.value().first_sign);
+  const hal::LinkCounters& link = provoked.value().result.counters;
+  const auto back = std::find_if(records.begin() + static_cast<std::ptrdiff_t>(*provoked.value().first_sign),
+                                 records.end(), [](const Record& r) { return r.got == Got::kFresh; });
+  finding.measured =
+      fmt::format("noticed after {} ticks; {} disconnects, {} errors", notice, link.disconnects, link.errors);
+  if (back != records.end()) finding.measured += fmt::format("; back in {}", describe(back->state));
+  finding.figures = {{"ticks_to_notice", static_cast<double>(notice)},
+                     {"disconnects", static_cast<double>(link.disconnects)},
+                     {"errors", static_cast<double>(link.errors)}};
+  finding.reason = safe_when_back(records);
+  if (finding.reason.empty()) finding.reason = recovery(records);
+  if (finding.reason.empty() && link.disconnects == 0) finding.reason = "the link did not count it";
+  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  return finding;
+}
+
+}  // namespace
+
+Finding check_emergency_stop(Bench& bench) {
+  constexpr std::uint32_t kMostFrames = 2;
+  const auto pressed = [](const Record& r) {
+    return r.got == Got::kFresh && (r.state.limits & bit_of(Limit::kStopLine)) != 0;
+  };
+  const auto released = [&](const Record& r) { return r.got == Got::kFresh && !pressed(r); };
+  Finding finding;
+  finding.threshold = fmt::format("BRAKE within {} frames, fault 2, latched", kMostFrames);
+  auto provoked = provoke(bench, {"estop", pressed, released, State::kForce});
+  if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
+  if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
+  if (!provoked.value().first_sign)
+    return bad("no state frame ever said that the e-stop is pressed", finding.threshold);
+  const std::span<const Record> records = provoked.value().result.records;
+  const auto frames = frames_to_brake(records, *provoked.value().first_sign);
+  if (!frames) return bad("it never braked", finding.threshold);
+  finding.measured = fmt::format("BRAKE, motors without effort, {} frames after the last free one", *frames);
+  finding.figures.push_back({"frames_to_safe", static_cast<double>(*frames)});
+  if (*frames > kMostFrames) finding.reason = "too late";
+  if (finding.reason.empty()) finding.reason = latch_broken(records, kLatched, firmware::Fault::kEmergencyStop);
+  if (finding.reason.empty()) finding.reason = recovery(records);
+  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  return finding;
+}
+
+Finding check_unplug(Bench& bench) { return away(bench, "unplug"); }
+
+Finding check_bus_off(Bench& bench) {
+  if (!bench.options().can) return skipped("not a CAN bus");
+  return away(bench, "bus-off");
+}
+
+Finding check_broken_states(Bench& bench) {
+  // Some links throw broken frames away themselves: the record is then without one, and the link's counter says why.
+  const auto broken = [](const Record& r) { return r.got == Got::kCorrupt || r.got == Got::kNothing; };
+  const auto whole = [](const Record& r) { return r.got == Got::kFresh; };
+  Finding finding;
+  finding.threshold = "refused and counted, whole frames after it, FORCE again";
+  auto provoked = provoke(bench, {"corrupt", broken, whole, State::kIdle});
+  if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
+  if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
+  FrameBook book;
+  for (const Record& record : provoked.value().result.records) book.add(record);
+  const std::uint64_t malformed = provoked.value().result.counters.malformed;
+  finding.measured = fmt::format("{} refused by their checksum, {} by the link", book.corrupt, malformed);
+  finding.figures = {{"broken", static_cast<double>(book.corrupt)}, {"malformed", static_cast<double>(malformed)}};
+  if (book.corrupt + malformed == 0)
+    finding.reason = "no frame was refused";
+  else
+    finding.reason = recovery(provoked.value().result.records);
+  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  return finding;
+}
+
+}  // namespace tactus::hil

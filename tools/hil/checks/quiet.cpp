@@ -1,0 +1,141 @@
+// What the exchange at rest says: losses, times, clocks.
+#include <fmt/format.h>
+
+#include "tools/hil/check.h"
+
+namespace tactus::hil {
+namespace {
+
+// A command is taken in one of the device's periods and told in its state frame: two periods where the clocks run
+// free, one more for a link that is slow.
+constexpr double kRoundTripPeriods = 3;
+constexpr double kForceAgePeriods = 4;
+// From three missed in a row on the device fades.
+constexpr std::uint64_t kGapTicks = 3;
+constexpr double kLostShare = 1e-3;
+// A crystal is good for 100; a device beyond this counts its periods wrongly.
+constexpr double kDrift_ppm = 500;
+constexpr double kPeriodShare = 0.01;
+
+double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
+
+void put(Finding& finding, const char* name, const Histogram& h) {
+  finding.figures.push_back({fmt::format("{}_p50_us", name), us(h.percentile_ns(50))});
+  finding.figures.push_back({fmt::format("{}_p99_us", name), us(h.percentile_ns(99))});
+  finding.figures.push_back({fmt::format("{}_p99_99_us", name), us(h.percentile_ns(99.99))});
+  finding.figures.push_back({fmt::format("{}_max_us", name), us(h.max_ns())});
+}
+
+Finding judge_times(Bench& bench, const Histogram& h, const char* name, double periods) {
+  const double limit_us = periods * us(static_cast<std::uint64_t>(bench.period_ns()));
+  Finding finding;
+  finding.threshold = fmt::format("p99 <= {:.0f} us ({:g} periods)", limit_us, periods);
+  if (h.count() == 0) return bad("no command was ever answered", finding.threshold);
+  finding.measured = fmt::format("p50 {:.0f}, p99 {:.0f}, p99.99 {:.0f}, max {:.0f} us", us(h.percentile_ns(50)),
+                                 us(h.percentile_ns(99)), us(h.percentile_ns(99.99)), us(h.max_ns()));
+  put(finding, name, h);
+  if (us(h.percentile_ns(99)) > limit_us * 1.02) {  // the histogram's own resolution
+    finding.reason = "too slow: a haptic loop would feel it";
+    if (bench.options().judge_timing) finding.verdict = Verdict::kBad;
+  }
+  return finding;
+}
+
+}  // namespace
+
+Finding judge_book(const FrameBook& book, const hal::LinkCounters& link) {
+  Finding finding;
+  finding.threshold = fmt::format("lost <= {:g} %, none unaccounted for, reordered or broken; gaps < {} ticks",
+                                  100 * kLostShare, kGapTicks);
+  finding.measured =
+      fmt::format("{} frames: {} lost, {} superseded, {} reordered, {} duplicated, {} broken", book.numbered,
+                  book.lost(), book.superseded, book.reordered, book.duplicated, book.corrupt + link.malformed);
+  finding.measured +=
+      fmt::format("; {} ticks without a frame, {} in a row", book.missing_ticks, book.longest_gap_ticks);
+  const auto put_count = [&](const char* name, std::uint64_t n) {
+    finding.figures.push_back({name, static_cast<double>(n)});
+  };
+  put_count("frames", book.numbered), put_count("ticks", book.ticks), put_count("lost", book.lost());
+  put_count("superseded", book.superseded), put_count("reordered", book.reordered);
+  put_count("duplicated", book.duplicated), put_count("broken", book.corrupt + link.malformed);
+  put_count("missing_ticks", book.missing_ticks), put_count("longest_gap_ticks", book.longest_gap_ticks);
+  put_count("commands", book.commands), put_count("commands_refused", book.refused);
+  put_count("commands_superseded", link.send_superseded), put_count("unaccounted", book.unaccounted(link));
+  if (book.fresh == 0)
+    finding.reason = "no state frame came";
+  else if (static_cast<double>(book.lost()) > kLostShare * static_cast<double>(book.numbered))
+    finding.reason = "frames are lost on the way";
+  else if (book.unaccounted(link) > 2)
+    finding.reason = fmt::format("{} frames are in no counter", book.unaccounted(link));
+  else if (book.reordered + book.duplicated > 0)
+    finding.reason = "frames come twice or in the wrong order";
+  else if (book.corrupt + link.malformed > 0)
+    finding.reason = "frames arrive broken";
+  else if (book.longest_gap_ticks >= kGapTicks)
+    finding.reason = "gaps so long that the force would fade";
+  else if (book.refused > 0)
+    finding.reason = fmt::format("the link did not take {} commands", book.refused);
+  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  return finding;
+}
+
+Finding check_losses(Bench& bench) {
+  const auto& quiet = bench.quiet();
+  if (!quiet.ok()) return bad(quiet.message());
+  Finding finding = judge_book(quiet.value().book, quiet.value().result.counters);
+  // A gap may be this machine's: the loop was not woken. It is not the link's fault then.
+  const bool gap_alone = finding.reason.starts_with("gaps");
+  if (gap_alone && !bench.options().judge_timing) finding.verdict = Verdict::kGood;
+  return finding;
+}
+
+Finding check_round_trip(Bench& bench) {
+  const auto& quiet = bench.quiet();
+  if (!quiet.ok()) return bad(quiet.message());
+  return judge_times(bench, quiet.value().times.round_trip, "round_trip", kRoundTripPeriods);
+}
+
+Finding check_force_age(Bench& bench) {
+  const auto& quiet = bench.quiet();
+  if (!quiet.ok()) return bad(quiet.message());
+  return judge_times(bench, quiet.value().times.force_age, "force_age", kForceAgePeriods);
+}
+
+Finding check_clock(Bench& bench) {
+  const auto& quiet = bench.quiet();
+  if (!quiet.ok()) return bad(quiet.message());
+  const double nominal_us = static_cast<double>(bench.period_ns()) * 1e-3;
+  Finding finding;
+  finding.threshold =
+      fmt::format("period {:g} us +- {:g} %, drift within {:g} ppm", nominal_us, 100 * kPeriodShare, kDrift_ppm);
+  const auto clock = clock_figures(quiet.value().result.records);
+  if (!clock) return bad("too few frames, or a device clock that stands still", finding.threshold);
+  finding.measured = fmt::format("period {:.3f} us by the device, {:.3f} us by the host; drift {:+.1f} ppm",
+                                 clock->device_period_us, clock->host_period_us, clock->drift_ppm);
+  finding.figures = {{"device_period_us", clock->device_period_us},
+                     {"host_period_us", clock->host_period_us},
+                     {"drift_ppm", clock->drift_ppm}};
+  const bool period_good = std::abs(clock->device_period_us - nominal_us) <= kPeriodShare * nominal_us;
+  const bool drift_good = std::abs(clock->drift_ppm) <= kDrift_ppm || !bench.options().judge_timing;
+  if (!period_good) finding.reason = "the device does not keep its period by its own clock";
+  if (period_good && !drift_good) finding.reason = "the two clocks go apart";
+  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  return finding;
+}
+
+Finding check_soak(Bench& bench) {
+  const std::uint64_t frames = bench.options().soak_frames;
+  const Phase plan[] = {{.ticks = frames}};
+  FrameBook book;
+  RoundTrip times;
+  const auto result = bench.exchange(
+      plan, [&](const Record& record) { return book.add(record), times.add(record), Next::kGoOn; }, /*keep=*/false);
+  if (!result.ok()) return bad(result.message());
+  Finding finding = judge_book(book, result.value().counters);
+  if (finding.reason.starts_with("gaps") && !bench.options().judge_timing) finding.verdict = Verdict::kGood;
+  put(finding, "round_trip", times.round_trip);
+  put(finding, "force_age", times.force_age);
+  return finding;
+}
+
+}  // namespace tactus::hil

@@ -1,0 +1,109 @@
+// The suite's exchange with the device: frame in, frame out, once a period, as the haptic loop does it and on a thread
+// like the loop's; every period is a record, and the records are looked at on a normal thread.
+//
+// What is sent is a plan: phases, each for so many ticks or until the director moves on. The director sees every record
+// in order; it may ask for the next phase, or for the end. In stepped mode (a link without a clock) one thread does
+// both, tick by tick, and times are multiples of the period.
+// Thread: run() normal; ExchangeTick [rt]: no allocation, no lock; it pushes records into a ring of fixed size, and
+// what finds no room is counted. Units in the names.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <vector>
+
+#include "hal/any_link.h"
+#include "hal/frame_codec.h"
+#include "rt/base/ring.h"
+#include "rt/loop/periodic_thread.h"
+
+namespace tactus::hil {
+
+enum class Got : std::uint8_t { kNothing = 0, kFresh = 1, kCorrupt = 2, kDisconnected = 3 };
+enum class Sent : std::uint8_t { kNotTried = 0, kTaken = 1, kRefused = 2 };
+
+// What one period brought. `state` is the newest whole frame, of this tick where `got` is kFresh.
+struct Record {
+  std::uint64_t tick{0};
+  std::int64_t now_ns{0}, arrival_ns{0}, sent_ns{0};  // CLOCK_MONOTONIC, or periods in stepped mode
+  std::uint32_t superseded{0};                        // frames that this one replaced
+  std::uint32_t command{0};                           // sequence of the command of this tick; 0: none
+  std::uint32_t phase{0};
+  Got got{Got::kNothing};
+  Sent sent{Sent::kNotTried};
+  firmware::StateFrame state;
+  Vec3d position_m;  // of the tool, device frame, from the newest whole frame
+};
+static_assert(std::is_trivially_copyable_v<Record>);
+
+enum class Harm : std::uint8_t { kNone = 0, kBrokenCrc = 1, kNotFinite = 2, kRepeated = 3 };
+
+// What is sent for a while.
+struct Phase {
+  std::uint64_t ticks{0};  // 0: until the director moves on
+  firmware::State wanted{firmware::State::kIdle};
+  bool send{true};
+  bool rearm{false};  // the flag rises in the phase's third tick: the device acts on the rise
+  Harm harm{Harm::kNone};
+  Vec3d force_N{};  // device frame, at the tool
+};
+
+enum class Next { kGoOn, kNextPhase, kStop };
+using Director = std::function<Next(const Record&)>;
+
+struct ExchangeSettings {
+  std::int64_t period_ns{1'000'000};
+  bool stepped{false};
+  loop::SetupRequest setup;
+};
+
+// Sequence numbers and the codec's memory go on from one exchange to the next.
+struct Conversation {
+  hal::FrameCodec codec;
+  std::uint64_t command_sequence{0};
+  firmware::StateFrame state;
+  haptics::DeviceSample sample;
+};
+
+// The haptic thread's side.
+class ExchangeTick {
+ public:
+  ExchangeTick(hal::AnyLink& link, Conversation& conversation, std::span<const Phase> plan, std::int64_t period_ns,
+               bool stepped);
+
+  bool operator()(const loop::TickTiming& timing) noexcept;
+
+  Ring& records() noexcept { return records_; }
+  void ask_for_phase(std::uint32_t phase) noexcept { asked_phase_.store(phase, std::memory_order_relaxed); }
+
+ private:
+  void receive(Record& record) noexcept;
+  void send(const Phase& phase, Record& record) noexcept;
+  bool advance() noexcept;
+  std::int64_t now_ns() const noexcept;
+
+  hal::AnyLink& link_;
+  Conversation& conversation_;
+  std::span<const Phase> plan_;
+  std::int64_t period_ns_;
+  bool stepped_;
+  std::uint64_t tick_{0}, phase_began_{0};
+  std::uint32_t phase_{0};
+  std::atomic<std::uint32_t> asked_phase_{0};
+  std::array<std::byte, firmware::kCommandFrameSize> last_command_{};
+  Ring records_;
+};
+
+struct ExchangeResult {
+  std::vector<Record> records;       // empty where they were not to be kept
+  std::uint64_t dropped_records{0};  // the ring was full: the figures are then not to be believed
+  hal::LinkCounters counters;        // of this exchange
+  loop::SetupReport setup;           // real time only
+  loop::TimingHealth timing;
+};
+
+// Runs the plan to its end. `keep`: the records are handed back. An error is the system's or the link's.
+Result<ExchangeResult> run_exchange(hal::AnyLink& link, Conversation& conversation, const ExchangeSettings& settings,
+                                    std::span<const Phase> plan, const Director& director = {}, bool keep = true);
+
+}  // namespace tactus::hil

@@ -1,0 +1,22 @@
+// Questions that several checks ask of their records, phase by phase: did FORCE come, did BRAKE stay.
+// Thread: normal.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "firmware/faults.h"
+#include "tools/hil/exchange.h"
+
+namespace tactus::hil {
+
+// The records of phases `first` to `last`. Phases are in order in the records.
+std::span<const Record> in_phases(std::span<const Record> records, std::uint32_t first, std::uint32_t last);
+
+// Empty if the device was in FORCE at the phase's end; else why not, for people.
+std::string never_forced(std::span<const Record> records, std::uint32_t phase);
+
+// Empty if every frame of the phase's second half says BRAKE with this fault; else what it said.
+std::string latch_broken(std::span<const Record> records, std::uint32_t phase, firmware::Fault fault);
+
+}  // namespace tactus::hil

@@ -1,0 +1,117 @@
+// What the suite found: as a table, as one JSON object, as JUnit XML.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/hil/suite.h"
+
+namespace tactus::hil {
+namespace {
+
+const char* word(Verdict verdict) {
+  return verdict == Verdict::kGood ? "good" : verdict == Verdict::kBad ? "BAD" : "skipped";
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
+    }
+  }
+  return out;
+}
+
+std::string totals(const SuiteReport& report) {
+  return fmt::format("{} good, {} bad, {} skipped", report.count(Verdict::kGood), report.count(Verdict::kBad),
+                     report.count(Verdict::kSkipped));
+}
+
+}  // namespace
+
+std::string to_line(const CheckReport& report) {
+  const Finding& finding = report.finding;
+  std::string line = fmt::format("  {:<18} {:<8}{}\n", report.check->name, word(finding.verdict),
+                                 finding.measured.empty() ? finding.reason : finding.measured);
+  if (finding.verdict == Verdict::kSkipped) return line;
+  if (!finding.threshold.empty()) line += fmt::format("  {:<26} held against: {}\n", "", finding.threshold);
+  if (!finding.reason.empty() && !finding.measured.empty())
+    line += fmt::format("  {:<26} {}: {}\n", "", finding.verdict == Verdict::kBad ? "bad" : "note", finding.reason);
+  return line;
+}
+
+std::string to_text(const SuiteReport& report) {
+  std::string text = fmt::format("tactus hil: {}: {}{}\n", report.device, report.good() ? "good" : "BAD",
+                                 report.degraded() ? ", DEGRADED: without real-time privileges" : "");
+  text += fmt::format("  {}\n", totals(report));
+  if (report.degraded())
+    for (const auto& step : report.setup.steps)
+      if (!step.ok) text += fmt::format("  FAIL {:<17} {}\n", step.name, step.message());
+  return text;
+}
+
+std::string to_json_text(const SuiteReport& report) {
+  nlohmann::ordered_json object{{"device", report.device},
+                                {"identity", report.identity},
+                                {"verdict", report.good() ? "good" : "bad"},
+                                {"degraded", report.degraded()},
+                                {"real_time", report.real_time},
+                                {"good", report.count(Verdict::kGood)},
+                                {"bad", report.count(Verdict::kBad)},
+                                {"skipped", report.count(Verdict::kSkipped)}};
+  object["checks"] = nlohmann::ordered_json::array();
+  for (const CheckReport& one : report.checks) {
+    nlohmann::ordered_json check{{"name", one.check->name},
+                                 {"verdict", one.finding.verdict == Verdict::kBad ? "bad" : word(one.finding.verdict)},
+                                 {"measured", one.finding.measured},
+                                 {"threshold", one.finding.threshold},
+                                 {"reason", one.finding.reason},
+                                 {"took_s", one.took_s}};
+    check["figures"] = nlohmann::ordered_json::object();
+    for (const Figure& figure : one.finding.figures) check["figures"][figure.name] = figure.value;
+    object["checks"].push_back(std::move(check));
+  }
+  if (report.real_time) {
+    object["setup"] = nlohmann::ordered_json::array();
+    for (const auto& step : report.setup.steps)
+      object["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
+  }
+  return object.dump(2);
+}
+
+std::string to_junit(const SuiteReport& report) {
+  double all_s = 0;
+  for (const CheckReport& one : report.checks) all_s += one.took_s;
+  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  xml += fmt::format("<testsuite name=\"tactus hil {}\" tests=\"{}\" failures=\"{}\" skipped=\"{}\" time=\"{:.3f}\">\n",
+                     escaped(report.device), report.checks.size(), report.count(Verdict::kBad),
+                     report.count(Verdict::kSkipped), all_s);
+  for (const CheckReport& one : report.checks) {
+    const Finding& finding = one.finding;
+    xml += fmt::format("  <testcase classname=\"hil\" name=\"{}\" time=\"{:.3f}\">\n", escaped(one.check->name),
+                       one.took_s);
+    if (finding.verdict == Verdict::kBad)
+      xml += fmt::format("    <failure message=\"{}\">held against: {}</failure>\n", escaped(finding.reason),
+                         escaped(finding.threshold));
+    if (finding.verdict == Verdict::kSkipped)
+      xml += fmt::format("    <skipped message=\"{}\"/>\n", escaped(finding.reason));
+    if (!finding.measured.empty()) xml += fmt::format("    <system-out>{}</system-out>\n", escaped(finding.measured));
+    xml += "  </testcase>\n";
+  }
+  return xml + "</testsuite>\n";
+}
+
+}  // namespace tactus::hil

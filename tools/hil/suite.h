@@ -1,0 +1,56 @@
+// Runs checks one after the other and keeps what they found.
+// Thread: normal.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/hil/check.h"
+
+namespace tactus::hil {
+
+struct CheckReport {
+  const Check* check{nullptr};
+  Finding finding;
+  double took_s{0};
+};
+
+struct SuiteReport {
+  std::string device, identity;
+  std::vector<CheckReport> checks;
+  loop::SetupReport setup;  // real time only
+  bool real_time{false};
+
+  std::size_t count(Verdict verdict) const noexcept;
+  // Nothing bad, and something good.
+  bool good() const noexcept { return count(Verdict::kBad) == 0 && count(Verdict::kGood) > 0; }
+  bool degraded() const noexcept { return real_time && setup.degraded(); }
+};
+
+struct SuiteRequest {
+  std::vector<std::string> only;  // names; empty: all
+  bool motors_allowed{false};     // the person agreed
+};
+
+struct SuiteHooks {
+  std::function<void(const Check&, double share)> progress;
+  std::function<void(const CheckReport&)> done;
+  std::function<bool()> stop;  // asked for between two checks
+};
+
+// The names that are none, in words; empty when all exist.
+std::string unknown_checks(const std::vector<std::string>& names);
+
+// The checks that a request takes, in the table's order.
+std::vector<const Check*> chosen_checks(const std::vector<std::string>& only);
+
+SuiteReport run_suite(Bench& bench, const SuiteRequest& request, const SuiteHooks& hooks);
+
+// --- tools/hil/report.cpp
+std::string to_line(const CheckReport& report);
+std::string to_text(const SuiteReport& report);
+std::string to_json_text(const SuiteReport& report);
+std::string to_junit(const SuiteReport& report);
+
+}  // namespace tactus::hil

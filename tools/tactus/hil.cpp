@@ -1,0 +1,200 @@
+// tactus hil: the hardware-in-the-loop suite against a device on USB or CAN.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "tools/hil/simulated_bench.h"
+#include "tools/hil/suite.h"
+#include "tools/session/open_link.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+constexpr double kSoak_s = 600;
+
+std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM: the suite ends after the check under way
+void ask_to_stop(int) { g_stop.store(true); }
+
+struct HilCommand {
+  hil::HilOptions options;
+  std::string device, profile{"virtuose6d"}, device_file, provoke, junit;
+  std::vector<std::string> only;
+  double duration_s{0};
+  std::uint64_t soak_frames{0};
+  int cpu{-1}, priority{80};
+  bool list{false}, yes{false}, json{false}, soak{false}, virtual_time{false};
+  std::string timing{"judge"};
+};
+
+Status refused(const std::string& text) { return Status::error("tactus hil: " + text); }
+
+Status check_command(const HilCommand& c) {
+  if (c.device.empty())
+    return refused("--device is required; accepted: sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE");
+  if (const std::string unknown = hil::unknown_checks(c.only); !unknown.empty())
+    return refused(fmt::format("--only: {} is no check; accepted: see tactus hil --list", unknown));
+  if (c.timing != "judge" && c.timing != "report")
+    return refused(fmt::format("--timing: '{}' is none; accepted: judge, report", c.timing));
+  if (!(c.options.rate_Hz >= 100 && c.options.rate_Hz <= 10000))
+    return refused(fmt::format("--rate: {} is out of range; accepted: 100 to 10000 Hz", c.options.rate_Hz));
+  if (!(c.options.force_N >= 0 && c.options.force_N <= 50))
+    return refused(fmt::format("--force: {} is out of range; accepted: 0 to 50 N", c.options.force_N));
+  if (!(c.duration_s >= 0 && c.duration_s <= 1e6))
+    return refused(fmt::format("--duration: {} is out of range; accepted: 0 to 1e6 s", c.duration_s));
+  return Status::good();
+}
+
+// --soak-frames, --duration, --soak and `--only soak` all ask for it.
+std::uint64_t soak_frames(const HilCommand& c) {
+  if (c.soak_frames > 0) return c.soak_frames;
+  const bool asked = c.soak || c.duration_s > 0 || std::find(c.only.begin(), c.only.end(), "soak") != c.only.end();
+  const double seconds = c.duration_s > 0 ? c.duration_s : kSoak_s;
+  return asked ? static_cast<std::uint64_t>(std::llround(seconds * c.options.rate_Hz)) : 0;
+}
+
+int list_checks() {
+  for (const hil::Check& check : hil::all_checks()) fmt::print("{:<18} {}\n", check.name, check.what);
+  return kExitGood;
+}
+
+// Nothing moves before somebody agreed. The simulated device has no motors that could hurt.
+bool may_switch_motors_on(const HilCommand& c, bool real) {
+  if (c.yes || !real) return true;
+  if (isatty(STDIN_FILENO) == 0) return false;
+  fmt::print(
+      stderr,
+      "The device's motors will be switched on, {}, and shorted again and again. Hold the tool or keep clear of\n"
+      "it, and have the e-stop within reach. Type yes to go on; anything else leaves the motors off: ",
+      c.options.force_N > 0 ? fmt::format("with pushes of up to {:g} N", c.options.force_N) : "at zero force");
+  char line[64];
+  return std::fgets(line, sizeof line, stdin) != nullptr && std::string(line) == "yes\n";
+}
+
+std::unique_ptr<hil::Provoker> make_provoker(const HilCommand& c, hil::SimulatedBench* simulated) {
+  if (!c.provoke.empty()) return hil::provoke_by_command(c.provoke);
+  if (simulated != nullptr) return std::make_unique<hil::ProvokeSimulated>(*simulated);
+  return isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0 ? hil::provoke_by_person() : hil::provoke_nothing();
+}
+
+int finish(const HilCommand& c, const hil::SuiteReport& report) {
+  if (c.json)
+    fmt::print("{}\n", to_json_text(report));
+  else
+    fmt::print("{}", to_text(report));
+  if (!c.junit.empty()) {
+    std::ofstream file(c.junit);
+    file << to_junit(report);
+    if (!file.flush())
+      return complain(fmt::format("tactus hil: --junit: {} cannot be written", c.junit), kExitBadInput);
+  }
+  return report.good() ? kExitGood : kExitVerdictBad;
+}
+
+int run_hil(HilCommand& c) {
+  if (c.list) return list_checks();
+  if (const Status status = check_command(c); !status.ok()) return complain(status.message(), kExitBadInput);
+  const auto choice = session::parse_device_choice(c.device);
+  if (!choice.ok()) return complain("tactus hil: " + choice.message(), kExitBadInput);
+  if (c.virtual_time && choice.value().is_real())
+    return complain(
+        fmt::format("tactus hil: --virtual-time: {} keeps real time; accepted: with --device sim", c.device),
+        kExitBadInput);
+  const auto profile = session::find_description(c.profile, c.device_file);
+  if (!profile.ok()) {
+    fmt::print(stderr, "tactus: {}\n", profile.message());  // a line for each mistake in the file
+    return kExitBadInput;
+  }
+
+  c.options.stepped = c.virtual_time;
+  c.options.judge_timing = c.timing == "judge";
+  c.options.can = choice.value().kind == session::DeviceKind::kCan;
+  c.options.soak_frames = soak_frames(c);
+  c.options.setup.cpu = c.cpu;
+  c.options.setup.priority = c.priority;
+  const std::int64_t period_ns = std::llround(1e9 / c.options.rate_Hz);
+
+  std::unique_ptr<hal::AnyLink> link;
+  if (choice.value().is_real()) {
+    auto opened = session::open_link(choice.value(), period_ns);
+    if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
+    link = std::move(opened.value().link);
+  } else {
+    link = std::make_unique<hal::AnyLink>(std::make_unique<hil::SimulatedBench>(profile.value(), period_ns));
+  }
+  const auto provoker = make_provoker(c, link->as<hil::SimulatedBench>());
+  hil::Bench bench(*link, profile.value(), *provoker, c.options);
+  const hil::SuiteRequest request{c.only, may_switch_motors_on(c, choice.value().is_real())};
+
+  std::signal(SIGINT, ask_to_stop);
+  std::signal(SIGTERM, ask_to_stop);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  hil::SuiteHooks hooks;
+  hooks.stop = [] { return g_stop.load(std::memory_order_relaxed); };
+  hooks.progress = [&](const hil::Check& check, double share) {
+    if (terminal) fmt::print(stderr, "\r\033[K  {:<18} {:3.0f} %", check.name, 100 * share);
+  };
+  hooks.done = [&](const hil::CheckReport& one) {
+    if (terminal) fmt::print(stderr, "\r\033[K");
+    if (!c.json) fmt::print("{}", to_line(one)), std::fflush(stdout);
+  };
+  hil::SuiteReport report = run_suite(bench, request, hooks);
+  report.device = c.device;
+  return finish(c, report);
+}
+
+void add_options(CLI::App& app, HilCommand& c) {
+  app.add_option("--device", c.device,
+                 "usb, usb:SERIAL, can:IFACE, can:IFACE:NODE, or sim: the suite without hardware");
+  app.add_option("--device-file", c.device_file, "describes the device; default: --profile");
+  app.add_option("--profile", c.profile, "the built-in description to compare with: virtuose6d or desk3d")
+      ->capture_default_str();
+  app.add_option("--only", c.only, "these checks alone, separated by commas")->delimiter(',');
+  app.add_flag("--list", c.list, "name the checks and end");
+  app.add_flag("--yes", c.yes, "switch the motors on without asking");
+  app.add_option("--force", c.options.force_N, "also push with so many newtons; default: zero force throughout");
+  app.add_option(
+      "--provoke", c.provoke,
+      "a command that causes what the suite cannot: it is run as COMMAND FAULT on|off, FAULT being\n"
+      "estop, unplug, corrupt or bus-off; exit 0: done, else the check is skipped. Without it a person is asked");
+  app.add_flag("--soak", c.soak, "also ten minutes at the full rate");
+  app.add_option("--duration", c.duration_s, "of the soak [s]");
+  app.add_option("--soak-frames", c.soak_frames, "of the soak, instead of its duration");
+  app.add_option("--rate", c.options.rate_Hz, "of the device [Hz]")->capture_default_str();
+  app.add_option("--cpu", c.cpu, "core of the exchange's thread; default: any")->check(CLI::Range(0, 1023));
+  app.add_option("--priority", c.priority, "SCHED_FIFO priority of the exchange's thread; 0: stay a normal thread")
+      ->check(CLI::Range(0, 98))
+      ->capture_default_str();
+  app.add_option("--timing", c.timing,
+                 "judge, or report: show the times and do not judge them, on a machine that is not yours alone")
+      ->capture_default_str();
+  app.add_flag("--virtual-time", c.virtual_time, "with --device sim: no clock, the same figures every time");
+  app.add_option("--junit", c.junit, "write the verdicts here as JUnit XML");
+  app.add_flag("--json", c.json, "one JSON object on stdout, units in the keys");
+}
+
+}  // namespace
+
+CLI::App* add_hil_command(CLI::App& program, int& exit_code) {
+  auto command = std::make_shared<HilCommand>();
+  CLI::App* hil =
+      program.add_subcommand("hil", "Is the device on its link fit for the loop? The hardware-in-the-loop suite.");
+  hil->footer(
+      "It asks before the motors are switched on, and stays at zero force unless --force says how much. Exit status: "
+      "0\n"
+      "good; 1 a check is bad; 2 bad usage; 3 the device cannot be opened.\n\n"
+      "Examples:\n  tactus hil --device usb\n  tactus hil --device can:can0 --only losses,round-trip,watchdog --yes\n"
+      "  tactus hil --device sim --virtual-time --json");
+  add_options(*hil, *command);
+  hil->callback([command, &exit_code] { exit_code = run_hil(*command); });
+  return hil;
+}
+
+}  // namespace tactus::tools
