@@ -61,13 +61,16 @@ void Device::apply() noexcept {
   thermal_.configure(accepted_.thermal);
   gravity_ = accepted_.gravity, bus_ = accepted_.bus;
   carries_arm_ = gravity_.constant != AxisValues{} || gravity_.amplitude != decltype(gravity_.amplitude){};
+  rooms_valid_ = is_valid(accepted_.encoders) && is_valid(accepted_.thermal);
   self_test_.start();
   changed_ = false;
 }
 
 Supervision Device::supervise(const Encoders::Reading& reading) noexcept {
   Supervision s;
-  if (self_test_.is_fault() || !is_valid(accepted_.encoders) || !is_valid(accepted_.thermal))
+  if (!rooms_valid_)
+    s.fault = Fault::kBadConfiguration;
+  else if (self_test_.is_fault())
     s.fault = Fault::kSelfTest;
   else if (reading.fault_axes != 0)
     s.fault = Fault::kEncoder;

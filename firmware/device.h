@@ -66,7 +66,8 @@ class Device {
   ServiceStatus execute(const Register& row, std::uint32_t argument) noexcept;
 
   DeviceConfig factory_, accepted_;
-  bool changed_{false};  // accepted_ is not yet in force
+  bool changed_{false};     // accepted_ is not yet in force
+  bool rooms_valid_{true};  // what is in force makes sense beside the controller's part, which it judges itself
   Identity identity_;
 
   Encoders encoders_;

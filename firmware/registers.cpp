@@ -135,6 +135,13 @@ constexpr bool is_sorted_without_overlap() noexcept {
 }
 static_assert(is_sorted_without_overlap());
 
+constexpr bool single_bytes_stand_alone() noexcept {
+  for (const Register& row : kRegisters)
+    if (row.width == 1 && row.count != 1) return false;
+  return true;
+}
+static_assert(single_bytes_stand_alone(), "has_same_fields looks at one byte");
+
 constexpr std::uint32_t whole_fingerprint() noexcept {
   std::uint32_t so_far = 0;
   for (const Register& row : kRegisters) so_far = fingerprint(so_far, row);
@@ -202,6 +209,19 @@ std::uint32_t read_field(const Register& row, unsigned index, const ConfigView& 
   std::uint32_t value;
   std::memcpy(&value, at + 4 * index, 4);
   return value;
+}
+
+bool has_same_fields(const Register& row, const ConfigView& a, const ConfigView& b) noexcept {
+  const auto* in_a = static_cast<const std::byte*>(section_of(a, row.section)) + row.offset;
+  const auto* in_b = static_cast<const std::byte*>(section_of(b, row.section)) + row.offset;
+  if (row.width == 1) return *in_a == *in_b;
+  std::uint32_t differ = 0;
+  for (unsigned i = 0; i < row.count; ++i) {
+    std::uint32_t x, y;
+    std::memcpy(&x, in_a + 4 * i, 4), std::memcpy(&y, in_b + 4 * i, 4);
+    differ |= x ^ y;
+  }
+  return differ == 0;
 }
 
 void write_field(const Register& row, unsigned index, std::uint32_t value, DeviceConfig& config) noexcept {

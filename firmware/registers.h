@@ -67,6 +67,9 @@ bool is_in_range(const Register& row, std::uint32_t bits) noexcept;
 std::uint32_t read_field(const Register& row, unsigned index, const ConfigView& config) noexcept;
 void write_field(const Register& row, unsigned index, std::uint32_t bits, DeviceConfig& config) noexcept;
 
+// All fields of the row are the same in both, bit by bit. The section is not kNone.
+bool has_same_fields(const Register& row, const ConfigView& a, const ConfigView& b) noexcept;
+
 // A fingerprint of all that a row means (its name and unit left out): the self-test recomputes it from memory.
 constexpr std::uint32_t fingerprint(std::uint32_t so_far, const Register& row) noexcept {
   const std::uint32_t words[] = {row.number + (std::uint32_t{row.count} << 16) + (std::uint32_t{row.states} << 24),

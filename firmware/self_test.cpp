@@ -34,9 +34,7 @@ void SelfTest::step(const ConfigView& accepted, const ConfigView& in_force, bool
     const Register* row = &table_[row_];
     asm volatile("" : "+r"(row) : : "memory");
     so_far_ = fingerprint(so_far_, *row);
-    if (row->section != Section::kNone && (found_ & static_cast<std::uint32_t>(SelfTestBit::kTables)) == 0)
-      for (unsigned i = 0; i < row->count; ++i)
-        if (read_field(*row, i, accepted) != read_field(*row, i, in_force)) note(SelfTestBit::kConfiguration);
+    if (row->section != Section::kNone && !has_same_fields(*row, accepted, in_force)) note(SelfTestBit::kConfiguration);
     ++row_;
     return;
   }

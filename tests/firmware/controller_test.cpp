@@ -166,6 +166,20 @@ TEST_CASE("every state answers every event as the rules say") {
     }
 }
 
+TEST_CASE("FORCE ends in the period in which it is no longer allowed, with a command or without") {
+  for (const bool commanded : {false, true}) {
+    Bench b = bench_in(State::kForce);
+    b.supervision.force_allowed = false;
+    if (commanded)
+      b.command(State::kForce, {1, 0, 0, 0, 0, 0});
+    else
+      b.nothing();
+    CHECK(b.state() == State::kIdle);
+    CHECK(b.norm_of_effort() == 0.0f);
+    CHECK(b.controller.fault() == Fault::kNone);
+  }
+}
+
 TEST_CASE("the more urgent of two events wins") {
   Bench b = bench_in(State::kBrake);
   b.inputs.stop_line = true;

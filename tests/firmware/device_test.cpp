@@ -120,6 +120,21 @@ TEST_CASE("a device with a bad configuration can be mended register by register"
   CHECK(b.fault() == Fault::kNone);
 }
 
+TEST_CASE("rooms whose configuration makes no sense keep the device in BRAKE until it does") {
+  DeviceConfig config = bench_config();
+  config.encoders.direction[3] = 0, config.thermal.limit_K[1] = 50;
+  DeviceBench b(config);
+  b.nothing();
+  CHECK(b.state() == State::kBrake);
+  CHECK(b.fault() == Fault::kBadConfiguration);
+  REQUIRE(b.write(number::kDirection + 3, 1) == ServiceStatus::kGood);
+  b.rearm();
+  CHECK(b.state() == State::kBrake);
+  REQUIRE(b.write(number::kThermalLimit + 1, 0.0f) == ServiceStatus::kGood);
+  b.command(State::kIdle), b.rearm();
+  CHECK(b.state() == State::kIdle);
+}
+
 TEST_CASE("the factory's configuration comes back on command") {
   DeviceBench b;
   REQUIRE(b.write(number::kMaxForce, 2.0f) == ServiceStatus::kGood);

@@ -72,6 +72,36 @@ TEST_CASE("the terms carry a chain of links as the slope of its potential energy
   }
 }
 
+TEST_CASE("every term is its amplitude times the function of its own sum of angles") {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<float> amplitude(-2.0f, 2.0f), angle(-1.0f, 1.0f);
+  for (int i = 0; i < 500; ++i) {
+    GravityConfig config;
+    AxisValues q{};
+    for (float& x : q) x = angle(random);
+    std::array<double, kAxes> expected{};
+    for (unsigned axis = 0; axis < kAxes; ++axis) {
+      config.constant[axis] = amplitude(random);
+      expected[axis] = static_cast<double>(config.constant[axis]);
+      for (unsigned k = 0; k < kGravityTerms; ++k) {
+        std::array<std::int32_t, kAxes> factors{};
+        double sum = 0;
+        for (unsigned j = 0; j < kAxes; ++j) {
+          factors[j] = static_cast<std::int32_t>(random() % 16) - 8;
+          sum += static_cast<double>(factors[j]) * static_cast<double>(q[j]);
+        }
+        const bool cosine = random() % 2 == 0;
+        const unsigned term = kGravityTerms * axis + k;
+        config.amplitude[term] = amplitude(random), config.combination[term] = make_combination(factors, cosine);
+        expected[axis] += static_cast<double>(config.amplitude[term]) * (cosine ? std::cos(sum) : std::sin(sum));
+      }
+    }
+    const AxisValues effort = gravity_effort(config, q);
+    for (unsigned axis = 0; axis < kAxes; ++axis)
+      REQUIRE(static_cast<double>(effort[axis]) == Approx(expected[axis]).margin(1e-4));
+  }
+}
+
 TEST_CASE("what the terms cost and give is nothing by default") {
   CHECK(gravity_effort(GravityConfig{}, {1, 2, 3, 4, 5, 6}) == AxisValues{});
 }

@@ -116,6 +116,18 @@ TEST_CASE("an axis with one pulse in its range is homed by it, however far off t
   CHECK(encoders.state() == HomingState::kHomed);
 }
 
+TEST_CASE("the first pulse of an axis is the one that counts") {
+  Encoders encoders;
+  encoders.configure(indexed());
+  REQUIRE(encoders.order(HomingOrder::kByIndex));
+  ControllerInputs inputs;
+  inputs.index_edges = 1, inputs.index_counts[0] = 40;
+  const std::int32_t count = encoders.update(inputs).counts[0];
+  inputs.index_counts[0] = 42;  // within the tolerance, from the other side
+  CHECK(encoders.update(inputs).counts[0] == count);
+  CHECK(encoders.state() == HomingState::kHoming);
+}
+
 TEST_CASE("an order that is none, or by index without an index, is refused") {
   Encoders encoders;
   CHECK_FALSE(encoders.order(static_cast<HomingOrder>(3)));
