@@ -117,10 +117,11 @@ TEST_CASE("set-points are efforts in parts of the full effort, to the nearest, a
 
 TEST_CASE("no effort leaves the motors without current, a brake shorts them with every set-point zero") {
   Bench b;
-  b.drive({5, 5, 5, 1, 1, 0});
-  CHECK(b.stage() == MotorStage::kDriven);
   b.drive({});
   CHECK(b.stage() == MotorStage::kOff);
+  b.drive({5, 5, 5, 1, 1, 0});
+  CHECK(b.stage() == MotorStage::kDriven);
+  CHECK(b.setpoint(0) != 0);
   b.drive({5, 5, 5, 1, 1, 0}, true);
   CHECK(b.stage() == MotorStage::kShorted);
   for (unsigned i = 0; i < kAxes; ++i) CHECK(b.setpoint(i) == 0);
@@ -171,9 +172,11 @@ TEST_CASE("a period that the counter cannot hold is refused") {
   SysTickRegisters timer{};
   PeriodClock clock;
   CHECK_FALSE(clock.start(timer, kClock_Hz, 0));
-  CHECK_FALSE(clock.start(timer, kClock_Hz, 671'089));  // 2^24 counts are 671'088.64 us
+  constexpr std::uint32_t longest = 1u << 24;  // counts, one a microsecond here
+  CHECK_FALSE(clock.start(timer, 1'000'000, longest + 1));
   CHECK(timer.control == 0);
-  CHECK(clock.start(timer, kClock_Hz, 671'088));
+  CHECK(clock.start(timer, 1'000'000, longest));
+  CHECK(timer.reload == longest - 1);
 }
 
 TEST_CASE("what the board stores is what it loads, and a memory that nobody wrote holds nothing") {

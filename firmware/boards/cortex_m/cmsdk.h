@@ -1,8 +1,8 @@
 // The peripherals of Arm's CMSDK as the machine mps2-an386 has them: a serial port and a watchdog. A port to a chip
 // replaces this file and the interrupt numbers in main.cpp.
 //
-// Source: Cortex-M System Design Kit Technical Reference Manual (ARM DDI 0479D), 4.3 (UART), 4.5 (watchdog); AN386,
-// memory map and clock. Thread: [setup] and the interrupt handlers of main.cpp.
+// Source: Cortex-M System Design Kit Technical Reference Manual (ARM DDI 0479), APB components; AN386, memory map and
+// clock. Thread: [setup] and the interrupt handlers of main.cpp.
 #pragma once
 
 #include <cstdint>

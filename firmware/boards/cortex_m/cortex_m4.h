@@ -1,7 +1,7 @@
 // The registers of the Cortex-M4 core that the program uses; what differs from chip to chip is in cmsdk.h.
 //
-// Addresses and bits: ARMv7-M Architecture Reference Manual (ARM DDI 0403E), B3.2 (system control), B3.3 (SysTick),
-// B3.4 (NVIC), B1.5.7 and B3.2.20 (floating point). Thread: [setup] and [rt]; each register has one owner, see
+// Addresses and bits: ARMv7-M Architecture Reference Manual (ARM DDI 0403), B3.2 (system control, coprocessor access),
+// B3.3 (SysTick), B3.4 (NVIC). Thread: [setup] and [rt]; each register has one owner, see
 // main.cpp.
 #pragma once
 

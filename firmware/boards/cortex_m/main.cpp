@@ -66,7 +66,7 @@ void on_uart0_transmitter() {
   static bool stopped = false;
   constexpr unsigned program_count = 6;  // of the eight words that an exception leaves on the stack
   if (!stopped) {
-    const bool on_stack = frame >= &stack_limit && frame + program_count < &stack_top;
+    const bool on_stack = frame >= stack_limit && frame + program_count < stack_top;
     board_registers.fault_program_count = on_stack ? frame[program_count] : kUnknownPlace;
   }
   stopped = true;

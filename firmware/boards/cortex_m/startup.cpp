@@ -10,26 +10,25 @@ using tactus::firmware::cortex_m::kStackPaint;
 
 extern "C" {
 // From the linker script.
-extern std::uint32_t data_load_begin, data_begin, data_end, bss_begin, bss_end;
+extern std::uint32_t data_load_begin[], data_begin[], data_end[], bss_begin[], bss_end[];
 extern void (*init_begin[])();
 extern void (*init_end[])();
 
 int main();
 
-// Floating point first: the compiler may use its registers from the first function on. No library is up yet, so plain
-// loops, which the compiler is told not to turn into calls.
-[[noreturn, gnu::used, gnu::optimize("no-tree-loop-distribute-patterns")]] void start_program() {
+// Floating point first: the compiler may use its registers from the first function on.
+[[noreturn, gnu::used]] void start_program() {
   tactus::firmware::cortex_m::enable_fpu();
   std::uint32_t here;
   asm volatile("mov %0, sp" : "=r"(here));
-  for (std::uint32_t* word = &stack_limit; word < reinterpret_cast<std::uint32_t*>(here) - 1; ++word)
+  for (std::uint32_t* word = stack_limit; word < reinterpret_cast<std::uint32_t*>(here) - 1; ++word)
     *const_cast<std::uint32_t volatile*>(word) = kStackPaint;
-  const std::uint32_t* from = &data_load_begin;
-  for (std::uint32_t* to = &data_begin; to < &data_end;) *to++ = *from++;
-  for (std::uint32_t* to = &bss_begin; to < &bss_end;) *to++ = 0;
+  const std::uint32_t* from = data_load_begin;
+  for (std::uint32_t* to = data_begin; to < data_end;) *to++ = *from++;
+  for (std::uint32_t* to = bss_begin; to < bss_end;) *to++ = 0;
   for (void (**initialise)() = init_begin; initialise < init_end; ++initialise) (*initialise)();
   main();
-  stop_after_fault(&stack_top);
+  stop_after_fault(stack_top);
 }
 
 [[gnu::naked, gnu::used]] void on_reset() { asm volatile("b start_program"); }
@@ -57,7 +56,7 @@ struct VectorTable {
 };
 
 constexpr VectorTable make_vectors() noexcept {
-  VectorTable table{&stack_top, {}};
+  VectorTable table{stack_top, {}};
   for (auto& handler : table.handlers) handler = on_fault;
   table.handlers[0] = on_reset;
   table.handlers[14] = on_systick;

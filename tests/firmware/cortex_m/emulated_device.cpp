@@ -20,7 +20,7 @@ namespace {
 // PSRAM of mps2-an386.
 constexpr std::uint32_t kMemoryAddress = 0x21000000;
 constexpr std::size_t kMemorySize = 16u << 20;
-constexpr int kSilence_ms = 10'000, kManyFrames = 3000;
+constexpr int kSilence_ms = 60'000, kManyFrames = 3000;
 constexpr std::uint64_t kStoodStill_us = 5000;
 
 [[noreturn]] void become_emulator(const char* image, const std::string& memory, int line) {
@@ -156,6 +156,22 @@ void EmulatedDevice::forget_waiting() {
   while (read_frame(0))
     if (decode_state(reader_.frame(), state) == DecodeError::kNone)
       state_sequence_ = state.sequence, time_us_ = state.time_us, echoed_ = state.echoed_sequence;
+}
+
+void EmulatedDevice::await_fault() {
+  for (int looks = 0; looks < kSilence_ms; ++looks) {
+    if (registers().fault_program_count != 0) return;
+    poll(nullptr, 0, 1);
+  }
+  throw Failure("no fault");
+}
+
+bool EmulatedDevice::stands_still_soon() try {
+  constexpr int frames = 30;
+  for (int i = 0; i < frames; ++i) (void)next_state();
+  return false;
+} catch (const StoodStill&) { return true; } catch (const Failure&) {
+  return false;
 }
 
 void EmulatedDevice::await_restart() {

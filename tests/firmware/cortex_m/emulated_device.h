@@ -1,6 +1,6 @@
 // The device's image in a QEMU of its own: its serial line, and the memory that is its mechanics.
 //
-// Thread: one, the test's. Every wait ends: where the device sends nothing for ten seconds, or what is awaited does not
+// Thread: one, the test's. Every wait ends: where the device sends nothing for a minute, or what is awaited does not
 // come within some thousand frames, Failure is thrown. StoodStill is thrown where the device's own time stamps show
 // that the emulator got no processor for five periods or more: what happened meanwhile says nothing about the device.
 #pragma once
@@ -56,8 +56,12 @@ class EmulatedDevice {
   void await(const std::function<bool(const StateFrame&)>& holds, const char* otherwise);
   // Drops the states that have come and were not looked at.
   void forget_waiting();
+  // Until the device has written where a fault was.
+  void await_fault();
   // Until the device's frames begin anew.
   void await_restart();
+  // The memory is ahead of the frames: what looked wrong in it may be a stop that the next frames tell of.
+  bool stands_still_soon();
   ServiceMessage ask(Operation operation, std::uint16_t address, std::uint32_t value = 0);
 
  private:

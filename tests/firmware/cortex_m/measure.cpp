@@ -2,7 +2,8 @@
 //
 // Runs in QEMU with -icount shift=6: an instruction is 64 ns of the machine's time, 1.6 counts of its 25 MHz timer, so
 // every single one shows. What it counts are instructions, not the cycles of a chip: those depend on its memory. The
-// first thing measured is a loop whose count is known. Output, one per line: `name typical worst`; then `stack bytes`.
+// first thing measured is a loop whose count is known. Output: lines of `name typical worst`; of a sweep through the
+// registers in place of the typical the operation and register of the worst. Status 2: a register was not written.
 #include <algorithm>
 #include <bit>
 
@@ -89,11 +90,11 @@ struct Rig {
     std::uint32_t here;
     asm volatile("mov %0, sp" : "=r"(here));
     auto* const top = reinterpret_cast<std::uint32_t volatile*>(here);
-    for (auto* word = top - 1; word >= &stack_limit; --word) *word = kStackPaint;
+    for (auto* word = top - 1; word >= stack_limit; --word) *word = kStackPaint;
     const std::uint32_t before = timer();
     run_period(device, mechanics, link, storage);
     const std::uint32_t after = timer();
-    auto* word = const_cast<std::uint32_t volatile*>(&stack_limit);
+    auto* word = const_cast<std::uint32_t volatile*>(stack_limit);
     while (word < top && *word == kStackPaint) ++word;
     deepest = std::max(deepest, static_cast<std::size_t>(top - word) * sizeof(std::uint32_t));
     drain();
@@ -121,6 +122,7 @@ void report(const char* name, std::uint32_t typical, std::uint32_t worst) noexce
 }
 
 constexpr unsigned kPeriods = 200;
+constexpr unsigned kLineBytes = kSerialBitRate_Hz / 10 / 1000;  // what the line can bring in a period of 1 ms
 
 // `before_each(i)` prepares period i. Typical is the median.
 template <class Prepare>
@@ -147,6 +149,10 @@ void bring_to_force(Rig& rig) noexcept {
   for (int i = 0; i < 3; ++i) rig.command(State::kForce, {}), (void)rig.period();
 }
 
+void noise(Rig& rig, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) rig.link.received(static_cast<std::byte>(rig.next_random() >> 24));
+}
+
 void control_periods(Rig& rig) noexcept {
   constexpr AxisValues small{1, 2, 3, 0.1f, 0.2f, 0.3f}, huge{90, -80, 70, 5, -6, 7};
   scenario(rig, "silent", [](unsigned) {});
@@ -162,9 +168,7 @@ void control_periods(Rig& rig) noexcept {
   scenario(rig, "with_request", [&](unsigned i) {
     rig.command(State::kForce, huge), rig.request(Operation::kRead, static_cast<std::uint16_t>(i), 0);
   });
-  scenario(rig, "line_noise", [&](unsigned) {
-    for (unsigned k = 0; k < Link::kRingSize; ++k) rig.link.received(static_cast<std::byte>(rig.next_random() >> 24));
-  });
+  scenario(rig, "line_noise", [&](unsigned) { noise(rig, kLineBytes); });
   scenario(rig, "emergency_stop", [&](unsigned i) {
     board_registers.pins = i % 2 == 0 ? kPinSupplyGood : kPinSupplyGood | kPinStopReleased;
     rig.command(State::kForce, huge, i % 2 == 1);
@@ -172,20 +176,56 @@ void control_periods(Rig& rig) noexcept {
   board_registers.pins = kPinSupplyGood | kPinStopReleased;
 }
 
-// Every register, every operation, with values wild and tame, while the host commands force whenever it can.
-void service_sweep(Rig& rig) noexcept {
-  constexpr unsigned last_address = 0x3ff;
+// The rooms around the controller that are off by default: the arm's weight with every term, thermal model, filter.
+void switch_everything_on(Rig& rig) noexcept {
+  const auto write = [&](unsigned address, float value) {
+    const ServiceMessage reply =
+        rig.device.serve({Operation::kWrite, ServiceStatus::kGood, 0, static_cast<std::uint16_t>(address),
+                          std::bit_cast<std::uint32_t>(value)});
+    if (reply.status != ServiceStatus::kGood) exit_emulator(2);
+  };
+  rig.command(State::kIdle, {}), (void)rig.period();
+  constexpr std::uint32_t every_axis = kMaxCombination;
+  for (unsigned term = 0; term < kAxes * kGravityTerms; ++term) {
+    write(number::kGravityAmplitude + term, 0.01f);
+    write(number::kGravityCombination + term, std::bit_cast<float>(every_axis - term));
+  }
+  for (unsigned axis = 0; axis < kAxes; ++axis) {
+    write(number::kThermalGain + axis, 1e-3f), write(number::kThermalTime + axis, 10.0f);
+    write(number::kThermalWarning + axis, 50.0f), write(number::kThermalLimit + axis, 100.0f);
+  }
+  write(number::kSpeedCorner, 100.0f);
+}
+
+void everything_on(Rig& rig) noexcept {
+  constexpr AxisValues huge{90, -80, 70, 5, -6, 7};
+  switch_everything_on(rig);
+  bring_to_force(rig);
+  scenario(rig, "all_rooms", [&](unsigned) { rig.command(State::kForce, huge); });
+  scenario(rig, "all_and_request", [&](unsigned i) {
+    rig.command(State::kForce, huge), rig.request(Operation::kRead, static_cast<std::uint16_t>(i), 0);
+  });
+  scenario(rig, "all_and_noise", [&](unsigned) {
+    rig.link.received(std::byte{0});  // ends the noise before
+    rig.command(State::kForce, huge), rig.request(Operation::kRead, number::kSerial, 0);
+    noise(rig, kLineBytes - 1 - (kCommandFrameSize + 2) - (kServiceFrameSize + 2));
+  });
+}
+
+// Every register, every operation, with values wild and tame. In FORCE most writes are refused, in IDLE they act.
+void service_sweep(Rig& rig, State wanted) noexcept {
+  constexpr unsigned last_address = 0x8ff;
   std::uint32_t most = 0, at_most = 0;
   for (unsigned operation = 1; operation <= 3; ++operation)
     for (unsigned address = 0; address <= last_address; ++address) {
-      rig.command(State::kForce, {90, -80, 70, 5, -6, 7}, address % 8 == 0);
+      rig.command(wanted, {90, -80, 70, 5, -6, 7}, address % 8 == 0);
       const std::uint32_t value = address % 2 == 0 ? rig.next_random() : std::bit_cast<std::uint32_t>(1.0f);
       rig.request(static_cast<Operation>(operation), static_cast<std::uint16_t>(address), value);
       const std::uint32_t count = rig.period();
       if (count > most) most = count, at_most = operation << 16 | address;
     }
   g_most = std::max(g_most, most);
-  print("service_sweep "), print(at_most), print(" "), print(most), print("\n");
+  report(wanted == State::kForce ? "sweep_in_force" : "sweep_in_idle", at_most, most);
 }
 
 // Beside the period: what the interrupt handlers spend on a byte, without the core's own entry and return.
@@ -225,8 +265,9 @@ int main() {
   const std::uint32_t before = timer();
   rig.empty_counts = before - timer();
   control_periods(rig);
-  bring_to_force(rig);
-  service_sweep(rig);
+  everything_on(rig);
+  service_sweep(rig, State::kForce);
+  service_sweep(rig, State::kIdle);
   bytes(rig);
   report("period", 0, g_most);
   report("stack", 0, static_cast<std::uint32_t>(rig.deepest));
