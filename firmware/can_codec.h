@@ -72,10 +72,12 @@ class StateSplitter {
 std::array<CanFragment, kCommandFragments> split_command(const CommandFrame& frame) noexcept;
 
 // Of fragments that came since the last look(): the whole frames among them. A fragment of another period than those
-// that wait, or one that came already, starts a new set; so does waiting over more than one look().
+// that wait, or one that came already, starts a new set; so does waiting for more than kMaxLooks.
 class FragmentSet {
  public:
-  static constexpr unsigned kMaxLooks = 2;
+  // Half the range of a state's key: the same key cannot come around again. Longer than one period, because a slow
+  // interrupt or other nodes' frames may part what was sent together.
+  static constexpr unsigned kMaxLooks = 8;
 
   // True: the set of `count` fragments is complete, and empty again.
   bool add(unsigned index, unsigned count, std::uint8_t key, const CanData& data) noexcept;

@@ -141,7 +141,7 @@ Result<CanInterface> find_can_interface(const std::string& name) {
   return found;
 }
 
-Status check_can_interface(const CanInterface& interface, bool fd, std::chrono::nanoseconds period) {
+Status check_can_interface(const CanInterface& interface, bool fd) {
   const std::string& name = interface.name;
   if (!interface.is_can) return Status::error(fmt::format("can: {} is no CAN interface; {}", name, others()));
   const bool needs_rate = !interface.is_virtual && interface.bit_per_s == 0;
@@ -157,6 +157,10 @@ Status check_can_interface(const CanInterface& interface, bool fd, std::chrono::
         fmt::format("can: {0} is bus-off and does not restart by itself; mend the bus, then as root: "
                     "ip link set {0} down, type can restart-ms 100, up",
                     name));
+  return Status::good();
+}
+
+Status check_can_rate(const CanInterface& interface, bool fd, std::chrono::nanoseconds period) {
   if (interface.bit_per_s == 0) return Status::good();
   const std::uint64_t data_rate =
       fd ? (interface.data_bit_per_s > 0 ? interface.data_bit_per_s : interface.bit_per_s) : 0;
@@ -165,7 +169,7 @@ Status check_can_interface(const CanInterface& interface, bool fd, std::chrono::
     return Status::error(
         fmt::format("can: {0} runs at {1} bit/s: one period's frames take up to {2} us there, the period is {3} us; "
                     "as root: ip link set {0} down, type can bitrate 1000000, up; or a lower --rate",
-                    name, interface.bit_per_s, needed_ns / 1000, period.count() / 1000));
+                    interface.name, interface.bit_per_s, needed_ns / 1000, period.count() / 1000));
   return Status::good();
 }
 

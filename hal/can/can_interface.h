@@ -32,7 +32,9 @@ struct CanInterface {
 // An error: no such interface (the message names those that there are), or the kernel gives no answer.
 Result<CanInterface> find_can_interface(const std::string& name);
 
-// Can this interface carry a device's frames? `fd`: as CAN FD. The message says what to type.
-Status check_can_interface(const CanInterface& interface, bool fd, std::chrono::nanoseconds period);
+// Can this interface carry frames now? `fd`: as CAN FD. The message says what to type.
+Status check_can_interface(const CanInterface& interface, bool fd);
+// Do one period's control frames fit its bit rate, with every bit stuffed that can be? Good if the rate is not known.
+Status check_can_rate(const CanInterface& interface, bool fd, std::chrono::nanoseconds period);
 
 }  // namespace tactus::hal

@@ -84,9 +84,8 @@ Result<std::unique_ptr<CanLink>> CanLink::open(const CanOptions& options) {
     return Status::error("can: the wait must be between 0 and the period");
   auto interface = find_can_interface(options.interface);
   if (!interface.ok()) return interface.status();
-  if (const Status fit = check_can_interface(interface.value(), options.format == CanFormat::kFd, options.period);
-      !fit.ok())
-    return fit;
+  if (const Status usable = check_can_interface(interface.value(), options.format == CanFormat::kFd); !usable.ok())
+    return usable;
 
   const auto heard = listen(options, interface.value().fd && options.format != CanFormat::kClassic);
   if (!heard.ok()) return heard.status();
@@ -97,6 +96,8 @@ Result<std::unique_ptr<CanLink>> CanLink::open(const CanOptions& options) {
   if (options.format == CanFormat::kFd && !fd)
     return Status::error(
         fmt::format("can: node {} sends classic frames; set it to FD, or open it as classic", options.node));
+
+  if (const Status fits = check_can_rate(interface.value(), fd, options.period); !fits.ok()) return fits;
 
   std::unique_ptr<CanLink> link(new CanLink(options, interface.value(), fd));
   if (const CanOpenError failed = link->open_socket(link->socket()); failed.step != CanOpenError::Step::kNone)

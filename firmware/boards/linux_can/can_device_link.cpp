@@ -6,6 +6,7 @@
 namespace tactus::firmware {
 namespace {
 
+constexpr unsigned kQueuedSends = 3 * (kStateFragments + 1);  // three periods: adapters report late what has left
 constexpr can_err_mask_t kErrors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_LOSTARB;
 
 }  // namespace
@@ -15,7 +16,7 @@ CanOpenError CanDeviceLink::open(const CanDeviceOptions& options) noexcept {
   const std::array<can_filter, 3> filters{exactly(can_id(CanFunction::kCommand0, options.node)),
                                           exactly(can_id(CanFunction::kCommand1, options.node)),
                                           exactly(can_id(CanFunction::kServiceRequest, options.node))};
-  return socket_.open({options.interface, filters, kErrors, options.fd});
+  return socket_.open({options.interface, filters, kErrors, options.fd, kQueuedSends});
 }
 
 std::size_t CanDeviceLink::receive_command(std::span<std::byte, kMaxFrameSize> buffer) noexcept {
@@ -94,7 +95,7 @@ void CanDeviceLink::take_error(const CanReceived& frame) noexcept {
   if ((frame.id & CAN_ERR_CRTL) == 0 || frame.data.size() < 2) return;
   const auto what = std::to_integer<unsigned>(frame.data[1]);
   if ((what & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) ++counters_.error_passive;
-  if ((what & CAN_ERR_CRTL_RX_OVERFLOW) != 0) assembler_.forget();
+  if ((what & CAN_ERR_CRTL_RX_OVERFLOW) != 0) ++counters_.lost, assembler_.forget();
   if ((what & CAN_ERR_CRTL_ACTIVE) != 0) bus_off_ = false;
 }
 

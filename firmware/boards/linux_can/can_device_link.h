@@ -24,7 +24,7 @@ struct CanDeviceCounters {
   std::uint64_t superseded{0};   // whole, replaced by a newer one in the same period
   std::uint64_t incomplete{0};   // commands of which a fragment never came
   std::uint64_t malformed{0};    // on our identifiers, no frames of ours
-  std::uint64_t lost{0};         // dropped by the kernel for want of room, and requests for which there was none
+  std::uint64_t lost{0};         // for want of room: by the kernel, by the controller (once each time), requests
   std::uint64_t states{0};       // sent
   std::uint64_t send_failed{0};  // states, whole or in part, that did not go out
   std::uint64_t bus_off{0}, error_passive{0}, arbitration_lost{0}, interface_down{0};

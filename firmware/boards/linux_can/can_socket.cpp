@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // What the kernel books for one waiting frame; the queue's size is set in bytes, and the kernel doubles the number.
-constexpr int kBookedPerFrame = 1024;
+// A received frame may carry a clone's share, one to send is 768 bytes in Linux 6.1.
+constexpr int kBookedPerFrame = 1024, kBookedPerSend = 768;
 
 std::int64_t now_ns(clockid_t clock) noexcept {
   timespec time{};
@@ -30,13 +31,12 @@ bool set_option(int socket, int level, int name, const T& value) noexcept {
 
 bool set_options(int socket, const CanSocketOptions& options) noexcept {
   const int on = 1, queue = CanSocket::kQueuedFrames * kBookedPerFrame / 2;
-  // The smallest queue to the bus that the kernel gives: a command that waited there is old when it leaves.
-  const int smallest = 1;
+  const int sends = static_cast<int>(options.queued_sends) * kBookedPerSend / 2;
   const auto size = static_cast<socklen_t>(options.filters.size_bytes());
   return setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, options.filters.data(), size) == 0 &&
          set_option(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, options.errors) &&
          set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, on) && set_option(socket, SOL_SOCKET, SO_RXQ_OVFL, on) &&
-         set_option(socket, SOL_SOCKET, SO_RCVBUF, queue) && set_option(socket, SOL_SOCKET, SO_SNDBUF, smallest);
+         set_option(socket, SOL_SOCKET, SO_RCVBUF, queue) && set_option(socket, SOL_SOCKET, SO_SNDBUF, sends);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ struct CanSocketOptions {
   std::span<const can_filter> filters;
   can_err_mask_t errors{0};  // which error frames come
   bool fd{false};            // CAN FD frames as well; the interface must have that MTU
+  unsigned queued_sends{6};  // about so many frames may wait for the bus, at least 6: one that waited is old
 };
 
 // Where opening stopped, and the error number there.
