@@ -140,11 +140,11 @@ bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, Sim
     board.restart_hand();
   } else if (name == "report") {
     std::printf(
-        "report periods=%llu commands=%llu refused=%u state=%u fault=%u largest_effort=%g largest_share=%g "
-        "finite=%d\n",
+        "report periods=%llu commands=%llu refused=%u state=%u fault=%u share=%g largest_effort=%g "
+        "largest_share=%g finite=%d\n",
         static_cast<unsigned long long>(board.periods()), static_cast<unsigned long long>(link.commands()),
         device.controller().refused_frames(), static_cast<unsigned>(device.controller().state()),
-        static_cast<unsigned>(device.controller().fault()), static_cast<double>(link.largest_effort()),
+        static_cast<unsigned>(device.controller().fault()), board.share(), static_cast<double>(link.largest_effort()),
         board.largest_share_seen(), !link.saw_effort_not_finite());
   } else if (name == "quit") {
     return false;

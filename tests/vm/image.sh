@@ -4,7 +4,7 @@
 # From Debian's packages, downloaded and unpacked without root: the PREEMPT_RT kernel with its modules, its headers (to
 # build gpio-sim, which Debian's kernel leaves out), the kernel's source (gpio-sim itself) and udev. The result is kept
 # in the user's cache folder, under the kernel's package version and the hash of what this folder makes of it:
-#   KEY/vmlinuz        the kernel
+#   KEY/vmlinux        the kernel
 #   KEY/base.cpio      busybox, udev, the modules, the start script: all that does not change from run to run
 #   KEY/release        the kernel's release, such as 6.1.0-56-rt-amd64
 
@@ -82,7 +82,18 @@ make_image() {
 # The parts in order; the first that fails ends it (run in a pipe, where `set -e` does not reach).
 make_image_parts() {
   get_packages "$1" "$2" && build_gpio_module "$1" && fill_root "$1" && pack "$work/root" "$work/ready/base.cpio" &&
-    cp "$work/debian/boot/vmlinuz-$1" "$work/ready/vmlinuz"
+    unpack_kernel "$work/debian/boot/vmlinuz-$1" "$work/ready/vmlinux"
+}
+
+# The kernel itself out of the file that unpacks itself at boot: emulated, that would take longer than all the rest of
+# the boot. Offsets are those of the header that boot loaders read (Linux, Documentation/x86/boot.rst); the last four
+# bytes of the payload are its length.
+unpack_kernel() {
+  local sectors offset length
+  sectors=$(od -An -tu1 -j $((0x1f1)) -N 1 "$1")
+  offset=$(od -An -tu4 -j $((0x248)) -N 4 "$1")
+  length=$(od -An -tu4 -j $((0x24c)) -N 4 "$1")
+  tail -c +$(((sectors + 1) * 512 + offset + 1)) "$1" | head -c $((length - 4)) | xz -dc >"$2"
 }
 
 get_packages() {

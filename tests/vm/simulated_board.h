@@ -108,6 +108,7 @@ class SimulatedBoard {
   }
 
   // Effort over its limit, the worst of axes and norms; 1 is the limit.
+  double share() const noexcept { return share_; }  // now
   double largest_share_seen() const noexcept { return largest_share_; }
   std::uint64_t periods() const noexcept { return periods_; }
   const hal::Plant& plant() const noexcept { return plant_; }

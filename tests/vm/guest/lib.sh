@@ -1,0 +1,100 @@
+# What the scenarios are written with: verdicts, the device of the bench, the host program, faults. Sourced in the guest.
+# shellcheck shell=sh
+#
+# Verdicts are lines on standard output: `ok NAME`, `not ok NAME: why`, `skip NAME: why`. Figures go to /out/figures,
+# a line each: LINK FAULT WHAT NUMBER.
+
+bench=/bench
+export BENCH_CONTROL=/tmp/control BENCH_LOG=/tmp/device.log
+gpio=/sys/devices/platform/gpio-sim.0/gpiochip0
+
+ok() { echo "ok $link: $1"; }
+not_ok() { echo "not ok $link: $1: $2"; }
+skip() { echo "skip $link: $1: $2"; }
+# verdict NAME WHY: after a command; WHY says what was wrong.
+verdict() { if [ $? = 0 ]; then ok "$1"; else not_ok "$1" "$2"; fi; }
+figure() { echo "$link $1 $2 $3" >>/out/figures; }
+
+# The names of LINK (usb, can, can-fd) at the device and at the host.
+device_of() { case $1 in usb) echo usb ;; can) echo can:can1 ;; can-fd) echo can-fd:vcan0 ;; esac; }
+host_of() { case $1 in usb) echo usb ;; can) echo can:can0 ;; can-fd) echo can:vcan0 ;; esac; }
+
+# start_device SCENE: the device on $link; back when the host can find it.
+start_device() {
+  export BENCH_LINK=$link
+  host=$(host_of "$link")
+  [ -p $BENCH_CONTROL ] || mkfifo $BENCH_CONTROL
+  bench_device "$(device_of "$link")" --scene "$1" --control $BENCH_CONTROL --stop-line 3 --priority 90 >$BENCH_LOG 2>&1 &
+  device=$!
+  mark=0
+  await '^ready' || { not_ok device "did not start: $(tail -n 1 $BENCH_LOG)"; return 1; }
+  [ "$link" != usb ] || wait_for usb_is_there
+}
+
+usb_is_there() { grep -qs BENCH-1 /sys/bus/usb/devices/*/serial; }
+
+stop_device() {
+  kill "$device" 2>/dev/null
+  wait "$device" 2>/dev/null
+  cp $BENCH_LOG "/out/device-$link-$1.log"
+}
+
+# wait_for COMMAND...: until it is true, three seconds at the most.
+wait_for() {
+  tries=60
+  until "$@"; do
+    tries=$((tries - 1))
+    [ $tries -gt 0 ] || return 1
+    sleep 0.05
+  done
+}
+
+# What the device tells from now on is what await looks at.
+mark() { mark=$(wc -l <$BENCH_LOG); }
+said() { line=$(tail -n +$((mark + 1)) $BENCH_LOG | grep -m 1 "$1"); }
+# await PATTERN: the first such line since the mark, into $line.
+await() { wait_for said "$1"; }
+# value KEY: of KEY=NUMBER in $line; nothing if it is not there.
+value() { echo "$line" | sed -n "s/.* $1=\([^ ]*\).*/\1/p"; }
+
+# tell COMMAND: to the device; back when it is done.
+tell() {
+  before=$(grep -c '^done' $BENCH_LOG)
+  echo "$1" >$BENCH_CONTROL
+  wait_for told
+}
+told() { [ "$(grep -c '^done' $BENCH_LOG)" -gt "$before" ]; }
+
+# The device's truth now, into $line.
+report() { tell report && line=$(grep '^report' $BENCH_LOG | tail -n 1); }
+
+e_stop() { case $1 in on) echo pull-up ;; off) echo pull-down ;; esac >$gpio/sim_gpio3/pull; }
+
+# The cable of $link: out or in.
+cable() {
+  interface=${host#can:}
+  case $link:$1 in
+    usb:out) tell unplug ;;
+    usb:in) tell plug ;;
+    *:out) ip link set "$interface" down ;;
+    *:in) ip link set "$interface" up ;;
+  esac
+}
+
+# start_host ARGUMENT...: the real-time run, in the background, into $host_log.
+start_host() {
+  host_log=/out/host-$link.log
+  tactus run "$@" --device "$host" >"$host_log" 2>&1 &
+  host_process=$!
+}
+host_lives() { kill -0 "$host_process" 2>/dev/null; }
+
+# Until the hand feels a force, ten seconds at the most: a latched fault is taken back a second after it came.
+in_force() {
+  for attempt in 1 2 3 4 5 6 7 8 9 10; do
+    wait_for pushes && return 0
+    host_lives || return 1
+  done
+  return 1
+}
+pushes() { report && [ "$(value state)" = 2 ] && [ "$(value share)" != 0 ]; }

@@ -1,0 +1,84 @@
+# A hand presses on a floor through the whole host program; each fault comes while there is force. What counts is what
+# the device's motors did, in control periods.
+. /bench/lib.sh
+start_device /bench/press.toml || exit
+start_host /bench/press.toml --rearm
+
+# brakes NAME FADE: since the mark the device faded (FADE, or - where it brakes at once) and braked at 10 missed.
+brakes() {
+  await '^state FORCE BRAKE' || { not_ok "$1" "it never braked"; return 1; }
+  brake=$(value missed)
+  said '^fade' && fade=$(value missed) || fade=
+  said '^zero' && zero=$(value missed) || zero=
+  figure "$1" fade "${fade:--1}" && figure "$1" brake "$brake" && figure "$1" zero "${zero:--1}"
+  [ "$fade" = 3 ] && [ "$brake" = 10 ] && [ "${zero:-99}" -le 10 ]
+  verdict "$1: fades at 3 missed frames, brakes at 10" "fade ${fade:-never}, zero ${zero:-never}, brake $brake"
+}
+
+# under_force NAME: the precondition of every fault.
+under_force() { in_force || { not_ok "$1" "no force before the fault: $(tail -n 1 "$host_log")"; return 1; }; }
+
+under_force force && ok "the hand feels the floor"
+
+if under_force e-stop; then
+  mark
+  e_stop on
+  await '^stop'
+  periods=$(value periods)
+  figure e-stop zero "${periods:--1}"
+  [ "${periods:-99}" -le 2 ]
+  verdict "e-stop: zero force within 2 ticks of the edge" "${periods:-never} periods"
+  sleep 1.5
+  report
+  [ "$(value state)" = 3 ]
+  verdict "e-stop: stays braked while it is pressed" "state $(value state)"
+  e_stop off
+fi
+
+if under_force motor-bus; then
+  mark
+  tell 'motor-bus 0'
+  await '^state FORCE BRAKE' && figure motor-bus zero 1
+  verdict "motor supply fails: brakes" "it never braked"
+  tell 'motor-bus 1'
+fi
+
+if under_force few-lost; then
+  mark
+  tell 'lost_commands 5'
+  sleep 0.2
+  said '^fade'
+  fade=$(value missed)
+  ! said '^state FORCE BRAKE' && [ "$fade" = 3 ]
+  verdict "five commands lost: fades and recovers" "$line"
+fi
+
+if under_force commands-lost; then mark; tell 'lost_commands 15'; brakes commands-lost; fi
+if under_force commands-corrupt; then mark; tell 'corrupt_commands 15'; brakes commands-corrupt; fi
+if under_force commands-repeated; then mark; tell 'repeated_commands 15'; brakes commands-repeated; fi
+
+if under_force unplugged; then
+  mark
+  cable out
+  brakes unplugged
+  sleep 0.5
+  cable in
+  in_force
+  verdict "unplugged: goes on when it is back, after the re-arm" "no force again; $(tail -n 1 "$host_log")"
+fi
+
+if [ "$link" = can-fd ] && under_force bus-off; then
+  mark
+  cansend vcan0 20000040#0000000000000000
+  brakes bus-off
+  cansend vcan0 20000100#0000000000000000
+  in_force
+  verdict "bus-off: goes on after the restart" "no force again"
+fi
+
+if under_force host-killed; then
+  mark
+  kill -9 "$host_process"
+  brakes host-killed
+fi
+stop_device faults
