@@ -91,8 +91,8 @@ Finding check_can(const Patient& patient) {
                "check cable, terminators and bit rate, then set it down and up",
                fmt::format("ip link set {} down && ip link set {} up", name, name));
   const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / patient.request.rate_Hz));
-  if (const Status status = hal::check_can_interface(can, can.fd, period); !status.ok())
-    return red("can", status.message(), "set the interface up with the bit rate of the device", up);
+  for (const Status& status : {hal::check_can_interface(can, can.fd), hal::check_can_rate(can, can.fd, period)})
+    if (!status.ok()) return red("can", status.message(), "set the interface up with the bit rate of the device", up);
   return green("can", can.is_virtual ? name + " is up, a virtual bus"
                                      : fmt::format("{} is up at {} kbit/s; errors sent {}, received {}", name,
                                                    can.bit_per_s / 1000, can.tx_errors, can.rx_errors));
