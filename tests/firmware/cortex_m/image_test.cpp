@@ -180,10 +180,11 @@ void fault_and_restart(EmulatedDevice& d, float max_force_N, bool place_known, B
   d.registers().fault_program_count = 0;
   break_it();
   d.await_fault();
-  require(stage(d) == MotorStage::kShorted, "the motors are not shorted when the place of the fault is known");
+  const bool shorted = stage(d) == MotorStage::kShorted;
   const std::uint32_t place = d.registers().fault_program_count;
   constexpr std::uint32_t flash_end = 64 * 1024;
   d.await_restart();
+  require(shorted, "the motors are not shorted when the place of the fault is known");
   // The emulator's watchdog also fires where the PC stands still: then the place is not this fault's.
   if (place_known ? place >= flash_end : place != kUnknownPlace) throw StoodStill();
   require(d.ask(Operation::kRead, number::kMaxForce).value == bits, "what was saved is lost");
