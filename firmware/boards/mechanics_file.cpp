@@ -124,7 +124,8 @@ std::string parse_mechanics(std::string_view text, const std::string& name, Mech
     if (!seen.emplace(key).second) return where + std::string(key) + " stands twice";
     bool known = true;
     const std::string accepted = set_key(key, value, description, known);
-    if (!known) return where + "unknown key '" + std::string(key) + "'; firmware/README.md lists them";
+    if (!known)
+      return where + "unknown key '" + std::string(key) + "'; firmware/boards/example_mechanics.txt has them all";
     if (!accepted.empty()) return where + std::string(key) + " = '" + std::string(value) + "'; accepted: " + accepted;
   }
   if (std::string wrong = check(description); !wrong.empty()) return name + ": " + wrong;

@@ -79,3 +79,11 @@ TEST_CASE("mechanics file: half an axis is refused", "[firmware]") {
     CHECK_FALSE(error_of(without(key)).empty());
   }
 }
+
+TEST_CASE("mechanics file: the example is accepted as it is", "[firmware]") {
+  MechanicsDescription d;
+  REQUIRE(read_mechanics(TACTUS_SOURCE_DIR "/firmware/boards/example_mechanics.txt", d) == "");
+  CHECK(d.axes[3].count_bits == 16);
+  CHECK(is_valid(d.control));
+  CHECK(read_mechanics("/no-such-file", d) == "/no-such-file: cannot be read");
+}
