@@ -27,7 +27,7 @@ TEST_CASE(
   CHECK(choice("usb").serial.empty());
   CHECK(choice("usb:A1:7").serial == "A1:7");
   CHECK(choice("can:can0").interface == "can0");
-  CHECK(choice("can:can0").node == 1);
+  CHECK(choice("can:can0").node == 0);  // the description's
   CHECK(choice("can:vcan12:127").interface == "vcan12");
   CHECK(choice("can:vcan12:127").node == 127);
 }

@@ -162,7 +162,7 @@ TEST_CASE("hil: a device of another description is found by its identity") {
   hil::HilOptions fast = bench.options;
   fast.rate_Hz = 2000;
   hil::Bench other_rate(bench.link, bench.profile, bench.provoker, fast);
-  CHECK_THAT(run_suite(other_rate, {{"identity"}, true}, {}).checks.front().finding.reason, Contains("--rate 1000"));
+  CHECK_THAT(run_suite(other_rate, {{"identity"}, true}, {}).checks.front().finding.reason, Contains("--rate"));
 }
 
 TEST_CASE("hil: a check that leaves the device in BRAKE for good is bad, whatever it found") {

@@ -11,8 +11,6 @@ using firmware::ServiceMessage;
 using firmware::ServiceStatus;
 using firmware::State;
 
-constexpr std::chrono::milliseconds kAnswer{500};
-
 const char* fault_words(std::uint16_t fault) {
   switch (static_cast<firmware::Fault>(fault)) {
     case firmware::Fault::kNone:

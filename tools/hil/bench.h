@@ -72,6 +72,9 @@ class Bench {
   std::uint8_t tag_{0};
 };
 
+// How long an answer may take: the device answers once a period, the rest is for a machine that is busy.
+inline constexpr std::chrono::milliseconds kAnswer{500};
+
 // "BRAKE, fault 2 (e-stop)": what a state frame says, for people.
 std::string describe(const firmware::StateFrame& frame);
 

@@ -9,7 +9,7 @@ namespace tactus::hil {
 namespace {
 
 const char* word(Verdict verdict) {
-  return verdict == Verdict::kGood ? "good" : verdict == Verdict::kBad ? "BAD" : "skipped";
+  return verdict == Verdict::kGood ? "good" : verdict == Verdict::kBad ? "bad" : "skipped";
 }
 
 std::string escaped(const std::string& text) {
@@ -74,12 +74,9 @@ std::string to_json_text(const SuiteReport& report) {
                                 {"skipped", report.count(Verdict::kSkipped)}};
   object["checks"] = nlohmann::ordered_json::array();
   for (const CheckReport& one : report.checks) {
-    nlohmann::ordered_json check{{"name", one.check->name},
-                                 {"verdict", one.finding.verdict == Verdict::kBad ? "bad" : word(one.finding.verdict)},
-                                 {"measured", one.finding.measured},
-                                 {"threshold", one.finding.threshold},
-                                 {"reason", one.finding.reason},
-                                 {"took_s", one.took_s}};
+    nlohmann::ordered_json check{{"name", one.check->name},          {"verdict", word(one.finding.verdict)},
+                                 {"measured", one.finding.measured}, {"threshold", one.finding.threshold},
+                                 {"reason", one.finding.reason},     {"took_s", one.took_s}};
     check["figures"] = nlohmann::ordered_json::object();
     for (const Figure& figure : one.finding.figures) check["figures"][figure.name] = figure.value;
     object["checks"].push_back(std::move(check));

@@ -4,6 +4,8 @@
 
 #include <charconv>
 
+#include "firmware/can_codec.h"
+
 namespace tactus::session {
 namespace {
 
@@ -12,12 +14,12 @@ constexpr std::size_t kMostInterfaceName = 15;  // the kernel's IFNAMSIZ without
 Status refused(const std::string& text, const std::string& what) {
   return Status::error(
       fmt::format("--device: '{}' {}; accepted: sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE (NODE 1 to {})", text,
-                  what, kMostCanNode));
+                  what, firmware::kMaxCanNode));
 }
 
 bool read_node(std::string_view digits, unsigned& node) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), node);
-  return error == std::errc() && end == digits.data() + digits.size() && node >= 1 && node <= kMostCanNode;
+  return error == std::errc() && end == digits.data() + digits.size() && node >= 1 && node <= firmware::kMaxCanNode;
 }
 
 }  // namespace

@@ -15,14 +15,12 @@ enum class DeviceKind { kSimulated, kUsb, kCan };
 
 struct DeviceChoice {
   DeviceKind kind{DeviceKind::kSimulated};
-  std::string serial;     // usb; empty: the only one there is
+  std::string serial;     // usb; empty: the one of the description, or the only one there is
   std::string interface;  // can, such as can0
-  unsigned node{1};       // can: the device's node id
+  unsigned node{0};       // can: the device's node id; 0: the description's
 
   bool is_real() const noexcept { return kind != DeviceKind::kSimulated; }
 };
-
-inline constexpr unsigned kMostCanNode = 127;
 
 // One line on anything else: what was given and what is accepted.
 Result<DeviceChoice> parse_device_choice(const std::string& text);

@@ -1,11 +1,17 @@
 #include "tools/session/open_device.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
+#include "hal/identity_check.h"
 #include "tools/session/open_link.h"
 
 namespace tactus::session {
 namespace {
+
+// A device answers once a period; the rest is for a machine that is busy.
+constexpr std::chrono::milliseconds kAnswer{500};
 
 std::int64_t period_ns(const RunOptions& options) { return std::llround(options.period_s() * 1e9); }
 
@@ -17,8 +23,11 @@ Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfi
   if (!choice.ok()) return choice.status();
   if (options.taped_device) return hardware;
   if (choice.value().is_real()) {
-    auto opened = open_link(choice.value(), period_ns(options));
+    auto opened = open_link(choice.value(), profile.description, period_ns(options));
     if (!opened.ok()) return opened.status();
+    const auto period_us = static_cast<std::uint32_t>(period_ns(options) / 1000);
+    const Status same = hal::check_identity(profile, period_us, *opened.value().link, kAnswer);
+    if (!same.ok()) return Status::error(fmt::format("--device {}: {}", options.device, same.message()));
     using Device = hal::DeviceOnLink<hal::AnyLink>;
     auto device = std::make_unique<Device>(profile, period_ns(options), std::move(opened.value().link));
     hardware.device = std::make_unique<hal::AnyDevice>(std::move(device));

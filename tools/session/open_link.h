@@ -18,8 +18,10 @@ struct OpenedLink {
   std::string name;  // for people: the port and the serial number, or the interface and the node
 };
 
-// `choice` is of a real device. One line on an error: what the machine lacks or the device says, and what to do.
-Result<OpenedLink> open_link(const DeviceChoice& choice, std::int64_t period_ns);
+// `choice` is of a real device; what it leaves open the description says. One line on an error: what the machine lacks,
+// and what to do.
+Result<OpenedLink> open_link(const DeviceChoice& choice, const hal::DeviceDescription& description,
+                             std::int64_t period_ns);
 
 // The device file if one is named, else the built-in description of that name.
 Result<hal::DeviceProfile> find_description(const std::string& profile_name, const std::filesystem::path& device_file);

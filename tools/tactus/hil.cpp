@@ -123,7 +123,7 @@ int run_hil(HilCommand& c) {
 
   std::unique_ptr<hal::AnyLink> link;
   if (choice.value().is_real()) {
-    auto opened = session::open_link(choice.value(), period_ns);
+    auto opened = session::open_link(choice.value(), profile.value().description, period_ns);
     if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
     link = std::move(opened.value().link);
   } else {

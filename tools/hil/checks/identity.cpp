@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "firmware/identity.h"
+#include "hal/identity_check.h"
 #include "rt/base/clock.h"
 #include "tools/hil/check.h"
 
@@ -29,26 +29,6 @@ std::string serial_of(Bench& bench) {
     }
   }
   return serial.empty() ? "without a serial number" : serial;
-}
-
-// The limit of the device may be above the description's: the host then stays below. Not the other way round.
-std::string against_description(Bench& bench) {
-  const hal::DeviceProfile& profile = bench.profile();
-  const auto period = bench.read(number::kPeriod);
-  if (!period.ok()) return period.message();
-  const auto host_us = static_cast<std::uint32_t>(bench.period_ns() / 1000);
-  if (period.value() != host_us)
-    return fmt::format("its control period is {} us, the host's {} us: give --rate {:g}", period.value(), host_us,
-                       1e6 / period.value());
-  for (unsigned axis = 0; axis < firmware::kAxes; ++axis) {
-    const auto quantum = bench.read(static_cast<std::uint16_t>(number::kQuantum + axis));
-    if (!quantum.ok()) return quantum.message();
-    const auto described = static_cast<double>(static_cast<float>(profile.quantum[axis]));
-    const auto told = static_cast<double>(std::bit_cast<float>(quantum.value()));
-    if (std::abs(told - described) > 1e-6 * described)
-      return fmt::format("axis {} has a quantum of {:g}, the description says {:g}", axis, told, described);
-  }
-  return {};
 }
 
 // What must be refused, and how.
@@ -81,7 +61,8 @@ std::string refusals(Bench& bench) {
 
 Finding check_identity(Bench& bench) {
   Finding finding;
-  finding.threshold = fmt::format("protocol {}, period and quanta as described", firmware::kProtocolVersion);
+  finding.threshold = fmt::format("protocol {}; period, watchdog, quanta and limits as {} has them",
+                                  firmware::kProtocolVersion, bench.profile().name);
   const auto protocol = bench.read(number::kProtocol), version = bench.read(number::kFirmware),
              revision = bench.read(number::kRevision), device_class = bench.read(number::kDeviceClass);
   for (const auto* answer : {&protocol, &version, &revision, &device_class})
@@ -89,10 +70,9 @@ Finding check_identity(Bench& bench) {
   finding.measured = fmt::format("{}, class {}, firmware {}.{}.{}, protocol {}, registers {}", serial_of(bench),
                                  device_class.value(), version.value() >> 16, (version.value() >> 8) & 0xffu,
                                  version.value() & 0xffu, protocol.value(), revision.value());
-  if (protocol.value() != firmware::kProtocolVersion)
-    finding.verdict = Verdict::kBad, finding.reason = "another protocol: update the firmware, or this program";
-  if (std::string reason = against_description(bench); !reason.empty() && finding.verdict == Verdict::kGood)
-    finding.verdict = Verdict::kBad, finding.reason = std::move(reason);
+  const Status same =
+      hal::check_identity(bench.profile(), static_cast<std::uint32_t>(bench.period_ns() / 1000), bench.link(), kAnswer);
+  if (!same.ok()) finding.verdict = Verdict::kBad, finding.reason = same.message();
   return finding;
 }
 
