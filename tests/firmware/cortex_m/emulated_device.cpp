@@ -20,7 +20,7 @@ namespace {
 // PSRAM of mps2-an386.
 constexpr std::uint32_t kMemoryAddress = 0x21000000;
 constexpr std::size_t kMemorySize = 16u << 20;
-constexpr int kSilence_ms = 60'000, kManyFrames = 3000;
+constexpr int kSilence_ms = 20'000, kManyFrames = 3000;
 constexpr std::uint64_t kStoodStill_us = 5000;
 
 [[noreturn]] void become_emulator(const char* image, const std::string& memory, int line) {

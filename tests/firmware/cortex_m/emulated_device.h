@@ -1,7 +1,7 @@
 // The device's image in a QEMU of its own: its serial line, and the memory that is its mechanics.
 //
-// Thread: one, the test's. Every wait ends: where the device sends nothing for a minute, or what is awaited does not
-// come within some thousand frames, Failure is thrown. StoodStill is thrown where the device's own time stamps show
+// Thread: one, the test's. Every wait ends: where the device sends nothing for twenty seconds, or what is awaited does
+// not come within some thousand frames, Failure is thrown. StoodStill is thrown where the device's own time stamps show
 // that the emulator got no processor for five periods or more: what happened meanwhile says nothing about the device.
 #pragma once
 

@@ -213,7 +213,7 @@ constexpr Scenario kScenarios[] = {
 };
 
 bool run(const Scenario& scenario, EmulatedDevice& device) {
-  constexpr int max_attempts = 200;
+  constexpr int max_attempts = 60;
   for (int attempt = 1; attempt <= max_attempts; ++attempt) try {
       scenario.run(device);
       std::printf("  good: %s\n", scenario.name);
