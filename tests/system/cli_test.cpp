@@ -58,6 +58,13 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
       {"scene check --rate=fast x.toml", "tactus scene check: "},
       {"scene check --rate 1 x.toml", "tactus scene check: "},
       {"scene check a.toml b.toml", "tactus scene check: b.toml: one argument too many"},
+      {"hil", "tactus hil: --device is required; accepted: "},
+      {"hil --device usbb", "tactus hil: --device: 'usbb' is no device; accepted: "},
+      {"hil --device sim --only watchdgo", "tactus hil: --only: 'watchdgo' is no check; accepted: "},
+      {"hil --device sim --timing never", "tactus hil: --timing: 'never' is none; accepted: judge, report"},
+      {"hil --device usb --virtual-time", "tactus hil: --virtual-time: usb keeps real time; accepted: "},
+      {"hil --device sim --force 1000", "tactus hil: --force: 1000 is out of range; accepted: "},
+      {"hil --device sim --rate 1", "tactus hil: --rate: 1 is out of range; accepted: "},
       {"scene check /nowhere.toml", "tactus: /nowhere.toml: the file: cannot be read; accepted: "},
   };
   for (const auto& c : cases) {
@@ -109,6 +116,38 @@ TEST_CASE("a good scene is exit 0, as text and as one JSON object") {
   CHECK(json.exit_code == 0);
   CHECK(json.out.front() == '{');
   CHECK_THAT(json.out, Contains("\"stiffness_allowed_N_per_m\"") && Contains("\"good\": true"));
+}
+
+TEST_CASE("hil on the simulated device without a clock is exit 0, as a table, as JSON and as JUnit XML") {
+  const std::string junit = temporary(".xml");
+  const Output text = run("hil --device sim --virtual-time --only losses,watchdog,e-stop --junit " + junit);
+  INFO(text.err);
+  CHECK(text.exit_code == 0);
+  CHECK(text.err.empty());
+  CHECK_THAT(text.out, Contains("watchdog") && Contains("fades at 3, brakes at 10") && Contains("3 good, 0 bad"));
+  std::ifstream file(junit);
+  const std::string xml{std::istreambuf_iterator<char>(file), {}};
+  CHECK_THAT(xml, Contains("tests=\"3\" failures=\"0\" skipped=\"0\""));
+  std::filesystem::remove(junit);
+  const Output json = run("hil --device sim --virtual-time --only clock --json");
+  CHECK(json.exit_code == 0);
+  CHECK(json.out.front() == '{');
+  CHECK_THAT(json.out, Contains("\"drift_ppm\": 0.0") && Contains("\"verdict\": \"good\""));
+  const Output list = run("hil --list");
+  CHECK(list.exit_code == 0);
+  CHECK_THAT(list.out, Contains("watchdog") && Contains("soak"));
+}
+
+TEST_CASE("a device that is not there is one line and exit 3, for run and for hil") {
+  for (const std::string& command : {std::string("hil --device "), "run " + kScenes + "stack20.toml --device "}) {
+    for (const char* device : {"usb:NO-SUCH-SERIAL", "can:nosuchcan0"}) {
+      const Output output = run(command + device);
+      INFO(command << device << "\n" << output.err);
+      CHECK(output.exit_code == 3);
+      CHECK(lines(output.err) == 1);
+      CHECK(output.out.empty());
+    }
+  }
 }
 
 TEST_CASE("help teaches with an example") {
