@@ -62,7 +62,6 @@ void Device::apply() noexcept {
   gravity_ = accepted_.gravity, bus_ = accepted_.bus;
   carries_arm_ = gravity_.constant != AxisValues{} || gravity_.amplitude != decltype(gravity_.amplitude){};
   rooms_valid_ = is_valid(accepted_.encoders) && is_valid(accepted_.thermal);
-  self_test_.start();
   changed_ = false;
 }
 

@@ -54,6 +54,15 @@ TEST_CASE("a block gives back each value that went in") {
       REQUIRE(read_field(row, i, read.view()) == read_field(row, i, config.view()));
 }
 
+TEST_CASE("a block is as long as it says") {
+  for (const int change : {-1, 1, 6}) {
+    auto block = block_of(bench_config());
+    block.resize(block.size() + static_cast<std::size_t>(change));
+    DeviceConfig read = bench_config();
+    CHECK_FALSE(read_config_block(block, read));
+  }
+}
+
 TEST_CASE("numbers that are not known, or not written by hosts, are passed over") {
   auto block = block_of(bench_config());
   append(block, 0x7abc, 1), append(block, number::kState, 1), append(block, number::kSave, 1);

@@ -174,6 +174,9 @@ TEST_CASE("what was saved is what a restored device runs with, and every broken 
   fresh.nothing(200);
   CHECK(fresh.read(number::kSelfTestFailed) == 0);
 
+  DeviceBench empty;
+  CHECK_FALSE(empty.device.restore({}));
+  CHECK(empty.read(number::kSelfTestFailed) == 0);  // nothing was ever saved: nothing is wrong
   for (std::size_t i = 0; i < kept.size(); ++i) {
     auto broken = kept;
     broken[i] ^= std::byte{0x10};

@@ -218,6 +218,21 @@ TEST_CASE("homing by index leaves the motors free, refuses FORCE until the last 
   CHECK(b.state() == State::kForce);
 }
 
+TEST_CASE("a homing that nobody demanded refuses FORCE as well, while it lasts") {
+  DeviceConfig config = bench_config();
+  config.encoders = indexed();
+  DeviceBench b(config);
+  b.command(State::kIdle), b.command(State::kIdle);
+  REQUIRE(b.execute(number::kHome, 1) == ServiceStatus::kGood);
+  b.command(State::kForce);
+  CHECK(b.state() == State::kIdle);
+  CHECK(b.limited(Limit::kHoming));
+  CHECK_FALSE(b.limited(Limit::kNotHomed));
+  REQUIRE(b.execute(number::kHome, 0) == ServiceStatus::kGood);
+  b.command(State::kForce);
+  CHECK(b.state() == State::kForce);
+}
+
 TEST_CASE("a homing may be given up") {
   DeviceBench b = demanding_bench();
   b.command(State::kIdle), b.command(State::kIdle);

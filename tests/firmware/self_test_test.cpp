@@ -81,6 +81,13 @@ TEST_CASE("a watchdog whose share does not fall is found") {
   CHECK_FALSE(is_watchdog_good(config));
   config.fade_frames = config.brake_frames;
   CHECK_FALSE(is_watchdog_good(config));
+
+  SelfTest test;
+  DeviceConfig whole = bench_config();
+  whole.control.fade_frames = 0;
+  whole_pass(test, whole, whole);
+  CHECK(test.failed() == bit(SelfTestBit::kWatchdog));
+  CHECK(test.is_fault());
 }
 
 TEST_CASE("a bit that flips in the configuration in force brakes the device within a pass, and a write mends it") {
