@@ -24,8 +24,11 @@ constexpr int kManyFrames = 3000;
 
 void to_idle(EmulatedDevice& d) {
   d.registers().pins = kPinStopReleased | kPinSupplyGood;
-  for (int i = 0; i < kManyFrames; ++i)
-    if (d.turn(State::kIdle, {}, d.commands_sent() % 2 == 1).state == State::kIdle) return;
+  const std::uint32_t before = d.commands_sent();  // some of them may still be on their way, and want FORCE
+  for (int i = 0; i < kManyFrames; ++i) {
+    const StateFrame s = d.turn(State::kIdle, {}, d.commands_sent() % 2 == 1);
+    if (s.state == State::kIdle && is_newer(s.echoed_sequence, before)) return;
+  }
   require(false, "the device does not become IDLE");
 }
 
