@@ -317,6 +317,23 @@ TEST_CASE("a host that did not look for long is given the newest state in one lo
   CHECK(host.link->counters().superseded == 19);
 }
 
+TEST_CASE("a queue that ran over is empty after one look, its losses are counted, and what comes next is new") {
+  Board board("vcan0", false);
+  Host host{opened(board, {.interface = "vcan0"}), {}};
+  REQUIRE(host.link->start().ok());
+  for (int i = 0; i < 300; ++i) board.period();
+  std::this_thread::sleep_for(500ms);
+  REQUIRE(host.receives());
+  CHECK(host.link->counters().received <= CanLink::kMostFrames / 3);
+  CHECK_FALSE(host.receives());
+  for (int i = 0; i < 12; ++i) {
+    board.period();
+    REQUIRE(soon([&] { return host.receives(); }));
+  }
+  CHECK(host.link->bus_errors().queue_full > 0);
+  CHECK(host.state.time_us / 8 == board.mechanics.time_us / 8);
+}
+
 TEST_CASE("a frame's arrival is when it came, not when it was read") {
   Board board("can1", false);
   Host host{opened(board, {.interface = "can0"}), {}};

@@ -14,9 +14,9 @@ namespace tactus::firmware {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-// What the kernel books for one waiting frame; the queue's size is set in bytes, and the kernel doubles the number.
-// A received frame may carry a clone's share, one to send is 768 bytes in Linux 6.1.
-constexpr int kBookedPerFrame = 1024, kBookedPerSend = 768;
+// What the kernel books for one waiting frame (Linux 6.1, 64-bit); queues are set in bytes, and the kernel doubles the
+// number. Where it books more, fewer wait.
+constexpr int kBookedPerFrame = 768;
 
 std::int64_t now_ns(clockid_t clock) noexcept {
   timespec time{};
@@ -31,7 +31,7 @@ bool set_option(int socket, int level, int name, const T& value) noexcept {
 
 bool set_options(int socket, const CanSocketOptions& options) noexcept {
   const int on = 1, queue = CanSocket::kQueuedFrames * kBookedPerFrame / 2;
-  const int sends = static_cast<int>(options.queued_sends) * kBookedPerSend / 2;
+  const int sends = static_cast<int>(options.queued_sends) * kBookedPerFrame / 2;
   const auto size = static_cast<socklen_t>(options.filters.size_bytes());
   return setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, options.filters.data(), size) == 0 &&
          set_option(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, options.errors) &&
