@@ -57,6 +57,7 @@ TEST_CASE("mechanics file: a line that is wrong is named with its number and wha
   CHECK(error_of("max_force_N 10\n") == "board:1: 'max_force_N 10'; accepted: key = value");
   CHECK(error_of("\nmax_force = 10\n").find("board:2: unknown key 'max_force'") == 0);
   CHECK(error_of("max_force_N = ten\n").find("board:1: max_force_N = 'ten'; accepted: a number from 0") == 0);
+  CHECK(error_of("max_force_N = -1\n").find("a number from 0 to") != std::string::npos);
   CHECK(error_of("max_force_N = nan\n").find("accepted: a number") != std::string::npos);
   CHECK(error_of("max_force_N = 1 N\n").find("accepted: a number") != std::string::npos);
   CHECK(error_of("axis0.count_bits = 16.5\n").find("a whole number from 8 to 64") != std::string::npos);
