@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "device_bench.h"
+#include "tests/firmware/device_bench.h"
 
 using namespace tactus::firmware;
 

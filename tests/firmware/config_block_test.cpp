@@ -3,8 +3,8 @@
 #include <random>
 #include <vector>
 
-#include "device_bench.h"
 #include "firmware/little_endian.h"
+#include "tests/firmware/device_bench.h"
 
 using namespace tactus::firmware;
 

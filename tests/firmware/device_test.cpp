@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "device_bench.h"
+#include "tests/firmware/device_bench.h"
 
 using namespace tactus::firmware;
 

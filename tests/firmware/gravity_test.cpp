@@ -4,8 +4,8 @@
 #include <limits>
 #include <random>
 
-#include "device_bench.h"
 #include "firmware/sine.h"
+#include "tests/firmware/device_bench.h"
 
 using namespace tactus::firmware;
 

@@ -1,5 +1,5 @@
 // The kernel's files by a folder of plain ones.
-#include "firmware/boards/linux_io.h"
+#include "firmware/boards/linux/linux_io.h"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "firmware/boards/linux_program.h"
+#include "firmware/boards/linux/linux_program.h"
 
 #include <unistd.h>
 
@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "firmware/boards/linux_storage.h"
-#include "firmware/boards/mailbox.h"
+#include "firmware/boards/linux/linux_storage.h"
+#include "firmware/boards/linux/mailbox.h"
 
 using namespace tactus::firmware;
 

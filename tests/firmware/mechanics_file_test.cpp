@@ -1,4 +1,4 @@
-#include "firmware/boards/mechanics_file.h"
+#include "firmware/boards/linux/mechanics_file.h"
 
 #include <catch2/catch.hpp>
 
@@ -83,7 +83,7 @@ TEST_CASE("mechanics file: half an axis is refused", "[firmware]") {
 
 TEST_CASE("mechanics file: the example is accepted as it is", "[firmware]") {
   MechanicsDescription d;
-  REQUIRE(read_mechanics(TACTUS_SOURCE_DIR "/firmware/boards/example_mechanics.txt", d) == "");
+  REQUIRE(read_mechanics(TACTUS_SOURCE_DIR "/firmware/boards/linux/example_mechanics.txt", d) == "");
   CHECK(d.axes[3].count_bits == 16);
   CHECK(is_valid(d.control));
   CHECK(read_mechanics("/no-such-file", d) == "/no-such-file: cannot be read");

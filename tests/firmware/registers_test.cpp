@@ -5,8 +5,8 @@
 #include <set>
 #include <string>
 
-#include "device_bench.h"
 #include "firmware/can_codec.h"
+#include "tests/firmware/device_bench.h"
 
 using namespace tactus::firmware;
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "device_bench.h"
+#include "tests/firmware/device_bench.h"
 
 using namespace tactus::firmware;
 

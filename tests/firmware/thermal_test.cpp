@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "device_bench.h"
+#include "tests/firmware/device_bench.h"
 
 using namespace tactus::firmware;
 

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstring>
 
-#include "firmware/boards/mailbox.h"
+#include "firmware/boards/linux/mailbox.h"
 #include "rt/base/latest_value.h"
 #include "tests/tsan/race_test.h"
 

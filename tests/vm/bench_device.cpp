@@ -15,8 +15,8 @@
 #include <map>
 #include <string_view>
 
+#include "firmware/boards/linux/linux_program.h"
 #include "firmware/boards/linux_can/can_device_link.h"
-#include "firmware/boards/linux_program.h"
 #include "firmware/boards/linux_usb/usb_gadget_link.h"
 #include "sim/scene_load.h"
 #include "tests/vm/hostile_link.h"

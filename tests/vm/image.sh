@@ -90,10 +90,12 @@ make_image_parts() {
 # bytes of the payload are its length.
 unpack_kernel() {
   local sectors offset length
+  echo "unpacking the kernel"
   sectors=$(od -An -tu1 -j $((0x1f1)) -N 1 "$1")
   offset=$(od -An -tu4 -j $((0x248)) -N 4 "$1")
   length=$(od -An -tu4 -j $((0x24c)) -N 4 "$1")
-  tail -c +$(((sectors + 1) * 512 + offset + 1)) "$1" | head -c $((length - 4)) | xz -dc >"$2"
+  dd if="$1" bs=1M iflag=skip_bytes,count_bytes skip=$(((sectors + 1) * 512 + offset)) count=$((length - 4)) status=none |
+    xz -dc >"$2"
 }
 
 get_packages() {
@@ -127,7 +129,7 @@ build_gpio_module() {
 
 fill_root() {
   local release=$1 into=$work/root applet file
-  mkdir -p "$into"/{bin,modules,etc,proc,sys,dev,tmp,run,usr/lib,lib/udev/rules.d,home/tactus,out} || return 1
+  mkdir -p "$into"/{bin,modules,etc,proc,sys,dev,tmp,run,usr/lib,lib/udev/rules.d,user,out} || return 1
   chmod 1777 "$into/tmp" "$into/out"
   cp /usr/bin/busybox "$into/bin/" || return 1
   for applet in $(busybox --list); do
@@ -143,9 +145,9 @@ fill_root() {
   cp "$work/debian/bin/udevadm" "$into/bin/" && ln -s udevadm "$into/bin/systemd-udevd" &&
     copy_libraries "$work/debian/bin/udevadm" "$into" "$work/debian/usr/lib/x86_64-linux-gnu:$work/debian/lib/x86_64-linux-gnu" || return 1
   install -m 755 "$bench/guest/init" "$into/init" || return 1
-  printf 'root:x:0:0::/:/bin/sh\ntactus:x:1000:1000::/home/tactus:/bin/sh\n' >"$into/etc/passwd"
+  printf 'root:x:0:0::/:/bin/sh\ntactus:x:1000:1000::/user:/bin/sh\n' >"$into/etc/passwd"
   printf 'root:x:0:\ntactus:x:1000:\nplugdev:x:46:tactus\n' >"$into/etc/group"
-  chown 1000:1000 "$into/home/tactus" 2>/dev/null || true
+  chown 1000:1000 "$into/user" 2>/dev/null || true
   echo "choosing the modules"
   depmod -b "$work/debian" "$release" || return 1
   for file in "${kernel_modules[@]}"; do
@@ -166,5 +168,5 @@ copy_libraries() {
   done < <(LD_LIBRARY_PATH=${3:-} ldd "$1" 2>/dev/null | awk '/=> \// { print $3 } /^\t\// { print $1 }')
 }
 
-# pack FOLDER FILE: the folder as the kernel takes it; everything belongs to root but the user's home.
-pack() { (cd "$1" && find . -print0 | sort -z | cpio --null --create --format=newc --owner=0:0 --quiet) >"$2"; }
+# pack FOLDER FILE: the folder as the kernel takes it; all of it root's, and everybody may read it.
+pack() { chmod -R a+rX "$1" && (cd "$1" && find . -print0 | sort -z | cpio --null --create --format=newc --owner=0:0 --quiet) >"$2"; }

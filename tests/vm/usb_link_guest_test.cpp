@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "firmware/boards/linux_program.h"
+#include "firmware/boards/linux/linux_program.h"
 #include "firmware/boards/linux_usb/usb_gadget_link.h"
 #include "firmware/registers.h"
 #include "hal/usb/usb_link.h"

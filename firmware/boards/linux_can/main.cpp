@@ -4,10 +4,10 @@
 #include <cstring>
 #include <fstream>
 
+#include "firmware/boards/linux/linux_io.h"
+#include "firmware/boards/linux/linux_program.h"
+#include "firmware/boards/linux/linux_storage.h"
 #include "firmware/boards/linux_can/can_device_link.h"
-#include "firmware/boards/linux_io.h"
-#include "firmware/boards/linux_program.h"
-#include "firmware/boards/linux_storage.h"
 
 using namespace tactus::firmware;
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "firmware/boards/linux_io.h"
-#include "firmware/boards/linux_program.h"
-#include "firmware/boards/linux_storage.h"
+#include "firmware/boards/linux/linux_io.h"
+#include "firmware/boards/linux/linux_program.h"
+#include "firmware/boards/linux/linux_storage.h"
 #include "firmware/boards/linux_usb/usb_gadget_link.h"
 
 using namespace tactus::firmware;

@@ -16,9 +16,9 @@
 #include <string>
 
 #include "firmware/board.h"
-#include "firmware/boards/board_thread.h"
+#include "firmware/boards/linux/board_thread.h"
+#include "firmware/boards/linux/mailbox.h"
 #include "firmware/boards/linux_usb/usb_gadget.h"
-#include "firmware/boards/mailbox.h"
 
 struct usb_ctrlrequest;
 

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "firmware/board.h"
-#include "firmware/boards/board_thread.h"
+#include "firmware/boards/linux/board_thread.h"
 
 namespace tactus::firmware {
 

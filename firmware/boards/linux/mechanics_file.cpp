@@ -1,4 +1,4 @@
-#include "firmware/boards/mechanics_file.h"
+#include "firmware/boards/linux/mechanics_file.h"
 
 #include <charconv>
 #include <cmath>
@@ -125,7 +125,7 @@ std::string parse_mechanics(std::string_view text, const std::string& name, Mech
     bool known = true;
     const std::string accepted = set_key(key, value, description, known);
     if (!known)
-      return where + "unknown key '" + std::string(key) + "'; firmware/boards/example_mechanics.txt has them all";
+      return where + "unknown key '" + std::string(key) + "'; firmware/boards/linux/example_mechanics.txt has them all";
     if (!accepted.empty()) return where + std::string(key) + " = '" + std::string(value) + "'; accepted: " + accepted;
   }
   if (std::string wrong = check(description); !wrong.empty()) return name + ": " + wrong;

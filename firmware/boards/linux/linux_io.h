@@ -11,7 +11,7 @@
 #pragma once
 
 #include "firmware/board.h"
-#include "firmware/boards/mechanics_file.h"
+#include "firmware/boards/linux/mechanics_file.h"
 
 namespace tactus::firmware {
 

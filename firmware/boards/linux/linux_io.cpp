@@ -1,4 +1,4 @@
-#include "firmware/boards/linux_io.h"
+#include "firmware/boards/linux/linux_io.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "firmware/boards/linux_program.h"
+#include "firmware/boards/linux/linux_program.h"
 
 namespace tactus::firmware {
 

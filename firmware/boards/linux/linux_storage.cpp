@@ -1,4 +1,4 @@
-#include "firmware/boards/linux_storage.h"
+#include "firmware/boards/linux/linux_storage.h"
 
 #include <fcntl.h>
 #include <unistd.h>

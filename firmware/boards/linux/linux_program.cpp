@@ -1,4 +1,4 @@
-#include "firmware/boards/linux_program.h"
+#include "firmware/boards/linux/linux_program.h"
 
 #include <sched.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-#include "firmware/boards/board_thread.h"
+#include "firmware/boards/linux/board_thread.h"
 
 #include <sched.h>
 #include <signal.h>
