@@ -4,6 +4,7 @@
 //   --scene FILE   whose device and hand it has    --rate HZ         control periods a second, default 1000
 //   --control FIFO commands, a line each           --stop-line N     of --gpio-chip NAME: the e-stop
 //   --priority N   SCHED_FIFO, default 60          --serial TEXT     of the USB device
+//   --hand still   rests at the path's start
 // Commands: NAME N of a LinkFaults member sets it for N frames; `plug`, `unplug` (USB); `buttons N`; `motor-bus 0|1`;
 // `hand restart`; `report` prints the truth so far; `quit`. What happens is told as lines on standard output, see
 // simulated_board.h.
@@ -34,6 +35,7 @@ struct Options {
   std::string link, scene, control, serial{"BENCH-1"}, gpio_chip{"gpiochip0"};
   unsigned rate_Hz{1000};
   int stop_line{-1}, priority{60};
+  bool still{false};
 };
 
 Options read_options(int argc, char** argv) {
@@ -53,6 +55,8 @@ Options read_options(int argc, char** argv) {
       options.gpio_chip = value;
     else if (name == "--rate")
       options.rate_Hz = static_cast<unsigned>(std::atoi(value));
+    else if (name == "--hand")
+      options.still = std::string_view(value) == "still";
     else if (name == "--stop-line")
       options.stop_line = std::atoi(value);
     else if (name == "--priority")
@@ -71,7 +75,7 @@ sim::Scene read_scene(const std::string& file) {
 }
 
 // The scene says where the hand goes in the world; the device wants it in its own frame.
-hal::HandModel hand_of(const sim::Scene& scene) {
+hal::HandModel hand_of(const sim::Scene& scene, bool still) {
   const Posed device_from_world = inverse(scene.device.world_from_device);
   std::vector<hal::HandWaypoint> path;
   for (const sim::HandWaypoint& point : scene.hand.path) {
@@ -79,6 +83,7 @@ hal::HandModel hand_of(const sim::Scene& scene) {
     path.push_back({point.time_s, (device_from_world * point.position_m) * (1.0 / scene.device.motion_scale),
                     hal::rotation_vector_of(turn)});
   }
+  if (still) path.resize(std::min<std::size_t>(path.size(), 1));
   hal::HandParameters parameters;
   parameters.stiffness_N_per_m = scene.hand.stiffness_N_per_m;
   parameters.damping_Ns_per_m = scene.hand.damping_Ns_per_m;
@@ -170,7 +175,7 @@ int run(const Options& options, Link& true_link) {
   const std::uint32_t period_us = 1'000'000 / options.rate_Hz;
   const firmware::Config config = hal::firmware_config(*profile, period_us);
   firmware::Device device(config, firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial));
-  SimulatedBoard board(*profile, hand_of(scene), config);
+  SimulatedBoard board(*profile, hand_of(scene, options.still), config);
   if (options.stop_line >= 0)
     if (const std::string e = board.stop_line.open(options.gpio_chip, static_cast<unsigned>(options.stop_line));
         !e.empty())

@@ -7,6 +7,7 @@
 //   state FROM TO fault=N missed=N period=N        the state machine moved
 //   fade missed=N period=N                         commands are missing, the effort begins to fade
 //   zero missed=N period=N                         the effort reached zero after a fade, or by BRAKE or the e-stop
+//   force period=N                                 there has been effort for kSteady periods in a row
 //   stop periods=N us=N                            from the edge of the e-stop line, by the kernel's stamp, to zero
 //   effort
 // Thread: construction [setup]; the rest the control period's. Units: SI.
@@ -103,6 +104,8 @@ class SimulatedBoard {
     if (fades && !fades_) std::printf("fade missed=%u period=%llu\n", controller.missed_commands(), count());
     if (share == 0.0 && share_ > 0.0)
       std::printf("zero missed=%u period=%llu\n", controller.missed_commands(), count());
+    pushes_ = share > 0.0 ? pushes_ + 1 : 0;
+    if (pushes_ == kSteady) std::printf("force period=%llu\n", count());
     if (share == 0.0 && stop_line.rose_ns() != told_stop_ns_) tell_stop();
     state_ = state, fades_ = fades, share_ = share;
   }
@@ -115,6 +118,7 @@ class SimulatedBoard {
   void restart_hand() noexcept { hand_periods_ = 0; }
 
  private:
+  static constexpr unsigned kSteady = 50;
   static constexpr unsigned kSubSteps = 4;  // of the mechanics per period, as the simulated device has
 
   unsigned long long count() const noexcept { return periods_; }
@@ -163,7 +167,7 @@ class SimulatedBoard {
   hal::AxisVector quantum_;
   firmware::Config config_;
   firmware::ControllerOutputs outputs_;
-  std::uint64_t periods_{0}, hand_periods_{0};
+  std::uint64_t periods_{0}, hand_periods_{0}, pushes_{0};
   std::int64_t began_ns_{0}, told_stop_ns_{0};
   bool hand_moves_{false}, fades_{false};
   firmware::State state_{firmware::State::kReset};

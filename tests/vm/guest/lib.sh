@@ -19,12 +19,14 @@ figure() { echo "$link $1 $2 $3" >>/out/figures; }
 device_of() { case $1 in usb) echo usb ;; can) echo can:can1 ;; can-fd) echo can-fd:vcan0 ;; esac; }
 host_of() { case $1 in usb) echo usb ;; can) echo can:can0 ;; can-fd) echo can:vcan0 ;; esac; }
 
-# start_device SCENE: the device on $link; back when the host can find it.
+# start_device SCENE [OPTION...]: the device on $link; back when the host can find it.
 start_device() {
   export BENCH_LINK=$link
   host=$(host_of "$link")
   [ -p $BENCH_CONTROL ] || mkfifo $BENCH_CONTROL
-  bench_device "$(device_of "$link")" --scene "$1" --control $BENCH_CONTROL --stop-line 3 --priority 90 >$BENCH_LOG 2>&1 &
+  scene=$1
+  shift
+  bench_device "$(device_of "$link")" --scene "$scene" "$@" --control $BENCH_CONTROL --stop-line 3 --priority 90 >$BENCH_LOG 2>&1 &
   device=$!
   mark=0
   await '^ready' || { not_ok device "did not start: $(tail -n 1 $BENCH_LOG)"; return 1; }
@@ -39,19 +41,23 @@ stop_device() {
   cp $BENCH_LOG "/out/device-$link-$1.log"
 }
 
-# wait_for COMMAND...: until it is true, three seconds at the most.
+# wait_for COMMAND...: until it is true, $patience tenths of a second at the most, three seconds if that is not set. Looks
+# seldom: an emulated process costs as much as a device's period.
 wait_for() {
-  tries=60
+  tries=${patience:-30}
   until "$@"; do
     tries=$((tries - 1))
     [ $tries -gt 0 ] || return 1
-    sleep 0.05
+    sleep 0.1
   done
 }
 
 # What the device tells from now on is what await looks at.
 mark() { mark=$(wc -l <$BENCH_LOG); }
-said() { line=$(tail -n +$((mark + 1)) $BENCH_LOG | grep -m 1 "$1"); }
+said() {
+  line=$(awk -v mark="$mark" -v pattern="$1" 'NR > mark && $0 ~ pattern { print; exit }' $BENCH_LOG)
+  [ -n "$line" ]
+}
 # await PATTERN: the first such line since the mark, into $line.
 await() { wait_for said "$1"; }
 # value KEY: of KEY=NUMBER in $line; nothing if it is not there.
@@ -59,14 +65,14 @@ value() { echo "$line" | sed -n "s/.* $1=\([^ ]*\).*/\1/p"; }
 
 # tell COMMAND: to the device; back when it is done.
 tell() {
-  before=$(grep -c '^done' $BENCH_LOG)
+  done_before=$(grep -c '^done' $BENCH_LOG)
   echo "$1" >$BENCH_CONTROL
   wait_for told
 }
-told() { [ "$(grep -c '^done' $BENCH_LOG)" -gt "$before" ]; }
+told() { [ "$(grep -c '^done' $BENCH_LOG)" -gt "$done_before" ]; }
 
 # The device's truth now, into $line.
-report() { tell report && line=$(grep '^report' $BENCH_LOG | tail -n 1); }
+report() { tell report && line=$(awk '/^report/ { last = $0 } END { print last }' $BENCH_LOG); }
 
 e_stop() { case $1 in on) echo pull-up ;; off) echo pull-down ;; esac >$gpio/sim_gpio3/pull; }
 
@@ -91,10 +97,12 @@ host_lives() { kill -0 "$host_process" 2>/dev/null; }
 
 # Until the hand feels a force, ten seconds at the most: a latched fault is taken back a second after it came.
 in_force() {
-  for attempt in 1 2 3 4 5 6 7 8 9 10; do
-    wait_for pushes && return 0
-    host_lives || return 1
-  done
-  return 1
+  report
+  [ "$(value state)" = 2 ] && [ "$(value share)" != 0 ] && return 0
+  mark
+  patience=100
+  wait_for force_or_death
+  patience=
+  said '^force'
 }
-pushes() { report && [ "$(value state)" = 2 ] && [ "$(value share)" != 0 ]; }
+force_or_death() { said '^force' || ! host_lives; }

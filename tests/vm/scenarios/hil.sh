@@ -1,6 +1,6 @@
 # The hardware-in-the-loop suite as a user runs it, with the faults that only the bench can cause, and the soak.
 . /bench/lib.sh
-start_device /bench/press.toml || exit
+start_device /bench/press.toml --hand still || exit
 tactus hil --device "$host" --yes --force 1 --timing report --provoke /bench/provoke --soak-frames "${SOAK_FRAMES:-20000}" \
   --junit "/out/hil-$link.xml" >"/out/hil-$link.log" 2>&1
 [ $? -le 1 ]
