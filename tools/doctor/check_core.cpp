@@ -159,7 +159,9 @@ Finding check_interrupts(const Patient& p) {
 Finding check_smi(const Patient& p) {
   const std::string file = fmt::format("/dev/cpu/{}/msr", p.cpu);
   const auto count = p.system.read_word(file, kSmiCounter);
-  if (!count) return green("firmware-interrupts", "cannot be counted here (" + file + " is not there or not readable)");
+  if (!count)
+    return amber("firmware-interrupts", "cannot be counted: " + file + " is not there, or not readable",
+                 "load the module msr and ask again as root; on a CPU that is not Intel's leave it", "modprobe msr");
   if (*count == 0) return green("firmware-interrupts", "none since the start");
   return amber(
       "firmware-interrupts",
