@@ -69,7 +69,7 @@ make_image() {
   mkdir -p "$work"/{packages,debian,module,root,ready}
   say "making the image of the bench ($release; 130 MB of Debian packages, once)"
   run_logged vm-image make_image_parts "$release" "$version" ||
-    fail 3 "the image of the bench could not be made: $(first_error "$logs/vm-image.log"); the log is build/logs/vm-image.log"
+    fail 3 "the image of the bench could not be made: $(first_error "$logs/vm-image.log"); the log is build/logs/vm-image.log; if a package was not found: apt-get update"
   echo "$release" >"$work/ready/release"
   rm -rf "$image"
   mv "$work/ready" "$image"

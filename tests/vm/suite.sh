@@ -24,7 +24,8 @@ build_guest_programs() {
 run_guest() {
   local name=$1 file start=$SECONDS
   scratch=$work_folder/$name
-  mkdir -p "$scratch/root/etc" "$logs"
+  mkdir -p "$scratch/root/etc"
+  : >"$logs/vm-$name.log"
   for file in "$build/tools/tactus" "$build/tests/vm/bench_device" $(guest_programs); do add_file "$file"; done
   for file in "${guest_tools[@]}"; do add_file "$(command -v "$file")"; done
   for file in "$bench"/guest/{suite,provoke,lib.sh} "$bench/press.toml" "$root/sim/scenes/card_house.toml"; do
@@ -56,6 +57,11 @@ check_scenarios() {
   local -a guests=()
   local -A process
   results=$root/build/vm
+  exec 7>"$root/build/.vm-lock"
+  if ! flock -n 7; then
+    say "waiting for another check in this checkout"
+    flock 7
+  fi
   work_folder=$(mktemp -d)
   rm -rf "$results"
   mkdir -p "$results"

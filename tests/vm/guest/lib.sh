@@ -26,6 +26,7 @@ start_device() {
   [ -p $BENCH_CONTROL ] || mkfifo $BENCH_CONTROL
   scene=$1
   shift
+  : >$BENCH_LOG
   bench_device "$(device_of "$link")" --scene "$scene" "$@" --control $BENCH_CONTROL --stop-line 3 --priority 90 >$BENCH_LOG 2>&1 &
   device=$!
   mark=0
@@ -97,9 +98,9 @@ host_lives() { kill -0 "$host_process" 2>/dev/null; }
 
 # Until the hand feels a force, ten seconds at the most: a latched fault is taken back a second after it came.
 in_force() {
+  mark
   report
   [ "$(value state)" = 2 ] && [ "$(value share)" != 0 ] && return 0
-  mark
   patience=100
   wait_for force_or_death
   patience=
