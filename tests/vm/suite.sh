@@ -1,13 +1,15 @@
 # The scenarios, run and counted: sourced by tools/vm, after image.sh.
 # shellcheck shell=bash disable=SC2154
 #
-# Three guests. `usb` and `can` have one processor each, whose clock counts instructions: everything that the wire, the
+# Guests `usb`, `can` and `fd` have one processor each, whose clock counts instructions: everything that the wire, the
 # firmware and the host program do is in them, at the nominal rate on any machine; they run side by side. `cores` has
 # three, one of them set apart, on this machine's clock: what the kernel grants. Each verdict counts as one test.
-
-usb_scenarios=(drivers user:usb faults:usb hostile:usb house:usb hil:usb)
-can_scenarios=(user:can faults:can hostile:can house:can hil:can faults:can-fd hostile:can-fd hil:can-fd)
-cores_scenarios=(cores:usb)
+side_by_side=(usb can fd)
+declare -A scenarios_of=(
+  [usb]='drivers user:usb faults:usb hostile:usb house:usb hil:usb'
+  [can]='user:can faults:can hostile:can house:can hil:can'
+  [fd]='faults:can-fd hostile:can-fd hil:can-fd'
+  [cores]='cores:usb')
 guest_tools=(candump cansend cangen)
 
 # What the scenarios need of the build; the guest tests are taken as far as they exist.
@@ -65,27 +67,18 @@ check_scenarios() {
   work_folder=$(mktemp -d)
   rm -rf "$results"
   mkdir -p "$results"
-  rm -f "$logs"/vm-{usb,can,cores}.log
+  rm -f "$logs"/vm-{usb,can,fd,cores}.log
   build_guest_programs
   soak_frames=20000 limit_s=1500
   if [[ -n $long ]]; then soak_frames=1000000 limit_s=36000; fi
 
-  choose "${usb_scenarios[@]}"
-  if ((${#scenarios[@]})); then
-    say "guest 'usb': ${scenarios[*]}"
-    run_guest usb "${scenarios[@]}" &
-    process[usb]=$! guests+=(usb)
-  fi
-  choose "${can_scenarios[@]}"
-  if ((${#scenarios[@]})); then
-    say "guest 'can': ${scenarios[*]}"
-    run_guest can "${scenarios[@]}" &
-    process[can]=$! guests+=(can)
-  fi
+  for guest in "${side_by_side[@]}"; do
+    choose "$guest" || continue
+    run_guest "$guest" "${scenarios[@]}" &
+    process[$guest]=$! guests+=("$guest")
+  done
   for guest in "${guests[@]}"; do wait "${process[$guest]}" || true; done
-  choose "${cores_scenarios[@]}"
-  if ((${#scenarios[@]})); then
-    say "guest 'cores': ${scenarios[*]}"
+  if choose cores; then
     cpus=3 append='isolcpus=2 nohz_full=2 rcu_nocbs=2' limit_s=300 run_guest cores "${scenarios[@]}"
     guests+=(cores)
   fi
@@ -99,13 +92,15 @@ check_scenarios() {
   ((failed == 0 && passed > 0)) || exit 1
 }
 
-# choose SCENARIO...: those asked for, into `scenarios`.
+# choose GUEST: its scenarios that are asked for, into `scenarios`; false if none is.
 choose() {
   scenarios=()
   local each
-  for each in "$@"; do
+  for each in ${scenarios_of[$1]}; do
     if [[ -z $only || $each == *"$only"* ]]; then scenarios+=("$each"); fi
   done
+  ((${#scenarios[@]})) || return 1
+  say "guest '$1': ${scenarios[*]}"
 }
 
 # The table of control periods to safe, and the same as JSON.
@@ -125,6 +120,8 @@ print_figures() {
       }
     }' "$figures"
   awk '
-    { printf "%s  {\"link\": \"%s\", \"fault\": \"%s\", \"to\": \"%s\", \"control_periods\": %s}", NR > 1 ? ",\n" : "[\n", $1, $2, $3, $4 }
+    NR > 1 { print "," }
+    NR == 1 { print "[" }
+    { printf "  {\"link\": \"%s\", \"fault\": \"%s\", \"to\": \"%s\", \"control_periods\": %s}", $1, $2, $3, $4 }
     END { print "\n]" }' "$figures" >"$results/figures.json"
 }

@@ -7,17 +7,18 @@ in_force
 verdict "force before the lies" "$(tail -n 1 "$host_log")"
 
 for lie in wild_states corrupt_states odd_sizes repeated_states babble silence lost_states; do
-  # The classic codec sends no frame that is none.
-  case $link:$lie in can:corrupt_states | can:odd_sizes) continue ;; esac
+  # The CAN link sends no frame that is none; the babbling nodes below do.
+  case $link:$lie in can*:corrupt_states | can*:odd_sizes) continue ;; esac
   tell "$lie 300"
   sleep 0.5
   host_lives && in_force
   verdict "$lie: survived, and force again" "$(host_lives || echo 'the host died; ')$(tail -n 1 "$host_log" | cut -c1-200)"
 done
 
-# babbles NAME INTERFACE ID: random content and lengths, as fast as it goes.
+# babbles NAME INTERFACE ID: random content, lengths and - on FD - kinds, as fast as it goes.
+case $link in can-fd) kinds=-m ;; *) kinds= ;; esac
 babbles() {
-  timeout 1 cangen "$2" -g 0 -I "$3" -L r -D r -i >/dev/null 2>&1
+  timeout 1 cangen "$2" $kinds -g 0 -I "$3" -L r -D r -i >/dev/null 2>&1
   host_lives && in_force
   verdict "$1: survived, and force again" "$(host_lives || echo 'the host died; ')$(tail -n 1 "$host_log" | cut -c1-200)"
 }
