@@ -131,10 +131,10 @@ std::string others() {
 
 Result<CanInterface> find_can_interface(const std::string& name) {
   const unsigned index = if_nametoindex(name.c_str());
-  if (index == 0) return Status::error(fmt::format("can: no interface '{}'; {}", name, others()));
+  if (index == 0) return Status::error(fmt::format("no interface '{}'; {}", name, others()));
   alignas(nlmsghdr) std::array<char, 16384> buffer{};
   if (const int error = ask(index, buffer); error != 0)
-    return Status::error(fmt::format("can: the kernel says nothing about {}: {}", name, std::strerror(error)));
+    return Status::error(fmt::format("the kernel says nothing about {}: {}", name, std::strerror(error)));
   CanInterface found;
   found.name = name;
   take_link(reinterpret_cast<const nlmsghdr*>(buffer.data()), found);
@@ -143,18 +143,18 @@ Result<CanInterface> find_can_interface(const std::string& name) {
 
 Status check_can_interface(const CanInterface& interface, bool fd) {
   const std::string& name = interface.name;
-  if (!interface.is_can) return Status::error(fmt::format("can: {} is no CAN interface; {}", name, others()));
+  if (!interface.is_can) return Status::error(fmt::format("{} is no CAN interface; {}", name, others()));
   const bool needs_rate = !interface.is_virtual && interface.bit_per_s == 0;
   if (!interface.up)
-    return Status::error(fmt::format("can: {0} is down; as root: ip link set {0} up{1}", name,
+    return Status::error(fmt::format("{0} is down; as root: ip link set {0} up{1}", name,
                                      needs_rate ? " type can bitrate 1000000 restart-ms 100" : ""));
   if (fd && !interface.fd)
     return Status::error(
-        fmt::format("can: {0} does not take CAN FD frames; as root: ip link set {0} down, then {1}, then up", name,
+        fmt::format("{0} does not take CAN FD frames; as root: ip link set {0} down, then {1}, then up", name,
                     interface.is_virtual ? "mtu 72" : "type can bitrate 1000000 dbitrate 5000000 fd on"));
   if (interface.controller == Controller::kBusOff && interface.restart_ms == 0)
     return Status::error(
-        fmt::format("can: {0} is bus-off and does not restart by itself; mend the bus, then as root: "
+        fmt::format("{0} is bus-off and does not restart by itself; mend the bus, then as root: "
                     "ip link set {0} down, type can restart-ms 100, up",
                     name));
   return Status::good();
@@ -167,7 +167,7 @@ Status check_can_rate(const CanInterface& interface, bool fd, std::chrono::nanos
   const std::uint64_t needed_ns = firmware::worst_period_ns(interface.bit_per_s, data_rate);
   if (needed_ns > static_cast<std::uint64_t>(period.count()))
     return Status::error(
-        fmt::format("can: {0} runs at {1} bit/s: one period's frames take up to {2} us there, the period is {3} us; "
+        fmt::format("{0} runs at {1} bit/s: one period's frames take up to {2} us there, the period is {3} us; "
                     "as root: ip link set {0} down, type can bitrate 1000000, up; or a lower --rate",
                     interface.name, interface.bit_per_s, needed_ns / 1000, period.count() / 1000));
   return Status::good();

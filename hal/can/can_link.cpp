@@ -28,14 +28,14 @@ Status cannot_open(const std::string& interface, const CanOpenError& error) {
   using Step = CanOpenError::Step;
   if (error.number == EPERM || error.number == EACCES)
     return Status::error(
-        fmt::format("can: no permission for {}: {}; run outside the sandbox, or as a user who may open "
+        fmt::format("no permission for {}: {}; run outside the sandbox, or as a user who may open "
                     "CAN sockets",
                     interface, std::strerror(error.number)));
   if (error.step == Step::kSocket)
-    return Status::error(fmt::format("can: this kernel has no raw CAN sockets ({}); as root: modprobe can_raw",
-                                     std::strerror(error.number)));
-  if (error.step == Step::kName) return Status::error(fmt::format("can: no interface '{}'", interface));
-  return Status::error(fmt::format("can: cannot open {}: {}", interface, std::strerror(error.number)));
+    return Status::error(
+        fmt::format("this kernel has no raw CAN sockets ({}); as root: modprobe can_raw", std::strerror(error.number)));
+  if (error.step == Step::kName) return Status::error(fmt::format("no interface '{}'", interface));
+  return Status::error(fmt::format("cannot open {}: {}", interface, std::strerror(error.number)));
 }
 
 // Which nodes send states, and how this one does.
@@ -79,9 +79,9 @@ std::string names_of(const Heard& heard) {
 
 Result<std::unique_ptr<CanLink>> CanLink::open(const CanOptions& options) {
   if (options.node < 1 || options.node > firmware::kMaxCanNode)
-    return Status::error(fmt::format("can: node id {}; accepted: 1 to {}", options.node, firmware::kMaxCanNode));
+    return Status::error(fmt::format("node id {}; accepted: 1 to {}", options.node, firmware::kMaxCanNode));
   if (options.wait < nanoseconds::zero() || options.wait > options.period)
-    return Status::error("can: the wait must be between 0 and the period");
+    return Status::error("the wait must be between 0 and the period");
   auto interface = find_can_interface(options.interface);
   if (!interface.ok()) return interface.status();
   if (const Status usable = check_can_interface(interface.value(), options.format == CanFormat::kFd); !usable.ok())
@@ -90,12 +90,12 @@ Result<std::unique_ptr<CanLink>> CanLink::open(const CanOptions& options) {
   const auto heard = listen(options, interface.value().fd && options.format != CanFormat::kClassic);
   if (!heard.ok()) return heard.status();
   if (!heard.value().ours)
-    return Status::error(fmt::format("can: no device with node id {} sends on {}; {}", options.node, options.interface,
+    return Status::error(fmt::format("no device with node id {} sends on {}; {}", options.node, options.interface,
                                      names_of(heard.value())));
   const bool fd = heard.value().ours_fd;
   if (options.format == CanFormat::kFd && !fd)
     return Status::error(
-        fmt::format("can: node {} sends classic frames; set it to FD, or open it as classic", options.node));
+        fmt::format("node {} sends classic frames; set it to FD, or open it as classic", options.node));
 
   if (const Status fits = check_can_rate(interface.value(), fd, options.period); !fits.ok()) return fits;
 
@@ -271,7 +271,7 @@ Result<firmware::ServiceMessage> CanLink::call(const firmware::ServiceMessage& r
   firmware::CanData content{};
   firmware::encode_service_content(request, content);
   if (const int error = socket.send(can_id(CanFunction::kServiceRequest, options_.node), content); error != 0)
-    return Status::error(fmt::format("can: {} takes no frame: {}; ip -details link show {}", options_.interface,
+    return Status::error(fmt::format("{} takes no frame: {}; ip -details link show {}", options_.interface,
                                      std::strerror(error), options_.interface));
   const std::int64_t deadline = MonotonicClock::now_ns() + nanoseconds(timeout).count();
   for (;;) {
@@ -288,7 +288,7 @@ Result<firmware::ServiceMessage> CanLink::call(const firmware::ServiceMessage& r
     if (error != 0) break;
   }
   return Status::error(
-      fmt::format("can: node {} on {} did not answer for register {} within {} ms; ask again, or check "
+      fmt::format("node {} on {} did not answer for register {} within {} ms; ask again, or check "
                   "its power and the bus",
                   options_.node, options_.interface, request.address, timeout.count()));
 }

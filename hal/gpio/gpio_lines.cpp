@@ -29,12 +29,12 @@ Status check_quick(const std::string& chip, unsigned offset, F&& call) {
   std::int64_t quickest_ns = std::int64_t{1} << 62;
   for (int i = 0; i < kTries; ++i) {
     const std::int64_t start = MonotonicClock::now_ns();
-    if (!call()) return Status::error(fmt::format("gpio: line {} of {}: {}", offset, chip, std::strerror(errno)));
+    if (!call()) return Status::error(fmt::format("line {} of {}: {}", offset, chip, std::strerror(errno)));
     quickest_ns = std::min(quickest_ns, MonotonicClock::now_ns() - start);
   }
   if (quickest_ns <= std::chrono::nanoseconds(GpioLines::kMaxCall).count()) return Status::good();
   return Status::error(
-      fmt::format("gpio: line {} of {} takes {} us a call: a chip behind I2C or USB is too slow here, use one of the "
+      fmt::format("line {} of {} takes {} us a call: a chip behind I2C or USB is too slow here, use one of the "
                   "processor's",
                   offset, chip, quickest_ns / 1000));
 }
@@ -42,19 +42,19 @@ Status check_quick(const std::string& chip, unsigned offset, F&& call) {
 Status cannot_request(const std::string& chip, unsigned offset, gpiod_line* line) {
   if (errno == EBUSY) {
     const char* user = gpiod_line_consumer(line);
-    return Status::error(fmt::format("gpio: line {} of {} is in use by '{}'; end that, or use another line", offset,
-                                     chip, user != nullptr ? user : "the kernel"));
+    return Status::error(fmt::format("line {} of {} is in use by '{}'; end that, or use another line", offset, chip,
+                                     user != nullptr ? user : "the kernel"));
   }
-  return Status::error(fmt::format("gpio: line {} of {}: {}", offset, chip, std::strerror(errno)));
+  return Status::error(fmt::format("line {} of {}: {}", offset, chip, std::strerror(errno)));
 }
 
 Status cannot_open(const std::string& chip) {
   if (errno == EACCES || errno == EPERM)
     return Status::error(
-        fmt::format("gpio: no permission for {}; give your user read and write access to its device "
+        fmt::format("no permission for {}; give your user read and write access to its device "
                     "file (a udev rule for SUBSYSTEM \"gpio\")",
                     chip));
-  return Status::error(fmt::format("gpio: no chip '{}' ({}); gpiodetect lists them", chip, std::strerror(errno)));
+  return Status::error(fmt::format("no chip '{}' ({}); gpiodetect lists them", chip, std::strerror(errno)));
 }
 
 }  // namespace
@@ -72,8 +72,7 @@ Status GpioLines::request(const GpioOptions& options) {
   const unsigned count = gpiod_chip_num_lines(chip_of(chip_));
   for (const auto& line : {options.estop, options.enable, options.probe, options.heartbeat})
     if (line && line->offset >= count)
-      return Status::error(
-          fmt::format("gpio: {} has {} lines, 0 to {}; not {}", chip_name_, count, count - 1, line->offset));
+      return Status::error(fmt::format("{} has {} lines, 0 to {}; not {}", chip_name_, count, count - 1, line->offset));
   if (options.estop)
     if (const Status status = request_estop(*options.estop); !status.ok()) return status;
   if (options.enable)
@@ -91,7 +90,7 @@ Status GpioLines::request_estop(const GpioLine& line) {
   estop_ = requested;
   const int descriptor = gpiod_line_event_get_fd(requested);
   if (descriptor < 0 || fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) | O_NONBLOCK) != 0)
-    return Status::error(fmt::format("gpio: line {} of {}: {}", line.offset, chip_name_, std::strerror(errno)));
+    return Status::error(fmt::format("line {} of {}: {}", line.offset, chip_name_, std::strerror(errno)));
   // Edges are watched from here on, so that no change gets lost between this level and the first look.
   estop_active_ = read_estop_level();
   return check_quick(chip_name_, line.offset, [&] { return gpiod_line_get_value(requested) >= 0; });

@@ -136,6 +136,23 @@ TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
     CHECK(finding.verdict == Verdict::kBad);
     CHECK_THAT(finding.reason, Contains("never braked"));
   }
+  const std::uint16_t stop_line = bit_of(firmware::Limit::kStopLine);
+  SECTION("an e-stop that brakes after three frames more") {
+    std::uint64_t active = 0;
+    HilBench bench({.alter_state = [&](std::uint64_t, firmware::StateFrame& f) {
+      active = (f.limits & stop_line) != 0 ? active + 1 : 0;
+      if (active >= 1 && active <= 3) f.state = State::kForce;
+    }});
+    const auto finding = bench.check("e-stop");
+    CHECK(figure(finding, "frames_to_safe") == 4);
+    CHECK(finding.verdict == Verdict::kBad);
+  }
+  SECTION("an e-stop that is forgotten when it is released") {
+    HilBench bench({.alter_state = [&](std::uint64_t, firmware::StateFrame& f) {
+      if (f.fault == 2 && (f.limits & stop_line) == 0) f.state = State::kIdle, f.fault = 0;
+    }});
+    CHECK_THAT(bench.check("e-stop").reason, Contains("re-arm"));
+  }
   SECTION("a brake without a latch") {
     std::uint64_t braked = 0;
     HilBench bench({.alter_state = [&braked](std::uint64_t, firmware::StateFrame& f) {
