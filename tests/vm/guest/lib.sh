@@ -27,6 +27,7 @@ start_device() {
   scene=$1
   shift
   : >$BENCH_LOG
+  for pull in $gpio/sim_gpio*/pull; do echo pull-down >"$pull"; done  # as nobody's hand left them
   bench_device "$(device_of "$link")" --scene "$scene" "$@" --control $BENCH_CONTROL --stop-line 3 --priority 90 >$BENCH_LOG 2>&1 &
   device=$!
   mark=0
