@@ -102,7 +102,8 @@ Finding check_force(Bench& bench) {
                           {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
                           {.ticks = 2 * kPush, .wanted = State::kForce, .force_N = along(axis, -size)},
                           {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
-                          {.ticks = 60, .wanted = State::kForce}};
+                          {.ticks = 60, .wanted = State::kForce},
+                          {.ticks = 20}};  // a real device brakes in FORCE while nothing is exchanged
     const auto result = bench.exchange(plan);
     if (!result.ok()) return bad(result.message(), finding.threshold);
     const std::span<const Record> records = result.value().records;
