@@ -189,14 +189,10 @@ int run(const Options& options, Link& true_link) {
   const std::atomic<bool>& stop = firmware::stop_on_signals();
   firmware::Pace pace(period_us);
   std::string line;
-  bool bus_off = false;
   for (bool go_on = true; go_on && !stop.load();) {
     pace.wait();
     firmware::run_period(device, board, link);
     board.tell(device);
-    if constexpr (requires { true_link.bus_off(); })
-      if (true_link.bus_off() != std::exchange(bus_off, true_link.bus_off()))
-        std::printf("bus-%s period=%llu\n", bus_off ? "off" : "on", static_cast<unsigned long long>(board.periods()));
     while (go_on && control.next(line)) go_on = obey(line, link, true_link, board, device);
   }
   const firmware::PaceCounters& paced = pace.counters();

@@ -104,6 +104,7 @@ bool ExchangeTick::operator()(const loop::TickTiming&) noexcept {
   receive(record);
   if (plan_[phase_].send) send(plan_[phase_], record);
   (void)records_.try_push(0, std::span(&record, 1));  // no room: counted by the ring
+  counters_ = link_.counters();
   ++tick_;
   return true;
 }
@@ -162,12 +163,14 @@ Result<ExchangeResult> run_exchange(hal::AnyLink& link, Conversation& conversati
   Reader reader(tick, director, keep, result);
   if (const Status status = link.start(); !status.ok()) return status;
   const hal::LinkCounters before = link.counters();
+  tick.begin_with(before);
   if (settings.stepped) {
     run_stepped(tick, reader);
   } else if (const Status status = run_on_thread(tick, reader, settings, result); !status.ok()) {
     return status;
   }
-  result.counters = since(link.counters(), before);
+  // As they were in the last period: a link of its own thread goes on receiving while this one is joined.
+  result.counters = since(tick.counters(), before);
   return result;
 }
 

@@ -74,6 +74,9 @@ class ExchangeTick {
   bool operator()(const loop::TickTiming& timing) noexcept;
 
   Ring& records() noexcept { return records_; }
+  // The link's, as of the last period; before the first: those given.
+  void begin_with(const hal::LinkCounters& counters) noexcept { counters_ = counters; }
+  const hal::LinkCounters& counters() const noexcept { return counters_; }
   void ask_for_phase(std::uint32_t phase) noexcept { asked_phase_.store(phase, std::memory_order_relaxed); }
 
  private:
@@ -91,6 +94,7 @@ class ExchangeTick {
   std::uint32_t phase_{0};
   std::atomic<std::uint32_t> asked_phase_{0};
   std::array<std::byte, firmware::kCommandFrameSize> last_command_{};
+  hal::LinkCounters counters_;
   Ring records_;
 };
 

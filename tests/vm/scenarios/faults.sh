@@ -69,12 +69,15 @@ fi
 
 if [ "$link" = can-fd ] && under_force bus-off; then
   mark
+  # What a driver reports; then the bus is silent, which vcan cannot be by itself.
   cansend vcan0 20000040#0000000000000000
-  # On vcan the frames still arrive: the host, which sees its device gone, asks for BRAKE before the watchdog does.
-  await '^bus-off' && began=$(value period) && await '^state FORCE BRAKE' && took=$(($(value period) - began))
-  figure bus-off brake "${took:--1}"
-  [ "${took:-99}" -le 10 ]
-  verdict "bus-off: brakes within 10 frames" "${took:-never}"
+  cable out
+  # The host, which heard of it, may ask for BRAKE before the watchdog acts.
+  await '^state FORCE BRAKE' && brake=$(value missed) || brake=
+  figure bus-off brake "${brake:--1}"
+  [ "${brake:-99}" -le 10 ]
+  verdict "bus-off: brakes at 10 missed frames at the latest" "${brake:-never}"
+  cable in
   cansend vcan0 20000100#0000000000000000
   in_force
   verdict "bus-off: goes on after the restart" "no force again"
