@@ -20,7 +20,7 @@ cache_folder() {
 # One line for each thing that is missing here to run the bench; nothing if all is there.
 missing_for_bench() {
   local program
-  for program in qemu-system-x86_64 busybox dash ip capsh cpio depmod make gcc xz dpkg-deb apt-get; do
+  for program in qemu-system-x86_64 busybox dash ip capsh candump cansend cangen cpio depmod make gcc xz dpkg-deb apt-get; do
     command -v "$program" >/dev/null || echo "no program $program"
   done
   command -v qemu-system-x86_64 >/dev/null || return 0
