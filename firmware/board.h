@@ -65,6 +65,7 @@ bool restore_configuration(Device& device, S& storage) {
 template <Mechanics M, DeviceLink L, Storage S>
 void run_period(Device& device, M& mechanics, L& link, S& storage) noexcept {
   ServiceMessage message;
+  if constexpr (TellsBusErrors<L>) device.note_bus_errors(link.bus_errors());
   if (link.receive_service(message)) link.reply_service(device.serve(message));
 
   ControllerInputs inputs;

@@ -7,6 +7,7 @@
 // bounded. Units: SI. See board.h for the period, registers.h for what serve() answers.
 #pragma once
 
+#include "firmware/bus_errors.h"
 #include "firmware/config_block.h"
 #include "firmware/fault_log.h"
 #include "firmware/identity.h"
@@ -40,6 +41,9 @@ class Device {
 
   // Answers one request. What it writes is in force from the next step on, whole.
   ServiceMessage serve(const ServiceMessage& request) noexcept;
+
+  // What the link knows of its bus; registers read it. Ask it before every request.
+  void note_bus_errors(const BusErrors& errors) noexcept { bus_errors_ = errors; }
 
   // A configuration that waits to be stored: ask after every step; empty if none does. Valid until stored() is told how
   // it went.
@@ -77,6 +81,7 @@ class Device {
   GravityConfig gravity_;
   bool carries_arm_{false};  // some term of gravity_ is not zero
   BusConfig bus_;
+  BusErrors bus_errors_;
   FaultLog log_;
   SelfTest self_test_;
   bool stored_unreadable_{false};

@@ -133,6 +133,12 @@ std::uint32_t Device::read(const Register& row, unsigned index) const noexcept {
       return std::bit_cast<std::uint32_t>(thermal_.rise_K()[index]);
     case kEffortShare:
       return std::bit_cast<std::uint32_t>(thermal_.effort_share()[index]);
+    case kCanTransmitErrors:
+      return bus_errors_.transmit;
+    case kCanReceiveErrors:
+      return bus_errors_.receive;
+    case kCanBusOff:
+      return bus_errors_.bus_off;
     case kFaultLog:
       return read_fault_log(index);
     default:

@@ -119,6 +119,9 @@ constexpr Register kRegisters[] = {
     shown(kSpeed, kAxes, F, "speed", "m/s or rad/s"),
     shown(kWindingRise, kAxes, F, "winding_rise", "K"),
     shown(kEffortShare, kAxes, F, "effort_share", ""),
+    shown(kCanTransmitErrors, 1, U, "can_transmit_errors", ""),
+    shown(kCanReceiveErrors, 1, U, "can_receive_errors", ""),
+    shown(kCanBusOff, 1, U, "can_bus_off", ""),
     shown(kFaultLog, 64, U, "fault_log", ""),
 
     command(kSave, kCalm, 0, "save"),

@@ -48,6 +48,7 @@ inline constexpr std::uint16_t kProtocol = 0x0000, kRevision = 0x0001, kFirmware
                                kHomingState = 0x0606, kHomedAxes = 0x0607, kSelfTestFailed = 0x0608,
                                kSelfTestPasses = 0x0609, kUptime = 0x060a, kSaveState = 0x060b, kFaultTotal = 0x060c,
                                kEncoderErrors = 0x0610, kSpeed = 0x0620, kWindingRise = 0x0630, kEffortShare = 0x0640,
+                               kCanTransmitErrors = 0x0650, kCanReceiveErrors = 0x0651, kCanBusOff = 0x0652,
                                kFaultLog = 0x0700, kSave = 0x0800, kFactory = 0x0801, kHome = 0x0802,
                                kSelfTest = 0x0803;
 }  // namespace number

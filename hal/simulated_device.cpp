@@ -42,7 +42,7 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, HandModel hand, c
       command_delay_ticks_(delay_of(profile, options) - 1 - state_delay_ticks_),
       hand_(std::move(hand)),
       plant_(profile.plant, hand_.parameters(), hand_.target_at(0.0).pose, profile.kinematics),
-      controller_(firmware_config(profile, static_cast<std::uint32_t>(options.period_ns / 1000))),
+      device_(firmware_config(profile, static_cast<std::uint32_t>(options.period_ns / 1000))),
       codec_(profile.kinematics, profile.quantum, profile.properties.has_rotation),
       random_state_(options.seed) {
   properties_.delay_s = static_cast<double>(delay_of(profile, options)) * static_cast<double>(options.period_ns) * 1e-9;
@@ -51,7 +51,7 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, HandModel hand, c
 void SimulatedDevice::read(haptics::DeviceInput& input) noexcept {
   now_ = reads_++;
   if (now_ > 0) advance_plant();
-  run_controller();
+  run_firmware();
   receive_state(input);
 }
 
@@ -88,7 +88,7 @@ void SimulatedDevice::advance_plant() noexcept {
     plant_.step(h_s, effort, outputs_.brake, hand_.target_at(time_s(now_ - 1, s)));
 }
 
-void SimulatedDevice::run_controller() noexcept {
+void SimulatedDevice::run_firmware() noexcept {
   if (const auto arrived = command_link_.arriving(now_); !arrived.empty()) {
     std::copy(arrived.begin(), arrived.end(), waiting_command_.begin());
     command_waits_ = true;
@@ -103,8 +103,8 @@ void SimulatedDevice::run_controller() noexcept {
   inputs.time_us = now_ * static_cast<std::uint64_t>(options_.period_ns) / 1000;
   inputs.buttons = buttons_;
   inputs.stop_line = fault(FaultKind::kEmergencyStop, FaultDirection::kState) != nullptr;
-  outputs_ = controller_.step(
-      inputs, command_waits_ ? std::span<const std::byte>(waiting_command_) : std::span<const std::byte>());
+  outputs_ = device_.step(inputs,
+                          command_waits_ ? std::span<const std::byte>(waiting_command_) : std::span<const std::byte>());
   command_waits_ = false;
   send_state(outputs_.state_frame);
 }

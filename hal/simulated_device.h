@@ -1,10 +1,10 @@
-// A force-feedback device without hardware: the real firmware controller, arm mechanics, a hand that holds the tool,
+// A force-feedback device without hardware: the real firmware, arm mechanics, a hand that holds the tool,
 // and a link with delay and injected faults. Stands wherever a real device stands (concept HapticDevice).
 //
 // One read() is one control period of the device, and the order in it is:
-//   mechanics move on by one period under the efforts in force -> encoders -> Controller::step with the command that
-//   has arrived -> state frame onto the link -> the frame that arrives now is decoded.
-// write() encodes a command and puts it onto the link; the controller sees it in the next period at the earliest, so
+//   mechanics move on by one period under the efforts in force -> encoders -> Device::step with the command that has
+//   arrived -> state frame onto the link -> the frame that arrives now is decoded.
+// write() encodes a command and puts it onto the link; the firmware sees it in the next period at the earliest, so
 // the smallest transport delay is one tick. Device time advances with read() alone: it does not know real time.
 // Thread: construction [setup]; read(), write() [rt] by the loop's thread: no allocation, no lock, bounded (sub-steps
 // of the mechanics are fixed). The accessors tell the truth behind the frames, for tests and summaries; same thread.
@@ -13,6 +13,7 @@
 
 #include <optional>
 
+#include "firmware/device.h"
 #include "hal/fault_injection.h"
 #include "hal/frame_codec.h"
 #include "hal/plant.h"
@@ -46,7 +47,7 @@ class SimulatedDevice {
   const Plant& plant() const noexcept { return plant_; }
   const HandModel& hand() const noexcept { return hand_; }
   HandTarget hand_target() const noexcept { return hand_.target_at(time_s(now_, 0)); }
-  const firmware::Controller& controller() const noexcept { return controller_; }
+  const firmware::Controller& controller() const noexcept { return device_.controller(); }
   const firmware::ControllerOutputs& motor_outputs() const noexcept { return outputs_; }  // in force until next read
 
   void set_buttons(std::uint8_t buttons) noexcept { buttons_ = buttons; }  // bit 0 first
@@ -57,7 +58,7 @@ class SimulatedDevice {
   double time_s(std::uint64_t tick, unsigned sub_step) const noexcept;
   const InjectedFault* fault(FaultKind kind, FaultDirection direction) const noexcept;
   void advance_plant() noexcept;
-  void run_controller() noexcept;
+  void run_firmware() noexcept;
   void send_state(const StateBytes& fresh) noexcept;
   void receive_state(haptics::DeviceInput& input) noexcept;
   void distort(StateBytes& bytes) noexcept;
@@ -71,7 +72,7 @@ class SimulatedDevice {
   std::uint64_t state_delay_ticks_, command_delay_ticks_;
   HandModel hand_;
   Plant plant_;
-  firmware::Controller controller_;
+  firmware::Device device_;
   firmware::ControllerOutputs outputs_;
   FrameCodec codec_;
   SimulatedLink state_link_, command_link_;

@@ -20,7 +20,7 @@
 #include "hal/frame_link.h"
 #include "hal/usb/usb_connection.h"
 #include "rt/base/latest_value.h"
-#include "rt/loop/periodic_thread.h"
+#include "rt/loop/realtime_thread.h"
 
 namespace tactus::hal {
 
@@ -92,7 +92,7 @@ class UsbLink {
   Counter received_{0}, malformed_{0}, sent_{0}, send_failed_{0}, errors_{0}, disconnects_{0};
   std::uint64_t taken_number_{0};  // the haptic thread's
   LinkCounters before_start_;
-  loop::detail::RealtimeThread thread_;  // last: it is joined before anything that it uses goes
+  loop::RealtimeThread thread_;  // last: it is joined before anything that it uses goes
 };
 
 static_assert(FrameLink<UsbLink>);

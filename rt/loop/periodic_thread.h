@@ -1,18 +1,16 @@
-// A thread of its own that calls a tick at an absolute period, with the real-time set-up of realtime_setup.h.
+// A real-time thread (realtime_thread.h) that calls a tick at an absolute period.
 //
 // start() returns when the thread's set-up is done and reported; the first tick is at the next full period of the
-// monotonic clock. Signals are blocked in the thread, so that they go to the main one. Thread: all calls [setup] by the
-// owner; request_stop() and running() [any]; the tick runs on the new thread, [rt].
-// Bound: the stack is of the size asked for, touched and locked; the tick must stay on it.
+// monotonic clock. Thread: all calls [setup] by the owner; request_stop() and running() [any]; the tick runs on the new
+// thread, [rt]. Bound: the tick must stay on the stack that was asked for.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 
-#include "rt/base/result.h"
 #include "rt/loop/periodic_loop.h"
-#include "rt/loop/realtime_setup.h"
+#include "rt/loop/realtime_thread.h"
 
 namespace tactus::loop {
 
@@ -24,37 +22,6 @@ struct PeriodicSettings {
 };
 
 namespace detail {
-
-// What does not depend on the tick: creating the thread, waiting for its set-up, joining it.
-class RealtimeThread {
- public:
-  using Body = void (*)(void* context) noexcept;
-
-  RealtimeThread() = default;
-  ~RealtimeThread() { join(); }
-  RealtimeThread(const RealtimeThread&) = delete;
-  RealtimeThread& operator=(const RealtimeThread&) = delete;
-
-  // Runs body(context) on a new thread after its set-up; returns when the set-up is done.
-  Status start(std::uint32_t stack_KiB, const SetupRequest& setup, Body body, void* context);
-  void join() noexcept;
-  bool started() const noexcept { return started_; }
-  bool running() const noexcept { return running_.load(std::memory_order_acquire); }
-  const SetupReport& report() const noexcept { return report_; }
-
- private:
-  struct Entry;
-  static void* enter(void* entry) noexcept;
-
-  unsigned long thread_{0};  // pthread_t
-  bool started_{false};
-  std::atomic<bool> running_{false};
-  SetupRequest setup_;
-  SetupReport report_;
-  CpuAwake awake_;
-  Body body_{nullptr};
-  void* context_{nullptr};
-};
 
 // Faults and context switches of the calling thread since it began.
 struct ThreadUsage {
@@ -109,7 +76,7 @@ class PeriodicThread {
   LoopSettings loop_;
   TimingHealth health_;
   std::atomic<bool> stop_{false};
-  detail::RealtimeThread thread_;  // last: it is joined before anything that it uses goes
+  RealtimeThread thread_;  // last: it is joined before anything that it uses goes
 };
 
 }  // namespace tactus::loop

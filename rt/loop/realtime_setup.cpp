@@ -34,13 +34,6 @@ namespace {
   TACTUS_CHECK(added, report.steps.size(), kMaxSetupSteps);
 }
 
-bool has_capability(unsigned capability) noexcept {
-  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  __user_cap_data_struct sets[_LINUX_CAPABILITY_U32S_3]{};
-  if (syscall(SYS_capget, &header, sets) != 0) return false;
-  return (sets[capability / 32].effective >> (capability % 32) & 1u) != 0;
-}
-
 void report_kernel(SetupReport& report) noexcept {
   utsname kernel{};
   uname(&kernel);
@@ -219,6 +212,13 @@ SetupReport setup_realtime(const SetupRequest& request, CpuAwake& awake) noexcep
   flush_denormals(report);
   set_priority(request, report);
   return report;
+}
+
+bool has_capability(unsigned capability) noexcept {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct sets[_LINUX_CAPABILITY_U32S_3]{};
+  if (syscall(SYS_capget, &header, sets) != 0) return false;
+  return (sets[capability / 32].effective >> (capability % 32) & 1u) != 0;
 }
 
 bool kernel_is_preempt_rt() noexcept {

@@ -72,6 +72,9 @@ class CpuAwake {
 // before may take its time).
 SetupReport setup_realtime(const SetupRequest& request, CpuAwake& awake) noexcept;
 
+// The calling thread may do what `capability` allows (CAP_... of linux/capability.h): its effective set has it.
+bool has_capability(unsigned capability) noexcept;
+
 // True on a PREEMPT_RT kernel.
 bool kernel_is_preempt_rt() noexcept;
 

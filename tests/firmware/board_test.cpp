@@ -75,6 +75,32 @@ TEST_CASE("a period takes the command, drives the motors, sends the state, and a
   CHECK(link.state.missed_commands == 1);
 }
 
+TEST_CASE("what a link knows of its bus' errors is in the registers when it is asked for, and 0 on another link") {
+  struct BusLink : FakeLink {
+    BusErrors errors;
+    BusErrors bus_errors() const noexcept { return errors; }
+  };
+  static_assert(TellsBusErrors<BusLink> && !TellsBusErrors<FakeLink>);
+  const auto read = [](auto& link, std::uint16_t address) {
+    static Device device(bench_config());
+    FakeMechanics mechanics;
+    link.request = ServiceMessage{Operation::kRead, ServiceStatus::kGood, 1, address, 0};
+    run_period(device, mechanics, link);
+    CHECK(link.reply->status == ServiceStatus::kGood);
+    return link.reply->value;
+  };
+  FakeLink other;
+  for (const auto address : {number::kCanTransmitErrors, number::kCanReceiveErrors, number::kCanBusOff})
+    CHECK(read(other, address) == 0);
+  BusLink link;
+  link.errors = {136, 96, 3};
+  CHECK(read(link, number::kCanTransmitErrors) == 136);
+  link.errors.transmit = 0;
+  CHECK(read(link, number::kCanTransmitErrors) == 0);
+  CHECK(read(link, number::kCanReceiveErrors) == 96);
+  CHECK(read(link, number::kCanBusOff) == 3);
+}
+
 TEST_CASE("a board with storage starts with what was saved, one without says that it keeps nothing") {
   for (const bool keeps : {true, false}) {
     Device device(bench_config());

@@ -2,6 +2,7 @@
 // sources are not at hand (on a target), there is nothing to compare.
 #ifdef TACTUS_SOURCE_DIR
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <fstream>
@@ -10,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "firmware/boards/cortex_m/cobs.h"
+#include "firmware/boards/cortex_m/configuration.h"
 #include "firmware/homing.h"
 #include "firmware/registers.h"
 #include "firmware/self_test.h"
@@ -185,6 +188,33 @@ TEST_CASE("the document says what the code says about USB") {
     CAPTURE(figure);
     CHECK(all.find(figure) != std::string::npos);
   }
+}
+
+TEST_CASE("the document's serial line is that of the code: rate, bits of a period, an example") {
+  std::string all;
+  std::vector<std::vector<std::byte>> examples;
+  for (const std::string& line : section("Serial line")) {
+    all += line + "\n";
+    if (line.rfind("  ", 0) != 0) continue;
+    std::istringstream hex(line);
+    examples.emplace_back();
+    for (unsigned value = 0; hex >> std::hex >> value;) examples.back().push_back(static_cast<std::byte>(value));
+  }
+  const auto bits = [](std::size_t frame) { return static_cast<unsigned>(10 * (frame + 2)); };
+  for (const std::string& figure :
+       {text("%u bit/s", unsigned{cortex_m::kSerialBitRate_Hz}), text("than %u bytes", unsigned{kStateFrameSize}),
+        text("state takes %u bits of a period's %u", bits(kStateFrameSize),
+             unsigned{cortex_m::kSerialBitRate_Hz / 1000}),
+        text("reply %u more", bits(kServiceFrameSize)), text("command takes %u the", bits(kCommandFrameSize))}) {
+    CAPTURE(figure);
+    CHECK(all.find(figure) != std::string::npos);
+  }
+  REQUIRE(examples.size() == 2);
+  ServiceMessage message;
+  CHECK(decode_service(examples[0], ServiceDirection::kRequest, message) == DecodeError::kNone);
+  std::array<std::byte, kMaxStuffedSize> line{};
+  const std::size_t size = stuff(examples[0], line);
+  CHECK(std::vector<std::byte>(line.begin(), line.begin() + static_cast<long>(size)) == examples[1]);
 }
 
 TEST_CASE("the document's section on CAN is what the CAN codec says of itself") {

@@ -5,7 +5,6 @@
 #include <pwd.h>
 #include <sched.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,15 +12,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "rt/loop/realtime_setup.h"
+
 namespace tactus::doctor {
 namespace {
-
-bool has_capability(unsigned capability) {
-  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  __user_cap_data_struct sets[_LINUX_CAPABILITY_U32S_3]{};
-  if (syscall(SYS_capget, &header, sets) != 0) return false;
-  return (sets[capability / 32].effective >> (capability % 32) & 1u) != 0;
-}
 
 std::uint64_t hard_limit(__rlimit_resource resource) {
   rlimit limit{};
@@ -33,8 +27,8 @@ ProcessFacts facts_of_this_process() {
   ProcessFacts facts;
   facts.rtprio_limit = hard_limit(RLIMIT_RTPRIO);
   facts.memlock_limit_B = hard_limit(RLIMIT_MEMLOCK);
-  facts.may_set_priority = has_capability(CAP_SYS_NICE);
-  facts.may_lock_memory = has_capability(CAP_IPC_LOCK);
+  facts.may_set_priority = loop::has_capability(CAP_SYS_NICE);
+  facts.may_lock_memory = loop::has_capability(CAP_IPC_LOCK);
   cpu_set_t set;
   CPU_ZERO(&set);
   if (sched_getaffinity(0, sizeof set, &set) == 0) {

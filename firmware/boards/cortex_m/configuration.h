@@ -1,7 +1,8 @@
 // The device that the image is for, until its registers say otherwise: a desktop arm with three force axes.
 //
-// Units: see controller.h. 1 kHz. The figures are those of the host's profile desk3d, with the margins that it gives to
-// a firmware; for another arm change them here, or write the registers.
+// Units: see controller.h; the three axes are rotary, rad and N m. 1 kHz. The figures are what the host works out for a
+// firmware of its description desk3d, to four digits (a test compares the two); for another arm change them here, or
+// write the registers.
 #pragma once
 
 #include "firmware/controller.h"
@@ -11,17 +12,17 @@ namespace tactus::firmware::cortex_m {
 
 constexpr Config make_configuration() noexcept {
   Config c;
-  c.quantum = {2e-5f, 2e-5f, 2e-5f, 1e-4f, 1e-4f, 1e-4f};
-  c.max_effort = {8.0f, 8.0f, 8.0f, 0.0f, 0.0f, 0.0f};
-  c.max_speed = {1.5f, 1.5f, 1.5f, 15.0f, 15.0f, 15.0f};
-  c.max_force_N = 8.0f;
+  c.quantum = {1.25663704e-4f, 1.25663704e-4f, 1.25663704e-4f, 1e-4f, 1e-4f, 1e-4f};  // 50 000 counts a turn
+  c.max_effort = {2.085f, 1.396f, 1.396f, 0.0f, 0.0f, 0.0f};
+  c.max_speed = {25.74f, 23.07f, 23.07f, 1.0f, 1.0f, 1.0f};
+  c.max_force_N = 2.085f;  // of the three axes together, which are rotary: N m
   c.max_torque_Nm = 0.0f;
   c.period_us = 1000;
   return c;
 }
 
-// N or N m per motor at the full set-point: what its amplifier gives at its full current.
-inline constexpr AxisValues kFullEffort{10.0f, 10.0f, 10.0f, 0.0f, 0.0f, 0.0f};
+// N m per motor at the full set-point: what its amplifier gives at its full current.
+inline constexpr AxisValues kFullEffort{2.5f, 2.5f, 2.5f, 0.0f, 0.0f, 0.0f};
 
 // A chip has a number of its own to read the serial from.
 inline constexpr Identity kIdentity = make_identity(DeviceClass::kDesk3, "mps2-an386");

@@ -36,6 +36,7 @@ void CanDeviceLink::drain() noexcept {
     if (error == ENETDOWN) {
       ++counters_.interface_down;
       bus_off_ = false;  // the controller starts afresh with the interface
+      bus_errors_.transmit = bus_errors_.receive = 0;
     }
     for (unsigned i = 0; i < count; ++i) take(socket_.frame(i));
     if (count < CanSocket::kBatch) break;
@@ -85,6 +86,7 @@ void CanDeviceLink::take_request(const CanReceived& frame) noexcept {
 }
 
 void CanDeviceLink::take_error(const CanReceived& frame) noexcept {
+  take_bus_errors(frame.id, frame.data, bus_errors_);
   if ((frame.id & CAN_ERR_BUSOFF) != 0) {
     ++counters_.bus_off;
     bus_off_ = true;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "firmware/board.h"
+#include "firmware/boards/linux_can/can_error_frame.h"
 #include "firmware/boards/linux_can/can_socket.h"
 #include "firmware/can_codec.h"
 
@@ -43,6 +44,7 @@ class CanDeviceLink {
 
   bool bus_off() const noexcept { return bus_off_; }
   CanDeviceCounters counters() const noexcept;
+  BusErrors bus_errors() const noexcept { return bus_errors_; }
 
  private:
   void drain() noexcept;
@@ -62,8 +64,9 @@ class CanDeviceLink {
   std::size_t first_request_{0}, waiting_requests_{0};
   bool bus_off_{false};
   CanDeviceCounters counters_{};
+  BusErrors bus_errors_;
 };
 
-static_assert(DeviceLink<CanDeviceLink>);
+static_assert(DeviceLink<CanDeviceLink> && TellsBusErrors<CanDeviceLink>);
 
 }  // namespace tactus::firmware

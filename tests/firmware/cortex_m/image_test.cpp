@@ -19,7 +19,7 @@ using namespace tactus::firmware::cortex_m;
 
 namespace {
 
-constexpr AxisValues kSmall{1.0f, 2.0f, -3.0f, 0, 0, 0}, kHuge{50.0f, -40.0f, 30.0f, 0, 0, 0};
+constexpr AxisValues kSmall{0.25f, 0.5f, -0.75f, 0, 0, 0}, kHuge{50.0f, -40.0f, 30.0f, 0, 0, 0};
 constexpr int kManyFrames = 3000;
 
 void to_idle(EmulatedDevice& d) {
@@ -41,7 +41,7 @@ void to_force(EmulatedDevice& d, const AxisValues& effort) {
 
 MotorStage stage(EmulatedDevice& d) { return static_cast<MotorStage>(d.registers().motor_stage); }
 
-float setpoint_N(EmulatedDevice& d, unsigned axis) {
+float setpoint_Nm(EmulatedDevice& d, unsigned axis) {
   const auto setpoint = static_cast<std::int32_t>(d.registers().motor_setpoint[axis]);
   return static_cast<float>(setpoint) * kFullEffort[axis] / static_cast<float>(kFullSetpoint);
 }
@@ -69,7 +69,7 @@ void force_reaches_motors(EmulatedDevice& d) {
   to_force(d, kSmall);
   for (int i = 0; i < kManyFrames; ++i) {
     const StateFrame before = d.turn(State::kForce, kSmall);
-    const std::array<float, 3> seen{setpoint_N(d, 0), setpoint_N(d, 1), setpoint_N(d, 2)};
+    const std::array<float, 3> seen{setpoint_Nm(d, 0), setpoint_Nm(d, 1), setpoint_Nm(d, 2)};
     const StateFrame after = d.turn(State::kForce, kSmall);
     // Only between two frames in which nothing fades do the set-points have to be the command's.
     if (before.state != State::kForce || after.state != State::kForce || before.limits != 0 || after.limits != 0)
@@ -85,13 +85,13 @@ void force_reaches_motors(EmulatedDevice& d) {
 
 void efforts_are_limited(EmulatedDevice& d) {
   to_force(d, kHuge);
-  const float limit_N = make_configuration().max_force_N;
+  const float limit_Nm = make_configuration().max_force_N;
   bool seen = false;
   for (int i = 0; i < 200; ++i) {
     const StateFrame s = d.turn(State::kForce, kHuge);
     float norm = 0;
-    for (unsigned k = 0; k < 3; ++k) norm += setpoint_N(d, k) * setpoint_N(d, k);
-    require(norm <= limit_N * limit_N * 1.001f, "the set-points are beyond the device's limit");
+    for (unsigned k = 0; k < 3; ++k) norm += setpoint_Nm(d, k) * setpoint_Nm(d, k);
+    require(norm <= limit_Nm * limit_Nm * 1.001f, "the set-points are beyond the device's limit");
     const std::uint16_t axes = axis_limit_bit(0) | axis_limit_bit(1) | axis_limit_bit(2);
     seen = seen || (s.state == State::kForce && (s.limits & axes) == axes);
   }
@@ -101,7 +101,7 @@ void efforts_are_limited(EmulatedDevice& d) {
 void counts_are_told(EmulatedDevice& d) {
   to_idle(d);
   for (std::uint32_t i = 0; i < 50; ++i) {
-    d.registers().encoder_count[1] = d.registers().encoder_count[1] - 7;  // 0.14 m/s if it is one period
+    d.registers().encoder_count[1] = d.registers().encoder_count[1] - 7;  // 0.9 rad/s if it is one period
     const auto count = static_cast<std::int32_t>(d.registers().encoder_count[1]);
     d.await([&](const StateFrame& s) { return s.counts[1] == count; }, "a count does not come through");
   }

@@ -154,7 +154,7 @@ void noise(Rig& rig, std::size_t count) noexcept {
 }
 
 void control_periods(Rig& rig) noexcept {
-  constexpr AxisValues small{1, 2, 3, 0.1f, 0.2f, 0.3f}, huge{90, -80, 70, 5, -6, 7};
+  constexpr AxisValues small{0.25f, 0.5f, 0.75f, 0.1f, 0.2f, 0.3f}, huge{90, -80, 70, 5, -6, 7};
   scenario(rig, "silent", [](unsigned) {});
   scenario(rig, "idle", [&](unsigned) { rig.command(State::kIdle, {}); });
   bring_to_force(rig);

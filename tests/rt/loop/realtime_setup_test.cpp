@@ -1,5 +1,6 @@
 #include "rt/loop/realtime_setup.h"
 
+#include <linux/capability.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 #include <catch2/catch.hpp>
 
+#include <fstream>
 #include <functional>
 #include <set>
 #include <string>
@@ -251,4 +253,22 @@ TEST_CASE("a stack smaller than what shall be touched is a failed step, not a cr
   REQUIRE(report.find("stack") != nullptr);
   CHECK(!report.find("stack")->ok);
   CHECK(contains(report.find("stack")->message(), "1024 KiB asked for"));
+}
+
+TEST_CASE("a capability is had exactly if the kernel lists it as effective, and is gone with root's rights", "[loop]") {
+  std::ifstream status("/proc/thread-self/status");
+  std::uint64_t effective = 0;
+  bool found = false;
+  for (std::string word; !found && status >> word;) found = word == "CapEff:" && (status >> std::hex >> effective);
+  REQUIRE(found);
+  for (unsigned capability = 0; capability <= CAP_LAST_CAP; ++capability) {
+    CAPTURE(capability);
+    CHECK(has_capability(capability) == ((effective >> capability & 1u) != 0));
+  }
+  if (geteuid() != 0) return;
+  CHECK(in_own_process([](Claims& claims) {
+          drop_privileges();
+          for (unsigned capability = 0; capability <= CAP_LAST_CAP; ++capability)
+            claims.that(!has_capability(capability));
+        }) == 0);
 }
