@@ -11,7 +11,7 @@ Solver<T>::Solver(const Capacities& capacities)
     : motion_(capacities.bodies),
       inverse_inertia_(capacities.bodies),
       before_(capacities.bodies),
-      contacts_(capacities.contacts),
+      contacts_(capacities),
       border_(capacities.border_contacts) {}
 
 template <class T>
