@@ -127,15 +127,15 @@ TACTUS_INLINE void apply(const ContactRow<V>& c, BodyLanes<V>& a, BodyLanes<V>& 
 template <bool kFixed, class V>
 TACTUS_INLINE void gather(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, BodyLanes<V>& a,
                           BodyLanes<V>& b) noexcept {
-  a = BodyLanes<V>::gather(bodies.motion.data(), row.a);
-  if constexpr (!kFixed) b = BodyLanes<V>::gather(bodies.motion.data(), row.b);
+  a = BodyLanes<V>::read(bodies.motion.data(), row.a);
+  if constexpr (!kFixed) b = BodyLanes<V>::read(bodies.motion.data(), row.b);
 }
 
 template <bool kFixed, class V>
 TACTUS_INLINE void scatter(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, const BodyLanes<V>& a,
                            const BodyLanes<V>& b) noexcept {
-  a.scatter(bodies.motion.data(), row.a, row.used);
-  if constexpr (!kFixed) b.scatter(bodies.motion.data(), row.b, row.used);
+  a.write_velocities(bodies.motion.data(), row.a, row.used);
+  if constexpr (!kFixed) b.write_velocities(bodies.motion.data(), row.b, row.used);
 }
 
 // W: the change of the relative motion at the plane's centre by a unit impulse or moment there.

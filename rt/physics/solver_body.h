@@ -18,7 +18,8 @@ struct alignas(16 * sizeof(T)) SolverBody {
   Vec3<T> delta_position;  // m, since the start of the step
   Quat<T> delta_rotation;  // now_from_start, world axes
   T inverse_mass{};        // 1/kg; 0 where nothing moves it
-  T fill[2]{};
+  T gyroscopic{};          // 1 where the gyroscopic term is at work, else 0
+  T fill{};
 };
 static_assert(sizeof(SolverBody<double>) == 128 && sizeof(SolverBody<float>) == 64);
 
