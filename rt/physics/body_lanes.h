@@ -27,6 +27,12 @@ struct BodyLanes {
     gather<13>(bodies, slot, x);
     return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, {x[6], x[7], x[8]}, {x[9], x[10], x[11], x[12]}, {}, {}};
   }
+  // v and w alone.
+  TACTUS_INLINE static BodyLanes read_velocities(const SolverBody<T>* bodies, const Slots& slot) noexcept {
+    V x[kNumbers];
+    gather<8>(bodies, slot, x);
+    return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, {x[6], x[7], V(0)}, {}, {}, {}};
+  }
   TACTUS_INLINE static BodyLanes read_all(const SolverBody<T>* bodies, const Slots& slot) noexcept {
     V x[kNumbers];
     gather<kNumbers>(bodies, slot, x);
@@ -73,9 +79,14 @@ struct BodyLanes {
       V m[kWidth];
       for (int i = 0; i < kWidth; ++i) m[i] = x[k * kWidth + i];
       transpose(m);
-      for (int lane = 0; lane < kWidth; ++lane)
-        if (static_cast<std::uint32_t>(lane) < used)
-          store(m[lane], reinterpret_cast<T*>(bodies + slot[lane]) + k * kWidth);
+      const auto put = [&](int lane) noexcept {
+        store(m[lane], reinterpret_cast<T*>(bodies + slot[lane]) + k * kWidth);
+      };
+      if (used == kWidth) [[likely]]
+        for (int lane = 0; lane < kWidth; ++lane) put(lane);
+      else
+        for (int lane = 0; lane < kWidth; ++lane)
+          if (static_cast<std::uint32_t>(lane) < used) put(lane);
     }
   }
 };

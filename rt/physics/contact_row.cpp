@@ -33,9 +33,17 @@ TACTUS_INLINE GapChange<V> gap_change(const ContactRow<V>& c, const BodyLanes<V>
   return {gap, dot(turn, c.t1), dot(turn, c.t2)};
 }
 
+// The points' gaps after the bodies have moved.
+template <bool kFixed, class V>
+TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const BodyLanes<V>& b) noexcept {
+  const GapChange<V> moved = gap_change<kFixed>(c, a, b);
+  for (std::uint32_t i = 0; i < c.points; ++i)
+    c.gap[i] = c.separation[i] + moved.gap + c.x[i] * moved.slope_1 + c.y[i] * moved.slope_2;
+}
+
 // The normal rows, point after point. Returns what they added; `v` ends as the relative motion after it.
 template <bool kBias, bool kTotals, class V>
-TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, const GapChange<V>& moved, NormalPart<V>& v,
+TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
                                           const SweepRule<LaneOf<V>>& rule) noexcept {
   const SymBlock<V>& w = c.w_normal;
   const V zero(0), inverse_h(rule.inverse_h), slop(rule.slop), most_push(-rule.max_push_speed);
@@ -44,7 +52,7 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, const GapChange<V>& 
   NormalPart<V> sum;
   for (std::uint32_t i = 0; i < c.points; ++i) {
     const V x = c.x[i], y = c.y[i], last = c.normal_impulse[i];
-    const V s = c.separation[i] + moved.gap + x * moved.slope_1 + y * moved.slope_2;
+    const V s = c.gap[i];
     const auto apart = s > zero;
     V mass = c.normal_mass[i];
     const V close = mass * (s * inverse_h);  // apart: may close the gap, no more
@@ -124,11 +132,16 @@ TACTUS_INLINE void apply(const ContactRow<V>& c, BodyLanes<V>& a, BodyLanes<V>& 
   }
 }
 
-template <bool kFixed, class V>
+// kPoses: with the bodies' motion since the start of the step.
+template <bool kFixed, bool kPoses, class V>
 TACTUS_INLINE void gather(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, BodyLanes<V>& a,
                           BodyLanes<V>& b) noexcept {
-  a = BodyLanes<V>::read(bodies.motion.data(), row.a);
-  if constexpr (!kFixed) b = BodyLanes<V>::read(bodies.motion.data(), row.b);
+  const auto read = [&](const std::uint32_t(&slots)[kLanes<V>]) noexcept {
+    if constexpr (kPoses) return BodyLanes<V>::read(bodies.motion.data(), slots);
+    return BodyLanes<V>::read_velocities(bodies.motion.data(), slots);
+  };
+  a = read(row.a);
+  if constexpr (!kFixed) b = read(row.b);
 }
 
 template <bool kFixed, class V>
@@ -214,6 +227,7 @@ void complete(ContactRow<V>& c) noexcept {
     const V x = dot(place, c.t1), y = dot(place, c.t2);
     const auto there = c.normal_mass[i] > zero;
     c.x[i] = x, c.y[i] = y;
+    c.gap[i] = c.separation[i];
     c.normal_mass[i] = select(
         there, invert_or_zero(w[0] + y * y * w[1] + x * x * w[2] + two * (y * w[3] - x * w[4] - x * y * w[5])), zero);
     c.tangent_mass[i] =
@@ -235,7 +249,7 @@ void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) n
     rubbed.t1 += f1, rubbed.t2 += f2, rubbed.mn += x * f2 - y * f1;
   }
   BodyLanes<V> a, b;
-  gather<kFixed>(c, bodies, a, b);
+  gather<kFixed, false>(c, bodies, a, b);
   apply<kFixed>(c, a, b, pressed.n * c.n + rubbed.t1 * c.t1 + rubbed.t2 * c.t2,
                 pressed.m1 * c.t1 + pressed.m2 * c.t2 + rubbed.mn * c.n);
   scatter<kFixed>(c, bodies, a, b);
@@ -244,13 +258,13 @@ void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) n
 template <bool kBias, bool kFixed, bool kFriction, bool kTotals, class V>
 void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept {
   BodyLanes<V> a, b;
-  gather<kFixed>(c, bodies, a, b);
-  const GapChange<V> moved = gap_change<kFixed>(c, a, b);
+  gather<kFixed, !kBias>(c, bodies, a, b);
+  if constexpr (!kBias) update_gaps<kFixed>(c, a, b);
   Vec3<V> v = -(a.v + cross(a.w, c.c_a)), w = -a.w;
   if constexpr (!kFixed) v += b.v + cross(b.w, c.c_b), w += b.w;
 
   NormalPart<V> normal_motion{dot(c.n, v), dot(c.t1, w), dot(c.t2, w)};
-  const NormalPart<V> pressed = solve_normals<kBias, kTotals>(c, moved, normal_motion, rule);
+  const NormalPart<V> pressed = solve_normals<kBias, kTotals>(c, normal_motion, rule);
   Vec3<V> p = pressed.n * c.n, m = pressed.m1 * c.t1 + pressed.m2 * c.t2;
   if constexpr (kFriction) {
     const std::array<V, 9>& k = c.w_cross;

@@ -8,12 +8,12 @@
 // and a row changes its impulse by
 //   lambda' = max(0, lambda - m (mass_scale u + bias) - impulse_scale lambda),  m = 1 / (J M^-1 J^T).
 // Points are taken at their place in the plane: for the normal rows that changes nothing, friction acts at most as far
-// off as the points are from being coplanar. Separations within the step follow from the bodies' motion since its
-// start: no collision between sub-steps. Friction belongs to the relax sweep alone, so that the bias never widens
-// Coulomb's disk.
-// V is one number or a Wide: each lane has the bits that one number would have. Lanes beyond `used` have no mass and
-// are not written back. Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto,
-// soft-step (TGS-soft) solver; rows of contacts without a common body, Tonge 2012.
+// off as the points are from being coplanar. Gaps within the step follow from the bodies' motion since its start: no
+// collision between sub-steps. Bodies move before the relax sweep, so it works them out and the biased sweep of the
+// next sub-step finds them. Friction belongs to the relax sweep alone, so that the bias never widens Coulomb's disk. V
+// is one number or a Wide: each lane has the bits that one number would have. Lanes beyond `used` have no mass and are
+// not written back. Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto, soft-step
+// (TGS-soft) solver; rows of contacts without a common body, Tonge 2012.
 #pragma once
 
 #include <array>
@@ -45,6 +45,7 @@ struct alignas(64) ContactRow {
   SymBlock<V> w_normal;       // (v_n, w_1, w_2) per (f_n, m_1, m_2)
   V x[kPoints], y[kPoints];   // m, in the plane, along t1 and t2
   V separation[kPoints];      // m, at the start of the step
+  V gap[kPoints];             // m, now: as the last relax sweep found it, at first the separation
   V normal_mass[kPoints];     // kg
   V normal_impulse[kPoints];  // N s, of this sub-step
 

@@ -5,7 +5,8 @@
 namespace tactus::physics {
 
 template <class T, int kWidth>
-ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities) : colours_(capacities) {
+ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities)
+    : colours_(capacities), before_(capacities.bodies), given_(capacities.bodies) {
   // Every colour may leave one row that is not full.
   rows_.all = BoundedVector<ContactRow<V>>(
       std::min(capacities.contacts, capacities.contacts / kWidth + 2 * ContactColours::kColours));
@@ -32,7 +33,11 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies) noexcept {
-  colours_.assign(contacts, static_cast<std::uint32_t>(bodies.motion.size()));
+  const auto count = static_cast<std::uint32_t>(bodies.motion.size());
+  before_.resize(count), given_.resize(count);
+  for (Twist<T>& given : given_) given = {};
+  given_is_known_ = false;
+  colours_.assign(contacts, count);
   Starts moving, fixed;
   rows_.first_fixed = place_colours(colours_.moving(), 0, moving);
   place_colours(colours_.fixed(), rows_.first_fixed, fixed);
@@ -71,17 +76,39 @@ void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies) const noexcept {
+void ContactSolver<T, kWidth>::note_velocities(SolverBodies<T> bodies) noexcept {
+  for (std::uint32_t i = 0; i < before_.size(); ++i) before_[i] = {bodies.motion[i].v, bodies.motion[i].w};
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::add_change(SolverBodies<T> bodies) noexcept {
+  for (std::uint32_t i = 0; i < before_.size(); ++i) {
+    given_[i].linear += bodies.motion[i].v - before_[i].linear;
+    given_[i].angular += bodies.motion[i].w - before_[i].angular;
+  }
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies) noexcept {
+  if (given_is_known_) {
+    for (std::uint32_t i = 0; i < given_.size(); ++i)
+      bodies.motion[i].v += given_[i].linear, bodies.motion[i].w += given_[i].angular;
+    return;
+  }
+  note_velocities(bodies);
   for (std::uint32_t k = 0; k < rows_.first_fixed; ++k) physics::warm_start<false>(rows_.all[k], bodies);
   for (std::uint32_t k = 0; k < singles_.first_fixed; ++k) physics::warm_start<false>(singles_.all[k], bodies);
   for (std::uint32_t k = rows_.first_fixed; k < rows_.all.size(); ++k) physics::warm_start<true>(rows_.all[k], bodies);
   for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
     physics::warm_start<true>(singles_.all[k], bodies);
+  add_change(bodies);
+  given_is_known_ = true;
 }
 
 template <class T, int kWidth>
 template <bool kBias, bool kFriction, bool kTotals>
 void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
+  note_velocities(bodies);
   for (std::uint32_t k = 0; k < rows_.first_fixed; ++k)
     solve<kBias, false, kFriction, kTotals>(rows_.all[k], bodies, rule);
   for (std::uint32_t k = 0; k < singles_.first_fixed; ++k)
@@ -90,6 +117,7 @@ void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>&
     solve<kBias, true, kFriction, kTotals>(rows_.all[k], bodies, rule);
   for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
     solve<kBias, true, kFriction, kTotals>(singles_.all[k], bodies, rule);
+  add_change(bodies);
 }
 
 template <class T, int kWidth>
@@ -118,6 +146,7 @@ void ContactSolver<T, kWidth>::add_to_totals() noexcept {
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
+  for (Twist<T>& given : given_) given.linear *= factor, given.angular *= factor;
   for_each_row([factor](auto& row) {
     const auto f = std::remove_reference_t<decltype(row.friction)>(factor);
     for (std::uint32_t i = 0; i < row.points; ++i) {

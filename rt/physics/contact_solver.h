@@ -3,6 +3,8 @@
 // A row holds contacts of one colour (contact_colours.h), as many as kWidth; contacts that no colour has room for are
 // rows of one. Order in every sweep: colours between moving bodies, what they left over, colours with fixed bodies,
 // what they left over. The order does not depend on kWidth, so neither do the bits.
+// Every sub-step starts with the impulses of the one before. What they do to a body is the sum of what the sweeps have
+// done to it so far, which is kept by body: only the first warm start of a step goes through the rows.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt]. Bound: linear in points; as many contacts and
 // bodies as given at construction.
 #pragma once
@@ -20,7 +22,7 @@ class ContactSolver {
   explicit ContactSolver(const Capacities& capacities);  // [setup]
 
   void prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies) noexcept;
-  void warm_start(SolverBodies<T> bodies) const noexcept;
+  void warm_start(SolverBodies<T> bodies) noexcept;
   void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
   // `last`: also adds the impulses to the totals of the step.
   void relax(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction, bool last) noexcept;
@@ -48,12 +50,16 @@ class ContactSolver {
   template <class F>
   void for_each_row(F&& f) const noexcept;
   void store_impulses(std::span<Contact<T>> contacts, T share) const noexcept;
+  void note_velocities(SolverBodies<T> bodies) noexcept;
+  void add_change(SolverBodies<T> bodies) noexcept;
   template <bool kBias, bool kFriction, bool kTotals>
   void sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
 
   ContactColours colours_;
   Rows<V> rows_;
-  Rows<T> singles_;  // of contacts left over
+  Rows<T> singles_;                         // of contacts left over
+  BoundedVector<Twist<T>> before_, given_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
+  bool given_is_known_{false};
 };
 
 }  // namespace tactus::physics
