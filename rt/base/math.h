@@ -2,11 +2,14 @@
 //
 // Why not a linear-algebra library: these types cross threads, go to the tape and are hashed, so they must be
 // trivially copyable; and Debug and Release must give the same bits, so every operation is written out in one order.
+// T may also be a Wide: several vectors at once, lane by lane.
 // Thread: [any]. Units: the caller's. Bound: none allocates, loops without bound or throws.
 #pragma once
 
 #include <cmath>
 #include <type_traits>
+
+#include "rt/base/wide.h"
 
 namespace tactus {
 
@@ -59,19 +62,27 @@ constexpr T norm_squared(const Vec3<T>& a) noexcept {
 
 template <class T>
 T norm(const Vec3<T>& a) noexcept {
-  return std::sqrt(dot(a, a));
+  using std::sqrt;
+  return sqrt(dot(a, a));
 }
 
 template <class T>
 Vec3<T> abs(const Vec3<T>& a) noexcept {
-  return {std::abs(a.x), std::abs(a.y), std::abs(a.z)};
+  using std::abs;
+  return {abs(a.x), abs(a.y), abs(a.z)};
+}
+
+// Lane by lane.
+template <class Mask, class T>
+Vec3<T> select(Mask which, const Vec3<T>& yes, const Vec3<T>& no) noexcept {
+  return {select(which, yes.x, no.x), select(which, yes.y, no.y), select(which, yes.z, no.z)};
 }
 
 // The unit vector along `a`, or `fallback` where `a` is too short to have a direction.
 template <class T>
 Vec3<T> normalized_or(const Vec3<T>& a, const Vec3<T>& fallback) noexcept {
   const T length = norm(a);
-  return length > T(1e-30) ? a * (T(1) / length) : fallback;
+  return select(length > T(1e-30), a * (T(1) / length), fallback);
 }
 
 template <class T>
@@ -89,9 +100,8 @@ template <class T>
 Tangents<T> tangents_of(const Vec3<T>& n) noexcept {
   // Cross with the axis that n is least aligned with (lowest index on a tie).
   const Vec3<T> a = abs(n);
-  const Vec3<T> axis = a.x <= a.y && a.x <= a.z ? Vec3<T>{T(1), T(0), T(0)}
-                       : a.y <= a.z             ? Vec3<T>{T(0), T(1), T(0)}
-                                                : Vec3<T>{T(0), T(0), T(1)};
+  const Vec3<T> x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
+  const Vec3<T> axis = select(both(a.x <= a.y, a.x <= a.z), x, select(a.y <= a.z, y, z));
   const Vec3<T> t1 = normalized_or(cross(axis, n), Vec3<T>{T(0), T(1), T(0)});
   return {t1, cross(n, t1)};
 }

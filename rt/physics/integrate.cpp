@@ -1,5 +1,7 @@
 #include "rt/physics/integrate.h"
 
+#include "rt/physics/body_lanes.h"
+
 namespace tactus::physics {
 
 template <class T>
@@ -17,22 +19,77 @@ FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& ang
   return {change, rotate(change, rotate(world_from_body, w1))};
 }
 
+// The exponential map by series of cos and sin(x)/x in x = angle / 2, to x^8: for angles below kSmallAngle the first
+// term left out is below 3e-20.
+template <class V>
+TACTUS_INLINE Quat<V> small_rotation(const Vec3<V>& v, const V& angle_squared) noexcept {
+  const auto number = [](double x) noexcept { return V(static_cast<LaneOf<V>>(x)); };
+  const V one(1), x2 = number(0.25) * angle_squared;
+  const V c =
+      one - x2 * (number(1.0 / 2) - x2 * (number(1.0 / 24) - x2 * (number(1.0 / 720) - x2 * number(1.0 / 40320))));
+  const V s =
+      one - x2 * (number(1.0 / 6) - x2 * (number(1.0 / 120) - x2 * (number(1.0 / 5040) - x2 * number(1.0 / 362880))));
+  const V k = number(0.5) * s;
+  return {c, k * v.x, k * v.y, k * v.z};
+}
+template <class T>
+inline constexpr T kSmallAngleSquared = T(0.01);  // rad^2
+
 template <class T>
 FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept {
   const Vec3<T> v = h * angular_velocity;
   const T angle_squared = norm_squared(v);
-  if (angle_squared < T(0.01)) {
-    // Series of cos and sin(x)/x in x = angle / 2, to x^8: the first term left out is below 3e-20 here. The usual
-    // case, and several times faster than the general one.
-    const T x2 = T(0.25) * angle_squared;
-    const T c = T(1) - x2 * (T(1.0 / 2) - x2 * (T(1.0 / 24) - x2 * (T(1.0 / 720) - x2 * T(1.0 / 40320))));
-    const T s = T(1) - x2 * (T(1.0 / 6) - x2 * (T(1.0 / 120) - x2 * (T(1.0 / 5040) - x2 * T(1.0 / 362880))));
-    const T k = T(0.5) * s;
-    return {{c, k * v.x, k * v.y, k * v.z}, angular_velocity};
-  }
+  // The usual case, and several times faster than the general one.
+  if (angle_squared < kSmallAngleSquared<T>) return {small_rotation(v, angle_squared), angular_velocity};
   return {quat_from_rotation_vector(v), angular_velocity};
 }
 
+namespace {
+
+template <class T>
+void move_one(SolverBody<T>& state, const Body<T>& body, T h) noexcept {
+  if (state.inverse_mass == T(0)) return;
+  state.delta_position += h * state.v;
+  if (state.gyroscopic > T(0)) {
+    // The gyroscopic term is integrated together with the rotation, so that a free body keeps energy and momentum.
+    const auto turned = rotate_freely(state.delta_rotation * body.motion.pose.rotation, state.w, body.inertia, h);
+    state.delta_rotation = turned.change * state.delta_rotation;
+    state.w = turned.angular_velocity;
+  } else {
+    state.delta_rotation = rotate_steadily(state.w, h).change * state.delta_rotation;
+  }
+}
+
+// As move_one on each, bit by bit; false, and nothing is done, where one of them needs more than the usual case.
+template <class V, class T>
+bool move_together(SolverBody<T>* motion, T h) noexcept {
+  std::uint32_t slot[kLanes<V>];
+  for (int lane = 0; lane < kLanes<V>; ++lane) slot[lane] = static_cast<std::uint32_t>(lane);
+  BodyLanes<V> b = BodyLanes<V>::read_all(motion, slot);
+  const Vec3<V> v = V(h) * b.w;
+  const V angle_squared = norm_squared(v);
+  if (any(b.gyroscopic > V(0)) || any(V(kSmallAngleSquared<T>) <= angle_squared)) return false;
+  b.delta_position += V(h) * b.v;
+  b.delta_rotation = small_rotation(v, angle_squared) * b.delta_rotation;
+  b.write_all(motion, slot);
+  return true;
+}
+
+}  // namespace
+
+template <class T>
+void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<T>> bodies, T h) noexcept {
+  constexpr std::size_t kTogether = kLanes<Register<T>>;
+  std::size_t i = 0;
+  for (; i + kTogether <= motion.size(); i += kTogether) {
+    if (move_together<Register<T>>(&motion[i], h)) continue;
+    for (std::size_t k = i; k < i + kTogether; ++k) move_one(motion[k], bodies[k], h);
+  }
+  for (; i < motion.size(); ++i) move_one(motion[i], bodies[i], h);
+}
+
+template void move_bodies<double>(std::span<SolverBody<double>>, std::span<const Body<double>>, double) noexcept;
+template void move_bodies<float>(std::span<SolverBody<float>>, std::span<const Body<float>>, float) noexcept;
 template FreeRotation<double> rotate_freely(const Quat<double>&, const Vec3<double>&, const Vec3<double>&,
                                             double) noexcept;
 template FreeRotation<float> rotate_freely(const Quat<float>&, const Vec3<float>&, const Vec3<float>&, float) noexcept;

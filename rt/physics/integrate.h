@@ -4,7 +4,11 @@
 // each wins a factor h |w| (1 - I_min / I_max); meant for h |w| < 0.5.
 #pragma once
 
+#include <span>
+
 #include "rt/base/spatial.h"
+#include "rt/physics/body.h"
+#include "rt/physics/solver_body.h"
 
 namespace tactus::physics {
 
@@ -27,6 +31,11 @@ FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& ang
 // velocity stays, the rotation is the exponential map of h w.
 template <class T>
 FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept;
+
+// Positions and rotations at the end of a sub-step, several bodies at a time where they allow it. `bodies` and `motion`
+// by slot. Linear in bodies.
+template <class T>
+void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<T>> bodies, T h) noexcept;
 
 // Is there a gyroscopic term at all?
 template <class T>

@@ -11,7 +11,7 @@ Solver<T>::Solver(const Capacities& capacities)
     : motion_(capacities.bodies),
       inverse_inertia_(capacities.bodies),
       before_(capacities.bodies),
-      contacts_(capacities.contacts),
+      contacts_(capacities),
       border_(capacities.border_contacts) {}
 
 template <class T>
@@ -26,6 +26,7 @@ void Solver<T>::prepare(const SolverInput<T>& input, const StepSettings<T>& sett
     if (input.frozen[i] != 0) continue;  // infinite mass, at rest
     state.v = body.motion.velocity.linear, state.w = body.motion.velocity.angular;
     state.inverse_mass = T(1) / body.mass;
+    state.gyroscopic = settings.gyroscopic && is_anisotropic(body.inertia) ? T(1) : T(0);
     inverse_inertia_[i] = rotate_diagonal(body.motion.pose.rotation,
                                           Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
   }
@@ -85,24 +86,6 @@ void Solver<T>::sweep_relax(const StepSettings<T>& settings, const SweepRule<T>&
 }
 
 template <class T>
-void Solver<T>::move(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
-  for (std::uint32_t i = 0; i < motion_.size(); ++i) {
-    SolverBody<T>& state = motion_[i];
-    if (state.inverse_mass == T(0)) continue;
-    state.delta_position += h * state.v;
-    if (settings.gyroscopic && is_anisotropic(input.bodies[i].inertia)) {
-      // The gyroscopic term is integrated together with the rotation, so that a free body keeps energy and momentum.
-      const auto turned = rotate_freely(state.delta_rotation * input.bodies[i].motion.pose.rotation, state.w,
-                                        input.bodies[i].inertia, h);
-      state.delta_rotation = turned.change * state.delta_rotation;
-      state.w = turned.angular_velocity;
-    } else {
-      state.delta_rotation = rotate_steadily(state.w, h).change * state.delta_rotation;
-    }
-  }
-}
-
-template <class T>
 void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settings,
                       std::uint32_t uncorrected) noexcept {
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
@@ -146,7 +129,7 @@ void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& setting
       spring_.solve(state());
       warm_start_without_gain(input);
     }
-    move(input, settings, h);
+    move_bodies<T>(motion_.span(), input.bodies, h);
     bool counted = false;
     ++uncorrected;
     for (std::uint32_t k = 0; k < settings.relax_sweeps && go_on(); ++k) {

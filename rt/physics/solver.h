@@ -43,7 +43,6 @@ class Solver {
   void apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
   void warm_start_without_gain(const SolverInput<T>& input) noexcept;
   void sweep_relax(const StepSettings<T>& settings, const SweepRule<T>& rule, bool last) noexcept;
-  void move(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
   void store(const SolverInput<T>& input, const StepSettings<T>& settings, std::uint32_t uncorrected) noexcept;
   SolverBodies<T> state() noexcept { return {motion_.span(), inverse_inertia_.span()}; }
 

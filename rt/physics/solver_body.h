@@ -18,7 +18,8 @@ struct alignas(16 * sizeof(T)) SolverBody {
   Vec3<T> delta_position;  // m, since the start of the step
   Quat<T> delta_rotation;  // now_from_start, world axes
   T inverse_mass{};        // 1/kg; 0 where nothing moves it
-  T fill[2]{};
+  T gyroscopic{};          // 1 where the gyroscopic term is at work, else 0
+  T fill{};
 };
 static_assert(sizeof(SolverBody<double>) == 128 && sizeof(SolverBody<float>) == 64);
 
@@ -51,7 +52,7 @@ T inverse_effective_mass(T inverse_mass, const SymMat3<T>& inverse_inertia, cons
 
 template <class T>
 T invert_or_zero(T value) noexcept {
-  return value > T(0) ? T(1) / value : T(0);
+  return select(value > T(0), T(1) / value, T(0));
 }
 
 // One number for both tangents: the inverse of the larger eigenvalue of the 2 x 2 matrix. A step of that size, cut back
@@ -59,18 +60,18 @@ T invert_or_zero(T value) noexcept {
 // with the inverse of the matrix itself it would be neither.
 template <class T>
 T tangent_mass_of(T k11, T k22, T k12) noexcept {
+  using std::sqrt;
   const T mean = T(0.5) * (k11 + k22), half = T(0.5) * (k11 - k22);
-  return invert_or_zero(mean + std::sqrt(half * half + k12 * k12));
+  return invert_or_zero(mean + sqrt(half * half + k12 * k12));
 }
 
 // Shortens the vector (x, y) to `radius` at most.
 template <class T>
 void clamp_to_disk(T& x, T& y, T radius) noexcept {
+  using std::sqrt;
   const T length_squared = x * x + y * y;
-  if (length_squared > radius * radius) {
-    const T s = radius / std::sqrt(length_squared);
-    x *= s, y *= s;
-  }
+  const T s = select(length_squared > radius * radius, radius / sqrt(length_squared), T(1));
+  x *= s, y *= s;
 }
 
 }  // namespace tactus::physics

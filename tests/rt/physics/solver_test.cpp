@@ -91,13 +91,13 @@ TEST_CASE("Each cube of a stack of twenty sinks as deep as its load and its effe
   PhysicsBench<> bench;
   bench.add_ground(0, 0.5);
   bench.add_stack(1, 20, half, mass, 0.5);
-  bench.run_seconds(20);
+  bench.run_seconds(40);  // it sways at first, ever less: by a third every 3 s
   double below = -half;
   for (BodyId id = 1; id <= 20; ++id) {
     const double overlap = 2 * half - (bench.position(id).z - below);
     const double load = mass * kGravity * (21 - id);
     CHECK(overlap == Approx(bench.overlap_under(load, cube_face_mass(mass, half, id == 1))).epsilon(0.05));
-    CHECK(norm(bench.velocity(id).linear) < 1e-5);
+    CHECK(norm(bench.velocity(id).linear) < 1e-6);
     below = bench.position(id).z;
   }
   // The bottom carries all of it.
@@ -292,15 +292,21 @@ TEST_CASE("A cut at any sweep leaves every sub-step done, a finite state and no 
       CHECK(norm(bench.position(11) - bench.thrown(x0, v0, bench.settings.sub_steps)) < 1e-12);
       for (const Body<double>& body : bench.world.bodies())
         REQUIRE((is_finite(body.motion.pose) && is_finite(body.motion.velocity)));
-      // Overlaps may be pushed out: at the push speed at most, by every body.
+      // Overlaps are pushed out: the whole step gives that much, and a cut no more than one push speed of every body
+      // on top of it.
+      PhysicsBench<> uncut;
+      make(uncut);
+      uncut.run(steps);
+      const double whole = uncut.world.kinetic_energy() + uncut.world.potential_energy(bench.settings.gravity);
       double mass = 0;
       for (const Body<double>& body : bench.world.bodies()) mass += body.mass;
       const double pushed = 0.5 * mass * bench.settings.max_push_speed * bench.settings.max_push_speed;
       const double now = bench.world.kinetic_energy() + bench.world.potential_energy(bench.settings.gravity);
-      CHECK(now <= energy + pushed);
+      CHECK(now <= std::max(energy, whole) + pushed);
       bench.cut = {};
       bench.run(500);
-      CHECK(bench.world.kinetic_energy() + bench.world.potential_energy(bench.settings.gravity) <= energy + pushed);
+      CHECK(bench.world.kinetic_energy() + bench.world.potential_energy(bench.settings.gravity) <=
+            std::max(energy, whole) + pushed);
     }
   }
 }

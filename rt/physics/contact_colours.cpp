@@ -1,0 +1,30 @@
+#include "rt/physics/contact_colours.h"
+
+#include <bit>
+
+namespace tactus::physics {
+
+template <class T>
+void ContactColours::assign(std::span<const Contact<T>> contacts, std::uint32_t bodies) noexcept {
+  moving_ = {}, fixed_ = {};
+  used_.resize(bodies);
+  for (Used& used : used_) used = {};
+  colour_.resize(static_cast<std::uint32_t>(contacts.size()));
+  for (std::uint32_t k = 0; k < colour_.size(); ++k) {
+    const Contact<T>& contact = contacts[k];
+    std::uint64_t& a = contact.b_fixed ? used_[contact.slot_a].fixed : used_[contact.slot_a].moving;
+    std::uint64_t& b = contact.b_fixed ? a : used_[contact.slot_b].moving;
+    const int first = std::countr_one(a | b);  // 64 when all are taken: the number of left over
+    colour_[k] = static_cast<std::uint8_t>(first);
+    if (first < static_cast<int>(kColours)) {
+      const std::uint64_t bit = std::uint64_t{1} << first;
+      a |= bit, b |= bit;
+    }
+    ++(contact.b_fixed ? fixed_ : moving_).of[colour_[k]];
+  }
+}
+
+template void ContactColours::assign<double>(std::span<const Contact<double>>, std::uint32_t) noexcept;
+template void ContactColours::assign<float>(std::span<const Contact<float>>, std::uint32_t) noexcept;
+
+}  // namespace tactus::physics
