@@ -82,13 +82,16 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
         std::abs(b.d_a[i]) - b.h[i] - (b.abs_r[i][0] * b.h[3] + b.abs_r[i][1] * b.h[4] + b.abs_r[i][2] * b.h[5]);
     test.face[3 + i] =
         std::abs(b.d_b[i]) - b.h[3 + i] - (b.abs_r[0][i] * b.h[0] + b.abs_r[1][i] * b.h[1] + b.abs_r[2][i] * b.h[2]);
-    if (!(test.face[i] <= margin))
-      test.apart = 1 + i;
-    else if (!(test.face[3 + i] <= margin))
-      test.apart = kFirstFaceB + i;
   }
-  if (test.apart != 0) {
-    test.gap = *std::max_element(test.face, test.face + 6);
+  // The widest gap is the one that lasts; the lower code on a tie. A NaN anywhere is apart, too.
+  int widest = 0;
+  bool within = true;
+  for (int k = 0; k < 6; ++k) {
+    within = within && test.face[k] <= margin;
+    if (test.face[k] > test.face[widest]) widest = k;
+  }
+  if (!within) {
+    test.apart = 1 + widest, test.gap = test.face[widest];
     return test;
   }
   for (int i = 0; i < 3; ++i) {

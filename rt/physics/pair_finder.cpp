@@ -1,5 +1,7 @@
 #include "rt/physics/pair_finder.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -17,8 +19,9 @@ struct Blocks {
 
 template <class T>
 float rounded_down(T value) noexcept {
-  const float f = static_cast<float>(value);
-  if constexpr (sizeof(T) == sizeof(float)) return f;
+  if constexpr (sizeof(T) == sizeof(float)) return value;
+  constexpr T most = static_cast<T>(std::numeric_limits<float>::max());
+  const float f = static_cast<float>(std::clamp(value, -most, most));
   return f - std::abs(f) * std::numeric_limits<float>::epsilon() - std::numeric_limits<float>::min();
 }
 template <class T>

@@ -211,14 +211,19 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
 
 template <class T>
 void World<T>::add_pairs() noexcept {
-  for (const SlotPair& pair : dynamic_pairs_)
+  // A finder may find too much: it must not show.
+  const auto counts = [this](const SlotPair& pair) noexcept {
     TACTUS_CHECK(pair.a < bodies_.size() && pair.b < bodies_.size() && pair.a != pair.b, pair.a, pair.b);
-  pair_order_.sort(dynamic_pairs_, bodies_.size());
-  for (const auto& [a, b] : dynamic_pairs_) {
-    if (!bounds_[a].overlaps(bounds_[b])) continue;  // a finder may find too much: it must not show
-    if (frozen_[a] != 0 && frozen_[b] != 0) continue;
-    contacts_.add_pair(PairKey::of(bodies_[a].id, bodies_[b].id, false), a, b);
+    return bounds_[pair.a].overlaps(bounds_[pair.b]) && (frozen_[pair.a] & frozen_[pair.b]) == 0;
+  };
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < dynamic_pairs_.size(); ++i) {
+    const SlotPair pair = dynamic_pairs_[i];
+    if (counts(pair)) dynamic_pairs_[kept++] = pair;
   }
+  dynamic_pairs_.resize(kept);
+  pair_order_.sort(dynamic_pairs_, bodies_.size());
+  for (const auto& [a, b] : dynamic_pairs_) contacts_.add_pair(PairKey::of(bodies_[a].id, bodies_[b].id, false), a, b);
 }
 
 template <class T>
