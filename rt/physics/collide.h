@@ -6,6 +6,7 @@
 // where a pose is not finite: every test is written so that a NaN fails it.
 #pragma once
 
+#include "rt/physics/body_frame.h"
 #include "rt/physics/manifold.h"
 
 namespace tactus::physics {
@@ -55,21 +56,6 @@ void add_round_point(const PairView<T>& pair, Manifold<T>& manifold, const Vec3<
 template <class T>
 Vec3<T> capsule_half_axis(const Shape<T>& capsule, const Quat<T>& world_from_body) noexcept {
   return rotate(world_from_body, Vec3<T>{T(0), T(0), capsule.half_length});
-}
-
-// Columns of the rotation: the body's axes in the world.
-template <class T>
-struct Axes {
-  Vec3<T> x, y, z;
-};
-
-template <class T>
-constexpr Axes<T> axes_of(const Quat<T>& q) noexcept {
-  const T xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z, xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
-  const T wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
-  return {{T(1) - T(2) * (yy + zz), T(2) * (xy + wz), T(2) * (xz - wy)},
-          {T(2) * (xy - wz), T(1) - T(2) * (xx + zz), T(2) * (yz + wx)},
-          {T(2) * (xz + wy), T(2) * (yz - wx), T(1) - T(2) * (xx + yy)}};
 }
 
 template <class T>

@@ -3,6 +3,7 @@
 // Every axis gives a lower bound of the distance, so a gap is never reported larger than it is. A face axis is
 // preferred to an edge axis, and the axis of the last step to any other: the manifold must not flicker.
 #include <algorithm>
+#include <limits>
 
 #include "rt/physics/box_clip.h"
 #include "rt/physics/collide.h"
@@ -61,46 +62,12 @@ Vec3<T> towards_b(const BoxPair<T>& boxes, const Vec3<T>& n) noexcept {
   return dot(n, boxes.pair.b_from_a) < T(0) ? -n : n;
 }
 
-// Column i of the rotation.
-template <class T>
-Vec3<T> axis_of(const Quat<T>& q, int i) noexcept {
-  if (i == 0)
-    return {T(1) - T(2) * (q.y * q.y + q.z * q.z), T(2) * (q.x * q.y + q.w * q.z), T(2) * (q.x * q.z - q.w * q.y)};
-  if (i == 1)
-    return {T(2) * (q.x * q.y - q.w * q.z), T(1) - T(2) * (q.x * q.x + q.z * q.z), T(2) * (q.y * q.z + q.w * q.x)};
-  return {T(2) * (q.x * q.z + q.w * q.y), T(2) * (q.y * q.z - q.w * q.x), T(1) - T(2) * (q.x * q.x + q.y * q.y)};
-}
-
-template <class T>
-T reach_along(const Vec3<T>& n, const Quat<T>& world_from_body, const Vec3<T>& half_extents) noexcept {
-  return dot(abs(rotate_inverse(world_from_body, n)), half_extents);
-}
-
-// One axis, before anything else is worked out: most pairs that were apart still are.
-template <class T>
-bool still_apart(const PairView<T>& pair, int code) noexcept {
-  if (code < 1 || code > 15) return false;
-  const Quat<T>&q_a = pair.world_from_a, &q_b = pair.world_from_b;
-  const Vec3<T>&h_a = pair.a.half_extents, &h_b = pair.b.half_extents;
-  if (code < kFirstFaceB) {
-    const Vec3<T> n = axis_of(q_a, code - 1);
-    return std::abs(dot(n, pair.b_from_a)) - h_a[code - 1] - reach_along(n, q_b, h_b) > pair.margin;
-  }
-  if (code < kFirstEdge) {
-    const Vec3<T> n = axis_of(q_b, code - kFirstFaceB);
-    return std::abs(dot(n, pair.b_from_a)) - h_b[code - kFirstFaceB] - reach_along(n, q_a, h_a) > pair.margin;
-  }
-  const Vec3<T> w = cross(axis_of(q_a, (code - kFirstEdge) / 3), axis_of(q_b, (code - kFirstEdge) % 3));
-  const T length_squared = norm_squared(w);
-  if (!(length_squared > kParallelSineSquared<T>)) return false;
-  const Vec3<T> n = w * (T(1) / std::sqrt(length_squared));
-  return std::abs(dot(n, pair.b_from_a)) - reach_along(n, q_a, h_a) - reach_along(n, q_b, h_b) > pair.margin;
-}
-
-// What the 15 axes say. `apart`: the axis beyond the margin, or 0.
+// What the 15 axes say. `apart`: the axis beyond the margin, or 0; then `gap` is what it says, and `sine` that of the
+// angle between the edges that make it, 1 for a face.
 template <class T>
 struct AxisTest {
   int apart{0};
+  T gap{}, sine{1};
   T face[6];    // by code - 1
   int edge{0};  // best edge axis, or 0
   T edge_separation{};
@@ -115,12 +82,18 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
         std::abs(b.d_a[i]) - b.h[i] - (b.abs_r[i][0] * b.h[3] + b.abs_r[i][1] * b.h[4] + b.abs_r[i][2] * b.h[5]);
     test.face[3 + i] =
         std::abs(b.d_b[i]) - b.h[3 + i] - (b.abs_r[0][i] * b.h[0] + b.abs_r[1][i] * b.h[1] + b.abs_r[2][i] * b.h[2]);
-    if (!(test.face[i] <= margin))
-      test.apart = 1 + i;
-    else if (!(test.face[3 + i] <= margin))
-      test.apart = kFirstFaceB + i;
   }
-  if (test.apart != 0) return test;
+  // The widest gap is the one that lasts; the lower code on a tie. A NaN anywhere is apart, too.
+  int widest = 0;
+  bool within = true;
+  for (int k = 0; k < 6; ++k) {
+    within = within && test.face[k] <= margin;
+    if (test.face[k] > test.face[widest]) widest = k;
+  }
+  if (!within) {
+    test.apart = 1 + widest, test.gap = test.face[widest];
+    return test;
+  }
   for (int i = 0; i < 3; ++i) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
@@ -133,13 +106,26 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
           (std::abs(b.d_a[i2] * b.r[i1][j] - b.d_a[i1] * b.r[i2][j]) - reach) / std::sqrt(sine_squared);
       const int code = kFirstEdge + 3 * i + j;
       if (separation > margin) {
-        test.apart = code;
+        test.apart = code, test.gap = separation, test.sine = std::sqrt(sine_squared);
         return test;
       }
       if (test.edge == 0 || separation > test.edge_separation) test.edge = code, test.edge_separation = separation;
     }
   }
   return test;
+}
+
+// For how long the axis keeps the boxes apart. The gap along the unit vector n is |n.d| - sum h |a.n| - sum h |b.n|: it
+// changes by at most |d| + |h_a| + |h_b| per change of n, and |h| per angle of a box. A face's n turns with its box; an
+// edge axis, w / |w| with w = a x b, by at most 2 / sine of the angle. A gap of a quarter of the size is enough: until
+// it is used up |d| has grown by no more than that, and the edges turn by too little to become parallel.
+template <class T>
+void bound_gap(const BoxPair<T>& boxes, const AxisTest<T>& test, Manifold<T>& manifold) noexcept {
+  constexpr T rounding = T(64) * std::numeric_limits<T>::epsilon();
+  if (!(test.gap > T(0)) || !(test.sine > T(0.1))) return;
+  const T size = norm(boxes.pair.b_from_a) + norm(boxes.pair.a.half_extents) + norm(boxes.pair.b.half_extents);
+  manifold.gap = std::min({test.gap, T(0.25) * size, kLargestGap<T>}) - rounding * size / test.sine;
+  manifold.lever = T(1.25) * size * (test.apart < kFirstEdge ? T(1) : T(3) / test.sine);
 }
 
 // The best face, unless the last step's is about as good. Without one, of those that are about as good as the best
@@ -321,10 +307,10 @@ void add_edge_contact(const BoxPair<T>& boxes, int code, T separation, Manifold<
 template <class T>
 void collide_box_box(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache) noexcept {
   const int cached = cache.axis;
-  if (still_apart(pair, cached)) return;
   const BoxPair<T> boxes(pair);
   const AxisTest<T> test = test_axes(boxes);
   if (test.apart != 0) {
+    bound_gap(boxes, test, manifold);
     cache.axis = static_cast<std::uint8_t>(test.apart);
     return;
   }

@@ -6,22 +6,59 @@
 namespace tactus::physics {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+// Not called when the sub-step stays: the bits stay too.
+template <class T>
+void scale_impulses(ContactPoint<T>& point, T factor) noexcept {
+  point.normal_impulse *= factor;
+  point.tangent_impulse[0] *= factor, point.tangent_impulse[1] *= factor;
+}
+
+template <class T>
+T separation_of(const Contact<T>& contact) noexcept {
+  T least = contact.points[0].separation;
+  for (std::uint32_t i = 1; i < contact.count; ++i) least = std::min(least, contact.points[i].separation);
+  return least;
+}
 
 }  // namespace
+
+// The contacts of this step are written over those of the last: in the usual step the same pairs touch, and each stays
+// where it is. Where a new one comes between, those that were not read yet move to last_ first.
+template <class T>
+struct ContactTable<T>::Walk {
+  const Scene& scene;
+  const StepSettings<T>& settings;
+  T sub_step, impulse_scale;
+  const Contact<T>* old;  // contacts of the last step
+  const ContactReference<T>* old_references;
+  std::uint32_t old_count, old_next{0};  // of them, the next to be read
+  bool in_place{true};                   // old is in contacts_
+  std::uint32_t written{0};              // contacts of this step
+  std::uint32_t last_pair{0}, given{0};
+};
 
 template <class T>
 ContactTable<T>::ContactTable(const Capacities& capacities)
     : pairs_(capacities.pairs),
-      found_(capacities.pairs),
-      order_(capacities.pairs),
+      last_pairs_(capacities.pairs),
       contacts_(capacities.contacts),
       last_(capacities.contacts),
+      references_(capacities.contacts),
+      last_references_(capacities.contacts),
+      beyond_(capacities.pairs > capacities.contacts ? capacities.pairs - capacities.contacts : 0),
+      order_(std::max(capacities.pairs, capacities.contacts)),
       warm_starts_(capacities.contacts),
       warm_start_order_(capacities.contacts) {}
 
 template <class T>
+void ContactTable<T>::clear() noexcept {
+  pairs_.clear(), clear_pairs();
+  contacts_.clear(), references_.clear(), warm_starts_.clear();
+}
+
+template <class T>
 void ContactTable<T>::clear_pairs() noexcept {
+  last_pairs_.swap(pairs_);
   pairs_.clear();
   pairs_are_heap_ = false;
   pairs_dropped_ = 0;
@@ -44,10 +81,13 @@ void ContactTable<T>::add_pair(PairKey key, std::uint32_t a, std::uint32_t b) no
 }
 
 // Keys are distinct once duplicates are gone, and duplicates are equal, so the result does not depend on how they came.
+// The world gives them sorted but for odd scenes.
 template <class T>
 void ContactTable<T>::sort_pairs() noexcept {
   const auto lower_key = [](const Pair& p, const Pair& q) { return p.key < q.key; };
-  if (!std::is_sorted(pairs_.begin(), pairs_.end(), lower_key)) std::sort(pairs_.begin(), pairs_.end(), lower_key);
+  const auto not_ascending = [](const Pair& p, const Pair& q) { return !(p.key < q.key); };
+  if (std::adjacent_find(pairs_.begin(), pairs_.end(), not_ascending) == pairs_.end()) return;
+  std::sort(pairs_.begin(), pairs_.end(), lower_key);
   Pair* end = std::unique(pairs_.begin(), pairs_.end(), [](const Pair& p, const Pair& q) { return p.key == q.key; });
   pairs_.resize(static_cast<std::uint32_t>(end - pairs_.begin()));
 }
@@ -61,110 +101,161 @@ void ContactTable<T>::sort_warm_starts() noexcept {
   });
 }
 
-// Pairs, last contacts and given impulses are all sorted by key: one merge walks the three.
+// Pairs of this step and the last, contacts of the last and given impulses are all sorted by key: one merge.
 template <class T>
-void ContactTable<T>::find_manifolds(const Scene& scene, const StepSettings<T>& settings) noexcept {
-  found_.clear();
-  std::uint32_t last = 0, given = 0;
-  for (const Pair& pair : pairs_) {
-    while (last < last_.size() && last_[last].key < pair.key) ++last;
-    while (given < warm_start_order_.size() && warm_starts_[warm_start_order_[given]].key < pair.key) ++given;
-    const bool known = last < last_.size() && last_[last].key == pair.key;
-    const bool told = given < warm_start_order_.size() && warm_starts_[warm_start_order_[given]].key == pair.key;
+void ContactTable<T>::visit(Walk& walk, Pair& pair) noexcept {
+  const bool with_fixed = pair.key.with_fixed();
+  const Reach<T>& a = walk.scene.reach[pair.a];
+  // Two bodies fall side by side, or one of them is held: gravity counts once.
+  const Reach<T> b = with_fixed ? Reach<T>{} : walk.scene.reach[pair.b];
+  const T closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
+  const T margin = std::max(walk.settings.min_margin, closing);
 
-    const bool with_fixed = pair.key.with_fixed();
-    const Body<T>& a = scene.bodies[pair.a];
-    const Body<T>& b = with_fixed ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-    // Two bodies fall side by side, or one of them is held: gravity counts once.
-    const Reach<T> other = with_fixed ? Reach<T>{} : scene.reach[pair.b];
-    const T reach = scene.reach[pair.a].moved + other.moved + std::max(scene.reach[pair.a].fallen, other.fallen);
-    const T margin = std::min(std::max(settings.min_margin, reach), settings.max_margin);
-
-    found_.resize(found_.size() + 1);  // as many as pairs at most
-    Found& found = found_[found_.size() - 1];
-    found.axis_cache = known  ? last_[last].axis_cache
-                       : told ? warm_starts_[warm_start_order_[given]].axis_cache
-                              : AxisCache{};
-    found.manifold = collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, found.axis_cache);
-    if (found.manifold.count == 0) {
-      found_.resize(found_.size() - 1);
-      continue;
-    }
-    found.pair = pair;
-    found.last = known ? last : kNone;
-    found.given = told ? warm_start_order_[given] : kNone;
-    found.separation = found.manifold.points[0].separation;
-    for (std::uint32_t i = 1; i < found.manifold.count; ++i)
-      found.separation = std::min(found.separation, found.manifold.points[i].separation);
+  while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
+  if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
+    const Pair& last = last_pairs_[walk.last_pair];
+    pair.gap = last.gap - (a.since(last.lever) + b.since(last.lever)), pair.lever = last.lever;
+    if (pair.gap > margin) return;
   }
+  pair.gap = pair.lever = T(0);
+
+  while (walk.old_next < walk.old_count && walk.old[walk.old_next].key < pair.key) ++walk.old_next;
+  const bool known = walk.old_next < walk.old_count && walk.old[walk.old_next].key == pair.key;
+  const WarmStart<T>* given = nullptr;
+  if (!warm_starts_.empty()) {
+    const auto of = [&](std::uint32_t i) -> const WarmStart<T>& { return warm_starts_[warm_start_order_[i]]; };
+    while (walk.given < warm_starts_.size() && of(walk.given).key < pair.key) ++walk.given;
+    if (walk.given < warm_starts_.size() && of(walk.given).key == pair.key) given = &of(walk.given);
+  }
+  if (!known || walk.settings.recycle_tolerance_m <= T(0)) return find_anew(walk, pair, margin, known, given);
+
+  const ContactReference<T>& reference = walk.old_references[walk.old_next];
+  const T moved = reference.moved + (a.since(reference.lever) + b.since(reference.lever));
+  if (!may_carry_over(reference, moved, closing)) return find_anew(walk, pair, margin, known, given);
+  keep(walk, pair, moved);
 }
 
-// Leaves in order_ the indices of the manifolds that become contacts, ascending.
+// The contact that is next stays, with its points as the bodies are now.
 template <class T>
-void ContactTable<T>::keep_deepest(StepReport<T>& report) noexcept {
-  order_.resize(found_.size());
-  for (std::uint32_t i = 0; i < found_.size(); ++i) order_[i] = i;
-  if (found_.size() <= contacts_.capacity()) return;
-  report.capacity_bits |= kContactsFull;
-  report.dropped += found_.size() - contacts_.capacity();
-  // found_ is in the order of keys, so the index decides ties as the key would.
-  std::nth_element(
-      order_.begin(), order_.begin() + contacts_.capacity(), order_.end(), [this](std::uint32_t i, std::uint32_t j) {
-        return found_[i].separation != found_[j].separation ? found_[i].separation < found_[j].separation : i < j;
-      });
-  order_.resize(contacts_.capacity());
-  std::sort(order_.begin(), order_.end());
+void ContactTable<T>::keep(Walk& walk, const Pair& pair, T moved) noexcept {
+  const Contact<T>* last = &walk.old[walk.old_next];
+  const ContactReference<T>* last_reference = &walk.old_references[walk.old_next++];
+  Contact<T>* contact = place(walk);  // there is room: it was there before
+  ContactReference<T>& reference = references_[walk.written - 1];
+  if (contact != last) *contact = *last, reference = *last_reference;
+  reference.moved = moved;
+  contact->slot_a = pair.a, contact->slot_b = pair.b;
+  const auto& frame_b = contact->b_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
+  carry_over(reference, walk.scene.frames[pair.a], frame_b, *contact);
+  if (walk.impulse_scale != T(1))
+    for (std::uint32_t i = 0; i < contact->count; ++i) scale_impulses(contact->points[i], walk.impulse_scale);
+}
+
+// Where the next contact of this step goes.
+template <class T>
+Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
+  if (walk.in_place && walk.written == walk.old_next && walk.old_next < walk.old_count) {
+    std::copy(walk.old + walk.old_next, walk.old + walk.old_count, last_.begin() + walk.old_next);
+    std::copy(walk.old_references + walk.old_next, walk.old_references + walk.old_count,
+              last_references_.begin() + walk.old_next);
+    walk.old = last_.begin(), walk.old_references = last_references_.begin();
+    walk.in_place = false;
+  }
+  if (walk.written < contacts_.capacity()) return &contacts_[walk.written++];
+  beyond_.resize(beyond_.size() + 1);  // there are no more contacts than pairs
+  return &beyond_[beyond_.size() - 1];
 }
 
 template <class T>
-Contact<T> ContactTable<T>::make_contact(const Found& found, const Scene& scene, T sub_step,
-                                         T impulse_scale) const noexcept {
-  const bool with_fixed = found.pair.key.with_fixed();
-  const Body<T>& b = with_fixed ? scene.fixed_bodies[found.pair.b] : scene.bodies[found.pair.b];
-  Contact<T> contact;
-  contact.key = found.pair.key;
-  contact.slot_a = found.pair.a, contact.slot_b = found.pair.b;
+void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, const WarmStart<T>* given) noexcept {
+  const bool with_fixed = pair.key.with_fixed();
+  const Body<T>& a = walk.scene.bodies[pair.a];
+  const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
+  AxisCache axis_cache = known ? walk.old[walk.old_next].axis_cache : given ? given->axis_cache : AxisCache{};
+  const Manifold<T> manifold = collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache);
+  if (manifold.count == 0) {
+    pair.gap = manifold.gap, pair.lever = manifold.lever;
+    return;
+  }
+  Contact<T> last;
+  if (known) last = walk.old[walk.old_next++];
+  Contact<T>& contact = *place(walk);
+  contact.key = pair.key;
+  contact.slot_a = pair.a, contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
-  contact.axis_cache = found.axis_cache;
-  contact.friction = std::sqrt(scene.bodies[found.pair.a].friction * b.friction);
-  contact.normal = found.manifold.normal;
-  contact.count = found.manifold.count;
-  const Tangents<T> now = tangents_of(contact.normal);
-  for (std::uint32_t i = 0; i < contact.count; ++i) {
-    const ManifoldPoint<T>& made = found.manifold.points[i];
+  contact.axis_cache = axis_cache;
+  contact.friction = std::sqrt(a.friction * b.friction);
+  contact.normal = manifold.normal;
+  contact.count = manifold.count;
+  for (std::uint32_t i = 0; i < manifold.count; ++i) {
+    const ManifoldPoint<T>& made = manifold.points[i];
     ContactPoint<T>& point = contact.points[i];
     point = {};
     point.from_a = made.from_a, point.from_b = made.from_b;
     point.separation = made.separation;
     point.feature = made.feature;
-    // The normal has turned since: the old friction vector is projected on the new tangents.
-    const auto start_with = [&](T normal_impulse, const Vec3<T>& friction) {
-      point.normal_impulse = normal_impulse;
-      point.tangent_impulse[0] = dot(friction, now.t1), point.tangent_impulse[1] = dot(friction, now.t2);
-    };
-    if (found.last != kNone) {
-      const Contact<T>& last = last_[found.last];
-      const auto [s1, s2] = tangents_of(last.normal);
-      for (std::uint32_t j = 0; j < last.count; ++j) {
-        if (last.points[j].feature != point.feature) continue;
-        start_with(last.points[j].normal_impulse,
-                   last.points[j].tangent_impulse[0] * s1 + last.points[j].tangent_impulse[1] * s2);
-        break;
-      }
-      if (impulse_scale != T(1)) {  // no multiplication when the sub-step stays: the bits stay too
-        point.normal_impulse *= impulse_scale;
-        point.tangent_impulse[0] *= impulse_scale, point.tangent_impulse[1] *= impulse_scale;
-      }
-    } else if (found.given != kNone) {
-      const WarmStart<T>& given = warm_starts_[found.given];
-      for (std::uint32_t j = 0; j < given.count; ++j) {
-        if (given.features[j] != point.feature) continue;
-        start_with(given.normal_force[j] * sub_step, given.friction_force[j] * sub_step);
-        break;
-      }
-    }
   }
-  return contact;
+  start_impulses(walk, known ? &last : nullptr, given, contact);
+  if (walk.written == 0 || &contact != &contacts_[walk.written - 1]) return;  // beyond the capacity
+  ContactReference<T>& reference = references_[walk.written - 1];
+  reference.tolerance = T(0);
+  if (!(walk.settings.recycle_tolerance_m > T(0)) || !is_carried_over(a.shape, b.shape)) return;
+  const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
+  keep_reference(contact, walk.scene.frames[pair.a], frame_b, margin,
+                 tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
+                 std::max(bounding_radius(a.shape), bounding_radius(b.shape)), reference);
+}
+
+// The impulses of the same features: of the last step, or else those given.
+template <class T>
+void ContactTable<T>::start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
+                                     Contact<T>& contact) const noexcept {
+  if (last == nullptr && given == nullptr) return;
+  const Tangents<T> now = tangents_of(contact.normal);
+  const Tangents<T> then = last != nullptr ? tangents_of(last->normal) : Tangents<T>{};
+  const std::uint32_t count = last != nullptr ? last->count : given->count;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    ContactPoint<T>& point = contact.points[i];
+    for (std::uint32_t j = 0; j < count; ++j) {
+      if ((last != nullptr ? last->points[j].feature : given->features[j]) != point.feature) continue;
+      // The normal has turned since: the old friction vector is projected on the new tangents.
+      Vec3<T> friction;
+      if (last != nullptr) {
+        const ContactPoint<T>& before = last->points[j];
+        point.normal_impulse = before.normal_impulse;
+        friction = before.tangent_impulse[0] * then.t1 + before.tangent_impulse[1] * then.t2;
+      } else {
+        point.normal_impulse = given->normal_force[j] * walk.sub_step;
+        friction = given->friction_force[j] * walk.sub_step;
+      }
+      point.tangent_impulse[0] = dot(friction, now.t1), point.tangent_impulse[1] = dot(friction, now.t2);
+      break;
+    }
+    if (last != nullptr && walk.impulse_scale != T(1)) scale_impulses(point, walk.impulse_scale);
+  }
+}
+
+// There are more contacts than room: the deepest of contacts_ and beyond_ stay, in the order of keys.
+template <class T>
+void ContactTable<T>::keep_deepest(StepReport<T>& report) noexcept {
+  const std::uint32_t room = contacts_.capacity();
+  report.capacity_bits |= kContactsFull;
+  report.dropped += beyond_.size();
+  const auto at = [&](std::uint32_t i) -> const Contact<T>& { return i < room ? contacts_[i] : beyond_[i - room]; };
+  order_.resize(room + beyond_.size());
+  for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
+  // The index decides ties as the key would.
+  std::nth_element(order_.begin(), order_.begin() + room, order_.end(), [&](std::uint32_t i, std::uint32_t j) {
+    const T s = separation_of(at(i)), t = separation_of(at(j));
+    return s != t ? s < t : i < j;
+  });
+  order_.resize(room);
+  std::sort(order_.begin(), order_.end());
+  for (std::uint32_t i = 0; i < room; ++i) {  // order_[i] >= i: nothing is overwritten before it was read
+    if (order_[i] == i) continue;
+    contacts_[i] = at(order_[i]);
+    references_[i] = order_[i] < room ? references_[order_[i]] : ContactReference<T>{};
+  }
 }
 
 template <class T>
@@ -176,17 +267,16 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
   report.dropped += pairs_dropped_;
   report.pairs = pairs_.size();
 
-  last_.swap(contacts_);
-  contacts_.clear();
-  find_manifolds(scene, settings);
-  keep_deepest(report);
+  Walk walk{scene, settings, sub_step, impulse_scale, contacts_.begin(), references_.begin(), contacts_.size()};
+  beyond_.clear();
+  for (Pair& pair : pairs_) visit(walk, pair);
+  contacts_.resize(walk.written), references_.resize(walk.written);
+  if (!beyond_.empty()) keep_deepest(report);
+
   T smallest = T(0);
-  contacts_.resize(order_.size());
-  for (std::uint32_t i = 0; i < order_.size(); ++i) {
-    const Found& found = found_[order_[i]];
-    contacts_[i] = make_contact(found, scene, sub_step, impulse_scale);
-    report.points += found.manifold.count;
-    smallest = std::min(smallest, found.separation);
+  for (const Contact<T>& contact : contacts_) {
+    report.points += contact.count;
+    for (std::uint32_t i = 0; i < contact.count; ++i) smallest = std::min(smallest, contact.points[i].separation);
   }
   report.contacts = contacts_.size();
   report.deepest_m = -smallest;
@@ -195,6 +285,7 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
 
 template <class T>
 void ContactTable<T>::slot_inserted(std::uint32_t slot, bool fixed) noexcept {
+  if (fixed) pairs_.clear();  // what is known of a gap holds for bodies that were there: one of that id may have gone
   for (Contact<T>& contact : contacts_) {
     if (!fixed && contact.slot_a >= slot) ++contact.slot_a;
     if (contact.b_fixed == fixed && contact.slot_b >= slot) ++contact.slot_b;
@@ -210,10 +301,10 @@ void ContactTable<T>::slot_removed(std::uint32_t slot, bool fixed) noexcept {
     if ((!fixed && contact.slot_a == slot) || (b_in_question && contact.slot_b == slot)) continue;
     if (!fixed && contact.slot_a > slot) --contact.slot_a;
     if (b_in_question && contact.slot_b > slot) --contact.slot_b;
-    if (kept != i) contacts_[kept] = contact;
+    if (kept != i) contacts_[kept] = contact, references_[kept] = references_[i];
     ++kept;
   }
-  contacts_.resize(kept);
+  contacts_.resize(kept), references_.resize(kept);
 }
 
 template class ContactTable<double>;

@@ -1,8 +1,11 @@
 // The contacts of a world from step to step: pairs in, manifolds out, impulses carried over.
 //
 // Per step: add_pair for every pair that may touch (any order), then build: sort by key, narrow phase, and the impulses
-// of the same pair and feature in the last step. Pairs without points leave no trace, so more pairs than needed give
-// the same bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI.
+// of the same pair and feature in the last step. Two things save most of the work where little moves. A pair of boxes
+// that was apart is not looked at again until its bodies have moved by the gap: a proof, so it never shows in a result
+// and is no part of the state. A contact of two boxes that have hardly moved is carried over (contact_reference.h):
+// that is state. Pairs without points leave no trace, so more pairs than needed give the same bits.
+// Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI.
 // Bound: `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties
 // by lower key); what did not fit is counted.
 #pragma once
@@ -13,16 +16,12 @@
 #include "rt/physics/body.h"
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
+#include "rt/physics/contact_reference.h"
+#include "rt/physics/reach.h"
 #include "rt/physics/step.h"
 #include "rt/physics/warm_start.h"
 
 namespace tactus::physics {
-
-// How far a body's surface may move in one step: by its velocity, and by gravity.
-template <class T>
-struct Reach {
-  T moved{}, fallen{};  // m
-};
 
 template <class T>
 class ContactTable {
@@ -31,16 +30,18 @@ class ContactTable {
 
   std::span<const Contact<T>> contacts() const noexcept { return contacts_.span(); }
   std::span<Contact<T>> contacts() noexcept { return contacts_.span(); }
+  std::span<const ContactReference<T>> references() const noexcept { return references_.span(); }  // by contact
 
   // --- pairs of this step
   void clear_pairs() noexcept;
   // `b` is a slot of the fixed bodies when `with_fixed`. The body with the lower id comes first, a fixed one second.
   void add_pair(PairKey key, std::uint32_t a, std::uint32_t b) noexcept;
 
-  // What narrow phase needs to know about the bodies.
+  // What narrow phase needs to know about the bodies, all by slot.
   struct Scene {
-    std::span<const Body<T>> bodies, fixed_bodies;  // by slot
-    std::span<const Reach<T>> reach;                // by slot
+    std::span<const Body<T>> bodies, fixed_bodies;
+    std::span<const BodyFrame<T>> frames, fixed_frames;
+    std::span<const Reach<T>> reach;
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
   // Fills pairs, contacts, points, deepest, dropped and the bits of the report.
@@ -55,38 +56,40 @@ class ContactTable {
   void slot_inserted(std::uint32_t slot, bool fixed) noexcept;
   void slot_removed(std::uint32_t slot, bool fixed) noexcept;
 
-  // For restoring: empties the table and hands out its storage.
+  // For restoring: empties the table and hands out its storage. As many references as contacts.
+  void clear() noexcept;
   BoundedVector<Contact<T>>& stored_contacts() noexcept { return contacts_; }
+  BoundedVector<ContactReference<T>>& stored_references() noexcept { return references_; }
   BoundedVector<WarmStart<T>>& stored_warm_starts() noexcept { return warm_starts_; }
 
  private:
   struct Pair {
     PairKey key;
     std::uint32_t a{0}, b{0};
+    T gap{}, lever{};  // as of a manifold without points, less what the bodies moved since; 0: not known
   };
-  // A manifold before it is a contact. `last` and `given` say where its impulses come from, or kNone.
-  struct Found {
-    Pair pair;
-    Manifold<T> manifold;
-    AxisCache axis_cache;
-    T separation{};  // the smallest of its points
-    std::uint32_t last{0}, given{0};
-  };
+  // What a build goes by and where it is in the lists that it merges, all sorted by key.
+  struct Walk;
 
   void sort_pairs() noexcept;
   void sort_warm_starts() noexcept;
-  void find_manifolds(const Scene& scene, const StepSettings<T>& settings) noexcept;
+  void visit(Walk& walk, Pair& pair) noexcept;
+  void keep(Walk& walk, const Pair& pair, T moved) noexcept;
+  void find_anew(Walk& walk, Pair& pair, T margin, bool known, const WarmStart<T>* given) noexcept;
+  Contact<T>* place(Walk& walk) noexcept;
+  void start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
+                      Contact<T>& contact) const noexcept;
   void keep_deepest(StepReport<T>& report) noexcept;
-  Contact<T> make_contact(const Found& found, const Scene& scene, T sub_step, T impulse_scale) const noexcept;
 
-  BoundedVector<Pair> pairs_;
+  BoundedVector<Pair> pairs_, last_pairs_;
   bool pairs_are_heap_{false};
   std::uint32_t pairs_dropped_{0};
-  BoundedVector<Found> found_;
-  BoundedVector<std::uint32_t> order_;             // of found_, by depth; of warm_starts_, by key
-  BoundedVector<Contact<T>> contacts_, last_;      // by key
-  BoundedVector<WarmStart<T>> warm_starts_;        // as they came
-  BoundedVector<std::uint32_t> warm_start_order_;  // by key, then as they came
+  BoundedVector<Contact<T>> contacts_, last_;                        // by key
+  BoundedVector<ContactReference<T>> references_, last_references_;  // of contacts_, of last_
+  BoundedVector<Contact<T>> beyond_;                                 // contacts beyond the capacity, by key
+  BoundedVector<std::uint32_t> order_;                               // of both, by depth
+  BoundedVector<WarmStart<T>> warm_starts_;                          // as they came
+  BoundedVector<std::uint32_t> warm_start_order_;                    // by key, then as they came
 };
 
 }  // namespace tactus::physics

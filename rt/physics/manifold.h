@@ -22,10 +22,18 @@ struct ManifoldPoint {
   std::uint32_t feature{0};  // which features made it: the same pair of features has the same id from step to step
 };
 
+// Gaps are not known to be larger than this [m], however large they are.
+template <class T>
+inline constexpr T kLargestGap = T(2e-2);
+
 template <class T>
 struct Manifold {
   Vec3<T> normal;  // unit, from A to B
   std::uint32_t count{0};
+  // Between boxes that are apart: the gap along one of the axes, rounding included. As long as the centres move
+  // against each other by d [m] and the bodies turn by t [rad] in all, that axis' gap stays above gap - d - lever t,
+  // and as long as this is more than the margin there is no point. 0 where nothing is known.
+  T gap{}, lever{};  // m
   std::array<ManifoldPoint<T>, kMaxManifoldPoints> points;
 };
 

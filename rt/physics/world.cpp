@@ -17,15 +17,6 @@ bool holds(const BoundedVector<Body<T>>& bodies, std::uint32_t slot, BodyId id) 
   return slot < bodies.size() && bodies[slot].id == id;
 }
 
-// May the box reach below the plane (the half space z <= 0 of its frame)?
-template <class T>
-bool reaches_plane(const Aabb<T>& box, const Pose<T>& world_from_plane) noexcept {
-  const Vec3<T> n = rotate(world_from_plane.rotation, Vec3<T>{T(0), T(0), T(1)});
-  const Vec3<T> lowest{n.x > T(0) ? box.lower.x : box.upper.x, n.y > T(0) ? box.lower.y : box.upper.y,
-                       n.z > T(0) ? box.lower.z : box.upper.z};
-  return dot(n, lowest - world_from_plane.position) <= T(0);
-}
-
 }  // namespace
 
 template <class T>
@@ -37,7 +28,11 @@ World<T>::World(const Capacities& capacities)
       wrenches_(capacities.bodies),
       bounds_(capacities.bodies),
       fixed_bounds_(capacities.fixed_bodies),
+      frames_(capacities.bodies),
+      fixed_frames_(capacities.fixed_bodies),
       reach_(capacities.bodies),
+      last_poses_(capacities.bodies),
+      pair_order_(capacities.bodies, capacities.pairs + 1),
       dynamic_pairs_(capacities.pairs + 1),
       contacts_(capacities),
       solver_(capacities),
@@ -64,12 +59,14 @@ bool World<T>::insert(const Body<T>& body) noexcept {
   if (fixed) {
     if (!fixed_bodies_.try_insert(fixed_slot, body)) return refuse(kFixedBodiesFull);
     static_cast<void>(fixed_bounds_.try_insert(fixed_slot, bounds_of(body.shape, body.motion.pose, T(0))));
+    static_cast<void>(fixed_frames_.try_insert(fixed_slot, BodyFrame<T>::of(body.motion.pose)));
     contacts_.slot_inserted(fixed_slot, true);
     return true;
   }
   if (!bodies_.try_insert(slot, body)) return refuse(kBodiesFull);
   static_cast<void>(frozen_.try_insert(slot, 0));
   static_cast<void>(wrenches_.try_insert(slot, {}));
+  static_cast<void>(last_poses_.try_insert(slot, unknown_pose<T>()));
   contacts_.slot_inserted(slot, false);
   if (spring_.enabled && spring_.slot >= slot) ++spring_.slot;
   return true;
@@ -79,14 +76,14 @@ template <class T>
 bool World<T>::remove(BodyId id) noexcept {
   const std::uint32_t slot = lower_slot(bodies_, id), fixed_slot = lower_slot(fixed_bodies_, id);
   if (holds(bodies_, slot, id)) {
-    bodies_.erase(slot), frozen_.erase(slot), wrenches_.erase(slot);
+    bodies_.erase(slot), frozen_.erase(slot), wrenches_.erase(slot), last_poses_.erase(slot);
     contacts_.slot_removed(slot, false);
     if (spring_.enabled && spring_.slot == slot) spring_.enabled = false;
     if (spring_.enabled && spring_.slot > slot) --spring_.slot;
     return true;
   }
   if (!holds(fixed_bodies_, fixed_slot, id)) return false;
-  fixed_bodies_.erase(fixed_slot), fixed_bounds_.erase(fixed_slot);
+  fixed_bodies_.erase(fixed_slot), fixed_bounds_.erase(fixed_slot), fixed_frames_.erase(fixed_slot);
   contacts_.slot_removed(fixed_slot, true);
   return true;
 }
@@ -194,7 +191,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
   dynamic_pairs_.clear();
   contacts_.clear_pairs();
   const auto count = bodies_.size();
-  bounds_.resize(count), reach_.resize(count);
+  bounds_.resize(count), reach_.resize(count), frames_.resize(count);
   // Semi-implicit: s sub-steps fall (1 + 1 / s) times the parabola.
   const T fall =
       T(0.5) * (T(1) + T(1) / static_cast<T>(settings.sub_steps)) * norm(settings.gravity) * settings.dt * settings.dt;
@@ -204,6 +201,8 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     T speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
     if (spring_.enabled && spring_.slot == i) speed = std::max(speed, norm(spring_.target_velocity.linear));
     reach_[i] = frozen_[i] != 0 ? Reach<T>{} : Reach<T>{speed * settings.dt, std::abs(body.gravity_scale) * fall};
+    measure_motion(last_poses_[i], body.motion.pose, kLargestGap<T>, reach_[i]);
+    frames_[i] = BodyFrame<T>::of(body.motion.pose);
     // The bounds of two bodies grow by at least the margin of their pair.
     const T margin = std::min(std::max(settings.min_margin, reach_[i].moved + reach_[i].fallen), settings.max_margin);
     bounds_[i] = bounds_of(body.shape, body.motion.pose, margin);
@@ -212,13 +211,19 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
 
 template <class T>
 void World<T>::add_pairs() noexcept {
-  for (const SlotPair& pair : dynamic_pairs_) {
+  // A finder may find too much: it must not show.
+  const auto counts = [this](const SlotPair& pair) noexcept {
     TACTUS_CHECK(pair.a < bodies_.size() && pair.b < bodies_.size() && pair.a != pair.b, pair.a, pair.b);
-    const std::uint32_t a = std::min(pair.a, pair.b), b = std::max(pair.a, pair.b);
-    if (!bounds_[a].overlaps(bounds_[b])) continue;  // a finder may find too much: it must not show
-    if (frozen_[a] != 0 && frozen_[b] != 0) continue;
-    contacts_.add_pair(PairKey::of(bodies_[a].id, bodies_[b].id, false), a, b);
+    return bounds_[pair.a].overlaps(bounds_[pair.b]) && (frozen_[pair.a] & frozen_[pair.b]) == 0;
+  };
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < dynamic_pairs_.size(); ++i) {
+    const SlotPair pair = dynamic_pairs_[i];
+    if (counts(pair)) dynamic_pairs_[kept++] = pair;
   }
+  dynamic_pairs_.resize(kept);
+  pair_order_.sort(dynamic_pairs_, bodies_.size());
+  for (const auto& [a, b] : dynamic_pairs_) contacts_.add_pair(PairKey::of(bodies_[a].id, bodies_[b].id, false), a, b);
 }
 
 template <class T>
@@ -226,10 +231,17 @@ void World<T>::add_fixed_pairs() noexcept {
   for (std::uint32_t f = 0; f < fixed_bodies_.size(); ++f) {
     const Body<T>& fixed = fixed_bodies_[f];
     const bool plane = fixed.shape.kind == ShapeKind::kPlane;
+    const Aabb<T> bounds = fixed_bounds_[f];
+    const Vec3<T> normal = fixed_frames_[f].axes.z, origin = fixed_frames_[f].position;
+    // May the box reach below the plane (the half space z <= 0 of its frame)?
+    const auto reaches_plane = [&](const Aabb<T>& box) noexcept {
+      const Vec3<T> lowest{normal.x > T(0) ? box.lower.x : box.upper.x, normal.y > T(0) ? box.lower.y : box.upper.y,
+                           normal.z > T(0) ? box.lower.z : box.upper.z};
+      return dot(normal, lowest - origin) <= T(0);
+    };
     for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-      if (frozen_[i] != 0) continue;
-      const bool near = plane ? reaches_plane(bounds_[i], fixed.motion.pose) : bounds_[i].overlaps(fixed_bounds_[f]);
-      if (near) contacts_.add_pair(PairKey::of(bodies_[i].id, fixed.id, true), i, f);
+      if (!(plane ? reaches_plane(bounds_[i]) : bounds_[i].overlaps(bounds)) || frozen_[i] != 0) continue;
+      contacts_.add_pair(PairKey::of(bodies_[i].id, fixed.id, true), i, f);
     }
   }
 }
@@ -247,7 +259,9 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
 
   add_pairs();
   add_fixed_pairs();
-  contacts_.build({bodies_.span(), fixed_bodies_.span(), reach_.span()}, settings, h, impulse_scale, report);
+  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span()}, settings,
+                  h, impulse_scale, report);
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
   solver_.step({bodies_.span(), frozen_.span(), wrenches, contacts_.contacts(), spring_, border_contacts_.span(),

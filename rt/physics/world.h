@@ -15,6 +15,7 @@
 #include "rt/physics/contact.h"
 #include "rt/physics/contact_table.h"
 #include "rt/physics/pair_finder.h"
+#include "rt/physics/pair_order.h"
 #include "rt/physics/pose_spring.h"
 #include "rt/physics/solver.h"
 #include "rt/physics/step.h"
@@ -39,7 +40,7 @@ class World {
   std::span<const Body<T>> bodies() const noexcept;
   std::span<const Body<T>> fixed_bodies() const noexcept;  // by id
 
-  // --- one step, in three calls. `settings` must be the same in all three.
+  // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them.
   void begin_step(const StepSettings<T>& settings) noexcept;  // bounds of all bodies, grown by what they move in dt
   std::span<const Aabb<T>> bounds() const noexcept;           // by slot, dynamic bodies
   std::span<const Aabb<T>> fixed_bounds() const noexcept;     // by fixed slot
@@ -96,7 +97,10 @@ class World {
   BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step
   bool wrench_applied_{false};
   BoundedVector<Aabb<T>> bounds_, fixed_bounds_;
-  BoundedVector<Reach<T>> reach_;          // by slot
+  BoundedVector<BodyFrame<T>> frames_, fixed_frames_;
+  BoundedVector<Reach<T>> reach_;      // by slot
+  BoundedVector<Pose<T>> last_poses_;  // by slot: at the start of the last step; unknown_pose() of newcomers
+  PairOrder pair_order_;
   BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows
   ContactTable<T> contacts_;
   Solver<T> solver_;

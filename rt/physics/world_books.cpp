@@ -49,6 +49,17 @@ void each_field(Io& io, Contact<T>& c) noexcept {
 }
 
 template <class Io, class T>
+void each_field(Io& io, ContactReference<T>& r) noexcept {
+  io(r.tolerance);
+  if (!(r.tolerance > T(0))) return;
+  io(r.moved), io(r.margin), io(r.lever);
+  for (std::uint32_t i = 0; i < r.kPoints; ++i) {
+    for (int k = 0; k < 3; ++k) io(r.on_a[k][i]), io(r.on_b[k][i]);
+    io(r.separation[i]);
+  }
+}
+
+template <class Io, class T>
 void each_field(Io& io, WarmStart<T>& w) noexcept {
   io(w.key.value), io(w.axis_cache.axis), io(w.count);
   for (std::uint32_t i = 0; i < w.count && i < kMaxManifoldPoints; ++i)
@@ -177,7 +188,9 @@ void World<T>::save(ByteWriter& out) const noexcept {
   io(wrench_applied_);
   if (wrench_applied_)
     for (Wrench<T> wrench : wrenches_) each_field(io, wrench);
+  for (Pose<T> pose : last_poses_) each_field(io, pose);
   write_all(out, contacts_.contacts());
+  write_all(out, contacts_.references());
   write_all(out, contacts_.warm_starts());
   PoseSpring<T> spring = spring_;
   each_field(io, spring);
@@ -188,16 +201,18 @@ void World<T>::save(ByteWriter& out) const noexcept {
 template <class T>
 std::size_t World<T>::save_size_bound() const noexcept {
   const Capacities& c = capacities_;
-  return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
-         c.contacts * (sizeof(Contact<T>) + sizeof(WarmStart<T>)) + c.border_contacts * sizeof(BorderContact<T>) +
-         sizeof(PoseSpring<T>) + 64;  // 64: counts and the last line of save
+  return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + sizeof(Pose<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
+         c.contacts * (sizeof(Contact<T>) + sizeof(ContactReference<T>) + sizeof(WarmStart<T>)) +
+         c.border_contacts * sizeof(BorderContact<T>) + sizeof(PoseSpring<T>) +
+         64;  // 64: counts and the last line of save
 }
 
 template <class T>
 void World<T>::clear() noexcept {
   bodies_.clear(), fixed_bodies_.clear(), frozen_.clear(), wrenches_.clear();
-  bounds_.clear(), fixed_bounds_.clear(), reach_.clear(), dynamic_pairs_.clear();
-  contacts_.stored_contacts().clear(), contacts_.stored_warm_starts().clear(), contacts_.clear_pairs();
+  bounds_.clear(), fixed_bounds_.clear(), frames_.clear(), fixed_frames_.clear();
+  reach_.clear(), last_poses_.clear(), dynamic_pairs_.clear();
+  contacts_.clear();
   border_contacts_.clear();
   spring_ = {};
   border_mode = BorderMode::kCapped;
@@ -222,6 +237,7 @@ bool World<T>::is_consistent() const noexcept {
     return true;
   };
   if (!ascending(bodies_, BodyKind::kDynamic) || !ascending(fixed_bodies_, BodyKind::kFixed)) return false;
+  if (contacts_.references().size() != contacts_.contacts().size()) return false;
   for (const Contact<T>& c : contacts_.contacts())
     if (c.count > kMaxManifoldPoints || c.slot_a >= bodies_.size() ||
         c.slot_b >= (c.b_fixed ? fixed_bodies_.size() : bodies_.size()))
@@ -246,7 +262,10 @@ bool World<T>::restore(ByteReader& in) noexcept {
       wrench = {};
       if (wrench_applied_) each_field(io, wrench);
     }
-    if (!read_all(in, contacts_.stored_contacts()) || !read_all(in, contacts_.stored_warm_starts())) return false;
+    last_poses_.resize(bodies_.size());
+    for (Pose<T>& pose : last_poses_) each_field(io, pose);
+    if (!read_all(in, contacts_.stored_contacts()) || !read_all(in, contacts_.stored_references())) return false;
+    if (!read_all(in, contacts_.stored_warm_starts())) return false;
     each_field(io, spring_);
     if (!read_all(in, border_contacts_)) return false;
     std::uint32_t mode = 0;
@@ -258,9 +277,11 @@ bool World<T>::restore(ByteReader& in) noexcept {
     clear();
     return false;
   }
-  fixed_bounds_.resize(fixed_bodies_.size());
-  for (std::uint32_t i = 0; i < fixed_bodies_.size(); ++i)
+  fixed_bounds_.resize(fixed_bodies_.size()), fixed_frames_.resize(fixed_bodies_.size());
+  for (std::uint32_t i = 0; i < fixed_bodies_.size(); ++i) {
     fixed_bounds_[i] = bounds_of(fixed_bodies_[i].shape, fixed_bodies_[i].motion.pose, T(0));
+    fixed_frames_[i] = BodyFrame<T>::of(fixed_bodies_[i].motion.pose);
+  }
   return true;
 }
 

@@ -178,13 +178,13 @@ TEST_CASE("A stack keeps its names under load, also where faces are equally good
   require_steady(kCube, {}, kCube, {{0.03, 0.05, 0.2 - 5e-6}, turn({0, 0, 1}, 0.3)}, 4);
 }
 
-TEST_CASE("The cached axis separates without looking further and gives way when it no longer does") {
+TEST_CASE("Boxes that are apart remember the axis with the widest gap, the lower one on a tie") {
   AxisCache cache;
   const auto at = [&](const Vec3d& position) { return collide(kCube, {}, kCube, {position, {}}, 1e-3, cache); };
   REQUIRE(at({0.25, 0, 0}).count == 0);
   REQUIRE(cache.axis == 1);
   REQUIRE(at({0.25, 0.25, 0}).count == 0);
-  REQUIRE(cache.axis == 1);  // y separates as well, but was not needed
+  REQUIRE(cache.axis == 1);  // y separates as much
   REQUIRE(at({0.1, 0.25, 0}).count == 0);
   REQUIRE(cache.axis == 2);
   REQUIRE(at({0.1, 0.2, 0}).count == 4);

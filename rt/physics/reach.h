@@ -1,0 +1,45 @@
+// How far a body's surface may move in a step, and how far it has moved since the last one: what tells narrow phase
+// that a pair is still as it was. Units: SI. Thread: [any].
+#pragma once
+
+#include <limits>
+
+#include "rt/physics/body.h"
+
+namespace tactus::physics {
+
+template <class T>
+struct Reach {
+  T moved{}, fallen{};    // m, in this step at most: by its velocity, by gravity
+  T shifted{}, turned{};  // m and rad since the last step, at most; infinite where the last step did not know the body
+
+  // No point of the surface within `lever` of the centre is further from where it was than this.
+  constexpr T since(T lever) const noexcept { return shifted + lever * turned; }
+};
+
+// A pose that is no pose: of a body that the last step did not know.
+template <class T>
+constexpr Pose<T> unknown_pose() noexcept {
+  constexpr T nan = std::numeric_limits<T>::quiet_NaN();
+  return {{nan, nan, nan}, {nan, nan, nan, nan}};
+}
+
+// Fills `shifted` and `turned`. They are subtracted from distances of at most `far` [m], over many steps: what is not
+// zero is raised by what such a difference may lose to rounding.
+template <class T>
+void measure_motion(const Pose<T>& before, const Pose<T>& now, T far, Reach<T>& reach) noexcept {
+  // Unit quaternions: |q - p| = 2 sin(angle / 4), and no axis turns by more than twice that. Of a quaternion and its
+  // negative, the same rotation, this says much too much, which only costs time.
+  const Quat<T>&p = before.rotation, &q = now.rotation;
+  const T dw = q.w - p.w, dx = q.x - p.x, dy = q.y - p.y, dz = q.z - p.z;
+  const T shifted = norm(now.position - before.position);
+  const T turned = T(2) * std::sqrt(dw * dw + dx * dx + dy * dy + dz * dz);
+  constexpr T unknown = std::numeric_limits<T>::infinity(), rounding = T(2) * std::numeric_limits<T>::epsilon();
+  reach.shifted = reach.turned = T(0);
+  if (shifted == T(0) && turned == T(0)) return;
+  const bool known = shifted < unknown && turned < unknown;  // false for a NaN too
+  reach.shifted = known ? shifted * (T(1) + T(4) * rounding) + rounding * far : unknown;
+  reach.turned = known ? turned * (T(1) + T(8) * rounding) : unknown;
+}
+
+}  // namespace tactus::physics
