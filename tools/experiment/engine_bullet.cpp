@@ -11,7 +11,7 @@
 namespace tactus::experiment {
 namespace {
 
-// Tuned, by trial on pile64 and pile1000: the margin scaled to the cubes, no refresh of the walls' bounds.
+// Tuned: the margin scaled to the cubes, and the walls' bounds, which never change, not refreshed.
 constexpr btScalar kTunedMargin_m = 1e-3f;
 
 btVector3 as_bullet(const Vec3d& v) {
