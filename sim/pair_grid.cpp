@@ -12,6 +12,15 @@ constexpr double kFill = 0.999;
 // Cells beyond are folded into the last: still right, since folding never moves two cells further apart.
 constexpr double kFarthestCell = 1099511627776.0;  // 2^40
 
+// Exact: the grid computes in double, whatever the world's precision.
+template <class T>
+physics::Aabb<double> widened(const physics::Aabb<T>& box) noexcept {
+  const auto wide = [](const Vec3<T>& v) {
+    return Vec3d{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+  };
+  return {wide(box.lower), wide(box.upper)};
+}
+
 double largest_extent(const physics::Aabb<double>& box) noexcept {
   const Vec3d e = box.upper - box.lower;
   return std::max(e.x, std::max(e.y, e.z));
@@ -36,6 +45,14 @@ PairGrid::PairGrid(std::uint32_t max_bodies)
       mask_(static_cast<std::uint32_t>(start_.size()) - 2) {}
 
 bool PairGrid::find(std::span<const physics::Aabb<double>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
+  return find_in(bounds, pairs);
+}
+bool PairGrid::find(std::span<const physics::Aabb<float>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
+  return find_in(bounds, pairs);
+}
+
+template <class T>
+bool PairGrid::find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
   TACTUS_CHECK(bounds.size() <= entries_.size(), bounds.size(), entries_.size());
   work_ = {};
   count_ = static_cast<std::uint32_t>(bounds.size());
@@ -52,12 +69,13 @@ bool PairGrid::find(std::span<const physics::Aabb<double>> bounds, BoundedVector
 }
 
 // The base cell fits the largest of the commonest octave of sizes tightly: a world of equal bodies pays for no air.
-void PairGrid::choose_levels(std::span<const physics::Aabb<double>> bounds) noexcept {
+template <class T>
+void PairGrid::choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept {
   constexpr int kOctaves = 128;
   std::array<std::uint32_t, kOctaves> histogram{};
   std::array<double, kOctaves> largest{};
   for (const auto& box : bounds) {
-    const double extent = largest_extent(box);
+    const double extent = largest_extent(widened(box));
     const auto octave = static_cast<std::uint32_t>(std::clamp(power_above(extent) + kOctaves / 2, 0, kOctaves - 1));
     ++histogram[octave];
     largest[octave] = std::max(largest[octave], extent);
@@ -69,14 +87,16 @@ void PairGrid::choose_levels(std::span<const physics::Aabb<double>> bounds) noex
     cells_per_m_[static_cast<std::size_t>(level)] = std::ldexp(1.0 / base_cell_m_, kBaseLevel - level);
 }
 
-void PairGrid::fill_table(std::span<const physics::Aabb<double>> bounds) noexcept {
+template <class T>
+void PairGrid::fill_table(std::span<const physics::Aabb<T>> bounds) noexcept {
   std::fill(start_.begin(), start_.end(), 0u);
   population_.fill(0);
   coarsest_ = 0;
   for (std::uint32_t body = 0; body < count_; ++body) {
-    const auto level = static_cast<std::uint32_t>(level_of(bounds[body]));
+    const auto box = widened(bounds[body]);
+    const auto level = static_cast<std::uint32_t>(level_of(box));
     level_[body] = level;
-    bucket_[body] = bucket_of(cell_of(bounds[body].lower, level), level);
+    bucket_[body] = bucket_of(cell_of(box.lower, level), level);
     ++population_[level];
     coarsest_ = std::max(coarsest_, level);
     ++start_[bucket_[body] + 1];
@@ -86,7 +106,8 @@ void PairGrid::fill_table(std::span<const physics::Aabb<double>> bounds) noexcep
   // ends' table shifted by one.
   for (std::uint32_t body = count_; body-- > 0;) {
     Entry& entry = entries_[--start_[bucket_[body] + 1]];
-    entry = {bounds[body], cell_of(bounds[body].lower, level_[body]), body, level_[body]};
+    const auto box = widened(bounds[body]);
+    entry = {box, cell_of(box.lower, level_[body]), body, level_[body]};
   }
   for (std::size_t b = 0; b + 1 < start_.size(); ++b) start_[b] = start_[b + 1];
   start_.back() = count_;

@@ -31,6 +31,8 @@ class PairGrid {
   // Appends the pairs of overlapping boxes, each once, a and b in no particular order. False: some did not fit.
   [[nodiscard]] bool find(std::span<const physics::Aabb<double>> bounds,
                           BoundedVector<physics::SlotPair>& pairs) noexcept;
+  [[nodiscard]] bool find(std::span<const physics::Aabb<float>> bounds,
+                          BoundedVector<physics::SlotPair>& pairs) noexcept;
 
   const Work& work() const noexcept { return work_; }
 
@@ -48,8 +50,12 @@ class PairGrid {
     std::uint32_t body, level;
   };
 
-  void choose_levels(std::span<const physics::Aabb<double>> bounds) noexcept;
-  void fill_table(std::span<const physics::Aabb<double>> bounds) noexcept;
+  template <class T>
+  bool find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
+  template <class T>
+  void choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept;
+  template <class T>
+  void fill_table(std::span<const physics::Aabb<T>> bounds) noexcept;
   int level_of(const physics::Aabb<double>& box) const noexcept;
   std::int64_t coordinate(double x_m, std::uint32_t level) const noexcept;
   Cell cell_of(const Vec3d& corner, std::uint32_t level) const noexcept;

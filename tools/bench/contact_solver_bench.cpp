@@ -1,0 +1,29 @@
+// Steps of a settled heap by sub-steps: what a further sub-step costs is the solver's sweeps, the rest is the same.
+#include <benchmark/benchmark.h>
+
+#include "tools/bench/heap.h"
+
+namespace tactus::bench {
+namespace {
+
+template <class T>
+void heap_steps(benchmark::State& state) {
+  const auto cubes = static_cast<std::uint32_t>(state.range(0));
+  Heap<T> heap(cubes);
+  heap.settings.sub_steps = static_cast<std::uint32_t>(state.range(1));
+  for (auto _ : state) heap.step();
+  state.counters["points"] = heap.report.points;
+  state.counters["per_point"] = benchmark::Counter(
+      heap.report.points, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void sizes(benchmark::internal::Benchmark* b) {
+  b->ArgNames({"cubes", "sub_steps"})->Unit(benchmark::kMicrosecond);
+  for (const int cubes : {64, 1000})
+    for (const int sub_steps : {4, 8}) b->Args({cubes, sub_steps});
+}
+BENCHMARK_TEMPLATE(heap_steps, double)->Apply(sizes);
+BENCHMARK_TEMPLATE(heap_steps, float)->Apply(sizes);
+
+}  // namespace
+}  // namespace tactus::bench

@@ -1,0 +1,32 @@
+#include "tools/experiment/engine.h"
+
+#include <cmath>
+
+namespace tactus::experiment {
+
+#if !TACTUS_HAS_BULLET
+std::unique_ptr<Engine> make_bullet(const BoxScene&, const EngineOptions&) { return nullptr; }
+#endif
+#if !TACTUS_HAS_ODE
+std::unique_ptr<Engine> make_ode(const BoxScene&, const EngineOptions&) { return nullptr; }
+#endif
+
+const std::vector<EngineKind>& engine_kinds() {
+  constexpr bool kBullet = TACTUS_HAS_BULLET != 0, kOde = TACTUS_HAS_ODE != 0;
+  static const std::vector<EngineKind> kinds{
+      {"tactus", "", false, make_tactus, true},
+      {"bullet", "libbullet-dev", false, make_bullet, kBullet},
+      {"bullet-tuned", "libbullet-dev", true, make_bullet, kBullet},
+      {"ode", "libode-dev", false, make_ode, kOde},
+      {"ode-tuned", "libode-dev", true, make_ode, kOde},
+  };
+  return kinds;
+}
+
+double residual_speed(const std::vector<CubeState>& cubes) {
+  double sum = 0;
+  for (const CubeState& cube : cubes) sum += norm_squared(cube.velocity);
+  return cubes.empty() ? 0 : std::sqrt(sum / static_cast<double>(cubes.size()));
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,65 @@
+// A physics engine as the experiments see it: a scene goes in, steps are made, figures come out.
+//
+// Each engine's own file translates the scene; nothing else knows its headers. An engine that was not there when
+// tactus was built has a maker that gives none.
+// Thread: one; a step runs on the caller's thread alone. Units: SI.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/experiment/scene.h"
+
+namespace tactus::experiment {
+
+// What holds after the last step, by the engine's own books.
+struct Measurement {
+  double contacts{0};                // contact points that the engine itself counts
+  double touching_pairs{0};          // pairs of bodies with a point that does not gape
+  double residual_speed_m_per_s{0};  // root mean square over the cubes
+  double penetration_m{0};           // deepest overlap
+};
+
+struct CubeState {
+  Vec3d position, velocity;
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual void step() = 0;  // what is timed
+  virtual Measurement measure() = 0;
+  virtual std::vector<CubeState> cubes() const = 0;  // in the scene's order
+  virtual std::string settings() const = 0;          // what it runs with, in a line
+  // Why its figures do not count (work was left out); empty while they do.
+  virtual std::string failure() const { return {}; }
+};
+
+struct EngineOptions {
+  bool tuned{false};
+  bool single_precision{false};  // tactus only: the peers are as their packages are built
+  unsigned sub_steps{4};         // tactus only
+};
+
+std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);
+std::unique_ptr<Engine> make_bullet(const BoxScene& scene, const EngineOptions& options);  // none: not built in
+std::unique_ptr<Engine> make_ode(const BoxScene& scene, const EngineOptions& options);     // none: not built in
+
+struct EngineKind {
+  std::string_view name;     // in the tables: "bullet-tuned"
+  std::string_view package;  // Debian package that it needs; empty: none
+  bool tuned;
+  std::unique_ptr<Engine> (*make)(const BoxScene&, const EngineOptions&);
+  bool available;  // was there when this program was built
+};
+
+// All that exist, tactus first.
+const std::vector<EngineKind>& engine_kinds();
+
+// Root mean square of the speeds.
+double residual_speed(const std::vector<CubeState>& cubes);
+
+}  // namespace tactus::experiment

@@ -1,0 +1,159 @@
+// tactus itself: the world that both the haptic and the global side use, with the broad phase of the global one.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "rt/base/denormals.h"
+#include "sim/pair_grid.h"
+#include "tools/experiment/engine.h"
+
+namespace tactus::experiment {
+namespace {
+
+constexpr std::uint32_t kPairsPerBody = 16, kContactsPerBody = 8;  // as in the global world
+// Where sizes differ, a large body has hundreds of small neighbours.
+constexpr std::uint32_t kPairsPerMixedBody = 48, kContactsPerMixedBody = 16;
+constexpr double kMostHertz = 250;
+// The rod: heavy beside a cube, on a spring that gives way by about a millimetre.
+constexpr double kPaddleMass_kg = 20, kPaddleStiffness = 2e5, kPaddleDamping = 4e3;  // N/m, N s/m
+constexpr double kPaddleTurnStiffness = 1e4, kPaddleTurnDamping = 2e2;               // N m/rad, N m s/rad
+
+template <class T>
+Vec3<T> as(const Vec3d& v) {
+  return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
+}
+template <class T>
+Vec3d as_double(const Vec3<T>& v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+
+bool is_mixed(const BoxScene& scene) {
+  return std::any_of(scene.cubes.begin(), scene.cubes.end(),
+                     [&](const Cube& cube) { return cube.edge_m != scene.cubes.front().edge_m; });
+}
+
+physics::Capacities capacities_of(const BoxScene& scene) {
+  const auto bodies = static_cast<std::uint32_t>(scene.cubes.size() + 1);
+  const bool mixed = is_mixed(scene);
+  return {bodies, static_cast<std::uint32_t>(scene.walls.size()),
+          (mixed ? kPairsPerMixedBody : kPairsPerBody) * bodies + 256,
+          (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256, 0};
+}
+
+template <class T>
+physics::StepSettings<T> settings_of(const BoxScene& scene, unsigned sub_steps) {
+  physics::StepSettings<T> settings;
+  settings.dt = static_cast<T>(scene.step_s);
+  settings.sub_steps = sub_steps;
+  settings.contact_hertz = static_cast<T>(std::min(kMostHertz, 0.25 * sub_steps / scene.step_s));
+  settings.gravity = {T(0), T(0), static_cast<T>(-scene.gravity_m_per_s2)};
+  return settings;
+}
+
+template <class T>
+class TactusEngine final : public Engine {
+ public:
+  TactusEngine(const BoxScene& scene, const EngineOptions& options)
+      : settings_(settings_of<T>(scene, options.sub_steps)),
+        world_(capacities_of(scene)),
+        grid_(capacities_of(scene).bodies),
+        paddle_(scene.paddle),
+        cubes_(static_cast<std::uint32_t>(scene.cubes.size())) {
+    set_denormals_flush();
+    BodyId id = 0;
+    const T friction = static_cast<T>(scene.friction);
+    for (const Cube& cube : scene.cubes) {
+      const T half = static_cast<T>(0.5 * cube.edge_m);
+      const Quat<T> rotation{static_cast<T>(cube.rotation.w), static_cast<T>(cube.rotation.x),
+                             static_cast<T>(cube.rotation.y), static_cast<T>(cube.rotation.z)};
+      insert(physics::make_dynamic_body<T>(id++, physics::Shape<T>::box({half, half, half}),
+                                           static_cast<T>(cube.mass_kg), friction, {as<T>(cube.position), rotation}));
+    }
+    if (paddle_) add_paddle(id++, friction);
+    for (const Wall& wall : scene.walls)
+      insert(physics::make_fixed_body<T>(id++, physics::Shape<T>::box(as<T>(wall.half_extents_m)), friction,
+                                         {as<T>(wall.position), {}}));
+  }
+
+  void step() override {
+    if (paddle_) {
+      auto& spring = world_.device_spring();
+      spring.target.position = as<T>(paddle_->position_at(time_s_));
+      spring.target_velocity.linear = as<T>(paddle_->velocity_at(time_s_));
+    }
+    world_.begin_step(settings_);
+    if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) lost_ |= physics::kPairsFull;
+    report_ = world_.finish_step(settings_);
+    lost_ |= report_.capacity_bits;
+    time_s_ += static_cast<double>(settings_.dt);
+  }
+
+  Measurement measure() override {
+    Measurement m;
+    m.contacts = report_.points;
+    m.penetration_m = static_cast<double>(report_.deepest_m);
+    for (const auto& contact : world_.contacts()) {
+      const auto points = std::span(contact.points).first(contact.count);
+      m.touching_pairs += std::any_of(points.begin(), points.end(), [](const auto& p) { return p.separation <= T(0); });
+    }
+    m.residual_speed_m_per_s = residual_speed(cubes());
+    return m;
+  }
+
+  std::vector<CubeState> cubes() const override {
+    std::vector<CubeState> states;
+    states.reserve(cubes_);
+    for (const auto& body : world_.bodies().first(cubes_))
+      states.push_back({as_double(body.motion.pose.position), as_double(body.motion.velocity.linear)});
+    return states;
+  }
+
+  std::string settings() const override {
+    return fmt::format("{} precision, {} sub-steps, {} relax sweep, contacts {:g} Hz, damping ratio {:g}",
+                       sizeof(T) == sizeof(double) ? "double" : "single", settings_.sub_steps, settings_.relax_sweeps,
+                       static_cast<double>(settings_.contact_hertz),
+                       static_cast<double>(settings_.contact_damping_ratio));
+  }
+
+  std::string failure() const override {
+    if (lost_ == 0) return {};
+    return fmt::format("work was left out: capacity bits {:#x} (1 bodies, 4 pairs, 8 contacts)", lost_);
+  }
+
+ private:
+  void insert(const physics::Body<T>& body) { TACTUS_CHECK(world_.insert(body), body.id, world_.bodies().size()); }
+
+  void add_paddle(BodyId id, T friction) {
+    auto rod =
+        physics::make_dynamic_body<T>(id, physics::Shape<T>::box(as<T>(paddle_->half_extents_m)),
+                                      static_cast<T>(kPaddleMass_kg), friction, {as<T>(paddle_->position_at(0)), {}});
+    rod.gravity_scale = T(0);
+    insert(rod);
+    auto& spring = world_.device_spring();
+    spring.enabled = true;
+    spring.slot = static_cast<std::uint32_t>(world_.slot_of(id));
+    spring.stiffness_N_per_m = static_cast<T>(kPaddleStiffness);
+    spring.damping_Ns_per_m = static_cast<T>(kPaddleDamping);
+    spring.stiffness_Nm_per_rad = static_cast<T>(kPaddleTurnStiffness);
+    spring.damping_Nms_per_rad = static_cast<T>(kPaddleTurnDamping);
+    spring.target = rod.motion.pose;
+  }
+
+  physics::StepSettings<T> settings_;
+  physics::World<T> world_;
+  sim::PairGrid grid_;
+  std::optional<Paddle> paddle_;
+  std::uint32_t cubes_;
+  physics::StepReport<T> report_;
+  std::uint32_t lost_{0};  // CapacityBit
+  double time_s_{0};
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options) {
+  if (options.single_precision) return std::make_unique<TactusEngine<float>>(scene, options);
+  return std::make_unique<TactusEngine<double>>(scene, options);
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,42 @@
+// tactus experiment peers: what tactus costs beside Bullet and ODE, on identical scenes, in one program.
+//
+// Every scene is settled, then timed by steps, in blocks that take turns between the engines, so that what the machine
+// does to one it does to all; a block's first steps fill the caches and are not timed. The whole is run several times:
+// the least of each step over the runs is free of the machine's gaps. What is counted (contacts, overlap, speed) is
+// sampled at the end of each block.
+// Thread: one, on one core. Units in the names.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/experiment/engine.h"
+#include "tools/experiment/progress.h"
+
+namespace tactus::experiment {
+
+struct PeersRequest {
+  std::vector<BoxScene> scenes;
+  std::vector<EngineKind> engines;  // all available
+  EngineOptions options;            // `tuned` comes from the kind
+  unsigned runs{3};
+};
+
+struct PeersRow {
+  std::string scene, engine, settings;
+  double median_us{0}, p99_us{0};  // of all timed steps of all runs
+  double worst_over_median{0};     // of the least of each step over the runs
+  double contacts{0}, touching_pairs{0};
+  double residual_speed_rms_m_per_s{0}, penetration_max_m{0};
+  double allocations_per_step{0};
+  double ratio_to_bullet{0};  // of the medians, to Bullet at its defaults; 0: it did not run
+  std::string failure;        // why the row does not count; empty: it does
+};
+
+std::vector<PeersRow> run_peers(const PeersRequest& request, const Progress& progress);
+
+std::string peers_table(const std::vector<PeersRow>& rows);  // for people
+std::string peers_json(const std::vector<PeersRow>& rows);   // {"rows":[...]}; null where nothing was measured
+
+}  // namespace tactus::experiment

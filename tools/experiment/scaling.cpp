@@ -1,0 +1,134 @@
+#include "tools/experiment/scaling.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+
+#include "tools/experiment/statistics.h"
+#include "tools/experiment/timing.h"
+
+#if __has_include(<valgrind/callgrind.h>)
+#include <valgrind/callgrind.h>
+#define TACTUS_COUNTS_INSTRUCTIONS 1
+#else
+#define CALLGRIND_START_INSTRUMENTATION
+#define CALLGRIND_STOP_INSTRUMENTATION
+#define TACTUS_COUNTS_INSTRUCTIONS 0
+#endif
+
+namespace tactus::experiment {
+namespace {
+
+constexpr unsigned kCountedSteps = 3;
+constexpr std::uint32_t kCountedMost = 1000;  // cubes: larger worlds take minutes under valgrind and are timed only
+
+BoxScene scene_of(const ScalingCase& one) { return make_pile(one.sweep, one.pile); }
+
+std::unique_ptr<Engine> settled(const ScalingCase& one, EngineOptions options, double settle_s) {
+  options.sub_steps = one.sub_steps;
+  auto engine = make_tactus(scene_of(one), options);
+  const auto steps = static_cast<std::uint32_t>(std::lround(settle_s / one.pile.step_s));
+  for (std::uint32_t i = 0; i < steps; ++i) engine->step();
+  return engine;
+}
+
+ScalingRow timed(const ScalingCase& one, const EngineOptions& options) {
+  const auto engine = settled(one, options, one.settle_s);
+  std::vector<double> us;
+  us.reserve(one.timed_steps);
+  for (std::uint32_t i = 0; i < one.timed_steps; ++i) {
+    const double start = thread_time_us();
+    engine->step();
+    us.push_back(thread_time_us() - start);
+  }
+  const Measurement m = engine->measure();
+  ScalingRow row;
+  row.sweep = one.sweep, row.bodies = one.pile.cubes, row.sub_steps = one.sub_steps;
+  row.size_ratio = one.pile.largest_edge_m / one.pile.smallest_edge_m;
+  row.contact_points = m.contacts, row.touching_pairs = m.touching_pairs;
+  row.median_us = median(us), row.p99_us = quantile(us, 0.99);
+  row.ns_per_point = m.contacts > 0 ? 1e3 * row.median_us / m.contacts : 0;
+  row.failure = engine->failure();
+  return row;
+}
+
+// Instructions of a step by callgrind; 0 where it could not be counted.
+double counted(std::size_t index, const EngineOptions& options, const std::string& program, bool quick) {
+  const std::string out = fmt::format("/tmp/tactus-callgrind.{}", getpid());
+  const std::string command = fmt::format(
+      "valgrind --tool=callgrind --callgrind-out-file={} --instr-atstart=no "
+      "'{}' experiment scaling --count {}{}{} >/dev/null 2>&1",
+      out, program, index, options.single_precision ? " --precision float" : "", quick ? " --quick" : "");
+  if (std::system(command.c_str()) != 0) return 0;
+  std::ifstream file(out);
+  double instructions = 0;
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("summary:") || line.starts_with("totals:"))
+      instructions = std::strtod(line.c_str() + line.find(':') + 1, nullptr);
+  std::remove(out.c_str());
+  return instructions / kCountedSteps;
+}
+
+}  // namespace
+
+std::vector<ScalingCase> scaling_cases(bool quick) {
+  std::vector<ScalingCase> cases;
+  // From a hundred contact points to a hundred thousand.
+  for (const std::uint32_t cubes : {16u, 64u, 250u, 1000u, 4000u, 10000u, 25000u}) {
+    if (quick && cubes > 1000) continue;
+    cases.push_back({"bodies", {.cubes = cubes, .step_s = 1e-2}});
+  }
+  for (const unsigned sub_steps : {1u, 2u, 4u, 8u, 16u})
+    cases.push_back({"sub-steps", {.cubes = 250, .step_s = 1e-2}, sub_steps});
+  for (const double ratio : {1.0, 3.0, 10.0, 20.0})
+    cases.push_back({"sizes",
+                     {.cubes = 1000,
+                      .step_s = 1e-2,
+                      .smallest_edge_m = 0.1 / std::sqrt(ratio),
+                      .largest_edge_m = 0.1 * std::sqrt(ratio)}});
+  for (ScalingCase& one : cases) {
+    if (one.pile.cubes > 4000) one.timed_steps = 30;
+    if (quick) one.settle_s = 1, one.timed_steps = 30;
+  }
+  return cases;
+}
+
+void run_counted(const ScalingCase& one, const EngineOptions& options) {
+  const auto engine = settled(one, options, one.settle_s);
+  CALLGRIND_START_INSTRUMENTATION;
+  for (unsigned i = 0; i < kCountedSteps; ++i) engine->step();
+  CALLGRIND_STOP_INSTRUMENTATION;
+}
+
+ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOptions& options,
+                          const std::string& program, bool quick, const Progress& progress) {
+  settle_on_core();
+  ScalingReport report;
+  const bool counts =
+      TACTUS_COUNTS_INSTRUCTIONS != 0 && !program.empty() && std::system("command -v valgrind >/dev/null 2>&1") == 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const auto say = [&](const char* doing) {
+      if (progress)
+        progress(
+            fmt::format("{} of {}: {}, {} cubes, {}", i + 1, cases.size(), cases[i].sweep, cases[i].pile.cubes, doing));
+    };
+    say("timed");
+    report.rows.push_back(timed(cases[i], options));
+    if (!counts || cases[i].pile.cubes > kCountedMost) continue;
+    say("instructions");
+    report.rows.back().instructions = counted(i, options, program, quick);
+  }
+  std::vector<double> points, us, instructions;
+  for (const ScalingRow& row : report.rows)
+    if (row.sweep == "bodies")
+      points.push_back(row.contact_points), us.push_back(row.median_us), instructions.push_back(row.instructions);
+  report.exponent = power_law_exponent(points, us);
+  report.instruction_exponent = power_law_exponent(points, instructions);
+  return report;
+}
+
+}  // namespace tactus::experiment

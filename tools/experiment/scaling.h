@@ -1,0 +1,57 @@
+// tactus experiment scaling: how the cost of a step grows with bodies, contacts, sub-steps and the mix of sizes.
+//
+// Each row is one world, settled, then timed; all of it by tactus alone. Instructions are counted where valgrind is
+// installed (and was when this was built): it runs this program again, once a row, and counts the steps alone. Thread:
+// one, on one core. Units in the names.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/experiment/engine.h"
+#include "tools/experiment/progress.h"
+
+namespace tactus::experiment {
+
+struct ScalingCase {
+  std::string sweep;  // what the row belongs to: bodies, sub-steps, sizes
+  PileSpec pile;
+  unsigned sub_steps{4};
+  double settle_s{2};
+  std::uint32_t timed_steps{100};
+};
+
+// The worlds of the experiment; `quick` leaves out those above 1000 cubes.
+std::vector<ScalingCase> scaling_cases(bool quick);
+
+struct ScalingRow {
+  std::string sweep;
+  std::uint32_t bodies{0};
+  unsigned sub_steps{0};
+  double size_ratio{1};  // largest edge to smallest
+  double contact_points{0}, touching_pairs{0};
+  double median_us{0}, p99_us{0}, ns_per_point{0};
+  double instructions{0};  // a step; 0: not counted
+  std::string failure;     // why the row does not count; empty: it does
+};
+
+struct ScalingReport {
+  std::vector<ScalingRow> rows;
+  double exponent{0};              // of cost against contact points, over the sweep of bodies
+  double instruction_exponent{0};  // the same of instructions; 0: not counted
+};
+
+// `program`: this program's own path, for the count of instructions; empty: none are counted. `quick`: the cases are
+// those of scaling_cases(quick), so that the program finds them again.
+ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOptions& options,
+                          const std::string& program, bool quick, const Progress& progress);
+
+// What runs under valgrind: the case settles, then makes a few steps, which alone are counted.
+void run_counted(const ScalingCase& one, const EngineOptions& options);
+
+std::string scaling_table(const ScalingReport& report);
+std::string scaling_json(const ScalingReport& report);
+std::string scaling_csv(const ScalingReport& report);  // units in the header
+std::string scaling_svg(const ScalingReport& report);  // cost against contact points, both logarithmic
+
+}  // namespace tactus::experiment
