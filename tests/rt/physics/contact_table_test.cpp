@@ -108,7 +108,7 @@ TEST_CASE("A body's motion is never said to be less than any point of its surfac
   CHECK(unknown.since(1) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("A contact that is carried over agrees with one that is found anew, up to motion squared over size") {
+TEST_CASE("A contact that is carried over agrees with one that is found anew") {
   test::Random random(3);
   int points = 0;
   for (int n = 0; n < 3000; ++n) {
@@ -137,9 +137,10 @@ TEST_CASE("A contact that is carried over agrees with one that is found anew, up
       REQUIRE(norm(now_a.position + carried.from_a - now_b.position - carried.from_b) < 1e-14);
       for (std::uint32_t j = 0; j < now.count; ++j) {
         if (now.points[j].feature != carried.feature) continue;
-        // They moved by 40 um against each other and tilted by 0.2 mrad; where two edges cross at 0.2 rad the point
-        // moves five times as far along them: 5 x 40 um x 0.2 mrad = 40 nm, and half as much by the turned normal.
-        REQUIRE(now.points[j].separation == Approx(carried.separation).margin(1e-7));
+        // They moved by 40 um against each other and tilted by 0.2 mrad: 8 nm, and where two edges cross at 0.2 rad the
+        // point moves five times as far along them, 40 nm. Of eight points found anew four are chosen, and the deepest
+        // of these gets the depth of one that is left out, which may differ by 1 um.
+        REQUIRE(now.points[j].separation == Approx(carried.separation).margin(1.1e-6));
         ++points;
       }
     }
