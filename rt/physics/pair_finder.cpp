@@ -50,6 +50,13 @@ void mark(Blocks& blocks, std::uint32_t a, std::uint32_t first, std::uint32_t co
                      static_cast<std::uint32_t>(lower[2] <= u[2][b]) & static_cast<std::uint32_t>(l[2][b] <= upper[2]);
 }
 
+// Nothing marked in the stride? What lies beyond the last box is old, and costs a look at most.
+bool is_empty(const Blocks& blocks, std::uint32_t stride) noexcept {
+  std::uint64_t marks[kStride / 2];
+  std::memcpy(marks, blocks.near + stride, sizeof(marks));
+  return (marks[0] | marks[1] | marks[2] | marks[3]) == 0;
+}
+
 template <class T>
 bool find_one_by_one(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>& pairs) noexcept {
   const auto count = static_cast<std::uint32_t>(bounds.size());
@@ -66,20 +73,15 @@ bool find_pairs_brute_force(std::span<const Aabb<T>> bounds, BoundedVector<SlotP
   const auto count = static_cast<std::uint32_t>(bounds.size());
   if (count > kBlock) return find_one_by_one(bounds, pairs);
   Blocks blocks;
+  std::memset(blocks.near, 0, sizeof(blocks.near));
   fill(bounds, blocks);
   for (std::uint32_t a = 0; a + 1 < count; ++a) {
     mark(blocks, a, a + 1, count);
-    for (std::uint32_t b = a + 1; b < count;) {
-      std::uint64_t two = 0;
-      if (b % 2 == 0 && b + 1 < count) {
-        std::memcpy(&two, &blocks.near[b], sizeof(two));
-        if (two == 0) {
-          b += 2;
-          continue;
-        }
-      }
-      if (blocks.near[b] != 0 && bounds[a].overlaps(bounds[b]) && !pairs.try_push({a, b})) return false;
-      ++b;
+    for (std::uint32_t stride = (a + 1) / kStride * kStride; stride < count; stride += kStride) {
+      if (is_empty(blocks, stride)) continue;
+      const std::uint32_t end = std::min(stride + kStride, count);
+      for (std::uint32_t b = std::max(stride, a + 1); b < end; ++b)
+        if (blocks.near[b] != 0 && bounds[a].overlaps(bounds[b]) && !pairs.try_push({a, b})) return false;
     }
   }
   return true;

@@ -108,9 +108,9 @@ TEST_CASE("A body's motion is never said to be less than any point of its surfac
   CHECK(unknown.since(1) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("A contact that is carried over agrees with one that is found anew, up to motion squared over size") {
+TEST_CASE("A contact that is carried over is as deep as the two faces say, but for motion times turn") {
   test::Random random(3);
-  int points = 0;
+  double most_changed = 0;
   for (int n = 0; n < 3000; ++n) {
     const auto box = Shape<double>::box({0.05, 0.05, 0.05});
     const Posed at_a{random.vector(1), quat_from_rotation_vector(random.vector(3))};
@@ -130,21 +130,20 @@ TEST_CASE("A contact that is carried over agrees with one that is found anew, up
     keep_reference(contact, BodyFrame<double>::of(at_a), BodyFrame<double>::of(at_b), kMargin, 5e-5, 0.0866, reference);
     const Posed now_a = moved(at_a, 1e-5, 1e-4, random), now_b = moved(at_b, 1e-5, 1e-4, random);
     carry_over(reference, BodyFrame<double>::of(now_a), BodyFrame<double>::of(now_b), contact);
-    const Manifold<double> now = collide(box, now_a, box, now_b, kMargin, cache);
+    // The truth is the two faces that touch: top of A, bottom of B. What a new search says is not: of the eight points
+    // here it chooses four, and gives the first the depth of the deepest.
+    const Vec3d up_a = rotate(now_a.rotation, Vec3d{0, 0, 1}), up_b = rotate(now_b.rotation, Vec3d{0, 0, 1});
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const ContactPoint<double>& carried = contact.points[i];
+      const ContactPoint<double>& point = contact.points[i];
       // The same place of the world, seen from both bodies.
-      REQUIRE(norm(now_a.position + carried.from_a - now_b.position - carried.from_b) < 1e-14);
-      for (std::uint32_t j = 0; j < now.count; ++j) {
-        if (now.points[j].feature != carried.feature) continue;
-        // They moved by 40 um against each other and tilted by 0.2 mrad; where two edges cross at 0.2 rad the point
-        // moves five times as far along them: 5 x 40 um x 0.2 mrad = 40 nm, and half as much by the turned normal.
-        REQUIRE(now.points[j].separation == Approx(carried.separation).margin(1e-7));
-        ++points;
-      }
+      REQUIRE(norm(now_a.position + point.from_a - now_b.position - point.from_b) < 1e-14);
+      const double gap = (dot(up_a, point.from_a) - 0.05) - (dot(up_b, point.from_b) + 0.05);
+      // They moved by 40 um at most against each other, and each turned by 0.1 mrad: 40 um x 0.2 mrad is neglected.
+      REQUIRE(std::abs(point.separation - gap) <= 4e-5 * 2e-4);
+      most_changed = std::max(most_changed, std::abs(point.separation - then.points[i].separation));
     }
   }
-  CHECK(points > 6000);
+  CHECK(most_changed > 1e-5);  // a thousand times what it is off by
 }
 
 TEST_CASE("A contact is carried over only within the tolerance and the margin, a newcomer's never") {
