@@ -6,9 +6,9 @@
 # three, one of them set apart, on this machine's clock: what the kernel grants. Each verdict counts as one test.
 side_by_side=(usb can fd)
 declare -A scenarios_of=(
-  [usb]='drivers user:usb faults:usb hostile:usb house:usb hil:usb'
-  [can]='user:can faults:can hostile:can house:can hil:can'
-  [fd]='faults:can-fd hostile:can-fd hil:can-fd'
+  [usb]='drivers user:usb programs:usb faults:usb hostile:usb house:usb hil:usb'
+  [can]='user:can programs:can faults:can hostile:can house:can hil:can'
+  [fd]='programs:can-fd faults:can-fd hostile:can-fd hil:can-fd'
   [cores]='cores:usb')
 guest_tools=(candump cansend cangen)
 
@@ -28,7 +28,10 @@ run_guest() {
   scratch=$work_folder/$name
   mkdir -p "$scratch/root/etc"
   : >"$logs/vm-$name.log"
-  for file in "$build/tools/tactus" "$build/tests/vm/bench_device" $(guest_programs); do add_file "$file"; done
+  for file in "$build/tools/tactus" "$build"/tests/vm/{bench_device,ask_device} \
+    "$build"/firmware/boards/tactus_device_{usb,can} $(guest_programs); do
+    add_file "$file"
+  done
   for file in "${guest_tools[@]}"; do add_file "$(command -v "$file")"; done
   for file in "$bench"/guest/{suite,provoke,lib.sh} "$bench/press.toml" "$root/sim/scenes/card_house.toml"; do
     add_file "$file" "bench/$(basename "$file")"

@@ -111,6 +111,10 @@ int main(int argc, char** argv) {
   }
   CanDeviceOptions can;
   if (const std::string wrong = choose(board, can); !wrong.empty()) return fail(wrong, 2);
+  // The socket would be opened, and no state ever leave.
+  if (const unsigned mtu = mtu_of(board.interface); can.fd && mtu > 0 && mtu < CANFD_MTU)
+    return fail(board.interface +
+                " takes no FD frames; set its FD bit rate ('dbitrate ... fd on'), or --format classic");
   MechanicsDescription description;
   if (const std::string wrong = read_mechanics(options.mechanics, description); !wrong.empty()) return fail(wrong, 2);
   return run(options, board, can, description);

@@ -64,8 +64,11 @@ int main(int argc, char** argv) {
     std::fprintf(parsed.status == 0 ? stdout : stderr, "%s\n", parsed.text.c_str());
     return parsed.status;
   }
-  if (gadget.serial.empty() || gadget.serial.size() > kSerialSize) {
-    std::fprintf(stderr, "tactus_device_usb: --serial: '%s'; accepted: 1 to 16 characters\n", gadget.serial.c_str());
+  const bool printable =
+      std::all_of(gadget.serial.begin(), gadget.serial.end(), [](char c) { return c > ' ' && c <= '~'; });
+  if (gadget.serial.empty() || gadget.serial.size() > kSerialSize || !printable) {
+    std::fprintf(stderr, "tactus_device_usb: --serial: '%s'; accepted: 1 to 16 ASCII characters without spaces\n",
+                 gadget.serial.c_str());
     return 2;
   }
   MechanicsDescription description;
