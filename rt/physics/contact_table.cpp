@@ -85,7 +85,7 @@ void ContactTable<T>::find_manifolds(const Scene& scene, const StepSettings<T>& 
     found.axis_cache = known  ? last_[last].axis_cache
                        : told ? warm_starts_[warm_start_order_[given]].axis_cache
                               : AxisCache{};
-    found.manifold = collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, found.axis_cache);
+    found.manifold = collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, found.axis_cache, scene.hulls);
     if (found.manifold.count == 0) {
       found_.resize(found_.size() - 1);
       continue;

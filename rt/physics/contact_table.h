@@ -41,6 +41,7 @@ class ContactTable {
   struct Scene {
     std::span<const Body<T>> bodies, fixed_bodies;  // by slot
     std::span<const Reach<T>> reach;                // by slot
+    Hulls<T> hulls{};                               // of the shapes
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
   // Fills pairs, contacts, points, deepest, dropped and the bits of the report.

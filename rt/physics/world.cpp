@@ -29,8 +29,9 @@ bool reaches_plane(const Aabb<T>& box, const Pose<T>& world_from_plane) noexcept
 }  // namespace
 
 template <class T>
-World<T>::World(const Capacities& capacities)
+World<T>::World(const Capacities& capacities, Hulls<T> hulls)
     : capacities_(capacities),
+      hulls_(hulls),
       bodies_(capacities.bodies),
       fixed_bodies_(capacities.fixed_bodies),
       frozen_(capacities.bodies),
@@ -54,6 +55,7 @@ template <class T>
 bool World<T>::insert(const Body<T>& body) noexcept {
   const bool fixed = body.kind == BodyKind::kFixed;
   TACTUS_CHECK(body.id <= kMaxBodyId, body.id, kMaxBodyId);
+  TACTUS_CHECK(body.shape.kind != ShapeKind::kHull || body.shape.hull < hulls_.size(), body.shape.hull, hulls_.size());
   TACTUS_CHECK(is_finite(body.motion.pose) && is_finite(body.motion.velocity), body.id, 0);
   TACTUS_CHECK(fixed || (body.mass > T(0) && std::isfinite(body.mass)), body.id, body.mass);
   TACTUS_CHECK(
@@ -247,7 +249,7 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
 
   add_pairs();
   add_fixed_pairs();
-  contacts_.build({bodies_.span(), fixed_bodies_.span(), reach_.span()}, settings, h, impulse_scale, report);
+  contacts_.build({bodies_.span(), fixed_bodies_.span(), reach_.span(), hulls_}, settings, h, impulse_scale, report);
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
   solver_.step({bodies_.span(), frozen_.span(), wrenches, contacts_.contacts(), spring_, border_contacts_.span(),
