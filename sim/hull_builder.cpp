@@ -108,6 +108,7 @@ Status flat(double width) {
 
 Result<Surface> find_surface(std::span<const Vec3d> points) {
   const Extent extent = extent_of(points);
+  if (extent.size < kLeastHullWidth_m) return flat(extent.size);
   std::vector<double> coordinates;
   coordinates.reserve(3 * points.size());
   for (const Vec3d& p : points) coordinates.insert(coordinates.end(), {p.x, p.y, p.z});

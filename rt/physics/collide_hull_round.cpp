@@ -1,5 +1,6 @@
 // Sphere and capsule against a hull. The hull is B; the work is done in its frame and turned back at the end.
 #include <algorithm>
+#include <limits>
 
 #include "rt/physics/collide_hull.h"
 #include "rt/physics/hull_closest.h"
@@ -43,9 +44,10 @@ struct Nearest {
   T squared{T(-1)};
   std::uint32_t edge{kMaxHullEdges};  // that it is on, where it is not an end's
 
-  void offer(T t_offered, const Vec3<T>& on_axis, const Vec3<T>& point, std::uint32_t on_edge) noexcept {
+  // Taken where it is nearer than `than` and than the nearest so far, or the first.
+  void offer(T t_offered, const Vec3<T>& on_axis, const Vec3<T>& point, std::uint32_t on_edge, T than) noexcept {
     const T offered = norm_squared(on_axis - point);
-    if (squared >= T(0) && !(offered < squared)) return;
+    if (squared >= T(0) && !(offered < squared && offered < than)) return;
     t = t_offered, on_hull = point, squared = offered, edge = on_edge;
   }
 };
@@ -54,14 +56,16 @@ struct Nearest {
 template <class T>
 Nearest<T> nearest_outside(const CapsuleHull<T>& c) noexcept {
   Nearest<T> nearest;
-  for (const T t : {T(-1), T(1)}) nearest.offer(t, c.at(t), closest_on_hull(c.hull, c.at(t)), kMaxHullEdges);
   for (std::uint32_t e = 0; e < c.hull.topology->edges; ++e) {
     const HullEdge& edge = c.hull.topology->edge[e];
     const Vec3<T> from = c.hull.vertex(edge.from), to = c.hull.vertex(edge.to);
     const Vec3<T> half = T(0.5) * (to - from), middle = T(0.5) * (from + to);
     const auto [s, t] = closest_on_segments(c.half, half, middle - c.centre);
-    nearest.offer(s, c.at(s), middle + half * t, e);
+    nearest.offer(s, c.at(s), middle + half * t, e, nearest.squared);
   }
+  // An end beside an edge is as near as the edge, but for rounding: then it is the edge that counts.
+  const T nearer = nearest.squared * (T(1) - T(16) * std::numeric_limits<T>::epsilon());
+  for (const T t : {T(-1), T(1)}) nearest.offer(t, c.at(t), closest_on_hull(c.hull, c.at(t)), kMaxHullEdges, nearer);
   return nearest;
 }
 
