@@ -77,7 +77,8 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
 GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     : options_(options),
       settings_(settings_for(scene, options)),
-      world_(capacities_for(scene)),
+      world_(capacities_for(scene), scene.hulls),
+      hulls_(scene.hulls),
       grid_(capacities_for(scene).bodies),
       graph_(capacities_for(scene).bodies, capacities_for(scene).contacts),
       border_log_(capacities_for(scene).contacts),
@@ -212,7 +213,7 @@ void GlobalWorld::find_touches_at_rest() noexcept {
     const std::uint32_t a = std::min(pair.a, pair.b), b = std::max(pair.a, pair.b);
     physics::AxisCache cache;
     const auto manifold = physics::collide(bodies[a].shape, bodies[a].motion.pose, bodies[b].shape,
-                                           bodies[b].motion.pose, options_.touch_tolerance_m, cache);
+                                           bodies[b].motion.pose, options_.touch_tolerance_m, cache, hulls_);
     if (manifold.count == 0 || touches_.size() == touches_.capacity()) continue;
     Vec3d from_a;
     for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;

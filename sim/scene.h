@@ -67,6 +67,7 @@ struct Scene {
   Effects effects;
   Vec3d gravity_m_per_s2{0, 0, -9.81};
   std::vector<physics::Body<double>> bodies;  // bodies[i].id == i
+  std::vector<physics::Hull<double>> hulls;   // what the bodies' hull shapes refer to; worlds look into it
   BodyId proxy{kNoBody};
   DevicePlacement device;
   CouplingGains coupling;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include "rt/haptics/snapshot.h"
 #include "sim/nearest_word.h"
@@ -21,10 +22,15 @@ constexpr Range kDamping{"a damping", 0, 1e4};
 // Fills a scene from the document, table by table; the order of calls is that of body ids where it matters.
 class SceneReader {
  public:
-  SceneReader(const TomlNode& root, Scene& scene, SceneDiagnostics& diagnostics)
-      : root_(&root, "", diagnostics), scene_(scene), diagnostics_(diagnostics) {}
+  SceneReader(const TomlNode& root, Scene& scene, SceneDiagnostics& diagnostics,
+              std::optional<std::filesystem::path> folder)
+      : root_(&root, "", diagnostics),
+        scene_(scene),
+        diagnostics_(diagnostics),
+        hulls_(scene, diagnostics, std::move(folder)) {}
 
   void read() {
+    hulls_.read_kept(root_.array("hull_file", kMaxSceneHulls));
     scene_.title = root_.text("title", "", 200);
     read_effects();
     read_simulation();
@@ -38,6 +44,7 @@ class SceneReader {
     check_effects();
     check_card_houses();
   }
+  const std::string& kept_hulls() const { return hulls_.kept(); }
 
  private:
   TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
@@ -110,7 +117,7 @@ class SceneReader {
     TableReader t = table("proxy");
     if (!t.there()) return;
     scene_.proxy = 0;
-    check_friction(t, add(read_body(t, BodyRole::kProxy)).friction);
+    check_friction(t, add(read_body(t, BodyRole::kProxy, hulls_)).friction);
     t.finish();
   }
 
@@ -119,7 +126,7 @@ class SceneReader {
     for (const TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
       TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
-      check_friction(t, add(read_body(t, BodyRole::kBody)).friction);
+      check_friction(t, add(read_body(t, BodyRole::kBody, hulls_)).friction);
       t.finish();
     }
   }
@@ -241,6 +248,7 @@ class SceneReader {
   TableReader root_;
   Scene& scene_;
   SceneDiagnostics& diagnostics_;
+  HullReader hulls_;
 };
 
 std::string lines_of(const std::string& name, const std::vector<Mistake>& list, const char* label) {
@@ -272,6 +280,24 @@ Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diag
   return scene;
 }
 
+// `folder`: where the scene's files are; none: it has no files.
+Result<Scene> parse(std::string_view text, std::string_view name, std::optional<std::filesystem::path> folder,
+                    SceneDiagnostics* diagnostics) {
+  SceneDiagnostics found;
+  found.name = std::string(name);
+  Scene scene;
+  scene.name = std::filesystem::path(name).stem().string();
+  TomlNode root;
+  std::string kept;
+  if (read_toml(text, root, found)) {
+    SceneReader reader(root, scene, found, std::move(folder));
+    reader.read();
+    kept = reader.kept_hulls();
+  }
+  if (found.ok()) scene.source = std::string(text) + kept;
+  return finish(std::move(scene), std::move(found), diagnostics);
+}
+
 }  // namespace
 
 void SceneDiagnostics::add(Mistake mistake) {
@@ -290,14 +316,7 @@ std::string SceneDiagnostics::message() const {
 std::string SceneDiagnostics::warning_message() const { return lines_of(name, warnings, "warning: "); }
 
 Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics) {
-  SceneDiagnostics found;
-  found.name = std::string(name);
-  Scene scene;
-  scene.name = std::filesystem::path(name).stem().string();
-  TomlNode root;
-  if (read_toml(text, root, found)) SceneReader(root, scene, found).read();
-  if (found.ok()) scene.source = std::string(text);
-  return finish(std::move(scene), std::move(found), diagnostics);
+  return parse(text, name, std::nullopt, diagnostics);
 }
 
 Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics) {
@@ -307,7 +326,7 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
     text.resize(kMaxSceneBytes + 1);  // one byte more than is accepted says that there is more
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
-    if (!file.bad()) return parse_scene(text, path.string(), diagnostics);
+    if (!file.bad()) return parse(text, path.string(), path.parent_path(), diagnostics);
   }
   SceneDiagnostics found;
   found.name = path.string();

@@ -18,26 +18,42 @@ constexpr Range kDensity{"a density", 1e-3, 1e5};
 constexpr Range kVelocity{"a velocity", -100, 100};
 constexpr Range kAngularVelocity{"an angular velocity", -1000, 1000};
 
-// Nothing where the kind of shape is not known: a mistake has been added, and the other keys cannot be judged.
-std::optional<Shape<double>> read_shape(TableReader& table, BodyRole role) {
+// A shape and its own frame in that of the body's keys: hulls are given in any frame.
+struct ReadShape {
+  Shape<double> shape;
+  Posed given_from_body{};
+  const physics::Hull<double>* hull{nullptr};
+
+  double volume() const { return hull != nullptr ? hull->volume : physics::volume_of(shape); }
+};
+
+// Nothing where the shape is not known: a mistake has been added, and the other keys cannot be judged.
+std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReader& hulls) {
   const bool proxy = role == BodyRole::kProxy;
-  if (!table.require("shape", proxy ? "sphere, capsule, box" : "box, sphere, capsule, plane")) return std::nullopt;
+  if (!table.require("shape", proxy ? "sphere, capsule, box" : "box, sphere, capsule, hull, plane"))
+    return std::nullopt;
   const std::string word = proxy ? table.word("shape", "", {"sphere", "capsule", "box"})
-                                 : table.word("shape", "", {"box", "sphere", "capsule", "plane"});
+                                 : table.word("shape", "", {"box", "sphere", "capsule", "hull", "plane"});
   if (word.empty()) return std::nullopt;
-  if (word == "plane") return Shape<double>::plane();
+  if (word == "plane") return ReadShape{Shape<double>::plane()};
+  if (word == "hull") {
+    const auto made = hulls.read(table);
+    if (!made) return std::nullopt;
+    const auto& hull = hulls.hull(made->index);
+    return ReadShape{Shape<double>::convex(hull, made->index), made->given_from_body, &hull};
+  }
   if (word == "box") {
     table.require("size_m", "[x, y, z]: the full lengths of the edges");
-    return Shape<double>::box(0.5 * table.vector("size_m", {0.1, 0.1, 0.1}, kLength));
+    return ReadShape{Shape<double>::box(0.5 * table.vector("size_m", {0.1, 0.1, 0.1}, kLength))};
   }
   table.require("radius_m", "a number");
   const double radius = table.number("radius_m", 0.05, kLength);
-  if (word == "sphere") return Shape<double>::sphere(radius);
+  if (word == "sphere") return ReadShape{Shape<double>::sphere(radius)};
   table.require("length_m", "a number: from the centre of one cap to that of the other");
-  return Shape<double>::capsule(radius, 0.5 * table.number("length_m", 0.1, kLength));
+  return ReadShape{Shape<double>::capsule(radius, 0.5 * table.number("length_m", 0.1, kLength))};
 }
 
-double read_mass(TableReader& table, const Shape<double>& shape) {
+double read_mass(TableReader& table, double volume_m3) {
   const double mass = table.number("mass_kg", 1, kMass), density = table.number("density_kg_per_m3", 1000, kDensity);
   if (table.has("mass_kg") && table.has("density_kg_per_m3"))
     table.mistake("density_kg_per_m3", "there is a mass already", "mass_kg or density_kg_per_m3");
@@ -45,7 +61,7 @@ double read_mass(TableReader& table, const Shape<double>& shape) {
     table.require("mass_kg", "mass_kg or density_kg_per_m3");
     return mass;
   }
-  const double from_density = density * physics::volume_of(shape);
+  const double from_density = density * volume_m3;
   if (from_density >= kMass.low && from_density <= kMass.high) return from_density;
   table.mistake("density_kg_per_m3", fmt::format("gives a mass of {:g} kg", from_density),
                 fmt::format("a mass >= {:g} and <= {:g}", kMass.low, kMass.high));
@@ -152,15 +168,15 @@ void read_domino_row(TableReader& table, double friction, unsigned room, Generat
 
 }  // namespace
 
-Body<double> read_body(TableReader& table, BodyRole role) {
-  const auto known_shape = read_shape(table, role);
+Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls) {
+  const auto known_shape = read_shape(table, role, hulls);
   if (!known_shape) {
     table.ignore_the_rest();
     return physics::make_dynamic_body(kNoBody, Shape<double>::sphere(0.05), 1.0, 0.0, Posed{});
   }
-  const Shape<double>& shape = *known_shape;
+  const Shape<double>& shape = known_shape->shape;
   const double friction = table.number("friction", 0, kFriction);
-  const Posed pose = table.pose();
+  const Posed pose = table.pose() * known_shape->given_from_body;
   const bool is_plane = shape.kind == ShapeKind::kPlane;
   const bool fixed = role == BodyRole::kBody && table.flag("fixed", is_plane);
   if (is_plane && !fixed) table.mistake("fixed", "a plane never moves", "true");
@@ -169,7 +185,8 @@ Body<double> read_body(TableReader& table, BodyRole role) {
       table.refuse(key, "a fixed body has none", "no such key");
     return physics::make_fixed_body(kNoBody, shape, friction, pose);
   }
-  auto body = physics::make_dynamic_body(kNoBody, shape, read_mass(table, shape), friction, pose);
+  auto body = physics::make_dynamic_body(kNoBody, shape, read_mass(table, known_shape->volume()), friction, pose);
+  if (known_shape->hull != nullptr) body.inertia = known_shape->hull->inertia_per_kg * body.mass;
   body.motion.velocity.linear = table.vector("velocity_m_per_s", {}, kVelocity);
   body.motion.velocity.angular = table.vector("angular_velocity_rad_per_s", {}, kAngularVelocity);
   if (role == BodyRole::kProxy) body.gravity_scale = 0;

@@ -42,9 +42,12 @@ bool TableReader::has(std::string_view key) { return table_ != nullptr && table_
 Mistake TableReader::at(const char* key, std::string what, std::string accepted_text) {
   const TomlNode* node = table_ == nullptr ? nullptr : table_->find(key);
   if (node == nullptr) node = table_;
-  return {node == nullptr ? 0 : node->line, node == nullptr ? 0 : node->column,
-          where_.empty() ? std::string(key) : fmt::format("{} {}", where_, key), std::move(what),
+  return {node == nullptr ? 0 : node->line, node == nullptr ? 0 : node->column, name_of(key), std::move(what),
           std::move(accepted_text)};
+}
+
+std::string TableReader::name_of(std::string_view key) const {
+  return where_.empty() ? std::string(key) : fmt::format("{} {}", where_, key);
 }
 
 void TableReader::mistake(const char* key, std::string what, std::string accepted_text) {

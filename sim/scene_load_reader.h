@@ -41,6 +41,8 @@ class TableReader {
   const TomlNode* table(const char* key);                                    // null where missing or wrong
   std::span<const TomlNode> array(const char* key, std::size_t longest);
 
+  // What a mistake calls the key: "[body.3] mass_kg".
+  std::string name_of(std::string_view key) const;
   // A mistake where the key is missing. Returns whether it is there.
   bool require(const char* key, const char* accepted);
   // A mistake where the key is there.

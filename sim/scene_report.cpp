@@ -37,6 +37,9 @@ BodyCounts count_bodies(const Scene& scene) {
       case ShapeKind::kPlane:
         ++counts.planes;
         break;
+      case ShapeKind::kHull:
+        ++counts.hulls;
+        break;
     }
   }
   return counts;
@@ -60,9 +63,10 @@ std::vector<EffectReport> report_effects(const Scene& scene) {
 }
 
 // Counts the contact of one pair, a before b by id.
-void add_contact(const Body<double>& a, const Body<double>& b, double margin_m, StartContacts& start) {
+void add_contact(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
+                 StartContacts& start) {
   physics::AxisCache cache;
-  const auto manifold = physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin_m, cache);
+  const auto manifold = physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin_m, cache, scene.hulls);
   if (manifold.count == 0) return;
   ++start.contacts;
   start.points += manifold.count;
@@ -91,11 +95,11 @@ StartContacts find_start_contacts(const Scene& scene) {
     return std::pair(std::min(p.a, p.b), std::max(p.a, p.b)) < std::pair(std::min(q.a, q.b), std::max(q.a, q.b));
   });
   for (const auto& pair : pairs)
-    add_contact(*dynamic[std::min(pair.a, pair.b)], *dynamic[std::max(pair.a, pair.b)], margin_m, start);
+    add_contact(scene, *dynamic[std::min(pair.a, pair.b)], *dynamic[std::max(pair.a, pair.b)], margin_m, start);
   for (const auto* f : fixed) {
     const auto box = bounds_of(f->shape, f->motion.pose, 0.5 * margin_m);
     for (std::size_t i = 0; i < dynamic.size(); ++i)
-      if (box.overlaps(bounds[i])) add_contact(*dynamic[i], *f, margin_m, start);
+      if (box.overlaps(bounds[i])) add_contact(scene, *dynamic[i], *f, margin_m, start);
   }
   return start;
 }

@@ -37,9 +37,10 @@ std::string part_line(const GeneratedPart& part) {
 
 std::string to_text(const SceneReport& r) {
   std::string text = fmt::format("{}{}{}\n", r.name, r.title.empty() ? "" : ": ", r.title);
-  text += fmt::format("bodies\n  {:<12}{}: {} move, {} are fixed; {} boxes, {} spheres, {} capsules, {} planes\n",
-                      "count", r.bodies.total, r.bodies.dynamic, r.bodies.fixed, r.bodies.boxes, r.bodies.spheres,
-                      r.bodies.capsules, r.bodies.planes);
+  text +=
+      fmt::format("bodies\n  {:<12}{}: {} move, {} are fixed; {} boxes, {} spheres, {} capsules, {} hulls, {} planes\n",
+                  "count", r.bodies.total, r.bodies.dynamic, r.bodies.fixed, r.bodies.boxes, r.bodies.spheres,
+                  r.bodies.capsules, r.bodies.hulls, r.bodies.planes);
   text += fmt::format("  {:<12}{:g} to {:g} kg, ratio {:.3g}\n", "masses", r.lightest_kg, r.heaviest_kg, r.mass_ratio);
   for (const auto& part : r.generated) text += part_line(part);
   text += "effects\n" + effect_lines(r);

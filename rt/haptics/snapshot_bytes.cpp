@@ -21,18 +21,22 @@ bool read_list(ByteReader& in, FixedVector<T, kCapacity>& list) noexcept {
   return in.ok();
 }
 
-bool is_body(const physics::Body<double>& b) noexcept {
-  return b.id <= kMaxBodyId && b.kind == physics::BodyKind::kDynamic && b.shape.kind < physics::ShapeKind::kPlane &&
+bool is_shape_that_moves(const physics::Shape<double>& shape, std::size_t hulls) noexcept {
+  return shape.kind < physics::ShapeKind::kPlane || (shape.kind == physics::ShapeKind::kHull && shape.hull < hulls);
+}
+
+bool is_body(const physics::Body<double>& b, std::size_t hulls) noexcept {
+  return b.id <= kMaxBodyId && b.kind == physics::BodyKind::kDynamic && is_shape_that_moves(b.shape, hulls) &&
          is_finite(b.motion.pose) && is_finite(b.motion.velocity) && std::isfinite(b.mass) && b.mass > 0 &&
          is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 && b.inertia.z > 0;
 }
 
 // What the sub-world takes for granted of a snapshot: bytes from a damaged tape must not reach its checks.
-bool is_sound(const WorldSnapshot& s) noexcept {
+bool is_sound(const WorldSnapshot& s, std::size_t hulls) noexcept {
   for (std::uint32_t i = 1; i < s.members.size(); ++i)
     if (s.members[i - 1] >= s.members[i]) return false;
   for (const auto& joiner : s.joiners)
-    if (!is_body(joiner)) return false;
+    if (!is_body(joiner, hulls)) return false;
   for (const auto& warm_start : s.warm_starts)
     if (warm_start.count > physics::kMaxManifoldPoints) return false;
   return true;
@@ -52,14 +56,14 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   write_list(out, s.border);
 }
 
-bool read_snapshot(ByteReader& in, WorldSnapshot& s) noexcept {
+bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls) noexcept {
   in.get(s.cycle);
   in.get(s.global_time_s);
   in.get(s.dropped);
   in.get(s.component);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
-         read_list(in, s.border) && is_sound(s);
+         read_list(in, s.border) && is_sound(s, hulls);
 }
 
 }  // namespace tactus::haptics

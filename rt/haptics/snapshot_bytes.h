@@ -9,7 +9,8 @@
 namespace tactus::haptics {
 
 void write_snapshot(ByteWriter& out, const WorldSnapshot& snapshot) noexcept;
-[[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot) noexcept;
+// `hulls`: how many the sub-world knows.
+[[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot, std::size_t hulls = 0) noexcept;
 constexpr std::size_t snapshot_bytes_bound() noexcept { return sizeof(WorldSnapshot); }
 
 }  // namespace tactus::haptics

@@ -31,7 +31,7 @@ Quatd between(const Quatd& a, const Quatd& b, double share) noexcept {
 
 SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
     : config_(config),
-      world_(config.capacities),
+      world_(config.capacities, config.hulls),
       outside_velocity_(config.capacities.border_contacts),
       replaced_(config.capacities.border_contacts) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());

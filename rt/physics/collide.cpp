@@ -3,15 +3,36 @@
 
 #include <utility>
 
+#include "rt/physics/collide_hull.h"
+
 namespace tactus::physics {
 namespace {
 
 constexpr std::uint32_t pair_of(ShapeKind a, ShapeKind b) noexcept {
-  return static_cast<std::uint32_t>(a) * 4 + static_cast<std::uint32_t>(b);
+  return static_cast<std::uint32_t>(a) * 8 + static_cast<std::uint32_t>(b);
+}
+
+// B is a hull, A any shape.
+template <class T>
+void collide_with_hull(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache, Hulls<T> hulls) noexcept {
+  if (pair.b.hull >= hulls.size()) return;
+  const HullView<T> hull = view_of(hulls[pair.b.hull]);
+  switch (pair.a.kind) {
+    case ShapeKind::kSphere:
+      return collide_sphere_hull(pair, hull, manifold);
+    case ShapeKind::kCapsule:
+      return collide_capsule_hull(pair, hull, manifold);
+    case ShapeKind::kBox:
+      return collide_hulls(pair, BoxHull<T>(pair.a.half_extents).view(), hull, manifold, cache);
+    case ShapeKind::kPlane:
+      return collide_plane_hull(pair, hull, manifold);
+    case ShapeKind::kHull:
+      if (pair.a.hull < hulls.size()) collide_hulls(pair, view_of(hulls[pair.a.hull]), hull, manifold, cache);
+  }
 }
 
 template <class T>
-void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache) noexcept {
+void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache, Hulls<T> hulls) noexcept {
   using enum ShapeKind;
   switch (pair_of(pair.a.kind, pair.b.kind)) {
     case pair_of(kSphere, kSphere):
@@ -33,7 +54,8 @@ void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& 
     case pair_of(kBox, kPlane):
       return collide_box_plane(pair, manifold);
     default:
-      return;  // two planes
+      if (pair.b.kind == kHull) collide_with_hull(pair, manifold, cache, hulls);
+      return;  // or two planes
   }
 }
 
@@ -41,25 +63,25 @@ void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& 
 
 template <class T>
 Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
-                    T margin, AxisCache& cache) noexcept {
+                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls) noexcept {
   Manifold<T> manifold;
   if (a.kind <= b.kind) {
     collide_ordered(PairView<T>{a, b, world_from_a.rotation, world_from_b.rotation,
                                 world_from_b.position - world_from_a.position, margin},
-                    manifold, cache);
+                    manifold, cache, hulls);
     return manifold;
   }
   collide_ordered(PairView<T>{b, a, world_from_b.rotation, world_from_a.rotation,
                               world_from_a.position - world_from_b.position, margin},
-                  manifold, cache);
+                  manifold, cache, hulls);
   manifold.normal = -manifold.normal;
   for (std::uint32_t i = 0; i < manifold.count; ++i) std::swap(manifold.points[i].from_a, manifold.points[i].from_b);
   return manifold;
 }
 
 template Manifold<double> collide<double>(const Shape<double>&, const Pose<double>&, const Shape<double>&,
-                                          const Pose<double>&, double, AxisCache&) noexcept;
+                                          const Pose<double>&, double, AxisCache&, Hulls<double>) noexcept;
 template Manifold<float> collide<float>(const Shape<float>&, const Pose<float>&, const Shape<float>&,
-                                        const Pose<float>&, float, AxisCache&) noexcept;
+                                        const Pose<float>&, float, AxisCache&, Hulls<float>) noexcept;
 
 }  // namespace tactus::physics

@@ -42,6 +42,7 @@ class ContactTable {
     std::span<const Body<T>> bodies, fixed_bodies;
     std::span<const BodyFrame<T>> frames, fixed_frames;
     std::span<const Reach<T>> reach;
+    Hulls<T> hulls{};  // of the shapes
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
   // Fills pairs, contacts, points, deepest, dropped and the bits of the report.

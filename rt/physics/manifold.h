@@ -2,12 +2,13 @@
 //
 // Frame: world; points are given from each body's centre, so that a world far from the origin loses nothing.
 // Thread: [any]; pure functions of shapes and poses, bounded work (box-box: 15 axes, one clip of a quadrilateral
-// against four edges, eight projections where no face looks at the other), no allocation.
+// against four edges, eight projections where no face looks at the other; hulls: hull_pair.h), no allocation.
 // Source: separating axes, Gottschalk 1996; clipping, Sutherland and Hodgman 1974.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 
 #include "rt/physics/shape.h"
 
@@ -39,19 +40,23 @@ struct Manifold {
 
 // What narrow phase remembers of a pair from one step to the next: a hint that saves work, and a preference that
 // keeps the reference face from flickering. Part of the state: it travels on the tape.
+inline constexpr std::uint8_t kFirstHullAxis = 16;
+
 struct AxisCache {
-  std::uint8_t axis{0};  // 0 none; 1..6 a face axis; 7..15 an edge axis (box-box)
+  std::uint8_t axis{0};     // 0 none; box-box: 1..6 a face axis, 7..15 an edge axis; from kFirstHullAxis: of hulls
+  std::uint8_t a{0}, b{0};  // hulls: the face or the edge of A, of B; 0 otherwise
   friend bool operator==(const AxisCache&, const AxisCache&) = default;
 };
 
 // Fills a manifold of the points whose separation is at most `margin` [m]; count 0 where there is none, also where a
 // pose is not finite. Within the margin a contact is always found, and the least separation is never larger than the
-// distance; between boxes it may be smaller while they are apart corner to corner.
+// distance; between boxes and hulls it may be smaller while they are apart corner to corner.
+// `hulls`: what the indices of hull shapes refer to; one that is not there touches nothing.
 // A plane may be A or B. Two planes never touch. Ties are broken by the lower feature id: the same input gives the
 // same bits, and a pair given in the other order gives the mirrored manifold only approximately, so callers keep
 // A as the body with the lower id.
 template <class T>
 Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
-                    T margin, AxisCache& cache) noexcept;
+                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls = {}) noexcept;
 
 }  // namespace tactus::physics

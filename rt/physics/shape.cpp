@@ -35,6 +35,7 @@ Vec3<T> inertia_of(const Shape<T>& shape, T mass) noexcept {
       return Vec3<T>{h2.y + h2.z, h2.x + h2.z, h2.x + h2.y} * (mass / T(3));
     }
     case ShapeKind::kPlane:
+    case ShapeKind::kHull:
       break;
   }
   return {};
@@ -52,6 +53,7 @@ T volume_of(const Shape<T>& shape) noexcept {
     case ShapeKind::kBox:
       return T(8) * shape.half_extents.x * shape.half_extents.y * shape.half_extents.z;
     case ShapeKind::kPlane:
+    case ShapeKind::kHull:
       break;
   }
   return T(0);
@@ -61,6 +63,7 @@ template <class T>
 T bounding_radius(const Shape<T>& shape) noexcept {
   switch (shape.kind) {
     case ShapeKind::kSphere:
+    case ShapeKind::kHull:
       return shape.radius;
     case ShapeKind::kCapsule:
       return shape.radius + shape.half_length;
@@ -84,7 +87,8 @@ Aabb<T> bounds_of(const Shape<T>& shape, const Pose<T>& world_from_body, T margi
       reach =
           abs(rotate(q, Vec3<T>{T(0), T(0), shape.half_length})) + Vec3<T>{shape.radius, shape.radius, shape.radius};
       break;
-    case ShapeKind::kBox: {
+    case ShapeKind::kBox:
+    case ShapeKind::kHull: {
       const Vec3<T>& h = shape.half_extents;
       reach = abs(rotate(q, Vec3<T>{h.x, T(0), T(0)})) + abs(rotate(q, Vec3<T>{T(0), h.y, T(0)})) +
               abs(rotate(q, Vec3<T>{T(0), T(0), h.z}));

@@ -1,42 +1,50 @@
-// The shapes that bodies have: sphere, capsule, box; static plane.
+// The shapes that bodies have: sphere, capsule, box, convex hull; static plane.
 //
 // Frame: the body's own, origin at the centre of mass, axes along the principal axes. Units: m, kg, kg m^2.
-// Thread: [any]. A plain value: no pointer, no allocation.
+// Thread: [any]. A plain value: no pointer, no allocation. A hull is referred to by its index in the list that the
+// world was given (hull.h); what the functions below need of it is in the shape itself.
 #pragma once
 
 #include <cstdint>
 
 #include "rt/base/spatial.h"
+#include "rt/physics/hull.h"
 
 namespace tactus::physics {
 
-enum class ShapeKind : std::uint32_t { kSphere = 0, kCapsule = 1, kBox = 2, kPlane = 3 };
+enum class ShapeKind : std::uint32_t { kSphere = 0, kCapsule = 1, kBox = 2, kPlane = 3, kHull = 4 };
 
 template <class T>
 struct Shape {
   ShapeKind kind{ShapeKind::kSphere};
-  T radius{};              // m: sphere, capsule; 0 otherwise
+  std::uint32_t hull{0};   // hull: which one, in the list of the world
+  T radius{};              // m: sphere, capsule; hull: of the ball about the origin that holds it; 0 otherwise
   T half_length{};         // m: capsule, half the distance between the cap centres, along body z
-  Vec3<T> half_extents{};  // m: box
+  Vec3<T> half_extents{};  // m: box; hull: the box about the origin that holds it
 
-  static constexpr Shape sphere(T radius) noexcept { return {ShapeKind::kSphere, radius, T(0), {}}; }
+  static constexpr Shape sphere(T radius) noexcept { return {ShapeKind::kSphere, 0, radius, T(0), {}}; }
   static constexpr Shape capsule(T radius, T half_length) noexcept {
-    return {ShapeKind::kCapsule, radius, half_length, {}};
+    return {ShapeKind::kCapsule, 0, radius, half_length, {}};
   }
   static constexpr Shape box(const Vec3<T>& half_extents) noexcept {
-    return {ShapeKind::kBox, T(0), T(0), half_extents};
+    return {ShapeKind::kBox, 0, T(0), T(0), half_extents};
   }
   // The half space z <= 0 of the body frame is solid. Fixed bodies only.
-  static constexpr Shape plane() noexcept { return {ShapeKind::kPlane, T(0), T(0), {}}; }
+  static constexpr Shape plane() noexcept { return {ShapeKind::kPlane, 0, T(0), T(0), {}}; }
+  // `index`: where it is in the world's list.
+  static constexpr Shape convex(const Hull<T>& hull, std::uint32_t index) noexcept {
+    return {ShapeKind::kHull, index, hull.bounding_radius, T(0), hull.half_extents};
+  }
 
   friend constexpr bool operator==(const Shape&, const Shape&) noexcept = default;
 };
 
-// Diagonal of the inertia tensor of a homogeneous body of `mass` [kg m^2]; zero for a plane.
+// Diagonal of the inertia tensor of a homogeneous body of `mass` [kg m^2]; zero for a plane, and for a hull: that
+// of its Hull is inertia_per_kg.
 template <class T>
 Vec3<T> inertia_of(const Shape<T>& shape, T mass) noexcept;
 
-// Volume [m^3]; zero for a plane.
+// Volume [m^3]; zero for a plane, and for a hull: that is in its Hull.
 template <class T>
 T volume_of(const Shape<T>& shape) noexcept;
 
@@ -55,7 +63,8 @@ struct Aabb {
   }
 };
 
-// The shape's box at `world_from_body`, grown by `margin` on every side. A plane's is unbounded.
+// The shape's box at `world_from_body`, grown by `margin` on every side. A plane's is unbounded; a hull's is that of
+// the box that holds it, so larger than need be.
 template <class T>
 Aabb<T> bounds_of(const Shape<T>& shape, const Pose<T>& world_from_body, T margin) noexcept;
 

@@ -20,8 +20,9 @@ bool holds(const BoundedVector<Body<T>>& bodies, std::uint32_t slot, BodyId id) 
 }  // namespace
 
 template <class T>
-World<T>::World(const Capacities& capacities)
+World<T>::World(const Capacities& capacities, Hulls<T> hulls)
     : capacities_(capacities),
+      hulls_(hulls),
       bodies_(capacities.bodies),
       fixed_bodies_(capacities.fixed_bodies),
       frozen_(capacities.bodies),
@@ -49,6 +50,7 @@ template <class T>
 bool World<T>::insert(const Body<T>& body) noexcept {
   const bool fixed = body.kind == BodyKind::kFixed;
   TACTUS_CHECK(body.id <= kMaxBodyId, body.id, kMaxBodyId);
+  TACTUS_CHECK(body.shape.kind != ShapeKind::kHull || body.shape.hull < hulls_.size(), body.shape.hull, hulls_.size());
   TACTUS_CHECK(is_finite(body.motion.pose) && is_finite(body.motion.velocity), body.id, 0);
   TACTUS_CHECK(fixed || (body.mass > T(0) && std::isfinite(body.mass)), body.id, body.mass);
   TACTUS_CHECK(
@@ -259,7 +261,7 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
 
   add_pairs();
   add_fixed_pairs();
-  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span()}, settings,
+  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_}, settings,
                   h, impulse_scale, report);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   const std::span<const Wrench<T>> wrenches =

@@ -26,7 +26,9 @@ namespace tactus::physics {
 template <class T>
 class World {
  public:
-  explicit World(const Capacities& capacities);  // [setup] allocates and touches everything
+  // [setup] Allocates and touches everything. `hulls`: what the bodies' hull shapes refer to; it must outlive the world
+  // and stay the same.
+  explicit World(const Capacities& capacities, Hulls<T> hulls = {});
 
   // --- membership. Slots are in the order of body ids; inserting or removing moves the slots above.
   // False (and kBodiesFull or kFixedBodiesFull in the next report) when there is no room or the id is there already.
@@ -92,6 +94,7 @@ class World {
   void add_fixed_pairs() noexcept;
 
   Capacities capacities_;
+  Hulls<T> hulls_;
   BoundedVector<Body<T>> bodies_, fixed_bodies_;  // by id
   BoundedVector<std::uint8_t> frozen_;            // by slot
   BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step

@@ -31,13 +31,20 @@ template <class Io, class T>
 void each_field(Io& io, Body<T>& b) noexcept {
   io(b.id), io(b.kind);
   io(b.shape.kind), io(b.shape.radius), io(b.shape.half_length), each_field(io, b.shape.half_extents);
+  if (b.shape.kind == ShapeKind::kHull) io(b.shape.hull);
   io(b.mass), each_field(io, b.inertia), io(b.friction), io(b.gravity_scale);
   each_field(io, b.motion.pose), each_field(io, b.motion.velocity);
 }
 
+template <class Io>
+void each_field(Io& io, AxisCache& c) noexcept {
+  io(c.axis);
+  if (c.axis >= kFirstHullAxis) io(c.a), io(c.b);
+}
+
 template <class Io, class T>
 void each_field(Io& io, Contact<T>& c) noexcept {
-  io(c.key.value), io(c.slot_a), io(c.slot_b), io(c.b_fixed), io(c.axis_cache.axis), io(c.friction);
+  io(c.key.value), io(c.slot_a), io(c.slot_b), io(c.b_fixed), each_field(io, c.axis_cache), io(c.friction);
   each_field(io, c.normal);
   io(c.count);
   for (std::uint32_t i = 0; i < c.count && i < kMaxManifoldPoints; ++i) {
@@ -61,7 +68,7 @@ void each_field(Io& io, ContactReference<T>& r) noexcept {
 
 template <class Io, class T>
 void each_field(Io& io, WarmStart<T>& w) noexcept {
-  io(w.key.value), io(w.axis_cache.axis), io(w.count);
+  io(w.key.value), each_field(io, w.axis_cache), io(w.count);
   for (std::uint32_t i = 0; i < w.count && i < kMaxManifoldPoints; ++i)
     io(w.features[i]), io(w.normal_force[i]), each_field(io, w.friction_force[i]);
 }
@@ -224,10 +231,12 @@ void World<T>::clear() noexcept {
 // What a world made by itself always is, and bytes from a damaged tape may not be.
 template <class T>
 bool World<T>::is_consistent() const noexcept {
-  const auto ascending = [](const BoundedVector<Body<T>>& bodies, BodyKind kind) noexcept {
+  const std::size_t hulls = hulls_.size();
+  const auto ascending = [hulls](const BoundedVector<Body<T>>& bodies, BodyKind kind) noexcept {
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
       const Body<T>& b = bodies[i];
-      if (b.id > kMaxBodyId || b.kind != kind || b.shape.kind > ShapeKind::kPlane) return false;
+      if (b.id > kMaxBodyId || b.kind != kind || b.shape.kind > ShapeKind::kHull) return false;
+      if (b.shape.kind == ShapeKind::kHull && b.shape.hull >= hulls) return false;
       if (i > 0 && bodies[i - 1].id >= b.id) return false;
       if (!is_finite(b.motion.pose) || !is_finite(b.motion.velocity)) return false;
       if (kind == BodyKind::kDynamic &&

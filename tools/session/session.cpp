@@ -157,6 +157,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.damping_Ns_per_m = scene.coupling.damping_Ns_per_m;
   sub.stiffness_Nm_per_rad = scene.coupling.stiffness_Nm_per_rad;
   sub.damping_Nms_per_rad = scene.coupling.damping_Nms_per_rad;
+  sub.hulls = scene.hulls;
   sub.capacities = sub_world_capacities(scene, members_of(scene, options));
   return config;
 }

@@ -197,6 +197,7 @@ inline Shape<double> random_shape(Random& random, ShapeKind kind) {
       return Shape<double>::box(
           {random.log_uniform(3e-4, 0.15), random.log_uniform(3e-3, 0.15), random.log_uniform(3e-3, 0.15)});
     case ShapeKind::kPlane:
+    case ShapeKind::kHull:
       break;
   }
   return Shape<double>::plane();

@@ -1,0 +1,117 @@
+// A convex hull: vertices, faces and edges in fixed arrays, built at set-up and never changed.
+//
+// Frame: the body's own, origin at the centre of mass, axes along the principal axes. Units: m, kg, kg m^2.
+// A Shape refers to a hull by its index in the list that both worlds are given at set-up (Hulls): so a body stays a
+// small value, and a tape replays once the same scene is loaded. Thread: make_hull [setup]; the rest [any], read only.
+// Bound: 64 vertices; a closed convex surface of 64 vertices has at most 124 faces and 186 edges (Euler).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "rt/base/spatial.h"
+
+namespace tactus::physics {
+
+inline constexpr std::uint32_t kMaxHullVertices = 64;
+inline constexpr std::uint32_t kMaxHullFaces = 2 * kMaxHullVertices - 4;
+inline constexpr std::uint32_t kMaxHullEdges = 3 * kMaxHullVertices - 6;
+
+// From one vertex to another; going so, `left` is the face on the left, seen from outside.
+struct HullEdge {
+  std::uint8_t from, to, left, right;
+};
+
+// Who meets whom, without places. Loops run counter-clockwise seen from outside.
+struct HullTopology {
+  std::uint32_t vertices{0}, faces{0}, edges{0};
+  std::array<std::uint16_t, kMaxHullFaces + 1> loop_start{};    // loop of face f: from loop_start[f] to [f + 1]
+  std::array<std::uint8_t, 2 * kMaxHullEdges> loop_vertices{};  // the vertices of all loops
+  std::array<std::uint8_t, 2 * kMaxHullEdges> loop_edges{};     // the edge from that vertex to the next of its loop
+  std::array<HullEdge, kMaxHullEdges> edge{};                   // in the order in which the loops first meet them
+
+  constexpr std::span<const std::uint8_t> loop(std::uint32_t face) const noexcept {
+    return {loop_vertices.data() + loop_start[face], static_cast<std::size_t>(loop_start[face + 1] - loop_start[face])};
+  }
+  // Adds a face. False where it does not fit.
+  constexpr bool add_face(std::span<const std::uint8_t> loop_of_face) noexcept {
+    const std::size_t start = loop_start[faces];
+    if (faces == kMaxHullFaces || loop_of_face.size() < 3 || start + loop_of_face.size() > loop_vertices.size())
+      return false;
+    for (std::size_t k = 0; k < loop_of_face.size(); ++k) loop_vertices[start + k] = loop_of_face[k];
+    loop_start[++faces] = static_cast<std::uint16_t>(start + loop_of_face.size());
+    return true;
+  }
+  // Finds the edges from the loops. False where the surface is not closed: an edge without exactly two faces.
+  constexpr bool close() noexcept;
+};
+
+template <class T>
+struct Hull {
+  HullTopology topology;
+  // Vertices, by coordinate; filled up with the first one to whole registers.
+  alignas(32) std::array<T, kMaxHullVertices> x{}, y{}, z{};
+  std::array<Vec3<T>, kMaxHullFaces> normals{};  // unit, outward
+  std::array<T, kMaxHullFaces> offsets{};        // m: the largest of n.v over all vertices
+  std::array<T, kMaxHullEdges> edge_reach{};     // 1 / cos(half the angle between the normals of the edge's faces)
+  T inner_radius{};                              // m: of the ball about the origin that touches the nearest face
+  T bounding_radius{};                           // m: of the ball about the origin that holds all
+  T flatness{};                                  // m: a face's vertices lie at most this much below its plane
+  T least_width{};                               // m: the smallest over the faces of the extent across it
+  Vec3<T> half_extents{};                        // m: the box |x| <= h.x .. about the origin holds all
+  T volume{};                                    // m^3
+  Vec3<T> inertia_per_kg{};                      // m^2: principal moments of the homogeneous body of 1 kg
+
+  constexpr Vec3<T> vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
+};
+
+// What a shape's index refers to. The worlds only look: the list stays where it is as long as they live.
+template <class T>
+using Hulls = std::span<const Hull<T>>;
+
+enum class HullFault : std::uint32_t {
+  kNone = 0,
+  kNotFinite = 1,  // a coordinate
+  kNotClosed = 2,  // the faces do not make a closed surface
+  kFlat = 3,       // no volume
+  kNotConvex = 4,  // a vertex lies clearly outside the plane of a face
+};
+
+// Fills `hull` from vertices in any frame and the loops of `topology` (its edges are found here), and `given_from_body`
+// with where the hull's own frame is in the frame of the vertices. Mass properties are exact for the polyhedron (sums
+// over tetrahedra; the moments of one: Tonon 2004, equations 9a to 9f).
+[[nodiscard]] HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull<double>& hull,
+                                  Posed& given_from_body) noexcept;
+
+// The same hull in single precision.
+Hull<float> narrowed(const Hull<double>& hull) noexcept;
+
+constexpr bool HullTopology::close() noexcept {
+  edges = 0;
+  for (std::uint32_t face = 0; face < faces; ++face) {
+    const auto around = loop(face);
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      const std::uint8_t from = around[k], to = around[k + 1 == around.size() ? 0 : k + 1];
+      if (from >= vertices || to >= vertices || from == to) return false;
+      std::uint32_t e = 0;
+      while (e < edges && !(edge[e].from == to && edge[e].to == from)) {
+        if (edge[e].from == from && edge[e].to == to) return false;  // two faces on the same side
+        ++e;
+      }
+      if (e == kMaxHullEdges) return false;
+      if (e == edges)
+        edge[edges++] = {from, to, static_cast<std::uint8_t>(face), 0xff};
+      else if (edge[e].right == 0xff)
+        edge[e].right = static_cast<std::uint8_t>(face);
+      else
+        return false;
+      loop_edges[loop_start[face] + k] = static_cast<std::uint8_t>(e);
+    }
+  }
+  for (std::uint32_t e = 0; e < edges; ++e)
+    if (edge[e].right == 0xff) return false;
+  return vertices + faces == edges + 2;
+}
+
+}  // namespace tactus::physics

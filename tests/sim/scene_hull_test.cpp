@@ -1,0 +1,131 @@
+// Hulls in scene files: what a body gets from them, what a tape needs, and every mistake with its place.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <fstream>
+
+#include "sim/scene_load.h"
+#include "sim/scene_report.h"
+
+using namespace tactus;
+using namespace tactus::sim;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kProxy = "\n[proxy]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.1\nposition_m = [5, 5, 5]\n";
+const std::string kCube =
+    "points_m = "
+    "[[0,0,0],[0.2,0,0],[0,0.2,0],[0,0,0.2],[0.2,0.2,0],[0.2,0,0.2],[0,0.2,0.2],[0.2,0.2,0.2],[0.1,0.1,0.1]]\n";
+
+std::string hull(const std::string& keys) { return "[[body]]\nshape = \"hull\"\n" + keys; }
+
+Scene good(const std::string& text) {
+  auto scene = parse_scene(text + kProxy, "x.toml");
+  INFO(scene.message());
+  REQUIRE(scene.ok());
+  return std::move(scene).value();
+}
+
+std::string wrong(const std::string& text) {
+  const auto scene = parse_scene(text + kProxy, "x.toml");
+  REQUIRE_FALSE(scene.ok());
+  return scene.message();
+}
+
+// A folder with a scene and the files beside it, gone at the end.
+struct Folder {
+  Folder() : path(std::filesystem::temp_directory_path() / fmt::format("tactus_hulls_{}", ::getpid())) {
+    std::filesystem::create_directories(path);
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path / name) << text; }
+  std::filesystem::path path;
+};
+
+}  // namespace
+
+TEST_CASE("A hull from points has the mass, place and moments of the solid") {
+  const Scene scene = good(hull(kCube + "density_kg_per_m3 = 1000\nposition_m = [1, 2, 3]\n"));
+  REQUIRE(scene.hulls.size() == 1);
+  const auto& body = scene.bodies[1];
+  CHECK(body.shape.kind == physics::ShapeKind::kHull);
+  CHECK(body.mass == Approx(8.0).epsilon(1e-12));
+  CHECK(norm(body.motion.pose.position - Vec3d{1.1, 2.1, 3.1}) < 1e-12);
+  CHECK(body.inertia.x == Approx(8.0 * 0.04 / 6).epsilon(1e-12));
+  CHECK(scene.hulls[0].topology.vertices == 8);
+  const auto report = report_on(scene, {}, 1e-3);
+  CHECK(report.bodies.hulls == 1);
+  CHECK_THAT(to_text(report), Contains("1 hulls"));
+  CHECK(good(hull(kCube + "fixed = true\n")).bodies[1].kind == physics::BodyKind::kFixed);
+}
+
+TEST_CASE("A hull from a file is there once for all its bodies, and the scene's source needs no file any more") {
+  const Folder folder;
+  folder.write("cube \"1\".obj",
+               "v 0 0 0\nv 200 0 0\nv 0 200 0\nv 0 0 200\nv 200 200 0\nv 200 0 200\nv 0 200 200\n"
+               "v 200 200 200\nv 33.3 0.1 7\n");
+  const std::string body = hull("file = 'cube \"1\".obj'\nfile_unit_m = 0.001\nmass_kg = 2\n");
+  folder.write("x.toml", body + body + hull("file = 'cube \"1\".obj'\nfile_unit_m = 0.01\nmass_kg = 2") + kProxy);
+  const auto loaded = load_scene(folder.path / "x.toml");
+  INFO(loaded.message());
+  REQUIRE(loaded.ok());
+  const Scene& scene = loaded.value();
+  REQUIRE(scene.hulls.size() == 2);
+  CHECK(scene.bodies[1].shape == scene.bodies[2].shape);
+  CHECK(scene.hulls[1].volume == Approx(8.0).epsilon(1e-9));
+
+  std::filesystem::remove(folder.path / "cube \"1\".obj");
+  const auto again = parse_scene(scene.source, "y");
+  INFO(again.message() << scene.source);
+  REQUIRE(again.ok());
+  REQUIRE(again.value().hulls.size() == 2);
+  for (std::size_t k = 0; k < 2; ++k)
+    CHECK(std::memcmp(&again.value().hulls[k], &scene.hulls[k], sizeof scene.hulls[k]) == 0);
+  CHECK(again.value().source == scene.source);
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) CHECK(again.value().bodies[k].motion == scene.bodies[k].motion);
+}
+
+TEST_CASE("Every mistake in a hull says what is wrong and what would do") {
+  CHECK_THAT(wrong(hull("mass_kg = 1\n")), Contains("points_m: missing"));
+  CHECK_THAT(wrong(hull("points_m = 3\nmass_kg = 1\n")), Contains("x.toml:3:12") && Contains("not an array"));
+  CHECK_THAT(wrong(hull("points_m = []\nmass_kg = 1\n")), Contains("0 points make no solid"));
+  CHECK_THAT(wrong(hull("points_m = [[0, 0, 0], [1, 2]]\nmass_kg = 1\n")),
+             Contains("x.toml:3:24: [body.1] points_m: an array of 2 is not a place"));
+  CHECK_THAT(wrong(hull("points_m = [[0, 0, nan], [1, 2, 3]]\nmass_kg = 1\n")), Contains("is not a place"));
+  CHECK_THAT(wrong(hull("points_m = [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]\nmass_kg = 1\n")),
+             Contains("lie in a plane") && Contains("at least 0.0001 m thick"));
+  CHECK_THAT(wrong(hull("points_m = [[0,0,0],[5000,0,0],[0,1,0],[1,1,1]]\nmass_kg = 1\n")),
+             Contains("has a point at [5000, 0, 0] m"));
+  CHECK_THAT(wrong(hull("file = \"x.obj\"\nmass_kg = 1\n")), Contains("only a scene that is a file itself"));
+  CHECK_THAT(wrong(hull("file = \"x.obj\"\nmass_kg = 1\n" + kCube)), Contains("there is a file already"));
+  CHECK_THAT(wrong(hull(kCube + "file_unit_m = 1\nmass_kg = 1\n")), Contains("there is no file"));
+  CHECK_THAT(wrong("[[body]]\nshape = \"mesh\"\n"),
+             Contains("\"mesh\" is not known") && Contains("box, sphere, capsule, hull, plane"));
+
+  const Folder folder;
+  const auto loading = [&](const std::string& keys) {
+    folder.write("x.toml", hull(keys + "mass_kg = 1\n") + kProxy);
+    const auto scene = load_scene(folder.path / "x.toml");
+    REQUIRE_FALSE(scene.ok());
+    return scene.message();
+  };
+  CHECK_THAT(loading("file = \"none.stl\"\n"),
+             Contains("x.toml:3:8: [body.1] file: ") && Contains("there is no such file"));
+  CHECK_THAT(loading("file = \"x.toml\"\n"), Contains("ends in .obj or .stl"));
+  folder.write("bad.obj", "v 0 0 0\nv 1 x 0\n");
+  CHECK_THAT(loading("file = \"bad.obj\"\n"), Contains("bad.obj:2: \"x\" in y"));
+  folder.write("ball.obj", [] {
+    std::string text;
+    for (int k = 0; k < 100; ++k) {
+      const auto [s, c] = sin_cos(2.399963 * k);
+      const double z = 1 - (2 * k + 1) / 100.0, r = std::sqrt(1 - z * z);
+      text += fmt::format("v {} {} {}\n", r * c, r * s, z);
+    }
+    return text;
+  }());
+  CHECK_THAT(loading("file = \"ball.obj\"\n"),
+             Contains("the hull has 100 vertices; accepted: at most 64") && Contains("coarser"));
+}
