@@ -42,10 +42,19 @@ void list_edges(const RelativeHulls<T>& hulls, T at_least, std::uint32_t face, E
   }
 }
 
-// An edge of the other hull in the frame of ref, with the normals of its faces.
+// An edge of the other hull in the frame of ref, with the normals of its faces. Plain numbers: a list of them is not
+// cleared before it is filled, which cost more than all the rest.
 template <class T>
 struct OtherEdge {
-  Vec3<T> along, left, right;
+  T number[9];
+
+  void set(const Vec3<T>& along, const Vec3<T>& left, const Vec3<T>& right) noexcept {
+    const Vec3<T> v[3] = {along, left, right};
+    for (int i = 0; i < 9; ++i) number[i] = v[i / 3][i % 3];
+  }
+  Vec3<T> along() const noexcept { return {number[0], number[1], number[2]}; }
+  Vec3<T> left() const noexcept { return {number[3], number[4], number[5]}; }
+  Vec3<T> right() const noexcept { return {number[6], number[7], number[8]}; }
 };
 
 }  // namespace
@@ -100,17 +109,17 @@ EdgeAxis<T> best_edges(const RelativeHulls<T>& hulls, T margin, T at_least, std:
   std::array<OtherEdge<T>, kMaxHullEdges> other;
   for (std::uint32_t j = 0; j < others.count; ++j) {
     const HullEdge& edge = hulls.other.topology->edge[others.edge[j]];
-    other[j] = {hulls.to_ref(hulls.other.vertex(edge.to) - hulls.other.vertex(edge.from)),
-                hulls.to_ref(hulls.other.normals[edge.left]), hulls.to_ref(hulls.other.normals[edge.right])};
+    other[j].set(hulls.to_ref(hulls.other.vertex(edge.to) - hulls.other.vertex(edge.from)),
+                 hulls.to_ref(hulls.other.normals[edge.left]), hulls.to_ref(hulls.other.normals[edge.right]));
   }
   for (std::uint32_t i = 0; i < mine.count; ++i) {
     const HullEdge& edge = hulls.ref.topology->edge[mine.edge[i]];
     const Vec3<T> along = hulls.ref.vertex(edge.to) - hulls.ref.vertex(edge.from);
     const Vec3<T>&left = hulls.ref.normals[edge.left], &right = hulls.ref.normals[edge.right];
     for (std::uint32_t j = 0; j < others.count; ++j) {
-      const T other_left = dot(other[j].left, along), other_right = dot(other[j].right, along);
+      const T other_left = dot(other[j].left(), along), other_right = dot(other[j].right(), along);
       if (!(other_left * other_right < T(0))) continue;
-      const T my_left = dot(left, other[j].along), my_right = dot(right, other[j].along);
+      const T my_left = dot(left, other[j].along()), my_right = dot(right, other[j].along());
       if (!(my_left * my_right < T(0) && other_left * my_right < T(0))) continue;
       const EdgeAxis<T> axis = edge_axis(hulls, mine.edge[i], others.edge[j]);
       if (!axis.found || !(axis.separation > best.separation)) continue;

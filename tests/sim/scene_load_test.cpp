@@ -75,7 +75,7 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
        "[hand] path.2 time_s", "0 s is not after 0 s", "ascending"},
       {"[hand]\npath = [\n{time_s = 0, position_m = [0, 0, 0]}, {time_s = 1, position_m = [0, 0, 1]}]", 2, 8,
        "[hand] path", "does not end where it begins", "repeat = false"},
-      {"[[body]]\nmass_kg = 1", 1, 1, "[body.1] shape", "missing", "box, sphere, capsule, plane"},
+      {"[[body]]\nmass_kg = 1", 1, 1, "[body.1] shape", "missing", "box, sphere, capsule, hull, plane"},
       {"[[body]]\nshape = \"sfere\"\nradius_m = 1\nmass_kg = 1", 2, 9, "[body.1] shape", "did you mean sphere?", "box"},
       {"[[body]]\nshape = \"sphere\"\nmass_kg = 1", 1, 1, "[body.1] radius_m", "missing", "a number"},
       {"[[body]]\nshape = \"capsule\"\nradius_m = 1\nmass_kg = 1", 1, 1, "[body.1] length_m", "missing", "cap"},
