@@ -172,7 +172,8 @@ void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, co
   const Body<T>& a = walk.scene.bodies[pair.a];
   const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
   AxisCache axis_cache = known ? walk.old[walk.old_next].axis_cache : given ? given->axis_cache : AxisCache{};
-  const Manifold<T> manifold = collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, walk.scene.hulls);
+  const Manifold<T> manifold =
+      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, walk.scene.hulls);
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever = manifold.lever;
     return;
