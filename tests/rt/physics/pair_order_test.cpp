@@ -57,7 +57,7 @@ TEST_CASE("The wide finder finds exactly what overlaps, whatever single precisio
       boxes.push_back({at, at + Vec3d{0.1, 0.1, 0.1}});
     }
     if (count > 8) {
-      constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
+      const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
       boxes[3] = {{-infinity, -1e300, 1000}, {infinity, 1e300, 1000.2}};
       boxes[5] = {{1000, nan, 1000}, {1001, nan, 1001}};
     }
