@@ -21,6 +21,7 @@ inline constexpr std::uint32_t kMaxHullEdges = 3 * kMaxHullVertices - 6;
 // From one vertex to another; going so, `left` is the face on the left, seen from outside.
 struct HullEdge {
   std::uint8_t from, to, left, right;
+  friend constexpr bool operator==(const HullEdge&, const HullEdge&) noexcept = default;
 };
 
 // Who meets whom, without places. Loops run counter-clockwise seen from outside.
@@ -45,6 +46,7 @@ struct HullTopology {
   }
   // Finds the edges from the loops. False where the surface is not closed: an edge without exactly two faces.
   constexpr bool close() noexcept;
+  friend constexpr bool operator==(const HullTopology&, const HullTopology&) noexcept = default;
 };
 
 template <class T>
@@ -64,6 +66,7 @@ struct Hull {
   Vec3<T> inertia_per_kg{};                      // m^2: principal moments of the homogeneous body of 1 kg
 
   constexpr Vec3<T> vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
+  friend constexpr bool operator==(const Hull&, const Hull&) noexcept = default;
 };
 
 // What a shape's index refers to. The worlds only look: the list stays where it is as long as they live.

@@ -2,7 +2,6 @@
 #include "sim/hull_builder.h"
 
 #include <catch2/catch.hpp>
-#include <cstring>
 
 #include "tests/support/physics_bench.h"
 
@@ -77,7 +76,7 @@ TEST_CASE("Points on a ball are all vertices, and the vertices alone give the sa
     if (count == 4 && !built.ok()) continue;
     REQUIRE(built.ok());
     const BuiltHull again = good(built.value().vertices);
-    REQUIRE(std::memcmp(&built.value().hull, &again.hull, sizeof again.hull) == 0);
+    REQUIRE(built.value().hull == again.hull);
     REQUIRE(built.value().given_from_body == again.given_from_body);
     const auto& t = again.hull.topology;
     REQUIRE(t.vertices + t.faces == t.edges + 2);

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <cstring>
 #include <fstream>
 
 #include "sim/scene_load.h"
@@ -82,8 +81,7 @@ TEST_CASE("A hull from a file is there once for all its bodies, and the scene's 
   INFO(again.message() << scene.source);
   REQUIRE(again.ok());
   REQUIRE(again.value().hulls.size() == 2);
-  for (std::size_t k = 0; k < 2; ++k)
-    CHECK(std::memcmp(&again.value().hulls[k], &scene.hulls[k], sizeof scene.hulls[k]) == 0);
+  CHECK(again.value().hulls == scene.hulls);
   CHECK(again.value().source == scene.source);
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) CHECK(again.value().bodies[k].motion == scene.bodies[k].motion);
 }
