@@ -35,8 +35,9 @@ physics::StepSettings<double> settings_for(const Scene& scene, const GlobalOptio
   physics::StepSettings<double> settings;
   settings.dt = options.reach.ratio * options.reach.tick_period_s;
   settings.sub_steps = options.reach.ratio * scene.solver.global_sub_steps_per_tick;
-  settings.relax_sweeps = scene.solver.relax_sweeps;
   settings.contact_hertz = scene.solver.contact_hertz;
+  settings.relax_sweeps = std::max(
+      scene.solver.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
   settings.contact_damping_ratio = scene.solver.contact_damping_ratio;
   settings.gravity = scene.effects.gravity ? scene.gravity_m_per_s2 : Vec3d{};
   settings.friction = scene.effects.friction;

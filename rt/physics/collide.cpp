@@ -63,16 +63,17 @@ void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& 
 
 template <class T>
 Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
-                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls) noexcept {
+                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls,
+                    const LastFeatures& last) noexcept {
   Manifold<T> manifold;
   if (a.kind <= b.kind) {
     collide_ordered(PairView<T>{a, b, world_from_a.rotation, world_from_b.rotation,
-                                world_from_b.position - world_from_a.position, margin},
+                                world_from_b.position - world_from_a.position, margin, last},
                     manifold, cache, hulls);
     return manifold;
   }
   collide_ordered(PairView<T>{b, a, world_from_b.rotation, world_from_a.rotation,
-                              world_from_a.position - world_from_b.position, margin},
+                              world_from_a.position - world_from_b.position, margin, last},
                   manifold, cache, hulls);
   manifold.normal = -manifold.normal;
   for (std::uint32_t i = 0; i < manifold.count; ++i) std::swap(manifold.points[i].from_a, manifold.points[i].from_b);
@@ -80,8 +81,10 @@ Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<
 }
 
 template Manifold<double> collide<double>(const Shape<double>&, const Pose<double>&, const Shape<double>&,
-                                          const Pose<double>&, double, AxisCache&, Hulls<double>) noexcept;
+                                          const Pose<double>&, double, AxisCache&, Hulls<double>,
+                                          const LastFeatures&) noexcept;
 template Manifold<float> collide<float>(const Shape<float>&, const Pose<float>&, const Shape<float>&,
-                                        const Pose<float>&, float, AxisCache&, Hulls<float>) noexcept;
+                                        const Pose<float>&, float, AxisCache&, Hulls<float>,
+                                        const LastFeatures&) noexcept;
 
 }  // namespace tactus::physics

@@ -15,19 +15,6 @@ namespace {
 // Axis codes, as in AxisCache: 0 none, 1..3 faces of A, 4..6 faces of B, 7..15 edge of A x edge of B.
 constexpr int kFirstFaceB = 4, kFirstEdge = 7;
 
-// Feature ids: type in the two top bits, then what the type needs.
-constexpr std::uint32_t kClosestType = 0u, kFaceAType = 1u << 30, kFaceBType = 2u << 30, kEdgeType = 3u << 30;
-
-// An axis must beat the preferred one by 5 % and 10 um (the solver's slop): far above noise, far below a hand.
-template <class T>
-T preference(T separation) noexcept {
-  return T(0.05) * std::abs(separation) + T(1e-5);
-}
-
-// Edges within 0.3 degrees of parallel have no cross product worth a contact normal; the face axes say the same.
-template <class T>
-inline constexpr T kParallelSineSquared = T(2.5e-5);
-
 template <class T>
 struct BoxPair {
   const PairView<T>& pair;
@@ -56,6 +43,17 @@ struct BoxPair {
     return std::abs(dot(n, pair.b_from_a)) - reach;
   }
 };
+
+template <class T>
+const Vec3<T>& face_axis(const BoxPair<T>& boxes, int code) noexcept {
+  return code < kFirstFaceB ? boxes.axis_a[code - 1] : boxes.axis_b[code - kFirstFaceB];
+}
+
+// Not of length 1.
+template <class T>
+Vec3<T> edge_axis(const BoxPair<T>& boxes, int code) noexcept {
+  return cross(boxes.axis_a[(code - kFirstEdge) / 3], boxes.axis_b[(code - kFirstEdge) % 3]);
+}
 
 template <class T>
 Vec3<T> towards_b(const BoxPair<T>& boxes, const Vec3<T>& n) noexcept {
@@ -136,7 +134,7 @@ int choose_face(const BoxPair<T>& boxes, const AxisTest<T>& test, int cached) no
   const T best = *std::max_element(test.face, test.face + 6);
   const auto about_best = [&](int code) noexcept {
     const T separation = test.face[code - 1];
-    return !(best > separation + preference(separation));
+    return !(best > separation + axis_preference(separation));
   };
   if (cached >= 1 && cached < kFirstEdge && about_best(cached)) return cached;
   int chosen = 0;
@@ -206,19 +204,24 @@ ClipPolygon<T> incident_face(const FaceFrame<T>& f) noexcept {
     const unsigned line = n % 2 == 0 ? 4u * static_cast<unsigned>(k) + bit(plus_l[n], 0) + bit(plus_j, 1)
                                      : 4u * static_cast<unsigned>(l) + bit(plus_j, 0) + bit(plus_k[n], 1);
     const auto coordinate = [&](int c) noexcept { return middle[c] + sign_k * side_k[c] + sign_l * side_l[c]; };
-    polygon.points[n] = {coordinate(0), coordinate(1), f.sign * coordinate(2) - f.h[f.i],
+    polygon.points[n] = {coordinate(0),
+                         coordinate(1),
+                         f.sign * coordinate(2) - f.h[f.i],
                          static_cast<std::uint8_t>(bit(plus_j, j) | bit(plus_k[n], k) | bit(plus_l[n], l)),
-                         static_cast<std::uint8_t>(line)};
+                         static_cast<std::uint8_t>(line),
+                         false};
   }
   return polygon;
 }
 
-// Adds the polygon's points, given on the other box's surface, midway between the surfaces.
+// Adds four of the polygon's points, given on the other box's surface, midway between the surfaces.
 template <class T>
-void add_face_points(const BoxPair<T>& boxes, const FaceFrame<T>& f, const ClipPolygon<T>& polygon,
+void add_face_points(const BoxPair<T>& boxes, const FaceFrame<T>& f, ClipPolygon<T>& polygon,
                      Manifold<T>& manifold) noexcept {
   const std::uint32_t face =
       (f.on_a ? kFaceAType : kFaceBType) | static_cast<std::uint32_t>(f.i) << 9 | (f.sign > T(0) ? 1u << 8 : 0u);
+  mark_kept(boxes.pair, face, polygon);
+  reduce_to_four(polygon);
   manifold.normal = f.normal_to_b();
   for (std::uint32_t n = 0; n < polygon.count; ++n) {
     const ClipPoint<T>& p = polygon.points[n];
@@ -269,7 +272,7 @@ void add_face_contact(const BoxPair<T>& boxes, int code, T separation, T bound, 
   // The lowest corner of the other box may lie beside the face. Then the points above the face are higher than the
   // bound: by little, let them down to it; by more, they are not what touches first.
   const T floor = bound > T(0) ? bound : T(0), excess = lowest - floor;
-  if (polygon.count == 0 || excess > preference(floor))
+  if (polygon.count == 0 || excess > axis_preference(floor))
     return add_closest_point(boxes, f.normal_to_b(), separation, bound, manifold);
   std::uint32_t kept = 0;
   for (std::uint32_t n = 0; n < polygon.count; ++n) {
@@ -278,7 +281,6 @@ void add_face_contact(const BoxPair<T>& boxes, int code, T separation, T bound, 
     if (p.w <= boxes.pair.margin) polygon.points[kept++] = p;
   }
   polygon.count = kept;
-  reduce_to_four(polygon);
   add_face_points(boxes, f, polygon, manifold);
 }
 
@@ -286,7 +288,7 @@ void add_face_contact(const BoxPair<T>& boxes, int code, T separation, T bound, 
 template <class T>
 void add_edge_contact(const BoxPair<T>& boxes, int code, T separation, Manifold<T>& manifold) noexcept {
   const int i = (code - kFirstEdge) / 3, j = (code - kFirstEdge) % 3;
-  const Vec3<T> n = towards_b(boxes, direction_or(cross(boxes.axis_a[i], boxes.axis_b[j]), boxes.axis_a[0]));
+  const Vec3<T> n = towards_b(boxes, direction_or(edge_axis(boxes, code), boxes.axis_a[0]));
   Vec3<T> centre_a, centre_b = boxes.pair.b_from_a;
   std::uint32_t sides = 0;
   for (int k = 0; k < 3; ++k) {
@@ -316,9 +318,9 @@ void collide_box_box(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& 
   }
   const int face = choose_face(boxes, test, cached);
   const T face_separation = test.face[face - 1];
-  // An edge contact of the last step may stay on half the preference.
-  const T hold = preference(face_separation) * (cached >= kFirstEdge ? T(0.5) : T(1));
-  if (test.edge != 0 && test.edge_separation > face_separation + hold) {
+  if (test.edge != 0 &&
+      test.edge_separation > face_separation + edge_preference(face_separation, face_axis(boxes, face),
+                                                               edge_axis(boxes, test.edge), cached >= kFirstEdge)) {
     cache.axis = static_cast<std::uint8_t>(test.edge);
     return add_edge_contact(boxes, test.edge, test.edge_separation, manifold);
   }

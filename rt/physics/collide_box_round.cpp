@@ -15,12 +15,6 @@ constexpr std::uint32_t kClosest = 0, kLowEnd = 1, kHighEnd = 2;
 template <class T>
 inline constexpr T kFaceCosine = T(0.9986);
 
-// In deep overlap an edge direction must win by this much over a face, so that the normal does not flicker.
-template <class T>
-T face_preference(T separation) noexcept {
-  return T(0.05) * std::abs(separation) + T(1e-5);
-}
-
 template <class T>
 Vec3<T> clamp_to_box(const Vec3<T>& point, const Vec3<T>& h) noexcept {
   return {std::clamp(point.x, -h.x, h.x), std::clamp(point.y, -h.y, h.y), std::clamp(point.z, -h.z, h.z)};
@@ -180,7 +174,7 @@ void collide_inside(const CapsuleBox<T>& c, Manifold<T>& manifold, T t_closest) 
     if (i == 0 || separation > face_separation) face = i, face_separation = separation;
   }
   int edge = -1;
-  T edge_separation = face_separation + face_preference(face_separation);
+  T edge_separation = face_separation + axis_preference(face_separation);
   Vec3<T> edge_normal;
   for (int j = 0; j < 3; ++j) {
     const Vec3<T> w = cross(unit_axis(j, T(1)), c.half);

@@ -14,9 +14,6 @@
 namespace tactus::physics {
 namespace {
 
-// Feature ids: type in the two top bits, then the reference face, then what the polygon says; or the two edges.
-constexpr std::uint32_t kClosestType = 0u, kFaceAType = 1u << 30, kFaceBType = 2u << 30, kEdgeType = 3u << 30;
-
 // What the axes of a pair said.
 template <class T>
 struct ChosenFace {
@@ -73,8 +70,8 @@ HullPolygon<T> clipped_face(const RelativeHulls<T>& hulls, std::uint32_t face, c
   for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
     const std::uint32_t vertex = topology.loop_vertices[k];
     const Vec3<T> p = hulls.other_vertex(vertex);
-    polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p), dot(n, p) - hulls.ref.offsets[face], vertex,
-                                       topology.loop_edges[k]};
+    polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p),       dot(n, p) - hulls.ref.offsets[face],
+                                       vertex,           topology.loop_edges[k], false};
   }
   const HullTopology& sides = *hulls.ref.topology;
   const std::uint32_t start = sides.loop_start[face], end = sides.loop_start[face + 1];
@@ -137,9 +134,10 @@ void add_face_contact(const PairView<T>& pair, const RelativeHulls<T>& hulls, co
     if (p.w <= pair.margin) polygon.points[kept++] = p;
   }
   polygon.count = kept;
+  const std::uint32_t type = (chosen.on_a ? kFaceAType : kFaceBType) | chosen.face << 20;
+  mark_kept(pair, type, polygon);
   reduce_to_four(polygon);
   manifold.normal = placed.normal_to_b(n);
-  const std::uint32_t type = (chosen.on_a ? kFaceAType : kFaceBType) | chosen.face << 20;
   for (std::uint32_t k = 0; k < polygon.count; ++k) {
     const HullClipPoint<T>& p = polygon.points[k];
     const Vec3<T> mid = n * (hulls.ref.offsets[chosen.face] + T(0.5) * p.w) + along.t1 * p.u + along.t2 * p.v;
@@ -208,9 +206,9 @@ void collide_hulls(const PairView<T>& pair, const HullView<T>& a, const HullView
     return;
   }
   const ChosenFace<T> face = choose_face(ab, ba, best_a, best_b, cached);
-  // An edge contact of the last step may stay on half the preference.
-  const T hold = axis_preference(face.separation) * (cached.axis == kHullEdges ? T(0.5) : T(1));
-  if (edges.found && edges.separation > face.separation + hold) {
+  const Vec3<T> face_normal = face.on_a ? ab.ref.normals[face.face] : ab.to_ref(ba.ref.normals[face.face]);
+  if (edges.found && edges.separation > face.separation + edge_preference(face.separation, face_normal, edges.normal,
+                                                                          cached.axis == kHullEdges)) {
     cache = cache_of(kHullEdges, edges.edge, edges.other_edge);
     return add_edge_contact(pair, ab, edges, manifold);
   }
@@ -242,8 +240,9 @@ void collide_plane_hull(const PairView<T>& pair, const HullView<T>& hull, Manifo
   for (const std::uint8_t i : hull.topology->loop(face)) {
     const Vec3<T> p = hull.vertex(i);
     if (const T w = height(i); w <= pair.margin)
-      polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p), w, i, 0};
+      polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p), w, i, 0, false};
   }
+  mark_kept(pair, 0, polygon);
   reduce_to_four(polygon);
   manifold.normal = up;
   for (std::uint32_t k = 0; k < polygon.count; ++k) {

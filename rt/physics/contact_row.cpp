@@ -41,7 +41,8 @@ TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const Bo
     c.gap[i] = c.separation[i] + moved.gap + c.x[i] * moved.slope_1 + c.y[i] * moved.slope_2;
 }
 
-// The normal rows, point after point. Returns what they added; `v` ends as the relative motion after it.
+// The normal rows, point after point, in the relax sweep backwards: to and fro is symmetric, while always the same way
+// round drives a stack that sways in circles. Returns what they added; `v` ends as the relative motion after it.
 template <bool kBias, bool kTotals, class V>
 TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
                                           const SweepRule<LaneOf<V>>& rule) noexcept {
@@ -50,7 +51,8 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
   const V mass_scale(rule.softness.mass_scale), impulse_scale(rule.softness.impulse_scale);
   const V bias_rate(rule.softness.mass_scale * rule.softness.bias_rate);
   NormalPart<V> sum;
-  for (std::uint32_t i = 0; i < c.points; ++i) {
+  for (std::uint32_t k = 0; k < c.points; ++k) {
+    const std::uint32_t i = kBias ? k : c.points - 1 - k;
     const V x = c.x[i], y = c.y[i], last = c.normal_impulse[i];
     const V s = c.gap[i];
     const auto apart = s > zero;

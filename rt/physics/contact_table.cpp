@@ -13,6 +13,22 @@ void scale_impulses(ContactPoint<T>& point, T factor) noexcept {
   point.tangent_impulse[0] *= factor, point.tangent_impulse[1] *= factor;
 }
 
+// From the centre of A.
+template <class T>
+ContactPoint<T>& nearest_point(Contact<T>& contact, const Vec3<T>& from_a) noexcept {
+  const auto distance = [&](const ContactPoint<T>& p) noexcept { return norm_squared(p.from_a - from_a); };
+  return *std::min_element(contact.points.begin(), contact.points.begin() + contact.count,
+                           [&](const auto& p, const auto& q) { return distance(p) < distance(q); });
+}
+
+template <class T>
+LastFeatures features_of(const Contact<T>* last, const WarmStart<T>* given) noexcept {
+  if (last == nullptr) return given != nullptr ? LastFeatures{given->count, given->features} : LastFeatures{};
+  LastFeatures features{last->count, {}};
+  for (std::uint32_t i = 0; i < last->count; ++i) features.of[i] = last->points[i].feature;
+  return features;
+}
+
 template <class T>
 T separation_of(const Contact<T>& contact) noexcept {
   T least = contact.points[0].separation;
@@ -109,7 +125,7 @@ void ContactTable<T>::visit(Walk& walk, Pair& pair) noexcept {
   // Two bodies fall side by side, or one of them is held: gravity counts once.
   const Reach<T> b = with_fixed ? Reach<T>{} : walk.scene.reach[pair.b];
   const T closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
-  const T margin = std::max(walk.settings.min_margin, closing);
+  const T margin = std::max(walk.settings.min_margin, closing + room_to_carry_over(walk.settings));
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
@@ -173,7 +189,8 @@ void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, co
   const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
   AxisCache axis_cache = known ? walk.old[walk.old_next].axis_cache : given ? given->axis_cache : AxisCache{};
   const Manifold<T> manifold =
-      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, walk.scene.hulls);
+      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, walk.scene.hulls,
+              features_of(known ? &walk.old[walk.old_next] : nullptr, given));
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever = manifold.lever;
     return;
@@ -207,32 +224,38 @@ void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, co
                  std::max(bounding_radius(a.shape), bounding_radius(b.shape)), reference);
 }
 
-// The impulses of the same features: of the last step, or else those given.
+// The impulses of the same features: of the last step, or else those given. Where a point of the last step is not
+// chosen again, the nearest takes its impulse: a stack must not drop because its corners are counted anew.
 template <class T>
 void ContactTable<T>::start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
                                      Contact<T>& contact) const noexcept {
   if (last == nullptr && given == nullptr) return;
   const Tangents<T> now = tangents_of(contact.normal);
-  const Tangents<T> then = last != nullptr ? tangents_of(last->normal) : Tangents<T>{};
-  const std::uint32_t count = last != nullptr ? last->count : given->count;
-  for (std::uint32_t i = 0; i < contact.count; ++i) {
-    ContactPoint<T>& point = contact.points[i];
-    for (std::uint32_t j = 0; j < count; ++j) {
-      if ((last != nullptr ? last->points[j].feature : given->features[j]) != point.feature) continue;
-      // The normal has turned since: the old friction vector is projected on the new tangents.
-      Vec3<T> friction;
-      if (last != nullptr) {
-        const ContactPoint<T>& before = last->points[j];
-        point.normal_impulse = before.normal_impulse;
-        friction = before.tangent_impulse[0] * then.t1 + before.tangent_impulse[1] * then.t2;
-      } else {
-        point.normal_impulse = given->normal_force[j] * walk.sub_step;
-        friction = given->friction_force[j] * walk.sub_step;
-      }
-      point.tangent_impulse[0] = dot(friction, now.t1), point.tangent_impulse[1] = dot(friction, now.t2);
-      break;
-    }
-    if (last != nullptr && walk.impulse_scale != T(1)) scale_impulses(point, walk.impulse_scale);
+  const auto add = [&now](ContactPoint<T>& point, T normal, const Vec3<T>& friction) noexcept {
+    point.normal_impulse += normal;
+    point.tangent_impulse[0] += dot(friction, now.t1), point.tangent_impulse[1] += dot(friction, now.t2);
+  };
+  const auto point_of = [&contact](std::uint32_t feature) noexcept -> ContactPoint<T>* {
+    for (std::uint32_t i = 0; i < contact.count; ++i)
+      if (contact.points[i].feature == feature) return &contact.points[i];
+    return nullptr;
+  };
+  if (last == nullptr) {
+    for (std::uint32_t j = 0; j < given->count; ++j)
+      if (ContactPoint<T>* point = point_of(given->features[j]))
+        add(*point, given->normal_force[j] * walk.sub_step, given->friction_force[j] * walk.sub_step);
+    return;
+  }
+  // The normal has turned since: the old friction vector is projected on the new tangents.
+  const Tangents<T> then = tangents_of(last->normal);
+  const bool same_kind = feature_kind(last->points[0].feature) == feature_kind(contact.points[0].feature);
+  for (std::uint32_t j = 0; j < last->count; ++j) {
+    const ContactPoint<T>& before = last->points[j];
+    ContactPoint<T>* point = point_of(before.feature);
+    if (point == nullptr && same_kind) point = &nearest_point(contact, before.from_a);
+    if (point == nullptr) continue;
+    add(*point, walk.impulse_scale * before.normal_impulse,
+        walk.impulse_scale * (before.tangent_impulse[0] * then.t1 + before.tangent_impulse[1] * then.t2));
   }
 }
 

@@ -4,9 +4,6 @@ namespace tactus::physics {
 namespace {
 
 template <class T>
-inline constexpr T kParallelSineSquared = T(2.5e-5);
-
-template <class T>
 struct EdgeList {
   std::uint32_t count{0};
   std::array<std::uint8_t, kMaxHullEdges> edge;

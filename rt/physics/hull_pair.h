@@ -10,12 +10,6 @@
 
 namespace tactus::physics {
 
-// An axis must beat the preferred one by 5 % and 10 um (the solver's slop): far above noise, far below a hand.
-template <class T>
-T axis_preference(T separation) noexcept {
-  return T(0.05) * std::abs(separation) + T(1e-5);
-}
-
 template <class T>
 struct RelativeHulls {
   HullView<T> ref, other;

@@ -23,6 +23,9 @@ struct ManifoldPoint {
   std::uint32_t feature{0};  // which features made it: the same pair of features has the same id from step to step
 };
 
+// What made it: 0 two closest places, 1 a face of A, 2 a face of B, 3 two edges, for pairs of boxes and hulls.
+constexpr std::uint32_t feature_kind(std::uint32_t feature) noexcept { return feature >> 30; }
+
 // Gaps are not known to be larger than this [m], however large they are.
 template <class T>
 inline constexpr T kLargestGap = T(2e-2);
@@ -48,6 +51,19 @@ struct AxisCache {
   friend bool operator==(const AxisCache&, const AxisCache&) = default;
 };
 
+// Features of the points that a pair had in the last step, any order: where there are more points than a manifold
+// holds, they stay.
+struct LastFeatures {
+  std::uint32_t count{0};
+  std::array<std::uint32_t, kMaxManifoldPoints> of{};
+
+  constexpr bool has(std::uint32_t feature) const noexcept {
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (of[i] == feature) return true;
+    return false;
+  }
+};
+
 // Fills a manifold of the points whose separation is at most `margin` [m]; count 0 where there is none, also where a
 // pose is not finite. Within the margin a contact is always found, and the least separation is never larger than the
 // distance; between boxes and hulls it may be smaller while they are apart corner to corner.
@@ -57,6 +73,7 @@ struct AxisCache {
 // A as the body with the lower id.
 template <class T>
 Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
-                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls = {}) noexcept;
+                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls = {},
+                    const LastFeatures& last = {}) noexcept;
 
 }  // namespace tactus::physics

@@ -37,6 +37,13 @@ struct StepSettings {
   bool gyroscopic{true};  // effect: the gyroscopic term
 };
 
+// A contact is found with this much more margin than the step needs [m]: what its bodies may move, and move faster,
+// before the margin is used up and it must be found anew.
+template <class T>
+constexpr T room_to_carry_over(const StepSettings<T>& settings) noexcept {
+  return T(2) * settings.recycle_tolerance_m;
+}
+
 template <class T>
 struct StepReport {
   std::uint32_t capacity_bits{0};      // CapacityBit

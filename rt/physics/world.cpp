@@ -206,7 +206,8 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap<T>, reach_[i]);
     frames_[i] = BodyFrame<T>::of(body.motion.pose);
     // The bounds of two bodies grow by at least the margin of their pair.
-    const T margin = std::min(std::max(settings.min_margin, reach_[i].moved + reach_[i].fallen), settings.max_margin);
+    const T closing = reach_[i].moved + reach_[i].fallen + room_to_carry_over(settings);
+    const T margin = std::min(std::max(settings.min_margin, closing), settings.max_margin);
     bounds_[i] = bounds_of(body.shape, body.motion.pose, margin);
   }
 }

@@ -88,7 +88,7 @@ void add_peers(CLI::App& experiment, int& exit_code) {
       ->capture_default_str();
   peers
       ->add_option("--sub-steps", options->sub_steps,
-                   "of tactus, in a step; contacts at 0.25 / sub-step, 250 Hz at most")
+                   "of tactus, in a step; contacts at 0.2 / sub-step, 250 Hz at most")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   peers->add_option("--runs", options->runs, "identical runs of each scene")
