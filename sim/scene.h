@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rt/physics/body.h"
+#include "rt/physics/mesh.h"
 
 namespace tactus::sim {
 
@@ -61,6 +62,16 @@ struct GeneratedPart {
   double top_friction{0};             // card house: least coefficient between cards where their tops meet; 0 otherwise
 };
 
+// What became of the triangles of a file.
+struct MeshAccount {
+  std::string file;
+  BodyId body{kNoBody};
+  unsigned corners{0}, triangles{0}, patches{0};  // that the mesh has
+  unsigned welded{0};                             // corners of the file that were there already, or not used
+  unsigned without_area{0}, doubled{0};           // triangles left out
+  unsigned boundary_edges{0};                     // of one triangle only: there the mesh is open
+};
+
 struct Scene {
   std::string name;   // file stem
   std::string title;  // one line for people
@@ -68,6 +79,8 @@ struct Scene {
   Vec3d gravity_m_per_s2{0, 0, -9.81};
   std::vector<physics::Body<double>> bodies;  // bodies[i].id == i
   std::vector<physics::Hull<double>> hulls;   // what the bodies' hull shapes refer to; worlds look into it
+  std::vector<physics::Mesh<double>> meshes;  // same; one for each body that has one
+  std::vector<MeshAccount> mesh_accounts;     // of each mesh
   BodyId proxy{kNoBody};
   DevicePlacement device;
   CouplingGains coupling;

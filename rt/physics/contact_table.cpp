@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/physics/collide_mesh.h"
+
 namespace tactus::physics {
 namespace {
 
@@ -66,8 +68,8 @@ void ContactTable<T>::clear_pairs() noexcept {
 
 // Beyond the capacity the pairs are a heap with the highest key on top: the one that gives way.
 template <class T>
-void ContactTable<T>::add_pair(PairKey key, std::uint32_t a, std::uint32_t b) noexcept {
-  const Pair pair{key, a, b};
+void ContactTable<T>::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
+  const Pair pair{key, a, b, patch};
   if (pairs_.try_push(pair)) return;
   ++pairs_dropped_;
   if (pairs_.empty()) return;
@@ -167,13 +169,23 @@ Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
 }
 
 template <class T>
+Manifold<T> ContactTable<T>::touch(const Scene& scene, const Pair& pair, T margin,
+                                   AxisCache& axis_cache) const noexcept {
+  const Body<T>& a = scene.bodies[pair.a];
+  const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
+  if (b.shape.kind == ShapeKind::kMesh)
+    return collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
+                         scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), margin, scene.hulls);
+  return collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, scene.hulls);
+}
+
+template <class T>
 void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, const WarmStart<T>* given) noexcept {
   const bool with_fixed = pair.key.with_fixed();
   const Body<T>& a = walk.scene.bodies[pair.a];
   const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
   AxisCache axis_cache = known ? walk.old[walk.old_next].axis_cache : given ? given->axis_cache : AxisCache{};
-  const Manifold<T> manifold =
-      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, walk.scene.hulls);
+  const Manifold<T> manifold = touch(walk.scene, pair, margin, axis_cache);
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever = manifold.lever;
     return;
