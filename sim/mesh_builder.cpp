@@ -12,7 +12,6 @@ namespace {
 
 using physics::EdgeKind;
 using physics::kNoTriangle;
-using physics::Mesh;
 using physics::MeshTriangle;
 
 // A triangle lower than this over its longest edge has no area: 1 nm, or a billionth of that edge.
@@ -22,13 +21,15 @@ constexpr double kFlatSine = 1e-3;
 // A patch may leave the plane of its largest triangle by this: the solver's slop, that is left alone anyway.
 constexpr double kPatchHeight_m = 1e-5, kPatchSine = 2e-3;
 
-Vec3d area_vector(const Mesh<double>& mesh, const MeshTriangle& t) {
-  return cross(mesh.place(t, 1) - mesh.place(t, 0), mesh.place(t, 2) - mesh.place(t, 0));
+const Vec3d& place(const MeshParts& mesh, const MeshTriangle& t, std::size_t k) { return mesh.corners[t.corner[k]]; }
+
+Vec3d area_vector(const MeshParts& mesh, const MeshTriangle& t) {
+  return cross(place(mesh, t, 1) - place(mesh, t, 0), place(mesh, t, 2) - place(mesh, t, 0));
 }
 
-double longest_edge(const Mesh<double>& mesh, const MeshTriangle& t) {
-  return std::max({norm(mesh.place(t, 1) - mesh.place(t, 0)), norm(mesh.place(t, 2) - mesh.place(t, 1)),
-                   norm(mesh.place(t, 0) - mesh.place(t, 2))});
+double longest_edge(const MeshParts& mesh, const MeshTriangle& t) {
+  return std::max({norm(place(mesh, t, 1) - place(mesh, t, 0)), norm(place(mesh, t, 2) - place(mesh, t, 1)),
+                   norm(place(mesh, t, 0) - place(mesh, t, 2))});
 }
 
 struct ByPlace {
@@ -38,7 +39,7 @@ struct ByPlace {
 };
 
 // Triangles without area and doubles are left out.
-void take_triangles(const TriangleSoup& soup, const Vec3d& middle, Mesh<double>& mesh, MeshAccount& account) {
+void take_triangles(const TriangleSoup& soup, const Vec3d& middle, MeshParts& mesh, MeshAccount& account) {
   for (const Vec3d& corner : soup.corners) mesh.corners.push_back(corner - middle);
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> seen;  // beginning with the lowest corner
   for (const auto& given : soup.triangles) {
@@ -62,20 +63,20 @@ void take_triangles(const TriangleSoup& soup, const Vec3d& middle, Mesh<double>&
 }
 
 // Positive: convex. Of the angle between the normals, about the edge.
-double fold_sine(const Mesh<double>& mesh, std::uint32_t s, std::uint32_t k, std::uint32_t t) {
+double fold_sine(const MeshParts& mesh, std::uint32_t s, std::uint32_t k, std::uint32_t t) {
   const MeshTriangle& triangle = mesh.triangles[s];
   const Vec3d along = mesh.corners[triangle.corner[(k + 1) % 3]] - mesh.corners[triangle.corner[k]];
   return dot(cross(mesh.normals[s], mesh.normals[t]), along) / norm(along);
 }
 
-EdgeKind judge(const Mesh<double>& mesh, std::uint32_t s, std::uint32_t k, std::uint32_t t) {
+EdgeKind judge(const MeshParts& mesh, std::uint32_t s, std::uint32_t k, std::uint32_t t) {
   const double sine = fold_sine(mesh, s, k, t);
   const bool onward = dot(mesh.normals[s], mesh.normals[t]) > 0;
   if (onward && std::abs(sine) <= kFlatSine) return EdgeKind::kFlat;
   return sine >= (onward ? 0 : -kFlatSine) ? EdgeKind::kConvex : EdgeKind::kConcave;
 }
 
-void join_neighbours(Mesh<double>& mesh, MeshAccount& account) {
+void join_neighbours(MeshParts& mesh, MeshAccount& account) {
   struct Half {
     std::uint32_t triangle, k;
   };
@@ -112,7 +113,7 @@ void join_neighbours(Mesh<double>& mesh, MeshAccount& account) {
 }
 
 // From the largest triangle on: what hangs together flat, near its plane.
-void gather_patches(Mesh<double>& mesh) {
+void gather_patches(MeshParts& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   std::vector<std::uint32_t> seeds(count), waiting;
   std::iota(seeds.begin(), seeds.end(), 0u);
@@ -125,11 +126,11 @@ void gather_patches(Mesh<double>& mesh) {
     if (mesh.triangles[seed].patch != none) continue;
     const auto patch = static_cast<std::uint32_t>(mesh.patches.size());
     const Vec3d n = mesh.normals[seed];
-    const double offset = dot(n, mesh.place(mesh.triangles[seed], 0));
+    const double offset = dot(n, place(mesh, mesh.triangles[seed], 0));
     mesh.patches.push_back({n, offset});
     const auto belongs = [&](const MeshTriangle& t, std::uint32_t i) {
       bool near = dot(n, mesh.normals[i]) > 0 && norm(cross(n, mesh.normals[i])) <= kPatchSine;
-      for (int k = 0; k < 3; ++k) near = near && std::abs(dot(n, mesh.place(t, k)) - offset) <= kPatchHeight_m;
+      for (std::size_t k = 0; k < 3; ++k) near = near && std::abs(dot(n, place(mesh, t, k)) - offset) <= kPatchHeight_m;
       return near;
     };
     mesh.triangles[seed].patch = patch;
@@ -149,7 +150,7 @@ void gather_patches(Mesh<double>& mesh) {
 }
 
 // Patch by patch, patches in the order of their first triangles.
-void sort_by_patch(Mesh<double>& mesh) {
+void sort_by_patch(MeshParts& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   std::vector<std::uint32_t> place_of_patch(mesh.patches.size(), kNoTriangle), order(count), place(count);
   std::vector<physics::MeshPatch<double>> patches;
@@ -173,7 +174,7 @@ void sort_by_patch(Mesh<double>& mesh) {
 }
 
 // Who meets at each corner, and which triangles can be touched at more than their face. The most at one corner.
-std::uint32_t find_corners(Mesh<double>& mesh) {
+std::uint32_t find_corners(MeshParts& mesh) {
   mesh.around_start.assign(mesh.corners.size() + 1, 0);
   std::vector<bool> exposed(mesh.corners.size(), false);
   for (const MeshTriangle& t : mesh.triangles)
@@ -219,7 +220,7 @@ Result<BuiltMesh> build_mesh(const TriangleSoup& soup, BodyId first_patch_id) {
       box.upper[i] = std::max(box.upper[i], corner[i]);
     }
   BuiltMesh built;
-  Mesh<double>& mesh = built.mesh;
+  MeshParts& mesh = built.mesh;
   built.given_from_body.position = 0.5 * (box.lower + box.upper);
   take_triangles(soup, built.given_from_body.position, mesh, built.account);
   if (mesh.triangles.empty())
@@ -234,6 +235,7 @@ Result<BuiltMesh> build_mesh(const TriangleSoup& soup, BodyId first_patch_id) {
     for (int i = 0; i < 3; ++i) mesh.half_extents[i] = std::max(mesh.half_extents[i], std::abs(corner[i]));
   mesh.first_patch_id = first_patch_id;
   build_tree(mesh);
+  built.parts = parts, built.mesh = parts->view();
   built.account.corners = static_cast<unsigned>(mesh.corners.size());
   built.account.triangles = static_cast<unsigned>(mesh.triangles.size());
   built.account.patches = static_cast<unsigned>(mesh.patches.size());

@@ -9,11 +9,11 @@ constexpr std::uint32_t kLeaf = 4;
 
 class TreeBuilder {
  public:
-  explicit TreeBuilder(physics::Mesh<double>& mesh) : mesh_(mesh) {
+  explicit TreeBuilder(MeshParts& mesh) : mesh_(mesh), view_(mesh.view()) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       mesh.order.push_back(t);
       const auto& triangle = mesh.triangles[t];
-      middle_.push_back((mesh.place(triangle, 0) + mesh.place(triangle, 1) + mesh.place(triangle, 2)) * (1.0 / 3));
+      middle_.push_back((view_.place(triangle, 0) + view_.place(triangle, 1) + view_.place(triangle, 2)) * (1.0 / 3));
     }
   }
 
@@ -40,9 +40,9 @@ class TreeBuilder {
     }
   }
   physics::Aabb<double> box_of(std::uint32_t first, std::uint32_t count) const {
-    auto box = mesh_.box_of(mesh_.order[first]);
+    auto box = view_.box_of(mesh_.order[first]);
     for (std::uint32_t i = first + 1; i < first + count; ++i) {
-      const auto next = mesh_.box_of(mesh_.order[i]);
+      const auto next = view_.box_of(mesh_.order[i]);
       grow(box, next.lower, next.upper);
     }
     return box;
@@ -55,13 +55,14 @@ class TreeBuilder {
     return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   }
 
-  physics::Mesh<double>& mesh_;
+  MeshParts& mesh_;
+  physics::Mesh<double> view_;  // of what is there already: corners and triangles
   std::vector<Vec3d> middle_;
 };
 
 }  // namespace
 
-void build_tree(physics::Mesh<double>& mesh) {
+void build_tree(MeshParts& mesh) {
   mesh.nodes.clear(), mesh.order.clear();
   if (mesh.triangles.empty()) return;
   TreeBuilder(mesh).add(0, static_cast<std::uint32_t>(mesh.triangles.size()));

@@ -4,6 +4,7 @@
 // Thread: [setup], normal threads.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -77,10 +78,11 @@ struct Scene {
   std::string title;  // one line for people
   Effects effects;
   Vec3d gravity_m_per_s2{0, 0, -9.81};
-  std::vector<physics::Body<double>> bodies;  // bodies[i].id == i
-  std::vector<physics::Hull<double>> hulls;   // what the bodies' hull shapes refer to; worlds look into it
-  std::vector<physics::Mesh<double>> meshes;  // same; one for each body that has one
-  std::vector<MeshAccount> mesh_accounts;     // of each mesh
+  std::vector<physics::Body<double>> bodies;            // bodies[i].id == i
+  std::vector<physics::Hull<double>> hulls;             // what the bodies' hull shapes refer to; worlds look into it
+  std::vector<physics::Mesh<double>> meshes;            // same; one for each body that has one
+  std::vector<std::shared_ptr<const void>> mesh_parts;  // what the meshes look into: copies of a scene share it
+  std::vector<MeshAccount> mesh_accounts;               // of each mesh
   BodyId proxy{kNoBody};
   DevicePlacement device;
   CouplingGains coupling;

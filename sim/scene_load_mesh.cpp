@@ -124,7 +124,8 @@ std::optional<MeshOfBody> MeshReader::add(TableReader& body, const std::string& 
   account.body = static_cast<BodyId>(scene_.bodies.size());
   next_patch_ += account.patches;
   scene_.mesh_accounts.push_back(account);
-  scene_.meshes.push_back(std::move(built.value().mesh));
+  scene_.meshes.push_back(built.value().mesh);
+  scene_.mesh_parts.push_back(built.value().parts);
   return MeshOfBody{static_cast<std::uint32_t>(scene_.meshes.size() - 1), built.value().given_from_body};
 }
 

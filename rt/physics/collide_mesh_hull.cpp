@@ -107,8 +107,7 @@ class HullOnPatch {
   }
 
   void look_at(std::uint32_t triangle) noexcept {
-    if (patch_.mesh.triangles[triangle].exposed && !is_held_by_face(triangle)) return;
-    add_face_points(triangle);
+    add_face_points(triangle, patch_.mesh.triangles[triangle].exposed ? judge_rim(triangle) : kAll);
   }
 
   void finish(Manifold<T>& manifold) noexcept {
@@ -133,6 +132,7 @@ class HullOnPatch {
 
  private:
   enum class Rim { kNone, kHullFace, kEdges };
+  static constexpr T kAll = -std::numeric_limits<T>::infinity(), kNoPoint = std::numeric_limits<T>::infinity();
 
   Vec3<T> to_mesh(const Vec3<T>& v) const noexcept { return column_[0] * v.x + column_[1] * v.y + column_[2] * v.z; }
   Vec3<T> to_hull(const Vec3<T>& v) const noexcept {
@@ -166,8 +166,9 @@ class HullOnPatch {
     }
   }
 
-  // What of the hull's face is above the triangle.
-  void add_face_points(std::uint32_t triangle) noexcept {
+  // What of the hull's face is above the triangle: points with a gap of at least that.
+  void add_face_points(std::uint32_t triangle, T least_gap) noexcept {
+    if (least_gap == kNoPoint) return;
     const Mesh<T>& mesh = patch_.mesh;
     const MeshTriangle& t = mesh.triangles[triangle];
     HullPolygon<T> polygon;
@@ -180,7 +181,7 @@ class HullOnPatch {
     }
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
       HullClipPoint<T> p = polygon.points[i];
-      if (p.w <= patch_.pair.margin && name_face_point(triangle, p)) keep_point(face_points_, p);
+      if (p.w >= least_gap && p.w <= patch_.pair.margin && name_face_point(triangle, p)) keep_point(face_points_, p);
     }
   }
 
@@ -207,29 +208,30 @@ class HullOnPatch {
     return !patch_.mesh.is_inner_edge(t, crossing.side);
   }
 
-  // Of a triangle at a rim: is it its face that holds the hull? Where it is the rim, its contact is noted.
-  bool is_held_by_face(std::uint32_t triangle) noexcept {
+  // Of a triangle at a rim: is it its face that holds the hull? Where it is the rim, its contact is noted, and what is
+  // still above the face may yet come to it. Returns the least gap that a point of the face may have.
+  T judge_rim(std::uint32_t triangle) noexcept {
     const T margin = patch_.pair.margin;
     const TriangleHull<T> shape(patch_.mesh, triangle);
     const RelativeHulls<T> ab{shape.view(), hull_, {column_[0], column_[1], column_[2]}, patch_.centre - shape.middle};
     const RelativeHulls<T> ba = ab.reversed();
     const T by_face = ab.face_separation(0);
-    if (!(by_face <= margin)) return false;
+    if (!(by_face <= margin)) return kNoPoint;
     const FaceAxis<T> hull_face = best_face(ba, margin, kMaxHullFaces);
-    if (!(hull_face.separation <= margin)) return false;
+    if (!(hull_face.separation <= margin)) return kNoPoint;
     const T so_far = larger(by_face, hull_face.separation);
     const EdgeAxis<T> edges = best_edges(ab, margin, so_far, 0, hull_face.face);
-    if (edges.separation > margin) return false;
+    if (edges.separation > margin) return kNoPoint;
     const auto preferred = [](T separation) noexcept { return separation + axis_preference(separation); };
     if (edges.found && edges.separation > preferred(so_far)) {
       const Ruling ruling = rule_edge_axis(patch_.mesh, triangle, edges.edge, edges.normal);
       if (ruling == Ruling::kAllowed) note_edges(triangle, ab, shape, edges);
-      return ruling == Ruling::kFace;
+      return ruling == Ruling::kFace ? kAll : T(0);
     }
-    if (!(hull_face.separation > preferred(by_face))) return true;
+    if (!(hull_face.separation > preferred(by_face))) return kAll;
     const Ruling ruling = rule_support(triangle, shape, -to_mesh(hull_.normals[hull_face.face]));
     if (ruling == Ruling::kAllowed) note_hull_face(triangle, ba, hull_face.face);
-    return ruling == Ruling::kFace;
+    return ruling == Ruling::kFace ? kAll : T(0);
   }
 
   // What the triangle meets a plane with that comes along u: a corner, an edge or all of it.

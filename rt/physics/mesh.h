@@ -13,14 +13,14 @@
 // and tape record longer, for scenes without meshes too), and one manifold per triangle (the number of points follows
 // the triangulation, and impulses are lost at every seam).
 //
-// Frame: the body's own; origin in the middle of the box that holds it. Units: m. Thread: [any], read only.
-// Bound: what is built is limited by the loader; at most kMaxCornerTriangles meet at a corner.
+// A mesh is a view: sim/ owns the arrays. Frame: the body's own; origin in the middle of the box that holds it. Units:
+// m. Thread: [any], read only. Bound: what is built is limited by the loader; at most kMaxCornerTriangles meet at a
+// corner.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "rt/base/ids.h"
 #include "rt/physics/shape.h"
@@ -61,14 +61,14 @@ struct MeshNode {
 
 template <class T>
 struct Mesh {
-  std::vector<Vec3<T>> corners;         // m
-  std::vector<MeshTriangle> triangles;  // patch by patch
-  std::vector<Vec3<T>> normals;         // by triangle, unit
-  std::vector<MeshPatch<T>> patches;
-  std::vector<MeshNode<T>> nodes;  // the tree's root is the first
-  std::vector<std::uint32_t> order;
+  std::span<const Vec3<T>> corners;         // m
+  std::span<const MeshTriangle> triangles;  // patch by patch
+  std::span<const Vec3<T>> normals;         // by triangle, unit
+  std::span<const MeshPatch<T>> patches;
+  std::span<const MeshNode<T>> nodes;  // the tree's root is the first
+  std::span<const std::uint32_t> order;
   // The triangles that meet at a corner: around[around_start[c]] to around[around_start[c + 1]], ascending.
-  std::vector<std::uint32_t> around_start, around;
+  std::span<const std::uint32_t> around_start, around;
   Vec3<T> half_extents;            // m: the box about the origin that holds it
   BodyId first_patch_id{kNoBody};  // of its patches, one after the other; no two meshes of a scene share one
 
@@ -79,7 +79,7 @@ struct Mesh {
     return t.neighbour[k] != kNoTriangle && triangles[t.neighbour[k]].patch == t.patch;
   }
   std::span<const std::uint32_t> triangles_at(std::uint32_t c) const noexcept {
-    return {around.data() + around_start[c], static_cast<std::size_t>(around_start[c + 1] - around_start[c])};
+    return around.subspan(around_start[c], around_start[c + 1] - around_start[c]);
   }
   Aabb<T> box_of(std::uint32_t triangle) const noexcept {
     const MeshTriangle& t = triangles[triangle];

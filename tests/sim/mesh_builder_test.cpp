@@ -100,17 +100,17 @@ TEST_CASE("a fold counts as flat below a milliradian, and what bends away by mor
     const double z = -0.1 * std::sin(angle), x = 0.1 * std::cos(angle);
     soup.corners = {{-0.1, 0, 0}, {0, 0, 0}, {0, 0.1, 0}, {x, 0.05, z}};
     soup.triangles = {{0, 1, 2}, {1, 3, 2}};
-    return built(soup).mesh;
+    return built(soup);
   };
-  CHECK(folded(0.9e-3).triangles[0].edge[1] == EdgeKind::kFlat);
-  CHECK(folded(1.1e-3).triangles[0].edge[1] == EdgeKind::kConvex);
-  CHECK(folded(-1.1e-3).triangles[0].edge[1] == EdgeKind::kConcave);
-  CHECK(folded(0.9e-4).patches.size() == 1);  // 9 um deep
-  CHECK(folded(1.2e-4).patches.size() == 2);  // 12 um
+  CHECK(folded(0.9e-3).mesh.triangles[0].edge[1] == EdgeKind::kFlat);
+  CHECK(folded(1.1e-3).mesh.triangles[0].edge[1] == EdgeKind::kConvex);
+  CHECK(folded(-1.1e-3).mesh.triangles[0].edge[1] == EdgeKind::kConcave);
+  CHECK(folded(0.9e-4).mesh.patches.size() == 1);  // 9 um deep
+  CHECK(folded(1.2e-4).mesh.patches.size() == 2);  // 12 um
 }
 
 TEST_CASE("the same triangles give the same mesh, and a corner with too many is refused") {
-  CHECK(built(flat_grid(7, 0.1, 5)).mesh.triangles == built(flat_grid(7, 0.1, 5)).mesh.triangles);
+  CHECK(built(flat_grid(7, 0.1, 5)).parts->triangles == built(flat_grid(7, 0.1, 5)).parts->triangles);
   TriangleSoup fan;
   fan.corners.push_back({});
   const std::uint32_t blades = physics::kMaxCornerTriangles + 1;
@@ -134,7 +134,8 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
     const auto first = static_cast<std::uint32_t>(3 * n);
     soup.triangles.push_back({first, first + 1, first + 2});
   }
-  const Mesh<double> mesh = built(soup).mesh;
+  const BuiltMesh made = built(soup);
+  const Mesh<double>& mesh = made.mesh;
   int whole = 0, cut = 0;
   for (int n = 0; n < 2000; ++n) {
     const Vec3d at = random.vec(1.2), half = Vec3d{1, 1, 1} * random.log_uniform(1e-3, 0.6);
@@ -161,7 +162,8 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
 }
 
 TEST_CASE("where there are too many triangles the nearest stay") {
-  const Mesh<double> mesh = built(flat_grid(40, 0.01, 3)).mesh;
+  const BuiltMesh made = built(flat_grid(40, 0.01, 3));
+  const Mesh<double>& mesh = made.mesh;
   const physics::Aabb<double> box{{-0.15, -0.15, -0.01}, {0.15, 0.15, 0.01}};
   physics::TriangleList found;
   find_triangles(mesh, box, found);

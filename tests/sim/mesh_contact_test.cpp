@@ -129,7 +129,8 @@ TEST_CASE("a ball on the edge of a mesh box is pushed as by the box itself") {
 TEST_CASE("a box on a mesh table of the size of a table behaves as on a box: on it, over its rim, beside it") {
   const Vec3d half{0.2, 0.2, 0.1};
   const auto run = [&](bool mesh, const Posed& start, int steps) {
-    std::vector<physics::Mesh<double>> meshes{built(box_soup(half)).mesh};
+    const BuiltMesh made = built(box_soup(half));
+    const std::vector<physics::Mesh<double>> meshes{made.mesh};
     physics::World<double> world(MeshBench::capacities(), {}, meshes);
     const auto table = mesh ? Shape<double>::mesh(half, 0) : Shape<double>::box(half);
     world.insert(physics::make_fixed_body(0, table, 0.5, Posed{}));
@@ -177,7 +178,8 @@ TEST_CASE("a hull on a mesh rests as high as on a plane") {
   Posed frame;
   REQUIRE(physics::make_hull(points, physics::kBoxTopology, hull, frame) == physics::HullFault::kNone);
   hulls.push_back(hull);
-  std::vector<physics::Mesh<double>> meshes{built(flat_grid(20, 0.017, 4)).mesh};
+  const BuiltMesh made = built(flat_grid(20, 0.017, 4));
+  const std::vector<physics::Mesh<double>> meshes{made.mesh};
   physics::World<double> world(MeshBench::capacities(), hulls, meshes);
   world.insert(physics::make_fixed_body(0, Shape<double>::mesh(meshes[0].half_extents, 0), 0.5, Posed{}));
   auto body = physics::make_dynamic_body(1, Shape<double>::convex(hull, 0), 1.0, 0.5,
