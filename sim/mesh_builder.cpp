@@ -91,8 +91,9 @@ void join_neighbours(MeshParts& mesh, MeshAccount& account) {
   }
   for (auto& [ends, halves] : edges) {
     auto& [there, back] = halves;
-    account.boundary_edges +=
-        static_cast<unsigned>(std::max(there.size(), back.size()) - std::min(there.size(), back.size()));
+    const std::size_t alone = std::max(there.size(), back.size()) - std::min(there.size(), back.size());
+    account.boundary_edges += static_cast<unsigned>(alone % 2);
+    account.disagreeing_edges += static_cast<unsigned>(alone / 2);
     while (!there.empty() && !back.empty()) {  // one of each, but where several sheets meet
       std::size_t best_there = 0, best_back = 0;
       double flattest = -2;
@@ -220,7 +221,8 @@ Result<BuiltMesh> build_mesh(const TriangleSoup& soup, BodyId first_patch_id) {
       box.upper[i] = std::max(box.upper[i], corner[i]);
     }
   BuiltMesh built;
-  MeshParts& mesh = built.mesh;
+  const auto parts = std::make_shared<MeshParts>();
+  MeshParts& mesh = *parts;
   built.given_from_body.position = 0.5 * (box.lower + box.upper);
   take_triangles(soup, built.given_from_body.position, mesh, built.account);
   if (mesh.triangles.empty())

@@ -70,6 +70,7 @@ struct MeshAccount {
   unsigned corners{0}, triangles{0}, patches{0};  // that the mesh has
   unsigned welded{0};                             // corners of the file that were there already, or not used
   unsigned without_area{0}, doubled{0};           // triangles left out
+  unsigned disagreeing_edges{0};                  // whose two triangles do not agree on what is outside
   unsigned boundary_edges{0};                     // of one triangle only: there the mesh is open
 };
 

@@ -40,6 +40,7 @@ std::string mesh_line(const MeshAccount& mesh) {
     if (count > 0) text += fmt::format("; {} {}", count, what);
   };
   add(mesh.boundary_edges, "open edges");
+  add(mesh.disagreeing_edges, "edges whose triangles do not agree on what is outside");
   add(mesh.welded, "corners merged");
   add(mesh.without_area, "triangles without area left out");
   add(mesh.doubled, "doubled triangles left out");

@@ -107,7 +107,8 @@ class HullOnPatch {
   }
 
   void look_at(std::uint32_t triangle) noexcept {
-    add_face_points(triangle, patch_.mesh.triangles[triangle].exposed ? judge_rim(triangle) : kAll);
+    const Ruling ruling = patch_.mesh.triangles[triangle].exposed ? judge_rim(triangle) : Ruling::kFace;
+    if (ruling != Ruling::kAllowed) add_face_points(triangle, ruling == Ruling::kDropped);
   }
 
   void finish(Manifold<T>& manifold) noexcept {
@@ -132,7 +133,8 @@ class HullOnPatch {
 
  private:
   enum class Rim { kNone, kHullFace, kEdges };
-  static constexpr T kAll = -std::numeric_limits<T>::infinity(), kNoPoint = std::numeric_limits<T>::infinity();
+  // The hull's face is as good as parallel to the patch, within 8 degrees.
+  static constexpr T kParallelCosine = T(0.99);
 
   Vec3<T> to_mesh(const Vec3<T>& v) const noexcept { return column_[0] * v.x + column_[1] * v.y + column_[2] * v.z; }
   Vec3<T> to_hull(const Vec3<T>& v) const noexcept {
@@ -158,6 +160,7 @@ class HullOnPatch {
     T most = dot(hull_.normals[0], down);
     for (std::uint32_t f = 1; f < topology.faces; ++f)
       if (const T cosine = dot(hull_.normals[f], down); cosine > most) incident = f, most = cosine;
+    incident_cosine_ = most;
     for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
       const std::uint32_t vertex = topology.loop_vertices[k];
       const Vec3<T> p = patch_.centre + to_mesh(hull_.vertex(vertex));
@@ -166,9 +169,10 @@ class HullOnPatch {
     }
   }
 
-  // What of the hull's face is above the triangle: points with a gap of at least that.
-  void add_face_points(std::uint32_t triangle, T least_gap) noexcept {
-    if (least_gap == kNoPoint) return;
+  // What of the hull's face is above the triangle. `others`: a neighbour pushes here. Then what is still above the face
+  // may yet come to it: vertices of the hull, and the rest where the two faces are parallel. On a tilted face the
+  // points at the rim would hold with the wrong normal.
+  void add_face_points(std::uint32_t triangle, bool others) noexcept {
     const Mesh<T>& mesh = patch_.mesh;
     const MeshTriangle& t = mesh.triangles[triangle];
     HullPolygon<T> polygon;
@@ -181,7 +185,9 @@ class HullOnPatch {
     }
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
       HullClipPoint<T> p = polygon.points[i];
-      if (p.w >= least_gap && p.w <= patch_.pair.margin && name_face_point(triangle, p)) keep_point(face_points_, p);
+      if (!(p.w <= patch_.pair.margin)) continue;
+      if (others && !(p.w > T(0) && (p.id < kFirstHullCrossing || incident_cosine_ > kParallelCosine))) continue;
+      if (name_face_point(triangle, p)) keep_point(face_points_, p);
     }
   }
 
@@ -208,30 +214,30 @@ class HullOnPatch {
     return !patch_.mesh.is_inner_edge(t, crossing.side);
   }
 
-  // Of a triangle at a rim: is it its face that holds the hull? Where it is the rim, its contact is noted, and what is
-  // still above the face may yet come to it. Returns the least gap that a point of the face may have.
-  T judge_rim(std::uint32_t triangle) noexcept {
+  // Of a triangle at a rim: what holds the hull? Its face, a neighbour (dropped), or there is no more to say: its rim,
+  // whose contact is noted, or nothing, for it is too far.
+  Ruling judge_rim(std::uint32_t triangle) noexcept {
     const T margin = patch_.pair.margin;
     const TriangleHull<T> shape(patch_.mesh, triangle);
     const RelativeHulls<T> ab{shape.view(), hull_, {column_[0], column_[1], column_[2]}, patch_.centre - shape.middle};
     const RelativeHulls<T> ba = ab.reversed();
     const T by_face = ab.face_separation(0);
-    if (!(by_face <= margin)) return kNoPoint;
+    if (!(by_face <= margin)) return Ruling::kAllowed;
     const FaceAxis<T> hull_face = best_face(ba, margin, kMaxHullFaces);
-    if (!(hull_face.separation <= margin)) return kNoPoint;
+    if (!(hull_face.separation <= margin)) return Ruling::kAllowed;
     const T so_far = larger(by_face, hull_face.separation);
     const EdgeAxis<T> edges = best_edges(ab, margin, so_far, 0, hull_face.face);
-    if (edges.separation > margin) return kNoPoint;
+    if (edges.separation > margin) return Ruling::kAllowed;
     const auto preferred = [](T separation) noexcept { return separation + axis_preference(separation); };
     if (edges.found && edges.separation > preferred(so_far)) {
       const Ruling ruling = rule_edge_axis(patch_.mesh, triangle, edges.edge, edges.normal);
       if (ruling == Ruling::kAllowed) note_edges(triangle, ab, shape, edges);
-      return ruling == Ruling::kFace ? kAll : T(0);
+      return ruling;
     }
-    if (!(hull_face.separation > preferred(by_face))) return kAll;
+    if (!(hull_face.separation > preferred(by_face))) return Ruling::kFace;
     const Ruling ruling = rule_support(triangle, shape, -to_mesh(hull_.normals[hull_face.face]));
     if (ruling == Ruling::kAllowed) note_hull_face(triangle, ba, hull_face.face);
-    return ruling == Ruling::kFace ? kAll : T(0);
+    return ruling;
   }
 
   // What the triangle meets a plane with that comes along u: a corner, an edge or all of it.
@@ -313,6 +319,7 @@ class HullOnPatch {
   Tangents<T> along_;  // of the patch's plane
   Vec3<T> column_[3];  // the hull's axes in the mesh's frame
   HullPolygon<T> incident_, face_points_;
+  T incident_cosine_{};  // of the angle between the hull's face and the patch
 
   Rim rim_kind_{Rim::kNone};
   T rim_lowest_{};

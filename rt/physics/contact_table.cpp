@@ -15,6 +15,11 @@ void scale_impulses(ContactPoint<T>& point, T factor) noexcept {
   point.tangent_impulse[0] *= factor, point.tangent_impulse[1] *= factor;
 }
 
+// A body may be near to many patches of a mesh and touch few: those that cannot be touched in this step are left out
+// sooner. A box as wide as two cells of a rolling ground has a third of the contacts (at 0.5 mm: 13 patches).
+template <class T>
+inline constexpr T kPatchMargin = T(5e-5);
+
 template <class T>
 T separation_of(const Contact<T>& contact) noexcept {
   T least = contact.points[0].separation;
@@ -111,7 +116,8 @@ void ContactTable<T>::visit(Walk& walk, Pair& pair) noexcept {
   // Two bodies fall side by side, or one of them is held: gravity counts once.
   const Reach<T> b = with_fixed ? Reach<T>{} : walk.scene.reach[pair.b];
   const T closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
-  const T margin = std::max(walk.settings.min_margin, closing);
+  const T least = pair.patch.count > 0 ? std::min(kPatchMargin<T>, walk.settings.min_margin) : walk.settings.min_margin;
+  const T margin = std::max(least, closing);
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {

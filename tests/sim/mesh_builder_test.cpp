@@ -94,6 +94,16 @@ TEST_CASE("a sheet with two sides joins each side to itself") {
   check_neighbours(made.mesh);
 }
 
+TEST_CASE("triangles that do not agree on what is outside are told, and joined to nothing") {
+  TriangleSoup soup = flat_grid(3, 0.1, 1);
+  std::swap(soup.triangles[8][1], soup.triangles[8][2]);  // of the middle cell: three neighbours
+  const BuiltMesh made = built(soup);
+  CHECK(made.account.disagreeing_edges == 3);
+  CHECK(made.account.boundary_edges == 12);
+  CHECK(edges_of(made.mesh, EdgeKind::kBoundary) == 12 + 6);
+  check_neighbours(made.mesh);
+}
+
 TEST_CASE("a fold counts as flat below a milliradian, and what bends away by more than the slop is another patch") {
   const auto folded = [](double angle) {
     TriangleSoup soup;

@@ -58,6 +58,7 @@ ordered_json to_json(const sim::SceneReport& r) {
                       {"corners", m.corners},
                       {"patches", m.patches},
                       {"open_edges", m.boundary_edges},
+                      {"disagreeing_edges", m.disagreeing_edges},
                       {"merged_corners", m.welded},
                       {"left_out_without_area", m.without_area},
                       {"left_out_doubled", m.doubled}});
