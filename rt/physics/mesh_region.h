@@ -21,6 +21,11 @@ enum class Ruling : std::uint32_t {
 template <class T>
 inline constexpr T kFaceSine = T(4e-3);
 
+// At a convex edge a solid's axis is the face's within a hundredth of a degree only: on a floor of slight slopes, face
+// normals in place of the axis brake what slides.
+template <class T>
+inline constexpr T kAxisSine = T(2e-4);
+
 // In the plane of the triangle, across its edge k, away from it. Not of length 1.
 template <class T>
 Vec3<T> outward_of_edge(const Mesh<T>& mesh, std::uint32_t triangle, std::uint32_t k) noexcept {
@@ -42,9 +47,9 @@ template <class T>
 Ruling rule_edge(const Mesh<T>& mesh, std::uint32_t triangle, std::uint32_t k, const Vec3<T>& d) noexcept {
   const MeshTriangle& t = mesh.triangles[triangle];
   if (!(dot(mesh.normals[triangle], d) > T(0))) return Ruling::kDropped;
-  const bool goes_on = t.edge[k] == EdgeKind::kFlat || t.edge[k] == EdgeKind::kConcave;
-  if (is_along_normal(mesh.normals[triangle], d, goes_on ? kFaceSine<T> : T(0))) return Ruling::kFace;
-  if (goes_on) return Ruling::kDropped;
+  if (is_along_normal(mesh.normals[triangle], d, t.edge[k] == EdgeKind::kFlat ? kFaceSine<T> : T(0)))
+    return Ruling::kFace;
+  if (t.edge[k] == EdgeKind::kFlat || t.edge[k] == EdgeKind::kConcave) return Ruling::kDropped;
   if (t.edge[k] == EdgeKind::kBoundary) return Ruling::kAllowed;
   // Beyond the neighbour's side of the edge too? Of two that may push, the first does.
   const std::uint32_t other = t.neighbour[k];
@@ -77,7 +82,7 @@ Ruling rule_corner(const Mesh<T>& mesh, std::uint32_t triangle, std::uint32_t c,
 template <class T>
 Ruling rule_edge_axis(const Mesh<T>& mesh, std::uint32_t triangle, std::uint32_t k, const Vec3<T>& u) noexcept {
   const MeshTriangle& t = mesh.triangles[triangle];
-  if (is_along_normal(mesh.normals[triangle], u)) return Ruling::kFace;
+  if (is_along_normal(mesh.normals[triangle], u, kAxisSine<T>)) return Ruling::kFace;
   if (t.edge[k] == EdgeKind::kFlat || t.edge[k] == EdgeKind::kConcave) return Ruling::kFace;
   constexpr T tolerance = T(1e-6);
   if (t.edge[k] == EdgeKind::kBoundary)
@@ -86,18 +91,19 @@ Ruling rule_edge_axis(const Mesh<T>& mesh, std::uint32_t triangle, std::uint32_t
   const Vec3<T>& other = mesh.normals[t.neighbour[k]];
   const Vec3<T> beyond_other = cross(other, along);
   // At the neighbour's normal and past it: the neighbour's.
-  if (dot(beyond_other, u) < tolerance * norm(beyond_other) || is_along_normal(other, u)) return Ruling::kDropped;
+  if (dot(beyond_other, u) < tolerance * norm(beyond_other) || is_along_normal(other, u, kAxisSine<T>))
+    return Ruling::kDropped;
   return Ruling::kAllowed;
 }
 
 template <class T>
 Ruling rule_corner_axis(const Mesh<T>& mesh, std::uint32_t triangle, std::uint32_t c, const Vec3<T>& u) noexcept {
   const Vec3<T>& n = mesh.normals[triangle];
-  if (is_along_normal(n, u)) return Ruling::kFace;
+  if (is_along_normal(n, u, kAxisSine<T>)) return Ruling::kFace;
   const Vec3<T>& here = mesh.corners[c];
   bool blocked = false, falls = false;
   for (const std::uint32_t other : mesh.triangles_at(c)) {
-    if (is_along_normal(mesh.normals[other], u)) return Ruling::kDropped;
+    if (is_along_normal(mesh.normals[other], u, kAxisSine<T>)) return Ruling::kDropped;
     for (const std::uint32_t end : mesh.triangles[other].corner) {
       const Vec3<T> along = mesh.corners[end] - here;
       const T length = norm(along);

@@ -63,6 +63,9 @@ TEST_CASE("nothing that slides over a flat grid of triangles feels its seams") {
     const Vec3d v = body.motion.velocity.linear;
     most = std::max(most, std::abs(v.z));
     sideways = std::max(sideways, std::abs(-v.x * std::sin(heading) + v.y * std::cos(heading)));
+    // The contact is that on a plane: the body's own corners and ends, never a seam.
+    for (const auto& contact : bench.world.contacts())
+      for (std::uint32_t k = 0; k < contact.count; ++k) REQUIRE(contact.points[k].feature < 64);
   }
   INFO(speed << " m/s, heading " << heading << ", grid " << seed);
   CHECK(most < 1e-3);
@@ -70,6 +73,86 @@ TEST_CASE("nothing that slides over a flat grid of triangles feels its seams") {
   const Vec3d v = body.motion.velocity.linear;
   CHECK(v.x * std::cos(heading) + v.y * std::sin(heading) == Approx(speed).epsilon(1e-3));
   CHECK(norm(body.motion.velocity.angular) < 1e-3);
+}
+
+TEST_CASE("on a floor that is not quite flat what slides is lifted by no more than its slopes") {
+  const Shape<double>& shape = GENERATE(kBox, kBall, kCapsule);
+  const std::uint32_t seed = GENERATE(1u, 2u, 3u, 4u);
+  Random random(seed);
+  constexpr double cell = 0.02, rough = 2e-5, speed = 0.1;  // slopes up to 2 rough / cell in each direction
+  MeshBench bench(height_field(
+                      60, cell, [&](double, double) { return random.uniform(-rough, rough); },
+                      [&] { return random.below(2) == 0; }),
+                  0.0);
+  CHECK(bench.mesh().patches.size() > 1000);
+  auto& body = bench.add(shape, 1.0, 0.0, {{-0.25, -0.25, rest_height(shape) + rough}, lying(shape)});
+  bench.run(200);
+  body.motion.velocity = {{speed * std::cos(0.4), speed * std::sin(0.4), 0}, {}};
+  double most = 0, fastest = 0, slowest = speed;
+  for (int i = 0; i < 3000; ++i) {
+    bench.step();
+    const Vec3d v = body.motion.velocity.linear;
+    most = std::max(most, std::abs(v.z));
+    fastest = std::max(fastest, std::sqrt(v.x * v.x + v.y * v.y));
+    slowest = std::min(slowest, std::sqrt(v.x * v.x + v.y * v.y));
+  }
+  CHECK(most < 1e-3);
+  // A fold that counts as flat, a milliradian, may brake as friction of a thousandth would; and it goes up and down.
+  const double up_and_down = kGravity * 2 * rough / speed;
+  CHECK(slowest > speed - 1e-3 * kGravity * 3 - up_and_down);
+  CHECK(fastest < speed + up_and_down);
+  if (shape.kind == physics::ShapeKind::kSphere) CHECK(slowest > speed - 1.5 * up_and_down);
+}
+
+TEST_CASE("an edge or corner pushes a ball only where no triangle at it is nearer, and the nearest always pushes") {
+  Random random(17);
+  const BuiltMesh made = built(height_field(
+      12, 0.05, [&](double, double) { return random.uniform(-0.03, 0.03); }, [&] { return random.below(2) == 0; }));
+  const auto& mesh = made.mesh;
+  // Brute force: the nearest of the face's foot, where it is inside, and the points of the edges.
+  const auto nearest_on = [&](std::uint32_t t, const Vec3d& c) {
+    const auto& triangle = mesh.triangles[t];
+    const Vec3d n = mesh.normals[t], foot = c - n * dot(n, c - mesh.place(triangle, 0));
+    Vec3d best = foot;
+    bool inside = true;
+    double least = 1e9;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d from = mesh.place(triangle, k), along = mesh.place(triangle, (k + 1) % 3) - from;
+      inside = inside && dot(cross(along, n), foot - from) <= 0;
+      const Vec3d p = from + along * std::clamp(dot(c - from, along) / norm_squared(along), 0.0, 1.0);
+      if (norm(c - p) < least) least = norm(c - p), best = p;
+    }
+    return inside ? foot : best;
+  };
+  int rims = 0, faces = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3d c{random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25), random.uniform(0.0, 0.1)};
+    double least = 1e9;
+    std::uint32_t first = 0;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      if (const double d = norm(c - nearest_on(t, c)); d < least) least = d, first = t;
+    if (dot(mesh.normals[first], c - mesh.place(mesh.triangles[first], 0)) < 1e-3) continue;  // below the ground
+    const Shape<double> ball = Shape<double>::sphere(0.02 + least);
+    double found = 1e9;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const std::uint32_t alone[] = {t};
+      const auto m = physics::collide_patch<double>(ball, {c, {}}, {}, mesh, alone, 0.0, {});
+      if (m.count == 0) continue;
+      const double distance = m.points[0].separation + ball.radius;
+      found = std::min(found, distance);
+      const Vec3d p = nearest_on(t, c);
+      int holders = 0;
+      for (std::uint32_t other = 0; other < mesh.triangles.size(); ++other) {
+        if (norm(nearest_on(other, p) - p) > 1e-9) continue;
+        ++holders;
+        CHECK(norm(c - nearest_on(other, c)) > distance - 1e-6);
+      }
+      ++(holders > 1 ? rims : faces);
+    }
+    CHECK(found == Approx(least).margin(1e-6));
+  }
+  CHECK(rims > 300);
+  CHECK(faces > 1000);
 }
 
 TEST_CASE("a box on a ramp of two triangles holds below the friction angle and slides above it") {
