@@ -49,9 +49,9 @@ Ruling rule_edge(const Mesh<T>& mesh, std::uint32_t triangle, std::uint32_t k, c
   if (!(dot(mesh.normals[triangle], d) > T(0))) return Ruling::kDropped;
   if (is_along_normal(mesh.normals[triangle], d, t.edge[k] == EdgeKind::kFlat ? kFaceSine<T> : T(0)))
     return Ruling::kFace;
-  if (t.edge[k] == EdgeKind::kFlat || t.edge[k] == EdgeKind::kConcave) return Ruling::kDropped;
   if (t.edge[k] == EdgeKind::kBoundary) return Ruling::kAllowed;
-  // Beyond the neighbour's side of the edge too? Of two that may push, the first does.
+  // Beyond the neighbour's side of the edge too? In front of both, that is so at convex edges only. Of two that may
+  // push, the first does.
   const std::uint32_t other = t.neighbour[k];
   const Vec3<T> along = mesh.corners[t.corner[k == 2 ? 0 : k + 1]] - mesh.corners[t.corner[k]];
   const Vec3<T> beyond_other = cross(mesh.normals[other], along);
