@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/mesh_neighbourhood.h"
+
 namespace tactus::sim {
 namespace {
 
@@ -19,6 +21,9 @@ constexpr std::uint32_t kPairsPerBody = 16;
 constexpr std::uint32_t kContactsPerBody = 8;
 constexpr std::uint32_t kFewestPairs = 256;
 constexpr std::uint32_t kFewestContacts = 256;
+// On a mesh: patches that a body is near to, and their triangles.
+constexpr std::uint32_t kPatchesPerBody = 16;
+constexpr std::uint32_t kTrianglesPerBody = 64;
 
 std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
   return static_cast<std::uint32_t>(
@@ -27,8 +32,13 @@ std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
 
 physics::Capacities capacities_for(const Scene& scene) noexcept {
   const std::uint32_t bodies = count_bodies(scene, BodyKind::kDynamic);
-  return {bodies, count_bodies(scene, BodyKind::kFixed), std::max(kFewestPairs, kPairsPerBody * bodies),
-          std::max(kFewestContacts, kContactsPerBody * bodies), 0};
+  physics::Capacities capacities{bodies, count_bodies(scene, BodyKind::kFixed),
+                                 std::max(kFewestPairs, kPairsPerBody * bodies),
+                                 std::max(kFewestContacts, kContactsPerBody * bodies), 0};
+  if (scene.meshes.empty()) return capacities;
+  capacities.pairs += kPatchesPerBody * bodies;
+  capacities.mesh_triangles = kTrianglesPerBody * bodies + physics::kMaxBodyTriangles;
+  return capacities;
 }
 
 physics::StepSettings<double> settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
@@ -78,8 +88,9 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
 GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     : options_(options),
       settings_(settings_for(scene, options)),
-      world_(capacities_for(scene), scene.hulls),
+      world_(capacities_for(scene), scene.hulls, scene.meshes),
       hulls_(scene.hulls),
+      meshes_(scene.meshes),
       grid_(capacities_for(scene).bodies),
       graph_(capacities_for(scene).bodies, capacities_for(scene).contacts),
       border_log_(capacities_for(scene).contacts),
@@ -245,6 +256,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.border.clear();
   next.warm_starts.clear();
   fill_joiners(device, next);
+  fill_near_triangles(world_, meshes_, members, device.proxy, options_.reach, next);
   if (options_.coupling == CouplingScheme::kSubWorld) {
     fill_warm_starts(device, next);
     if (cycle > 0)

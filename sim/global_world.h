@@ -52,7 +52,7 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options);
 
 class GlobalWorld {
  public:
-  // The options must have passed check_global_options. The scene's hulls must outlive the world.
+  // The options must have passed check_global_options. The scene's hulls and meshes must outlive the world.
   GlobalWorld(const Scene& scene, const GlobalOptions& options);
 
   // G(0): members chosen where the bodies are, nothing stepped yet.
@@ -96,6 +96,7 @@ class GlobalWorld {
   physics::StepSettings<double> settings_;
   physics::World<double> world_;
   physics::Hulls<double> hulls_;
+  physics::Meshes<double> meshes_;
   PairGrid grid_;
   ContactGraph graph_;
   BorderLog border_log_;

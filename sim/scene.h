@@ -4,10 +4,12 @@
 // Thread: [setup], normal threads.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "rt/physics/body.h"
+#include "rt/physics/mesh.h"
 
 namespace tactus::sim {
 
@@ -61,13 +63,27 @@ struct GeneratedPart {
   double top_friction{0};             // card house: least coefficient between cards where their tops meet; 0 otherwise
 };
 
+// What became of the triangles of a file.
+struct MeshAccount {
+  std::string file;
+  BodyId body{kNoBody};
+  unsigned corners{0}, triangles{0}, patches{0};  // that the mesh has
+  unsigned welded{0};                             // corners of the file that were there already, or not used
+  unsigned without_area{0}, doubled{0};           // triangles left out
+  unsigned disagreeing_edges{0};                  // whose two triangles do not agree on what is outside
+  unsigned boundary_edges{0};                     // of one triangle only: there the mesh is open
+};
+
 struct Scene {
   std::string name;   // file stem
   std::string title;  // one line for people
   Effects effects;
   Vec3d gravity_m_per_s2{0, 0, -9.81};
-  std::vector<physics::Body<double>> bodies;  // bodies[i].id == i
-  std::vector<physics::Hull<double>> hulls;   // what the bodies' hull shapes refer to; worlds look into it
+  std::vector<physics::Body<double>> bodies;            // bodies[i].id == i
+  std::vector<physics::Hull<double>> hulls;             // what the bodies' hull shapes refer to; worlds look into it
+  std::vector<physics::Mesh<double>> meshes;            // same; one for each body that has one
+  std::vector<std::shared_ptr<const void>> mesh_parts;  // what the meshes look into: copies of a scene share it
+  std::vector<MeshAccount> mesh_accounts;               // of each mesh
   BodyId proxy{kNoBody};
   DevicePlacement device;
   CouplingGains coupling;

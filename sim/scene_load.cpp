@@ -23,14 +23,16 @@ constexpr Range kDamping{"a damping", 0, 1e4};
 class SceneReader {
  public:
   SceneReader(const TomlNode& root, Scene& scene, SceneDiagnostics& diagnostics,
-              std::optional<std::filesystem::path> folder)
+              const std::optional<std::filesystem::path>& folder)
       : root_(&root, "", diagnostics),
         scene_(scene),
         diagnostics_(diagnostics),
-        hulls_(scene, diagnostics, std::move(folder)) {}
+        hulls_(scene, diagnostics, folder),
+        meshes_(scene, diagnostics, folder) {}
 
   void read() {
     hulls_.read_kept(root_.array("hull_file", kMaxSceneHulls));
+    meshes_.read_kept(root_.array("mesh_file", kMaxSceneBodies));
     scene_.title = root_.text("title", "", 200);
     read_effects();
     read_simulation();
@@ -44,7 +46,7 @@ class SceneReader {
     check_effects();
     check_card_houses();
   }
-  const std::string& kept_hulls() const { return hulls_.kept(); }
+  std::string kept_files() const { return hulls_.kept() + meshes_.kept(); }
 
  private:
   TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
@@ -117,7 +119,7 @@ class SceneReader {
     TableReader t = table("proxy");
     if (!t.there()) return;
     scene_.proxy = 0;
-    check_friction(t, add(read_body(t, BodyRole::kProxy, hulls_)).friction);
+    check_friction(t, add(read_body(t, BodyRole::kProxy, hulls_, meshes_)).friction);
     t.finish();
   }
 
@@ -126,7 +128,7 @@ class SceneReader {
     for (const TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
       TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
-      check_friction(t, add(read_body(t, BodyRole::kBody, hulls_)).friction);
+      check_friction(t, add(read_body(t, BodyRole::kBody, hulls_, meshes_)).friction);
       t.finish();
     }
   }
@@ -249,6 +251,7 @@ class SceneReader {
   Scene& scene_;
   SceneDiagnostics& diagnostics_;
   HullReader hulls_;
+  MeshReader meshes_;
 };
 
 std::string lines_of(const std::string& name, const std::vector<Mistake>& list, const char* label) {
@@ -281,7 +284,7 @@ Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diag
 }
 
 // `folder`: where the scene's files are; none: it has no files.
-Result<Scene> parse(std::string_view text, std::string_view name, std::optional<std::filesystem::path> folder,
+Result<Scene> parse(std::string_view text, std::string_view name, const std::optional<std::filesystem::path>& folder,
                     SceneDiagnostics* diagnostics) {
   SceneDiagnostics found;
   found.name = std::string(name);
@@ -290,9 +293,9 @@ Result<Scene> parse(std::string_view text, std::string_view name, std::optional<
   TomlNode root;
   std::string kept;
   if (read_toml(text, root, found)) {
-    SceneReader reader(root, scene, found, std::move(folder));
+    SceneReader reader(root, scene, found, folder);
     reader.read();
-    kept = reader.kept_hulls();
+    kept = reader.kept_files();
   }
   if (found.ok()) scene.source = std::string(text) + kept;
   return finish(std::move(scene), std::move(found), diagnostics);

@@ -5,22 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/scene_load_files.h"
 #include "sim/shape_files.h"
 
 namespace tactus::sim {
 namespace {
-
-constexpr double kFarthest_m = 1e3;
-constexpr Range kFileUnit{"a length of the file's unit", 1e-9, 1e3};
-constexpr std::size_t kLongestName = 400;
-
-// "what; accepted: how" in its two halves.
-std::pair<std::string, std::string> halves_of(const std::string& message) {
-  constexpr std::string_view between = "; accepted: ";
-  const std::size_t at = message.find(between);
-  if (at == std::string::npos) return {message, ""};
-  return {message.substr(0, at), message.substr(at + between.size())};
-}
 
 // False, and one mistake, where an entry is no place.
 bool read_points(std::span<const TomlNode> nodes, const std::string& where, SceneDiagnostics& diagnostics,
@@ -39,15 +28,6 @@ bool read_points(std::span<const TomlNode> nodes, const std::string& where, Scen
   return true;
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
 std::string table_of(const std::string& file, double unit_m, const std::vector<Vec3d>& vertices) {
   std::string text = fmt::format("\n[[hull_file]]\nname = {}\nfile_unit_m = {}\npoints_m = [\n", quoted(file), unit_m);
   for (const Vec3d& v : vertices) text += fmt::format("  [{}, {}, {}],\n", v.x, v.y, v.z);  // every bit of them
@@ -63,7 +43,7 @@ void HullReader::read_kept(std::span<const TomlNode> tables) {
     if (!t.there()) continue;
     t.require("name", "the name of a file, as a body has it");
     t.require("points_m", "[[x, y, z], ...]: the corners of the hull");
-    const FileKey key{t.text("name", "", kLongestName), t.number("file_unit_m", 1, kFileUnit)};
+    const FileKey key{t.text("name", "", kLongestFileName), t.number("file_unit_m", 1, kFileUnit)};
     std::vector<Vec3d> points;
     if (read_points(t.array("points_m", kMaxHullPoints), t.name_of("points_m"), diagnostics_, points))
       given_[key] = std::move(points);
@@ -90,7 +70,7 @@ std::optional<HullOfBody> HullReader::read(TableReader& body) {
 }
 
 std::optional<HullOfBody> HullReader::read_file(TableReader& body) {
-  const FileKey key{body.text("file", "", kLongestName), body.number("file_unit_m", 1, kFileUnit)};
+  const FileKey key{body.text("file", "", kLongestFileName), body.number("file_unit_m", 1, kFileUnit)};
   if (key.first.empty()) {
     body.mistake("file", "is no name of a file", "a name that ends in .obj or .stl");
     return std::nullopt;

@@ -18,7 +18,7 @@ constexpr Range kDensity{"a density", 1e-3, 1e5};
 constexpr Range kVelocity{"a velocity", -100, 100};
 constexpr Range kAngularVelocity{"an angular velocity", -1000, 1000};
 
-// A shape and its own frame in that of the body's keys: hulls are given in any frame.
+// A shape and its own frame in that of the body's keys: hulls and meshes are given in any frame.
 struct ReadShape {
   Shape<double> shape;
   Posed given_from_body{};
@@ -28,12 +28,12 @@ struct ReadShape {
 };
 
 // Nothing where the shape is not known: a mistake has been added, and the other keys cannot be judged.
-std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReader& hulls) {
+std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
   const bool proxy = role == BodyRole::kProxy;
-  if (!table.require("shape", proxy ? "sphere, capsule, box" : "box, sphere, capsule, hull, plane"))
+  if (!table.require("shape", proxy ? "sphere, capsule, box" : "box, sphere, capsule, hull, plane, mesh"))
     return std::nullopt;
   const std::string word = proxy ? table.word("shape", "", {"sphere", "capsule", "box"})
-                                 : table.word("shape", "", {"box", "sphere", "capsule", "hull", "plane"});
+                                 : table.word("shape", "", {"box", "sphere", "capsule", "hull", "plane", "mesh"});
   if (word.empty()) return std::nullopt;
   if (word == "plane") return ReadShape{Shape<double>::plane()};
   if (word == "hull") {
@@ -41,6 +41,11 @@ std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReade
     if (!made) return std::nullopt;
     const auto& hull = hulls.hull(made->index);
     return ReadShape{Shape<double>::convex(hull, made->index), made->given_from_body, &hull};
+  }
+  if (word == "mesh") {
+    const auto made = meshes.read(table);
+    if (!made) return std::nullopt;
+    return ReadShape{Shape<double>::mesh(meshes.mesh(made->index).half_extents, made->index), made->given_from_body};
   }
   if (word == "box") {
     table.require("size_m", "[x, y, z]: the full lengths of the edges");
@@ -168,8 +173,8 @@ void read_domino_row(TableReader& table, double friction, unsigned room, Generat
 
 }  // namespace
 
-Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls) {
-  const auto known_shape = read_shape(table, role, hulls);
+Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
+  const auto known_shape = read_shape(table, role, hulls, meshes);
   if (!known_shape) {
     table.ignore_the_rest();
     return physics::make_dynamic_body(kNoBody, Shape<double>::sphere(0.05), 1.0, 0.0, Posed{});
@@ -177,10 +182,11 @@ Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls) {
   const Shape<double>& shape = known_shape->shape;
   const double friction = table.number("friction", 0, kFriction);
   const Posed pose = table.pose() * known_shape->given_from_body;
-  const bool is_plane = shape.kind == ShapeKind::kPlane;
-  const bool fixed = role == BodyRole::kBody && table.flag("fixed", is_plane);
+  const bool is_plane = shape.kind == ShapeKind::kPlane, is_mesh = shape.kind == ShapeKind::kMesh;
+  const bool fixed = role == BodyRole::kBody && table.flag("fixed", is_plane || is_mesh);
   if (is_plane && !fixed) table.mistake("fixed", "a plane never moves", "true");
-  if (fixed || is_plane) {
+  if (is_mesh && !fixed) table.mistake("fixed", "a mesh never moves", "true; what moves is a hull, or several bodies");
+  if (fixed || is_plane || is_mesh) {
     for (const char* key : {"mass_kg", "density_kg_per_m3", "velocity_m_per_s", "angular_velocity_rad_per_s"})
       table.refuse(key, "a fixed body has none", "no such key");
     return physics::make_fixed_body(kNoBody, shape, friction, pose);

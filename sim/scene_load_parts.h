@@ -4,6 +4,7 @@
 
 #include "sim/generators.h"
 #include "sim/scene_load_hull.h"
+#include "sim/scene_load_mesh.h"
 #include "sim/scene_load_reader.h"
 
 namespace tactus::sim {
@@ -13,7 +14,7 @@ inline constexpr Range kFriction{"a coefficient of friction", 0, 10};
 enum class BodyRole { kProxy, kBody };
 
 // A body without an id. The proxy floats: the device carries it.
-physics::Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls);
+physics::Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes);
 
 // Bodies in the frame of the world, without ids, and what the generator says of them. Nothing is made (and a mistake
 // added) beyond `room` bodies.

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "rt/physics/collide_mesh.h"
 #include "rt/physics/manifold.h"
+#include "rt/physics/mesh_query.h"
 #include "rt/physics/step.h"
 #include "sim/pair_grid.h"
 
@@ -40,6 +42,9 @@ BodyCounts count_bodies(const Scene& scene) {
       case ShapeKind::kHull:
         ++counts.hulls;
         break;
+      case ShapeKind::kMesh:
+        ++counts.meshes;
+        break;
     }
   }
   return counts;
@@ -62,11 +67,8 @@ std::vector<EffectReport> report_effects(const Scene& scene) {
        "a small system of equations a body that is no sphere and no cube, every sub-step"}};
 }
 
-// Counts the contact of one pair, a before b by id.
-void add_contact(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
-                 StartContacts& start) {
-  physics::AxisCache cache;
-  const auto manifold = physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin_m, cache, scene.hulls);
+void count_contact(const physics::Manifold<double>& manifold, const Body<double>& a, const Body<double>& b,
+                   StartContacts& start) {
   if (manifold.count == 0) return;
   ++start.contacts;
   start.points += manifold.count;
@@ -75,6 +77,33 @@ void add_contact(const Scene& scene, const Body<double>& a, const Body<double>& 
     start.deepest_m = -manifold.points[i].separation;
     start.deepest_a = a.id, start.deepest_b = b.id;
   }
+}
+
+// The contacts of one body with a mesh, patch by patch.
+void add_mesh_contacts(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
+                       StartContacts& start) {
+  const auto& mesh = scene.meshes[b.shape.index];
+  physics::TriangleList near;
+  physics::find_triangles(
+      mesh, physics::bounds_of(a.shape, physics::relative_pose(b.motion.pose, a.motion.pose), margin_m), near);
+  const auto triangles = near.triangles.span();
+  const auto patch_of = [&](std::size_t i) { return mesh.triangles[triangles[i]].patch; };
+  for (std::size_t first = 0, end = 0; first < triangles.size(); first = end) {
+    while (end < triangles.size() && patch_of(end) == patch_of(first)) ++end;
+    count_contact(physics::collide_patch(a.shape, a.motion.pose, b.motion.pose, mesh,
+                                         std::span<const std::uint32_t>(triangles.subspan(first, end - first)),
+                                         margin_m, scene.hulls),
+                  a, b, start);
+  }
+}
+
+// Counts the contacts of one pair, a before b by id.
+void add_contact(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
+                 StartContacts& start) {
+  if (b.shape.kind == ShapeKind::kMesh) return add_mesh_contacts(scene, a, b, margin_m, start);
+  physics::AxisCache cache;
+  count_contact(physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin_m, cache, scene.hulls), a, b,
+                start);
 }
 
 StartContacts find_start_contacts(const Scene& scene) {
@@ -160,6 +189,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.bodies = count_bodies(scene);
   report.effects = report_effects(scene);
   report.generated = scene.generated;
+  report.meshes = scene.mesh_accounts;
   report.lightest_kg = std::numeric_limits<double>::infinity();
   for (const auto& body : scene.bodies) {
     if (body.kind == BodyKind::kFixed) continue;

@@ -15,7 +15,7 @@ namespace tactus::sim {
 
 struct BodyCounts {
   unsigned total{0}, dynamic{0}, fixed{0};
-  unsigned boxes{0}, spheres{0}, capsules{0}, planes{0}, hulls{0};
+  unsigned boxes{0}, spheres{0}, capsules{0}, planes{0}, hulls{0}, meshes{0};
 };
 
 struct EffectReport {
@@ -62,6 +62,7 @@ struct SceneReport {
   PenetrationReport penetration;
   haptics::CouplingVerdict coupling;  // at the hand: stiffness and damping of translation x motion scale squared
   std::vector<GeneratedPart> generated;
+  std::vector<MeshAccount> meshes;
   StartContacts start;
   HandReport hand;
   CapacityReport capacity;

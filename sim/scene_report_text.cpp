@@ -33,16 +33,31 @@ std::string part_line(const GeneratedPart& part) {
   return text + "\n";
 }
 
+std::string mesh_line(const MeshAccount& mesh) {
+  std::string text = fmt::format("  {:<12}{}: {} triangles, {} corners, {} flat patches", "mesh", mesh.file,
+                                 mesh.triangles, mesh.corners, mesh.patches);
+  const auto add = [&text](unsigned count, const char* what) {
+    if (count > 0) text += fmt::format("; {} {}", count, what);
+  };
+  add(mesh.boundary_edges, "open edges");
+  add(mesh.disagreeing_edges, "edges whose triangles do not agree on what is outside");
+  add(mesh.welded, "corners merged");
+  add(mesh.without_area, "triangles without area left out");
+  add(mesh.doubled, "doubled triangles left out");
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string to_text(const SceneReport& r) {
   std::string text = fmt::format("{}{}{}\n", r.name, r.title.empty() ? "" : ": ", r.title);
-  text +=
-      fmt::format("bodies\n  {:<12}{}: {} move, {} are fixed; {} boxes, {} spheres, {} capsules, {} hulls, {} planes\n",
-                  "count", r.bodies.total, r.bodies.dynamic, r.bodies.fixed, r.bodies.boxes, r.bodies.spheres,
-                  r.bodies.capsules, r.bodies.hulls, r.bodies.planes);
+  text += fmt::format(
+      "bodies\n  {:<12}{}: {} move, {} are fixed; {} boxes, {} spheres, {} capsules, {} hulls, {} planes{}\n", "count",
+      r.bodies.total, r.bodies.dynamic, r.bodies.fixed, r.bodies.boxes, r.bodies.spheres, r.bodies.capsules,
+      r.bodies.hulls, r.bodies.planes, r.bodies.meshes > 0 ? fmt::format(", {} meshes", r.bodies.meshes) : "");
   text += fmt::format("  {:<12}{:g} to {:g} kg, ratio {:.3g}\n", "masses", r.lightest_kg, r.heaviest_kg, r.mass_ratio);
   for (const auto& part : r.generated) text += part_line(part);
+  for (const auto& mesh : r.meshes) text += mesh_line(mesh);
   text += "effects\n" + effect_lines(r);
   text += fmt::format("contacts\n  {:<12}{:g} Hz, at most {:g} Hz with these sub-steps\n", "frequency",
                       r.contact_hertz_Hz, r.max_contact_hertz_Hz);

@@ -4,70 +4,16 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
-#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <unordered_set>
+
+#include "sim/shape_words.h"
 
 namespace tactus::sim {
 namespace {
 
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;  // bytes
-
-// Words of a text, one after the other, and the line that the last one was in.
-class Words {
- public:
-  explicit Words(std::string_view text) : rest_(text) {}
-
-  // Empty at the end. `same_line`: also at the end of the line.
-  std::string_view next(bool same_line) {
-    while (!rest_.empty() && is_space(rest_.front())) {
-      if (rest_.front() == '\n') {
-        if (same_line) return {};
-        ++line_;
-      }
-      rest_.remove_prefix(1);
-    }
-    const auto end = std::find_if(rest_.begin(), rest_.end(), is_space);
-    const std::string_view word(rest_.begin(), end);
-    rest_.remove_prefix(word.size());
-    return word;
-  }
-  void skip_line() {
-    const std::size_t end = rest_.find('\n');
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end);
-  }
-  std::size_t line() const { return line_; }
-
- private:
-  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-  std::string_view rest_;
-  std::size_t line_{1};
-};
-
-bool parse_number(std::string_view word, double& value) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
-}
-
-std::string shown(std::string_view word) {
-  if (word.empty()) return "nothing";
-  std::string text(word.substr(0, 40));
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
-  return "\"" + text + "\"";
-}
-
-// Three numbers on the line; an error's text otherwise.
-std::string read_place(Words& words, Vec3d& place) {
-  for (int i = 0; i < 3; ++i) {
-    const std::string_view word = words.next(true);
-    if (!parse_number(word, place[i])) return fmt::format("{} in {} is not a finite number", shown(word), "xyz"[i]);
-  }
-  return {};
-}
 
 // Each place once: the corners of triangles come many times.
 class Places {
@@ -96,7 +42,7 @@ Result<std::vector<Vec3d>> not_empty(std::vector<Vec3d> places, std::string_view
 
 Result<std::vector<Vec3d>> parse_text_stl(std::string_view text, std::string_view name) {
   Words words(text);
-  Places places;
+  std::vector<Vec3d> corners;
   words.skip_line();  // "solid" and its name
   while (true) {
     const std::string_view word = words.next(false);
@@ -106,14 +52,14 @@ Result<std::vector<Vec3d>> parse_text_stl(std::string_view text, std::string_vie
     Vec3d place;
     if (const std::string wrong = read_place(words, place); !wrong.empty())
       return Status::error(fmt::format("{}:{}: {}; accepted: vertex x y z", name, words.line(), wrong));
-    places.add(place);
+    corners.push_back(place);
   }
-  return not_empty(places.take(), name, "facets with lines \"vertex x y z\"");
+  return not_empty(std::move(corners), name, "facets with lines \"vertex x y z\"");
 }
 
 Result<std::vector<Vec3d>> parse_binary_stl(std::string_view bytes, std::string_view name) {
   static_assert(std::endian::native == std::endian::little);
-  Places places;
+  std::vector<Vec3d> corners;
   const std::size_t triangles = (bytes.size() - kStlHeader) / kStlTriangle;
   for (std::size_t t = 0; t < triangles; ++t) {
     float numbers[12];  // the normal, which is not used, and three corners
@@ -124,10 +70,10 @@ Result<std::vector<Vec3d>> parse_binary_stl(std::string_view bytes, std::string_
       if (!is_finite(place))
         return Status::error(
             fmt::format("{}: triangle {} has a corner that is not finite; accepted: finite numbers", name, t + 1));
-      places.add(place);
+      corners.push_back(place);
     }
   }
-  return not_empty(places.take(), name, "one triangle or more");
+  return not_empty(std::move(corners), name, "one triangle or more");
 }
 
 std::string lower(std::string text) {
@@ -156,7 +102,7 @@ Result<std::vector<Vec3d>> parse_obj(std::string_view text, std::string_view nam
 }
 
 // Some programs begin binary files with "solid" too: the size decides first.
-Result<std::vector<Vec3d>> parse_stl(std::string_view bytes, std::string_view name) {
+Result<std::vector<Vec3d>> parse_stl_corners(std::string_view bytes, std::string_view name) {
   if (bytes.size() >= kStlHeader) {
     std::uint32_t triangles = 0;
     std::memcpy(&triangles, bytes.data() + kStlHeader - 4, sizeof triangles);
@@ -170,7 +116,15 @@ Result<std::vector<Vec3d>> parse_stl(std::string_view bytes, std::string_view na
   return Status::error(fmt::format("{}: is no STL file; accepted: STL, text or binary", name));
 }
 
-Result<std::vector<Vec3d>> read_shape_file(const std::filesystem::path& path) {
+Result<std::vector<Vec3d>> parse_stl(std::string_view bytes, std::string_view name) {
+  auto corners = parse_stl_corners(bytes, name);
+  if (!corners.ok()) return corners;
+  Places places;
+  for (const Vec3d& corner : corners.value()) places.add(corner);
+  return places.take();
+}
+
+Result<ShapeFile> open_shape_file(const std::filesystem::path& path) {
   const std::string name = path.string(), ending = lower(path.extension().string());
   if (ending != ".obj" && ending != ".stl")
     return Status::error(fmt::format("{}: is of an unknown kind; accepted: a name that ends in .obj or .stl", name));
@@ -184,7 +138,14 @@ Result<std::vector<Vec3d>> read_shape_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
     return Status::error(fmt::format("{}: cannot be read; accepted: a file that you may read", name));
-  return ending == ".obj" ? parse_obj(bytes, name) : parse_stl(bytes, name);
+  return ShapeFile{name, std::move(bytes), ending == ".obj"};
+}
+
+Result<std::vector<Vec3d>> read_shape_file(const std::filesystem::path& path) {
+  const auto file = open_shape_file(path);
+  if (!file.ok()) return file.status();
+  const auto& [name, bytes, is_obj] = file.value();
+  return is_obj ? parse_obj(bytes, name) : parse_stl(bytes, name);
 }
 
 }  // namespace tactus::sim

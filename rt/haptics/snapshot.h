@@ -14,6 +14,8 @@ namespace tactus::haptics {
 inline constexpr std::uint32_t kMaxMembers = 256;
 inline constexpr std::uint32_t kMaxBorderPoints = 1024;
 inline constexpr std::uint32_t kMaxWarmStarts = 1024;
+inline constexpr std::uint32_t kMaxNearRegions = 512;
+inline constexpr std::uint32_t kMaxNearTriangles = 8192;
 
 // A contact point between a member and an outside body, as the global step left it.
 struct BorderPoint {
@@ -39,6 +41,9 @@ struct WorldSnapshot {
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   physics::BodyMotion<double> proxy;  // the proxy in the global world (interpolation coupling)
+  // The triangles of meshes near members, by index: the meshes themselves are both worlds' from the start.
+  FixedVector<physics::NearRegion<double>, kMaxNearRegions> near_regions;  // by member, then by mesh
+  FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;            // of the regions, one after the other
 };
 
 struct MemberMotion {

@@ -22,24 +22,42 @@ bool read_list(ByteReader& in, FixedVector<T, kCapacity>& list) noexcept {
 }
 
 bool is_shape_that_moves(const physics::Shape<double>& shape, std::size_t hulls) noexcept {
-  return shape.kind < physics::ShapeKind::kPlane || (shape.kind == physics::ShapeKind::kHull && shape.hull < hulls);
+  return shape.kind < physics::ShapeKind::kPlane || (shape.kind == physics::ShapeKind::kHull && shape.index < hulls);
 }
 
 bool is_body(const physics::Body<double>& b, std::size_t hulls) noexcept {
-  return b.id <= kMaxBodyId && b.kind == physics::BodyKind::kDynamic && is_shape_that_moves(b.shape, hulls) &&
-         is_finite(b.motion.pose) && is_finite(b.motion.velocity) && std::isfinite(b.mass) && b.mass > 0 &&
-         is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 && b.inertia.z > 0;
+  return b.id < physics::kFirstPatchId && b.kind == physics::BodyKind::kDynamic &&
+         is_shape_that_moves(b.shape, hulls) && is_finite(b.motion.pose) && is_finite(b.motion.velocity) &&
+         std::isfinite(b.mass) && b.mass > 0 && is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 &&
+         b.inertia.z > 0;
+}
+
+bool are_near_triangles(const WorldSnapshot& s, physics::Meshes<double> meshes) noexcept {
+  const physics::NearRegion<double>* last = nullptr;
+  for (const auto& region : s.near_regions) {
+    if (region.mesh >= meshes.size() || region.count > s.near_triangles.size() ||
+        region.first > s.near_triangles.size() - region.count)
+      return false;
+    if (last != nullptr && (last->body != region.body ? last->body > region.body : last->mesh >= region.mesh))
+      return false;
+    last = &region;
+    const auto triangles = s.near_triangles.span().subspan(region.first, region.count);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      if (triangles[i] >= meshes[region.mesh].triangles.size() || (i > 0 && triangles[i - 1] >= triangles[i]))
+        return false;
+  }
+  return true;
 }
 
 // What the sub-world takes for granted of a snapshot: bytes from a damaged tape must not reach its checks.
-bool is_sound(const WorldSnapshot& s, std::size_t hulls) noexcept {
+bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes<double> meshes) noexcept {
   for (std::uint32_t i = 1; i < s.members.size(); ++i)
     if (s.members[i - 1] >= s.members[i]) return false;
   for (const auto& joiner : s.joiners)
     if (!is_body(joiner, hulls)) return false;
   for (const auto& warm_start : s.warm_starts)
     if (warm_start.count > physics::kMaxManifoldPoints) return false;
-  return true;
+  return are_near_triangles(s, meshes);
 }
 
 }  // namespace
@@ -54,16 +72,19 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   write_list(out, s.joiners);
   write_list(out, s.warm_starts);
   write_list(out, s.border);
+  write_list(out, s.near_regions);
+  write_list(out, s.near_triangles);
 }
 
-bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls) noexcept {
+bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics::Meshes<double> meshes) noexcept {
   in.get(s.cycle);
   in.get(s.global_time_s);
   in.get(s.dropped);
   in.get(s.component);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
-         read_list(in, s.border) && is_sound(s, hulls);
+         read_list(in, s.border) && read_list(in, s.near_regions) && read_list(in, s.near_triangles) &&
+         is_sound(s, hulls, meshes);
 }
 
 }  // namespace tactus::haptics

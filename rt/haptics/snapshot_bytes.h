@@ -1,6 +1,6 @@
 // A snapshot as bytes for the tape: only the entries that are used. Thread: write [rt]; read [setup], replay.
 // Bound: snapshot_bytes_bound(). Reading checks every count and what the sub-world takes for granted (members
-// ascending, joiners that are bodies); false on bytes that no writer made.
+// ascending, joiners that are bodies, triangles that are there); false on bytes that no writer made.
 #pragma once
 
 #include "rt/base/bytes.h"
@@ -9,8 +9,9 @@
 namespace tactus::haptics {
 
 void write_snapshot(ByteWriter& out, const WorldSnapshot& snapshot) noexcept;
-// `hulls`: how many the sub-world knows.
-[[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot, std::size_t hulls = 0) noexcept;
+// `hulls`: how many the sub-world knows; `meshes`: those that it knows.
+[[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot, std::size_t hulls = 0,
+                                 physics::Meshes<double> meshes = {}) noexcept;
 constexpr std::size_t snapshot_bytes_bound() noexcept { return sizeof(WorldSnapshot); }
 
 }  // namespace tactus::haptics

@@ -31,9 +31,11 @@ Quatd between(const Quatd& a, const Quatd& b, double share) noexcept {
 
 SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
     : config_(config),
-      world_(config.capacities, config.hulls),
+      world_(config.capacities, config.hulls, config.meshes),
       outside_velocity_(config.capacities.border_contacts),
-      replaced_(config.capacities.border_contacts) {
+      replaced_(config.capacities.border_contacts),
+      near_regions_(config.meshes.empty() ? 0 : kMaxNearRegions),
+      near_triangles_(config.meshes.empty() ? 0 : kMaxNearTriangles) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
   state_.last_sub_steps = config.step.sub_steps;
   world_.border_mode = config.border_mode;
@@ -56,6 +58,7 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   fill_report(snapshot, report);
   change_members(snapshot);
   renew_border(snapshot);
+  take_near_triangles(snapshot.near_regions.span(), snapshot.near_triangles.span());
   if (config_.scheme == CouplingScheme::kStatic) freeze_all_but_proxy();
   if (config_.scheme == CouplingScheme::kInterpolation && state_.has_snapshot == 0) proxy_ = snapshot.proxy;
   state_.global_proxy[0] = state_.has_snapshot != 0 ? state_.global_proxy[1] : snapshot.proxy;
@@ -173,6 +176,16 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
     if (world_.add_border_contact(contact)) (void)outside_velocity_.try_push(point.outside_velocity);
   }
   border_count_ = contacts.size();
+}
+
+void SubWorld::take_near_triangles(std::span<const physics::NearRegion<double>> regions,
+                                   std::span<const std::uint32_t> triangles) noexcept {
+  if (config_.meshes.empty()) return;
+  near_regions_.resize(static_cast<std::uint32_t>(regions.size()));
+  std::copy(regions.begin(), regions.end(), near_regions_.begin());
+  near_triangles_.resize(static_cast<std::uint32_t>(triangles.size()));
+  std::copy(triangles.begin(), triangles.end(), near_triangles_.begin());
+  world_.near_triangles = {near_regions_.span(), near_triangles_.span()};
 }
 
 void SubWorld::freeze_all_but_proxy() noexcept {
@@ -314,6 +327,7 @@ bool SubWorld::restore(ByteReader& in) noexcept {
   in.get(proxy_);
   in.get(state_);
   border_count_ = world_.border_contacts().size();
+  world_.near_triangles = {};
   return in.ok() && state_.last_sub_steps > 0;
 }
 

@@ -23,7 +23,8 @@ struct SubWorldConfig {
   double stiffness_N_per_m{2000}, damping_Ns_per_m{5};  // coupling, world units
   double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
   physics::Capacities capacities;
-  physics::Hulls<double> hulls;  // of the bodies' shapes; they must outlive the sub-world
+  physics::Hulls<double> hulls;    // of the bodies' shapes; they must outlive the sub-world
+  physics::Meshes<double> meshes;  // same
 };
 
 // Where the device wants the proxy to be. Not engaged: the proxy is not held and comes to rest where it is.
@@ -83,6 +84,8 @@ class SubWorld {
   void report_border(SubWorldReport& report) const noexcept;
   void change_members(const WorldSnapshot& snapshot) noexcept;
   void renew_border(const WorldSnapshot& snapshot) noexcept;
+  void take_near_triangles(std::span<const physics::NearRegion<double>> regions,
+                           std::span<const std::uint32_t> triangles) noexcept;
   void freeze_all_but_proxy() noexcept;
   void apply_lateness(SubWorldStep& result) noexcept;
   void aim_spring(const DeviceTarget& target) noexcept;
@@ -95,6 +98,9 @@ class SubWorld {
   physics::World<double> world_;
   BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
   BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew_border
+  // As adopted; none without meshes. They never show in a result (near_triangles.h), so they are no part of the state.
+  BoundedVector<physics::NearRegion<double>> near_regions_;
+  BoundedVector<std::uint32_t> near_triangles_;
   physics::BodyMotion<double> proxy_;
   std::uint32_t border_count_{0};
   State state_;

@@ -28,7 +28,7 @@ static_assert(std::endian::native == std::endian::little, "the tape's numbers ar
 
 inline constexpr std::uint32_t kTapeVersion = 2;            // 2: keyframes hold what contacts are carried over from
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
-inline constexpr std::uint32_t kMaxTapeText = 1u << 20;     // bytes
+inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 
 // Kinds from here on belong to the tape itself.
 inline constexpr std::uint32_t kTapeKinds = 0xffffff00u;

@@ -14,6 +14,8 @@ struct Capacities {
   std::uint32_t pairs{2048};         // overlapping boxes; beyond: pairs with the highest keys are dropped
   std::uint32_t contacts{512};       // manifolds; beyond: the deepest are kept, ties by lower pair key
   std::uint32_t border_contacts{0};  // contacts with bodies of another world; beyond: `add` refuses
+  std::uint32_t mesh_triangles{
+      0};  // near moving bodies, in one step; beyond: those of the highest body ids are dropped
 };
 
 // Explicit numbers, never reused.
@@ -23,6 +25,7 @@ enum CapacityBit : std::uint32_t {
   kPairsFull = 1u << 2,
   kContactsFull = 1u << 3,
   kBorderContactsFull = 1u << 4,
+  kMeshTrianglesFull = 1u << 5,  // also where a body is near to more than kMaxBodyTriangles: the nearest stay
 };
 
 }  // namespace tactus::physics

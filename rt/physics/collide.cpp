@@ -15,8 +15,8 @@ constexpr std::uint32_t pair_of(ShapeKind a, ShapeKind b) noexcept {
 // B is a hull, A any shape.
 template <class T>
 void collide_with_hull(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache, Hulls<T> hulls) noexcept {
-  if (pair.b.hull >= hulls.size()) return;
-  const HullView<T> hull = view_of(hulls[pair.b.hull]);
+  if (pair.b.index >= hulls.size()) return;
+  const HullView<T> hull = view_of(hulls[pair.b.index]);
   switch (pair.a.kind) {
     case ShapeKind::kSphere:
       return collide_sphere_hull(pair, hull, manifold);
@@ -27,7 +27,10 @@ void collide_with_hull(const PairView<T>& pair, Manifold<T>& manifold, AxisCache
     case ShapeKind::kPlane:
       return collide_plane_hull(pair, hull, manifold);
     case ShapeKind::kHull:
-      if (pair.a.hull < hulls.size()) collide_hulls(pair, view_of(hulls[pair.a.hull]), hull, manifold, cache);
+      if (pair.a.index < hulls.size()) collide_hulls(pair, view_of(hulls[pair.a.index]), hull, manifold, cache);
+      return;
+    case ShapeKind::kMesh:
+      return;
   }
 }
 
@@ -55,7 +58,7 @@ void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& 
       return collide_box_plane(pair, manifold);
     default:
       if (pair.b.kind == kHull) collide_with_hull(pair, manifold, cache, hulls);
-      return;  // or two planes
+      return;  // or two planes, or a mesh (collide_mesh.h)
   }
 }
 

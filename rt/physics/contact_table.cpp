@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/physics/collide_mesh.h"
+
 namespace tactus::physics {
 namespace {
 
@@ -28,6 +30,11 @@ LastFeatures features_of(const Contact<T>* last, const WarmStart<T>* given) noex
   for (std::uint32_t i = 0; i < last->count; ++i) features.of[i] = last->points[i].feature;
   return features;
 }
+
+// A body may be near to many patches of a mesh and touch few: those that cannot be touched in this step are left out
+// sooner. A box as wide as two cells of a rolling ground has a third of the contacts (at 0.5 mm: 13 patches).
+template <class T>
+inline constexpr T kPatchMargin = T(5e-5);
 
 template <class T>
 T separation_of(const Contact<T>& contact) noexcept {
@@ -82,8 +89,8 @@ void ContactTable<T>::clear_pairs() noexcept {
 
 // Beyond the capacity the pairs are a heap with the highest key on top: the one that gives way.
 template <class T>
-void ContactTable<T>::add_pair(PairKey key, std::uint32_t a, std::uint32_t b) noexcept {
-  const Pair pair{key, a, b};
+void ContactTable<T>::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
+  const Pair pair{key, a, b, patch};
   if (pairs_.try_push(pair)) return;
   ++pairs_dropped_;
   if (pairs_.empty()) return;
@@ -125,7 +132,8 @@ void ContactTable<T>::visit(Walk& walk, Pair& pair) noexcept {
   // Two bodies fall side by side, or one of them is held: gravity counts once.
   const Reach<T> b = with_fixed ? Reach<T>{} : walk.scene.reach[pair.b];
   const T closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
-  const T margin = std::max(walk.settings.min_margin, closing + room_to_carry_over(walk.settings));
+  const T least = pair.patch.count > 0 ? std::min(kPatchMargin<T>, walk.settings.min_margin) : walk.settings.min_margin;
+  const T margin = std::max(least, closing + room_to_carry_over(walk.settings));
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
@@ -183,14 +191,24 @@ Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
 }
 
 template <class T>
+Manifold<T> ContactTable<T>::touch(const Scene& scene, const Pair& pair, T margin, AxisCache& axis_cache,
+                                   const LastFeatures& last) const noexcept {
+  const Body<T>& a = scene.bodies[pair.a];
+  const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
+  if (b.shape.kind == ShapeKind::kMesh)
+    return collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
+                         scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), margin, scene.hulls, last);
+  return collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, scene.hulls, last);
+}
+
+template <class T>
 void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, const WarmStart<T>* given) noexcept {
   const bool with_fixed = pair.key.with_fixed();
   const Body<T>& a = walk.scene.bodies[pair.a];
   const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
   AxisCache axis_cache = known ? walk.old[walk.old_next].axis_cache : given ? given->axis_cache : AxisCache{};
-  const Manifold<T> manifold =
-      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, walk.scene.hulls,
-              features_of(known ? &walk.old[walk.old_next] : nullptr, given));
+  const LastFeatures last_features = features_of(known ? &walk.old[walk.old_next] : nullptr, given);
+  const Manifold<T> manifold = touch(walk.scene, pair, margin, axis_cache, last_features);
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever = manifold.lever;
     return;

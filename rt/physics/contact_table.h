@@ -17,11 +17,17 @@
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
 #include "rt/physics/contact_reference.h"
+#include "rt/physics/mesh.h"
 #include "rt/physics/reach.h"
 #include "rt/physics/step.h"
 #include "rt/physics/warm_start.h"
 
 namespace tactus::physics {
+
+// Which triangles of a patch a body is near to: a stretch of the step's list of them.
+struct PatchTriangles {
+  std::uint32_t first{0}, count{0};
+};
 
 template <class T>
 class ContactTable {
@@ -35,14 +41,17 @@ class ContactTable {
   // --- pairs of this step
   void clear_pairs() noexcept;
   // `b` is a slot of the fixed bodies when `with_fixed`. The body with the lower id comes first, a fixed one second.
-  void add_pair(PairKey key, std::uint32_t a, std::uint32_t b) noexcept;
+  // With a mesh, one pair for each patch: the key has the patch's id, `b` is the slot of the mesh's body.
+  void add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch = {}) noexcept;
 
   // What narrow phase needs to know about the bodies, all by slot.
   struct Scene {
     std::span<const Body<T>> bodies, fixed_bodies;
     std::span<const BodyFrame<T>> frames, fixed_frames;
     std::span<const Reach<T>> reach;
-    Hulls<T> hulls{};  // of the shapes
+    Hulls<T> hulls{};                                 // of the shapes
+    Meshes<T> meshes{};                               // same
+    std::span<const std::uint32_t> mesh_triangles{};  // what PatchTriangles are stretches of
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
   // Fills pairs, contacts, points, deepest, dropped and the bits of the report.
@@ -67,6 +76,7 @@ class ContactTable {
   struct Pair {
     PairKey key;
     std::uint32_t a{0}, b{0};
+    PatchTriangles patch;
     T gap{}, lever{};  // as of a manifold without points, less what the bodies moved since; 0: not known
   };
   // What a build goes by and where it is in the lists that it merges, all sorted by key.
@@ -76,6 +86,8 @@ class ContactTable {
   void sort_warm_starts() noexcept;
   void visit(Walk& walk, Pair& pair) noexcept;
   void keep(Walk& walk, const Pair& pair, T moved) noexcept;
+  Manifold<T> touch(const Scene& scene, const Pair& pair, T margin, AxisCache& axis_cache,
+                    const LastFeatures& last) const noexcept;
   void find_anew(Walk& walk, Pair& pair, T margin, bool known, const WarmStart<T>* given) noexcept;
   Contact<T>* place(Walk& walk) noexcept;
   void start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,

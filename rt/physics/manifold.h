@@ -68,9 +68,9 @@ struct LastFeatures {
 // pose is not finite. Within the margin a contact is always found, and the least separation is never larger than the
 // distance; between boxes and hulls it may be smaller while they are apart corner to corner.
 // `hulls`: what the indices of hull shapes refer to; one that is not there touches nothing.
-// A plane may be A or B. Two planes never touch. Ties are broken by the lower feature id: the same input gives the
-// same bits, and a pair given in the other order gives the mirrored manifold only approximately, so callers keep
-// A as the body with the lower id.
+// A plane may be A or B. Two planes never touch; a mesh is not touched here but patch by patch (collide_mesh.h). Ties
+// are broken by the lower feature id: the same input gives the same bits, and a pair given in the other order gives the
+// mirrored manifold only approximately, so callers keep A as the body with the lower id.
 template <class T>
 Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
                     T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls = {},

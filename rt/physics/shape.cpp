@@ -36,6 +36,7 @@ Vec3<T> inertia_of(const Shape<T>& shape, T mass) noexcept {
     }
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
+    case ShapeKind::kMesh:
       break;
   }
   return {};
@@ -54,6 +55,7 @@ T volume_of(const Shape<T>& shape) noexcept {
       return T(8) * shape.half_extents.x * shape.half_extents.y * shape.half_extents.z;
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
+    case ShapeKind::kMesh:
       break;
   }
   return T(0);
@@ -68,6 +70,7 @@ T bounding_radius(const Shape<T>& shape) noexcept {
     case ShapeKind::kCapsule:
       return shape.radius + shape.half_length;
     case ShapeKind::kBox:
+    case ShapeKind::kMesh:
       return norm(shape.half_extents);
     case ShapeKind::kPlane:
       break;
@@ -88,7 +91,8 @@ Aabb<T> bounds_of(const Shape<T>& shape, const Pose<T>& world_from_body, T margi
           abs(rotate(q, Vec3<T>{T(0), T(0), shape.half_length})) + Vec3<T>{shape.radius, shape.radius, shape.radius};
       break;
     case ShapeKind::kBox:
-    case ShapeKind::kHull: {
+    case ShapeKind::kHull:
+    case ShapeKind::kMesh: {
       const Vec3<T>& h = shape.half_extents;
       reach = abs(rotate(q, Vec3<T>{h.x, T(0), T(0)})) + abs(rotate(q, Vec3<T>{T(0), h.y, T(0)})) +
               abs(rotate(q, Vec3<T>{T(0), T(0), h.z}));

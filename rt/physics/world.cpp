@@ -17,12 +17,20 @@ bool holds(const BoundedVector<Body<T>>& bodies, std::uint32_t slot, BodyId id) 
   return slot < bodies.size() && bodies[slot].id == id;
 }
 
+// What the bounds of a body are grown by.
+template <class T>
+T margin_of(const Reach<T>& reach, const StepSettings<T>& settings) noexcept {
+  const T closing = reach.moved + reach.fallen + room_to_carry_over(settings);
+  return std::min(std::max(settings.min_margin, closing), settings.max_margin);
+}
+
 }  // namespace
 
 template <class T>
-World<T>::World(const Capacities& capacities, Hulls<T> hulls)
+World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes)
     : capacities_(capacities),
       hulls_(hulls),
+      meshes_(meshes),
       bodies_(capacities.bodies),
       fixed_bodies_(capacities.fixed_bodies),
       frozen_(capacities.bodies),
@@ -33,6 +41,7 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls)
       fixed_frames_(capacities.fixed_bodies),
       reach_(capacities.bodies),
       last_poses_(capacities.bodies),
+      mesh_triangles_(capacities.mesh_triangles),
       pair_order_(capacities.bodies, capacities.pairs + 1),
       dynamic_pairs_(capacities.pairs + 1),
       contacts_(capacities),
@@ -49,8 +58,11 @@ bool World<T>::refuse(CapacityBit bit) noexcept {
 template <class T>
 bool World<T>::insert(const Body<T>& body) noexcept {
   const bool fixed = body.kind == BodyKind::kFixed;
-  TACTUS_CHECK(body.id <= kMaxBodyId, body.id, kMaxBodyId);
-  TACTUS_CHECK(body.shape.kind != ShapeKind::kHull || body.shape.hull < hulls_.size(), body.shape.hull, hulls_.size());
+  TACTUS_CHECK(body.id < kFirstPatchId, body.id, kFirstPatchId);
+  TACTUS_CHECK(body.shape.kind != ShapeKind::kHull || body.shape.index < hulls_.size(), body.shape.index,
+               hulls_.size());
+  TACTUS_CHECK(body.shape.kind != ShapeKind::kMesh || (fixed && body.shape.index < meshes_.size()), body.shape.index,
+               meshes_.size());
   TACTUS_CHECK(is_finite(body.motion.pose) && is_finite(body.motion.velocity), body.id, 0);
   TACTUS_CHECK(fixed || (body.mass > T(0) && std::isfinite(body.mass)), body.id, body.mass);
   TACTUS_CHECK(
@@ -206,9 +218,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap<T>, reach_[i]);
     frames_[i] = BodyFrame<T>::of(body.motion.pose);
     // The bounds of two bodies grow by at least the margin of their pair.
-    const T closing = reach_[i].moved + reach_[i].fallen + room_to_carry_over(settings);
-    const T margin = std::min(std::max(settings.min_margin, closing), settings.max_margin);
-    bounds_[i] = bounds_of(body.shape, body.motion.pose, margin);
+    bounds_[i] = bounds_of(body.shape, body.motion.pose, margin_of(reach_[i], settings));
   }
 }
 
@@ -230,7 +240,8 @@ void World<T>::add_pairs() noexcept {
 }
 
 template <class T>
-void World<T>::add_fixed_pairs() noexcept {
+void World<T>::add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept {
+  mesh_triangles_.clear();
   for (std::uint32_t f = 0; f < fixed_bodies_.size(); ++f) {
     const Body<T>& fixed = fixed_bodies_[f];
     const bool plane = fixed.shape.kind == ShapeKind::kPlane;
@@ -244,9 +255,42 @@ void World<T>::add_fixed_pairs() noexcept {
     };
     for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
       if (!(plane ? reaches_plane(bounds_[i]) : bounds_[i].overlaps(bounds)) || frozen_[i] != 0) continue;
-      contacts_.add_pair(PairKey::of(bodies_[i].id, fixed.id, true), i, f);
+      if (fixed.shape.kind == ShapeKind::kMesh)
+        add_mesh_pairs(i, f, margin_of(reach_[i], settings), report);
+      else
+        contacts_.add_pair(PairKey::of(bodies_[i].id, fixed.id, true), i, f);
     }
   }
+}
+
+// One pair for each patch that the body is near to, with the patch's triangles.
+template <class T>
+void World<T>::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept {
+  const Body<T>&body = bodies_[slot], &fixed = fixed_bodies_[fixed_slot];
+  const Mesh<T>& mesh = meshes_[fixed.shape.index];
+  const Aabb<T> box = bounds_of(body.shape, relative_pose(fixed.motion.pose, body.motion.pose), margin);
+  TriangleList near;
+  near_triangles.find(mesh, body.id, fixed.shape.index, box, near);
+  std::uint32_t left_out = near.left_out;
+  PatchTriangles stretch{mesh_triangles_.size(), 0};
+  std::uint32_t patch = 0;
+  const auto add_pair = [&]() noexcept {
+    if (stretch.count > 0)
+      contacts_.add_pair(PairKey::of(body.id, mesh.first_patch_id + patch, true), slot, fixed_slot, stretch);
+    stretch = {mesh_triangles_.size(), 0};
+  };
+  for (const std::uint32_t triangle : near.triangles) {
+    if (!reaches_plane(mesh, box, triangle)) continue;
+    if (mesh.triangles[triangle].patch != patch) add_pair(), patch = mesh.triangles[triangle].patch;
+    if (mesh_triangles_.try_push(triangle))
+      ++stretch.count;
+    else
+      ++left_out;
+  }
+  add_pair();
+  if (left_out == 0) return;
+  report.capacity_bits |= kMeshTrianglesFull;
+  report.dropped += left_out;
 }
 
 template <class T>
@@ -261,8 +305,9 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
   last_sub_step_ = h;
 
   add_pairs();
-  add_fixed_pairs();
-  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_},
+  add_fixed_pairs(settings, report);
+  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_,
+                   meshes_, mesh_triangles_.span()},
                   settings, h, impulse_scale, report);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   const std::span<const Wrench<T>> wrenches =

@@ -14,6 +14,7 @@
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
 #include "rt/physics/contact_table.h"
+#include "rt/physics/near_triangles.h"
 #include "rt/physics/pair_finder.h"
 #include "rt/physics/pair_order.h"
 #include "rt/physics/pose_spring.h"
@@ -26,9 +27,9 @@ namespace tactus::physics {
 template <class T>
 class World {
  public:
-  // [setup] Allocates and touches everything. `hulls`: what the bodies' hull shapes refer to; it must outlive the world
-  // and stay the same.
-  explicit World(const Capacities& capacities, Hulls<T> hulls = {});
+  // [setup] Allocates and touches everything. `hulls`, `meshes`: what the bodies' shapes refer to; they must outlive
+  // the world and stay the same.
+  explicit World(const Capacities& capacities, Hulls<T> hulls = {}, Meshes<T> meshes = {});
 
   // --- membership. Slots are in the order of body ids; inserting or removing moves the slots above.
   // False (and kBodiesFull or kFixedBodiesFull in the next report) when there is no room or the id is there already.
@@ -48,6 +49,9 @@ class World {
   std::span<const Aabb<T>> fixed_bounds() const noexcept;     // by fixed slot
   BoundedVector<SlotPair>& dynamic_pairs() noexcept;          // for the pair finder; cleared by begin_step
   StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {}) noexcept;
+
+  // Triangles near the bodies where they are known beforehand, valid until set anew: they save work, no more.
+  NearTriangles<T> near_triangles;
 
   // --- contacts of the last step, by pair key
   std::span<const Contact<T>> contacts() const noexcept;
@@ -91,18 +95,21 @@ class World {
   bool is_consistent() const noexcept;
   bool refuse(CapacityBit bit) noexcept;
   void add_pairs() noexcept;
-  void add_fixed_pairs() noexcept;
+  void add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept;
+  void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept;
 
   Capacities capacities_;
   Hulls<T> hulls_;
+  Meshes<T> meshes_;
   BoundedVector<Body<T>> bodies_, fixed_bodies_;  // by id
   BoundedVector<std::uint8_t> frozen_;            // by slot
   BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step
   bool wrench_applied_{false};
   BoundedVector<Aabb<T>> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame<T>> frames_, fixed_frames_;
-  BoundedVector<Reach<T>> reach_;      // by slot
-  BoundedVector<Pose<T>> last_poses_;  // by slot: at the start of the last step; unknown_pose() of newcomers
+  BoundedVector<Reach<T>> reach_;                // by slot
+  BoundedVector<Pose<T>> last_poses_;            // by slot: at the start of the last step; unknown_pose() of newcomers
+  BoundedVector<std::uint32_t> mesh_triangles_;  // of this step, pair by pair
   PairOrder pair_order_;
   BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows
   ContactTable<T> contacts_;

@@ -31,7 +31,7 @@ template <class Io, class T>
 void each_field(Io& io, Body<T>& b) noexcept {
   io(b.id), io(b.kind);
   io(b.shape.kind), io(b.shape.radius), io(b.shape.half_length), each_field(io, b.shape.half_extents);
-  if (b.shape.kind == ShapeKind::kHull) io(b.shape.hull);
+  if (b.shape.kind == ShapeKind::kHull || b.shape.kind == ShapeKind::kMesh) io(b.shape.index);
   io(b.mass), each_field(io, b.inertia), io(b.friction), io(b.gravity_scale);
   each_field(io, b.motion.pose), each_field(io, b.motion.velocity);
 }
@@ -231,12 +231,13 @@ void World<T>::clear() noexcept {
 // What a world made by itself always is, and bytes from a damaged tape may not be.
 template <class T>
 bool World<T>::is_consistent() const noexcept {
-  const std::size_t hulls = hulls_.size();
-  const auto ascending = [hulls](const BoundedVector<Body<T>>& bodies, BodyKind kind) noexcept {
+  const std::size_t hulls = hulls_.size(), meshes = meshes_.size();
+  const auto ascending = [hulls, meshes](const BoundedVector<Body<T>>& bodies, BodyKind kind) noexcept {
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
       const Body<T>& b = bodies[i];
-      if (b.id > kMaxBodyId || b.kind != kind || b.shape.kind > ShapeKind::kHull) return false;
-      if (b.shape.kind == ShapeKind::kHull && b.shape.hull >= hulls) return false;
+      if (b.id >= kFirstPatchId || b.kind != kind || b.shape.kind > ShapeKind::kMesh) return false;
+      if (b.shape.kind == ShapeKind::kHull && b.shape.index >= hulls) return false;
+      if (b.shape.kind == ShapeKind::kMesh && (kind != BodyKind::kFixed || b.shape.index >= meshes)) return false;
       if (i > 0 && bodies[i - 1].id >= b.id) return false;
       if (!is_finite(b.motion.pose) || !is_finite(b.motion.velocity)) return false;
       if (kind == BodyKind::kDynamic &&

@@ -102,7 +102,8 @@ class Replayer {
   Status take_snapshot(const loop::TapeRecord& record) {
     ++report_.snapshots;
     ByteReader in(record.payload);
-    if (!haptics::read_snapshot(in, *snapshot_, loop_->sub_world().config().hulls.size()) || in.remaining() != 0)
+    const haptics::SubWorldConfig& config = loop_->sub_world().config();
+    if (!haptics::read_snapshot(in, *snapshot_, config.hulls.size(), config.meshes) || in.remaining() != 0)
       return bad(record, "is no snapshot");
     has_snapshot_ = true;
     return Status::good();

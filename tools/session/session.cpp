@@ -63,6 +63,10 @@ physics::Capacities sub_world_capacities(const sim::Scene& scene, std::uint32_t 
   capacities.pairs = 16 * members + 64;
   capacities.contacts = 10 * members + 32;
   capacities.border_contacts = haptics::kMaxBorderPoints;
+  if (!scene.meshes.empty()) {  // a body may touch several patches, and be near to many triangles
+    capacities.pairs += 16 * members;
+    capacities.mesh_triangles = 64 * members + physics::kMaxBodyTriangles;
+  }
   return capacities;
 }
 
@@ -158,6 +162,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.stiffness_Nm_per_rad = scene.coupling.stiffness_Nm_per_rad;
   sub.damping_Nms_per_rad = scene.coupling.damping_Nms_per_rad;
   sub.hulls = scene.hulls;
+  sub.meshes = scene.meshes;
   sub.capacities = sub_world_capacities(scene, members_of(scene, options));
   return config;
 }

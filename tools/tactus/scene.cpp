@@ -41,7 +41,7 @@ ordered_json to_json(const haptics::AxisVerdict& axis, const char* stiffness_uni
 }
 
 ordered_json to_json(const sim::SceneReport& r) {
-  ordered_json effects = ordered_json::array(), parts = ordered_json::array();
+  ordered_json effects = ordered_json::array(), parts = ordered_json::array(), meshes = ordered_json::array();
   for (const auto& e : r.effects)
     effects.push_back({{"name", e.name}, {"declared", e.declared}, {"used", e.used}, {"cost", e.cost}});
   for (const auto& p : r.generated)
@@ -51,6 +51,17 @@ ordered_json to_json(const sim::SceneReport& r) {
                      {"friction", p.friction},
                      {"needed_foot_friction", p.foot_friction},
                      {"needed_top_friction", p.top_friction}});
+  for (const auto& m : r.meshes)
+    meshes.push_back({{"file", m.file},
+                      {"body", m.body},
+                      {"triangles", m.triangles},
+                      {"corners", m.corners},
+                      {"patches", m.patches},
+                      {"open_edges", m.boundary_edges},
+                      {"disagreeing_edges", m.disagreeing_edges},
+                      {"merged_corners", m.welded},
+                      {"left_out_without_area", m.without_area},
+                      {"left_out_doubled", m.doubled}});
   return {{"bodies",
            {{"total", r.bodies.total},
             {"dynamic", r.bodies.dynamic},
@@ -59,7 +70,9 @@ ordered_json to_json(const sim::SceneReport& r) {
             {"spheres", r.bodies.spheres},
             {"capsules", r.bodies.capsules},
             {"planes", r.bodies.planes},
-            {"hulls", r.bodies.hulls}}},
+            {"hulls", r.bodies.hulls},
+            {"meshes", r.bodies.meshes}}},
+          {"meshes", meshes},
           {"effects", effects},
           {"generated", parts},
           {"lightest_kg", r.lightest_kg},

@@ -84,7 +84,7 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     const auto s = random_snapshot(seed, counts);
     const auto bytes = bytes_of(*s);
     CHECK(bytes.size() ==
-          kHeader + 16 + counts.members * sizeof(BodyId) + counts.joiners * sizeof(physics::Body<double>) +
+          kHeader + 6 * 4 + counts.members * sizeof(BodyId) + counts.joiners * sizeof(physics::Body<double>) +
               counts.warm_starts * sizeof(physics::WarmStart<double>) + counts.border * sizeof(BorderPoint));
     REQUIRE(read(bytes, *back));
     CHECK(back->cycle == s->cycle);

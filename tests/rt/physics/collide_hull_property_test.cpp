@@ -274,7 +274,7 @@ TEST_CASE("In single precision a hull's gap is the same to a micrometre") {
     const auto shape = [](const Shape<double>& s) {
       const auto f = [](double v) { return static_cast<float>(v); };
       return Shape<float>{s.kind,
-                          s.hull,
+                          s.index,
                           f(s.radius),
                           f(s.half_length),
                           {f(s.half_extents.x), f(s.half_extents.y), f(s.half_extents.z)}};

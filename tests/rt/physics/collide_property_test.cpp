@@ -165,6 +165,7 @@ TEST_CASE("Deep overlap, equal centres and extreme sizes give finite unit normal
         return Shape<double>::box({size(), size(), size()});
       case ShapeKind::kPlane:
       case ShapeKind::kHull:
+      case ShapeKind::kMesh:
         break;
     }
     return Shape<double>::plane();
@@ -207,7 +208,7 @@ TEST_CASE("Single precision finds what double precision finds") {
       return Vec3<float>{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
     };
     const auto narrow_shape = [&](const Shape<double>& s) {
-      return Shape<float>{s.kind, s.hull, static_cast<float>(s.radius), static_cast<float>(s.half_length),
+      return Shape<float>{s.kind, s.index, static_cast<float>(s.radius), static_cast<float>(s.half_length),
                           narrow(s.half_extents)};
     };
     const auto narrow_pose = [&](const Posed& pose) {

@@ -198,6 +198,7 @@ inline Shape<double> random_shape(Random& random, ShapeKind kind) {
           {random.log_uniform(3e-4, 0.15), random.log_uniform(3e-3, 0.15), random.log_uniform(3e-3, 0.15)});
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
+    case ShapeKind::kMesh:
       break;
   }
   return Shape<double>::plane();

@@ -110,7 +110,7 @@ inline Solid solid_of(const HullView<double>& hull, const Posed& pose) {
 }
 
 inline Solid solid_of(const Shape<double>& shape, const Posed& pose, Hulls<double> hulls) {
-  if (shape.kind == ShapeKind::kHull) return solid_of(view_of(hulls[shape.hull]), pose);
+  if (shape.kind == ShapeKind::kHull) return solid_of(view_of(hulls[shape.index]), pose);
   return solid_of(BoxHull<double>(shape.half_extents).view(), pose);
 }
 
