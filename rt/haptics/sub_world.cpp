@@ -35,6 +35,7 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<d
       outside_velocity_(config.capacities.border_contacts),
       replaced_(config.capacities.border_contacts) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
+  world_.index_fixed_bodies();
   state_.last_sub_steps = config.step.sub_steps;
   world_.border_mode = config.border_mode;
   auto& spring = world_.device_spring();

@@ -308,6 +308,20 @@ void ContactTable<T>::slot_removed(std::uint32_t slot, bool fixed) noexcept {
   contacts_.resize(kept), references_.resize(kept);
 }
 
+template <class T>
+void ContactTable<T>::slots_moved(std::span<const std::uint32_t> to) noexcept {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
+    Contact<T>& contact = contacts_[i];
+    const std::uint32_t a = to[contact.slot_a], b = contact.b_fixed ? contact.slot_b : to[contact.slot_b];
+    if (a == kNoSlot || b == kNoSlot) continue;
+    contact.slot_a = a, contact.slot_b = b;
+    if (kept != i) contacts_[kept] = contact, references_[kept] = references_[i];
+    ++kept;
+  }
+  contacts_.resize(kept), references_.resize(kept);
+}
+
 template class ContactTable<double>;
 template class ContactTable<float>;
 

@@ -56,6 +56,8 @@ class ContactTable {
   // --- membership changed: a slot was inserted below which all others moved up, or removed with all its contacts
   void slot_inserted(std::uint32_t slot, bool fixed) noexcept;
   void slot_removed(std::uint32_t slot, bool fixed) noexcept;
+  // Moving bodies: by slot, where each is now, or kNoSlot when it went with all its contacts.
+  void slots_moved(std::span<const std::uint32_t> to) noexcept;
 
   // For restoring: empties the table and hands out its storage. As many references as contacts.
   void clear() noexcept;

@@ -33,6 +33,9 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls)
       fixed_frames_(capacities.fixed_bodies),
       reach_(capacities.bodies),
       last_poses_(capacities.bodies),
+      moved_to_(capacities.bodies),
+      fixed_tree_(capacities.fixed_bodies),
+      fixed_pairs_(capacities.pairs),
       pair_order_(capacities.bodies, capacities.pairs + 1),
       dynamic_pairs_(capacities.pairs + 1),
       contacts_(capacities),
@@ -63,6 +66,7 @@ bool World<T>::insert(const Body<T>& body) noexcept {
     static_cast<void>(fixed_bounds_.try_insert(fixed_slot, bounds_of(body.shape, body.motion.pose, T(0))));
     static_cast<void>(fixed_frames_.try_insert(fixed_slot, BodyFrame<T>::of(body.motion.pose)));
     contacts_.slot_inserted(fixed_slot, true);
+    fixed_is_indexed_ = false;
     return true;
   }
   if (!bodies_.try_insert(slot, body)) return refuse(kBodiesFull);
@@ -87,6 +91,7 @@ bool World<T>::remove(BodyId id) noexcept {
   if (!holds(fixed_bodies_, fixed_slot, id)) return false;
   fixed_bodies_.erase(fixed_slot), fixed_bounds_.erase(fixed_slot), fixed_frames_.erase(fixed_slot);
   contacts_.slot_removed(fixed_slot, true);
+  fixed_is_indexed_ = false;
   return true;
 }
 
@@ -192,11 +197,10 @@ template <class T>
 void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
   dynamic_pairs_.clear();
   contacts_.clear_pairs();
+  index_fixed_bodies();
   const auto count = bodies_.size();
   bounds_.resize(count), reach_.resize(count), frames_.resize(count);
-  // Semi-implicit: s sub-steps fall (1 + 1 / s) times the parabola.
-  const T fall =
-      T(0.5) * (T(1) + T(1) / static_cast<T>(settings.sub_steps)) * norm(settings.gravity) * settings.dt * settings.dt;
+  const T fall = fall_in_step(settings);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Body<T>& body = bodies_[i];
     const Twist<T>& velocity = body.motion.velocity;
@@ -205,9 +209,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     reach_[i] = frozen_[i] != 0 ? Reach<T>{} : Reach<T>{speed * settings.dt, std::abs(body.gravity_scale) * fall};
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap<T>, reach_[i]);
     frames_[i] = BodyFrame<T>::of(body.motion.pose);
-    // The bounds of two bodies grow by at least the margin of their pair.
-    const T margin = std::min(std::max(settings.min_margin, reach_[i].moved + reach_[i].fallen), settings.max_margin);
-    bounds_[i] = bounds_of(body.shape, body.motion.pose, margin);
+    bounds_[i] = bounds_of(body.shape, body.motion.pose, margin_of(reach_[i], settings));
   }
 }
 
@@ -229,11 +231,34 @@ void World<T>::add_pairs() noexcept {
 }
 
 template <class T>
+void World<T>::index_fixed_bodies() noexcept {
+  if (fixed_is_indexed_) return;
+  fixed_tree_.build(fixed_bounds_.span());
+  fixed_is_indexed_ = true;
+}
+
+// In the order of fixed bodies: mostly that of the keys.
+template <class T>
 void World<T>::add_fixed_pairs() noexcept {
-  for (std::uint32_t f = 0; f < fixed_bodies_.size(); ++f) {
-    const Body<T>& fixed = fixed_bodies_[f];
-    const bool plane = fixed.shape.kind == ShapeKind::kPlane;
-    const Aabb<T> bounds = fixed_bounds_[f];
+  const auto add = [this](std::uint32_t f, std::uint32_t i) noexcept {
+    contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
+  };
+  fixed_pairs_.clear();
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
+    if (frozen_[i] != 0) continue;
+    fixed_tree_.find(bounds_[i], [&](std::uint32_t f) noexcept {
+      if (!fixed_pairs_.try_push({f, i})) add(f, i);  // more than the table holds: it counts what it leaves out
+    });
+  }
+  std::sort(fixed_pairs_.begin(), fixed_pairs_.end(),
+            [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+  std::uint32_t next = 0;
+  const auto add_below = [&](std::uint32_t end) noexcept {
+    for (; next < fixed_pairs_.size() && fixed_pairs_[next].a < end; ++next)
+      add(fixed_pairs_[next].a, fixed_pairs_[next].b);
+  };
+  for (const std::uint32_t f : fixed_tree_.unbounded()) {
+    add_below(f);
     const Vec3<T> normal = fixed_frames_[f].axes.z, origin = fixed_frames_[f].position;
     // May the box reach below the plane (the half space z <= 0 of its frame)?
     const auto reaches_plane = [&](const Aabb<T>& box) noexcept {
@@ -241,11 +266,10 @@ void World<T>::add_fixed_pairs() noexcept {
                            normal.z > T(0) ? box.lower.z : box.upper.z};
       return dot(normal, lowest - origin) <= T(0);
     };
-    for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-      if (!(plane ? reaches_plane(bounds_[i]) : bounds_[i].overlaps(bounds)) || frozen_[i] != 0) continue;
-      contacts_.add_pair(PairKey::of(bodies_[i].id, fixed.id, true), i, f);
-    }
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i)
+      if (frozen_[i] == 0 && reaches_plane(bounds_[i])) add(f, i);
   }
+  add_below(fixed_bodies_.size());
 }
 
 template <class T>
