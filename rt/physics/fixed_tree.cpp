@@ -5,12 +5,6 @@
 namespace tactus::physics {
 namespace {
 
-template <class T>
-Aabb<T> join(const Aabb<T>& a, const Aabb<T>& b) noexcept {
-  return {{std::min(a.lower.x, b.lower.x), std::min(a.lower.y, b.lower.y), std::min(a.lower.z, b.lower.z)},
-          {std::max(a.upper.x, b.upper.x), std::max(a.upper.y, b.upper.y), std::max(a.upper.z, b.upper.z)}};
-}
-
 // The axis along which the box is longest.
 template <class T>
 T Vec3<T>::*longest_side(const Aabb<T>& box) noexcept {

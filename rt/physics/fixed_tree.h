@@ -15,6 +15,13 @@
 
 namespace tactus::physics {
 
+// The smallest box that holds both.
+template <class T>
+Aabb<T> join(const Aabb<T>& a, const Aabb<T>& b) noexcept {
+  return {{std::min(a.lower.x, b.lower.x), std::min(a.lower.y, b.lower.y), std::min(a.lower.z, b.lower.z)},
+          {std::max(a.upper.x, b.upper.x), std::max(a.upper.y, b.upper.y), std::max(a.upper.z, b.upper.z)}};
+}
+
 template <class T>
 class FixedTree {
  public:
@@ -24,7 +31,7 @@ class FixedTree {
 
   std::span<const std::uint32_t> unbounded() const noexcept { return unbounded_.span(); }  // slots, ascending
 
-  // Calls found(slot) for each box that overlaps, in an order of the tree's own.
+  // Calls found(slot) for each box that overlaps, in an order of the tree's own, until it says false.
   template <class F>
   void find(const Aabb<T>& box, F&& found) const noexcept {
     for (std::uint32_t n = 0; n < nodes_.size();) {
@@ -33,7 +40,7 @@ class FixedTree {
         n = node.next;
         continue;
       }
-      if (node.slot != kInner) found(node.slot);
+      if (node.slot != kInner && !found(node.slot)) return;
       ++n;
     }
   }

@@ -244,11 +244,26 @@ void World<T>::add_fixed_pairs() noexcept {
     contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
   };
   fixed_pairs_.clear();
+  const auto find = [&](std::uint32_t f, std::uint32_t i) noexcept {
+    if (!fixed_pairs_.try_push({f, i})) add(f, i);  // more than the table holds: it counts what it leaves out
+    return true;
+  };
+  // Bodies that are close together meet few fixed ones: then the tree is asked once for all of them.
+  FixedVector<std::uint32_t, 16> near;
+  bool few = true;
+  if (!bodies_.empty()) {
+    Aabb<T> all = bounds_[0];
+    for (const Aabb<T>& box : bounds_) all = join(all, box);
+    fixed_tree_.find(all, [&](std::uint32_t f) noexcept { return few = near.try_push(f); });
+  }
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
     if (frozen_[i] != 0) continue;
-    fixed_tree_.find(bounds_[i], [&](std::uint32_t f) noexcept {
-      if (!fixed_pairs_.try_push({f, i})) add(f, i);  // more than the table holds: it counts what it leaves out
-    });
+    if (!few) {
+      fixed_tree_.find(bounds_[i], [&](std::uint32_t f) noexcept { return find(f, i); });
+      continue;
+    }
+    for (const std::uint32_t f : near)
+      if (fixed_bounds_[f].overlaps(bounds_[i])) find(f, i);
   }
   std::sort(fixed_pairs_.begin(), fixed_pairs_.end(),
             [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });

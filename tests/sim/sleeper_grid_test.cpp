@@ -63,7 +63,7 @@ TEST_CASE("Boxes on the borders of cells, far out, without end and without size 
   grid.insert(5, box_at({3, 3, 3}, {0, 0, 0}));
   CHECK(found_in(grid, box_at({1, 0.5, 0.5}, {0, 0, 0})) == std::vector<std::uint32_t>{0, 1});
   CHECK(found_in(grid, box_at({0, 0, 0}, {0, 0, 0})) == std::vector<std::uint32_t>{0, 2});
-  CHECK(found_in(grid, box_at({1e9, 0, 0}, {1, 1, 1})) == std::vector<std::uint32_t>{3});
+  CHECK(found_in(grid, box_at({1e9, 0, 0}, {1, 0.5, 0.5})) == std::vector<std::uint32_t>{3});
   CHECK(found_in(grid, box_at({3, 3, 3}, {0, 0, 0})) == std::vector<std::uint32_t>{5});
   CHECK(found_in(grid, box_at({40, 0, -1}, {0.1, 0.1, 0.01})) == std::vector<std::uint32_t>{4});
   CHECK(found_in(grid, {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}}).size() == 6);

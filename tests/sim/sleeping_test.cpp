@@ -173,9 +173,9 @@ TEST_CASE("A heap that a feather wakes does not jolt: speeds, energy and overlap
   }
   const double overlap_m = bench.deepest_m(), speed = bench.fastest();
   CHECK(overlap_m > 1e-6);
-  CHECK(speed < 0.01);
+  CHECK(speed < 0.005);
   bench.run_until_asleep(96);
-  CHECK(bench.world.statistics().stopped_energy_J < 96 * 0.5 * 0.075 * 0.01 * 0.01);
+  CHECK(bench.world.statistics().stopped_energy_J < 96 * 0.5 * 0.075 * 0.005 * 0.005);
   const double energy_J = bench.energy_J();
   while (bench.world.statistics().woke_up == 0 && bench.world.statistics().steps < 1000) bench.step();
   REQUIRE(bench.world.statistics().woke_up == 96);
@@ -187,9 +187,9 @@ TEST_CASE("A heap that a feather wakes does not jolt: speeds, energy and overlap
     if (bench.world.statistics().asleep == 0) deepest = std::max(deepest, bench.deepest_m());
   }
   CAPTURE(fastest, deepest, overlap_m, highest_J - energy_J);
-  CHECK(fastest < 0.01);
+  CHECK(fastest < 0.005);
   CHECK(deepest < 1.1 * overlap_m);
-  CHECK(highest_J - energy_J < 1e-7);
+  CHECK(highest_J - energy_J < 0.075 * kGravity * 1e-6);  // one cube, lifted by a micrometre
 }
 
 TEST_CASE("A stack that wakes carries its weight in the very first step") {
@@ -206,9 +206,11 @@ TEST_CASE("A stack that wakes carries its weight in the very first step") {
     if (contact.b_fixed)
       for (std::uint32_t i = 0; i < contact.count; ++i) force_N += contact.points[i].total_normal_impulse / 0.01;
   CHECK(force_N == Approx(6 * kMass_kg * kGravity).epsilon(1e-3));
-  // Without warm starts it would have fallen for a sub-step at least: 98 mm/s x 1 ms.
-  CHECK(norm(bench.motion(first + 5).pose.position - before.pose.position) < 1e-6);
-  CHECK(norm(bench.motion(first + 5).velocity.linear) < 1e-4);
+  // Without warm starts it would have fallen for a sub-step at least: 9.8 mm/s x 1 ms. Aside it sways on, where sleep
+  // had stopped it.
+  CHECK(std::abs(bench.motion(first + 5).pose.position.z - before.pose.position.z) < 1e-6);
+  CHECK(std::abs(bench.motion(first + 5).velocity.linear.z) < 1e-4);
+  CHECK(norm(bench.motion(first + 5).velocity.linear) < 0.005);
 }
 
 TEST_CASE("What is in reach of the proxy is awake before it is chosen, and stays so") {
@@ -262,7 +264,7 @@ TEST_CASE("An impulse handed back to a sleeping body wakes it and is not lost") 
 TEST_CASE("With from_start, what does not move sleeps from the start but for what is near the proxy") {
   Builder builder;
   const BodyId near = builder.add_stack(0, 2), far = builder.add_stack(3, 2), moving = builder.add_stack(5, 2);
-  builder.scene.bodies[0].motion.pose.position = {0, 0, 0.25};
+  builder.scene.bodies[0].motion.pose.position = {0, 0, 0.23};
   builder.scene.bodies[moving].motion.velocity.linear = {0.1, 0, 0};
   builder.scene.sleeping.from_start = true;
   Bench bench(builder.scene);

@@ -251,6 +251,7 @@ json to_json(const RunSummary& s) {
                          {"bodies_asleep", s.global.asleep},
                          {"bodies_fell_asleep", s.global.fell_asleep},
                          {"bodies_woke_up", s.global.woke_up},
+                         {"stopped_energy_J", s.global.stopped_energy_J},
                          {"contacts_max", s.global.most_contacts},
                          {"component_max", s.stats.component_max},
                          {"joins", s.global.joins},
