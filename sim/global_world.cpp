@@ -94,6 +94,7 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
 GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     : options_(options),
       settings_(settings_for(scene, options)),
+      bounds_settings_(settings_),
       world_(world_of(scene)),
       hulls_(scene.hulls),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
@@ -113,6 +114,8 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
        Extraction(options.extraction, options.reach, islands_.bodies(), proxy, capacities_for(scene).contacts),
        islands_.bodies()[proxy].motion.pose});
   regions_.resize(devices_.size());
+  if (scene.solver.far_sub_steps_per_tick > 0)
+    bounds_settings_.sub_steps = options.reach.ratio * scene.solver.far_sub_steps_per_tick;
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
   if (scene.sleeping.from_start) sleep_from_start();
@@ -157,7 +160,8 @@ void GlobalWorld::wake_near(const Device& device) noexcept {
   (void)islands_.wake_in(device.extraction.region(world_.bodies()[slot_of(device)], device.reported_proxy), world_);
 }
 
-void GlobalWorld::sleep() noexcept {
+// What each device's sub-world has, and where it may get more.
+void GlobalWorld::mark_held() noexcept {
   std::fill(held_.begin(), held_.end(), std::uint8_t{0});
   for (std::size_t d = 0; d < devices_.size(); ++d) {
     const Device& device = devices_[d];
@@ -165,11 +169,23 @@ void GlobalWorld::sleep() noexcept {
     for (const std::uint32_t place : device.extraction.members()) held_[place] = 1;
     regions_[d] = device.extraction.region(islands_.bodies()[device.proxy], device.reported_proxy);
   }
-  islands_.lay_down(held_, regions_, settings_, world_);
+}
+
+void GlobalWorld::sleep() noexcept {
+  mark_held();
+  islands_.lay_down(held_, regions_, bounds_settings_, sub_step_s(), world_);
+}
+
+// Islands without a member, away from every proxy: they are independent of the others, so they may have sub-steps of
+// their own. Their contacts' stiffness stays.
+physics::FarRegion GlobalWorld::far_region() noexcept {
+  if (bounds_settings_.sub_steps == settings_.sub_steps) return {};
+  mark_held();
+  return {islands_.find_far(held_, regions_, world_), bounds_settings_.sub_steps};
 }
 
 void GlobalWorld::sleep_from_start() noexcept {
-  world_.begin_step(settings_);
+  world_.begin_step(bounds_settings_);
   if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
   islands_.count_resting_as_slow();
   sleep();
@@ -260,11 +276,11 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
 }
 
 void GlobalWorld::advance() noexcept {
-  world_.begin_step(settings_);
-  while (islands_.wake_touched(world_)) world_.begin_step(settings_);  // who wakes may wake others
+  world_.begin_step(bounds_settings_);
+  while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings_);  // who wakes may wake others
   const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
   if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
-  const auto report = world_.finish_step(settings_);
+  const auto report = world_.finish_step(settings_, {}, far_region());
   time_s_ += settings_.dt;
   islands_.follow(world_);
   sleep();
@@ -369,13 +385,13 @@ void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexce
 
 // Of joiners' contacts with members and with static geometry: those go on in the sub-world as they were here.
 void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
-  const double sub_step_s = settings_.dt / settings_.sub_steps;
   const auto& e = device.extraction;
   const auto place = islands_.awake();
   for (const auto& contact : world_.contacts()) {
     const std::uint32_t a = place[contact.slot_a], b = contact.b_fixed ? a : place[contact.slot_b];
     const bool joins = e.is_member(a) && e.is_member(b) && (e.is_joiner(a) || e.is_joiner(b));
-    if (joins && !next.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s))) ++next.dropped;
+    if (joins && !next.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s())))
+      ++next.dropped;
   }
 }
 

@@ -101,7 +101,10 @@ class GlobalWorld {
   std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
   void wake_for(const haptics::SubWorldReport& report) noexcept;
   void wake_near(const Device& device) noexcept;
+  void mark_held() noexcept;
   void sleep() noexcept;
+  physics::FarRegion far_region() noexcept;
+  double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
@@ -112,7 +115,7 @@ class GlobalWorld {
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
 
   GlobalOptions options_;
-  physics::StepSettings<double> settings_;
+  physics::StepSettings<double> settings_, bounds_settings_;  // the latter: with the sub-steps of the far region
   physics::World<double> world_;
   physics::Hulls<double> hulls_;
   IslandManager islands_;

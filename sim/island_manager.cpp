@@ -22,8 +22,8 @@ IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uin
       grid_(static_cast<std::uint32_t>(rule.enabled ? bodies_.size() : 0)),
       islands_(static_cast<std::uint32_t>(bodies_.size())) {
   for (std::uint32_t place = 0; place < bodies_.size(); ++place) awake_[place] = place;
+  stays_.reserve(bodies_.size()), apart_.reserve(bodies_.size());
   if (!rule.enabled) return;
-  stays_.reserve(bodies_.size()), leaving_.reserve(bodies_.size());
   marked_.reserve(bodies_.size()), woken_.reserve(bodies_.size()), merge_.reserve(bodies_.size());
   returning_.reserve(bodies_.size());
   parked_.reserve(max_parked_);
@@ -88,6 +88,21 @@ bool IslandManager::wake_marked(World& world) noexcept {
   return true;
 }
 
+std::span<const std::uint8_t> IslandManager::find_far(std::span<const std::uint8_t> held,
+                                                      std::span<const Aabb<double>> regions, World& world) noexcept {
+  const auto count = static_cast<std::uint32_t>(awake_.size());
+  const auto bounds = world.bounds();
+  islands_.build(count, world.dynamic_pairs());
+  stays_.assign(count, 0);
+  for (std::uint32_t slot = 0; slot < count; ++slot)
+    if (held[awake_[slot]] != 0 ||
+        std::any_of(regions.begin(), regions.end(), [&](const auto& region) { return region.overlaps(bounds[slot]); }))
+      stays_[islands_.of(slot)] = 1;
+  apart_.assign(count, 0);
+  for (std::uint32_t slot = 0; slot < count; ++slot) apart_[slot] = stays_[islands_.of(slot)] == 0 ? 1 : 0;
+  return apart_;
+}
+
 // --- falling asleep
 
 void IslandManager::follow(const World& world) noexcept {
@@ -116,7 +131,7 @@ Aabb<double> IslandManager::bounds_at_rest(std::uint32_t place, const Settings& 
 }
 
 void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const Aabb<double>> regions,
-                             const Settings& settings, World& world) noexcept {
+                             const Settings& settings, double sub_step_s, World& world) noexcept {
   const auto slow = [this](std::uint32_t place) noexcept { return slow_steps_[place] >= rule_.steps; };
   if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
   const auto count = static_cast<std::uint32_t>(awake_.size());
@@ -134,22 +149,21 @@ void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const
     stays = std::any_of(regions.begin(), regions.end(), [&](const auto& region) { return region.overlaps(box); });
   }
 
-  leaving_.assign(count, 0);
+  apart_.assign(count, 0);
   bool some = false;
   for (std::uint32_t slot = 0; slot < count; ++slot) {  // an island's lowest slot comes first
     const std::uint32_t root = islands_.of(slot);
     if (stays_[root] != 0) continue;
-    leaving_[slot] = 1, some = true;
+    apart_[slot] = 1, some = true;
     lay_down_body(slot, awake_[root], settings);
   }
   if (!some) return;
-  const double sub_step_s = settings.dt / settings.sub_steps;
   for (const auto& contact : world.contacts())
-    if (leaving_[contact.slot_a] != 0) park(contact, island_of_[awake_[contact.slot_a]], sub_step_s);
-  world.remove(leaving_);
+    if (apart_[contact.slot_a] != 0) park(contact, island_of_[awake_[contact.slot_a]], sub_step_s);
+  world.remove(apart_);
   std::uint32_t kept = 0;
   for (std::uint32_t slot = 0; slot < count; ++slot)
-    if (leaving_[slot] == 0) awake_[kept++] = awake_[slot];
+    if (apart_[slot] == 0) awake_[kept++] = awake_[slot];
   fell_asleep_ += count - kept;
   awake_.resize(kept);
 }

@@ -45,12 +45,17 @@ class IslandManager {
   bool wake_in(const physics::Aabb<double>& box, World& world) noexcept;
   bool wake_touched(World& world) noexcept;  // what the bounds of the world's bodies overlap, after begin_step
 
+  // By slot, 1: hangs together with nobody that is held (by place, 1) or within one of the regions. Needs the pairs of
+  // the step that has begun. Valid until the next call of anything here.
+  std::span<const std::uint8_t> find_far(std::span<const std::uint8_t> held,
+                                         std::span<const physics::Aabb<double>> regions, World& world) noexcept;
+
   // --- after a step
   void follow(const World& world) noexcept;  // takes over motions, and counts
   // Takes islands that have been slow for long enough out of the world, but for those with a body that is held (by
-  // place, 1) or within one of the regions.
+  // place, 1) or within one of the regions. `settings`: those of begin_step; `sub_step_s`: of the contacts' impulses.
   void lay_down(std::span<const std::uint8_t> held, std::span<const physics::Aabb<double>> regions,
-                const Settings& settings, World& world) noexcept;
+                const Settings& settings, double sub_step_s, World& world) noexcept;
   // Before the first step: what does not move has been slow for long enough. Needs the world's pairs.
   void count_resting_as_slow() noexcept;
 
@@ -90,7 +95,7 @@ class IslandManager {
   SleeperGrid grid_;
 
   Islands islands_;
-  std::vector<std::uint8_t> stays_, leaving_;          // by slot
+  std::vector<std::uint8_t> stays_, apart_;            // by slot: of an island, by its lowest slot; scratch
   std::vector<std::uint32_t> marked_, woken_, merge_;  // islands to wake; places; scratch
   std::vector<physics::Body<double>> returning_;
   double stopped_energy_J_{0};

@@ -56,6 +56,7 @@ struct SolverChoice {
   double contact_hertz{250}, contact_damping_ratio{10};
   unsigned sub_steps{4}, relax_sweeps{1};  // haptic side
   unsigned global_sub_steps_per_tick{1};   // global side: sub-steps of a global step = this x ratio
+  unsigned far_sub_steps_per_tick{0};      // same, of what does not hang together with a sub-world; 0: as many
 };
 
 // What a generator made, and what it says of its own work.

@@ -84,6 +84,8 @@ class SceneReader {
     solver.relax_sweeps = t.count("relax_sweeps", solver.relax_sweeps, {"a number of sweeps", 1, 16});
     solver.global_sub_steps_per_tick =
         t.count("global_sub_steps_per_tick", solver.global_sub_steps_per_tick, {"a number of sub-steps", 1, 16});
+    solver.far_sub_steps_per_tick = t.count("far_sub_steps_per_tick", solver.global_sub_steps_per_tick,
+                                            {"a number of sub-steps", 1, double(solver.global_sub_steps_per_tick)});
     solver.contact_hertz = t.number("contact_hertz_Hz", solver.contact_hertz, {"a contact frequency", 1, 10000});
     solver.contact_damping_ratio =
         t.number("contact_damping_ratio", solver.contact_damping_ratio, {"a damping ratio", 0.1, 100});
@@ -92,7 +94,7 @@ class SceneReader {
       t.mistake("contact_hertz_Hz",
                 fmt::format("{} Hz is too stiff for {} haptic and {} global sub-steps in a tick of 1 ms",
                             solver.contact_hertz, solver.sub_steps, solver.global_sub_steps_per_tick),
-                fmt::format("at most {} Hz: 250 Hz x the smaller number of sub-steps", highest));
+                fmt::format("at most {} Hz: 250 Hz x the smallest number of sub-steps", highest));
     t.finish();
   }
 
@@ -349,7 +351,9 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
 }
 
 double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept {
-  return 0.25 * std::min(solver.sub_steps, solver.global_sub_steps_per_tick) / tick_s;
+  unsigned fewest = std::min(solver.sub_steps, solver.global_sub_steps_per_tick);
+  if (solver.far_sub_steps_per_tick > 0) fewest = std::min(fewest, solver.far_sub_steps_per_tick);
+  return 0.25 * fewest / tick_s;
 }
 
 }  // namespace tactus::sim

@@ -285,6 +285,13 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
 }
 
 template <class T>
+void ContactTable<T>::scale_impulses_of(std::span<const std::uint8_t> bodies, T factor) noexcept {
+  for (Contact<T>& contact : contacts_)
+    for (std::uint32_t i = 0; i < contact.count && bodies[contact.slot_a] != 0; ++i)
+      scale_impulses(contact.points[i], factor);
+}
+
+template <class T>
 void ContactTable<T>::slot_inserted(std::uint32_t slot, bool fixed) noexcept {
   if (fixed) pairs_.clear();  // what is known of a gap holds for bodies that were there: one of that id may have gone
   for (Contact<T>& contact : contacts_) {

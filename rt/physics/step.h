@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "rt/base/spatial.h"
 
@@ -35,6 +36,12 @@ struct StepSettings {
   Vec3<T> gravity{};      // m/s^2
   bool friction{true};    // effect: Coulomb friction
   bool gyroscopic{true};  // effect: the gyroscopic term
+};
+
+// Bodies that no pair links to the others, and that make do with fewer sub-steps.
+struct FarRegion {
+  std::span<const std::uint8_t> bodies;  // by slot, 1: far; empty: none
+  std::uint32_t sub_steps{0};
 };
 
 template <class T>

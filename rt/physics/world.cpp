@@ -26,6 +26,7 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls)
       bodies_(capacities.bodies),
       fixed_bodies_(capacities.fixed_bodies),
       frozen_(capacities.bodies),
+      held_(capacities.bodies),
       wrenches_(capacities.bodies),
       bounds_(capacities.bodies),
       fixed_bounds_(capacities.fixed_bodies),
@@ -288,7 +289,8 @@ void World<T>::add_fixed_pairs() noexcept {
 }
 
 template <class T>
-StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPredicate& cut) noexcept {
+StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPredicate& cut,
+                                    const FarRegion& far) noexcept {
   TACTUS_CHECK(settings.sub_steps > 0 && settings.dt > T(0), settings.sub_steps, settings.dt);
   TACTUS_CHECK(bounds_.size() == bodies_.size(), bounds_.size(), bodies_.size());
   StepReport<T> report;
@@ -303,15 +305,44 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
   contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_},
                   settings, h, impulse_scale, report);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
-  const std::span<const Wrench<T>> wrenches =
-      wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
-  solver_.step({bodies_.span(), frozen_.span(), wrenches, contacts_.contacts(), spring_, border_contacts_.span(),
-                border_mode, impulse_scale},
-               settings, cut, report);
+  if (far.bodies.empty()) {
+    solve(frozen_.span(), settings, impulse_scale, cut, report);
+  } else {
+    held_.resize(bodies_.size());
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | far.bodies[i];
+    solve(held_.span(), settings, impulse_scale, cut, report);
+    solve_far(far, settings, cut, report);
+  }
   if (wrench_applied_)
     for (Wrench<T>& wrench : wrenches_) wrench = {};
   wrench_applied_ = false;
   return report;
+}
+
+// Bodies that are held neither move nor feel impulses.
+template <class T>
+void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
+                     const CutPredicate& cut, StepReport<T>& report) noexcept {
+  const std::span<const Wrench<T>> wrenches =
+      wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
+  solver_.step({bodies_.span(), held, wrenches, contacts_.contacts(), spring_, border_contacts_.span(), border_mode,
+                impulse_scale},
+               settings, cut, report);
+}
+
+// The others have been solved, and are held. Between steps all impulses are those of the near region's sub-step.
+template <class T>
+void World<T>::solve_far(const FarRegion& far, const StepSettings<T>& settings, const CutPredicate& cut,
+                         StepReport<T>& report) noexcept {
+  TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);
+  TACTUS_CHECK(!spring_.enabled && border_contacts_.empty(), spring_.slot, border_contacts_.size());
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | (far.bodies[i] ^ 1);
+  StepSettings<T> fewer = settings;
+  fewer.sub_steps = far.sub_steps;
+  const T longer = static_cast<T>(settings.sub_steps) / static_cast<T>(far.sub_steps);
+  contacts_.scale_impulses_of(far.bodies, longer);
+  solve(held_.span(), fewer, T(1), cut, report);
+  contacts_.scale_impulses_of(far.bodies, T(1) / longer);
 }
 
 template class World<double>;

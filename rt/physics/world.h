@@ -53,13 +53,16 @@ class World {
   // [setup] After the last fixed body: or else the next step does it.
   void index_fixed_bodies() noexcept;
 
-  // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them.
+  // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them. With a
+  // far region, begin_step is told the fewer of the sub-steps: bounds grow by how far a body may fall.
   void begin_step(const StepSettings<T>& settings) noexcept;  // bounds of all bodies, grown by what they move in dt
   std::span<const Aabb<T>> bounds() const noexcept;           // by slot, dynamic bodies
   std::span<const Aabb<T>> fixed_bounds() const noexcept;     // by fixed slot
   // For the pair finder; cleared by begin_step. After the step, all pairs of bounds that overlapped, by key.
   BoundedVector<SlotPair>& dynamic_pairs() noexcept;
-  StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {}) noexcept;
+  // `far`: not in a world with a spring or border contacts.
+  StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {},
+                            const FarRegion& far = {}) noexcept;
 
   // --- contacts of the last step, by pair key
   std::span<const Contact<T>> contacts() const noexcept;
@@ -104,13 +107,17 @@ class World {
   bool refuse(CapacityBit bit) noexcept;
   void add_pairs() noexcept;
   void add_fixed_pairs() noexcept;
+  void solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
+             const CutPredicate& cut, StepReport<T>& report) noexcept;
+  void solve_far(const FarRegion& far, const StepSettings<T>& settings, const CutPredicate& cut,
+                 StepReport<T>& report) noexcept;
   void move_body(std::uint32_t from, std::uint32_t to) noexcept;
   void follow_moves() noexcept;
 
   Capacities capacities_;
   Hulls<T> hulls_;
   BoundedVector<Body<T>> bodies_, fixed_bodies_;  // by id
-  BoundedVector<std::uint8_t> frozen_;            // by slot
+  BoundedVector<std::uint8_t> frozen_, held_;     // by slot; held_: scratch of a step by regions
   BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step
   bool wrench_applied_{false};
   BoundedVector<Aabb<T>> bounds_, fixed_bounds_;

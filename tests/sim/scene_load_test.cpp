@@ -227,6 +227,15 @@ TEST_CASE("when bodies sleep is read, with the effect sleeping only") {
              Contains("0 is not a speed"));
 }
 
+TEST_CASE("the far region has as many sub-steps as the near one, or fewer, but enough for the contact frequency") {
+  const std::string near = "[simulation]\nsub_steps = 8\nglobal_sub_steps_per_tick = 4\n";
+  CHECK(good(near + kProxy).solver.far_sub_steps_per_tick == 4);
+  CHECK(good(near + "far_sub_steps_per_tick = 1" + kProxy).solver.far_sub_steps_per_tick == 1);
+  CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 5" + kProxy).message(), Contains("from 1 to 4"));
+  CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 1\ncontact_hertz_Hz = 500" + kProxy).message(),
+             Contains("at most 250 Hz"));
+}
+
 TEST_CASE("a generated part is copied in a grid about its place") {
   const std::string wall =
       "[[generate]]\nkind = \"wall\"\ncolumns = 2\nrows = 1\nmass_kg = 1\nposition_m = [1, 0, 0]\n";
