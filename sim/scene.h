@@ -18,9 +18,9 @@ struct Effects {
 
 // When what rests in the global world falls asleep, with the effect sleeping.
 struct SleepingChoice {
-  double max_speed_m_per_s{0.005};  // of a body's surface: below, it counts as at rest
-  double after_s{0.5};              // at rest for as long as that: it may sleep
-  bool from_start{false};           // what does not move at the start sleeps until something comes near
+  double max_speed_m_per_s{0.01};  // of a body's surface: below, it counts as at rest
+  double after_s{0.5};             // at rest for as long as that: it may sleep
+  bool from_start{false};          // what does not move at the start sleeps until something comes near
 };
 
 // Gains of the coupling between device and proxy.
