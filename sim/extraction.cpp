@@ -20,12 +20,13 @@ Extraction::Extraction(const ExtractionOptions& options, const ReachSettings& re
 
 std::span<const std::uint32_t> Extraction::choose(std::span<const physics::Body<double>> bodies, ContactGraph& graph,
                                                   const Posed& world_from_proxy, std::uint32_t budget,
-                                                  std::span<const std::uint8_t> free) noexcept {
+                                                  std::span<const std::uint8_t> free,
+                                                  std::span<const std::uint32_t> awake) noexcept {
   const std::uint32_t cap = std::max(1u, std::min({options_.cap, budget, haptics::kMaxMembers}));
   was_member_ = member_;
   statistics_ = {};
   statistics_.component = graph.find_component(proxy_);
-  const auto close = cube_.find(bodies, world_from_proxy);
+  const auto close = cube_.find(bodies, world_from_proxy, awake);
   statistics_.close = static_cast<std::uint32_t>(close.size());
   if (options_.all_members) {
     take_all(static_cast<std::uint32_t>(bodies.size()));

@@ -43,11 +43,16 @@ class Extraction {
              std::span<const physics::Body<double>> bodies, std::uint32_t proxy, std::uint32_t max_touches);
 
   // Chooses the next members: slots, ascending. `world_from_proxy` is the pose that the cube is centred at, `budget`
-  // may lower the cap, `free` says by slot which bodies no other sub-world has (empty: all). The first call is not
-  // bound by max_joins. Valid until the next call.
+  // may lower the cap, `free` says by slot which bodies no other sub-world has (empty: all), `awake` which slots may be
+  // near the proxy (empty: all). The first call is not bound by max_joins. Valid until the next call.
   std::span<const std::uint32_t> choose(std::span<const physics::Body<double>> bodies, ContactGraph& graph,
                                         const Posed& world_from_proxy, std::uint32_t budget,
-                                        std::span<const std::uint8_t> free = {}) noexcept;
+                                        std::span<const std::uint8_t> free = {},
+                                        std::span<const std::uint32_t> awake = {}) noexcept;
+  // The box in which bodies are chosen for their place alone.
+  physics::Aabb<double> region(const physics::Body<double>& proxy, const Posed& world_from_proxy) const noexcept {
+    return cube_.region(proxy, world_from_proxy);
+  }
 
   bool is_member(std::uint32_t slot) const noexcept { return member_[slot] != 0; }
   // Of the last choice: was it no member before?

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <utility>
+
 #include "sim/mesh_neighbourhood.h"
 
 namespace tactus::sim {
@@ -55,6 +58,20 @@ physics::StepSettings<double> settings_for(const Scene& scene, const GlobalOptio
   return settings;
 }
 
+SleepRule sleep_rule_for(const Scene& scene, const GlobalOptions& options, double step_s) noexcept {
+  const SleepingChoice& choice = scene.sleeping;
+  return {scene.effects.sleeping && !options.extraction.all_members, choice.max_speed_m_per_s,
+          static_cast<std::uint32_t>(std::max(1.0, std::ceil(choice.after_s / step_s)))};
+}
+
+// The scene's moving and fixed bodies, all at once.
+physics::World<double> world_of(const Scene& scene) {
+  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes);
+  for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
+  world.index_fixed_bodies();
+  return world;
+}
+
 double energy_of(const Body<double>& body, const Vec3d& gravity) noexcept {
   const auto& [pose, velocity] = body.motion;
   const Vec3d w = rotate_inverse(pose.rotation, velocity.angular);
@@ -88,25 +105,47 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
 GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     : options_(options),
       settings_(settings_for(scene, options)),
-      world_(capacities_for(scene), scene.hulls, scene.meshes),
+      bounds_settings_(settings_),
+      world_(world_of(scene)),
       hulls_(scene.hulls),
       meshes_(scene.meshes),
+      islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
       grid_(capacities_for(scene).bodies),
       graph_(capacities_for(scene).bodies, capacities_for(scene).contacts),
       border_log_(capacities_for(scene).contacts),
-      start_(capacities_for(scene).bodies),
       bounds_(capacities_for(scene).bodies),
-      free_(capacities_for(scene).bodies) {
-  for (const auto& body : scene.bodies) TACTUS_CHECK(world_.insert(body), body.id, scene.bodies.size());
+      free_(capacities_for(scene).bodies),
+      held_(capacities_for(scene).bodies) {
   touches_.reserve(capacities_for(scene).contacts);
-  const std::int32_t proxy = world_.slot_of(scene.proxy);
-  TACTUS_CHECK(proxy >= 0, scene.proxy, scene.bodies.size());
-  const auto slot = static_cast<std::uint32_t>(proxy);
+  member_slots_.reserve(capacities_for(scene).bodies);
+  const std::int32_t found = islands_.place_of(scene.proxy);
+  TACTUS_CHECK(found >= 0, scene.proxy, scene.bodies.size());
+  const auto proxy = static_cast<std::uint32_t>(found);
   devices_.push_back(
-      {slot, Extraction(options.extraction, options.reach, world_.bodies(), slot, capacities_for(scene).contacts),
-       world_.bodies()[slot].motion.pose});
-  statistics_.bodies = static_cast<std::uint32_t>(world_.bodies().size());
+      {scene.proxy, proxy,
+       Extraction(options.extraction, options.reach, islands_.bodies(), proxy, capacities_for(scene).contacts),
+       islands_.bodies()[proxy].motion.pose});
+  regions_.resize(devices_.size());
+  if (scene.solver.far_sub_steps_per_tick > 0)
+    bounds_settings_.sub_steps = options.reach.ratio * scene.solver.far_sub_steps_per_tick;
+  statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
+  if (scene.sleeping.from_start) sleep_from_start();
+  statistics_.awake = statistics_.most_awake = static_cast<std::uint32_t>(islands_.awake().size());
+  statistics_.asleep = islands_.asleep();
+}
+
+std::uint32_t GlobalWorld::slot_of(const Device& device) const noexcept {
+  const std::int32_t slot = world_.slot_of(device.id);
+  TACTUS_CHECK(slot >= 0, device.id, world_.bodies().size());  // a proxy never sleeps
+  return static_cast<std::uint32_t>(slot);
+}
+
+std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) noexcept {
+  member_slots_.clear();
+  for (const std::uint32_t place : islands_.awake())
+    member_slots_.push_back(device.extraction.is_member(place) ? 1 : 0);
+  return member_slots_;
 }
 
 void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noexcept {
@@ -118,17 +157,24 @@ void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noe
 // Without impulses in G(0) what rests on outside bodies would fall for two cycles. So a few steps are tried, their
 // border is kept, and everything else is taken back.
 void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noexcept {
-  std::vector<std::byte> bytes(world_.save_size_bound());
+  // Room for the world as it is: what it may hold is far more.
+  std::vector<std::byte> bytes(1u << 20);
   ByteWriter out(bytes);
-  world_.save(out);
-  TACTUS_CHECK(out.ok(), out.size(), bytes.size());
+  for (world_.save(out); !out.ok(); world_.save(out)) {
+    TACTUS_CHECK(bytes.size() < world_.save_size_bound(), bytes.size(), world_.save_size_bound());
+    bytes.resize(2 * bytes.size());
+    out = ByteWriter(bytes);
+  }
+  const IslandManager islands = islands_;
   const GlobalStatistics statistics = statistics_;
   const double time_s = time_s_;
   for (unsigned step = 0; step < kForeseenSteps; ++step) advance();
-  first.dropped += border_log_.fill(world_.contacts(), world_.bodies(), start_,
-                                    devices_[device].extraction.member_flags(), settings_.dt, first.border);
+  first.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(),
+                                    member_slots(devices_[device]), settings_.dt, first.border);
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
   TACTUS_CHECK(world_.restore(in), out.size(), 0);
+  world_.index_fixed_bodies();
+  islands_ = islands;
   statistics_ = statistics;
   time_s_ = time_s;
 }
@@ -143,21 +189,23 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   Device& device = devices_[device_index];
   if (options_.coupling == CouplingScheme::kInterpolation) {
     // The effort that the device stored over the cycle, all at once.
-    if (is_finite(report.stored_effort)) world_.apply_impulse(device.proxy, report.stored_effort);
-    device.reported_proxy = world_.bodies()[device.proxy].motion.pose;
+    if (is_finite(report.stored_effort)) world_.apply_impulse(slot_of(device), report.stored_effort);
+    device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+    wake_near(device);
     return;
   }
+  wake_for(report);
   impose_motion(device, report);
+  wake_near(device);
   if (options_.coupling == CouplingScheme::kSubWorld) {
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
-    const HandBack back =
-        hand_back_border(report.border.span(), device.extraction.member_flags(), options_.border_mode, world_);
+    const HandBack back = hand_back_border(report.border.span(), member_slots(device), options_.border_mode, world_);
     statistics_.handed_back_impulse_Ns += back.magnitude_Ns;
     statistics_.handed_back_energy_J += back.energy_J;
     statistics_.handed_back_skipped += back.skipped;
   }
   // The device goes on holding the proxy as it did on the mean of the last cycle; the next report corrects it.
-  if (is_finite(report.mean_device_wrench)) world_.apply_wrench(device.proxy, report.mean_device_wrench);
+  if (is_finite(report.mean_device_wrench)) world_.apply_wrench(slot_of(device), report.mean_device_wrench);
 }
 
 // Pose and velocity of the members as they are, bit by bit; with the static coupling only the proxy's, since the
@@ -168,7 +216,7 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
     const std::int32_t found = world_.slot_of(member.id);
     if (found < 0) continue;
     const auto slot = static_cast<std::uint32_t>(found);
-    if (options_.coupling == CouplingScheme::kStatic && slot != device.proxy) continue;
+    if (options_.coupling == CouplingScheme::kStatic && member.id != device.id) continue;
     if (!is_finite(member.motion.pose) || !is_finite(member.motion.velocity)) {
       ++statistics_.rejected_states;
       continue;
@@ -179,20 +227,26 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
     after += energy_of(body, settings_.gravity);
   }
   statistics_.imposed_energy_J += after - before;
-  device.reported_proxy = world_.bodies()[device.proxy].motion.pose;
+  device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
 }
 
 void GlobalWorld::advance() noexcept {
-  const auto bodies = world_.bodies();
-  for (std::size_t slot = 0; slot < bodies.size(); ++slot) start_[slot] = bodies[slot].motion.pose;
-  world_.begin_step(settings_);
+  world_.begin_step(bounds_settings_);
+  while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings_);  // who wakes may wake others
+  const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
   if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
-  const auto report = world_.finish_step(settings_);
+  const auto report = world_.finish_step(settings_, {}, far_region());
   time_s_ += settings_.dt;
+  islands_.follow(world_);
+  sleep();
   find_touches();
 
   auto& s = statistics_;
   ++s.steps;
+  s.awake = static_cast<std::uint32_t>(islands_.awake().size()), s.asleep = islands_.asleep();
+  s.most_awake = std::max(s.most_awake, awake);
+  s.fell_asleep = islands_.fell_asleep(), s.woke_up = islands_.woke_up();
+  s.stopped_energy_J = islands_.stopped_energy_J();
   s.pairs = report.pairs, s.contacts = report.contacts, s.points = report.points;
   s.most_pairs = std::max(s.most_pairs, report.pairs);
   s.most_contacts = std::max(s.most_contacts, report.contacts);
@@ -202,19 +256,26 @@ void GlobalWorld::advance() noexcept {
 
 void GlobalWorld::find_touches() noexcept {
   touches_.clear();
-  for (const auto& contact : world_.contacts())
-    if (!contact.b_fixed && contact.touching()) touches_.push_back(touch_of(contact, world_.bodies()));
-  graph_.build(static_cast<std::uint32_t>(world_.bodies().size()), touches_);
+  const auto place = islands_.awake();
+  for (const auto& contact : world_.contacts()) {
+    if (contact.b_fixed || !contact.touching()) continue;
+    Touch touch = touch_of(contact, world_.bodies());
+    touch.a = place[touch.a], touch.b = place[touch.b];
+    touches_.push_back(touch);
+  }
+  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
 }
 
 // Before the first step nothing has pressed yet: what is within the tolerance counts as touching.
 void GlobalWorld::find_touches_at_rest() noexcept {
   const std::span<const Body<double>> bodies = world_.bodies();
+  const auto place = islands_.awake();
   for (std::size_t slot = 0; slot < bodies.size(); ++slot)
     bounds_[slot] = physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, options_.touch_tolerance_m);
   auto& pairs = world_.dynamic_pairs();
   pairs.clear();
-  if (!grid_.find(bounds_, pairs)) statistics_.capacity_bits |= physics::kPairsFull;
+  if (!grid_.find(std::span(std::as_const(bounds_)).first(bodies.size()), pairs))
+    statistics_.capacity_bits |= physics::kPairsFull;
   std::sort(pairs.begin(), pairs.end(), [](const physics::SlotPair& p, const physics::SlotPair& q) {
     const auto low = [](const physics::SlotPair& x) { return std::min(x.a, x.b); };
     const auto high = [](const physics::SlotPair& x) { return std::max(x.a, x.b); };
@@ -229,10 +290,11 @@ void GlobalWorld::find_touches_at_rest() noexcept {
     if (manifold.count == 0 || touches_.size() == touches_.capacity()) continue;
     Vec3d from_a;
     for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;
-    touches_.push_back({a, b, bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal});
+    touches_.push_back(
+        {place[a], place[b], bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal});
   }
   pairs.clear();
-  graph_.build(static_cast<std::uint32_t>(bodies.size()), touches_);
+  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
 }
 
 void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
@@ -241,18 +303,19 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   std::fill(free_.begin(), free_.end(), std::uint8_t{1});
   for (const Device& other : devices_)
     if (&other != &device)
-      for (const std::uint32_t slot : other.extraction.members()) free_[slot] = 0;
+      for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
   // With the interpolation the device feels the proxy alone.
   if (options_.coupling == CouplingScheme::kInterpolation) budget = 1;
-  const auto members = device.extraction.choose(world_.bodies(), graph_, device.reported_proxy, budget, free_);
+  const auto bodies = islands_.bodies();
+  const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
 
   next.cycle = cycle;
   next.global_time_s = time_s_;
   next.component = device.extraction.statistics().component;
   next.dropped = 0;
-  next.proxy = world_.bodies()[device.proxy].motion;
+  next.proxy = bodies[device.proxy].motion;
   next.members.clear();
-  for (const std::uint32_t slot : members) TACTUS_CHECK(next.members.try_push(world_.bodies()[slot].id), slot, 0);
+  for (const std::uint32_t place : members) TACTUS_CHECK(next.members.try_push(bodies[place].id), place, 0);
   next.border.clear();
   next.warm_starts.clear();
   fill_joiners(device, next);
@@ -260,7 +323,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   if (options_.coupling == CouplingScheme::kSubWorld) {
     fill_warm_starts(device, next);
     if (cycle > 0)
-      next.dropped += border_log_.fill(world_.contacts(), world_.bodies(), start_, device.extraction.member_flags(),
+      next.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), member_slots(device),
                                        settings_.dt, next.border);
   }
   count(device, next);
@@ -271,19 +334,20 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
 void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexcept {
   next.joiners.clear();
   const bool renew = options_.coupling == CouplingScheme::kStatic;
-  for (const std::uint32_t slot : device.extraction.members())
-    if (device.extraction.is_joiner(slot) || (renew && slot != device.proxy))
-      TACTUS_CHECK(next.joiners.try_push(world_.bodies()[slot]), slot, 0);
+  for (const std::uint32_t place : device.extraction.members())
+    if (device.extraction.is_joiner(place) || (renew && place != device.proxy))
+      TACTUS_CHECK(next.joiners.try_push(islands_.bodies()[place]), place, 0);
 }
 
 // Of joiners' contacts with members and with static geometry: those go on in the sub-world as they were here.
 void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
-  const double sub_step_s = settings_.dt / settings_.sub_steps;
   const auto& e = device.extraction;
+  const auto place = islands_.awake();
   for (const auto& contact : world_.contacts()) {
-    const bool inside = e.is_member(contact.slot_a) && (contact.b_fixed || e.is_member(contact.slot_b));
-    const bool joins = inside && (e.is_joiner(contact.slot_a) || (!contact.b_fixed && e.is_joiner(contact.slot_b)));
-    if (joins && !next.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s))) ++next.dropped;
+    const std::uint32_t a = place[contact.slot_a], b = contact.b_fixed ? a : place[contact.slot_b];
+    const bool joins = e.is_member(a) && e.is_member(b) && (e.is_joiner(a) || e.is_joiner(b));
+    if (joins && !next.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s())))
+      ++next.dropped;
   }
 }
 

@@ -3,6 +3,8 @@
 // One cycle: take the report H(n), impose the members' state, hand the border impulses on, step r T, choose the
 // members of cycle n + 1, write the snapshot G(n+1). Members are the sub-world's to move: only joiners' state goes
 // down. What the coupling schemes change is in `impose` and `fill_snapshot`; the direct coupling has no global world.
+// With the effect sleeping, what rests is not in the world: island_manager.h. Proxies, members and what hangs together
+// with them are always awake, and so is what is in reach of a proxy.
 // A device is a proxy with its sub-world; a body is a member of one sub-world at most. A scene names one proxy today:
 // the three parts of a step are apart so that several reports can go in before it and several snapshots come out.
 // Thread: construction [setup]; the rest: one owner, any priority; allocates nothing. Frame: world. Units: SI.
@@ -16,6 +18,7 @@
 #include "rt/haptics/coupling_scheme.h"
 #include "sim/border_log.h"
 #include "sim/extraction.h"
+#include "sim/island_manager.h"
 #include "sim/pair_grid.h"
 #include "sim/scene.h"
 
@@ -33,7 +36,9 @@ struct GlobalOptions {
 struct GlobalStatistics {
   std::uint64_t steps{0};
   std::uint32_t bodies{0}, fixed_bodies{0};
-  std::uint32_t pairs{0}, contacts{0}, points{0};  // of the last step
+  std::uint32_t awake{0}, asleep{0}, most_awake{0};  // of the moving bodies
+  std::uint64_t fell_asleep{0}, woke_up{0};          // bodies
+  std::uint32_t pairs{0}, contacts{0}, points{0};    // of the last step
   std::uint32_t most_pairs{0}, most_contacts{0}, most_members{0}, most_component{0}, most_border_points{0};
   std::uint32_t most_close_left_out{0};
   std::uint64_t joins{0}, leaves{0};
@@ -44,6 +49,7 @@ struct GlobalStatistics {
   double handed_back_impulse_Ns{0};  // magnitudes, at the border, to outside bodies
   double handed_back_energy_J{0};
   std::uint64_t handed_back_skipped{0};
+  double stopped_energy_J{0};  // kinetic: of bodies that fell asleep
   double deepest_m{0};
 };
 
@@ -67,23 +73,39 @@ class GlobalWorld {
                      haptics::WorldSnapshot& next) noexcept;
   std::uint32_t devices() const noexcept { return static_cast<std::uint32_t>(devices_.size()); }
 
-  const physics::World<double>& world() const noexcept { return world_; }
+  const physics::World<double>& world() const noexcept { return world_; }  // those awake
+  // All moving bodies by id, those asleep included; as they were after the last step.
+  std::span<const physics::Body<double>> bodies() const noexcept { return islands_.bodies(); }
+  bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
   const GlobalStatistics& statistics() const noexcept { return statistics_; }
   double time_s() const noexcept { return time_s_; }
   double step_s() const noexcept { return settings_.dt; }
   double kinetic_energy_J() const noexcept { return world_.kinetic_energy(); }
-  double potential_energy_J() const noexcept { return world_.potential_energy(settings_.gravity); }
+  double potential_energy_J() const noexcept {
+    return world_.potential_energy(settings_.gravity) + islands_.potential_energy(settings_.gravity);
+  }
   Wrenchd momentum() const noexcept { return world_.momentum(); }
-  std::uint64_t state_hash() const noexcept { return world_.state_hash(); }
+  std::uint64_t state_hash() const noexcept { return islands_.state_hash(world_.state_hash()); }
 
  private:
+  // Members are named by place (island_manager.h); slots are the world's.
   struct Device {
-    std::uint32_t proxy;  // slot
+    BodyId id;            // of the proxy
+    std::uint32_t proxy;  // its place
     Extraction extraction;
     Posed reported_proxy;  // where the device's own world had it at t_n
   };
 
+  std::uint32_t slot_of(const Device& device) const noexcept;
+  std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
+  void wake_for(const haptics::SubWorldReport& report) noexcept;
+  void wake_near(const Device& device) noexcept;
+  void mark_held() noexcept;
+  void sleep() noexcept;
+  physics::FarRegion far_region() noexcept;
+  double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
+  void sleep_from_start() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
   void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
@@ -93,18 +115,21 @@ class GlobalWorld {
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
 
   GlobalOptions options_;
-  physics::StepSettings<double> settings_;
+  physics::StepSettings<double> settings_, bounds_settings_;  // the latter: with the sub-steps of the far region
   physics::World<double> world_;
   physics::Hulls<double> hulls_;
   physics::Meshes<double> meshes_;
+  IslandManager islands_;
   PairGrid grid_;
   ContactGraph graph_;
   BorderLog border_log_;
   std::vector<Device> devices_;
-  std::vector<Posed> start_;  // by slot, at the start of the step
   std::vector<Touch> touches_;
   std::vector<physics::Aabb<double>> bounds_;
-  std::vector<std::uint8_t> free_;  // by slot: member of no other device's sub-world
+  std::vector<std::uint8_t> free_;              // by place: member of no other device's sub-world
+  std::vector<std::uint8_t> held_;              // by place: member of a sub-world
+  std::vector<std::uint8_t> member_slots_;      // by slot: member of the sub-world in question
+  std::vector<physics::Aabb<double>> regions_;  // by device: where nothing falls asleep
   double time_s_{0};
   GlobalStatistics statistics_;
 };

@@ -57,6 +57,9 @@ bool PairGrid::find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<p
   work_ = {};
   count_ = static_cast<std::uint32_t>(bounds.size());
   if (count_ < 2) return true;
+  // As many buckets as these boxes need: within what was allocated.
+  start_.resize(std::bit_ceil(std::max(16u, 2 * count_)) + 1);
+  mask_ = static_cast<std::uint32_t>(start_.size()) - 2;
   choose_levels(bounds);
   fill_table(bounds);
   bool all = true;

@@ -15,7 +15,14 @@ namespace tactus::sim {
 
 // What a scene calls for. One that is not declared is not simulated.
 struct Effects {
-  bool gravity{false}, friction{false}, gyroscopic{false};
+  bool gravity{false}, friction{false}, gyroscopic{false}, sleeping{false};
+};
+
+// When what rests in the global world falls asleep, with the effect sleeping.
+struct SleepingChoice {
+  double max_speed_m_per_s{0.01};  // of a body's surface: below, it counts as at rest
+  double after_s{0.5};             // at rest for as long as that: it may sleep
+  bool from_start{false};          // what does not move at the start sleeps until something comes near
 };
 
 // Gains of the coupling between device and proxy.
@@ -51,6 +58,7 @@ struct SolverChoice {
   double contact_hertz{250}, contact_damping_ratio{10};
   unsigned sub_steps{4}, relax_sweeps{1};  // haptic side
   unsigned global_sub_steps_per_tick{1};   // global side: sub-steps of a global step = this x ratio
+  unsigned far_sub_steps_per_tick{0};      // same, of what does not hang together with a sub-world; 0: as many
 };
 
 // What a generator made, and what it says of its own work.
@@ -89,6 +97,7 @@ struct Scene {
   CouplingGains coupling;
   HandScript hand;
   SolverChoice solver;
+  SleepingChoice sleeping;
   unsigned members{64};  // cap of the sub-world, the proxy included
   unsigned ratio{10};
   std::vector<GeneratedPart> generated;  // in the order of the file

@@ -36,6 +36,7 @@ class SceneReader {
     scene_.title = root_.text("title", "", 200);
     read_effects();
     read_simulation();
+    read_sleeping();
     read_device();
     read_coupling();
     read_proxy();
@@ -52,8 +53,9 @@ class SceneReader {
   TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
 
   void read_effects() {
-    const std::vector<std::string_view> known{"gravity", "friction", "gyroscopic"};
-    bool* const flags[] = {&scene_.effects.gravity, &scene_.effects.friction, &scene_.effects.gyroscopic};
+    const std::vector<std::string_view> known{"gravity", "friction", "gyroscopic", "sleeping"};
+    Effects& effects = scene_.effects;
+    bool* const flags[] = {&effects.gravity, &effects.friction, &effects.gyroscopic, &effects.sleeping};
     for (const TomlNode& item : root_.array("effects", 64)) {
       const auto found = std::find(known.begin(), known.end(), item.text);
       if (item.kind != TomlKind::kText || found == known.end()) {
@@ -61,7 +63,7 @@ class SceneReader {
         diagnostics_.add({item.line, item.column, "effects",
                           fmt::format("{} is not an effect{}", item.shown(),
                                       nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
-                          "gravity, friction, gyroscopic"});
+                          "gravity, friction, gyroscopic, sleeping"});
         continue;
       }
       bool& flag = *flags[found - known.begin()];
@@ -84,6 +86,8 @@ class SceneReader {
     solver.relax_sweeps = t.count("relax_sweeps", solver.relax_sweeps, {"a number of sweeps", 1, 16});
     solver.global_sub_steps_per_tick =
         t.count("global_sub_steps_per_tick", solver.global_sub_steps_per_tick, {"a number of sub-steps", 1, 16});
+    solver.far_sub_steps_per_tick = t.count("far_sub_steps_per_tick", solver.global_sub_steps_per_tick,
+                                            {"a number of sub-steps", 1, double(solver.global_sub_steps_per_tick)});
     solver.contact_hertz = t.number("contact_hertz_Hz", solver.contact_hertz, {"a contact frequency", 1, 10000});
     solver.contact_damping_ratio =
         t.number("contact_damping_ratio", solver.contact_damping_ratio, {"a damping ratio", 0.1, 100});
@@ -92,7 +96,19 @@ class SceneReader {
       t.mistake("contact_hertz_Hz",
                 fmt::format("{} Hz is too stiff for {} haptic and {} global sub-steps in a tick of 1 ms",
                             solver.contact_hertz, solver.sub_steps, solver.global_sub_steps_per_tick),
-                fmt::format("at most {} Hz: 250 Hz x the smaller number of sub-steps", highest));
+                fmt::format("at most {} Hz: 250 Hz x the smallest number of sub-steps", highest));
+    t.finish();
+  }
+
+  void read_sleeping() {
+    if (!scene_.effects.sleeping)
+      root_.refuse("sleeping", "set, but the effect sleeping is not declared",
+                   "\"sleeping\" among the effects, or no table [sleeping]");
+    TableReader t = table("sleeping");
+    SleepingChoice& sleeping = scene_.sleeping;
+    sleeping.max_speed_m_per_s = t.number("max_speed_m_per_s", sleeping.max_speed_m_per_s, {"a speed", 1e-6, 10});
+    sleeping.after_s = t.number("after_s", sleeping.after_s, {"a time", 0.01, 3600});
+    sleeping.from_start = t.flag("from_start", sleeping.from_start);
     t.finish();
   }
 
@@ -338,7 +354,9 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
 }
 
 double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept {
-  return 0.25 * std::min(solver.sub_steps, solver.global_sub_steps_per_tick) / tick_s;
+  unsigned fewest = std::min(solver.sub_steps, solver.global_sub_steps_per_tick);
+  if (solver.far_sub_steps_per_tick > 0) fewest = std::min(fewest, solver.far_sub_steps_per_tick);
+  return 0.25 * fewest / tick_s;
 }
 
 }  // namespace tactus::sim

@@ -17,7 +17,7 @@
 namespace tactus::sim {
 
 inline constexpr std::size_t kMaxSceneBytes = 4u << 20;
-inline constexpr unsigned kMaxSceneBodies = 20'000;
+inline constexpr unsigned kMaxSceneBodies = 100'000;
 inline constexpr unsigned kMaxWaypoints = 10'000;
 inline constexpr std::size_t kMaxReportedMistakes = 100;  // more are counted, not listed
 

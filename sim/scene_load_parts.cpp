@@ -171,6 +171,30 @@ void read_domino_row(TableReader& table, double friction, unsigned room, Generat
   make_if_room(table, spec, make_domino_row, room, made);
 }
 
+// The part again and again, in a grid about its own place: row by row, each part's bodies together.
+void repeat(TableReader& table, unsigned room, Generated& made) {
+  const unsigned columns = table.count("copies_x", 1, {"a number of copies", 1, 1000});
+  const unsigned rows = table.count("copies_y", 1, {"a number of copies", 1, 1000});
+  const double pitch_m = table.number("copy_pitch_m", 1, kLength);
+  const std::size_t count = std::size_t{columns} * rows;
+  if (count == 1) return;
+  if (count * made.bodies.size() > room) {
+    table.mistake("copies_x", fmt::format("{} copies make {} bodies", count, count * made.bodies.size()),
+                  fmt::format("{} more: a scene has at most {}", room, kMaxSceneBodies));
+    made.bodies.clear();
+    return;
+  }
+  const Bodies one = std::move(made.bodies);
+  made.bodies.clear();
+  made.bodies.reserve(count * one.size());
+  for (unsigned j = 0; j < rows; ++j)
+    for (unsigned i = 0; i < columns; ++i)
+      for (auto body : one) {
+        body.motion.pose.position += pitch_m * Vec3d{i - 0.5 * (columns - 1), j - 0.5 * (rows - 1), 0};
+        made.bodies.push_back(body);
+      }
+}
+
 }  // namespace
 
 Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
@@ -214,6 +238,7 @@ Generated read_generator(TableReader& table, unsigned room) {
   if (kind == "tower") read_tower(table, friction, room, made);
   if (kind == "card_house") read_card_house(table, friction, room, made);
   if (kind == "domino_row") read_domino_row(table, friction, room, made);
+  repeat(table, room, made);
   for (auto& body : made.bodies) body.motion.pose = world_from_part * body.motion.pose;
   made.part.count = static_cast<unsigned>(made.bodies.size());
   table.finish();

@@ -64,7 +64,9 @@ std::vector<EffectReport> report_effects(const Scene& scene) {
       {"friction", scene.effects.friction, scene.effects.friction && any([](const auto& b) { return b.friction > 0; }),
        "two rows more at every contact point, in every relax sweep"},
       {"gyroscopic", scene.effects.gyroscopic, scene.effects.gyroscopic && any(has_gyroscopic_term),
-       "a small system of equations a body that is no sphere and no cube, every sub-step"}};
+       "a small system of equations a body that is no sphere and no cube, every sub-step"},
+      {"sleeping", scene.effects.sleeping, scene.effects.sleeping,
+       "a look at every body that is awake, once a global step; what sleeps costs nothing"}};
 }
 
 void count_contact(const physics::Manifold<double>& manifold, const Body<double>& a, const Body<double>& b,

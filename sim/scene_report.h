@@ -56,7 +56,7 @@ struct CapacityReport {
 struct SceneReport {
   std::string name, title;
   BodyCounts bodies;
-  std::vector<EffectReport> effects;                     // gravity, friction, gyroscopic
+  std::vector<EffectReport> effects;                     // gravity, friction, gyroscopic, sleeping
   double lightest_kg{0}, heaviest_kg{0}, mass_ratio{1};  // dynamic bodies
   double contact_hertz_Hz{0}, max_contact_hertz_Hz{0};
   PenetrationReport penetration;

@@ -37,6 +37,7 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<d
       near_regions_(config.meshes.empty() ? 0 : kMaxNearRegions),
       near_triangles_(config.meshes.empty() ? 0 : kMaxNearTriangles) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
+  world_.index_fixed_bodies();
   state_.last_sub_steps = config.step.sub_steps;
   world_.border_mode = config.border_mode;
   auto& spring = world_.device_spring();

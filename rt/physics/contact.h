@@ -9,6 +9,8 @@
 
 namespace tactus::physics {
 
+inline constexpr std::uint32_t kNoSlot = 0xffffffffu;
+
 template <class T>
 struct ContactPoint {
   Vec3<T> from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step

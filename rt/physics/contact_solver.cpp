@@ -37,7 +37,7 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact<T>> contacts, Sol
   before_.resize(count), given_.resize(count);
   for (Twist<T>& given : given_) given = {};
   given_is_known_ = false;
-  colours_.assign(contacts, count);
+  colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
   Starts moving, fixed;
   rows_.first_fixed = place_colours(colours_.moving(), 0, moving);
   place_colours(colours_.fixed(), rows_.first_fixed, fixed);
@@ -48,6 +48,7 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact<T>> contacts, Sol
 
   for (std::uint32_t k = 0; k < contacts.size(); ++k) {
     const std::uint8_t colour = colours_.of(k);
+    if (colour == ContactColours::kNotSolved) continue;
     const std::uint32_t place = (contacts[k].b_fixed ? fixed : moving)[colour]++;
     if (colour == ContactColours::kLeftOver)
       fill_lane(singles_.all[place], 0, k, contacts[k], bodies);

@@ -326,6 +326,13 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
 }
 
 template <class T>
+void ContactTable<T>::scale_impulses_of(std::span<const std::uint8_t> bodies, T factor) noexcept {
+  for (Contact<T>& contact : contacts_)
+    for (std::uint32_t i = 0; i < contact.count && bodies[contact.slot_a] != 0; ++i)
+      scale_impulses(contact.points[i], factor);
+}
+
+template <class T>
 void ContactTable<T>::slot_inserted(std::uint32_t slot, bool fixed) noexcept {
   if (fixed) pairs_.clear();  // what is known of a gap holds for bodies that were there: one of that id may have gone
   for (Contact<T>& contact : contacts_) {
@@ -343,6 +350,20 @@ void ContactTable<T>::slot_removed(std::uint32_t slot, bool fixed) noexcept {
     if ((!fixed && contact.slot_a == slot) || (b_in_question && contact.slot_b == slot)) continue;
     if (!fixed && contact.slot_a > slot) --contact.slot_a;
     if (b_in_question && contact.slot_b > slot) --contact.slot_b;
+    if (kept != i) contacts_[kept] = contact, references_[kept] = references_[i];
+    ++kept;
+  }
+  contacts_.resize(kept), references_.resize(kept);
+}
+
+template <class T>
+void ContactTable<T>::slots_moved(std::span<const std::uint32_t> to) noexcept {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
+    Contact<T>& contact = contacts_[i];
+    const std::uint32_t a = to[contact.slot_a], b = contact.b_fixed ? contact.slot_b : to[contact.slot_b];
+    if (a == kNoSlot || b == kNoSlot) continue;
+    contact.slot_a = a, contact.slot_b = b;
     if (kept != i) contacts_[kept] = contact, references_[kept] = references_[i];
     ++kept;
   }

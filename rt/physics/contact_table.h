@@ -62,9 +62,14 @@ class ContactTable {
   bool add_warm_start(const WarmStart<T>& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
   std::span<const WarmStart<T>> warm_starts() const noexcept { return warm_starts_.span(); }
 
+  // Of the contacts whose A is one of these bodies, by slot.
+  void scale_impulses_of(std::span<const std::uint8_t> bodies, T factor) noexcept;
+
   // --- membership changed: a slot was inserted below which all others moved up, or removed with all its contacts
   void slot_inserted(std::uint32_t slot, bool fixed) noexcept;
   void slot_removed(std::uint32_t slot, bool fixed) noexcept;
+  // Moving bodies: by slot, where each is now, or kNoSlot when it went with all its contacts.
+  void slots_moved(std::span<const std::uint32_t> to) noexcept;
 
   // For restoring: empties the table and hands out its storage. As many references as contacts.
   void clear() noexcept;

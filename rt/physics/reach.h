@@ -2,9 +2,11 @@
 // that a pair is still as it was. Units: SI. Thread: [any].
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 #include "rt/physics/body.h"
+#include "rt/physics/step.h"
 
 namespace tactus::physics {
 
@@ -16,6 +18,20 @@ struct Reach {
   // No point of the surface within `lever` of the centre is further from where it was than this.
   constexpr T since(T lever) const noexcept { return shifted + lever * turned; }
 };
+
+// How far a body falls in a step that begins at rest [m]. Semi-implicit: s sub-steps fall (1 + 1 / s) times the
+// parabola.
+template <class T>
+T fall_in_step(const StepSettings<T>& settings) noexcept {
+  return T(0.5) * (T(1) + T(1) / static_cast<T>(settings.sub_steps)) * norm(settings.gravity) * settings.dt *
+         settings.dt;
+}
+
+// By how much a body's bounds grow: the bounds of two grow by at least the margin of their pair.
+template <class T>
+T margin_of(const Reach<T>& reach, const StepSettings<T>& settings) noexcept {
+  return std::min(std::max(settings.min_margin, reach.moved + reach.fallen), settings.max_margin);
+}
 
 // A pose that is no pose: of a body that the last step did not know.
 template <class T>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "rt/base/spatial.h"
 
@@ -43,6 +44,12 @@ template <class T>
 constexpr T room_to_carry_over(const StepSettings<T>& settings) noexcept {
   return T(2) * settings.recycle_tolerance_m;
 }
+
+// Bodies that no pair links to the others, and that make do with fewer sub-steps.
+struct FarRegion {
+  std::span<const std::uint8_t> bodies;  // by slot, 1: far; empty: none
+  std::uint32_t sub_steps{0};
+};
 
 template <class T>
 struct StepReport {

@@ -34,6 +34,7 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes)
       bodies_(capacities.bodies),
       fixed_bodies_(capacities.fixed_bodies),
       frozen_(capacities.bodies),
+      held_(capacities.bodies),
       wrenches_(capacities.bodies),
       bounds_(capacities.bodies),
       fixed_bounds_(capacities.fixed_bodies),
@@ -42,6 +43,9 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes)
       reach_(capacities.bodies),
       last_poses_(capacities.bodies),
       mesh_triangles_(capacities.mesh_triangles),
+      moved_to_(capacities.bodies),
+      fixed_tree_(capacities.fixed_bodies),
+      fixed_pairs_(capacities.pairs),
       pair_order_(capacities.bodies, capacities.pairs + 1),
       dynamic_pairs_(capacities.pairs + 1),
       contacts_(capacities),
@@ -75,6 +79,7 @@ bool World<T>::insert(const Body<T>& body) noexcept {
     static_cast<void>(fixed_bounds_.try_insert(fixed_slot, bounds_of(body.shape, body.motion.pose, T(0))));
     static_cast<void>(fixed_frames_.try_insert(fixed_slot, BodyFrame<T>::of(body.motion.pose)));
     contacts_.slot_inserted(fixed_slot, true);
+    fixed_is_indexed_ = false;
     return true;
   }
   if (!bodies_.try_insert(slot, body)) return refuse(kBodiesFull);
@@ -99,6 +104,7 @@ bool World<T>::remove(BodyId id) noexcept {
   if (!holds(fixed_bodies_, fixed_slot, id)) return false;
   fixed_bodies_.erase(fixed_slot), fixed_bounds_.erase(fixed_slot), fixed_frames_.erase(fixed_slot);
   contacts_.slot_removed(fixed_slot, true);
+  fixed_is_indexed_ = false;
   return true;
 }
 
@@ -204,11 +210,10 @@ template <class T>
 void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
   dynamic_pairs_.clear();
   contacts_.clear_pairs();
+  index_fixed_bodies();
   const auto count = bodies_.size();
   bounds_.resize(count), reach_.resize(count), frames_.resize(count);
-  // Semi-implicit: s sub-steps fall (1 + 1 / s) times the parabola.
-  const T fall =
-      T(0.5) * (T(1) + T(1) / static_cast<T>(settings.sub_steps)) * norm(settings.gravity) * settings.dt * settings.dt;
+  const T fall = fall_in_step(settings);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Body<T>& body = bodies_[i];
     const Twist<T>& velocity = body.motion.velocity;
@@ -240,12 +245,53 @@ void World<T>::add_pairs() noexcept {
 }
 
 template <class T>
+void World<T>::index_fixed_bodies() noexcept {
+  if (fixed_is_indexed_) return;
+  fixed_tree_.build(fixed_bounds_.span());
+  fixed_is_indexed_ = true;
+}
+
+// In the order of fixed bodies: mostly that of the keys.
+template <class T>
 void World<T>::add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept {
   mesh_triangles_.clear();
-  for (std::uint32_t f = 0; f < fixed_bodies_.size(); ++f) {
-    const Body<T>& fixed = fixed_bodies_[f];
-    const bool plane = fixed.shape.kind == ShapeKind::kPlane;
-    const Aabb<T> bounds = fixed_bounds_[f];
+  const auto add = [&](std::uint32_t f, std::uint32_t i) noexcept {
+    if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
+      add_mesh_pairs(i, f, margin_of(reach_[i], settings), report);
+    else
+      contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
+  };
+  fixed_pairs_.clear();
+  const auto find = [&](std::uint32_t f, std::uint32_t i) noexcept {
+    if (!fixed_pairs_.try_push({f, i})) add(f, i);  // more than the table holds: it counts what it leaves out
+    return true;
+  };
+  // Bodies that are close together meet few fixed ones: then the tree is asked once for all of them.
+  FixedVector<std::uint32_t, 16> near;
+  bool few = true;
+  if (!bodies_.empty()) {
+    Aabb<T> all = bounds_[0];
+    for (const Aabb<T>& box : bounds_) all = join(all, box);
+    fixed_tree_.find(all, [&](std::uint32_t f) noexcept { return few = near.try_push(f); });
+  }
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
+    if (frozen_[i] != 0) continue;
+    if (!few) {
+      fixed_tree_.find(bounds_[i], [&](std::uint32_t f) noexcept { return find(f, i); });
+      continue;
+    }
+    for (const std::uint32_t f : near)
+      if (fixed_bounds_[f].overlaps(bounds_[i])) find(f, i);
+  }
+  std::sort(fixed_pairs_.begin(), fixed_pairs_.end(),
+            [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+  std::uint32_t next = 0;
+  const auto add_below = [&](std::uint32_t end) noexcept {
+    for (; next < fixed_pairs_.size() && fixed_pairs_[next].a < end; ++next)
+      add(fixed_pairs_[next].a, fixed_pairs_[next].b);
+  };
+  for (const std::uint32_t f : fixed_tree_.unbounded()) {
+    add_below(f);
     const Vec3<T> normal = fixed_frames_[f].axes.z, origin = fixed_frames_[f].position;
     // May the box reach below the plane (the half space z <= 0 of its frame)?
     const auto reaches_plane = [&](const Aabb<T>& box) noexcept {
@@ -253,14 +299,10 @@ void World<T>::add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& r
                            normal.z > T(0) ? box.lower.z : box.upper.z};
       return dot(normal, lowest - origin) <= T(0);
     };
-    for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-      if (!(plane ? reaches_plane(bounds_[i]) : bounds_[i].overlaps(bounds)) || frozen_[i] != 0) continue;
-      if (fixed.shape.kind == ShapeKind::kMesh)
-        add_mesh_pairs(i, f, margin_of(reach_[i], settings), report);
-      else
-        contacts_.add_pair(PairKey::of(bodies_[i].id, fixed.id, true), i, f);
-    }
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i)
+      if (frozen_[i] == 0 && reaches_plane(bounds_[i])) add(f, i);
   }
+  add_below(fixed_bodies_.size());
 }
 
 // One pair for each patch that the body is near to, with the patch's triangles.
@@ -294,7 +336,8 @@ void World<T>::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T ma
 }
 
 template <class T>
-StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPredicate& cut) noexcept {
+StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPredicate& cut,
+                                    const FarRegion& far) noexcept {
   TACTUS_CHECK(settings.sub_steps > 0 && settings.dt > T(0), settings.sub_steps, settings.dt);
   TACTUS_CHECK(bounds_.size() == bodies_.size(), bounds_.size(), bodies_.size());
   StepReport<T> report;
@@ -310,15 +353,44 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
                    meshes_, mesh_triangles_.span()},
                   settings, h, impulse_scale, report);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
-  const std::span<const Wrench<T>> wrenches =
-      wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
-  solver_.step({bodies_.span(), frozen_.span(), wrenches, contacts_.contacts(), spring_, border_contacts_.span(),
-                border_mode, impulse_scale},
-               settings, cut, report);
+  if (far.bodies.empty()) {
+    solve(frozen_.span(), settings, impulse_scale, cut, report);
+  } else {
+    held_.resize(bodies_.size());
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | far.bodies[i];
+    solve(held_.span(), settings, impulse_scale, cut, report);
+    solve_far(far, settings, cut, report);
+  }
   if (wrench_applied_)
     for (Wrench<T>& wrench : wrenches_) wrench = {};
   wrench_applied_ = false;
   return report;
+}
+
+// Bodies that are held neither move nor feel impulses.
+template <class T>
+void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
+                     const CutPredicate& cut, StepReport<T>& report) noexcept {
+  const std::span<const Wrench<T>> wrenches =
+      wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
+  solver_.step({bodies_.span(), held, wrenches, contacts_.contacts(), spring_, border_contacts_.span(), border_mode,
+                impulse_scale},
+               settings, cut, report);
+}
+
+// The others have been solved, and are held. Between steps all impulses are those of the near region's sub-step.
+template <class T>
+void World<T>::solve_far(const FarRegion& far, const StepSettings<T>& settings, const CutPredicate& cut,
+                         StepReport<T>& report) noexcept {
+  TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);
+  TACTUS_CHECK(!spring_.enabled && border_contacts_.empty(), spring_.slot, border_contacts_.size());
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | (far.bodies[i] ^ 1);
+  StepSettings<T> fewer = settings;
+  fewer.sub_steps = far.sub_steps;
+  const T longer = static_cast<T>(settings.sub_steps) / static_cast<T>(far.sub_steps);
+  contacts_.scale_impulses_of(far.bodies, longer);
+  solve(held_.span(), fewer, T(1), cut, report);
+  contacts_.scale_impulses_of(far.bodies, T(1) / longer);
 }
 
 template class World<double>;

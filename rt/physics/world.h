@@ -14,6 +14,7 @@
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
 #include "rt/physics/contact_table.h"
+#include "rt/physics/fixed_tree.h"
 #include "rt/physics/near_triangles.h"
 #include "rt/physics/pair_finder.h"
 #include "rt/physics/pair_order.h"
@@ -36,19 +37,33 @@ class World {
   bool insert(const Body<T>& body) noexcept;
   // Also forgets its contacts. False when it is not there.
   bool remove(BodyId id) noexcept;
+  // Many dynamic bodies at once, in one pass over the world: none of them is there, and they come by id. Their bounds
+  // and pairs come with the next begin_step. False (and kBodiesFull) when there is no room for all: then none.
+  bool insert(std::span<const Body<T>> bodies) noexcept;
+  // All whose flag is set, by slot, and their contacts.
+  void remove(std::span<const std::uint8_t> leaving) noexcept;
   // The slot of a dynamic body, or -1.
   std::int32_t slot_of(BodyId id) const noexcept;
 
   std::span<Body<T>> bodies() noexcept;  // dynamic, by id
   std::span<const Body<T>> bodies() const noexcept;
   std::span<const Body<T>> fixed_bodies() const noexcept;  // by id
+  // Where the bodies were when the last step began, by slot; no pose for those that came since.
+  std::span<const Pose<T>> last_poses() const noexcept { return last_poses_.span(); }
 
-  // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them.
+  // [setup] After the last fixed body: or else the next step does it.
+  void index_fixed_bodies() noexcept;
+
+  // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them. With a
+  // far region, begin_step is told the fewer of the sub-steps: bounds grow by how far a body may fall.
   void begin_step(const StepSettings<T>& settings) noexcept;  // bounds of all bodies, grown by what they move in dt
   std::span<const Aabb<T>> bounds() const noexcept;           // by slot, dynamic bodies
   std::span<const Aabb<T>> fixed_bounds() const noexcept;     // by fixed slot
-  BoundedVector<SlotPair>& dynamic_pairs() noexcept;          // for the pair finder; cleared by begin_step
-  StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {}) noexcept;
+  // For the pair finder; cleared by begin_step. After the step, all pairs of bounds that overlapped, by key.
+  BoundedVector<SlotPair>& dynamic_pairs() noexcept;
+  // `far`: not in a world with a spring or border contacts.
+  StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {},
+                            const FarRegion& far = {}) noexcept;
 
   // Triangles near the bodies where they are known beforehand, valid until set anew: they save work, no more.
   NearTriangles<T> near_triangles;
@@ -97,18 +112,28 @@ class World {
   void add_pairs() noexcept;
   void add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept;
+  void solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
+             const CutPredicate& cut, StepReport<T>& report) noexcept;
+  void solve_far(const FarRegion& far, const StepSettings<T>& settings, const CutPredicate& cut,
+                 StepReport<T>& report) noexcept;
+  void move_body(std::uint32_t from, std::uint32_t to) noexcept;
+  void follow_moves() noexcept;
 
   Capacities capacities_;
   Hulls<T> hulls_;
   Meshes<T> meshes_;
   BoundedVector<Body<T>> bodies_, fixed_bodies_;  // by id
-  BoundedVector<std::uint8_t> frozen_;            // by slot
+  BoundedVector<std::uint8_t> frozen_, held_;     // by slot; held_: scratch of a step by regions
   BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step
   bool wrench_applied_{false};
   BoundedVector<Aabb<T>> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame<T>> frames_, fixed_frames_;
-  BoundedVector<Reach<T>> reach_;                // by slot
-  BoundedVector<Pose<T>> last_poses_;            // by slot: at the start of the last step; unknown_pose() of newcomers
+  BoundedVector<Reach<T>> reach_;          // by slot
+  BoundedVector<Pose<T>> last_poses_;      // by slot: at the start of the last step; unknown_pose() of newcomers
+  BoundedVector<std::uint32_t> moved_to_;  // scratch of insert and remove
+  FixedTree<T> fixed_tree_;
+  bool fixed_is_indexed_{false};
+  BoundedVector<SlotPair> fixed_pairs_;          // fixed slot, slot: boxes that overlap
   BoundedVector<std::uint32_t> mesh_triangles_;  // of this step, pair by pair
   PairOrder pair_order_;
   BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows

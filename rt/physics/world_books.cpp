@@ -221,6 +221,7 @@ void World<T>::clear() noexcept {
   reach_.clear(), last_poses_.clear(), dynamic_pairs_.clear();
   contacts_.clear();
   border_contacts_.clear();
+  fixed_is_indexed_ = false;
   spring_ = {};
   border_mode = BorderMode::kCapped;
   wrench_applied_ = false;

@@ -47,7 +47,7 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {"title = \"a\\nb\"", 1, 9, "title", "line breaks", "one line"},
       {"titel = \"a\"", 1, 1, "titel", "did you mean title?", "title"},
       {"effects = 3", 1, 11, "effects", "not an array", "an array"},
-      {"effects = [\"gravty\"]", 1, 12, "effects", "did you mean gravity?", "gravity, friction, gyroscopic"},
+      {"effects = [\"gravty\"]", 1, 12, "effects", "did you mean gravity?", "gravity, friction, gyroscopic, sleeping"},
       {"effects = [3]", 1, 12, "effects", "3 is not an effect", "gravity"},
       {"effects = [\"friction\", \"friction\"]", 1, 24, "effects", "there twice", "once"},
       {"gravity_m_per_s2 = [0, 0, -9.81]", 1, 20, "gravity_m_per_s2", "the effect gravity is not declared",
@@ -98,10 +98,10 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {"body = [3]", 1, 9, "[body.1]", "3 is not a table", "a table"},
       {"[[generate]]\ncount = 3", 1, 1, "[generate.1] kind", "missing", "wall, pile, tower, card_house, domino_row"},
       {"[[generate]]\nkind = \"cardhouse\"", 2, 8, "[generate.1] kind", "did you mean card_house?", "wall, pile"},
-      {"[[generate]]\nkind = \"pile\"\ncount = 20001", 3, 9, "[generate.1] count", "20001", "from 1 to 20000"},
+      {"[[generate]]\nkind = \"pile\"\ncount = 100001", 3, 9, "[generate.1] count", "100001", "from 1 to 100000"},
       {"[[generate]]\nkind = \"pile\"\nseed = -1", 3, 8, "[generate.1] seed", "-1 is not a seed", ">= 0"},
-      {"[[generate]]\nkind = \"tower\"\nlayers = 1000\nblocks_per_layer = 20", 2, 8, "[generate.1] kind",
-       "makes 20000 bodies", "19999 more: a scene has at most 20000"},
+      {"[[generate]]\nkind = \"tower\"\nlayers = 1000\nblocks_per_layer = 100", 2, 8, "[generate.1] kind",
+       "makes 100000 bodies", "99999 more: a scene has at most 100000"},
       {"[[generate]]\nkind = \"wall\"\ngap_m = 0.1", 3, 9, "[generate.1] gap_m", "too wide", "a fifth"},
       {"[[generate]]\nkind = \"card_house\"\nangle_rad = 0.5", 3, 13, "[generate.1] angle_rad", "wide",
        "a smaller angle"},
@@ -213,6 +213,45 @@ TEST_CASE("an effect that is not declared is off, and one that nothing uses is a
             .warnings.empty());
 }
 
+TEST_CASE("when bodies sleep is read, with the effect sleeping only") {
+  const auto scene =
+      good("effects = [\"sleeping\"]\n[sleeping]\nmax_speed_m_per_s = 0.02\nafter_s = 1.5\nfrom_start = true" + kProxy);
+  CHECK(scene.effects.sleeping);
+  CHECK(scene.sleeping.max_speed_m_per_s == 0.02);
+  CHECK(scene.sleeping.after_s == 1.5);
+  CHECK(scene.sleeping.from_start);
+  CHECK_FALSE(good(kProxy).effects.sleeping);
+  CHECK_THAT(diagnose("[sleeping]\nafter_s = 1" + kProxy).message(),
+             Contains("sleeping: set, but the effect sleeping is not declared"));
+  CHECK_THAT(diagnose("effects = [\"sleeping\"]\n[sleeping]\nmax_speed_m_per_s = 0" + kProxy).message(),
+             Contains("0 is not a speed"));
+}
+
+TEST_CASE("the far region has as many sub-steps as the near one, or fewer, but enough for the contact frequency") {
+  const std::string near = "[simulation]\nsub_steps = 8\nglobal_sub_steps_per_tick = 4\n";
+  CHECK(good(near + kProxy).solver.far_sub_steps_per_tick == 4);
+  CHECK(good(near + "far_sub_steps_per_tick = 1" + kProxy).solver.far_sub_steps_per_tick == 1);
+  CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 5" + kProxy).message(), Contains("from 1 to 4"));
+  CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 1\ncontact_hertz_Hz = 500" + kProxy).message(),
+             Contains("at most 250 Hz"));
+}
+
+TEST_CASE("a generated part is copied in a grid about its place") {
+  const std::string wall =
+      "[[generate]]\nkind = \"wall\"\ncolumns = 2\nrows = 1\nmass_kg = 1\nposition_m = [1, 0, 0]\n";
+  const auto one = good(wall + kProxy), six = good(wall + "copies_x = 3\ncopies_y = 2\ncopy_pitch_m = 2" + kProxy);
+  REQUIRE(one.bodies.size() == 3);
+  REQUIRE(six.bodies.size() == 1 + 6 * 2);
+  CHECK(six.generated[0].count == 12);
+  for (unsigned copy = 0; copy < 6; ++copy)
+    for (unsigned k = 0; k < 2; ++k) {
+      const Vec3d moved = six.bodies[1 + 2 * copy + k].motion.pose.position - one.bodies[1 + k].motion.pose.position;
+      CHECK(norm(moved - Vec3d{2.0 * (copy % 3) - 2, 2.0 * (copy / 3) - 1, 0}) < 1e-12);
+    }
+  CHECK_THAT(diagnose(wall + "copies_x = 1000\ncopies_y = 1000" + kProxy).message(),
+             Contains("1000000 copies make 2000000 bodies"));
+}
+
 TEST_CASE("a card house on too smooth a ground, or of too smooth cards, is a warning") {
   const auto warn = [](double ground, double cards) {
     return diagnose(fmt::format("effects = [\"friction\"]\n[[body]]\nshape = \"plane\"\nfriction = {}\n[[generate]]\n"
@@ -260,8 +299,8 @@ TEST_CASE("no text exhausts the stack or the memory") {
   CHECK_THAT(diagnose(repeated(" ", kMaxSceneBytes + 1)).message(),
              Contains("4194305 bytes; accepted: at most 4194304"));
   CHECK_THAT(diagnose("a = [" + repeated("1,", 1'100'000) + "]").message(), Contains("more than 1000000 values"));
-  CHECK_THAT(diagnose(repeated("[[body]]\n", 20'001) + kProxy).message(),
-             Contains("20001 entries; accepted: an array of at most 19999"));
+  CHECK_THAT(diagnose(repeated("[[body]]\n", 100'001) + kProxy).message(),
+             Contains("100001 entries; accepted: an array of at most 99999"));
   std::string keys;
   for (int i = 0; i < 1000; ++i) keys += fmt::format("key{} = 1\n", i);
   const auto found = diagnose(keys + kProxy);

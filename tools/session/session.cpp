@@ -7,6 +7,7 @@
 #include "firmware/faults.h"
 #include "rt/haptics/coupling_limits.h"
 #include "sim/choice_names.h"
+#include "sim/scene_load.h"
 #include "tools/session/open_link.h"
 
 namespace tactus::session {
@@ -117,7 +118,7 @@ Status check_frequency(const sim::Scene& scene, const RunOptions& options) {
   const double haptic_Hz = 0.25 * scene.solver.sub_steps * options.rate_Hz;
   const double global_Hz = options.coupling == haptics::CouplingScheme::kDirect
                                ? haptic_Hz
-                               : 0.25 * scene.solver.global_sub_steps_per_tick * options.rate_Hz;
+                               : sim::max_contact_hertz(scene.solver, options.period_s());
   const double limit_Hz = std::min(haptic_Hz, global_Hz);
   if (scene.solver.contact_hertz <= limit_Hz * (1 + 1e-9)) return Status::good();
   return Status::error(fmt::format(

@@ -1,0 +1,73 @@
+// Many bodies of a world at once: whole islands that come and go.
+#include "rt/physics/world.h"
+
+namespace tactus::physics {
+
+template <class T>
+bool World<T>::insert(std::span<const Body<T>> bodies) noexcept {
+  const std::uint32_t before = bodies_.size(), added = static_cast<std::uint32_t>(bodies.size());
+  if (added > bodies_.capacity() - before) return refuse(kBodiesFull);
+  const std::uint32_t after = before + added;
+  bodies_.resize(after), frozen_.resize(after), wrenches_.resize(after), last_poses_.resize(after);
+  moved_to_.resize(before);
+  // From the top, so that nobody is overwritten before he has moved.
+  std::uint32_t old = before, next = added;
+  for (std::uint32_t slot = after; slot-- > 0;) {
+    if (next == 0 || (old > 0 && bodies[next - 1].id < bodies_[old - 1].id)) {
+      move_body(--old, slot);
+      continue;
+    }
+    const Body<T>& body = bodies[--next];
+    TACTUS_CHECK(body.kind == BodyKind::kDynamic && (slot + 1 == after || body.id < bodies_[slot + 1].id), body.id,
+                 slot);
+    bodies_[slot] = body, frozen_[slot] = 0, wrenches_[slot] = {}, last_poses_[slot] = unknown_pose<T>();
+  }
+  follow_moves();
+  return true;
+}
+
+template <class T>
+void World<T>::remove(std::span<const std::uint8_t> leaving) noexcept {
+  TACTUS_CHECK(leaving.size() == bodies_.size(), leaving.size(), bodies_.size());
+  moved_to_.resize(bodies_.size());
+  std::uint32_t kept = 0;
+  for (std::uint32_t slot = 0; slot < bodies_.size(); ++slot) {
+    if (leaving[slot] != 0)
+      moved_to_[slot] = kNoSlot;
+    else
+      move_body(slot, kept++);
+  }
+  bodies_.resize(kept), frozen_.resize(kept), wrenches_.resize(kept), last_poses_.resize(kept);
+  follow_moves();
+}
+
+template <class T>
+void World<T>::move_body(std::uint32_t from, std::uint32_t to) noexcept {
+  moved_to_[from] = to;
+  if (from == to) return;
+  bodies_[to] = bodies_[from], frozen_[to] = frozen_[from];
+  wrenches_[to] = wrenches_[from], last_poses_[to] = last_poses_[from];
+}
+
+// What refers to bodies by slot.
+template <class T>
+void World<T>::follow_moves() noexcept {
+  contacts_.slots_moved(moved_to_.span());
+  if (!spring_.enabled) return;
+  const std::uint32_t to = moved_to_[spring_.slot];
+  if (to == kNoSlot)
+    spring_.enabled = false;
+  else
+    spring_.slot = to;
+}
+
+template bool World<double>::insert(std::span<const Body<double>>) noexcept;
+template bool World<float>::insert(std::span<const Body<float>>) noexcept;
+template void World<double>::remove(std::span<const std::uint8_t>) noexcept;
+template void World<float>::remove(std::span<const std::uint8_t>) noexcept;
+template void World<double>::move_body(std::uint32_t, std::uint32_t) noexcept;
+template void World<float>::move_body(std::uint32_t, std::uint32_t) noexcept;
+template void World<double>::follow_moves() noexcept;
+template void World<float>::follow_moves() noexcept;
+
+}  // namespace tactus::physics

@@ -1,0 +1,61 @@
+// The global world by regions: what is near a sub-world, and so awake and fully sub-stepped; what sleeps; what is far.
+#include "sim/global_world.h"
+
+namespace tactus::sim {
+
+using haptics::SubWorldReport;
+
+bool GlobalWorld::is_asleep(BodyId id) const noexcept {
+  const std::int32_t place = islands_.place_of(id);
+  return place >= 0 && islands_.is_asleep(static_cast<std::uint32_t>(place));
+}
+
+// Whom the report is about, should he have fallen asleep meanwhile.
+void GlobalWorld::wake_for(const SubWorldReport& report) noexcept {
+  if (islands_.asleep() == 0) return;
+  const auto wake = [this](BodyId id) noexcept {
+    const std::int32_t place = islands_.place_of(id);
+    if (place >= 0) (void)islands_.wake(static_cast<std::uint32_t>(place), world_);
+  };
+  for (const auto& member : report.members) wake(member.id);
+  for (const auto& entry : report.border) wake(entry.outside);
+}
+
+// What may be chosen at the end of the coming step for its place alone.
+void GlobalWorld::wake_near(const Device& device) noexcept {
+  if (islands_.asleep() == 0) return;
+  (void)islands_.wake_in(device.extraction.region(world_.bodies()[slot_of(device)], device.reported_proxy), world_);
+}
+
+// What each device's sub-world has, and where it may get more.
+void GlobalWorld::mark_held() noexcept {
+  std::fill(held_.begin(), held_.end(), std::uint8_t{0});
+  for (std::size_t d = 0; d < devices_.size(); ++d) {
+    const Device& device = devices_[d];
+    held_[device.proxy] = 1;
+    for (const std::uint32_t place : device.extraction.members()) held_[place] = 1;
+    regions_[d] = device.extraction.region(islands_.bodies()[device.proxy], device.reported_proxy);
+  }
+}
+
+void GlobalWorld::sleep() noexcept {
+  mark_held();
+  islands_.lay_down(held_, regions_, bounds_settings_, sub_step_s(), world_);
+}
+
+// Islands without a member, away from every proxy: they are independent of the others, so they may have sub-steps of
+// their own. Their contacts' stiffness stays.
+physics::FarRegion GlobalWorld::far_region() noexcept {
+  if (bounds_settings_.sub_steps == settings_.sub_steps) return {};
+  mark_held();
+  return {islands_.find_far(held_, regions_, world_), bounds_settings_.sub_steps};
+}
+
+void GlobalWorld::sleep_from_start() noexcept {
+  world_.begin_step(bounds_settings_);
+  if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
+  islands_.count_resting_as_slow();
+  sleep();
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,224 @@
+#include "sim/island_manager.h"
+
+#include <algorithm>
+
+#include "rt/base/hash.h"
+
+namespace tactus::sim {
+
+using physics::Aabb;
+using physics::Body;
+
+IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uint32_t max_contacts)
+    : rule_(rule),
+      bodies_(world.bodies().begin(), world.bodies().end()),
+      awake_(bodies_.size()),
+      slow_steps_(bodies_.size(), 0),
+      island_of_(bodies_.size(), kAwake),
+      next_body_(bodies_.size(), kNone),
+      first_parked_(bodies_.size(), kNone),
+      is_marked_(bodies_.size(), 0),
+      max_parked_(rule.enabled ? max_contacts : 0),
+      grid_(static_cast<std::uint32_t>(rule.enabled ? bodies_.size() : 0)),
+      islands_(static_cast<std::uint32_t>(bodies_.size())) {
+  for (std::uint32_t place = 0; place < bodies_.size(); ++place) awake_[place] = place;
+  stays_.reserve(bodies_.size()), apart_.reserve(bodies_.size());
+  if (!rule.enabled) return;
+  marked_.reserve(bodies_.size()), woken_.reserve(bodies_.size()), merge_.reserve(bodies_.size());
+  returning_.reserve(bodies_.size());
+  parked_.reserve(max_parked_);
+}
+
+std::int32_t IslandManager::place_of(BodyId id) const noexcept {
+  const auto at =
+      std::lower_bound(bodies_.begin(), bodies_.end(), id, [](const Body<double>& b, BodyId i) { return b.id < i; });
+  return at != bodies_.end() && at->id == id ? static_cast<std::int32_t>(at - bodies_.begin()) : -1;
+}
+
+// --- waking
+
+// Notes the island of a sleeping body, once.
+bool IslandManager::mark(std::uint32_t place) noexcept {
+  const std::uint32_t island = island_of_[place];
+  if (island == kAwake) return false;
+  if (is_marked_[island] == 0) marked_.push_back(island);
+  is_marked_[island] = 1;
+  return true;
+}
+
+bool IslandManager::wake(std::uint32_t place, World& world) noexcept { return mark(place) && wake_marked(world); }
+
+bool IslandManager::wake_in(const Aabb<double>& box, World& world) noexcept {
+  if (grid_.size() == 0) return false;
+  grid_.find(box, [this](std::uint32_t place) noexcept { mark(place); });
+  return wake_marked(world);
+}
+
+bool IslandManager::wake_touched(World& world) noexcept {
+  if (grid_.size() == 0) return false;
+  for (const Aabb<double>& box : world.bounds()) grid_.find(box, [this](std::uint32_t place) noexcept { mark(place); });
+  return wake_marked(world);
+}
+
+bool IslandManager::wake_marked(World& world) noexcept {
+  if (marked_.empty()) return false;
+  woken_.clear(), returning_.clear();
+  for (const std::uint32_t island : marked_) {
+    is_marked_[island] = 0;
+    for (std::uint32_t place = island; place != kNone; place = next_body_[place]) {
+      woken_.push_back(place);
+      island_of_[place] = kAwake, slow_steps_[place] = 0;
+      grid_.remove(place);
+    }
+    for (std::uint32_t at = first_parked_[island]; at != kNone;) {
+      (void)world.add_warm_start(parked_[at].warm_start);  // no room: a colder start
+      const std::uint32_t next = parked_[at].next;
+      parked_[at].next = free_parked_, free_parked_ = at;
+      at = next;
+    }
+  }
+  marked_.clear();
+  std::sort(woken_.begin(), woken_.end());
+  for (const std::uint32_t place : woken_) returning_.push_back(bodies_[place]);
+  TACTUS_CHECK(world.insert(returning_), returning_.size(), awake_.size());
+  merge_.resize(awake_.size() + woken_.size());
+  std::merge(awake_.begin(), awake_.end(), woken_.begin(), woken_.end(), merge_.begin());
+  awake_.swap(merge_);
+  woke_up_ += woken_.size();
+  return true;
+}
+
+std::span<const std::uint8_t> IslandManager::find_far(std::span<const std::uint8_t> held,
+                                                      std::span<const Aabb<double>> regions, World& world) noexcept {
+  const auto count = static_cast<std::uint32_t>(awake_.size());
+  const auto bounds = world.bounds();
+  islands_.build(count, world.dynamic_pairs());
+  stays_.assign(count, 0);
+  for (std::uint32_t slot = 0; slot < count; ++slot)
+    if (held[awake_[slot]] != 0 ||
+        std::any_of(regions.begin(), regions.end(), [&](const auto& region) { return region.overlaps(bounds[slot]); }))
+      stays_[islands_.of(slot)] = 1;
+  apart_.assign(count, 0);
+  for (std::uint32_t slot = 0; slot < count; ++slot) apart_[slot] = stays_[islands_.of(slot)] == 0 ? 1 : 0;
+  return apart_;
+}
+
+// --- falling asleep
+
+void IslandManager::follow(const World& world) noexcept {
+  const auto moved = world.bodies();
+  TACTUS_CHECK(moved.size() == awake_.size(), moved.size(), awake_.size());
+  for (std::size_t slot = 0; slot < moved.size(); ++slot) {
+    const std::uint32_t place = awake_[slot];
+    const auto& motion = bodies_[place].motion = moved[slot].motion;
+    if (!rule_.enabled) continue;
+    const double speed =
+        norm(motion.velocity.linear) + norm(motion.velocity.angular) * physics::bounding_radius(bodies_[place].shape);
+    slow_steps_[place] = speed < rule_.max_speed_m_per_s ? std::min(slow_steps_[place] + 1, rule_.steps) : 0;
+  }
+}
+
+void IslandManager::count_resting_as_slow() noexcept {
+  for (std::size_t place = 0; place < bodies_.size(); ++place)
+    if (bodies_[place].motion.velocity == Twistd{}) slow_steps_[place] = rule_.steps;
+}
+
+// Its bounds as begin_step would have them: what wakes it in the next step would also keep it from falling asleep.
+Aabb<double> IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept {
+  const Body<double>& body = bodies_[place];
+  const physics::Reach<double> reach{0, std::abs(body.gravity_scale) * physics::fall_in_step(settings)};
+  return physics::bounds_of(body.shape, body.motion.pose, physics::margin_of(reach, settings));
+}
+
+void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const Aabb<double>> regions,
+                             const Settings& settings, double sub_step_s, World& world) noexcept {
+  const auto slow = [this](std::uint32_t place) noexcept { return slow_steps_[place] >= rule_.steps; };
+  if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
+  const auto count = static_cast<std::uint32_t>(awake_.size());
+  islands_.build(count, world.dynamic_pairs());
+  stays_.assign(count, 0);  // of an island: by its lowest slot
+  for (std::uint32_t slot = 0; slot < count; ++slot) {
+    std::uint8_t& stays = stays_[islands_.of(slot)];
+    const std::uint32_t place = awake_[slot];
+    if (stays != 0) continue;
+    if (!slow(place) || held[place] != 0) {
+      stays = 1;
+      continue;
+    }
+    const Aabb<double> box = bounds_at_rest(place, settings);
+    stays = std::any_of(regions.begin(), regions.end(), [&](const auto& region) { return region.overlaps(box); });
+  }
+
+  apart_.assign(count, 0);
+  bool some = false;
+  for (std::uint32_t slot = 0; slot < count; ++slot) {  // an island's lowest slot comes first
+    const std::uint32_t root = islands_.of(slot);
+    if (stays_[root] != 0) continue;
+    apart_[slot] = 1, some = true;
+    lay_down_body(slot, awake_[root], settings);
+  }
+  if (!some) return;
+  for (const auto& contact : world.contacts())
+    if (apart_[contact.slot_a] != 0) park(contact, island_of_[awake_[contact.slot_a]], sub_step_s);
+  world.remove(apart_);
+  std::uint32_t kept = 0;
+  for (std::uint32_t slot = 0; slot < count; ++slot)
+    if (apart_[slot] == 0) awake_[kept++] = awake_[slot];
+  fell_asleep_ += count - kept;
+  awake_.resize(kept);
+}
+
+void IslandManager::lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept {
+  const std::uint32_t place = awake_[slot];
+  Body<double>& body = bodies_[place];
+  const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
+  stopped_energy_J_ += 0.5 * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
+  body.motion.velocity = {};
+  island_of_[place] = island;
+  if (place == island) {
+    next_body_[island] = first_parked_[island] = kNone;
+  } else {
+    next_body_[place] = next_body_[island];
+    next_body_[island] = place;
+  }
+  grid_.insert(place, bounds_at_rest(place, settings));
+}
+
+void IslandManager::park(const physics::Contact<double>& contact, std::uint32_t island, double sub_step_s) noexcept {
+  std::uint32_t at = free_parked_;
+  if (at != kNone) {
+    free_parked_ = parked_[at].next;
+  } else {
+    if (parked_.size() == max_parked_) return;
+    at = static_cast<std::uint32_t>(parked_.size());
+    parked_.emplace_back();
+  }
+  parked_[at] = {World::warm_start_of(contact, sub_step_s), first_parked_[island]};
+  first_parked_[island] = at;
+}
+
+// --- books
+
+double IslandManager::potential_energy(const Vec3d& gravity) const noexcept {
+  double sum = 0;
+  for (std::uint32_t place = 0; place < bodies_.size(); ++place)
+    if (is_asleep(place))
+      sum -= bodies_[place].mass * bodies_[place].gravity_scale * dot(gravity, bodies_[place].motion.pose.position);
+  return sum;
+}
+
+std::uint64_t IslandManager::state_hash(std::uint64_t of_the_awake) const noexcept {
+  if (asleep() == 0) return of_the_awake;
+  Fnv1a hash;
+  hash.add(of_the_awake);
+  for (std::uint32_t place = 0; place < bodies_.size(); ++place) {
+    if (!is_asleep(place)) continue;
+    const auto& [position, rotation] = bodies_[place].motion.pose;
+    hash.add(bodies_[place].id);
+    for (const double x : {position.x, position.y, position.z, rotation.w, rotation.x, rotation.y, rotation.z})
+      hash.add(x);
+  }
+  return hash.value();
+}
+
+}  // namespace tactus::sim

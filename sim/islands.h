@@ -1,0 +1,38 @@
+// Bodies that hang together: the components of a graph whose edges come in any order.
+//
+// Union-find by the lowest slot, so labels depend on the edges alone. Thread: construction [setup]; the rest: the
+// owner, never allocates. Bound: as many bodies as given at construction. Work: all but linear in bodies + edges.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rt/base/bounded_vector.h"
+#include "rt/physics/pair_finder.h"
+
+namespace tactus::sim {
+
+class Islands {
+ public:
+  explicit Islands(std::uint32_t max_bodies) : parent_(max_bodies) {}
+
+  void build(std::uint32_t bodies, const BoundedVector<physics::SlotPair>& edges) noexcept {
+    TACTUS_CHECK(bodies <= parent_.size(), bodies, parent_.size());
+    for (std::uint32_t slot = 0; slot < bodies; ++slot) parent_[slot] = slot;
+    for (const auto& edge : edges) {
+      const std::uint32_t a = of(edge.a), b = of(edge.b);
+      parent_[std::max(a, b)] = std::min(a, b);
+    }
+  }
+
+  // Its island: the lowest slot in it.
+  std::uint32_t of(std::uint32_t slot) noexcept {
+    while (parent_[slot] != slot) slot = parent_[slot] = parent_[parent_[slot]];
+    return slot;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;  // by slot
+};
+
+}  // namespace tactus::sim

@@ -1,0 +1,94 @@
+// Where the sleeping bodies are: boxes that stay, come and go one by one, and are asked for by those that are awake.
+//
+// A hierarchical uniform grid, as PairGrid, but kept from step to step: a box lives in the cell of its lower corner, on
+// the level whose cells are just larger than it, in a list per hashed cell. To insert or remove is O(1); to ask costs a
+// few cells for each level in use, whatever else there is. Exactly the boxes of the brute-force test; their order
+// follows from the order in which they came. Thread: construction [setup]; the rest: the owner, never allocates.
+// Frame: any. Units: m. Bound: as many boxes as given at construction, each by its own number below that.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "rt/physics/shape.h"
+
+namespace tactus::sim {
+
+class SleeperGrid {
+ public:
+  explicit SleeperGrid(std::uint32_t max_bodies);
+
+  void insert(std::uint32_t body, const physics::Aabb<double>& box) noexcept;
+  void remove(std::uint32_t body) noexcept;
+  std::uint32_t size() const noexcept { return size_; }
+
+  // Calls found(body) for each box that overlaps; it must not insert or remove.
+  template <class F>
+  void find(const physics::Aabb<double>& box, F&& found) const noexcept {
+    for (std::uint32_t level = 0; level < kLevels; ++level) {
+      if (population_[level] == 0) continue;
+      const Cells cells = cells_under(box, level);
+      if (cells.count() > population_[level])
+        scan_all(level, box, found);
+      else
+        scan(cells, level, box, found);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kLevels = 40;         // each twice as coarse as the one before
+  static constexpr std::uint32_t kOneMetre = 20;       // the level of cells of 1 m
+  static constexpr std::uint32_t kTop = kLevels - 1;   // one cell, for whatever is larger
+  static constexpr std::uint32_t kNone = 0xffffffffu;  // end of a list
+
+  struct Cell {
+    std::int64_t x, y, z;
+  };
+  struct Cells {  // a block of them, both ends included
+    Cell low, high;
+    std::uint64_t count() const noexcept;
+  };
+  struct Entry {
+    physics::Aabb<double> box;
+    std::uint32_t level{0}, bucket{0};
+    std::uint32_t next{kNone}, before{kNone};  // in the bucket's list
+    bool inside{false};
+  };
+
+  static std::uint32_t level_of(const physics::Aabb<double>& box) noexcept;
+  static std::int64_t coordinate(double x_m, std::uint32_t level) noexcept;
+  static Cell cell_of(const Vec3d& corner, std::uint32_t level) noexcept;
+  static Cells cells_under(const physics::Aabb<double>& box, std::uint32_t level) noexcept;
+  std::uint32_t bucket_of(const Cell& cell, std::uint32_t level) const noexcept;
+
+  template <class F>
+  void scan(const Cells& cells, std::uint32_t level, const physics::Aabb<double>& box, F&& found) const noexcept {
+    for (std::int64_t z = cells.low.z; z <= cells.high.z; ++z)
+      for (std::int64_t y = cells.low.y; y <= cells.high.y; ++y)
+        for (std::int64_t x = cells.low.x; x <= cells.high.x; ++x) {
+          const Cell cell{x, y, z};
+          for (std::uint32_t body = head_[bucket_of(cell, level)]; body != kNone; body = entries_[body].next) {
+            const Entry& entry = entries_[body];
+            // Other cells share the bucket.
+            if (entry.level == level && entry.box.overlaps(box) && is_in(entry, cell)) found(body);
+          }
+        }
+  }
+  // Where the box covers more cells than there are bodies.
+  template <class F>
+  void scan_all(std::uint32_t level, const physics::Aabb<double>& box, F&& found) const noexcept {
+    for (std::uint32_t body = 0; body < entries_.size(); ++body) {
+      const Entry& entry = entries_[body];
+      if (entry.inside && entry.level == level && entry.box.overlaps(box)) found(body);
+    }
+  }
+  static bool is_in(const Entry& entry, const Cell& cell) noexcept;
+
+  std::vector<Entry> entries_;       // by body
+  std::vector<std::uint32_t> head_;  // by bucket
+  std::uint32_t mask_;               // buckets - 1, a power of two
+  std::array<std::uint32_t, kLevels> population_{};
+  std::uint32_t size_{0};
+};
+
+}  // namespace tactus::sim
