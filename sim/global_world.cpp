@@ -97,6 +97,11 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
 }
 
+void GlobalWorld::share_work(WorkerPool& pool) {
+  world_.share_work(pool.executor());
+  grid_.share_work(pool.executor(), pool.threads(), world_.dynamic_pairs().capacity());
+}
+
 void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noexcept {
   find_touches_at_rest();
   fill_snapshot(device, 0, haptics::kMaxMembers, first);

@@ -262,12 +262,12 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
   add_pairs();
   add_fixed_pairs();
   contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_},
-                  settings, h, impulse_scale, report);
+                  settings, h, impulse_scale, report, executor_);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
   solver_.step({bodies_.span(), frozen_.span(), wrenches, contacts_.contacts(), spring_, border_contacts_.span(),
-                border_mode, impulse_scale},
+                border_mode, impulse_scale, executor_},
                settings, cut, report);
   if (wrench_applied_)
     for (Wrench<T>& wrench : wrenches_) wrench = {};
