@@ -55,6 +55,8 @@ class ContactSolver {
   void for_each_row(F&& f) noexcept;
   template <class F>
   void for_each_row(F&& f) const noexcept;
+  template <class F>
+  void for_each_body(F&& f) noexcept;
   void store_impulses(std::span<Contact<T>> contacts, T share) const noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;
   void add_change(SolverBodies<T> bodies) noexcept;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 namespace tactus::physics {
 namespace {
@@ -40,7 +41,9 @@ struct ContactTable<T>::Walk {
   bool in_place{true};                   // old is in contacts_
   std::uint32_t written{0};              // contacts of this step
   std::uint32_t last_pair{0}, old_seen{0}, given{0};
-  std::uint32_t searched{0};  // as in StepReport
+  std::uint32_t visits{0}, searches{0};  // of the stretch of pairs
+  std::uint32_t searched{0};             // as in StepReport
+  Contact<T> replaced{};                 // of the last step, where this step's is written over it
 };
 
 template <class T>
@@ -56,7 +59,9 @@ ContactTable<T>::ContactTable(const Capacities& capacities)
       beyond_(capacities.pairs > capacities.contacts ? capacities.pairs - capacities.contacts : 0),
       order_(std::max(capacities.pairs, capacities.contacts)),
       warm_starts_(capacities.contacts),
-      warm_start_order_(capacities.contacts) {}
+      warm_start_order_(capacities.contacts) {
+  visits_.resize(kStretch), searches_.resize(kStretch);
+}
 
 template <class T>
 void ContactTable<T>::clear() noexcept {
@@ -137,8 +142,7 @@ void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
     while (walk.given < warm_starts_.size() && of(walk.given).key < pair.key) ++walk.given;
     if (walk.given < warm_starts_.size() && of(walk.given).key == pair.key) given = &of(walk.given);
   }
-  Visit& visit = visits_[visits_.size()];
-  visits_.resize(visits_.size() + 1);
+  Visit& visit = visits_[walk.visits++];
   visit.pair = index, visit.old = walk.old_seen;
   if (known && walk.settings.recycle_tolerance_m > T(0)) {
     const ContactReference<T>& reference = walk.old_references[walk.old_seen];
@@ -146,8 +150,7 @@ void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
     visit.search = kCarryOver;
     if (may_carry_over(reference, visit.moved, closing)) return;
   }
-  visit.search = searches_.size();
-  searches_.resize(searches_.size() + 1);
+  visit.search = walk.searches++;
   Search& search = searches_[visit.search];
   search.pair = index, search.known = known, search.given = given, search.margin = margin;
   search.axis_cache = known ? walk.old[walk.old_seen].axis_cache : given ? given->axis_cache : AxisCache{};
@@ -158,8 +161,10 @@ void ContactTable<T>::search(const Scene& scene, Search& search) const noexcept 
   const Pair& pair = pairs_[search.pair];
   const Body<T>& a = scene.bodies[pair.a];
   const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  search.manifold =
-      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache, scene.hulls);
+  // Made where it stays: an assignment would copy it.
+  static_assert(std::is_trivially_destructible_v<Manifold<T>>);
+  ::new (static_cast<void*>(&search.manifold)) Manifold<T>(
+      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache, scene.hulls));
 }
 
 // The contact that is next stays, with its points as the bodies are now.
@@ -206,8 +211,7 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& f
   const bool with_fixed = pair.key.with_fixed();
   const Body<T>& a = walk.scene.bodies[pair.a];
   const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
-  Contact<T> last;
-  if (found.known) last = walk.old[visit.old];
+  if (found.known) walk.replaced = walk.old[visit.old];
   walk.old_next = visit.old + (found.known ? 1 : 0);
   Contact<T>& contact = *place(walk);
   contact.key = pair.key;
@@ -225,7 +229,7 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& f
     point.separation = made.separation;
     point.feature = made.feature;
   }
-  start_impulses(walk, found.known ? &last : nullptr, found.given, contact);
+  start_impulses(walk, found.known ? &walk.replaced : nullptr, found.given, contact);
   if (walk.written == 0 || &contact != &contacts_[walk.written - 1]) return;  // beyond the capacity
   ContactReference<T>& reference = references_[walk.written - 1];
   reference.tolerance = T(0);
@@ -300,13 +304,13 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
   Walk walk{scene, settings, sub_step, impulse_scale, contacts_.begin(), references_.begin(), contacts_.size()};
   beyond_.clear();
   for (std::uint32_t next = 0; next < pairs_.size();) {
-    visits_.clear(), searches_.clear();
+    walk.visits = walk.searches = 0;
     for (const std::uint32_t end = std::min(next + kStretch, pairs_.size()); next < end; ++next) visit(walk, next);
-    executor.for_each_range(searches_.size(), kFewestSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    executor.for_each_range(walk.searches, kFewestSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
       for (; k < end; ++k) search(scene, searches_[k]);
     });
-    walk.searched += searches_.size();
-    for (const Visit& visit : visits_)
+    walk.searched += walk.searches;
+    for (const Visit& visit : visits_.span().first(walk.visits))
       visit.search == kCarryOver ? keep(walk, visit) : take_found(walk, visit, searches_[visit.search]);
   }
   contacts_.resize(walk.written), references_.resize(walk.written);

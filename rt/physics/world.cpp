@@ -5,6 +5,9 @@
 namespace tactus::physics {
 namespace {
 
+// A body takes some fifty nanoseconds to measure, handing some over about a microsecond.
+constexpr std::uint32_t kFewestBodies = 64;
+
 template <class T>
 std::uint32_t lower_slot(const BoundedVector<Body<T>>& bodies, BodyId id) noexcept {
   const auto* at =
@@ -197,7 +200,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
   // Semi-implicit: s sub-steps fall (1 + 1 / s) times the parabola.
   const T fall =
       T(0.5) * (T(1) + T(1) / static_cast<T>(settings.sub_steps)) * norm(settings.gravity) * settings.dt * settings.dt;
-  for (std::uint32_t i = 0; i < count; ++i) {
+  const auto measure = [&](std::uint32_t i) noexcept {
     const Body<T>& body = bodies_[i];
     const Twist<T>& velocity = body.motion.velocity;
     T speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
@@ -208,7 +211,10 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     // The bounds of two bodies grow by at least the margin of their pair.
     const T margin = std::min(std::max(settings.min_margin, reach_[i].moved + reach_[i].fallen), settings.max_margin);
     bounds_[i] = bounds_of(body.shape, body.motion.pose, margin);
-  }
+  };
+  executor_.for_each_range(count, kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+    for (; i < end; ++i) measure(i);
+  });
 }
 
 template <class T>
