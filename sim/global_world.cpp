@@ -148,6 +148,11 @@ std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) no
   return member_slots_;
 }
 
+void GlobalWorld::share_work(WorkerPool& pool) {
+  world_.share_work(pool.executor());
+  grid_.share_work(pool.executor(), pool.threads(), world_.dynamic_pairs().capacity());
+}
+
 void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noexcept {
   find_touches_at_rest();
   fill_snapshot(device, 0, haptics::kMaxMembers, first);

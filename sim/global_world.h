@@ -21,6 +21,7 @@
 #include "sim/island_manager.h"
 #include "sim/pair_grid.h"
 #include "sim/scene.h"
+#include "sim/worker_pool.h"
 
 namespace tactus::sim {
 
@@ -60,6 +61,9 @@ class GlobalWorld {
  public:
   // The options must have passed check_global_options. The scene's hulls and meshes must outlive the world.
   GlobalWorld(const Scene& scene, const GlobalOptions& options);
+
+  // [setup] From now on the pool's threads share the work of the steps; the results stay, bit by bit.
+  void share_work(WorkerPool& pool);
 
   // G(0): members chosen where the bodies are, nothing stepped yet.
   void first_snapshot(haptics::WorldSnapshot& first, std::uint32_t device = 0) noexcept;

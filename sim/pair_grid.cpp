@@ -44,6 +44,12 @@ PairGrid::PairGrid(std::uint32_t max_bodies)
       start_(std::bit_ceil(std::max(16u, 2 * max_bodies)) + 1),
       mask_(static_cast<std::uint32_t>(start_.size()) - 2) {}
 
+void PairGrid::share_work(const physics::Executor& executor, std::uint32_t parts, std::uint32_t max_pairs) {
+  executor_ = executor;
+  parts_ = std::vector<Part>(parts > 1 ? parts : 0);
+  for (Part& part : parts_) part.pairs = BoundedVector<physics::SlotPair>(max_pairs);
+}
+
 bool PairGrid::find(std::span<const physics::Aabb<double>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
   return find_in(bounds, pairs);
 }
@@ -62,13 +68,43 @@ bool PairGrid::find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<p
   mask_ = static_cast<std::uint32_t>(start_.size()) - 2;
   choose_levels(bounds);
   fill_table(bounds);
+  if (!parts_.empty()) return find_in_parts(pairs);
+  Found found{pairs, {}};
+  const bool all = find_from(0, count_, found);
+  work_ = found.work;
+  return all;
+}
+
+bool PairGrid::find_from(std::uint32_t begin, std::uint32_t end, Found& found) const noexcept {
   bool all = true;
-  for (std::uint32_t i = 0; i < count_ && all; ++i) {
-    all = find_on_own_level(i, pairs);
+  for (std::uint32_t i = begin; i < end && all; ++i) {
+    all = find_on_own_level(i, found);
     for (std::uint32_t level = entries_[i].level + 1; level <= coarsest_ && all; ++level)
-      if (population_[level] > 0) all = find_on_coarser_level(i, level, pairs);
+      if (population_[level] > 0) all = find_on_coarser_level(i, level, found);
   }
   return all;
+}
+
+// One part after the other: the pairs, and what is left out, as if they had been found at once.
+bool PairGrid::find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept {
+  const auto parts = static_cast<std::uint32_t>(parts_.size());
+  executor_.for_each_range(parts, 1, [&](std::uint32_t p, std::uint32_t end) noexcept {
+    for (; p < end; ++p) {
+      Part& part = parts_[p];
+      part.pairs.clear();
+      Found found{part.pairs, {}};
+      const auto start = [&](std::uint64_t k) { return static_cast<std::uint32_t>(k * count_ / parts); };
+      part.all = find_from(start(p), start(p + 1), found);
+      part.work = found.work;
+    }
+  });
+  for (const Part& part : parts_) {
+    work_.box_tests += part.work.box_tests, work_.rows += part.work.rows;
+    for (const physics::SlotPair& pair : part.pairs)
+      if (!pairs.try_push(pair)) return false;
+    if (!part.all) return false;
+  }
+  return true;
 }
 
 // The base cell fits the largest of the commonest octave of sizes tightly: a world of equal bodies pays for no air.
@@ -140,53 +176,52 @@ std::uint32_t PairGrid::bucket_of(const Cell& cell, std::uint32_t level) const n
 }
 
 // The half neighbourhood: later boxes of its own cell, and the 13 cells that follow it; the others look for this one.
-bool PairGrid::find_on_own_level(std::uint32_t index, BoundedVector<physics::SlotPair>& pairs) noexcept {
+bool PairGrid::find_on_own_level(std::uint32_t index, Found& found) const noexcept {
   const Entry& entry = entries_[index];
   const Cell& c = entry.cell;
   const std::uint32_t bucket = bucket_of(c, entry.level);
-  if (!scan_entries(entry, entry.level, c, 1, index + 1, start_[bucket + 1], pairs)) return false;
+  if (!scan_entries(entry, entry.level, c, 1, index + 1, start_[bucket + 1], found)) return false;
   if (entry.level == kTopLevel) return true;
-  if (!scan_row(entry, entry.level, {c.x + 1, c.y, c.z}, 1, pairs)) return false;
-  if (!scan_row(entry, entry.level, {c.x - 1, c.y + 1, c.z}, 3, pairs)) return false;
+  if (!scan_row(entry, entry.level, {c.x + 1, c.y, c.z}, 1, found)) return false;
+  if (!scan_row(entry, entry.level, {c.x - 1, c.y + 1, c.z}, 3, found)) return false;
   for (std::int64_t y = c.y - 1; y <= c.y + 1; ++y)
-    if (!scan_row(entry, entry.level, {c.x - 1, y, c.z + 1}, 3, pairs)) return false;
+    if (!scan_row(entry, entry.level, {c.x - 1, y, c.z + 1}, 3, found)) return false;
   return true;
 }
 
 // A larger box that overlaps this one has its lower corner in the cells under this box or in those just before them.
-bool PairGrid::find_on_coarser_level(std::uint32_t index, std::uint32_t level,
-                                     BoundedVector<physics::SlotPair>& pairs) noexcept {
+bool PairGrid::find_on_coarser_level(std::uint32_t index, std::uint32_t level, Found& found) const noexcept {
   const Entry& entry = entries_[index];
-  if (level == kTopLevel) return scan_row(entry, level, {0, 0, 0}, 1, pairs);
+  if (level == kTopLevel) return scan_row(entry, level, {0, 0, 0}, 1, found);
   const Cell low = cell_of(entry.box.lower, level), high = cell_of(entry.box.upper, level);
   const auto width = static_cast<std::uint32_t>(std::clamp<std::int64_t>(high.x - low.x + 2, 0, 4));
   for (std::int64_t z = low.z - 1; z <= high.z; ++z)
     for (std::int64_t y = low.y - 1; y <= high.y; ++y)
-      if (!scan_row(entry, level, {low.x - 1, y, z}, width, pairs)) return false;
+      if (!scan_row(entry, level, {low.x - 1, y, z}, width, found)) return false;
   return true;
 }
 
 // `cells` cells from `first` on along x: one run of buckets, but for the table's end.
 bool PairGrid::scan_row(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                        BoundedVector<physics::SlotPair>& pairs) noexcept {
-  ++work_.rows;
+                        Found& found) const noexcept {
+  ++found.work.rows;
   const std::uint32_t bucket = bucket_of(first, level), buckets = mask_ + 1;
   const std::uint32_t before_end = std::min(cells, buckets - bucket);
-  if (!scan_entries(entry, level, first, cells, start_[bucket], start_[bucket + before_end], pairs)) return false;
-  return before_end == cells || scan_entries(entry, level, first, cells, start_[0], start_[cells - before_end], pairs);
+  if (!scan_entries(entry, level, first, cells, start_[bucket], start_[bucket + before_end], found)) return false;
+  return before_end == cells || scan_entries(entry, level, first, cells, start_[0], start_[cells - before_end], found);
 }
 
 // Entries of other cells share the buckets: those that overlap are someone else's to find, so the cell must match.
 bool PairGrid::scan_entries(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                            std::uint32_t begin, std::uint32_t end, BoundedVector<physics::SlotPair>& pairs) noexcept {
-  work_.box_tests += end - begin;
+                            std::uint32_t begin, std::uint32_t end, Found& found) const noexcept {
+  found.work.box_tests += end - begin;
   for (std::uint32_t i = begin; i < end; ++i) {
     const Entry& other = entries_[i];
     if (!entry.box.overlaps(other.box)) continue;
     if (other.level != level || other.cell.y != first.y || other.cell.z != first.z || other.cell.x < first.x ||
         other.cell.x >= first.x + static_cast<std::int64_t>(cells))
       continue;
-    if (!pairs.try_push({entry.body, other.body})) return false;
+    if (!found.pairs.try_push({entry.body, other.body})) return false;
   }
   return true;
 }

@@ -4,7 +4,8 @@
 // larger than it; so a box meets others of its level only in the cells next door, and larger ones in the few cells
 // under it. Levels come from the boxes' sizes, each time anew; cells are hashed into a table that a counting sort
 // fills. Exactly the pairs of the brute-force test, wherever the boxes are and however their sizes differ; order is
-// fixed by the input. Static geometry stays out (the world keeps it apart).
+// fixed by the input, also where an executor has parts of it found at the same time. Static geometry stays out (the
+// world keeps it apart).
 // Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m.
 // Bound: as many boxes as given at construction (our own bug beyond); pairs beyond the vector's capacity are left out
 // and find says false. Boxes with a coordinate that is not a number overlap nothing.
@@ -27,6 +28,8 @@ class PairGrid {
   };
 
   explicit PairGrid(std::uint32_t max_bodies);
+  // [setup] From now on pairs are found in that many parts, each of which may find as many as `max_pairs`.
+  void share_work(const physics::Executor& executor, std::uint32_t parts, std::uint32_t max_pairs);
 
   // Appends the pairs of overlapping boxes, each once, a and b in no particular order. False: some did not fit.
   [[nodiscard]] bool find(std::span<const physics::Aabb<double>> bounds,
@@ -49,6 +52,15 @@ class PairGrid {
     Cell cell;
     std::uint32_t body, level;
   };
+  struct Found {
+    BoundedVector<physics::SlotPair>& pairs;
+    Work work;
+  };
+  struct alignas(64) Part {  // of the entries, in their order
+    BoundedVector<physics::SlotPair> pairs;
+    Work work;
+    bool all{true};  // none was left out
+  };
 
   template <class T>
   bool find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
@@ -56,18 +68,19 @@ class PairGrid {
   void choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept;
   template <class T>
   void fill_table(std::span<const physics::Aabb<T>> bounds) noexcept;
+  bool find_from(std::uint32_t begin, std::uint32_t end, Found& found) const noexcept;
+  bool find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept;
   int level_of(const physics::Aabb<double>& box) const noexcept;
   std::int64_t coordinate(double x_m, std::uint32_t level) const noexcept;
   Cell cell_of(const Vec3d& corner, std::uint32_t level) const noexcept;
   std::uint32_t bucket_of(const Cell& cell, std::uint32_t level) const noexcept;
 
-  bool find_on_own_level(std::uint32_t index, BoundedVector<physics::SlotPair>& pairs) noexcept;
-  bool find_on_coarser_level(std::uint32_t index, std::uint32_t level,
-                             BoundedVector<physics::SlotPair>& pairs) noexcept;
+  bool find_on_own_level(std::uint32_t index, Found& found) const noexcept;
+  bool find_on_coarser_level(std::uint32_t index, std::uint32_t level, Found& found) const noexcept;
   bool scan_row(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                BoundedVector<physics::SlotPair>& pairs) noexcept;
+                Found& found) const noexcept;
   bool scan_entries(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                    std::uint32_t begin, std::uint32_t end, BoundedVector<physics::SlotPair>& pairs) noexcept;
+                    std::uint32_t begin, std::uint32_t end, Found& found) const noexcept;
 
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> bucket_;  // by body
@@ -80,6 +93,8 @@ class PairGrid {
   std::uint32_t coarsest_{0};  // level in use
   std::uint32_t count_{0};
   Work work_;
+  physics::Executor executor_;
+  std::vector<Part> parts_;  // empty: the work is not shared
 };
 
 }  // namespace tactus::sim

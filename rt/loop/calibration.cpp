@@ -1,83 +1,118 @@
 #include "rt/loop/calibration.h"
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
 #include "rt/base/clock.h"
-#include "rt/physics/world.h"
+#include "rt/loop/calibration_worlds.h"
 
 namespace tactus::loop {
 namespace {
 
-constexpr std::uint32_t kColumns = 16, kHeight = 4;  // 64 boxes in stacks: a sub-world of the usual size
-constexpr std::uint32_t kWarmTicks = 40, kMeasuredTicks = 120;
+// Few against many sub-steps, so that their difference stands out of the noise.
+constexpr std::uint32_t kFew = 1, kMany = 6;
+// Rounds not measured (caches, branch predictors), the fewest and the most that are.
+// Rounds not measured (caches, branch predictors), the fewest and the most that are.
+constexpr std::uint32_t kWarmRounds = 3, kFewestRounds = 9, kMostRounds = 151;
+constexpr std::int64_t kTimeForRounds_ns = 200'000'000;
 
-physics::World<double> make_stacks() {
-  physics::Capacities capacities;
-  capacities.bodies = kColumns * kHeight;
-  physics::World<double> world(capacities);
-  const auto box = physics::Shape<double>::box({0.05, 0.05, 0.05});
-  BodyId id = 0;
-  TACTUS_CHECK(world.insert(physics::make_fixed_body<double>(id++, physics::Shape<double>::plane(), 0.5, {})), 0, 0);
-  for (std::uint32_t column = 0; column < kColumns; ++column) {
-    for (std::uint32_t level = 0; level < kHeight; ++level) {
-      const Posed pose{{0.2 * (column % 4), 0.2 * (column / 4), 0.05 + 0.1 * level}, {}};
-      TACTUS_CHECK(world.insert(physics::make_dynamic_body<double>(id++, box, 1.0, 0.5, pose)), id, 0);
-    }
+// Ticks after a sleep, as of a loop at 1 kHz that is done early.
+constexpr std::uint32_t kSleeps = 80, kUsualSubSteps = 4;
+constexpr std::int64_t kSleep_ns = 900'000;
+
+// One round: every run once.
+class Rounds {
+ public:
+  CalibrationTimes operator()() {
+    return {lone_.tick(kFew),
+            free_.tick(kFew),
+            free_.tick(kMany),
+            apart_.tick(kFew),
+            balls_.tick(kFew),
+            balls_.tick(kMany),
+            carried_.tick(kFew),
+            carried_.tick(kMany),
+            searched_.tick(kFew),
+            bordered_.tick(kFew),
+            bordered_.tick(kMany),
+            free_.tick_synchronising(kFew),
+            bordered_.tick_synchronising(kFew),
+            free_.tick_joining(kFew)};
   }
-  return world;
-}
 
-physics::StepReport<double> step(physics::World<double>& world, std::uint32_t sub_steps) {
-  physics::StepSettings<double> settings;
-  settings.gravity = {0, 0, -9.81};
-  settings.sub_steps = sub_steps;
-  settings.recycle_tolerance_m = 0;  // these stacks rest; where everything moves every contact is found anew
-  world.begin_step(settings);
-  (void)physics::find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
-  return world.finish_step(settings);
-}
-
-struct Measured {
-  double p50{0}, p90{0}, p99{0}, predicted{0};
+ private:
+  using Kind = SyntheticWorld;
+  CalibrationWorld lone_{Kind::kLone}, free_{Kind::kFree}, apart_{Kind::kApart}, balls_{Kind::kBalls},
+      carried_{Kind::kCarried}, searched_{Kind::kSearched}, bordered_{Kind::kBordered};
 };
 
-Measured measure(physics::World<double>& world, const CostModel& table, std::uint32_t sub_steps) {
-  MonotonicClock clock;
-  std::array<double, kMeasuredTicks> times{};
-  Measured result;
-  for (std::uint32_t tick = 0; tick < kWarmTicks + kMeasuredTicks; ++tick) {
-    const auto begin = clock.now_ns();
-    const auto report = step(world, sub_steps);
-    if (tick >= kWarmTicks) times[tick - kWarmTicks] = static_cast<double>(clock.now_ns() - begin);
-    const WorkCounts counts{kColumns * kHeight, report.pairs, report.contacts, report.points, 0, 0, false};
-    result.predicted = predict_ns(table, counts, sub_steps);
+double percentile(std::vector<double>& times, double share) {
+  const auto at = times.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(times.size() - 1));
+  std::nth_element(times.begin(), at, times.end());
+  return *at;
+}
+
+// The times of ticks after a sleep: of a proxy alone and of boxes in contact.
+struct Woken {
+  TimedWork lone, boxes;  // p90
+  double spread;          // of the boxes
+};
+
+Woken time_after_sleeps() {
+  CalibrationWorld lone(SyntheticWorld::kLone), boxes(SyntheticWorld::kSearched);
+  Woken result;
+  std::vector<double> lone_times, boxes_times;
+  for (std::uint32_t i = 0; i < kSleeps; ++i) {
+    MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + kSleep_ns);
+    lone_times.push_back((result.lone = lone.tick(kUsualSubSteps)).ns);
+    MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + kSleep_ns);
+    boxes_times.push_back((result.boxes = boxes.tick(kUsualSubSteps)).ns);
   }
-  std::sort(times.begin(), times.end());
-  result.p50 = times[kMeasuredTicks / 2];
-  result.p90 = times[kMeasuredTicks * 9 / 10];
-  result.p99 = times[kMeasuredTicks * 99 / 100];
+  result.lone.ns = percentile(lone_times, 0.9), result.boxes.ns = percentile(boxes_times, 0.9);
+  result.spread = result.boxes.ns / percentile(boxes_times, 0.5);
   return result;
+}
+
+double predict_ns(const CostModel& cost, const TimedWork& work) {
+  return loop::predict_ns(cost, work.counts, work.sub_steps);
 }
 
 }  // namespace
 
-void work_beside(const std::atomic<bool>& stop) {
-  physics::World<double> world = make_stacks();
-  while (!stop.load(std::memory_order_relaxed)) (void)step(world, 4);
+CalibrationTimes time_synthetic_worlds() {
+  Rounds round;
+  for (std::uint32_t i = 0; i < kWarmRounds; ++i) (void)round();
+  CalibrationTimes result{};
+  std::array<std::vector<double>, kCalibrationRuns> times;
+  const std::int64_t until_ns = MonotonicClock::now_ns() + kTimeForRounds_ns;
+  for (std::uint32_t i = 0; i < kMostRounds; ++i) {
+    if (i >= kFewestRounds && MonotonicClock::now_ns() > until_ns) break;
+    result = round();
+    for (std::uint32_t run = 0; run < kCalibrationRuns; ++run) times[run].push_back(result[run].ns);
+  }
+  for (std::uint32_t run = 0; run < kCalibrationRuns; ++run) result[run].ns = percentile(times[run], 0.5);
+  return result;
 }
 
+void work_beside(const std::atomic<bool>& stop) {
+  CalibrationWorld world(SyntheticWorld::kSearched);
+  while (!stop.load(std::memory_order_relaxed)) (void)world.tick(kMany);
+}
+
+// The proxy alone says what every tick pays, the boxes how much more the rest costs after a sleep than in a row.
 Calibration calibrate(const CostModel& table, double safety) {
-  physics::World<double> world = make_stacks();
-  const Measured few = measure(world, table, 1), many = measure(world, table, 8);
+  CostModel cost = fit_costs(time_synthetic_worlds());
+  const Woken woken = time_after_sleeps();
+  cost.fixed += std::max(0.0, woken.lone.ns - predict_ns(cost, woken.lone));
+  const double rest_ns = predict_ns(cost, woken.boxes) - cost.fixed;
+  const double colder = std::max(1.0, (woken.boxes.ns - cost.fixed) / rest_ns);
+  const double measured_ns = cost.fixed + colder * rest_ns, by_table_ns = predict_ns(table, woken.boxes);
+
   Calibration result;
-  const double worst = std::max(few.p90 / few.predicted, many.p90 / many.predicted);
-  result.scale = std::clamp(safety * worst, 0.125, 64.0);
-  result.spread = std::max(few.p99 / few.p50, many.p99 / many.p50);
-  CostModel& c = result.cost = table;
-  for (double* value : {&c.fixed, &c.per_body, &c.per_pair, &c.per_contact, &c.per_point_sub_step, &c.per_body_sub_step,
-                        &c.per_border_sub_step, &c.synchronisation, &c.per_join})
-    *value *= result.scale;
+  result.spread = woken.spread;
+  result.scale = std::clamp(safety * measured_ns / by_table_ns, 0.125, 64.0);
+  const double factor = result.scale * by_table_ns / measured_ns;
+  for (const auto term : kCosts) result.cost.*term = (term == &CostModel::fixed ? 1.0 : colder) * factor * cost.*term;
   return result;
 }
 

@@ -4,17 +4,51 @@
 
 namespace tactus::loop {
 
-double predict_ns(const CostModel& c, const WorkCounts& n, std::uint32_t sub_steps) noexcept {
-  const double bodies = n.bodies + n.joins;
-  const double contacts = n.contacts + kContactsPerJoin * n.joins;
-  const double points = n.points + kContactsPerJoin * kPointsPerContact * n.joins;
-  const double once = c.fixed + c.per_body * bodies + c.per_pair * (n.pairs + kContactsPerJoin * n.joins) +
-                      c.per_contact * contacts + (n.synchronises ? c.synchronisation + c.per_join * n.joins : 0.0);
-  return once +
-         sub_steps * (c.per_point_sub_step * points + c.per_body_sub_step * bodies + c.per_border_sub_step * n.border);
+WorkCounts with_joiners(const WorkCounts& known) noexcept {
+  WorkCounts counts = known;
+  counts.bodies += known.joins;
+  counts.pairs += kContactsPerJoin * known.joins;
+  counts.contacts += kContactsPerJoin * known.joins;
+  counts.points += kContactsPerJoin * kPointsPerContact * known.joins;
+  counts.searched += kContactsPerJoin * known.joins;
+  return counts;
 }
 
-TickPlan Governor::plan(const WorkCounts& counts) const noexcept {
+WorkCounts with_all_searched(const WorkCounts& known) noexcept {
+  WorkCounts counts = known;
+  counts.searched = known.pairs;
+  return counts;
+}
+
+CostModel units_of(const WorkCounts& n, std::uint32_t sub_steps) noexcept {
+  const double s = sub_steps;
+  return {.fixed = 1,
+          .per_body = 1.0 * n.bodies,
+          .per_pair = 1.0 * n.pairs,
+          .per_search = 1.0 * n.searched,
+          .per_contact = 1.0 * n.contacts,
+          .per_border = 1.0 * n.border,
+          .per_body_sub_step = s * n.bodies,
+          .per_contact_sub_step = s * n.contacts,
+          .per_point_sub_step = s * n.points,
+          .per_border_sub_step = s * n.border,
+          .synchronisation = n.synchronises ? 1.0 : 0.0,
+          .per_border_synchronised = n.synchronises ? 1.0 * n.border : 0.0,
+          .per_join = 1.0 * n.joins};
+}
+
+double predict_ns(const CostModel& cost, const WorkCounts& counts, std::uint32_t sub_steps) noexcept {
+  const CostModel units = units_of(counts, sub_steps);
+  double sum_ns = 0;
+  for (const auto term : kCosts) sum_ns += cost.*term * units.*term;
+  return sum_ns;
+}
+
+TickPlan Governor::plan(const WorkCounts& known) noexcept {
+  searched_ = std::max(known.searched, searched_ - (searched_ + 15) / 16);
+  WorkCounts counts = known;
+  counts.searched = std::min(known.pairs, searched_);
+  counts = with_joiners(counts);
   const double budget_ns = config_.budget * config_.period_ns;
   TickPlan plan;
   plan.sub_steps = config_.sub_steps;
@@ -29,7 +63,7 @@ TickPlan Governor::plan(const WorkCounts& counts) const noexcept {
 
 std::uint32_t Governor::member_budget(const WorkCounts& counts) noexcept {
   const double budget_ns = config_.budget * config_.period_ns;
-  const double predicted_ns = predict_ns(config_.cost, counts, config_.min_sub_steps);
+  const double predicted_ns = predict_ns(config_.cost, with_all_searched(counts), config_.min_sub_steps);
   if (counts.bodies > 0 && predicted_ns > budget_ns) {
     // All but the fixed cost goes with the members.
     const double room_ns = std::max(0.0, budget_ns - config_.cost.fixed);

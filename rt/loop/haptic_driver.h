@@ -40,6 +40,8 @@ class HapticDriver {
 
   const TickOutput& output() const noexcept { return output_; }
   const TickPlan& plan() const noexcept { return plan_; }
+  // Did the governor wish for fewer members than it was given, at the last synchronisation?
+  bool restrained() const noexcept { return member_budget_ < governor_.config().members; }
   std::uint32_t sub_steps() const noexcept { return plan_.sub_steps; }
   bool synchronised() const noexcept { return input_.snapshot != nullptr; }
   std::uint32_t component() const noexcept { return component_; }
@@ -57,7 +59,8 @@ class HapticDriver {
 
   static void publish(void* self, std::uint64_t cycle) noexcept {
     auto& driver = *static_cast<HapticDriver*>(self);
-    driver.input_.sink.report->member_budget = driver.governor_.member_budget(driver.loop_.counts());
+    driver.member_budget_ = driver.governor_.member_budget(driver.loop_.counts());
+    driver.input_.sink.report->member_budget = driver.member_budget_;
     driver.exchange_->reports.publish(cycle);
   }
 
@@ -70,6 +73,7 @@ class HapticDriver {
   TickOutput output_;
   TickPlan plan_;
   std::uint32_t component_{0};
+  std::uint32_t member_budget_{haptics::kMaxMembers};
 };
 
 }  // namespace tactus::loop

@@ -124,7 +124,7 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   out.capacity_bits = report.capacity_bits, out.dropped = report.dropped;
   out.cut_sweep = report.cut_sweep, out.deepest_m = report.deepest_m;
   out.border_work_J = sub_world_.border_work_J();
-  state_.pairs = report.pairs, state_.contacts = report.contacts, state_.points = report.points;
+  report_ = report;
   // A lost world takes the ramp back with it: the force comes in again from where it had faded to.
   state_.recovery_left_s = std::max(0.0, state_.recovery_left_s - config_.period_s);
   const double recovered = std::min(1.0 - state_.recovery_left_s / kRecovery_s, stepped.force_scale);
@@ -176,7 +176,8 @@ bool HapticLoop::wants_snapshot() const noexcept {
 WorkCounts HapticLoop::counts() const noexcept {
   WorkCounts counts;
   counts.bodies = sub_world_.members();
-  counts.pairs = state_.pairs, counts.contacts = state_.contacts, counts.points = state_.points;
+  counts.pairs = report_.pairs, counts.searched = report_.searched;
+  counts.contacts = report_.contacts, counts.points = report_.points;
   counts.border = sub_world_.border_contacts();
   return counts;
 }

@@ -102,10 +102,9 @@ class HapticLoop {
     std::uint64_t tick{0};
     std::uint64_t next_cycle{0};
     Fault fault{Fault::kNone};
-    std::uint32_t armed{0};    // an operator wants force
-    std::uint32_t engaged{0};  // the proxy is coupled to the device
-    std::uint32_t rearm{0};    // tell the device to leave BRAKE, until it has
-    std::uint32_t pairs{0}, contacts{0}, points{0}, padding{0};
+    std::uint32_t armed{0};     // an operator wants force
+    std::uint32_t engaged{0};   // the proxy is coupled to the device
+    std::uint32_t rearm{0};     // tell the device to leave BRAKE, until it has
     double recovery_left_s{0};  // of the force's ramp after engaging or a lost world
     Posed last_tool;            // device frame, of the tick before
   };
@@ -132,6 +131,8 @@ class HapticLoop {
   haptics::GuardedInput input_;
   Twistd tool_step_velocity_;  // device frame: backward difference over the tick, what the energy book wants
   double force_scale_{1};      // of the fades
+
+  physics::StepReport<double> report_;  // of the last tick; no tick depends on it
 
   State state_;
 };

@@ -9,6 +9,12 @@ OverrunCause classify_overrun(double wake_late_ns, double used_ns, double predic
   return OverrunCause::kInterrupted;
 }
 
+void ForecastStats::add(double predicted, double measured) noexcept {
+  predicted_ns.record(static_cast<std::int64_t>(predicted));
+  measured_permille.record(static_cast<std::int64_t>(1000.0 * measured / std::max(predicted, 1.0)));
+  if (measured > predicted) ++above;
+}
+
 void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t component, std::uint32_t cycle_ticks,
                    std::uint32_t ratio) noexcept {
   ++ticks;

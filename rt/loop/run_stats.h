@@ -23,6 +23,14 @@ struct FaultEvent {
   std::uint32_t cleared{0};  // 1: a re-arm took it back at this tick
 };
 
+// What the cost model said before each tick, beside what the tick took.
+struct ForecastStats {
+  Histogram predicted_ns, measured_permille;  // the latter of the forecast
+  std::uint64_t above{0};                     // ticks that took longer than that
+
+  void add(double predicted, double measured) noexcept;  // ns
+};
+
 struct RunStats {
   std::uint64_t ticks{0};
   std::uint64_t contact_ticks{0}, armed_ticks{0};
@@ -35,6 +43,7 @@ struct RunStats {
   double deepest_m{0};
   double device_energy_J{0}, damped_energy_J{0}, border_work_J{0};
   std::uint64_t sub_steps_sum{0};
+  std::uint64_t restrained_cycles{0};  // that the governor wished fewer members for than it was given
   FixedVector<FaultEvent, 16> faults;  // the first 16
   std::uint64_t fault_count{0};
 

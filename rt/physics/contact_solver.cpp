@@ -3,6 +3,15 @@
 #include <algorithm>
 
 namespace tactus::physics {
+namespace {
+
+// A row takes a few tenths of a microsecond in a sweep, handing some over about one.
+constexpr std::uint32_t kFewestRows = 8;
+// The loops over bodies are short of work, but a body that another thread has just solved is slow to read: each thread
+// goes on with the bodies of the contacts that it has.
+constexpr std::uint32_t kFewestBodies = 128;
+
+}  // namespace
 
 template <class T, int kWidth>
 ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities)
@@ -13,13 +22,13 @@ ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities)
   singles_.all = BoundedVector<ContactRow<T>>(capacities.contacts);
 }
 
-// Gives each colour its rows from `row` on, and `starts` the first lane of each. Lanes that stay empty are cleared.
+// Gives each colour its rows from `row` on. Lanes that stay empty are cleared.
 template <class T, int kWidth>
 std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Counts& counts, std::uint32_t row,
                                                       Starts& starts) noexcept {
   for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour) {
     const std::uint32_t count = counts.of[colour], rows = (count + kWidth - 1) / kWidth;
-    starts[colour] = row * kWidth;
+    starts[colour] = row;
     rows_.all.resize(row + rows);
     for (std::uint32_t r = row; r < row + rows; ++r) {
       const std::uint32_t left = count - (r - row) * kWidth;
@@ -28,34 +37,41 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
     }
     row += rows;
   }
-  return row;
+  return starts[ContactColours::kColours] = row;
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies) noexcept {
+void ContactSolver<T, kWidth>::prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies,
+                                       const Executor& executor) noexcept {
+  executor_ = executor;
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
   before_.resize(count), given_.resize(count);
-  for (Twist<T>& given : given_) given = {};
+  for_each_body([&](std::uint32_t i) noexcept { given_[i] = {}; });
   given_is_known_ = false;
   colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
-  Starts moving, fixed;
-  rows_.first_fixed = place_colours(colours_.moving(), 0, moving);
-  place_colours(colours_.fixed(), rows_.first_fixed, fixed);
-  moving[ContactColours::kLeftOver] = 0;
-  fixed[ContactColours::kLeftOver] = singles_.first_fixed = colours_.moving().of[ContactColours::kLeftOver];
+  rows_.first_fixed = place_colours(colours_.moving(), 0, moving_);
+  place_colours(colours_.fixed(), rows_.first_fixed, fixed_);
+  singles_.first_fixed = colours_.moving().of[ContactColours::kLeftOver];
   singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
   for (auto& row : singles_.all) row.used = 1, row.points = 0;
 
+  // Each contact to the next lane of its colour; the rows are filled one by one after that.
+  Starts lane_of_moving, lane_of_fixed;
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour)
+    lane_of_moving[colour] = moving_[colour] * kWidth, lane_of_fixed[colour] = fixed_[colour] * kWidth;
+  lane_of_moving[ContactColours::kLeftOver] = 0, lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
   for (std::uint32_t k = 0; k < contacts.size(); ++k) {
     const std::uint8_t colour = colours_.of(k);
     if (colour == ContactColours::kNotSolved) continue;
-    const std::uint32_t place = (contacts[k].b_fixed ? fixed : moving)[colour]++;
+    const std::uint32_t place = (contacts[k].b_fixed ? lane_of_fixed : lane_of_moving)[colour]++;
     if (colour == ContactColours::kLeftOver)
-      fill_lane(singles_.all[place], 0, k, contacts[k], bodies);
+      singles_.all[place].contact[0] = k;
     else
-      fill_lane(rows_.all[place / kWidth], static_cast<int>(place % kWidth), k, contacts[k], bodies);
+      rows_.all[place / kWidth].contact[place % kWidth] = k;
   }
-  for_each_row([](auto& row) {
+  for_each_row([contacts, bodies](auto& row) noexcept {
+    for (std::uint32_t lane = 0; lane < row.used; ++lane)
+      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
     // Empty lanes read where the first one reads, and write nothing.
     for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane)
       row.a[lane] = row.a[0], row.b[lane] = row.b[0];
@@ -63,43 +79,71 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact<T>> contacts, Sol
   });
 }
 
+// `f(begin, end)` on rows of one colour at a time, where that matters. A colour that has no row has none after it.
+template <class T, int kWidth>
+template <class F>
+void ContactSolver<T, kWidth>::for_each_colour(const Starts& starts, F&& f) noexcept {
+  if (!executor_.shares()) return f(starts[0], starts[ContactColours::kColours]);
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours && starts[colour] < starts[colour + 1]; ++colour)
+    executor_.for_each_range(
+        starts[colour + 1] - starts[colour], kFewestRows,
+        [&](std::uint32_t begin, std::uint32_t end) noexcept { f(starts[colour] + begin, starts[colour] + end); });
+}
+
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_row(F&& f) noexcept {
-  for (auto& row : rows_.all) f(row);
+  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) f(rows_.all[k]);
+  });
   for (auto& row : singles_.all) f(row);
 }
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
-  for (const auto& row : rows_.all) f(row);
+  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) f(rows_.all[k]);
+  });
   for (const auto& row : singles_.all) f(row);
 }
 
 template <class T, int kWidth>
+template <class F>
+void ContactSolver<T, kWidth>::for_each_body(F&& f) noexcept {
+  executor_.for_each_range(given_.size(), kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+    for (; i < end; ++i) f(i);
+  });
+}
+
+template <class T, int kWidth>
 void ContactSolver<T, kWidth>::note_velocities(SolverBodies<T> bodies) noexcept {
-  for (std::uint32_t i = 0; i < before_.size(); ++i) before_[i] = {bodies.motion[i].v, bodies.motion[i].w};
+  for_each_body([&](std::uint32_t i) noexcept { before_[i] = {bodies.motion[i].v, bodies.motion[i].w}; });
 }
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::add_change(SolverBodies<T> bodies) noexcept {
-  for (std::uint32_t i = 0; i < before_.size(); ++i) {
+  for_each_body([&](std::uint32_t i) noexcept {
     given_[i].linear += bodies.motion[i].v - before_[i].linear;
     given_[i].angular += bodies.motion[i].w - before_[i].angular;
-  }
+  });
 }
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies) noexcept {
   if (given_is_known_) {
-    for (std::uint32_t i = 0; i < given_.size(); ++i)
+    for_each_body([&](std::uint32_t i) noexcept {
       bodies.motion[i].v += given_[i].linear, bodies.motion[i].w += given_[i].angular;
+    });
     return;
   }
   note_velocities(bodies);
-  for (std::uint32_t k = 0; k < rows_.first_fixed; ++k) physics::warm_start<false>(rows_.all[k], bodies);
+  for_each_colour(moving_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) physics::warm_start<false>(rows_.all[k], bodies);
+  });
   for (std::uint32_t k = 0; k < singles_.first_fixed; ++k) physics::warm_start<false>(singles_.all[k], bodies);
-  for (std::uint32_t k = rows_.first_fixed; k < rows_.all.size(); ++k) physics::warm_start<true>(rows_.all[k], bodies);
+  for_each_colour(fixed_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) physics::warm_start<true>(rows_.all[k], bodies);
+  });
   for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
     physics::warm_start<true>(singles_.all[k], bodies);
   add_change(bodies);
@@ -110,12 +154,14 @@ template <class T, int kWidth>
 template <bool kBias, bool kFriction, bool kTotals>
 void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
   note_velocities(bodies);
-  for (std::uint32_t k = 0; k < rows_.first_fixed; ++k)
-    solve<kBias, false, kFriction, kTotals>(rows_.all[k], bodies, rule);
+  for_each_colour(moving_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) solve<kBias, false, kFriction, kTotals>(rows_.all[k], bodies, rule);
+  });
   for (std::uint32_t k = 0; k < singles_.first_fixed; ++k)
     solve<kBias, false, kFriction, kTotals>(singles_.all[k], bodies, rule);
-  for (std::uint32_t k = rows_.first_fixed; k < rows_.all.size(); ++k)
-    solve<kBias, true, kFriction, kTotals>(rows_.all[k], bodies, rule);
+  for_each_colour(fixed_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) solve<kBias, true, kFriction, kTotals>(rows_.all[k], bodies, rule);
+  });
   for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
     solve<kBias, true, kFriction, kTotals>(singles_.all[k], bodies, rule);
   add_change(bodies);

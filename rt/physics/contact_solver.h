@@ -5,6 +5,7 @@
 // what they left over. The order does not depend on kWidth, so neither do the bits.
 // Every sub-step starts with the impulses of the one before. What they do to a body is the sum of what the sweeps have
 // done to it so far, which is kept by body: only the first warm start of a step goes through the rows.
+// Rows of a colour share no body, so an executor may have them solved at the same time: that does not show in the bits.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt]. Bound: linear in points; as many contacts and
 // bodies as given at construction.
 #pragma once
@@ -13,6 +14,7 @@
 
 #include "rt/physics/contact_colours.h"
 #include "rt/physics/contact_row.h"
+#include "rt/physics/executor.h"
 
 namespace tactus::physics {
 
@@ -21,7 +23,8 @@ class ContactSolver {
  public:
   explicit ContactSolver(const Capacities& capacities);  // [setup]
 
-  void prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies) noexcept;
+  // `executor`: for all that follows, up to the next prepare.
+  void prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
   void warm_start(SolverBodies<T> bodies) noexcept;
   void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
   // `last`: also adds the impulses to the totals of the step.
@@ -42,13 +45,18 @@ class ContactSolver {
     BoundedVector<ContactRow<U>> all;
     std::uint32_t first_fixed{0};
   };
+  // The rows of each colour: from its own start to the next one's.
   using Starts = std::array<std::uint32_t, ContactColours::kColours + 1>;
 
   std::uint32_t place_colours(const ContactColours::Counts& counts, std::uint32_t row, Starts& starts) noexcept;
   template <class F>
+  void for_each_colour(const Starts& starts, F&& f) noexcept;
+  template <class F>
   void for_each_row(F&& f) noexcept;
   template <class F>
   void for_each_row(F&& f) const noexcept;
+  template <class F>
+  void for_each_body(F&& f) noexcept;
   void store_impulses(std::span<Contact<T>> contacts, T share) const noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;
   void add_change(SolverBodies<T> bodies) noexcept;
@@ -57,7 +65,9 @@ class ContactSolver {
 
   ContactColours colours_;
   Rows<V> rows_;
-  Rows<T> singles_;                         // of contacts left over
+  Rows<T> singles_;            // of contacts left over
+  Starts moving_{}, fixed_{};  // of rows_
+  Executor executor_;
   BoundedVector<Twist<T>> before_, given_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
   bool given_is_known_{false};
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "rt/physics/collide_mesh.h"
 
@@ -43,6 +44,11 @@ T separation_of(const Contact<T>& contact) noexcept {
   return least;
 }
 
+// So many pairs are looked through at a time: enough to share their searches, few enough to stay in a cache.
+constexpr std::uint32_t kStretch = 256;
+// A search takes a microsecond, handing some over about as long.
+constexpr std::uint32_t kFewestSearches = 4;
+
 }  // namespace
 
 // The contacts of this step are written over those of the last: in the usual step the same pairs touch, and each stays
@@ -57,13 +63,18 @@ struct ContactTable<T>::Walk {
   std::uint32_t old_count, old_next{0};  // of them, the next to be read
   bool in_place{true};                   // old is in contacts_
   std::uint32_t written{0};              // contacts of this step
-  std::uint32_t last_pair{0}, given{0};
+  std::uint32_t last_pair{0}, old_seen{0}, given{0};
+  std::uint32_t visits{0}, searches{0};  // of the stretch of pairs
+  std::uint32_t searched{0};             // as in StepReport
+  Contact<T> replaced{};                 // of the last step, where this step's is written over it
 };
 
 template <class T>
 ContactTable<T>::ContactTable(const Capacities& capacities)
     : pairs_(capacities.pairs),
       last_pairs_(capacities.pairs),
+      visits_(kStretch),
+      searches_(kStretch),
       contacts_(capacities.contacts),
       last_(capacities.contacts),
       references_(capacities.contacts),
@@ -71,7 +82,9 @@ ContactTable<T>::ContactTable(const Capacities& capacities)
       beyond_(capacities.pairs > capacities.contacts ? capacities.pairs - capacities.contacts : 0),
       order_(std::max(capacities.pairs, capacities.contacts)),
       warm_starts_(capacities.contacts),
-      warm_start_order_(capacities.contacts) {}
+      warm_start_order_(capacities.contacts) {
+  visits_.resize(kStretch), searches_.resize(kStretch);
+}
 
 template <class T>
 void ContactTable<T>::clear() noexcept {
@@ -124,9 +137,11 @@ void ContactTable<T>::sort_warm_starts() noexcept {
   });
 }
 
-// Pairs of this step and the last, contacts of the last and given impulses are all sorted by key: one merge.
+// Pairs of this step and the last, contacts of the last and given impulses are all sorted by key: one merge. It goes
+// ahead of the contacts that are written by a stretch of pairs, and writes none itself.
 template <class T>
-void ContactTable<T>::visit(Walk& walk, Pair& pair) noexcept {
+void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
+  Pair& pair = pairs_[index];
   const bool with_fixed = pair.key.with_fixed();
   const Reach<T>& a = walk.scene.reach[pair.a];
   // Two bodies fall side by side, or one of them is held: gravity counts once.
@@ -143,31 +158,57 @@ void ContactTable<T>::visit(Walk& walk, Pair& pair) noexcept {
   }
   pair.gap = pair.lever = T(0);
 
-  while (walk.old_next < walk.old_count && walk.old[walk.old_next].key < pair.key) ++walk.old_next;
-  const bool known = walk.old_next < walk.old_count && walk.old[walk.old_next].key == pair.key;
+  while (walk.old_seen < walk.old_count && walk.old[walk.old_seen].key < pair.key) ++walk.old_seen;
+  const bool known = walk.old_seen < walk.old_count && walk.old[walk.old_seen].key == pair.key;
   const WarmStart<T>* given = nullptr;
   if (!warm_starts_.empty()) {
     const auto of = [&](std::uint32_t i) -> const WarmStart<T>& { return warm_starts_[warm_start_order_[i]]; };
     while (walk.given < warm_starts_.size() && of(walk.given).key < pair.key) ++walk.given;
     if (walk.given < warm_starts_.size() && of(walk.given).key == pair.key) given = &of(walk.given);
   }
-  if (!known || walk.settings.recycle_tolerance_m <= T(0)) return find_anew(walk, pair, margin, known, given);
+  Visit& visit = visits_[walk.visits++];
+  visit.pair = index, visit.old = walk.old_seen;
+  if (known && walk.settings.recycle_tolerance_m > T(0)) {
+    const ContactReference<T>& reference = walk.old_references[walk.old_seen];
+    visit.moved = reference.moved + (a.since(reference.lever) + b.since(reference.lever));
+    visit.search = kCarryOver;
+    if (may_carry_over(reference, visit.moved, closing)) return;
+  }
+  visit.search = walk.searches++;
+  Search& search = searches_[visit.search];
+  search.pair = index, search.known = known, search.given = given, search.margin = margin;
+  search.last = features_of(known ? &walk.old[walk.old_seen] : nullptr, given);
+  search.axis_cache = known ? walk.old[walk.old_seen].axis_cache : given ? given->axis_cache : AxisCache{};
+}
 
-  const ContactReference<T>& reference = walk.old_references[walk.old_next];
-  const T moved = reference.moved + (a.since(reference.lever) + b.since(reference.lever));
-  if (!may_carry_over(reference, moved, closing)) return find_anew(walk, pair, margin, known, given);
-  keep(walk, pair, moved);
+template <class T>
+void ContactTable<T>::search(const Scene& scene, Search& search) const noexcept {
+  const Pair& pair = pairs_[search.pair];
+  const Body<T>& a = scene.bodies[pair.a];
+  const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
+  // Made where it stays: an assignment would copy it.
+  static_assert(std::is_trivially_destructible_v<Manifold<T>>);
+  void* place = static_cast<void*>(&search.manifold);
+  if (b.shape.kind == ShapeKind::kMesh)
+    ::new (place) Manifold<T>(collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
+                                            scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count),
+                                            search.margin, scene.hulls, search.last));
+  else
+    ::new (place) Manifold<T>(collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache,
+                                      scene.hulls, search.last));
 }
 
 // The contact that is next stays, with its points as the bodies are now.
 template <class T>
-void ContactTable<T>::keep(Walk& walk, const Pair& pair, T moved) noexcept {
-  const Contact<T>* last = &walk.old[walk.old_next];
-  const ContactReference<T>* last_reference = &walk.old_references[walk.old_next++];
+void ContactTable<T>::keep(Walk& walk, const Visit& visit) noexcept {
+  const Pair& pair = pairs_[visit.pair];
+  const Contact<T>* last = &walk.old[visit.old];
+  const ContactReference<T>* last_reference = &walk.old_references[visit.old];
+  walk.old_next = visit.old + 1;
   Contact<T>* contact = place(walk);  // there is room: it was there before
   ContactReference<T>& reference = references_[walk.written - 1];
   if (contact != last) *contact = *last, reference = *last_reference;
-  reference.moved = moved;
+  reference.moved = visit.moved;
   contact->slot_a = pair.a, contact->slot_b = pair.b;
   const auto& frame_b = contact->b_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
   carry_over(reference, walk.scene.frames[pair.a], frame_b, *contact);
@@ -191,35 +232,23 @@ Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
 }
 
 template <class T>
-Manifold<T> ContactTable<T>::touch(const Scene& scene, const Pair& pair, T margin, AxisCache& axis_cache,
-                                   const LastFeatures& last) const noexcept {
-  const Body<T>& a = scene.bodies[pair.a];
-  const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  if (b.shape.kind == ShapeKind::kMesh)
-    return collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
-                         scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), margin, scene.hulls, last);
-  return collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin, axis_cache, scene.hulls, last);
-}
-
-template <class T>
-void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, const WarmStart<T>* given) noexcept {
-  const bool with_fixed = pair.key.with_fixed();
-  const Body<T>& a = walk.scene.bodies[pair.a];
-  const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
-  AxisCache axis_cache = known ? walk.old[walk.old_next].axis_cache : given ? given->axis_cache : AxisCache{};
-  const LastFeatures last_features = features_of(known ? &walk.old[walk.old_next] : nullptr, given);
-  const Manifold<T> manifold = touch(walk.scene, pair, margin, axis_cache, last_features);
+void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& found) noexcept {
+  Pair& pair = pairs_[visit.pair];
+  const Manifold<T>& manifold = found.manifold;
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever = manifold.lever;
     return;
   }
-  Contact<T> last;
-  if (known) last = walk.old[walk.old_next++];
+  const bool with_fixed = pair.key.with_fixed();
+  const Body<T>& a = walk.scene.bodies[pair.a];
+  const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
+  if (found.known) walk.replaced = walk.old[visit.old];
+  walk.old_next = visit.old + (found.known ? 1 : 0);
   Contact<T>& contact = *place(walk);
   contact.key = pair.key;
   contact.slot_a = pair.a, contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
-  contact.axis_cache = axis_cache;
+  contact.axis_cache = found.axis_cache;
   contact.friction = std::sqrt(a.friction * b.friction);
   contact.normal = manifold.normal;
   contact.count = manifold.count;
@@ -231,13 +260,13 @@ void ContactTable<T>::find_anew(Walk& walk, Pair& pair, T margin, bool known, co
     point.separation = made.separation;
     point.feature = made.feature;
   }
-  start_impulses(walk, known ? &last : nullptr, given, contact);
+  start_impulses(walk, found.known ? &walk.replaced : nullptr, found.given, contact);
   if (walk.written == 0 || &contact != &contacts_[walk.written - 1]) return;  // beyond the capacity
   ContactReference<T>& reference = references_[walk.written - 1];
   reference.tolerance = T(0);
   if (!(walk.settings.recycle_tolerance_m > T(0)) || !is_carried_over(a.shape, b.shape)) return;
   const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
-  keep_reference(contact, walk.scene.frames[pair.a], frame_b, margin,
+  keep_reference(contact, walk.scene.frames[pair.a], frame_b, found.margin,
                  tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
                  std::max(bounding_radius(a.shape), bounding_radius(b.shape)), reference);
 }
@@ -302,7 +331,7 @@ void ContactTable<T>::keep_deepest(StepReport<T>& report) noexcept {
 
 template <class T>
 void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings, T sub_step, T impulse_scale,
-                            StepReport<T>& report) noexcept {
+                            StepReport<T>& report, const Executor& executor) noexcept {
   sort_pairs();
   sort_warm_starts();
   if (pairs_dropped_ > 0) report.capacity_bits |= kPairsFull;
@@ -311,7 +340,16 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
 
   Walk walk{scene, settings, sub_step, impulse_scale, contacts_.begin(), references_.begin(), contacts_.size()};
   beyond_.clear();
-  for (Pair& pair : pairs_) visit(walk, pair);
+  for (std::uint32_t next = 0; next < pairs_.size();) {
+    walk.visits = walk.searches = 0;
+    for (const std::uint32_t end = std::min(next + kStretch, pairs_.size()); next < end; ++next) visit(walk, next);
+    executor.for_each_range(walk.searches, kFewestSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
+      for (; k < end; ++k) search(scene, searches_[k]);
+    });
+    walk.searched += walk.searches;
+    for (const Visit& visit : visits_.span().first(walk.visits))
+      visit.search == kCarryOver ? keep(walk, visit) : take_found(walk, visit, searches_[visit.search]);
+  }
   contacts_.resize(walk.written), references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
 
@@ -321,6 +359,7 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
     for (std::uint32_t i = 0; i < contact.count; ++i) smallest = std::min(smallest, contact.points[i].separation);
   }
   report.contacts = contacts_.size();
+  report.searched = walk.searched;
   report.deepest_m = -smallest;
   warm_starts_.clear();
 }

@@ -17,6 +17,7 @@
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
 #include "rt/physics/contact_reference.h"
+#include "rt/physics/executor.h"
 #include "rt/physics/mesh.h"
 #include "rt/physics/reach.h"
 #include "rt/physics/step.h"
@@ -55,8 +56,8 @@ class ContactTable {
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
   // Fills pairs, contacts, points, deepest, dropped and the bits of the report.
-  void build(const Scene& scene, const StepSettings<T>& settings, T sub_step, T impulse_scale,
-             StepReport<T>& report) noexcept;
+  void build(const Scene& scene, const StepSettings<T>& settings, T sub_step, T impulse_scale, StepReport<T>& report,
+             const Executor& executor = {}) noexcept;
 
   // --- impulses from another world, used by the next build, then dropped. False: no room.
   bool add_warm_start(const WarmStart<T>& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
@@ -84,16 +85,32 @@ class ContactTable {
     PatchTriangles patch;
     T gap{}, lever{};  // as of a manifold without points, less what the bodies moved since; 0: not known
   };
+  // A pair that has a contact or may get one: what is carried over, or what is searched.
+  struct Visit {
+    std::uint32_t pair;
+    std::uint32_t old;     // the first contact of the last step whose key is not lower
+    std::uint32_t search;  // kCarryOver, or among the searches
+    T moved;               // m, of a contact carried over: the surfaces since its points were found, at most
+  };
+  static constexpr std::uint32_t kCarryOver = ~0u;
+  struct Search {
+    std::uint32_t pair;
+    bool known;                 // the last step had its contact
+    const WarmStart<T>* given;  // null: none
+    T margin;
+    LastFeatures last;
+    AxisCache axis_cache;
+    Manifold<T> manifold;
+  };
   // What a build goes by and where it is in the lists that it merges, all sorted by key.
   struct Walk;
 
   void sort_pairs() noexcept;
   void sort_warm_starts() noexcept;
-  void visit(Walk& walk, Pair& pair) noexcept;
-  void keep(Walk& walk, const Pair& pair, T moved) noexcept;
-  Manifold<T> touch(const Scene& scene, const Pair& pair, T margin, AxisCache& axis_cache,
-                    const LastFeatures& last) const noexcept;
-  void find_anew(Walk& walk, Pair& pair, T margin, bool known, const WarmStart<T>* given) noexcept;
+  void visit(Walk& walk, std::uint32_t index) noexcept;
+  void search(const Scene& scene, Search& search) const noexcept;
+  void keep(Walk& walk, const Visit& visit) noexcept;
+  void take_found(Walk& walk, const Visit& visit, const Search& found) noexcept;
   Contact<T>* place(Walk& walk) noexcept;
   void start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
                       Contact<T>& contact) const noexcept;
@@ -102,6 +119,8 @@ class ContactTable {
   BoundedVector<Pair> pairs_, last_pairs_;
   bool pairs_are_heap_{false};
   std::uint32_t pairs_dropped_{0};
+  BoundedVector<Visit> visits_;                                      // of a stretch of pairs
+  BoundedVector<Search> searches_;                                   // same
   BoundedVector<Contact<T>> contacts_, last_;                        // by key
   BoundedVector<ContactReference<T>> references_, last_references_;  // of contacts_, of last_
   BoundedVector<Contact<T>> beyond_;                                 // contacts beyond the capacity, by key

@@ -30,7 +30,8 @@ T fall_in_step(const StepSettings<T>& settings) noexcept {
 // By how much a body's bounds grow: the bounds of two grow by at least the margin of their pair.
 template <class T>
 T margin_of(const Reach<T>& reach, const StepSettings<T>& settings) noexcept {
-  return std::min(std::max(settings.min_margin, reach.moved + reach.fallen), settings.max_margin);
+  const T closing = reach.moved + reach.fallen + room_to_carry_over(settings);
+  return std::min(std::max(settings.min_margin, closing), settings.max_margin);
 }
 
 // A pose that is no pose: of a body that the last step did not know.

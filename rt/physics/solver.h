@@ -28,6 +28,7 @@ struct SolverInput {
   std::span<BorderContact<T>> border;
   BorderMode border_mode;
   T impulse_scale;  // this sub-step / that of the stored impulses of spring and border
+  Executor executor{};
 };
 
 template <class T>

@@ -5,6 +5,9 @@
 namespace tactus::physics {
 namespace {
 
+// A body takes some fifty nanoseconds to measure, handing some over about a microsecond.
+constexpr std::uint32_t kFewestBodies = 64;
+
 template <class T>
 std::uint32_t lower_slot(const BoundedVector<Body<T>>& bodies, BodyId id) noexcept {
   const auto* at =
@@ -15,13 +18,6 @@ std::uint32_t lower_slot(const BoundedVector<Body<T>>& bodies, BodyId id) noexce
 template <class T>
 bool holds(const BoundedVector<Body<T>>& bodies, std::uint32_t slot, BodyId id) noexcept {
   return slot < bodies.size() && bodies[slot].id == id;
-}
-
-// What the bounds of a body are grown by.
-template <class T>
-T margin_of(const Reach<T>& reach, const StepSettings<T>& settings) noexcept {
-  const T closing = reach.moved + reach.fallen + room_to_carry_over(settings);
-  return std::min(std::max(settings.min_margin, closing), settings.max_margin);
 }
 
 }  // namespace
@@ -214,7 +210,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
   const auto count = bodies_.size();
   bounds_.resize(count), reach_.resize(count), frames_.resize(count);
   const T fall = fall_in_step(settings);
-  for (std::uint32_t i = 0; i < count; ++i) {
+  const auto measure = [&](std::uint32_t i) noexcept {
     const Body<T>& body = bodies_[i];
     const Twist<T>& velocity = body.motion.velocity;
     T speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
@@ -224,7 +220,10 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     frames_[i] = BodyFrame<T>::of(body.motion.pose);
     // The bounds of two bodies grow by at least the margin of their pair.
     bounds_[i] = bounds_of(body.shape, body.motion.pose, margin_of(reach_[i], settings));
-  }
+  };
+  executor_.for_each_range(count, kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+    for (; i < end; ++i) measure(i);
+  });
 }
 
 template <class T>
@@ -351,7 +350,7 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
   add_fixed_pairs(settings, report);
   contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_,
                    meshes_, mesh_triangles_.span()},
-                  settings, h, impulse_scale, report);
+                  settings, h, impulse_scale, report, executor_);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   if (far.bodies.empty()) {
     solve(frozen_.span(), settings, impulse_scale, cut, report);
@@ -374,7 +373,7 @@ void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& 
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
   solver_.step({bodies_.span(), held, wrenches, contacts_.contacts(), spring_, border_contacts_.span(), border_mode,
-                impulse_scale},
+                impulse_scale, executor_},
                settings, cut, report);
 }
 

@@ -32,6 +32,9 @@ class World {
   // the world and stay the same.
   explicit World(const Capacities& capacities, Hulls<T> hulls = {}, Meshes<T> meshes = {});
 
+  // [setup] From now on the work of a step is shared where that pays; the results stay, bit by bit.
+  void share_work(const Executor& executor) noexcept { executor_ = executor; }
+
   // --- membership. Slots are in the order of body ids; inserting or removing moves the slots above.
   // False (and kBodiesFull or kFixedBodiesFull in the next report) when there is no room or the id is there already.
   bool insert(const Body<T>& body) noexcept;
@@ -122,6 +125,7 @@ class World {
   Capacities capacities_;
   Hulls<T> hulls_;
   Meshes<T> meshes_;
+  Executor executor_;
   BoundedVector<Body<T>> bodies_, fixed_bodies_;  // by id
   BoundedVector<std::uint8_t> frozen_, held_;     // by slot; held_: scratch of a step by regions
   BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step

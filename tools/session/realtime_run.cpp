@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "rt/base/denormals.h"
 #include "rt/loop/calibration.h"
 #include "rt/loop/periodic_thread.h"
 #include "sim/global_thread.h"
@@ -64,6 +65,7 @@ class RealtimeTick {
     const std::int64_t wrote_ns = MonotonicClock::now_ns();
 
     compute.record(computed_ns - read_ns);
+    forecast.add(driver.plan().predicted_ns, static_cast<double>(computed_ns - read_ns));
     device.record((read_ns - timing.woke_ns) + (wrote_ns - computed_ns));
     session_.count_tick();
     judge(timing, wrote_ns);
@@ -72,6 +74,7 @@ class RealtimeTick {
   }
 
   Histogram compute, device;
+  loop::ForecastStats forecast;
   std::uint64_t late_wake{0}, own_work{0}, interrupted{0};
 
  private:
@@ -125,23 +128,22 @@ class RealtimeTick {
 };
 
 // The cost model of the core that the loop will run on, measured at its priority.
-double calibrate_governor(Session& session, const loop::SetupRequest& setup) {
-  double scale = 1;
+loop::Calibration calibrate_governor(Session& session, const loop::SetupRequest& setup) {
+  loop::Calibration result;
   std::atomic<bool> done{false};
   std::thread beside([&] { loop::work_beside(done); });
   std::thread worker([&] {
     loop::CpuAwake awake;
     (void)loop::setup_realtime(setup, awake);
-    const loop::Calibration result = loop::calibrate(loop::CostModel{});
+    result = loop::calibrate(loop::CostModel{});
     loop::GovernorConfig config = session.governor->config();
     config.cost = result.cost;
     *session.governor = loop::Governor(config);
-    scale = result.scale;
   });
   worker.join();
   done.store(true, std::memory_order_relaxed);
   beside.join();
-  return scale;
+  return result;
 }
 
 std::vector<sim::Stall> wall_clock_stalls(const Session& session) {
@@ -172,12 +174,14 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   settings.period = std::chrono::nanoseconds(std::llround(options.period_s() * 1e9));
   settings.setup.cpu = options.cpu >= 0 ? options.cpu : last_allowed_cpu();
   settings.setup.priority = options.priority;
-  const double cost_scale = calibrate_governor(session, settings.setup);
+  const loop::Calibration calibration = calibrate_governor(session, settings.setup);
 
   std::optional<sim::GlobalThread> world;
   if (session.global != nullptr) {
+    if (const Status& status = session.workers->status(); !status.ok()) return status;
+    set_denormals_flush();  // G(0) is made on this thread
     sim::GlobalThreadOptions world_options;
-    world_options.cpu = options.world_cpu;
+    if (!options.world_cpus.empty()) world_options.cpu = options.world_cpus.front();
     world_options.stalls = wall_clock_stalls(session);
     world.emplace(*session.global, *session.exchange, world_options);
     if (const Status status = world->start(); !status.ok()) return status;
@@ -212,7 +216,8 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   summary.overruns_late_wake = tick.late_wake;
   summary.overruns_own_work = tick.own_work;
   summary.overruns_interrupted = tick.interrupted;
-  summary.cost_scale = cost_scale;
+  summary.calibration = calibration;
+  summary.forecast = tick.forecast;
   summary.haptic_cpu = settings.setup.cpu;
   summary.stolen_share = stolen_share(cpu_before, cpu_time_now(settings.setup.cpu));
   if (world) summary.global_step = world->step_times();

@@ -7,6 +7,7 @@
 #include "hal/gpio/gpio_options.h"
 #include "rt/haptics/snapshot.h"
 #include "sim/choice_names.h"
+#include "sim/worker_pool.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/stall_script.h"
 
@@ -72,9 +73,13 @@ Status check_options(const RunOptions& o) {
            check_range("--members", o.members, o.members == 0 ? 0u : 1u, haptics::kMaxMembers, ""),
            check_range("--duration", o.duration_s, o.duration_s == 0 ? 0.0 : 0.01, 1e6, " s"),
            check_range("--priority", o.priority, 0, 98, ""),
+           check_range("--world-threads", o.world_threads, 1u, sim::kMaxWorldThreads, ""),
        }) {
     if (!status.ok()) return status;
   }
+  if (!o.world_cpus.empty() && o.world_cpus.size() != o.world_threads)
+    return Status::error(fmt::format("--world-cpu: {} cores for {} of --world-threads; accepted: as many, or none",
+                                     o.world_cpus.size(), o.world_threads));
   const auto choice = parse_device_choice(o.device);
   if (!choice.ok()) return choice.status();
   const bool taped = o.taped_device.has_value();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_scheme.h"
@@ -25,12 +26,13 @@ struct RunOptions {
   sim::Reach reach{sim::Reach::kTwoCycles};
   bool all_members{false};  // every dynamic body a member from tick 0
   double rate_Hz{1000};
-  unsigned ratio{0};     // 0: the scene's
-  unsigned members{0};   // 0: the scene's
-  double duration_s{0};  // 0: until stopped; virtual time needs one
-  int cpu{-1};           // -1: the last core that this process may use
-  int world_cpu{-1};     // -1: any
-  int priority{80};      // SCHED_FIFO
+  unsigned ratio{0};            // 0: the scene's
+  unsigned members{0};          // 0: the scene's
+  double duration_s{0};         // 0: until stopped; virtual time needs one
+  int cpu{-1};                  // -1: the last core that this process may use
+  unsigned world_threads{1};    // of the global world
+  std::vector<int> world_cpus;  // one for each of them; empty: any
+  int priority{80};             // SCHED_FIFO
   bool virtual_time{false};
   bool rearm{false};   // take a latched fault back by itself, one second after it latched
   std::string inject;  // faults of device, link and world, by script

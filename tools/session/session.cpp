@@ -221,6 +221,9 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
     const sim::GlobalOptions global = global_options(scene, options, device);
     if (const Status status = sim::check_global_options(scene, global); !status.ok()) return status;
     session->global = std::make_unique<sim::GlobalWorld>(scene, global);
+    const std::span<const int> cpus = options.world_cpus;  // the first is the global world's own thread's
+    session->workers = std::make_unique<sim::WorkerPool>(options.world_threads, cpus.empty() ? cpus : cpus.subspan(1));
+    session->global->share_work(*session->workers);
     session->exchange = std::make_unique<haptics::Exchange>();
   }
   session->driver =
@@ -248,7 +251,10 @@ Status Session::record(const std::string& tape_path) {
 void Session::count_tick() noexcept {
   const loop::TickOutput& out = driver->output();
   const std::uint32_t ended = driver->synchronised() ? cycle_ticks_ : 0;
-  if (driver->synchronised()) cycle_ticks_ = 0;
+  if (driver->synchronised()) {
+    cycle_ticks_ = 0;
+    if (driver->restrained()) ++stats.restrained_cycles;
+  }
   ++cycle_ticks_;
   stats.add(out, driver->sub_steps(), driver->component(), ended, ratio);
   latched_ticks_ = out.fault != Fault::kNone ? latched_ticks_ + 1 : 0;

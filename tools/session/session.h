@@ -50,6 +50,7 @@ class Session {
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
   std::unique_ptr<loop::Governor> governor;
   std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as the next
+  std::unique_ptr<sim::WorkerPool> workers;     // that share the global world's steps
   std::unique_ptr<sim::GlobalWorld> global;
   std::unique_ptr<loop::FlightRecorder> recorder;  // null when nothing is recorded
   std::unique_ptr<loop::TapeDrain> drain;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <nlohmann/json.hpp>
 
 #include "sim/choice_names.h"
@@ -72,6 +73,56 @@ std::string timing_text(const RunSummary& s) {
     text += fmt::format("  {:<22} {:.2f} % of the time of {}, taken by this machine's host (the machine)\n", "stolen",
                         100 * *s.stolen_share, core_name(s.haptic_cpu));
   return text;
+}
+
+std::uint64_t ticks_with(const RunSummary& s, StatusBit bit) {
+  return s.stats.status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))];
+}
+
+double ratio_percentile(const RunSummary& s, double percent) {
+  return 1e-3 * static_cast<double>(s.forecast.measured_permille.percentile_ns(percent));
+}
+
+// What the governor chose, and how well its cost model foresaw the ticks.
+std::string governor_text(const RunSummary& s) {
+  std::string text =
+      fmt::format("  {:<22} {} ticks with fewer sub-steps, {} cut at a sweep; {} cycles with fewer members\n",
+                  "governor", ticks_with(s, kSubStepsReduced), ticks_with(s, kSolverCut), s.stats.restrained_cycles);
+  if (s.real_time)
+    text += fmt::format(
+        "  {:<22} foreseen p50 {:.1f}, p99 {:.1f} µs; taken / foreseen p50 {:.2f}, p99 {:.2f}; {:.2f} % above\n",
+        "cost model", us(s.forecast.predicted_ns.percentile_ns(50)), us(s.forecast.predicted_ns.percentile_ns(99)),
+        ratio_percentile(s, 50), ratio_percentile(s, 99), percent(s.forecast.above, s.stats.ticks));
+  return text;
+}
+
+json governor_json(const RunSummary& s) {
+  json object{{"ticks_with_fewer_sub_steps", ticks_with(s, kSubStepsReduced)},
+              {"ticks_cut_at_a_sweep", ticks_with(s, kSolverCut)},
+              {"cycles_with_fewer_members", s.stats.restrained_cycles}};
+  if (!s.real_time) return object;
+  const loop::CostModel& c = s.calibration.cost;
+  object["calibration"] = {{"scale", s.calibration.scale},
+                           {"spread", s.calibration.spread},
+                           {"fixed_ns", c.fixed},
+                           {"per_body_ns", c.per_body},
+                           {"per_pair_ns", c.per_pair},
+                           {"per_search_ns", c.per_search},
+                           {"per_contact_ns", c.per_contact},
+                           {"per_border_contact_ns", c.per_border},
+                           {"per_body_sub_step_ns", c.per_body_sub_step},
+                           {"per_contact_sub_step_ns", c.per_contact_sub_step},
+                           {"per_point_sub_step_ns", c.per_point_sub_step},
+                           {"per_border_contact_sub_step_ns", c.per_border_sub_step},
+                           {"synchronisation_ns", c.synchronisation},
+                           {"per_border_contact_synchronised_ns", c.per_border_synchronised},
+                           {"per_join_ns", c.per_join}};
+  object["predicted"] = times_json(s.forecast.predicted_ns);
+  object["measured_over_predicted"] = {{"p50", ratio_percentile(s, 50)},
+                                       {"p99", ratio_percentile(s, 99)},
+                                       {"ticks_above", s.forecast.above},
+                                       {"percent_above", percent(s.forecast.above, s.stats.ticks)}};
+  return object;
 }
 
 std::string global_text(const RunSummary& s) {
@@ -177,6 +228,7 @@ std::string to_text(const RunSummary& s) {
                   s.stats.border_max);
   text += fmt::format("  {:<22} mean {:.2f} of {}; deepest overlap {:.3f} mm\n", "sub-steps", mean_sub_steps(s),
                       s.sub_steps, 1e3 * s.stats.deepest_m);
+  text += governor_text(s);
   text += global_text(s);
   text += fmt::format("hand\n  {:<22} {:.1f} % of the ticks\n", "in contact",
                       percent(s.stats.contact_ticks, s.stats.ticks));
@@ -215,8 +267,7 @@ json to_json(const RunSummary& s) {
               {"coupling", sim::name_of(s.options.coupling)},
               {"border", sim::name_of(s.options.border)},
               {"device", s.options.device},
-              {"bodies", s.bodies},
-              {"cost_scale", s.cost_scale}};
+              {"bodies", s.bodies}};
   if (s.real_time) {
     const auto& t = s.timing;
     j["timing"] = {{"wake_up", times_json(t.wake_latency)},
@@ -241,6 +292,7 @@ json to_json(const RunSummary& s) {
                     {"pairs_max", s.stats.pairs_max},         {"border_contacts_max", s.stats.border_max},
                     {"sub_steps_mean", mean_sub_steps(s)},    {"deepest_overlap_m", s.stats.deepest_m},
                     {"capacity_bits", s.stats.capacity_bits}, {"dropped_entries", s.stats.dropped}};
+  j["governor"] = governor_json(s);
   if (s.has_global) {
     j["global_world"] = {{"cycles", s.stats.cycles},
                          {"late_cycles", s.stats.late_cycles},

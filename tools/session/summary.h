@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hal/device_on_link.h"
+#include "rt/loop/calibration.h"
 #include "rt/loop/realtime_setup.h"
 #include "rt/loop/run_stats.h"
 #include "rt/loop/timing.h"
@@ -31,7 +32,8 @@ struct RunSummary {
   std::uint64_t overruns_late_wake{0}, overruns_own_work{0}, overruns_interrupted{0};
   std::optional<double> stolen_share;  // of the haptic thread's core, by the machine's host, where the kernel tells
   int haptic_cpu{-1};                  // -1: not pinned
-  double cost_scale{1};                // calibration: this core's cost / the fixed table
+  loop::Calibration calibration;
+  loop::ForecastStats forecast;
 
   // With a global world.
   bool has_global{false};

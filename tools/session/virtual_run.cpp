@@ -51,7 +51,10 @@ class VirtualWorld {
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer) {
   set_denormals_flush();
   std::optional<VirtualWorld> world;
-  if (session.global != nullptr) world.emplace(session);
+  if (session.global != nullptr) {
+    if (const Status& status = session.workers->status(); !status.ok()) return status;
+    world.emplace(session);
+  }
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (world) world->before_tick(tick);
     session.driver->read();

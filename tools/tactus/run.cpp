@@ -11,6 +11,7 @@
 
 #include "sim/choice_names.h"
 #include "sim/scene_load.h"
+#include "tools/doctor/system_view.h"
 #include "tools/session/open_link.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/virtual_run.h"
@@ -25,7 +26,7 @@ std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM
 void ask_to_stop(int) { g_stop.store(true); }
 
 struct Words {
-  std::string coupling{"sub-world"}, border{"capped"}, order{"best-first"}, reach{"two-cycles"};
+  std::string coupling{"sub-world"}, border{"capped"}, order{"best-first"}, reach{"two-cycles"}, world_cpus;
 };
 
 struct RunCommand {
@@ -50,6 +51,9 @@ Status read_words(RunCommand& command) {
   if (!order) return unknown("--order", w.order, "best-first, breadth-first");
   const auto reach = sim::parse_reach(w.reach);
   if (!reach) return unknown("--reach", w.reach, "two-cycles, paper");
+  const auto world_cpus = doctor::parse_cpu_list(w.world_cpus);
+  if (!world_cpus) return unknown("--world-cpu", w.world_cpus, "numbers of cores, such as 2 or 1,3-4");
+  o.world_cpus = *world_cpus;
   o.coupling = *coupling, o.border = *border, o.order = *order, o.reach = *reach;
   if (o.virtual_time && o.duration_s == 0) o.duration_s = kDefaultVirtual_s;
   const Status status = check_options(o);
@@ -167,7 +171,12 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--duration", o.duration_s, "seconds to run; default: until stopped, in virtual time 10");
   app.add_option("--cpu", o.cpu, "core of the haptic thread; default: the last one allowed")
       ->check(CLI::Range(0, 1023));
-  app.add_option("--world-cpu", o.world_cpu, "core of the global world; default: any")->check(CLI::Range(0, 1023));
+  app.add_option("--world-threads", o.world_threads,
+                 "threads that share the steps of the global world; the results are the same bits")
+      ->capture_default_str();
+  app.add_option("--world-cpu", command.words.world_cpus,
+                 "cores of the global world, one for each of its threads, such as 2 or 1,3-4; default: any.\n"
+                 "More threads than one want cores of their own, that of the haptic thread not among them");
   app.add_option("--priority", o.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
       ->capture_default_str();
   app.add_flag("--virtual-time", o.virtual_time, "one thread on a virtual clock: the same bits every time");
@@ -192,6 +201,7 @@ CLI::App* add_run_command(CLI::App& program, int& exit_code) {
       "2 bad usage or scene; 3 the machine cannot do it.\n\n"
       "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"
       "  tactus run sim/scenes/pile700.toml --ratio 10 --json\n"
+      "  tactus run sim/scenes/pile700.toml --cpu 3 --world-threads 2 --world-cpu 1-2\n"
       "  tactus run sim/scenes/pile700.toml --virtual-time --coupling static\n"
       "  tactus run sim/scenes/stack20.toml --inject lost@1000+20,stall@3000+50 --rearm --record my.tape");
   add_options(*run, *command);
