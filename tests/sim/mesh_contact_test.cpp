@@ -279,7 +279,6 @@ TEST_CASE("a box on a mesh table of the size of a table behaves as on a box: on 
 
 TEST_CASE("a hull on a mesh rests as high as on a plane") {
   std::vector<physics::Hull<double>> hulls;
-  physics::HullTopology topology;
   const physics::BoxHull<double> box({0.05, 0.04, 0.03});
   std::vector<Vec3d> points;
   for (std::uint32_t k = 0; k < 8; ++k) points.push_back(box.view().vertex(k));
