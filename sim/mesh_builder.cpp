@@ -20,6 +20,8 @@ constexpr double kLeastHeight_m = 1e-9, kLeastHeightShare = 1e-9;
 constexpr double kFlatSine = 1e-3;
 // A patch may leave the plane of its largest triangle by this: the solver's slop, that is left alone anyway.
 constexpr double kPatchHeight_m = 1e-5, kPatchSine = 2e-3;
+// Every pair of open edges is looked at: a mesh with more of them is left as it is.
+constexpr std::size_t kMaxOpenEdges = 4000;
 
 const Vec3d& place(const MeshParts& mesh, const MeshTriangle& t, std::size_t k) { return mesh.corners[t.corner[k]]; }
 
@@ -110,6 +112,43 @@ void join_neighbours(MeshParts& mesh, MeshAccount& account) {
       there.erase(there.begin() + static_cast<std::ptrdiff_t>(best_there));
       back.erase(back.begin() + static_cast<std::ptrdiff_t>(best_back));
     }
+  }
+}
+
+// Where corners meet edges in their middle: an open edge that runs all along others, flat and within the slop, is none.
+void join_along_edges(MeshParts& mesh, MeshAccount& account) {
+  struct Open {
+    std::uint32_t triangle, k;
+    Vec3d from, along;
+    double length, covered;
+    std::uint32_t neighbour;
+  };
+  std::vector<Open> open;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const MeshTriangle& t = mesh.triangles[i];
+      if (t.edge[k] != EdgeKind::kBoundary) continue;
+      const Vec3d from = place(mesh, t, k), edge = place(mesh, t, (k + 1) % 3) - from;
+      open.push_back({i, k, from, edge * (1 / norm(edge)), norm(edge), 0, kNoTriangle});
+    }
+  if (open.size() > kMaxOpenEdges) return;
+  for (Open& s : open)
+    for (const Open& t : open) {
+      if (dot(s.along, t.along) > 0 || dot(mesh.normals[s.triangle], mesh.normals[t.triangle]) <= 0) continue;
+      const Vec3d to = t.from + t.along * t.length - s.from, from = t.from - s.from;  // t runs the other way
+      const double begin = dot(s.along, to), end = dot(s.along, from);
+      const double overlap = std::min(end, s.length) - std::max(begin, 0.0);
+      if (!(overlap > kPatchHeight_m) || norm(to - s.along * begin) > kPatchHeight_m ||
+          norm(from - s.along * end) > kPatchHeight_m || judge(mesh, s.triangle, s.k, t.triangle) != EdgeKind::kFlat)
+        continue;
+      s.covered += overlap;
+      s.neighbour = std::min(s.neighbour, t.triangle);
+    }
+  for (const Open& s : open) {
+    if (!(s.covered > s.length - 2 * kPatchHeight_m)) continue;
+    mesh.triangles[s.triangle].edge[s.k] = EdgeKind::kFlat;
+    mesh.triangles[s.triangle].neighbour[s.k] = s.neighbour;
+    if (account.boundary_edges > 0) --account.boundary_edges;
   }
 }
 
@@ -228,6 +267,7 @@ Result<BuiltMesh> build_mesh(const TriangleSoup& soup, BodyId first_patch_id) {
   if (mesh.triangles.empty())
     return Status::error("holds no triangle with an area; accepted: one or more, at least 1 nm high");
   join_neighbours(mesh, built.account);
+  join_along_edges(mesh, built.account);
   gather_patches(mesh);
   sort_by_patch(mesh);
   if (const std::uint32_t most = find_corners(mesh); most > physics::kMaxCornerTriangles)

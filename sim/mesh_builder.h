@@ -3,7 +3,8 @@
 // Triangles without area and doubles are left out; neighbours are found, edges judged, flat
 // regions gathered into patches (physics/mesh.h says why) and the tree of boxes is built. The same triangles give the
 // same mesh. An edge where more than two triangles meet joins those that run on flattest; one whose triangles do not
-// agree on what is outside is a boundary. Bound: linear but for sorting; kMaxCornerTriangles at a corner.
+// agree on what is outside is a boundary. Open edges that lie along others, flat, are joined too (corners in the middle
+// of edges), up to some thousands of them. Bound: linear but for sorting; kMaxCornerTriangles at a corner.
 #pragma once
 
 #include <memory>
