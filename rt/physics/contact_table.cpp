@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 namespace tactus::physics {
 namespace {
@@ -161,10 +160,8 @@ void ContactTable<T>::search(const Scene& scene, Search& search) const noexcept 
   const Pair& pair = pairs_[search.pair];
   const Body<T>& a = scene.bodies[pair.a];
   const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  // Made where it stays: an assignment would copy it.
-  static_assert(std::is_trivially_destructible_v<Manifold<T>>);
-  ::new (static_cast<void*>(&search.manifold)) Manifold<T>(
-      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache, scene.hulls));
+  search.manifold =
+      collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache, scene.hulls);
 }
 
 // The contact that is next stays, with its points as the bodies are now.
