@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include "rt/physics/collide_mesh.h"
 
@@ -186,16 +185,12 @@ void ContactTable<T>::search(const Scene& scene, Search& search) const noexcept 
   const Pair& pair = pairs_[search.pair];
   const Body<T>& a = scene.bodies[pair.a];
   const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  // Made where it stays: an assignment would copy it.
-  static_assert(std::is_trivially_destructible_v<Manifold<T>>);
-  void* place = static_cast<void*>(&search.manifold);
-  if (b.shape.kind == ShapeKind::kMesh)
-    ::new (place) Manifold<T>(collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
-                                            scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count),
-                                            search.margin, scene.hulls, search.last));
-  else
-    ::new (place) Manifold<T>(collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache,
-                                      scene.hulls, search.last));
+  search.manifold = b.shape.kind == ShapeKind::kMesh
+                        ? collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
+                                        scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), search.margin,
+                                        scene.hulls, search.last)
+                        : collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache,
+                                  scene.hulls, search.last);
 }
 
 // The contact that is next stays, with its points as the bodies are now.

@@ -168,3 +168,25 @@ TEST_CASE("Pairs come in the same order every time, and a full vector is reporte
   CHECK_FALSE(grid.find(boxes, too_small));
   CHECK(too_small.full());
 }
+
+// The last range first: an order in which no single thread would come by itself.
+TEST_CASE("Found in parts, the pairs, their order, the work and what is left out are those found at once") {
+  const auto backwards = [](void*, std::uint32_t count, std::uint32_t, physics::Executor::Work work,
+                            void* context) noexcept {
+    for (std::uint32_t k = count; k-- > 0;) work(context, k, k + 1);
+  };
+  const Boxes boxes = lattice(7);
+  const auto bodies = static_cast<std::uint32_t>(boxes.size());
+  const std::uint32_t room = GENERATE(0u, 1u, 57u, 500u, 100'000u);
+  const std::uint32_t parts = GENERATE(2u, 3u, 8u);
+  sim::PairGrid grid(bodies), shared(bodies);
+  shared.share_work({backwards, nullptr}, parts, room);
+  BoundedVector<physics::SlotPair> at_once(room), in_parts(room);
+  CHECK(grid.find(boxes, at_once) == shared.find(boxes, in_parts));
+  const auto same = [](const physics::SlotPair& p, const physics::SlotPair& q) { return p.a == q.a && p.b == q.b; };
+  CHECK(std::equal(at_once.begin(), at_once.end(), in_parts.begin(), in_parts.end(), same));
+  if (room < 100'000) return;
+  REQUIRE(at_once.size() > 500);
+  CHECK(shared.work().box_tests == grid.work().box_tests);
+  CHECK(shared.work().rows == grid.work().rows);
+}
