@@ -324,7 +324,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.border.clear();
   next.warm_starts.clear();
   fill_joiners(device, next);
-  fill_near_triangles(world_, meshes_, members, device.proxy, options_.reach, next);
+  fill_near_triangles(bodies, world_.fixed_bodies(), meshes_, members, device.proxy, options_.reach, next);
   if (options_.coupling == CouplingScheme::kSubWorld) {
     fill_warm_starts(device, next);
     if (cycle > 0)

@@ -23,17 +23,18 @@ bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh<doubl
 
 }  // namespace
 
-void fill_near_triangles(const physics::World<double>& world, physics::Meshes<double> meshes,
+void fill_near_triangles(std::span<const physics::Body<double>> bodies,
+                         std::span<const physics::Body<double>> fixed_bodies, physics::Meshes<double> meshes,
                          std::span<const std::uint32_t> members, std::uint32_t proxy, const ReachSettings& reach,
                          haptics::WorldSnapshot& next) noexcept {
   next.near_regions.clear(), next.near_triangles.clear();
   if (meshes.empty()) return;
-  for (const std::uint32_t slot : members) {
-    const physics::Body<double>& body = world.bodies()[slot];
+  for (const std::uint32_t place : members) {
+    const physics::Body<double>& body = bodies[place];
     const double radius_m = bounding_radius(body.shape);
-    const double moves_m = kSlack_m + (slot == proxy ? reach_of_proxy_m(reach, radius_m)
-                                                     : reach_of_body_m(reach, body.motion.velocity, radius_m));
-    for (const auto& fixed : world.fixed_bodies()) {  // by id: in the order of the meshes
+    const double moves_m = kSlack_m + (place == proxy ? reach_of_proxy_m(reach, radius_m)
+                                                      : reach_of_body_m(reach, body.motion.velocity, radius_m));
+    for (const auto& fixed : fixed_bodies) {  // by id: in the order of the meshes
       if (fixed.shape.kind != physics::ShapeKind::kMesh) continue;
       const Posed pose = physics::relative_pose(fixed.motion.pose, body.motion.pose);
       const auto box = physics::bounds_of(body.shape, pose, moves_m);

@@ -11,7 +11,9 @@
 
 namespace tactus::sim {
 
-void fill_near_triangles(const physics::World<double>& world, physics::Meshes<double> meshes,
+// `members` and `proxy`: places in `bodies`.
+void fill_near_triangles(std::span<const physics::Body<double>> bodies,
+                         std::span<const physics::Body<double>> fixed_bodies, physics::Meshes<double> meshes,
                          std::span<const std::uint32_t> members, std::uint32_t proxy, const ReachSettings& reach,
                          haptics::WorldSnapshot& next) noexcept;
 
