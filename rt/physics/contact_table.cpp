@@ -74,6 +74,7 @@ ContactTable<T>::ContactTable(const Capacities& capacities)
       last_pairs_(capacities.pairs),
       visits_(kStretch),
       searches_(kStretch),
+      manifolds_(kStretch),
       contacts_(capacities.contacts),
       last_(capacities.contacts),
       references_(capacities.contacts),
@@ -82,7 +83,7 @@ ContactTable<T>::ContactTable(const Capacities& capacities)
       order_(std::max(capacities.pairs, capacities.contacts)),
       warm_starts_(capacities.contacts),
       warm_start_order_(capacities.contacts) {
-  visits_.resize(kStretch), searches_.resize(kStretch);
+  visits_.resize(kStretch), searches_.resize(kStretch), manifolds_.resize(kStretch);
 }
 
 template <class T>
@@ -181,16 +182,16 @@ void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
 }
 
 template <class T>
-void ContactTable<T>::search(const Scene& scene, Search& search) const noexcept {
+Manifold<T> ContactTable<T>::compare(const Scene& scene, Search& search) const noexcept {
   const Pair& pair = pairs_[search.pair];
   const Body<T>& a = scene.bodies[pair.a];
   const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  search.manifold = b.shape.kind == ShapeKind::kMesh
-                        ? collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
-                                        scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), search.margin,
-                                        scene.hulls, search.last)
-                        : collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache,
-                                  scene.hulls, search.last);
+  if (b.shape.kind == ShapeKind::kMesh)
+    return collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
+                         scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), search.margin, scene.hulls,
+                         search.last);
+  return collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache, scene.hulls,
+                 search.last);
 }
 
 // The contact that is next stays, with its points as the bodies are now.
@@ -227,9 +228,9 @@ Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
 }
 
 template <class T>
-void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& found) noexcept {
+void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& search,
+                                 const Manifold<T>& manifold) noexcept {
   Pair& pair = pairs_[visit.pair];
-  const Manifold<T>& manifold = found.manifold;
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever = manifold.lever;
     return;
@@ -237,13 +238,13 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& f
   const bool with_fixed = pair.key.with_fixed();
   const Body<T>& a = walk.scene.bodies[pair.a];
   const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
-  if (found.known) walk.replaced = walk.old[visit.old];
-  walk.old_next = visit.old + (found.known ? 1 : 0);
+  if (search.known) walk.replaced = walk.old[visit.old];
+  walk.old_next = visit.old + (search.known ? 1 : 0);
   Contact<T>& contact = *place(walk);
   contact.key = pair.key;
   contact.slot_a = pair.a, contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
-  contact.axis_cache = found.axis_cache;
+  contact.axis_cache = search.axis_cache;
   contact.friction = std::sqrt(a.friction * b.friction);
   contact.normal = manifold.normal;
   contact.count = manifold.count;
@@ -255,13 +256,13 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& f
     point.separation = made.separation;
     point.feature = made.feature;
   }
-  start_impulses(walk, found.known ? &walk.replaced : nullptr, found.given, contact);
+  start_impulses(walk, search.known ? &walk.replaced : nullptr, search.given, contact);
   if (walk.written == 0 || &contact != &contacts_[walk.written - 1]) return;  // beyond the capacity
   ContactReference<T>& reference = references_[walk.written - 1];
   reference.tolerance = T(0);
   if (!(walk.settings.recycle_tolerance_m > T(0)) || !is_carried_over(a.shape, b.shape)) return;
   const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
-  keep_reference(contact, walk.scene.frames[pair.a], frame_b, found.margin,
+  keep_reference(contact, walk.scene.frames[pair.a], frame_b, search.margin,
                  tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
                  std::max(bounding_radius(a.shape), bounding_radius(b.shape)), reference);
 }
@@ -338,12 +339,19 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
   for (std::uint32_t next = 0; next < pairs_.size();) {
     walk.visits = walk.searches = 0;
     for (const std::uint32_t end = std::min(next + kStretch, pairs_.size()); next < end; ++next) visit(walk, next);
-    executor.for_each_range(walk.searches, kFewestSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
-      for (; k < end; ++k) search(scene, searches_[k]);
-    });
+    if (executor.shares())
+      executor.for_each_range(walk.searches, kFewestSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
+        for (; k < end; ++k) manifolds_[k] = compare(scene, searches_[k]);
+      });
     walk.searched += walk.searches;
-    for (const Visit& visit : visits_.span().first(walk.visits))
-      visit.search == kCarryOver ? keep(walk, visit) : take_found(walk, visit, searches_[visit.search]);
+    for (const Visit& visit : visits_.span().first(walk.visits)) {
+      if (visit.search == kCarryOver)
+        keep(walk, visit);
+      else if (Search& search = searches_[visit.search]; executor.shares())
+        take_found(walk, visit, search, manifolds_[visit.search]);
+      else
+        take_found(walk, visit, search, compare(scene, search));
+    }
   }
   contacts_.resize(walk.written), references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);

@@ -100,7 +100,6 @@ class ContactTable {
     T margin;
     LastFeatures last;
     AxisCache axis_cache;
-    Manifold<T> manifold;
   };
   // What a build goes by and where it is in the lists that it merges, all sorted by key.
   struct Walk;
@@ -108,9 +107,9 @@ class ContactTable {
   void sort_pairs() noexcept;
   void sort_warm_starts() noexcept;
   void visit(Walk& walk, std::uint32_t index) noexcept;
-  void search(const Scene& scene, Search& search) const noexcept;
+  Manifold<T> compare(const Scene& scene, Search& search) const noexcept;
   void keep(Walk& walk, const Visit& visit) noexcept;
-  void take_found(Walk& walk, const Visit& visit, const Search& found) noexcept;
+  void take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold<T>& manifold) noexcept;
   Contact<T>* place(Walk& walk) noexcept;
   void start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
                       Contact<T>& contact) const noexcept;
@@ -121,6 +120,7 @@ class ContactTable {
   std::uint32_t pairs_dropped_{0};
   BoundedVector<Visit> visits_;                                      // of a stretch of pairs
   BoundedVector<Search> searches_;                                   // same
+  BoundedVector<Manifold<T>> manifolds_;                             // by search, where an executor shares them
   BoundedVector<Contact<T>> contacts_, last_;                        // by key
   BoundedVector<ContactReference<T>> references_, last_references_;  // of contacts_, of last_
   BoundedVector<Contact<T>> beyond_;                                 // contacts beyond the capacity, by key
