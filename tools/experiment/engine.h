@@ -41,7 +41,7 @@ class Engine {
 struct EngineOptions {
   bool tuned{false};
   bool single_precision{false};  // tactus only: the peers are as their packages are built
-  unsigned sub_steps{4};         // tactus only
+  unsigned sub_steps{0};         // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
 };
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);

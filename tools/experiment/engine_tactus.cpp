@@ -13,7 +13,9 @@ namespace {
 constexpr std::uint32_t kPairsPerBody = 16, kContactsPerBody = 8;  // as in the global world
 // Where sizes differ, a large body has hundreds of small neighbours.
 constexpr std::uint32_t kPairsPerMixedBody = 48, kContactsPerMixedBody = 16;
-constexpr double kMostHertz = 250, kHertzPerSubStep = 0.2;  // the most that comes to rest with one relax sweep
+constexpr double kLongStep_s = 5e-3;
+constexpr double kMostHertz = 250,
+                 kHertzPerSubStep = 0.125;  // an octave below the accuracy limit: a heap comes to rest soon
 // The rod: heavy beside a cube, on a spring that gives way by about a millimetre.
 constexpr double kPaddleMass_kg = 20, kPaddleStiffness = 2e5, kPaddleDamping = 4e3;  // N/m, N s/m
 constexpr double kPaddleTurnStiffness = 1e4, kPaddleTurnDamping = 2e2;               // N m/rad, N m s/rad
@@ -44,8 +46,8 @@ template <class T>
 physics::StepSettings<T> settings_of(const BoxScene& scene, unsigned sub_steps) {
   physics::StepSettings<T> settings;
   settings.dt = static_cast<T>(scene.step_s);
-  settings.sub_steps = sub_steps;
-  settings.contact_hertz = static_cast<T>(std::min(kMostHertz, kHertzPerSubStep * sub_steps / scene.step_s));
+  settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 8 : 4;
+  settings.contact_hertz = static_cast<T>(std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s));
   settings.gravity = {T(0), T(0), static_cast<T>(-scene.gravity_m_per_s2)};
   return settings;
 }
