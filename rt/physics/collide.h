@@ -38,7 +38,7 @@ template <class T>
 inline constexpr T kFlatTolerance = T(1e-5);
 
 // --- of boxes and hulls: features and axes
-// The two top bits of a feature: its kind (see feature_kind).
+// The two top bits of a feature: its kind (see is_of_face).
 inline constexpr std::uint32_t kClosestType = 0u, kFaceAType = 1u << 30, kFaceBType = 2u << 30, kEdgeType = 3u << 30;
 
 // Edges within 0.3 degrees of parallel have no cross product worth a contact normal; the face axes say the same.

@@ -291,7 +291,7 @@ void ContactTable<T>::start_impulses(const Walk& walk, const Contact<T>* last, c
   }
   // The normal has turned since: the old friction vector is projected on the new tangents.
   const Tangents<T> then = tangents_of(last->normal);
-  const bool same_kind = feature_kind(last->points[0].feature) == feature_kind(contact.points[0].feature);
+  const bool same_kind = is_of_face(last->points[0].feature) == is_of_face(contact.points[0].feature);
   for (std::uint32_t j = 0; j < last->count; ++j) {
     const ContactPoint<T>& before = last->points[j];
     ContactPoint<T>* point = point_of(before.feature);

@@ -23,8 +23,8 @@ struct ManifoldPoint {
   std::uint32_t feature{0};  // which features made it: the same pair of features has the same id from step to step
 };
 
-// What made it: 0 two closest places, 1 a face of A, 2 a face of B, 3 two edges, for pairs of boxes and hulls.
-constexpr std::uint32_t feature_kind(std::uint32_t feature) noexcept { return feature >> 30; }
+// Of a pair of boxes or hulls: did a face make it, of A (1) or of B (2), and not two closest places (0) or edges (3)?
+constexpr bool is_of_face(std::uint32_t feature) noexcept { return (feature >> 30) % 3 != 0; }
 
 // Gaps are not known to be larger than this [m], however large they are.
 template <class T>
