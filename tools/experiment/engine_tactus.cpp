@@ -1,9 +1,11 @@
-// tactus itself: the world that both the haptic and the global side use, with the broad phase of the global one.
+// tactus itself: the world that both the haptic and the global side use, with the broad phase of the side whose size it
+// has: up to the most that a sub-world holds that of the haptic side, beyond that of the global one.
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "rt/base/denormals.h"
+#include "rt/haptics/snapshot.h"
 #include "sim/pair_grid.h"
 #include "tools/experiment/engine.h"
 
@@ -84,7 +86,10 @@ class TactusEngine final : public Engine {
       spring.target_velocity.linear = as<T>(paddle_->velocity_at(time_s_));
     }
     world_.begin_step(settings_);
-    if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) lost_ |= physics::kPairsFull;
+    const bool all = world_.bodies().size() <= haptics::kMaxMembers
+                         ? physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs())
+                         : grid_.find(world_.bounds(), world_.dynamic_pairs());
+    if (!all) lost_ |= physics::kPairsFull;
     report_ = world_.finish_step(settings_);
     lost_ |= report_.capacity_bits;
     time_s_ += static_cast<double>(settings_.dt);
