@@ -107,20 +107,29 @@ bool PairGrid::find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept {
   return true;
 }
 
-// The base cell fits the largest of the commonest octave of sizes tightly: a world of equal bodies pays for no air.
+// The base cell fits the largest of the commonest octave of sizes, wherever that begins, tightly: a world of equal
+// bodies, however they are turned, has one level and pays for little air.
 template <class T>
 void PairGrid::choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept {
-  constexpr int kOctaves = 128;
-  std::array<std::uint32_t, kOctaves> histogram{};
-  std::array<double, kOctaves> largest{};
+  // Counted by quarters of an octave: the power of two above the fourth power.
+  constexpr int kQuarters = 512, kOctave = 4;
+  std::array<std::uint32_t, kQuarters> histogram{};
+  std::array<double, kQuarters> largest{};
   for (const auto& box : bounds) {
-    const double extent = largest_extent(widened(box));
-    const auto octave = static_cast<std::uint32_t>(std::clamp(power_above(extent) + kOctaves / 2, 0, kOctaves - 1));
-    ++histogram[octave];
-    largest[octave] = std::max(largest[octave], extent);
+    const double extent = largest_extent(widened(box)), square = extent * extent;
+    const auto quarter =
+        static_cast<std::uint32_t>(std::clamp(power_above(square * square) + kQuarters / 2, 0, kQuarters - 1));
+    ++histogram[quarter];
+    largest[quarter] = std::max(largest[quarter], extent);
   }
-  const auto commonest = std::max_element(histogram.begin(), histogram.end()) - histogram.begin();
-  const double size = largest[static_cast<std::size_t>(commonest)];
+  std::uint32_t in_octave = 0, most = 0;
+  double size = 0;
+  for (std::size_t end = 0; end < kQuarters; ++end) {
+    in_octave += histogram[end] - (end < kOctave ? 0 : histogram[end - kOctave]);
+    if (in_octave <= most) continue;
+    most = in_octave;
+    size = *std::max_element(largest.begin() + (end < kOctave ? 0 : end - kOctave + 1), largest.begin() + end + 1);
+  }
   base_cell_m_ = size > 0 && std::isfinite(size) ? size * 1.0001 / kFill : 1.0;
   for (int level = 0; level < kLevels; ++level)
     cells_per_m_[static_cast<std::size_t>(level)] = std::ldexp(1.0 / base_cell_m_, kBaseLevel - level);
