@@ -1,0 +1,101 @@
+// tactus experiment peers: what a step costs beside other engines.
+#include "tools/experiment/peers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/tactus/commands.h"
+#include "tools/tactus/experiments.h"
+
+namespace tactus::tools {
+namespace {
+
+struct PeersOptions {
+  std::vector<std::string> scenes, peers;
+  std::string precision{"double"};
+  unsigned sub_steps{0}, runs{3};
+  bool quick{false}, json{false};
+};
+
+// Accepted words for --peers: a library, both its engines.
+std::vector<std::string> peer_names() {
+  std::vector<std::string> names;
+  for (const auto& kind : experiment::engine_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+bool asked_for(const experiment::EngineKind& kind, const std::vector<std::string>& peers) {
+  return peers.empty() || std::find(peers.begin(), peers.end(), kind.name) != peers.end();
+}
+
+int run_peers(const PeersOptions& options) {
+  experiment::PeersRequest request;
+  request.options.single_precision = options.precision == "float";
+  request.options.sub_steps = options.sub_steps;
+  request.runs = options.quick ? std::min(2u, options.runs) : options.runs;
+  // A quick look leaves the large worlds out, unless they are asked for.
+  std::vector<std::string> scenes = options.scenes;
+  if (scenes.empty() && options.quick) scenes = {"pile64", "pile64-stirred", "pile1000"};
+  for (const auto& name : experiment::scene_names())
+    if (scenes.empty() || std::find(scenes.begin(), scenes.end(), name) != scenes.end())
+      request.scenes.push_back(*experiment::make_scene(name, options.quick));
+  std::vector<std::string> missing;
+  for (const auto& kind : experiment::engine_kinds()) {
+    if (!asked_for(kind, options.peers)) continue;
+    if (kind.available)
+      request.engines.push_back(kind);
+    else
+      missing.push_back(fmt::format("{} (Debian package {})", kind.name, kind.package));
+  }
+  if (!missing.empty())
+    complain(
+        fmt::format("tactus experiment peers: built without {}: install, then build again", fmt::join(missing, ", ")),
+        kExitGood);
+  if (request.engines.empty()) return kExitMachineCannot;
+  const auto rows = experiment::run_peers(request, experiment::terminal_progress());
+  fmt::print("{}\n", options.json ? experiment::peers_json(rows) : experiment::peers_table(rows));
+  int exit_code = kExitGood;
+  for (const auto& row : rows)
+    if (!row.failure.empty())
+      exit_code = complain(fmt::format("tactus experiment peers: {}, {}: {}", row.scene, row.engine, row.failure),
+                           kExitVerdictBad);
+  return exit_code;
+}
+
+}  // namespace
+
+void add_peers(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<PeersOptions>();
+  CLI::App* peers = experiment.add_subcommand("peers", "What a step costs beside other engines, on identical scenes.");
+  peers->footer(
+      "One core, CPU time, steps of all engines in turns. The peers run at their defaults and tuned; they are Debian\n"
+      "packages found when tactus was built: libbullet-dev, libode-dev. Exit status 1: work was left out by a\n"
+      "capacity, and the row does not count.\n\n"
+      "Example:\n  tactus experiment peers --quick\n  tactus experiment peers --scenes pile1000 --peers tactus,bullet");
+  const auto& names = experiment::scene_names();
+  peers->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+  peers->add_option("--peers", options->peers, "engines, separated by commas; all by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember(peer_names()));
+  peers->add_option("--precision", options->precision, "of tactus: double or float")
+      ->check(CLI::IsMember({"double", "float"}))
+      ->capture_default_str();
+  peers
+      ->add_option("--sub-steps", options->sub_steps,
+                   "of tactus, in a step; contacts at 0.125 / sub-step, 250 Hz at most. Default: 4 in 1 ms, 8 in 10 ms")
+      ->check(CLI::Range(1, 100));
+  peers->add_option("--runs", options->runs, "identical runs of each scene")
+      ->check(CLI::Range(1, 9))
+      ->capture_default_str();
+  peers->add_flag("--quick", options->quick, "settles 1 s, times a fifth of the steps, two runs, no large worlds");
+  peers->add_flag("--json", options->json, "one JSON object on stdout");
+  peers->callback([options, &exit_code] { exit_code = run_peers(*options); });
+}
+
+}  // namespace tactus::tools
