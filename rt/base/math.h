@@ -145,6 +145,21 @@ struct Quat {
   friend constexpr bool operator==(const Quat&, const Quat&) noexcept = default;
 };
 
+// The same in numbers of type S.
+template <class S, class T>
+constexpr Vec3<S> number_cast(const Vec3<T>& v) noexcept {
+  return {static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z)};
+}
+template <class S, class T>
+constexpr Quat<S> number_cast(const Quat<T>& q) noexcept {
+  return {static_cast<S>(q.w), static_cast<S>(q.x), static_cast<S>(q.y), static_cast<S>(q.z)};
+}
+template <class S, class T>
+constexpr SymMat3<S> number_cast(const SymMat3<T>& m) noexcept {
+  return {static_cast<S>(m.xx), static_cast<S>(m.yy), static_cast<S>(m.zz),
+          static_cast<S>(m.xy), static_cast<S>(m.xz), static_cast<S>(m.yz)};
+}
+
 template <class T>
 constexpr Quat<T> conjugate(const Quat<T>& q) noexcept {
   return {q.w, -q.x, -q.y, -q.z};

@@ -4,8 +4,8 @@
 
 namespace tactus::physics {
 
-template <class T>
-void ContactColours::assign(std::span<const Contact<T>> contacts, std::span<const SolverBody<T>> motion) noexcept {
+template <class T, class S>
+void ContactColours::assign(std::span<const Contact<T>> contacts, std::span<const SolverBody<S>> motion) noexcept {
   moving_ = {}, fixed_ = {};
   used_.resize(static_cast<std::uint32_t>(motion.size()));
   for (Used& used : used_) used = {};
@@ -13,7 +13,7 @@ void ContactColours::assign(std::span<const Contact<T>> contacts, std::span<cons
   for (std::uint32_t k = 0; k < colour_.size(); ++k) {
     const Contact<T>& contact = contacts[k];
     const bool is_held =
-        motion[contact.slot_a].inverse_mass == T(0) && (contact.b_fixed || motion[contact.slot_b].inverse_mass == T(0));
+        motion[contact.slot_a].inverse_mass == S(0) && (contact.b_fixed || motion[contact.slot_b].inverse_mass == S(0));
     if (is_held) {
       colour_[k] = kNotSolved;
       continue;
@@ -30,9 +30,8 @@ void ContactColours::assign(std::span<const Contact<T>> contacts, std::span<cons
   }
 }
 
-template void ContactColours::assign<double>(std::span<const Contact<double>>,
-                                             std::span<const SolverBody<double>>) noexcept;
-template void ContactColours::assign<float>(std::span<const Contact<float>>,
-                                            std::span<const SolverBody<float>>) noexcept;
+template void ContactColours::assign(std::span<const Contact<double>>, std::span<const SolverBody<double>>) noexcept;
+template void ContactColours::assign(std::span<const Contact<double>>, std::span<const SolverBody<float>>) noexcept;
+template void ContactColours::assign(std::span<const Contact<float>>, std::span<const SolverBody<float>>) noexcept;
 
 }  // namespace tactus::physics

@@ -41,7 +41,8 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies,
+template <class U>
+void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies,
                                        const Executor& executor) noexcept {
   executor_ = executor;
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
@@ -204,12 +205,13 @@ void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::store_impulses(std::span<Contact<T>> contacts, T share) const noexcept {
-  const auto blend = [share](T& kept, T now) noexcept { kept = share == T(1) ? now : kept + share * (now - kept); };
+template <class U>
+void ContactSolver<T, kWidth>::store_impulses(std::span<Contact<U>> contacts, U share) const noexcept {
+  const auto blend = [share](U& kept, U now) noexcept { kept = share == U(1) ? now : kept + share * (now - kept); };
   for_each_row([&](const auto& row) {
     for (std::uint32_t used = 0; used < row.used; ++used) {
       const int lane = static_cast<int>(used);
-      Contact<T>& contact = contacts[row.contact[used]];
+      Contact<U>& contact = contacts[row.contact[used]];
       for (std::uint32_t i = 0; i < contact.count; ++i) {
         blend(contact.points[i].normal_impulse, lane_of(row.normal_impulse[i], lane));
         for (int d = 0; d < 2; ++d)
@@ -220,7 +222,8 @@ void ContactSolver<T, kWidth>::store_impulses(std::span<Contact<T>> contacts, T 
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::store(std::span<Contact<T>> contacts, T share) const noexcept {
+template <class U>
+void ContactSolver<T, kWidth>::store(std::span<Contact<U>> contacts, U share) const noexcept {
   store_impulses(contacts, share);
   for_each_row([&](const auto& row) {
     for (std::uint32_t used = 0; used < row.used; ++used) {
@@ -229,19 +232,30 @@ void ContactSolver<T, kWidth>::store(std::span<Contact<T>> contacts, T share) co
         return Vec3<T>{lane_of(v.x, lane), lane_of(v.y, lane), lane_of(v.z, lane)};
       };
       const Vec3<T> t1 = at(row.t1), t2 = at(row.t2);
-      Contact<T>& contact = contacts[row.contact[used]];
+      Contact<U>& contact = contacts[row.contact[used]];
       for (std::uint32_t i = 0; i < contact.count; ++i) {
         contact.points[i].total_normal_impulse = lane_of(row.total_normal_impulse[i], lane);
-        contact.points[i].total_friction =
-            lane_of(row.total_tangent_impulse[0][i], lane) * t1 + lane_of(row.total_tangent_impulse[1][i], lane) * t2;
+        contact.points[i].total_friction = number_cast<U>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +
+                                                          lane_of(row.total_tangent_impulse[1][i], lane) * t2);
       }
     }
   });
 }
 
-template class ContactSolver<double>;
-template class ContactSolver<float>;
-template class ContactSolver<double, 1>;
-template class ContactSolver<float, 1>;
+#define TACTUS_CONTACTS(T, kWidth, U)                                                           \
+  template void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>>, SolverBodies<T>, \
+                                                  const Executor&) noexcept;                    \
+  template void ContactSolver<T, kWidth>::store(std::span<Contact<U>>, U) const noexcept;       \
+  template void ContactSolver<T, kWidth>::store_impulses(std::span<Contact<U>>, U) const noexcept;
+#define TACTUS_INSTANTIATE(T, kWidth)      \
+  template class ContactSolver<T, kWidth>; \
+  TACTUS_CONTACTS(T, kWidth, T)
+TACTUS_INSTANTIATE(double, 4)
+TACTUS_INSTANTIATE(float, 8)
+TACTUS_INSTANTIATE(double, 1)
+TACTUS_INSTANTIATE(float, 1)
+TACTUS_CONTACTS(float, 8, double)
+#undef TACTUS_INSTANTIATE
+#undef TACTUS_CONTACTS
 
 }  // namespace tactus::physics

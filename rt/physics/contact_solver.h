@@ -23,8 +23,9 @@ class ContactSolver {
  public:
   explicit ContactSolver(const Capacities& capacities);  // [setup]
 
-  // `executor`: for all that follows, up to the next prepare.
-  void prepare(std::span<const Contact<T>> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
+  // `executor`: for all that follows, up to the next prepare. The contacts' numbers may be wider than the solver's.
+  template <class U>
+  void prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
   void warm_start(SolverBodies<T> bodies) noexcept;
   void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
   // `last`: also adds the impulses to the totals of the step.
@@ -34,8 +35,12 @@ class ContactSolver {
   void scale_impulses(T factor) noexcept;
   // Impulses and totals, for the next step. `share`: see Solver. Below 1 the impulses stored are those of the last
   // keep_impulses, and that share of what came since.
-  void store(std::span<Contact<T>> contacts, T share) const noexcept;
-  void keep_impulses(std::span<Contact<T>> contacts) const noexcept { store_impulses(contacts, T(1)); }
+  template <class U>
+  void store(std::span<Contact<U>> contacts, U share) const noexcept;
+  template <class U>
+  void keep_impulses(std::span<Contact<U>> contacts) const noexcept {
+    store_impulses(contacts, U(1));
+  }
 
  private:
   using V = std::conditional_t<kWidth == 1, T, Wide<T, kWidth>>;
@@ -57,7 +62,8 @@ class ContactSolver {
   void for_each_row(F&& f) const noexcept;
   template <class F>
   void for_each_body(F&& f) noexcept;
-  void store_impulses(std::span<Contact<T>> contacts, T share) const noexcept;
+  template <class U>
+  void store_impulses(std::span<Contact<U>> contacts, U share) const noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;
   void add_change(SolverBodies<T> bodies) noexcept;
   template <bool kBias, bool kFriction, bool kTotals>

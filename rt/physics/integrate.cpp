@@ -46,13 +46,14 @@ FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept {
 
 namespace {
 
-template <class T>
-void move_one(SolverBody<T>& state, const Body<T>& body, T h) noexcept {
+template <class T, class U>
+void move_one(SolverBody<T>& state, const Body<U>& body, T h) noexcept {
   if (state.inverse_mass == T(0)) return;
   state.delta_position += h * state.v;
   if (state.gyroscopic > T(0)) {
     // The gyroscopic term is integrated together with the rotation, so that a free body keeps energy and momentum.
-    const auto turned = rotate_freely(state.delta_rotation * body.motion.pose.rotation, state.w, body.inertia, h);
+    const auto turned = rotate_freely(state.delta_rotation * number_cast<T>(body.motion.pose.rotation), state.w,
+                                      number_cast<T>(body.inertia), h);
     state.delta_rotation = turned.change * state.delta_rotation;
     state.w = turned.angular_velocity;
   } else {
@@ -77,8 +78,8 @@ bool move_together(SolverBody<T>* motion, T h) noexcept {
 
 }  // namespace
 
-template <class T>
-void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<T>> bodies, T h) noexcept {
+template <class T, class U>
+void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<U>> bodies, T h) noexcept {
   constexpr std::size_t kTogether = kLanes<Register<T>>;
   std::size_t i = 0;
   for (; i + kTogether <= motion.size(); i += kTogether) {
@@ -88,8 +89,9 @@ void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<T>> bodie
   for (; i < motion.size(); ++i) move_one(motion[i], bodies[i], h);
 }
 
-template void move_bodies<double>(std::span<SolverBody<double>>, std::span<const Body<double>>, double) noexcept;
-template void move_bodies<float>(std::span<SolverBody<float>>, std::span<const Body<float>>, float) noexcept;
+template void move_bodies(std::span<SolverBody<double>>, std::span<const Body<double>>, double) noexcept;
+template void move_bodies(std::span<SolverBody<float>>, std::span<const Body<double>>, float) noexcept;
+template void move_bodies(std::span<SolverBody<float>>, std::span<const Body<float>>, float) noexcept;
 template FreeRotation<double> rotate_freely(const Quat<double>&, const Vec3<double>&, const Vec3<double>&,
                                             double) noexcept;
 template FreeRotation<float> rotate_freely(const Quat<float>&, const Vec3<float>&, const Vec3<float>&, float) noexcept;

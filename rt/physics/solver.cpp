@@ -20,71 +20,77 @@ void for_each_body(const Executor& executor, std::size_t bodies, F&& f) noexcept
 
 }  // namespace
 
-template <class T>
-Solver<T>::Solver(const Capacities& capacities)
+template <class T, class S>
+Solver<T, S>::Solver(const Capacities& capacities)
     : motion_(capacities.bodies),
       inverse_inertia_(capacities.bodies),
       before_(capacities.bodies),
       contacts_(capacities),
       border_(capacities.border_contacts) {}
 
-template <class T>
-void Solver<T>::prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
+template <class T, class S>
+void Solver<T, S>::prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
   const auto count = static_cast<std::uint32_t>(input.bodies.size());
   motion_.resize(count), inverse_inertia_.resize(count);
   for_each_body(input.executor, count, [&](std::uint32_t i) noexcept {
     const Body<T>& body = input.bodies[i];
-    SolverBody<T>& state = motion_[i];
+    SolverBody<S>& state = motion_[i];
     state = {};
     inverse_inertia_[i] = {};
     if (input.frozen[i] != 0) return;  // infinite mass, at rest
-    state.v = body.motion.velocity.linear, state.w = body.motion.velocity.angular;
-    state.inverse_mass = T(1) / body.mass;
-    state.gyroscopic = settings.gyroscopic && is_anisotropic(body.inertia) ? T(1) : T(0);
-    inverse_inertia_[i] = rotate_diagonal(body.motion.pose.rotation,
-                                          Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
+    state.v = number_cast<S>(body.motion.velocity.linear), state.w = number_cast<S>(body.motion.velocity.angular);
+    state.inverse_mass = static_cast<S>(T(1) / body.mass);
+    state.gyroscopic = settings.gyroscopic && is_anisotropic(body.inertia) ? S(1) : S(0);
+    inverse_inertia_[i] = number_cast<S>(rotate_diagonal(
+        body.motion.pose.rotation, Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z}));
   });
-  contacts_.prepare(input.contacts, state(), input.executor);
-  border_.prepare(input.border, input.border_mode, input.bodies, state(), h, input.impulse_scale, settings.friction);
-  const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
-  spring_.prepare(input.spring, spring_start, state(), h, input.impulse_scale);
+  contacts_.prepare(std::span<const Contact<T>>(input.contacts), state(), input.executor);
+  if constexpr (!kHasPorts)
+    return;
+  else {
+    border_.prepare(input.border, input.border_mode, input.bodies, state(), h, input.impulse_scale, settings.friction);
+    const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
+    spring_.prepare(input.spring, spring_start, state(), h, input.impulse_scale);
+  }
 }
 
-template <class T>
-void Solver<T>::apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
+template <class T, class S>
+void Solver<T, S>::apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
   if (settings.gravity != Vec3<T>{}) {
     const Vec3<T> change = h * settings.gravity;
     for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
-      if (motion_[i].inverse_mass > T(0)) motion_[i].v += input.bodies[i].gravity_scale * change;
+      if (motion_[i].inverse_mass > S(0)) motion_[i].v += number_cast<S>(input.bodies[i].gravity_scale * change);
     });
   }
   for (std::uint32_t i = 0; i < input.wrenches.size(); ++i) {
-    motion_[i].v += (h * motion_[i].inverse_mass) * input.wrenches[i].force;
-    motion_[i].w += inverse_inertia_[i] * (h * input.wrenches[i].torque);
+    const Wrench<T>& wrench = input.wrenches[i];
+    motion_[i].v += (static_cast<S>(h) * motion_[i].inverse_mass) * number_cast<S>(wrench.force);
+    motion_[i].w += inverse_inertia_[i] * number_cast<S>(h * wrench.torque);
   }
 }
 
 // Warm start for a sub-step that no sweep will correct. With d the change of velocity that the impulses make, kinetic
 // energy changes by v.M.d + d.M.d / 2; where that is positive the impulses are scaled to where it is smallest.
-template <class T>
-void Solver<T>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
+template <class T, class S>
+void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
   before_.resize(motion_.size());
   for (std::uint32_t i = 0; i < motion_.size(); ++i) before_[i] = {motion_[i].v, motion_[i].w};
   border_.warm_start(state());
   contacts_.warm_start(state());
-  T linear = T(0), quadratic = T(0);
+  S linear = S(0), quadratic = S(0);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
-    if (motion_[i].inverse_mass == T(0)) continue;
+    if (motion_[i].inverse_mass == S(0)) continue;
     const Body<T>& body = input.bodies[i];
-    const Quat<T>& q = body.motion.pose.rotation;
-    const Vec3<T> dv = motion_[i].v - before_[i].linear;
-    const Vec3<T> dw = rotate_inverse(q, motion_[i].w - before_[i].angular);
-    const Vec3<T> momentum = scale(body.inertia, dw);
-    linear += body.mass * dot(before_[i].linear, dv) + dot(rotate_inverse(q, before_[i].angular), momentum);
-    quadratic += body.mass * norm_squared(dv) + dot(dw, momentum);
+    const Quat<S> q = number_cast<S>(body.motion.pose.rotation);
+    const S mass = static_cast<S>(body.mass);
+    const Vec3<S> dv = motion_[i].v - before_[i].linear;
+    const Vec3<S> dw = rotate_inverse(q, motion_[i].w - before_[i].angular);
+    const Vec3<S> momentum = scale(number_cast<S>(body.inertia), dw);
+    linear += mass * dot(before_[i].linear, dv) + dot(rotate_inverse(q, before_[i].angular), momentum);
+    quadratic += mass * norm_squared(dv) + dot(dw, momentum);
   }
-  if (linear + T(0.5) * quadratic <= T(0)) return;
-  const T factor = quadratic > T(0) ? std::clamp(-linear / quadratic, T(0), T(1)) : T(0);
+  if (linear + S(0.5) * quadratic <= S(0)) return;
+  const S factor = quadratic > S(0) ? std::clamp(-linear / quadratic, S(0), S(1)) : S(0);
   contacts_.scale_impulses(factor);
   border_.scale_impulses(factor);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
@@ -93,33 +99,41 @@ void Solver<T>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
   }
 }
 
-template <class T>
-void Solver<T>::sweep_relax(const StepSettings<T>& settings, const SweepRule<T>& rule, bool last) noexcept {
+template <class T, class S>
+void Solver<T, S>::sweep_relax(const StepSettings<T>& settings, const SweepRule<S>& rule, bool last) noexcept {
   spring_.solve(state());
   border_.solve(state(), rule, false);
   contacts_.relax(state(), rule, settings.friction, last);
 }
 
-template <class T>
-void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settings,
-                      std::uint32_t uncorrected) noexcept {
+template <class T, class S>
+void Solver<T, S>::store(const SolverInput<T>& input, const StepSettings<T>& settings,
+                         std::uint32_t uncorrected) noexcept {
   for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
-    if (motion_[i].inverse_mass == T(0)) return;
+    const SolverBody<S>& state = motion_[i];
+    if (state.inverse_mass == S(0)) return;
     BodyMotion<T>& motion = input.bodies[i].motion;
-    motion.pose.position += motion_[i].delta_position;
-    motion.pose.rotation = normalized(motion_[i].delta_rotation * motion.pose.rotation);
-    motion.velocity = {motion_[i].v, motion_[i].w};
+    motion.pose.position += number_cast<T>(state.delta_position);
+    motion.pose.rotation = normalized(number_cast<T>(state.delta_rotation) * motion.pose.rotation);
+    // What nothing has changed stays as it was, to the last bit of T.
+    const auto changed = [](Vec3<T>& kept, const Vec3<S>& now) noexcept {
+      if constexpr (std::is_same_v<S, T>)
+        kept = now;
+      else
+        kept += number_cast<T>(now - number_cast<S>(kept));
+    };
+    changed(motion.velocity.linear, state.v), changed(motion.velocity.angular, state.w);
   });
   const T share = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
   contacts_.store(input.contacts, share);
-  border_.store(input.border, settings.dt, share);
+  if constexpr (kHasPorts) border_.store(input.border, settings.dt, share);
 }
 
-template <class T>
-void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
-                     StepReport<T>& report) noexcept {
+template <class T, class S>
+void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
+                        StepReport<T>& report) noexcept {
   const T h = settings.dt / static_cast<T>(settings.sub_steps);
-  const SweepRule<T> rule = SweepRule<T>::of(settings, h);
+  const SweepRule<S> rule = SweepRule<S>::of(settings, static_cast<S>(h));
   std::uint32_t sweep = 0, uncorrected = 0;  // sub-steps since the last relax sweep
   const auto go_on = [&]() noexcept {
     if (report.cut_sweep == kNeverCut && cut(sweep)) report.cut_sweep = sweep;
@@ -145,7 +159,8 @@ void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& setting
       warm_start_without_gain(input);
     }
     input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
-      move_bodies<T>(motion_.span().subspan(begin, end - begin), input.bodies.subspan(begin, end - begin), h);
+      move_bodies(motion_.span().subspan(begin, end - begin),
+                  std::span<const Body<T>>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });
     bool counted = false;
     ++uncorrected;
@@ -155,7 +170,8 @@ void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& setting
       uncorrected = 0;
     }
     if (!counted && j + 1 == settings.sub_steps && report.cut_sweep != kNeverCut) {
-      contacts_.keep_impulses(input.contacts), border_.keep_impulses(input.border);
+      contacts_.keep_impulses(input.contacts);
+      if constexpr (kHasPorts) border_.keep_impulses(input.border);
       sweep_relax(settings, rule, true);
       counted = true;
     }
@@ -167,6 +183,7 @@ void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& setting
 }
 
 template class Solver<double>;
+template class Solver<double, float>;
 template class Solver<float>;
 
 }  // namespace tactus::physics

@@ -7,6 +7,10 @@
 // relax sweep then corrects n sub-steps at once: the next warm start gets 1/n of its correction, because it will be
 // given n times; with all of it, steps that are cut again and again would shake themselves loose. Frame: world. Units:
 // SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
+//
+// The numbers of the sweeps, S, may be narrower than the world's, T: within a step bodies move and contacts are given
+// relative to where they were at its start, so a large world far from its origin loses no place. What a step adds to
+// poses and velocities is then as exact as S is. Such a solver takes no spring and no border contacts.
 #pragma once
 
 #include "rt/physics/border_solver.h"
@@ -31,7 +35,7 @@ struct SolverInput {
   Executor executor{};
 };
 
-template <class T>
+template <class T, class S = T>
 class Solver {
  public:
   explicit Solver(const Capacities& capacities);  // [setup]
@@ -40,19 +44,21 @@ class Solver {
             StepReport<T>& report) noexcept;
 
  private:
+  static constexpr bool kHasPorts = std::is_same_v<S, T>;  // spring and border
+
   void prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
   void apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
   void warm_start_without_gain(const SolverInput<T>& input) noexcept;
-  void sweep_relax(const StepSettings<T>& settings, const SweepRule<T>& rule, bool last) noexcept;
+  void sweep_relax(const StepSettings<T>& settings, const SweepRule<S>& rule, bool last) noexcept;
   void store(const SolverInput<T>& input, const StepSettings<T>& settings, std::uint32_t uncorrected) noexcept;
-  SolverBodies<T> state() noexcept { return {motion_.span(), inverse_inertia_.span()}; }
+  SolverBodies<S> state() noexcept { return {motion_.span(), inverse_inertia_.span()}; }
 
-  BoundedVector<SolverBody<T>> motion_;
-  BoundedVector<SymMat3<T>> inverse_inertia_;
-  BoundedVector<Twist<T>> before_;  // velocities before a warm start that may be held back
-  ContactSolver<T> contacts_;
-  BorderSolver<T> border_;
-  SpringSolver<T> spring_;
+  BoundedVector<SolverBody<S>> motion_;
+  BoundedVector<SymMat3<S>> inverse_inertia_;
+  BoundedVector<Twist<S>> before_;  // velocities before a warm start that may be held back
+  ContactSolver<S> contacts_;
+  BorderSolver<S> border_;
+  SpringSolver<S> spring_;
 };
 
 }  // namespace tactus::physics

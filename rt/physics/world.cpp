@@ -23,7 +23,7 @@ bool holds(const BoundedVector<Body<T>>& bodies, std::uint32_t slot, BodyId id) 
 }  // namespace
 
 template <class T>
-World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes)
+World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes, SweepPrecision precision)
     : capacities_(capacities),
       hulls_(hulls),
       meshes_(meshes),
@@ -45,8 +45,12 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes)
       pair_order_(capacities.bodies, capacities.pairs + 1),
       dynamic_pairs_(capacities.pairs + 1),
       contacts_(capacities),
-      solver_(capacities),
-      border_contacts_(capacities.border_contacts) {}
+      border_contacts_(capacities.border_contacts) {
+  if (precision == SweepPrecision::kSingle)
+    single_solver_.emplace(capacities);
+  else
+    solver_.emplace(capacities);
+}
 
 template <class T>
 bool World<T>::refuse(CapacityBit bit) noexcept {
@@ -372,9 +376,12 @@ void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& 
                      const CutPredicate& cut, StepReport<T>& report) noexcept {
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
-  solver_.step({bodies_.span(), held, wrenches, contacts_.contacts(), spring_, border_contacts_.span(), border_mode,
-                impulse_scale, executor_},
-               settings, cut, report);
+  const SolverInput<T> input{bodies_.span(),       held,          wrenches,
+                             contacts_.contacts(), spring_,       border_contacts_.span(),
+                             border_mode,          impulse_scale, executor_};
+  if (solver_) return solver_->step(input, settings, cut, report);
+  TACTUS_CHECK(!spring_.enabled && border_contacts_.empty(), spring_.slot, border_contacts_.size());
+  single_solver_->step(input, settings, cut, report);
 }
 
 // The others have been solved, and are held. Between steps all impulses are those of the near region's sub-step.

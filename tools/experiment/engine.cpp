@@ -1,5 +1,6 @@
 #include "tools/experiment/engine.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tactus::experiment {
@@ -21,6 +22,21 @@ const std::vector<EngineKind>& engine_kinds() {
       {"ode-tuned", "libode-dev", true, make_ode, kOde},
   };
   return kinds;
+}
+
+const std::vector<std::string>& precision_names() {
+  static const std::vector<std::string> names{"double", "mixed", "float"};
+  return names;
+}
+
+std::string_view precision_name(Precision precision) noexcept {
+  return precision_names()[static_cast<std::size_t>(precision)];
+}
+
+Precision precision_of(std::string_view name) noexcept {
+  const auto& names = precision_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? Precision::kDouble : static_cast<Precision>(found - names.begin());
 }
 
 double residual_speed(const std::vector<CubeState>& cubes) {

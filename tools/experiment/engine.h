@@ -38,10 +38,17 @@ class Engine {
   virtual std::string failure() const { return {}; }
 };
 
+// Of tactus; the peers are as their packages are built. Mixed: double, and contacts solved in single precision.
+enum class Precision : std::uint8_t { kDouble, kMixed, kSingle };
+// "double", "mixed" or "float".
+std::string_view precision_name(Precision precision) noexcept;
+Precision precision_of(std::string_view name) noexcept;  // double where there is no such name
+const std::vector<std::string>& precision_names();
+
 struct EngineOptions {
   bool tuned{false};
-  bool single_precision{false};  // tactus only: the peers are as their packages are built
-  unsigned sub_steps{0};         // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
+  Precision precision{Precision::kDouble};  // tactus only
+  unsigned sub_steps{0};                    // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
 };
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);

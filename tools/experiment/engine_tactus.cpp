@@ -59,7 +59,9 @@ class TactusEngine final : public Engine {
  public:
   TactusEngine(const BoxScene& scene, const EngineOptions& options)
       : settings_(settings_of<T>(scene, options.sub_steps)),
-        world_(capacities_of(scene)),
+        precision_(options.precision),
+        world_(capacities_of(scene), {}, {},
+               precision_ == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
         grid_(capacities_of(scene).bodies),
         paddle_(scene.paddle),
         cubes_(static_cast<std::uint32_t>(scene.cubes.size())) {
@@ -117,7 +119,7 @@ class TactusEngine final : public Engine {
 
   std::string settings() const override {
     return fmt::format("{} precision, {} sub-steps, {} relax sweep, contacts {:g} Hz, damping ratio {:g}",
-                       sizeof(T) == sizeof(double) ? "double" : "single", settings_.sub_steps, settings_.relax_sweeps,
+                       precision_name(precision_), settings_.sub_steps, settings_.relax_sweeps,
                        static_cast<double>(settings_.contact_hertz),
                        static_cast<double>(settings_.contact_damping_ratio));
   }
@@ -147,6 +149,7 @@ class TactusEngine final : public Engine {
   }
 
   physics::StepSettings<T> settings_;
+  Precision precision_;
   physics::World<T> world_;
   sim::PairGrid grid_;
   std::optional<Paddle> paddle_;
@@ -159,7 +162,7 @@ class TactusEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options) {
-  if (options.single_precision) return std::make_unique<TactusEngine<float>>(scene, options);
+  if (options.precision == Precision::kSingle) return std::make_unique<TactusEngine<float>>(scene, options);
   return std::make_unique<TactusEngine<double>>(scene, options);
 }
 

@@ -61,8 +61,8 @@ double counted(std::size_t index, const EngineOptions& options, const std::strin
   const std::string out = fmt::format("/tmp/tactus-callgrind.{}", getpid());
   const std::string command = fmt::format(
       "valgrind --tool=callgrind --callgrind-out-file={} --instr-atstart=no "
-      "'{}' experiment scaling --count {}{}{} >/dev/null 2>&1",
-      out, program, index, options.single_precision ? " --precision float" : "", quick ? " --quick" : "");
+      "'{}' experiment scaling --count {} --precision {}{} >/dev/null 2>&1",
+      out, program, index, precision_name(options.precision), quick ? " --quick" : "");
   if (std::system(command.c_str()) != 0) return 0;
   std::ifstream file(out);
   double instructions = 0;

@@ -34,7 +34,7 @@ bool asked_for(const experiment::EngineKind& kind, const std::vector<std::string
 
 int run_peers(const PeersOptions& options) {
   experiment::PeersRequest request;
-  request.options.single_precision = options.precision == "float";
+  request.options.precision = experiment::precision_of(options.precision);
   request.options.sub_steps = options.sub_steps;
   request.runs = options.quick ? std::min(2u, options.runs) : options.runs;
   // A quick look leaves the large worlds out, unless they are asked for.
@@ -83,8 +83,10 @@ void add_peers(CLI::App& experiment, int& exit_code) {
   peers->add_option("--peers", options->peers, "engines, separated by commas; all by default")
       ->delimiter(',')
       ->check(CLI::IsMember(peer_names()));
-  peers->add_option("--precision", options->precision, "of tactus: double or float")
-      ->check(CLI::IsMember({"double", "float"}))
+  peers
+      ->add_option("--precision", options->precision,
+                   "of tactus: double, mixed (contacts solved in single precision) or float")
+      ->check(CLI::IsMember(experiment::precision_names()))
       ->capture_default_str();
   peers
       ->add_option("--sub-steps", options->sub_steps,

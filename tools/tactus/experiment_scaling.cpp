@@ -22,7 +22,7 @@ struct ScalingOptions {
 
 int run_scaling(const ScalingOptions& options) {
   experiment::EngineOptions engine;
-  engine.single_precision = options.precision == "float";
+  engine.precision = experiment::precision_of(options.precision);
   const auto cases = experiment::scaling_cases(options.quick);
   if (options.count >= 0) {
     const auto index = static_cast<std::size_t>(options.count);
@@ -53,8 +53,8 @@ void add_scaling(CLI::App& experiment, int& exit_code) {
       "One core, CPU time. Where valgrind is installed, instructions are counted too, of the worlds of up to 1000\n"
       "cubes. Exit status 1: work was left out by a capacity, and the row does not count.\n\n"
       "Example:\n  tactus experiment scaling --csv scaling.csv --svg scaling.svg");
-  scaling->add_option("--precision", options->precision, "double or float")
-      ->check(CLI::IsMember({"double", "float"}))
+  scaling->add_option("--precision", options->precision, "double, mixed (contacts solved in single precision) or float")
+      ->check(CLI::IsMember(experiment::precision_names()))
       ->capture_default_str();
   scaling->add_option("--csv", options->csv, "writes the rows to this file");
   scaling->add_option("--svg", options->svg, "plots cost against contact points into this file");

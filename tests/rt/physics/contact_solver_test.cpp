@@ -66,7 +66,7 @@ template <class T, int kWidth>
 void solve_steps(Heap<T>& heap) {
   ContactSolver<T, kWidth> solver(heap.capacities);
   const SweepRule<T> rule{Softness<T>::make(T(250), T(10), T(2.5e-4)), T(4000), T(1e-5), T(0.25)};
-  solver.prepare(heap.contacts, heap.bodies());
+  solver.prepare(std::span<const Contact<T>>(heap.contacts), heap.bodies());
   for (int sub_step = 0; sub_step < 3; ++sub_step) {
     solver.warm_start(heap.bodies());
     solver.solve_biased(heap.bodies(), rule);
@@ -75,7 +75,7 @@ void solve_steps(Heap<T>& heap) {
     solver.scale_impulses(T(0.75));
   }
   solver.relax(heap.bodies(), rule, false, false);
-  solver.store(heap.contacts, T(1));
+  solver.store(std::span(heap.contacts), T(1));
 }
 
 template <class T>
@@ -163,9 +163,10 @@ TEST_CASE("Bodies moved together have the bits of bodies moved one by one") {
   auto [bodies, motion] = make(103);
   auto single = motion;
   const double h = 2.5e-4;
-  move_bodies<double>(motion, bodies, h);
+  move_bodies<double, double>(motion, bodies, h);
   for (std::size_t i = 0; i < single.size(); ++i) {
-    move_bodies<double>(std::span(single).subspan(i, 1), std::span<const Body<double>>(bodies).subspan(i, 1), h);
+    move_bodies<double, double>(std::span(single).subspan(i, 1), std::span<const Body<double>>(bodies).subspan(i, 1),
+                                h);
     CHECK(motion[i].delta_position == single[i].delta_position);
     CHECK(motion[i].delta_rotation == single[i].delta_rotation);
     CHECK(motion[i].w == single[i].w);
