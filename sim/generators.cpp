@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/random.h"
+
 namespace tactus::sim {
 namespace {
 
@@ -15,23 +17,6 @@ Body<double> box(const Vec3d& size_m, double mass_kg, double friction, const Vec
 }
 
 Quatd about_z(double angle_rad) { return quat_from_rotation_vector(Vec3d{0, 0, angle_rad}); }
-
-// Uniform numbers of our own: a standard library's distributions differ from one to the next.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double symmetric() {  // in [-1, 1)
-    state_ += 0x9e3779b97f4a7c15ull;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    z ^= z >> 31;
-    return static_cast<double>(z >> 11) * 0x1p-52 - 1.0;
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 // How the layers of a pile are laid out: columns along x, rows along y, for the least square-like layer that holds
 // them.

@@ -47,7 +47,7 @@ physics::Capacities capacities_for(const Scene& scene) noexcept {
 physics::StepSettings<double> settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
   physics::StepSettings<double> settings;
   settings.dt = options.reach.ratio * options.reach.tick_period_s;
-  settings.sub_steps = options.reach.ratio * scene.solver.global_sub_steps_per_tick;
+  settings.sub_steps = scene.solver.global_sub_steps(options.reach.ratio);
   settings.contact_hertz = scene.solver.contact_hertz;
   settings.relax_sweeps = std::max(
       scene.solver.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
@@ -65,8 +65,8 @@ SleepRule sleep_rule_for(const Scene& scene, const GlobalOptions& options, doubl
 }
 
 // The scene's moving and fixed bodies, all at once.
-physics::World<double> world_of(const Scene& scene) {
-  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes);
+physics::World<double> world_of(const Scene& scene, physics::SweepPrecision precision) {
+  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, precision);
   for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
   world.index_fixed_bodies();
   return world;
@@ -86,8 +86,8 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
     return Status::error("direct coupling runs the whole world at the haptic rate: it has no global world");
   if (options.reach.ratio == 0 || !(options.reach.tick_period_s > 0))
     return Status::error("the ratio must be 1 or more, and the tick period above 0 s");
-  if (scene.solver.global_sub_steps_per_tick == 0)
-    return Status::error("solver.global_sub_steps_per_tick is 0: give 1 or more");
+  if (!(scene.solver.global_sub_steps_per_tick > 0))
+    return Status::error("solver.global_sub_steps_per_tick is 0: give 0.1 or more");
   if (scene.proxy >= scene.bodies.size() || scene.bodies[scene.proxy].kind != BodyKind::kDynamic)
     return Status::error("the scene's proxy must be one of its dynamic bodies");
   if (options.extraction.cap == 0 || options.extraction.cap > haptics::kMaxMembers)
@@ -106,7 +106,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     : options_(options),
       settings_(settings_for(scene, options)),
       bounds_settings_(settings_),
-      world_(world_of(scene)),
+      world_(world_of(scene, options.precision)),
       hulls_(scene.hulls),
       meshes_(scene.meshes),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
@@ -127,7 +127,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
        islands_.bodies()[proxy].motion.pose});
   regions_.resize(devices_.size());
   if (scene.solver.far_sub_steps_per_tick > 0)
-    bounds_settings_.sub_steps = options.reach.ratio * scene.solver.far_sub_steps_per_tick;
+    bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
   if (scene.sleeping.from_start) sleep_from_start();

@@ -29,7 +29,8 @@ struct GlobalOptions {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   physics::BorderMode border_mode{physics::BorderMode::kCapped};
   ExtractionOptions extraction;
-  ReachSettings reach;             // with the ratio and the tick period
+  ReachSettings reach;  // with the ratio and the tick period
+  physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
   double touch_tolerance_m{1e-4};  // before the first step, bodies this near count as touching
 };
 

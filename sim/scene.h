@@ -4,6 +4,7 @@
 // Thread: [setup], normal threads.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,8 +58,18 @@ struct HandScript {
 struct SolverChoice {
   double contact_hertz{250}, contact_damping_ratio{10};
   unsigned sub_steps{4}, relax_sweeps{1};  // haptic side
-  unsigned global_sub_steps_per_tick{1};   // global side: sub-steps of a global step = this x ratio
-  unsigned far_sub_steps_per_tick{0};      // same, of what does not hang together with a sub-world; 0: as many
+  double global_sub_steps_per_tick{1};     // global side: sub-steps of a global step = this x ratio, rounded up
+  double far_sub_steps_per_tick{0};        // same, of what does not hang together with a sub-world; 0: as many
+
+  // Of a global step of `ratio` ticks.
+  unsigned global_sub_steps(unsigned ratio) const noexcept { return sub_steps_in(global_sub_steps_per_tick, ratio); }
+  unsigned far_sub_steps(unsigned ratio) const noexcept { return sub_steps_in(far_sub_steps_per_tick, ratio); }
+
+ private:
+  static unsigned sub_steps_in(double per_tick, unsigned ratio) noexcept {
+    constexpr double kRounding = 1e-9;  // 0.1 x 10 is 1
+    return static_cast<unsigned>(std::ceil(per_tick * ratio - kRounding));
+  }
 };
 
 // What a generator made, and what it says of its own work.

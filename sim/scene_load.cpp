@@ -85,18 +85,18 @@ class SceneReader {
     solver.sub_steps = t.count("sub_steps", solver.sub_steps, {"a number of sub-steps", 1, 64});
     solver.relax_sweeps = t.count("relax_sweeps", solver.relax_sweeps, {"a number of sweeps", 1, 16});
     solver.global_sub_steps_per_tick =
-        t.count("global_sub_steps_per_tick", solver.global_sub_steps_per_tick, {"a number of sub-steps", 1, 16});
-    solver.far_sub_steps_per_tick = t.count("far_sub_steps_per_tick", solver.global_sub_steps_per_tick,
-                                            {"a number of sub-steps", 1, double(solver.global_sub_steps_per_tick)});
+        t.number("global_sub_steps_per_tick", solver.global_sub_steps_per_tick, {"a number of sub-steps", 0.1, 16});
+    solver.far_sub_steps_per_tick = t.number("far_sub_steps_per_tick", solver.global_sub_steps_per_tick,
+                                             {"a number of sub-steps", 0.1, solver.global_sub_steps_per_tick});
     solver.contact_hertz = t.number("contact_hertz_Hz", solver.contact_hertz, {"a contact frequency", 1, 10000});
     solver.contact_damping_ratio =
         t.number("contact_damping_ratio", solver.contact_damping_ratio, {"a damping ratio", 0.1, 100});
     const double highest = max_contact_hertz(solver, kNominalTick_s);
     if (solver.contact_hertz > highest)
       t.mistake("contact_hertz_Hz",
-                fmt::format("{} Hz is too stiff for {} haptic and {} global sub-steps in a tick of 1 ms",
+                fmt::format("{:g} Hz is too stiff for {} haptic and {:g} global sub-steps in a tick of 1 ms",
                             solver.contact_hertz, solver.sub_steps, solver.global_sub_steps_per_tick),
-                fmt::format("at most {} Hz: 250 Hz x the smallest number of sub-steps", highest));
+                fmt::format("at most {:g} Hz: 250 Hz x the smallest number of sub-steps", highest));
     t.finish();
   }
 
@@ -354,7 +354,7 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
 }
 
 double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept {
-  unsigned fewest = std::min(solver.sub_steps, solver.global_sub_steps_per_tick);
+  double fewest = std::min(double(solver.sub_steps), solver.global_sub_steps_per_tick);
   if (solver.far_sub_steps_per_tick > 0) fewest = std::min(fewest, solver.far_sub_steps_per_tick);
   return 0.25 * fewest / tick_s;
 }

@@ -217,7 +217,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.capacity.contacts_per_body = static_cast<double>(report.start.contacts) / std::max(1u, report.bodies.dynamic);
   report.capacity.sub_world_contacts =
       static_cast<unsigned>(std::ceil(report.capacity.contacts_per_body * report.capacity.members_possible));
-  report.capacity.global_sub_steps = scene.ratio * scene.solver.global_sub_steps_per_tick;
+  report.capacity.global_sub_steps = scene.solver.global_sub_steps(scene.ratio);
   find_problems(scene, report);
   return report;
 }

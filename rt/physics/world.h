@@ -23,13 +23,10 @@
 #include "rt/physics/pose_spring.h"
 #include "rt/physics/solver.h"
 #include "rt/physics/step.h"
+#include "rt/physics/sweep_precision.h"
 #include "rt/physics/warm_start.h"
 
 namespace tactus::physics {
-
-// The numbers that contacts are solved with: the world's own, or single precision (solver.h). In a large world that
-// takes about half the time, and speeds are exact to about 1e-7 of themselves. Spring and border need the world's own.
-enum class SweepPrecision : std::uint8_t { kFull, kSingle };
 
 template <class T>
 class World {

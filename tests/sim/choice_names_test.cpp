@@ -15,6 +15,8 @@ TEST_CASE("Every choice has a name, and its name gives it back") {
     CHECK(sim::parse_cut_order(sim::name_of(order)) == order);
   for (const auto reach : {sim::Reach::kTwoCycles, sim::Reach::kPaper})
     CHECK(sim::parse_reach(sim::name_of(reach)) == reach);
+  for (const auto precision : {physics::SweepPrecision::kFull, physics::SweepPrecision::kSingle})
+    CHECK(sim::parse_precision(sim::name_of(precision)) == precision);
 }
 
 TEST_CASE("Names are the words of the command line") {
@@ -29,4 +31,5 @@ TEST_CASE("Other words name nothing") {
   CHECK_FALSE(sim::parse_border_mode("ghost"));
   CHECK_FALSE(sim::parse_cut_order("best"));
   CHECK_FALSE(sim::parse_reach("Paper"));
+  CHECK_FALSE(sim::parse_precision("float"));
 }

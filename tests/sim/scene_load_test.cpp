@@ -231,7 +231,12 @@ TEST_CASE("the far region has as many sub-steps as the near one, or fewer, but e
   const std::string near = "[simulation]\nsub_steps = 8\nglobal_sub_steps_per_tick = 4\n";
   CHECK(good(near + kProxy).solver.far_sub_steps_per_tick == 4);
   CHECK(good(near + "far_sub_steps_per_tick = 1" + kProxy).solver.far_sub_steps_per_tick == 1);
-  CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 5" + kProxy).message(), Contains("from 1 to 4"));
+  CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 5" + kProxy).message(), Contains("<= 4"));
+  const auto few = good("[simulation]\nglobal_sub_steps_per_tick = 0.4\ncontact_hertz_Hz = 100" + kProxy).solver;
+  CHECK(few.global_sub_steps(10) == 4);
+  CHECK(few.global_sub_steps(1) == 1);
+  CHECK(few.far_sub_steps(8) == 4);
+  CHECK_THAT(diagnose("[simulation]\nglobal_sub_steps_per_tick = 0" + kProxy).message(), Contains(">= 0.1"));
   CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 1\ncontact_hertz_Hz = 500" + kProxy).message(),
              Contains("at most 250 Hz"));
 }

@@ -33,10 +33,11 @@ std::string_view precision_name(Precision precision) noexcept {
   return precision_names()[static_cast<std::size_t>(precision)];
 }
 
-Precision precision_of(std::string_view name) noexcept {
+std::optional<Precision> precision_of(std::string_view name) noexcept {
   const auto& names = precision_names();
   const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? Precision::kDouble : static_cast<Precision>(found - names.begin());
+  if (found == names.end()) return std::nullopt;
+  return static_cast<Precision>(found - names.begin());
 }
 
 double residual_speed(const std::vector<CubeState>& cubes) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,19 +37,22 @@ class Engine {
   virtual std::string settings() const = 0;          // what it runs with, in a line
   // Why its figures do not count (work was left out); empty while they do.
   virtual std::string failure() const { return {}; }
+  // Of the last step, the time in which pairs were found [us]; 0 where it was not asked for.
+  virtual double broad_phase_us() const { return 0; }
 };
 
 // Of tactus; the peers are as their packages are built. Mixed: double, and contacts solved in single precision.
 enum class Precision : std::uint8_t { kDouble, kMixed, kSingle };
 // "double", "mixed" or "float".
 std::string_view precision_name(Precision precision) noexcept;
-Precision precision_of(std::string_view name) noexcept;  // double where there is no such name
+std::optional<Precision> precision_of(std::string_view name) noexcept;
 const std::vector<std::string>& precision_names();
 
 struct EngineOptions {
   bool tuned{false};
-  Precision precision{Precision::kDouble};  // tactus only
-  unsigned sub_steps{0};                    // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
+  std::optional<Precision> precision;  // tactus only; none: as in a run, mixed where the world is a global one
+  bool time_broad_phase{false};        // tactus only
+  unsigned sub_steps{0};               // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
 };
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);

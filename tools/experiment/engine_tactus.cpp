@@ -1,5 +1,6 @@
-// tactus itself: the world that both the haptic and the global side use, with the broad phase of the side whose size it
-// has: up to the most that a sub-world holds that of the haptic side, beyond that of the global one.
+// tactus itself: the world that both the haptic and the global side use, with the broad phase and the precision of the
+// side whose size it has: up to the most that a sub-world holds those of the haptic side, beyond those of the global
+// one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include "rt/haptics/snapshot.h"
 #include "sim/pair_grid.h"
 #include "tools/experiment/engine.h"
+#include "tools/experiment/timing.h"
 
 namespace tactus::experiment {
 namespace {
@@ -36,6 +38,9 @@ bool is_mixed(const BoxScene& scene) {
                      [&](const Cube& cube) { return cube.edge_m != scene.cubes.front().edge_m; });
 }
 
+// Larger than a sub-world can be?
+bool is_global(const BoxScene& scene) { return scene.cubes.size() + (scene.paddle ? 1 : 0) > haptics::kMaxMembers; }
+
 physics::Capacities capacities_of(const BoxScene& scene) {
   const auto bodies = static_cast<std::uint32_t>(scene.cubes.size() + 1);
   const bool mixed = is_mixed(scene);
@@ -57,9 +62,11 @@ physics::StepSettings<T> settings_of(const BoxScene& scene, unsigned sub_steps) 
 template <class T>
 class TactusEngine final : public Engine {
  public:
-  TactusEngine(const BoxScene& scene, const EngineOptions& options)
+  TactusEngine(const BoxScene& scene, const EngineOptions& options, Precision precision)
       : settings_(settings_of<T>(scene, options.sub_steps)),
-        precision_(options.precision),
+        precision_(precision),
+        is_global_(is_global(scene)),
+        times_broad_phase_(options.time_broad_phase),
         world_(capacities_of(scene), {}, {},
                precision_ == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
         grid_(capacities_of(scene).bodies),
@@ -88,9 +95,10 @@ class TactusEngine final : public Engine {
       spring.target_velocity.linear = as<T>(paddle_->velocity_at(time_s_));
     }
     world_.begin_step(settings_);
-    const bool all = world_.bodies().size() <= haptics::kMaxMembers
-                         ? physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs())
-                         : grid_.find(world_.bounds(), world_.dynamic_pairs());
+    const double start_us = times_broad_phase_ ? thread_time_us() : 0;
+    const bool all = !is_global_ ? physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs())
+                                 : grid_.find(world_.bounds(), world_.dynamic_pairs());
+    if (times_broad_phase_) broad_phase_us_ = thread_time_us() - start_us;
     if (!all) lost_ |= physics::kPairsFull;
     report_ = world_.finish_step(settings_);
     lost_ |= report_.capacity_bits;
@@ -124,6 +132,8 @@ class TactusEngine final : public Engine {
                        static_cast<double>(settings_.contact_damping_ratio));
   }
 
+  double broad_phase_us() const override { return broad_phase_us_; }
+
   std::string failure() const override {
     if (lost_ == 0) return {};
     return fmt::format("work was left out: capacity bits {:#x} (1 bodies, 4 pairs, 8 contacts)", lost_);
@@ -150,6 +160,8 @@ class TactusEngine final : public Engine {
 
   physics::StepSettings<T> settings_;
   Precision precision_;
+  bool is_global_, times_broad_phase_;
+  double broad_phase_us_{0};
   physics::World<T> world_;
   sim::PairGrid grid_;
   std::optional<Paddle> paddle_;
@@ -162,8 +174,10 @@ class TactusEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options) {
-  if (options.precision == Precision::kSingle) return std::make_unique<TactusEngine<float>>(scene, options);
-  return std::make_unique<TactusEngine<double>>(scene, options);
+  const Precision as_in_a_run = is_global(scene) ? Precision::kMixed : Precision::kDouble;
+  const Precision precision = options.precision.value_or(as_in_a_run);
+  if (precision == Precision::kSingle) return std::make_unique<TactusEngine<float>>(scene, options, precision);
+  return std::make_unique<TactusEngine<double>>(scene, options, precision);
 }
 
 }  // namespace tactus::experiment

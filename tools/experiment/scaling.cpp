@@ -26,6 +26,8 @@ namespace {
 constexpr unsigned kCountedSteps = 3;
 constexpr std::uint32_t kCountedMost = 1000;  // cubes: larger worlds take minutes under valgrind and are timed only
 
+constexpr std::uint32_t kMixedCubes = 10000;  // of the worlds with cubes of many sizes
+
 BoxScene scene_of(const ScalingCase& one) { return make_pile(one.sweep, one.pile); }
 
 std::unique_ptr<Engine> settled(const ScalingCase& one, EngineOptions options, double settle_s) {
@@ -37,19 +39,23 @@ std::unique_ptr<Engine> settled(const ScalingCase& one, EngineOptions options, d
 }
 
 ScalingRow timed(const ScalingCase& one, const EngineOptions& options) {
-  const auto engine = settled(one, options, one.settle_s);
-  std::vector<double> us;
-  us.reserve(one.timed_steps);
+  EngineOptions timed_options = options;
+  timed_options.time_broad_phase = true;
+  const auto engine = settled(one, timed_options, one.settle_s);
+  std::vector<double> us, broad_phase_us;
+  us.reserve(one.timed_steps), broad_phase_us.reserve(one.timed_steps);
   for (std::uint32_t i = 0; i < one.timed_steps; ++i) {
     const double start = thread_time_us();
     engine->step();
     us.push_back(thread_time_us() - start);
+    broad_phase_us.push_back(engine->broad_phase_us());
   }
   const Measurement m = engine->measure();
   ScalingRow row;
   row.sweep = one.sweep, row.bodies = one.pile.cubes, row.sub_steps = one.sub_steps;
   row.size_ratio = one.pile.largest_edge_m / one.pile.smallest_edge_m;
   row.contact_points = m.contacts, row.touching_pairs = m.touching_pairs;
+  row.broad_phase_us = median(broad_phase_us);
   row.median_us = median(us), row.p99_us = quantile(us, 0.99);
   row.ns_per_point = m.contacts > 0 ? 1e3 * row.median_us / m.contacts : 0;
   row.failure = engine->failure();
@@ -61,8 +67,9 @@ double counted(std::size_t index, const EngineOptions& options, const std::strin
   const std::string out = fmt::format("/tmp/tactus-callgrind.{}", getpid());
   const std::string command = fmt::format(
       "valgrind --tool=callgrind --callgrind-out-file={} --instr-atstart=no "
-      "'{}' experiment scaling --count {} --precision {}{} >/dev/null 2>&1",
-      out, program, index, precision_name(options.precision), quick ? " --quick" : "");
+      "'{}' experiment scaling --count {}{}{} >/dev/null 2>&1",
+      out, program, index, options.precision ? fmt::format(" --precision {}", precision_name(*options.precision)) : "",
+      quick ? " --quick" : "");
   if (std::system(command.c_str()) != 0) return 0;
   std::ifstream file(out);
   double instructions = 0;
@@ -86,7 +93,7 @@ std::vector<ScalingCase> scaling_cases(bool quick) {
     cases.push_back({"sub-steps", {.cubes = 250, .step_s = 1e-2}, sub_steps});
   for (const double ratio : {1.0, 3.0, 10.0, 20.0})
     cases.push_back({"sizes",
-                     {.cubes = 1000,
+                     {.cubes = quick ? 1000 : kMixedCubes,
                       .step_s = 1e-2,
                       .smallest_edge_m = 0.1 / std::sqrt(ratio),
                       .largest_edge_m = 0.1 * std::sqrt(ratio)}});

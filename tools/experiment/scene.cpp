@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/random.h"
+
 namespace tactus::experiment {
 namespace {
 
@@ -13,27 +15,7 @@ constexpr double kJitter = 0.05;     // of the edge, to either side: less than t
 constexpr double kTilt_rad = 0.3;    // about each axis, at most
 constexpr double kWallHalf_m = 0.5;  // thick enough that nothing gets through
 
-// SplitMix64: a standard library's distributions differ from one to the next.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform() {  // in [0, 1)
-    state_ += 0x9e3779b97f4a7c15ull;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    z ^= z >> 31;
-    return static_cast<double>(z >> 11) * 0x1p-53;
-  }
-  double symmetric() { return 2 * uniform() - 1; }
-  Vec3d vector(double most) {
-    const double x = symmetric(), y = symmetric(), z = symmetric();
-    return {most * x, most * y, most * z};
-  }
-
- private:
-  std::uint64_t state_;
-};
+using sim::Random;
 
 void add_walls(BoxScene& scene, double width_m, double height_m) {
   const double half = 0.5 * width_m, t = kWallHalf_m, tall = 0.5 * height_m, out = half + 2 * t;

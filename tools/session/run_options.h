@@ -26,11 +26,12 @@ struct RunOptions {
   sim::Reach reach{sim::Reach::kTwoCycles};
   bool all_members{false};  // every dynamic body a member from tick 0
   double rate_Hz{1000};
-  unsigned ratio{0};            // 0: the scene's
-  unsigned members{0};          // 0: the scene's
-  double duration_s{0};         // 0: until stopped; virtual time needs one
-  int cpu{-1};                  // -1: the last core that this process may use
-  unsigned world_threads{1};    // of the global world
+  unsigned ratio{0};          // 0: the scene's
+  unsigned members{0};        // 0: the scene's
+  double duration_s{0};       // 0: until stopped; virtual time needs one
+  int cpu{-1};                // -1: the last core that this process may use
+  unsigned world_threads{1};  // of the global world
+  physics::SweepPrecision world_precision{physics::SweepPrecision::kSingle};
   std::vector<int> world_cpus;  // one for each of them; empty: any
   int priority{80};             // SCHED_FIFO
   bool virtual_time{false};

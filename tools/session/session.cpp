@@ -132,6 +132,7 @@ sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& opt
   sim::GlobalOptions global;
   global.coupling = options.coupling;
   global.border_mode = options.border;
+  global.precision = options.world_precision;
   global.extraction.cap = members_of(scene, options);
   global.extraction.order = options.order;
   global.extraction.all_members = options.all_members;

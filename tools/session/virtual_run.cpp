@@ -28,7 +28,7 @@ class VirtualWorld {
     const auto& s = session_.global->statistics();
     const loop::WorkCounts counts{s.awake, s.pairs, s.contacts, s.points, 0, 0, false};
     const double cost_ns =
-        predict_ns(loop::CostModel{}, counts, session_.scene.solver.global_sub_steps_per_tick * session_.ratio);
+        predict_ns(loop::CostModel{}, counts, session_.scene.solver.global_sub_steps(session_.ratio));
     return static_cast<std::uint64_t>(cost_ns / (session_.options.period_s() * 1e9));
   }
 

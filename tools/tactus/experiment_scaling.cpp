@@ -15,7 +15,7 @@ namespace tactus::tools {
 namespace {
 
 struct ScalingOptions {
-  std::string precision{"double"}, csv, svg;
+  std::string precision, csv, svg;
   int count{-1};
   bool quick{false}, json{false};
 };
@@ -53,9 +53,11 @@ void add_scaling(CLI::App& experiment, int& exit_code) {
       "One core, CPU time. Where valgrind is installed, instructions are counted too, of the worlds of up to 1000\n"
       "cubes. Exit status 1: work was left out by a capacity, and the row does not count.\n\n"
       "Example:\n  tactus experiment scaling --csv scaling.csv --svg scaling.svg");
-  scaling->add_option("--precision", options->precision, "double, mixed (contacts solved in single precision) or float")
-      ->check(CLI::IsMember(experiment::precision_names()))
-      ->capture_default_str();
+  scaling
+      ->add_option("--precision", options->precision,
+                   "double, mixed (contacts solved in single precision) or float;\ndefault: as in a run, mixed beyond "
+                   "256 bodies")
+      ->check(CLI::IsMember(experiment::precision_names()));
   scaling->add_option("--csv", options->csv, "writes the rows to this file");
   scaling->add_option("--svg", options->svg, "plots cost against contact points into this file");
   scaling->add_option("--count", options->count, "runs one case for the count of instructions")->group("");

@@ -26,7 +26,8 @@ std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM
 void ask_to_stop(int) { g_stop.store(true); }
 
 struct Words {
-  std::string coupling{"sub-world"}, border{"capped"}, order{"best-first"}, reach{"two-cycles"}, world_cpus;
+  std::string coupling{"sub-world"}, border{"capped"}, order{"best-first"}, reach{"two-cycles"}, world_cpus,
+      precision{"mixed"};
 };
 
 struct RunCommand {
@@ -51,6 +52,9 @@ Status read_words(RunCommand& command) {
   if (!order) return unknown("--order", w.order, "best-first, breadth-first");
   const auto reach = sim::parse_reach(w.reach);
   if (!reach) return unknown("--reach", w.reach, "two-cycles, paper");
+  const auto precision = sim::parse_precision(w.precision);
+  if (!precision) return unknown("--world-precision", w.precision, "double, mixed");
+  o.world_precision = *precision;
   const auto world_cpus = doctor::parse_cpu_list(w.world_cpus);
   if (!world_cpus) return unknown("--world-cpu", w.world_cpus, "numbers of cores, such as 2 or 1,3-4");
   o.world_cpus = *world_cpus;
@@ -173,6 +177,9 @@ void add_options(CLI::App& app, RunCommand& command) {
       ->check(CLI::Range(0, 1023));
   app.add_option("--world-threads", o.world_threads,
                  "threads that share the steps of the global world; the results are the same bits")
+      ->capture_default_str();
+  app.add_option("--world-precision", command.words.precision,
+                 "of the global world: double, or mixed, where its contacts are solved in single precision")
       ->capture_default_str();
   app.add_option("--world-cpu", command.words.world_cpus,
                  "cores of the global world, one for each of its threads, such as 2 or 1,3-4; default: any.\n"

@@ -120,7 +120,7 @@ TEST_CASE("A body with more contacts than there are colours has the rest solved 
 TEST_CASE("No two contacts of a colour share a moving body, a colour is the first free, what nothing moves has none") {
   const Heap<double> heap = random_heap<double>(5, 60, 300, false);
   ContactColours colours(heap.capacities);
-  colours.assign<double>(heap.contacts, heap.motion);
+  colours.assign(std::span<const Contact<double>>(heap.contacts), std::span<const SolverBody<double>>(heap.motion));
   const auto is_held = [&](std::uint32_t slot) { return heap.motion[slot].inverse_mass == 0; };
   std::size_t not_solved = 0;
   for (std::size_t k = 0; k < heap.contacts.size(); ++k) {
