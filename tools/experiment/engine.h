@@ -50,9 +50,9 @@ const std::vector<std::string>& precision_names();
 
 struct EngineOptions {
   bool tuned{false};
-  std::optional<Precision> precision;  // tactus only; none: as in a run, mixed where the world is a global one
-  bool time_broad_phase{false};        // tactus only
-  unsigned sub_steps{0};               // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
+  std::optional<Precision> precision{};  // tactus only; none: as in a run, mixed where the world is a global one
+  bool time_broad_phase{false};          // tactus only
+  unsigned sub_steps{0};                 // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
 };
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);
