@@ -29,7 +29,8 @@ Solver<T>::Solver(const Capacities& capacities)
       border_(capacities.border_contacts) {}
 
 template <class T>
-void Solver<T>::prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
+void Solver<T>::prepare(const SolverInput<T>& input, StageContext<T>& context) noexcept {
+  const StepSettings<T>& settings = context.settings;
   const auto count = static_cast<std::uint32_t>(input.bodies.size());
   motion_.resize(count), inverse_inertia_.resize(count);
   for_each_body(input.executor, count, [&](std::uint32_t i) noexcept {
@@ -44,6 +45,9 @@ void Solver<T>::prepare(const SolverInput<T>& input, const StepSettings<T>& sett
     inverse_inertia_[i] = rotate_diagonal(body.motion.pose.rotation,
                                           Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
   });
+  context.motion = motion_.span(), context.inverse_inertia = inverse_inertia_.span();
+  input.stages.run(Phase::kPrepare, context);
+  const T h = context.h;
   contacts_.prepare(input.contacts, state(), input.executor);
   border_.prepare(input.border, input.border_mode, input.bodies, state(), h, input.impulse_scale, settings.friction);
   const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
@@ -51,13 +55,7 @@ void Solver<T>::prepare(const SolverInput<T>& input, const StepSettings<T>& sett
 }
 
 template <class T>
-void Solver<T>::apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
-  if (settings.gravity != Vec3<T>{}) {
-    const Vec3<T> change = h * settings.gravity;
-    for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
-      if (motion_[i].inverse_mass > T(0)) motion_[i].v += input.bodies[i].gravity_scale * change;
-    });
-  }
+void Solver<T>::apply_wrenches(const SolverInput<T>& input, T h) noexcept {
   for (std::uint32_t i = 0; i < input.wrenches.size(); ++i) {
     motion_[i].v += (h * motion_[i].inverse_mass) * input.wrenches[i].force;
     motion_[i].w += inverse_inertia_[i] * (h * input.wrenches[i].torque);
@@ -67,11 +65,12 @@ void Solver<T>::apply_forces(const SolverInput<T>& input, const StepSettings<T>&
 // Warm start for a sub-step that no sweep will correct. With d the change of velocity that the impulses make, kinetic
 // energy changes by v.M.d + d.M.d / 2; where that is positive the impulses are scaled to where it is smallest.
 template <class T>
-void Solver<T>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
+void Solver<T>::warm_start_without_gain(const SolverInput<T>& input, StageContext<T>& context) noexcept {
   before_.resize(motion_.size());
   for (std::uint32_t i = 0; i < motion_.size(); ++i) before_[i] = {motion_[i].v, motion_[i].w};
   border_.warm_start(state());
   contacts_.warm_start(state());
+  input.stages.run(Phase::kWarmStart, context);
   T linear = T(0), quadratic = T(0);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
     if (motion_[i].inverse_mass == T(0)) continue;
@@ -87,6 +86,8 @@ void Solver<T>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
   const T factor = quadratic > T(0) ? std::clamp(-linear / quadratic, T(0), T(1)) : T(0);
   contacts_.scale_impulses(factor);
   border_.scale_impulses(factor);
+  context.factor = factor;
+  input.stages.run(Phase::kScale, context);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
     motion_[i].v = before_[i].linear + factor * (motion_[i].v - before_[i].linear);
     motion_[i].w = before_[i].angular + factor * (motion_[i].w - before_[i].angular);
@@ -94,15 +95,19 @@ void Solver<T>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
 }
 
 template <class T>
-void Solver<T>::sweep_relax(const StepSettings<T>& settings, const SweepRule<T>& rule, bool last) noexcept {
+void Solver<T>::sweep_relax(const SolverInput<T>& input, StageContext<T>& context, bool last) noexcept {
   spring_.solve(state());
-  border_.solve(state(), rule, false);
-  contacts_.relax(state(), rule, settings.friction, last);
+  input.stages.run(Phase::kRelax, context);
+  border_.solve(state(), context.rule, false);
+  contacts_.relax(state(), context.rule, context.settings.friction, last);
 }
 
 template <class T>
-void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settings,
-                      std::uint32_t uncorrected) noexcept {
+void Solver<T>::store(const SolverInput<T>& input, StageContext<T>& context, std::uint32_t uncorrected) noexcept {
+  context.factor = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
+  contacts_.store(input.contacts, context.factor);
+  border_.store(input.border, context.settings.dt, context.factor);
+  input.stages.run(Phase::kFinish, context);
   for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
     if (motion_[i].inverse_mass == T(0)) return;
     BodyMotion<T>& motion = input.bodies[i].motion;
@@ -110,16 +115,16 @@ void Solver<T>::store(const SolverInput<T>& input, const StepSettings<T>& settin
     motion.pose.rotation = normalized(motion_[i].delta_rotation * motion.pose.rotation);
     motion.velocity = {motion_[i].v, motion_[i].w};
   });
-  const T share = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
-  contacts_.store(input.contacts, share);
-  border_.store(input.border, settings.dt, share);
 }
 
 template <class T>
 void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
                      StepReport<T>& report) noexcept {
   const T h = settings.dt / static_cast<T>(settings.sub_steps);
-  const SweepRule<T> rule = SweepRule<T>::of(settings, h);
+  StageContext<T> context{input.bodies, input.fixed_bodies, input.frozen, input.contacts, settings,
+                          report,       input.executor};
+  context.h = h, context.rule = SweepRule<T>::of(settings, h);
+  const SweepRule<T>& rule = context.rule;
   std::uint32_t sweep = 0, uncorrected = 0;  // sub-steps since the last relax sweep
   const auto go_on = [&]() noexcept {
     if (report.cut_sweep == kNeverCut && cut(sweep)) report.cut_sweep = sweep;
@@ -128,42 +133,49 @@ void Solver<T>::step(const SolverInput<T>& input, const StepSettings<T>& setting
     return true;
   };
 
-  prepare(input, settings, h);
+  prepare(input, context);
   for (std::uint32_t j = 0; j < settings.sub_steps; ++j) {
+    context.sub_step = j;
     border_.begin_sub_step(j, state());
-    apply_forces(input, settings, h);
+    input.stages.run(Phase::kBeginSubStep, context);
+    input.stages.run(Phase::kForces, context);
+    apply_wrenches(input, h);
     border_.apply_replay(state());
     spring_.begin_sub_step(j, state());
     if (go_on()) {
       border_.warm_start(state());
       contacts_.warm_start(state());
+      input.stages.run(Phase::kWarmStart, context);
       spring_.solve(state());
+      input.stages.run(Phase::kBiased, context);
       border_.solve(state(), rule, true);
       contacts_.solve_biased(state(), rule);
     } else {
       spring_.solve(state());
-      warm_start_without_gain(input);
+      warm_start_without_gain(input, context);
     }
     input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies<T>(motion_.span().subspan(begin, end - begin), input.bodies.subspan(begin, end - begin), h);
     });
+    input.stages.run(Phase::kMoved, context);
     bool counted = false;
     ++uncorrected;
     for (std::uint32_t k = 0; k < settings.relax_sweeps && go_on(); ++k) {
       counted = k + 1 == settings.relax_sweeps;
-      sweep_relax(settings, rule, counted);
+      sweep_relax(input, context, counted);
       uncorrected = 0;
     }
     if (!counted && j + 1 == settings.sub_steps && report.cut_sweep != kNeverCut) {
       contacts_.keep_impulses(input.contacts), border_.keep_impulses(input.border);
-      sweep_relax(settings, rule, true);
+      input.stages.run(Phase::kKeep, context);
+      sweep_relax(input, context, true);
       counted = true;
     }
     if (!counted) contacts_.add_to_totals();
     border_.end_sub_step(state());
     spring_.end_sub_step();
   }
-  store(input, settings, uncorrected);
+  store(input, context, uncorrected);
 }
 
 template class Solver<double>;

@@ -1,7 +1,8 @@
 // A world of rigid bodies in fixed arrays: the engine of the haptic sub-world and of the global world alike.
 //
 // One step: bounds -> (the caller finds pairs) -> narrow phase -> soft-step solver: per sub-step warm start, biased
-// sweep, integrate, relax sweep. Order is fixed: bodies by id, contacts by pair key; same input, same bits.
+// sweep, integrate, relax sweep; and the stages of the effects that it was made with (effects/stage.h). Order is fixed:
+// bodies by id, contacts by pair key; same input, same bits.
 // Thread: construction is [setup]; everything else [rt], by the one owner. No call allocates, throws or logs.
 // Frame: world. Units: SI. Bound: work is linear in pairs and points; capacities as given, overflow by capacity.h.
 // Source: soft-step solver (Catto, Solver2D); implicit-midpoint gyroscopic term.
@@ -14,6 +15,7 @@
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
 #include "rt/physics/contact_table.h"
+#include "rt/physics/effects/effects.h"
 #include "rt/physics/fixed_tree.h"
 #include "rt/physics/near_triangles.h"
 #include "rt/physics/pair_finder.h"
@@ -28,9 +30,10 @@ namespace tactus::physics {
 template <class T>
 class World {
  public:
-  // [setup] Allocates and touches everything. `hulls`, `meshes`: what the bodies' shapes refer to; they must outlive
-  // the world and stay the same.
-  explicit World(const Capacities& capacities, Hulls<T> hulls = {}, Meshes<T> meshes = {});
+  // [setup] Allocates and touches everything. `hulls`, `meshes`: what the bodies' shapes refer to; they and what the
+  // effects are told must outlive the world and stay the same.
+  explicit World(const Capacities& capacities, Hulls<T> hulls = {}, Meshes<T> meshes = {},
+                 const EffectSetups<T>& effects = {});
 
   // [setup] From now on the work of a step is shared where that pays; the results stay, bit by bit.
   void share_work(const Executor& executor) noexcept { executor_ = executor; }
@@ -95,6 +98,10 @@ class World {
   // (the static coupling). To the others it is at rest and infinitely heavy.
   void set_frozen(std::uint32_t slot, bool frozen) noexcept;
 
+  // What is called for beside contacts: their state, and handing it over to another world.
+  Effects<T>& effects() noexcept { return effects_; }
+  const Effects<T>& effects() const noexcept { return effects_; }
+
   // --- books
   T kinetic_energy() const noexcept;                          // J, dynamic bodies
   T potential_energy(const Vec3<T>& gravity) const noexcept;  // J, -sum m g.x
@@ -112,8 +119,8 @@ class World {
   void clear() noexcept;
   bool is_consistent() const noexcept;
   bool refuse(CapacityBit bit) noexcept;
-  void add_pairs() noexcept;
-  void add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept;
+  void add_pairs(StageContext<T>& context) noexcept;
+  void add_fixed_pairs(StageContext<T>& context) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept;
   void solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
              const CutPredicate& cut, StepReport<T>& report) noexcept;
@@ -142,6 +149,7 @@ class World {
   PairOrder pair_order_;
   BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows
   ContactTable<T> contacts_;
+  Effects<T> effects_;
   Solver<T> solver_;
   PoseSpring<T> spring_;
   BoundedVector<BorderContact<T>> border_contacts_;
