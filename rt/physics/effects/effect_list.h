@@ -7,6 +7,7 @@
 
 #include <tuple>
 
+#include "rt/physics/effects/attraction.h"
 #include "rt/physics/effects/contact_torque.h"
 #include "rt/physics/effects/damping.h"
 #include "rt/physics/effects/drag.h"
@@ -22,6 +23,7 @@ using EffectRooms = std::tuple<  //
     Gravity<T>,                  //
     Damping<T>,                  //
     Drag<T>,                     //
+    Attraction<T>,               //
     Kinematics<T>,               //
     Joints<T>,                   //
     ContactTorque<T>,            //
