@@ -12,7 +12,7 @@ Touch touch_of(const physics::Contact<double>& contact, std::span<const physics:
     plain += point.from_a;
   }
   const Vec3d from_a = weight > 0 ? weighted * (1 / weight) : plain * (1.0 / std::max(1u, contact.count));
-  return {contact.slot_a, contact.slot_b, bodies[contact.slot_a].motion.pose.position + from_a, contact.normal};
+  return {contact.slot_a, contact.slot_b, bodies[contact.slot_a].motion.pose.position + from_a, contact.normal, false};
 }
 
 ContactGraph::ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches)

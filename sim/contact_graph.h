@@ -1,10 +1,10 @@
 // Who touches whom: the paper's graph of contacts between moving bodies, as compressed adjacency.
 //
 // One edge per touching pair, with one representative contact: the point where its impulses' mean acts, and its
-// normal. Static geometry is no node. Thread: the global world's; construction [setup], build and component never
-// allocate. Frame: world. Units: m. Bound: bodies and edges as given at construction; edges beyond are left out and
-// counted by the caller. Work: build is linear in bodies + edges, component in the part that it visits.
-// Source: the paper, section 2, equation 1.
+// normal. A joint is an edge too. Static geometry is no node. Thread: the global world's; construction [setup], build
+// and component never allocate. Frame: world. Units: m. Bound: bodies and edges as given at construction; edges beyond
+// are left out and counted by the caller. Work: build is linear in bodies + edges, component in the part that it
+// visits. Source: the paper, section 2, equation 1.
 #pragma once
 
 #include <span>
@@ -17,8 +17,9 @@ namespace tactus::sim {
 // Two dynamic bodies that touch, by slot.
 struct Touch {
   std::uint32_t a{0}, b{0};
-  Vec3d point;   // m, world
-  Vec3d normal;  // unit, world, from a to b
+  Vec3d point;         // m, world
+  Vec3d normal;        // unit, world, from a to b
+  bool joined{false};  // by a joint: where the one is a member, the other should be
 };
 
 // The pair's representative: mean of its points, weighted by the impulse they carried over the step (evenly where none

@@ -37,7 +37,7 @@ std::span<const std::uint32_t> Extraction::choose(std::span<const physics::Body<
     add_close(close, free);
     add_linked(bodies, graph, cap, free);
     add_former();
-    take(cap);
+    take(cap, graph, free);
     graph.find_component(proxy_);  // breadth first asked for more than the component
     count_left_out(cap, graph);
   }
@@ -90,32 +90,46 @@ void Extraction::add_former() noexcept {
   }
 }
 
-void Extraction::take(std::uint32_t cap) noexcept {
+void Extraction::take(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept {
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
     if (a.claim != b.claim) return a.claim < b.claim;
     if (a.score != b.score) return a.score > b.score;
     return a.current != b.current ? a.current : a.slot < b.slot;
   });
   const auto before = static_cast<std::uint32_t>(chosen_.size());
-  std::uint32_t stay = 0;
   chosen_.clear();
+  std::fill(member_.begin(), member_.end(), std::uint8_t{0});
+  std::uint32_t stay = 0;
   for (const Candidate& candidate : candidates_) {
     if (chosen_.size() == cap) break;
+    if (member_[candidate.slot] != 0) continue;  // joined to one that came before
     if (!candidate.current) {
       const bool may_join = first_ || candidate.claim <= Claim::kClose || statistics_.joins < options_.max_joins;
       if (!may_join) continue;
-      ++statistics_.joins;
     } else {
       // Those whose time is over stay only where too many would go at once.
       if (candidate.claim == Claim::kLeaving && before - stay <= options_.max_leaves) break;
-      ++stay;
     }
+    const auto first = chosen_.size();
+    member_[candidate.slot] = 1;
     chosen_.push_back(candidate.slot);
+    bring_joined(cap, graph, free);
+    for (auto i = first; i < chosen_.size(); ++i) ++(was_member_[chosen_[i]] != 0 ? stay : statistics_.joins);
   }
   statistics_.leaves = before - stay;
   std::sort(chosen_.begin(), chosen_.end());
-  std::fill(member_.begin(), member_.end(), std::uint8_t{0});
-  for (const std::uint32_t slot : chosen_) member_[slot] = 1;
+}
+
+// Those that joints link to the last one chosen, however far, nearest first.
+void Extraction::bring_joined(std::uint32_t cap, const ContactGraph& graph,
+                              std::span<const std::uint8_t> free) noexcept {
+  for (std::size_t head = chosen_.size() - 1; head < chosen_.size(); ++head)
+    for (const auto& link : graph.links(chosen_[head])) {
+      if (!graph.touches()[link.touch].joined || member_[link.body] != 0 || chosen_.size() >= cap) continue;
+      if (!free.empty() && free[link.body] == 0) continue;
+      member_[link.body] = 1;
+      chosen_.push_back(link.body);
+    }
 }
 
 void Extraction::take_all(std::uint32_t bodies) noexcept {

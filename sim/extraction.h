@@ -3,10 +3,11 @@
 // In this order, until the cap: the proxy; bodies in the boundary cube, nearest first; bodies that contacts link to the
 // proxy, by influence (or by hops, as the paper may have meant); members of before that fell out a moment ago. Against
 // flicker a member's influence counts double (its hops one less), and one that no longer qualifies stays a few cycles
-// while there is room. Few bodies join or leave at once, so that the tick that adopts them stays short: only the cube
-// may join more. So the sub-world grows over the cycles, as the paper's does.
-// Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never exceeded; what was left out is
-// counted. Ties by slot, which is by body id. Source: the paper, section 2; influence in sim/influence.h.
+// while there is room. Whoever gets a place brings along those that joints link to him. Few bodies join or leave at
+// once, so that the tick that adopts them stays short: only the cube and what is joined may join more. So the sub-world
+// grows over the cycles, as the paper's does. Thread: the global world's; construction [setup]. Units: SI. Bound: the
+// cap, never exceeded; what was left out is counted. Ties by slot, which is by body id. Source: the paper, section 2;
+// influence in sim/influence.h.
 #pragma once
 
 #include "rt/haptics/snapshot.h"
@@ -77,7 +78,8 @@ class Extraction {
   void add_linked(std::span<const physics::Body<double>> bodies, ContactGraph& graph, std::uint32_t cap,
                   std::span<const std::uint8_t> free) noexcept;
   void add_former() noexcept;
-  void take(std::uint32_t cap) noexcept;
+  void take(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept;
+  void bring_joined(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept;
   void take_all(std::uint32_t bodies) noexcept;
   void count_left_out(std::uint32_t cap, const ContactGraph& graph) noexcept;
 

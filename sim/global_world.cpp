@@ -5,7 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "rt/haptics/snapshot_bytes.h"
 #include "sim/mesh_neighbourhood.h"
+#include "sim/scene_effects.h"
 
 namespace tactus::sim {
 namespace {
@@ -52,9 +54,7 @@ physics::StepSettings<double> settings_for(const Scene& scene, const GlobalOptio
   settings.relax_sweeps = std::max(
       scene.solver.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
   settings.contact_damping_ratio = scene.solver.contact_damping_ratio;
-  settings.gravity = scene.effects.gravity ? scene.gravity_m_per_s2 : Vec3d{};
-  settings.friction = scene.effects.friction;
-  settings.gyroscopic = scene.effects.gyroscopic;
+  choose_effects(scene, settings);
   return settings;
 }
 
@@ -64,9 +64,13 @@ SleepRule sleep_rule_for(const Scene& scene, const GlobalOptions& options, doubl
           static_cast<std::uint32_t>(std::max(1.0, std::ceil(choice.after_s / step_s)))};
 }
 
+std::uint32_t touches_for(const Scene& scene) noexcept {
+  return capacities_for(scene).contacts + static_cast<std::uint32_t>(scene.effect_data.joints.size());
+}
+
 // The scene's moving and fixed bodies, all at once.
 physics::World<double> world_of(const Scene& scene, physics::SweepPrecision precision) {
-  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, precision);
+  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, effect_setups(scene), precision);
   for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
   world.index_fixed_bodies();
   return world;
@@ -111,20 +115,19 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       meshes_(scene.meshes),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
       grid_(capacities_for(scene).bodies),
-      graph_(capacities_for(scene).bodies, capacities_for(scene).contacts),
+      graph_(capacities_for(scene).bodies, touches_for(scene)),
       border_log_(capacities_for(scene).contacts),
       bounds_(capacities_for(scene).bodies),
       free_(capacities_for(scene).bodies),
       held_(capacities_for(scene).bodies) {
-  touches_.reserve(capacities_for(scene).contacts);
+  touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
   const std::int32_t found = islands_.place_of(scene.proxy);
   TACTUS_CHECK(found >= 0, scene.proxy, scene.bodies.size());
   const auto proxy = static_cast<std::uint32_t>(found);
-  devices_.push_back(
-      {scene.proxy, proxy,
-       Extraction(options.extraction, options.reach, islands_.bodies(), proxy, capacities_for(scene).contacts),
-       islands_.bodies()[proxy].motion.pose});
+  devices_.push_back({scene.proxy, proxy,
+                      Extraction(options.extraction, options.reach, islands_.bodies(), proxy, touches_for(scene)),
+                      islands_.bodies()[proxy].motion.pose});
   regions_.resize(devices_.size());
   if (scene.solver.far_sub_steps_per_tick > 0)
     bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
@@ -203,6 +206,7 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   impose_motion(device, report);
   wake_near(device);
   if (options_.coupling == CouplingScheme::kSubWorld) {
+    haptics::read_effects(report.effects, true, world_);
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
     const HandBack back = hand_back_border(report.border.span(), member_slots(device), options_.border_mode, world_);
     statistics_.handed_back_impulse_Ns += back.magnitude_Ns;
@@ -268,7 +272,24 @@ void GlobalWorld::find_touches() noexcept {
     touch.a = place[touch.a], touch.b = place[touch.b];
     touches_.push_back(touch);
   }
+  add_joined();
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+}
+
+void GlobalWorld::add_joined() noexcept {
+  const auto* joints = world_.effects().find<physics::Joints<double>>();
+  if (joints == nullptr) return;
+  const auto place = islands_.awake();
+  const auto bodies = std::as_const(world_).bodies();
+  joints->for_each_link(bodies, [&](std::uint32_t a, std::uint32_t b, std::uint32_t joint) noexcept {
+    const Posed &at_a = bodies[a].motion.pose, &at_b = bodies[b].motion.pose;
+    if (touches_.size() < touches_.capacity())
+      touches_.push_back({place[a], place[b], at_b * joints->joints()[joint].b_from_joint.position,
+                          normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1}), true});
+  });
+  const auto states = joints->states();
+  statistics_.broken_joints = static_cast<std::uint32_t>(
+      std::count_if(states.begin(), states.end(), [](const auto& s) { return s.broken != 0; }));
 }
 
 // Before the first step nothing has pressed yet: what is within the tolerance counts as touching.
@@ -296,9 +317,10 @@ void GlobalWorld::find_touches_at_rest() noexcept {
     Vec3d from_a;
     for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;
     touches_.push_back(
-        {place[a], place[b], bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal});
+        {place[a], place[b], bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal, false});
   }
   pairs.clear();
+  add_joined();
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
 }
 
@@ -323,10 +345,12 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   for (const std::uint32_t place : members) TACTUS_CHECK(next.members.try_push(bodies[place].id), place, 0);
   next.border.clear();
   next.warm_starts.clear();
+  next.effects.clear();
   fill_joiners(device, next);
   fill_near_triangles(bodies, world_.fixed_bodies(), meshes_, members, device.proxy, options_.reach, next);
   if (options_.coupling == CouplingScheme::kSubWorld) {
     fill_warm_starts(device, next);
+    if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
     if (cycle > 0)
       next.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), member_slots(device),
                                        settings_.dt, next.border);

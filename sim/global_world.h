@@ -53,6 +53,7 @@ struct GlobalStatistics {
   std::uint64_t handed_back_skipped{0};
   double stopped_energy_J{0};  // kinetic: of bodies that fell asleep
   double deepest_m{0};
+  std::uint32_t broken_joints{0};  // by now
 };
 
 // Can this scene be run so? Else one line that says why not.
@@ -60,7 +61,7 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options);
 
 class GlobalWorld {
  public:
-  // The options must have passed check_global_options. The scene's hulls and meshes must outlive the world.
+  // The options must have passed check_global_options. The scene must outlive the world.
   GlobalWorld(const Scene& scene, const GlobalOptions& options);
 
   // [setup] From now on the pool's threads share the work of the steps; the results stay, bit by bit.
@@ -115,6 +116,7 @@ class GlobalWorld {
   void find_touches_at_rest() noexcept;
   void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
   void find_touches() noexcept;
+  void add_joined() noexcept;
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;

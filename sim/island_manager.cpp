@@ -1,6 +1,7 @@
 #include "sim/island_manager.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "rt/base/hash.h"
 
@@ -88,11 +89,19 @@ bool IslandManager::wake_marked(World& world) noexcept {
   return true;
 }
 
+// What overlapping bounds and joints link.
+void IslandManager::find_islands(World& world) noexcept {
+  islands_.build(static_cast<std::uint32_t>(awake_.size()), world.dynamic_pairs());
+  if (const auto* joints = world.effects().find<physics::Joints<double>>())
+    joints->for_each_link(std::as_const(world).bodies(),
+                          [this](std::uint32_t a, std::uint32_t b, std::uint32_t) noexcept { islands_.link(a, b); });
+}
+
 std::span<const std::uint8_t> IslandManager::find_far(std::span<const std::uint8_t> held,
                                                       std::span<const Aabb<double>> regions, World& world) noexcept {
   const auto count = static_cast<std::uint32_t>(awake_.size());
   const auto bounds = world.bounds();
-  islands_.build(count, world.dynamic_pairs());
+  find_islands(world);
   stays_.assign(count, 0);
   for (std::uint32_t slot = 0; slot < count; ++slot)
     if (held[awake_[slot]] != 0 ||
@@ -135,7 +144,7 @@ void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const
   const auto slow = [this](std::uint32_t place) noexcept { return slow_steps_[place] >= rule_.steps; };
   if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
   const auto count = static_cast<std::uint32_t>(awake_.size());
-  islands_.build(count, world.dynamic_pairs());
+  find_islands(world);
   stays_.assign(count, 0);  // of an island: by its lowest slot
   for (std::uint32_t slot = 0; slot < count; ++slot) {
     std::uint8_t& stays = stays_[islands_.of(slot)];

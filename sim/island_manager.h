@@ -1,13 +1,13 @@
 // Who of the global world's bodies is awake, and what sleeps beside it.
 //
-// An island is what hangs together by overlapping bounds: all that touches, and what is so near that it would wake its
-// neighbour in the next step. Static geometry links nobody. When every body of an island has been slow for long enough,
-// the whole island leaves the world: its bodies stop, their contacts' impulses are kept, and from then on it costs
-// nothing but a look where something awake comes near. It comes back as one: with the bodies where they were, and the
-// impulses as warm starts, so that a heap carries its own weight from the first sub-step on.
-// A body's place is its rank by id among all that move; its slot, its rank among those that are awake, as in the world.
-// Thread: construction [setup]; the rest: the global world's owner, allocates nothing. Frame: world. Units: SI.
-// Bound: as many bodies as given; impulses of contacts that do not fit are left out (a colder start).
+// An island is what hangs together by joints and by overlapping bounds: all that touches, and what is so near that it
+// would wake its neighbour in the next step. Static geometry links nobody. When every body of an island has been slow
+// for long enough, the whole island leaves the world: its bodies stop, their contacts' impulses are kept, and from then
+// on it costs nothing but a look where something awake comes near. It comes back as one: with the bodies where they
+// were, and the impulses as warm starts, so that a heap carries its own weight from the first sub-step on. A body's
+// place is its rank by id among all that move; its slot, its rank among those that are awake, as in the world. Thread:
+// construction [setup]; the rest: the global world's owner, allocates nothing. Frame: world. Units: SI. Bound: as many
+// bodies as given; impulses of contacts that do not fit are left out (a colder start).
 #pragma once
 
 #include "rt/physics/world.h"
@@ -74,6 +74,7 @@ class IslandManager {
   };
 
   physics::Aabb<double> bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept;
+  void find_islands(World& world) noexcept;
   bool mark(std::uint32_t place) noexcept;
   bool wake_marked(World& world) noexcept;
   void lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept;

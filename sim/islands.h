@@ -19,10 +19,11 @@ class Islands {
   void build(std::uint32_t bodies, const BoundedVector<physics::SlotPair>& edges) noexcept {
     TACTUS_CHECK(bodies <= parent_.size(), bodies, parent_.size());
     for (std::uint32_t slot = 0; slot < bodies; ++slot) parent_[slot] = slot;
-    for (const auto& edge : edges) {
-      const std::uint32_t a = of(edge.a), b = of(edge.b);
-      parent_[std::max(a, b)] = std::min(a, b);
-    }
+    for (const auto& edge : edges) link(edge.a, edge.b);
+  }
+  void link(std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+    const std::uint32_t a = of(slot_a), b = of(slot_b);
+    parent_[std::max(a, b)] = std::min(a, b);
   }
 
   // Its island: the lowest slot in it.

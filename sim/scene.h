@@ -10,13 +10,30 @@
 #include <vector>
 
 #include "rt/physics/body.h"
+#include "rt/physics/effects/effects.h"
 #include "rt/physics/mesh.h"
 
 namespace tactus::sim {
 
-// What a scene calls for. One that is not declared is not simulated.
+// What a scene calls for. One that is not declared is not simulated. What each is: sim/scene_effects.cpp.
 struct Effects {
   bool gravity{false}, friction{false}, gyroscopic{false}, sleeping{false};
+  bool damping{false}, drag{false}, kinematic{false}, joints{false};
+  bool torsional{false}, rolling{false}, restitution{false}, attraction{false};
+};
+
+// What the effects act on. Lists by body id are empty where no body needs them, else one entry for each body.
+struct EffectData {
+  physics::Damping<double>::Setup damping;
+  std::vector<double> drag_per_m;                 // by body id
+  Vec3d flow_m_per_s;                             // of the fluid
+  std::vector<physics::KinematicScript> scripts;  // by body id
+  std::vector<physics::PathKey<double>> path_keys;
+  std::vector<physics::Joint<double>> joints;
+  std::vector<double> restitution;                     // by body id
+  std::vector<physics::ContactPatch<double>> patches;  // by body id
+  FixedVector<physics::AttractionSource<double>, physics::kMaxAttractionSources> attraction{};
+  std::vector<double> attraction_weight;  // by body id
 };
 
 // When what rests in the global world falls asleep, with the effect sleeping.
@@ -97,6 +114,7 @@ struct Scene {
   std::string name;   // file stem
   std::string title;  // one line for people
   Effects effects;
+  EffectData effect_data;  // worlds look into it
   Vec3d gravity_m_per_s2{0, 0, -9.81};
   std::vector<physics::Body<double>> bodies;            // bodies[i].id == i
   std::vector<physics::Hull<double>> hulls;             // what the bodies' hull shapes refer to; worlds look into it

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "rt/haptics/snapshot.h"
-#include "sim/nearest_word.h"
+#include "sim/scene_load_effects.h"
 #include "sim/scene_load_parts.h"
 #include "sim/scene_load_reader.h"
 
@@ -28,13 +28,16 @@ class SceneReader {
         scene_(scene),
         diagnostics_(diagnostics),
         hulls_(scene, diagnostics, folder),
-        meshes_(scene, diagnostics, folder) {}
+        meshes_(scene, diagnostics, folder),
+        effects_(scene, diagnostics) {}
 
   void read() {
     hulls_.read_kept(root_.array("hull_file", kMaxSceneHulls));
     meshes_.read_kept(root_.array("mesh_file", kMaxSceneBodies));
     scene_.title = root_.text("title", "", 200);
-    read_effects();
+    effects_.read_list(root_);
+    read_gravity();
+    effects_.read_tables(root_);
     read_simulation();
     read_sleeping();
     read_device();
@@ -42,9 +45,11 @@ class SceneReader {
     read_proxy();
     read_bodies();
     read_generators();
+    effects_.read_joints(root_);
+    effects_.read_attraction(root_);
     read_hand();
     root_.finish();
-    check_effects();
+    effects_.finish(root_);
     check_card_houses();
   }
   std::string kept_files() const { return hulls_.kept() + meshes_.kept(); }
@@ -52,24 +57,7 @@ class SceneReader {
  private:
   TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
 
-  void read_effects() {
-    const std::vector<std::string_view> known{"gravity", "friction", "gyroscopic", "sleeping"};
-    Effects& effects = scene_.effects;
-    bool* const flags[] = {&effects.gravity, &effects.friction, &effects.gyroscopic, &effects.sleeping};
-    for (const TomlNode& item : root_.array("effects", 64)) {
-      const auto found = std::find(known.begin(), known.end(), item.text);
-      if (item.kind != TomlKind::kText || found == known.end()) {
-        const auto nearest = nearest_word(item.text, known);
-        diagnostics_.add({item.line, item.column, "effects",
-                          fmt::format("{} is not an effect{}", item.shown(),
-                                      nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
-                          "gravity, friction, gyroscopic, sleeping"});
-        continue;
-      }
-      bool& flag = *flags[found - known.begin()];
-      if (flag) diagnostics_.add({item.line, item.column, "effects", item.shown() + " is there twice", "once"});
-      flag = true;
-    }
+  void read_gravity() {
     const Vec3d g = root_.vector("gravity_m_per_s2", scene_.gravity_m_per_s2, {"an acceleration", -1000, 1000});
     if (root_.has("gravity_m_per_s2") && !scene_.effects.gravity)
       root_.mistake("gravity_m_per_s2", "set, but the effect gravity is not declared",
@@ -135,7 +123,10 @@ class SceneReader {
     TableReader t = table("proxy");
     if (!t.there()) return;
     scene_.proxy = 0;
-    check_friction(t, add(read_body(t, BodyRole::kProxy, hulls_, meshes_)).friction);
+    const auto& body = add(read_body(t, BodyRole::kProxy, hulls_, meshes_));
+    check_friction(t, body.friction);
+    effects_.set_surface(body.id, effects_.read_surface(t));
+    effects_.set_name("proxy", body.id);
     t.finish();
   }
 
@@ -144,7 +135,10 @@ class SceneReader {
     for (const TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
       TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
-      check_friction(t, add(read_body(t, BodyRole::kBody, hulls_, meshes_)).friction);
+      auto& body = add(read_body(t, BodyRole::kBody, hulls_, meshes_));
+      check_friction(t, body.friction);
+      effects_.set_surface(body.id, effects_.read_surface(t));
+      effects_.read_body(t, body);
       t.finish();
     }
   }
@@ -154,11 +148,12 @@ class SceneReader {
     for (const TomlNode& node : root_.array("generate", 1000)) {
       TableReader t(&node, fmt::format("[generate.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
+      const auto surface = effects_.read_surface(t);
       Generated made = read_generator(t, kMaxSceneBodies - static_cast<unsigned>(scene_.bodies.size()));
       if (made.bodies.empty()) continue;
       check_friction(t, made.part.friction);
       made.part.first = static_cast<BodyId>(scene_.bodies.size());
-      for (const auto& body : made.bodies) add(body);
+      for (const auto& body : made.bodies) effects_.set_surface(add(body).id, surface);
       scene_.generated.push_back(std::move(made.part));
     }
   }
@@ -225,26 +220,6 @@ class SceneReader {
       t.mistake("friction", "set, but the effect friction is not declared", "\"friction\" among the effects, or 0");
   }
 
-  // What is declared and has nothing to act on costs time for nothing.
-  void check_effects() {
-    const auto unused = [this](const char* effect, const char* why) {
-      root_.warning("effects", fmt::format("\"{}\" is declared and not used: {}", effect, why), "leave it out");
-    };
-    const auto& bodies = scene_.bodies;
-    const auto any = [&bodies](auto condition) { return std::any_of(bodies.begin(), bodies.end(), condition); };
-    if (scene_.effects.gravity && scene_.gravity_m_per_s2 == Vec3d{})
-      unused("gravity", "gravity_m_per_s2 is zero");
-    else if (scene_.effects.gravity && !any([](const auto& b) { return b.gravity_scale > 0; }))
-      unused("gravity", "no body falls");
-    if (scene_.effects.friction && !any([](const auto& b) { return b.friction > 0; }))
-      unused("friction", "every coefficient is zero");
-    // A body with three equal moments of inertia has no gyroscopic term.
-    const auto uneven = [](const auto& b) {
-      return std::abs(b.inertia.x - b.inertia.y) + std::abs(b.inertia.y - b.inertia.z) > 1e-9 * b.inertia.x;
-    };
-    if (scene_.effects.gyroscopic && !any(uneven)) unused("gyroscopic", "every body is a sphere, a cube or fixed");
-  }
-
   void check_card_houses() {
     double ground = 0;  // the roughest ground decides nothing: a house may stand on any, so take the best
     for (const auto& body : scene_.bodies)
@@ -268,6 +243,7 @@ class SceneReader {
   SceneDiagnostics& diagnostics_;
   HullReader hulls_;
   MeshReader meshes_;
+  EffectReader effects_;
 };
 
 std::string lines_of(const std::string& name, const std::vector<Mistake>& list, const char* label) {

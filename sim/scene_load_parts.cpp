@@ -215,7 +215,11 @@ Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, Mes
       table.refuse(key, "a fixed body has none", "no such key");
     return physics::make_fixed_body(kNoBody, shape, friction, pose);
   }
-  auto body = physics::make_dynamic_body(kNoBody, shape, read_mass(table, known_shape->volume()), friction, pose);
+  // What follows a script weighs nothing to anybody.
+  const bool weightless = role == BodyRole::kBody && table.flag("kinematic", false) && !table.has("mass_kg") &&
+                          !table.has("density_kg_per_m3");
+  const double mass_kg = weightless ? 1 : read_mass(table, known_shape->volume());
+  auto body = physics::make_dynamic_body(kNoBody, shape, mass_kg, friction, pose);
   if (known_shape->hull != nullptr) body.inertia = known_shape->hull->inertia_per_kg * body.mass;
   body.motion.velocity.linear = table.vector("velocity_m_per_s", {}, kVelocity);
   body.motion.velocity.angular = table.vector("angular_velocity_rad_per_s", {}, kAngularVelocity);

@@ -11,6 +11,7 @@
 #include "rt/physics/mesh_query.h"
 #include "rt/physics/step.h"
 #include "sim/pair_grid.h"
+#include "sim/scene_effects.h"
 
 namespace tactus::sim {
 namespace {
@@ -50,23 +51,12 @@ BodyCounts count_bodies(const Scene& scene) {
   return counts;
 }
 
-bool has_gyroscopic_term(const Body<double>& body) {
-  return std::abs(body.inertia.x - body.inertia.y) + std::abs(body.inertia.y - body.inertia.z) > 1e-9 * body.inertia.x;
-}
-
 std::vector<EffectReport> report_effects(const Scene& scene) {
-  const auto any = [&scene](auto condition) {
-    return std::any_of(scene.bodies.begin(), scene.bodies.end(), condition);
-  };
-  const bool falls = scene.gravity_m_per_s2 != Vec3d{} && any([](const auto& b) { return b.gravity_scale > 0; });
-  return {
-      {"gravity", scene.effects.gravity, scene.effects.gravity && falls, "one addition a body and sub-step"},
-      {"friction", scene.effects.friction, scene.effects.friction && any([](const auto& b) { return b.friction > 0; }),
-       "two rows more at every contact point, in every relax sweep"},
-      {"gyroscopic", scene.effects.gyroscopic, scene.effects.gyroscopic && any(has_gyroscopic_term),
-       "a small system of equations a body that is no sphere and no cube, every sub-step"},
-      {"sleeping", scene.effects.sleeping, scene.effects.sleeping,
-       "a look at every body that is awake, once a global step; what sleeps costs nothing"}};
+  std::vector<EffectReport> reports;
+  for (const auto& effect : known_effects())
+    reports.push_back(
+        {std::string(effect.name), scene.effects.*effect.declared, is_in_use(scene, effect), std::string(effect.cost)});
+  return reports;
 }
 
 void count_contact(const physics::Manifold<double>& manifold, const Body<double>& a, const Body<double>& b,

@@ -11,7 +11,9 @@ std::string effect_lines(const SceneReport& report) {
     const char* state = !effect.declared ? "not declared: not simulated"
                         : effect.used    ? "used"
                                          : "declared, nothing uses it";
-    text += fmt::format("  {:<12}{}{}\n", effect.name, state, effect.used ? "; costs " + effect.cost : "");
+    text += fmt::format("  {:<12}{}{}", effect.name, state, effect.used ? "; costs " + effect.cost : "");
+    if (effect.tick_us > 0) text += fmt::format("; measured: {:.2g} us of {:.3g} us", effect.added_us, effect.tick_us);
+    text += "\n";
   }
   return text;
 }

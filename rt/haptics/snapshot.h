@@ -5,6 +5,8 @@
 // Bound: the capacities below; the writer keeps the most important entries (its order) and counts the rest.
 #pragma once
 
+#include <cstddef>
+
 #include "rt/base/bounded_vector.h"
 #include "rt/physics/body.h"
 #include "rt/physics/world.h"
@@ -16,6 +18,10 @@ inline constexpr std::uint32_t kMaxBorderPoints = 1024;
 inline constexpr std::uint32_t kMaxWarmStarts = 1024;
 inline constexpr std::uint32_t kMaxNearRegions = 512;
 inline constexpr std::uint32_t kMaxNearTriangles = 8192;
+inline constexpr std::uint32_t kMaxEffectBytes = 1u << 16;
+
+// What the rooms of effects hold of bodies that both worlds have (rt/physics/effects/effects.h).
+using EffectBytes = FixedVector<std::byte, kMaxEffectBytes>;
 
 // A contact point between a member and an outside body, as the global step left it.
 struct BorderPoint {
@@ -44,6 +50,7 @@ struct WorldSnapshot {
   // The triangles of meshes near members, by index: the meshes themselves are both worlds' from the start.
   FixedVector<physics::NearRegion<double>, kMaxNearRegions> near_regions;  // by member, then by mesh
   FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;            // of the regions, one after the other
+  EffectBytes effects;                                                     // of the members
 };
 
 struct MemberMotion {
@@ -71,6 +78,7 @@ struct SubWorldReport {
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left
   Wrenchd mean_device_wrench;  // N, N m, on the proxy, over the cycle that ended
   Wrenchd stored_effort;       // N s, N m s: the effort of the cycle (interpolation coupling)
+  EffectBytes effects;         // of the members of the cycle that ended
 };
 
 static_assert(std::is_trivially_copyable_v<WorldSnapshot> && std::is_trivially_copyable_v<SubWorldReport>);

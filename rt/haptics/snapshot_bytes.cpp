@@ -1,6 +1,7 @@
 #include "rt/haptics/snapshot_bytes.h"
 
 #include <cmath>
+#include <utility>
 
 namespace tactus::haptics {
 namespace {
@@ -74,6 +75,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   write_list(out, s.border);
   write_list(out, s.near_regions);
   write_list(out, s.near_triangles);
+  write_list(out, s.effects);
 }
 
 bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics::Meshes<double> meshes) noexcept {
@@ -84,7 +86,21 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
          read_list(in, s.border) && read_list(in, s.near_regions) && read_list(in, s.near_triangles) &&
-         is_sound(s, hulls, meshes);
+         read_list(in, s.effects) && is_sound(s, hulls, meshes);
+}
+
+bool write_effects(const physics::World<double>& world, std::span<const std::uint8_t> inside,
+                   EffectBytes& out) noexcept {
+  ByteWriter bytes(std::span<std::byte>(out.items));
+  world.effects().hand_over(bytes, world.bodies(), inside);
+  out.count = bytes.ok() ? static_cast<std::uint32_t>(bytes.size()) : 0;
+  return bytes.ok();
+}
+
+void read_effects(const EffectBytes& in, bool known_too, physics::World<double>& world) noexcept {
+  if (in.empty()) return;
+  ByteReader bytes(in.span());
+  (void)world.effects().take_over(bytes, std::as_const(world).bodies(), known_too);
 }
 
 }  // namespace tactus::haptics

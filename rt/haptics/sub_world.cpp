@@ -2,6 +2,7 @@
 
 #include "rt/base/hash.h"
 #include "rt/base/status.h"
+#include "rt/haptics/snapshot_bytes.h"
 
 namespace tactus::haptics {
 namespace {
@@ -31,7 +32,7 @@ Quatd between(const Quatd& a, const Quatd& b, double share) noexcept {
 
 SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
     : config_(config),
-      world_(config.capacities, config.hulls, config.meshes),
+      world_(config.capacities, config.hulls, config.meshes, config.effects),
       outside_velocity_(config.capacities.border_contacts),
       replaced_(config.capacities.border_contacts),
       near_regions_(config.meshes.empty() ? 0 : kMaxNearRegions),
@@ -57,6 +58,7 @@ void SubWorld::set_members(std::span<const physics::Body<double>> bodies) noexce
 
 void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
   fill_report(snapshot, report);
+  read_effects(snapshot.effects, false, world_);
   change_members(snapshot);
   renew_border(snapshot);
   take_near_triangles(snapshot.near_regions.span(), snapshot.near_triangles.span());
@@ -75,6 +77,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   report.members.clear();
   report.border.clear();
   report.warm_starts.clear();
+  report.effects.clear();
   report.mean_device_wrench = {};
   report.stored_effort = {};
   if (config_.scheme == CouplingScheme::kInterpolation) {
@@ -92,6 +95,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   }
   report_leavers(snapshot, report);
   report_border(report);
+  (void)write_effects(world_, {}, report.effects);
 }
 
 // What the contacts of those that leave carry, so that the global world goes on from there.

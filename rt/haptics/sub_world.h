@@ -23,8 +23,9 @@ struct SubWorldConfig {
   double stiffness_N_per_m{2000}, damping_Ns_per_m{5};  // coupling, world units
   double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
   physics::Capacities capacities;
-  physics::Hulls<double> hulls;    // of the bodies' shapes; they must outlive the sub-world
-  physics::Meshes<double> meshes;  // same
+  physics::Hulls<double> hulls;           // of the bodies' shapes; they must outlive the sub-world
+  physics::Meshes<double> meshes;         // same
+  physics::EffectSetups<double> effects;  // same, what they look into
 };
 
 // Where the device wants the proxy to be. Not engaged: the proxy is not held and comes to rest where it is.

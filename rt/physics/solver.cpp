@@ -29,7 +29,8 @@ Solver<T, S>::Solver(const Capacities& capacities)
       border_(capacities.border_contacts) {}
 
 template <class T, class S>
-void Solver<T, S>::prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
+void Solver<T, S>::prepare(const SolverInput<T>& input, StageContext<T>& context) noexcept {
+  const StepSettings<T>& settings = context.settings;
   const auto count = static_cast<std::uint32_t>(input.bodies.size());
   motion_.resize(count), inverse_inertia_.resize(count);
   for_each_body(input.executor, count, [&](std::uint32_t i) noexcept {
@@ -44,24 +45,32 @@ void Solver<T, S>::prepare(const SolverInput<T>& input, const StepSettings<T>& s
     inverse_inertia_[i] = number_cast<S>(rotate_diagonal(
         body.motion.pose.rotation, Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z}));
   });
+  run_stages(input, Phase::kPrepare, context);
   contacts_.prepare(std::span<const Contact<T>>(input.contacts), state(), input.executor);
-  if constexpr (!kHasPorts)
-    return;
-  else {
-    border_.prepare(input.border, input.border_mode, input.bodies, state(), h, input.impulse_scale, settings.friction);
+  if constexpr (kIsWhole) {
+    border_.prepare(input.border, input.border_mode, input.bodies, state(), context.h, input.impulse_scale,
+                    settings.friction);
     const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
-    spring_.prepare(input.spring, spring_start, state(), h, input.impulse_scale);
+    spring_.prepare(input.spring, spring_start, state(), context.h, input.impulse_scale);
   }
 }
 
+// Effects work in the world's numbers; where the sweeps have others, there is gravity alone.
 template <class T, class S>
-void Solver<T, S>::apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept {
-  if (settings.gravity != Vec3<T>{}) {
-    const Vec3<T> change = h * settings.gravity;
+void Solver<T, S>::run_stages(const SolverInput<T>& input, Phase phase, StageContext<T>& context) noexcept {
+  if constexpr (kIsWhole) {
+    context.motion = motion_.span(), context.inverse_inertia = inverse_inertia_.span();
+    input.stages.run(phase, context);
+  } else if (phase == Phase::kForces && context.settings.gravity != Vec3<T>{}) {
+    const Vec3<T> change = context.h * context.settings.gravity;
     for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
       if (motion_[i].inverse_mass > S(0)) motion_[i].v += number_cast<S>(input.bodies[i].gravity_scale * change);
     });
   }
+}
+
+template <class T, class S>
+void Solver<T, S>::apply_wrenches(const SolverInput<T>& input, T h) noexcept {
   for (std::uint32_t i = 0; i < input.wrenches.size(); ++i) {
     const Wrench<T>& wrench = input.wrenches[i];
     motion_[i].v += (static_cast<S>(h) * motion_[i].inverse_mass) * number_cast<S>(wrench.force);
@@ -72,11 +81,12 @@ void Solver<T, S>::apply_forces(const SolverInput<T>& input, const StepSettings<
 // Warm start for a sub-step that no sweep will correct. With d the change of velocity that the impulses make, kinetic
 // energy changes by v.M.d + d.M.d / 2; where that is positive the impulses are scaled to where it is smallest.
 template <class T, class S>
-void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input) noexcept {
+void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input, StageContext<T>& context) noexcept {
   before_.resize(motion_.size());
   for (std::uint32_t i = 0; i < motion_.size(); ++i) before_[i] = {motion_[i].v, motion_[i].w};
   border_.warm_start(state());
   contacts_.warm_start(state());
+  run_stages(input, Phase::kWarmStart, context);
   S linear = S(0), quadratic = S(0);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
     if (motion_[i].inverse_mass == S(0)) continue;
@@ -93,6 +103,8 @@ void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input) noexcept
   const S factor = quadratic > S(0) ? std::clamp(-linear / quadratic, S(0), S(1)) : S(0);
   contacts_.scale_impulses(factor);
   border_.scale_impulses(factor);
+  context.factor = factor;
+  run_stages(input, Phase::kScale, context);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
     motion_[i].v = before_[i].linear + factor * (motion_[i].v - before_[i].linear);
     motion_[i].w = before_[i].angular + factor * (motion_[i].w - before_[i].angular);
@@ -100,15 +112,20 @@ void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input) noexcept
 }
 
 template <class T, class S>
-void Solver<T, S>::sweep_relax(const StepSettings<T>& settings, const SweepRule<S>& rule, bool last) noexcept {
+void Solver<T, S>::sweep_relax(const SolverInput<T>& input, const SweepRule<S>& rule, StageContext<T>& context,
+                               bool last) noexcept {
   spring_.solve(state());
+  run_stages(input, Phase::kRelax, context);
   border_.solve(state(), rule, false);
-  contacts_.relax(state(), rule, settings.friction, last);
+  contacts_.relax(state(), rule, context.settings.friction, last);
 }
 
 template <class T, class S>
-void Solver<T, S>::store(const SolverInput<T>& input, const StepSettings<T>& settings,
-                         std::uint32_t uncorrected) noexcept {
+void Solver<T, S>::store(const SolverInput<T>& input, StageContext<T>& context, std::uint32_t uncorrected) noexcept {
+  context.factor = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
+  contacts_.store(input.contacts, context.factor);
+  if constexpr (kIsWhole) border_.store(input.border, context.settings.dt, context.factor);
+  run_stages(input, Phase::kFinish, context);
   for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
     const SolverBody<S>& state = motion_[i];
     if (state.inverse_mass == S(0)) return;
@@ -124,15 +141,15 @@ void Solver<T, S>::store(const SolverInput<T>& input, const StepSettings<T>& set
     };
     changed(motion.velocity.linear, state.v), changed(motion.velocity.angular, state.w);
   });
-  const T share = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
-  contacts_.store(input.contacts, share);
-  if constexpr (kHasPorts) border_.store(input.border, settings.dt, share);
 }
 
 template <class T, class S>
 void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
                         StepReport<T>& report) noexcept {
   const T h = settings.dt / static_cast<T>(settings.sub_steps);
+  StageContext<T> context{input.bodies, input.fixed_bodies, input.frozen, input.contacts, settings,
+                          report,       input.executor};
+  context.h = h, context.rule = SweepRule<T>::of(settings, h);
   const SweepRule<S> rule = SweepRule<S>::of(settings, static_cast<S>(h));
   std::uint32_t sweep = 0, uncorrected = 0;  // sub-steps since the last relax sweep
   const auto go_on = [&]() noexcept {
@@ -142,44 +159,51 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
     return true;
   };
 
-  prepare(input, settings, h);
+  prepare(input, context);
   for (std::uint32_t j = 0; j < settings.sub_steps; ++j) {
+    context.sub_step = j;
     border_.begin_sub_step(j, state());
-    apply_forces(input, settings, h);
+    run_stages(input, Phase::kBeginSubStep, context);
+    run_stages(input, Phase::kForces, context);
+    apply_wrenches(input, h);
     border_.apply_replay(state());
     spring_.begin_sub_step(j, state());
     if (go_on()) {
       border_.warm_start(state());
       contacts_.warm_start(state());
+      run_stages(input, Phase::kWarmStart, context);
       spring_.solve(state());
+      run_stages(input, Phase::kBiased, context);
       border_.solve(state(), rule, true);
       contacts_.solve_biased(state(), rule);
     } else {
       spring_.solve(state());
-      warm_start_without_gain(input);
+      warm_start_without_gain(input, context);
     }
     input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies(motion_.span().subspan(begin, end - begin),
                   std::span<const Body<T>>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });
+    run_stages(input, Phase::kMoved, context);
     bool counted = false;
     ++uncorrected;
     for (std::uint32_t k = 0; k < settings.relax_sweeps && go_on(); ++k) {
       counted = k + 1 == settings.relax_sweeps;
-      sweep_relax(settings, rule, counted);
+      sweep_relax(input, rule, context, counted);
       uncorrected = 0;
     }
     if (!counted && j + 1 == settings.sub_steps && report.cut_sweep != kNeverCut) {
       contacts_.keep_impulses(input.contacts);
-      if constexpr (kHasPorts) border_.keep_impulses(input.border);
-      sweep_relax(settings, rule, true);
+      if constexpr (kIsWhole) border_.keep_impulses(input.border);
+      run_stages(input, Phase::kKeep, context);
+      sweep_relax(input, rule, context, true);
       counted = true;
     }
     if (!counted) contacts_.add_to_totals();
     border_.end_sub_step(state());
     spring_.end_sub_step();
   }
-  store(input, settings, uncorrected);
+  store(input, context, uncorrected);
 }
 
 template class Solver<double>;

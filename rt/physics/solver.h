@@ -1,21 +1,23 @@
 // One step of the soft-step solver: sub-steps of forces, warm start, biased sweep, integration, relax sweeps.
 //
-// Order in every sweep: the device's spring, the border contacts, the contacts by key. A cut is asked for before each
-// sweep; once it fires no sweep follows but one relax sweep at the very end. The sub-steps that are left still
-// integrate: their warm start is held back as far as it would raise the kinetic energy (an impulse that once stopped
-// an impact must not be given again), and the spring, whose cost is that of one contact, is still solved. The last
-// relax sweep then corrects n sub-steps at once: the next warm start gets 1/n of its correction, because it will be
-// given n times; with all of it, steps that are cut again and again would shake themselves loose. Frame: world. Units:
-// SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
+// Order in every sweep: the device's spring, the stages of effects, the border contacts, the contacts by key. A cut is
+// asked for before each sweep; once it fires no sweep follows but one relax sweep at the very end. The sub-steps that
+// are left still integrate: their warm start is held back as far as it would raise the kinetic energy (an impulse that
+// once stopped an impact must not be given again), and the spring, whose cost is that of one contact, is still solved.
+// The last relax sweep then corrects n sub-steps at once: the next warm start gets 1/n of its correction, because it
+// will be given n times; with all of it, steps that are cut again and again would shake themselves loose. Frame: world.
+// Units: SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
 //
 // The numbers of the sweeps, S, may be narrower than the world's, T: within a step bodies move and contacts are given
 // relative to where they were at its start, so a large world far from its origin loses no place. What a step adds to
-// poses and velocities is then as exact as S is. Such a solver takes no spring and no border contacts.
+// poses and velocities is then as exact as S is. Such a solver takes no spring, no
+// border contacts and no effect with a stage but gravity.
 #pragma once
 
 #include "rt/physics/border_solver.h"
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact_solver.h"
+#include "rt/physics/effects/stage.h"
 #include "rt/physics/spring_solver.h"
 #include "rt/physics/step.h"
 
@@ -31,7 +33,9 @@ struct SolverInput {
   PoseSpring<T>& spring;
   std::span<BorderContact<T>> border;
   BorderMode border_mode;
-  T impulse_scale;  // this sub-step / that of the stored impulses of spring and border
+  T impulse_scale;              // this sub-step / that of the stored impulses of spring and border
+  const StageTable<T>& stages;  // of effects
+  std::span<const Body<T>> fixed_bodies{};
   Executor executor{};
 };
 
@@ -44,13 +48,14 @@ class Solver {
             StepReport<T>& report) noexcept;
 
  private:
-  static constexpr bool kHasPorts = std::is_same_v<S, T>;  // spring and border
+  static constexpr bool kIsWhole = std::is_same_v<S, T>;  // takes a spring, border contacts, the stages of effects
 
-  void prepare(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
-  void apply_forces(const SolverInput<T>& input, const StepSettings<T>& settings, T h) noexcept;
-  void warm_start_without_gain(const SolverInput<T>& input) noexcept;
-  void sweep_relax(const StepSettings<T>& settings, const SweepRule<S>& rule, bool last) noexcept;
-  void store(const SolverInput<T>& input, const StepSettings<T>& settings, std::uint32_t uncorrected) noexcept;
+  void prepare(const SolverInput<T>& input, StageContext<T>& context) noexcept;
+  void run_stages(const SolverInput<T>& input, Phase phase, StageContext<T>& context) noexcept;
+  void apply_wrenches(const SolverInput<T>& input, T h) noexcept;
+  void warm_start_without_gain(const SolverInput<T>& input, StageContext<T>& context) noexcept;
+  void sweep_relax(const SolverInput<T>& input, const SweepRule<S>& rule, StageContext<T>& context, bool last) noexcept;
+  void store(const SolverInput<T>& input, StageContext<T>& context, std::uint32_t uncorrected) noexcept;
   SolverBodies<S> state() noexcept { return {motion_.span(), inverse_inertia_.span()}; }
 
   BoundedVector<SolverBody<S>> motion_;

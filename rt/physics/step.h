@@ -61,6 +61,7 @@ struct StepReport {
   std::uint32_t points{0};             // points solved
   std::uint32_t cut_sweep{kNeverCut};  // sweep at which the cut fired
   T deepest_m{};                       // largest overlap at the start of the step [m]
+  std::uint32_t broken_joints{0};      // that broke in this step
 };
 
 }  // namespace tactus::physics

@@ -23,7 +23,8 @@ bool holds(const BoundedVector<Body<T>>& bodies, std::uint32_t slot, BodyId id) 
 }  // namespace
 
 template <class T>
-World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes, SweepPrecision precision)
+World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes, const EffectSetups<T>& effects,
+                SweepPrecision precision)
     : capacities_(capacities),
       hulls_(hulls),
       meshes_(meshes),
@@ -45,8 +46,9 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes, 
       pair_order_(capacities.bodies, capacities.pairs + 1),
       dynamic_pairs_(capacities.pairs + 1),
       contacts_(capacities),
+      effects_(effects, capacities),
       border_contacts_(capacities.border_contacts) {
-  if (precision == SweepPrecision::kSingle)
+  if (precision == SweepPrecision::kSingle && effects_.only_gravity())
     single_solver_.emplace(capacities);
   else
     solver_.emplace(capacities);
@@ -231,7 +233,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
 }
 
 template <class T>
-void World<T>::add_pairs() noexcept {
+void World<T>::add_pairs(StageContext<T>& context) noexcept {
   // A finder may find too much: it must not show.
   const auto counts = [this](const SlotPair& pair) noexcept {
     TACTUS_CHECK(pair.a < bodies_.size() && pair.b < bodies_.size() && pair.a != pair.b, pair.a, pair.b);
@@ -244,6 +246,8 @@ void World<T>::add_pairs() noexcept {
   }
   dynamic_pairs_.resize(kept);
   pair_order_.sort(dynamic_pairs_, bodies_.size());
+  context.pairs = &dynamic_pairs_;
+  effects_.stages().run(Phase::kPairs, context);
   for (const auto& [a, b] : dynamic_pairs_) contacts_.add_pair(PairKey::of(bodies_[a].id, bodies_[b].id, false), a, b);
 }
 
@@ -256,7 +260,9 @@ void World<T>::index_fixed_bodies() noexcept {
 
 // In the order of fixed bodies: mostly that of the keys.
 template <class T>
-void World<T>::add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept {
+void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
+  const StepSettings<T>& settings = context.settings;
+  StepReport<T>& report = context.report;
   mesh_triangles_.clear();
   const auto add = [&](std::uint32_t f, std::uint32_t i) noexcept {
     if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
@@ -288,6 +294,8 @@ void World<T>::add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& r
   }
   std::sort(fixed_pairs_.begin(), fixed_pairs_.end(),
             [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+  context.pairs = &fixed_pairs_;
+  effects_.stages().run(Phase::kFixedPairs, context);
   std::uint32_t next = 0;
   const auto add_below = [&](std::uint32_t end) noexcept {
     for (; next < fixed_pairs_.size() && fixed_pairs_[next].a < end; ++next)
@@ -350,8 +358,9 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
   const T impulse_scale = last_sub_step_ > T(0) && last_sub_step_ != h ? h / last_sub_step_ : T(1);
   last_sub_step_ = h;
 
-  add_pairs();
-  add_fixed_pairs(settings, report);
+  StageContext<T> context{bodies_.span(), fixed_bodies_.span(), frozen_.span(), {}, settings, report, executor_};
+  add_pairs(context);
+  add_fixed_pairs(context);
   contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_,
                    meshes_, mesh_triangles_.span()},
                   settings, h, impulse_scale, report, executor_);
@@ -376,9 +385,9 @@ void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& 
                      const CutPredicate& cut, StepReport<T>& report) noexcept {
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
-  const SolverInput<T> input{bodies_.span(),       held,          wrenches,
-                             contacts_.contacts(), spring_,       border_contacts_.span(),
-                             border_mode,          impulse_scale, executor_};
+  const SolverInput<T> input{
+      bodies_.span(), held,          wrenches,          contacts_.contacts(), spring_,  border_contacts_.span(),
+      border_mode,    impulse_scale, effects_.stages(), fixed_bodies_.span(), executor_};
   if (solver_) return solver_->step(input, settings, cut, report);
   TACTUS_CHECK(!spring_.enabled && border_contacts_.empty(), spring_.slot, border_contacts_.size());
   single_solver_->step(input, settings, cut, report);

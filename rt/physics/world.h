@@ -1,7 +1,8 @@
 // A world of rigid bodies in fixed arrays: the engine of the haptic sub-world and of the global world alike.
 //
 // One step: bounds -> (the caller finds pairs) -> narrow phase -> soft-step solver: per sub-step warm start, biased
-// sweep, integrate, relax sweep. Order is fixed: bodies by id, contacts by pair key; same input, same bits.
+// sweep, integrate, relax sweep; and the stages of the effects that it was made with (effects/stage.h). Order is fixed:
+// bodies by id, contacts by pair key; same input, same bits.
 // Thread: construction is [setup]; everything else [rt], by the one owner. No call allocates, throws or logs.
 // Frame: world. Units: SI. Bound: work is linear in pairs and points; capacities as given, overflow by capacity.h.
 // Source: soft-step solver (Catto, Solver2D); implicit-midpoint gyroscopic term.
@@ -16,6 +17,7 @@
 #include "rt/physics/capacity.h"
 #include "rt/physics/contact.h"
 #include "rt/physics/contact_table.h"
+#include "rt/physics/effects/effects.h"
 #include "rt/physics/fixed_tree.h"
 #include "rt/physics/near_triangles.h"
 #include "rt/physics/pair_finder.h"
@@ -31,10 +33,12 @@ namespace tactus::physics {
 template <class T>
 class World {
  public:
-  // [setup] Allocates and touches everything. `hulls`, `meshes`: what the bodies' shapes refer to; they must outlive
-  // the world and stay the same.
+  // [setup] Allocates and touches everything. `hulls`, `meshes`: what the bodies' shapes refer to; they and what the
+  // effects are told must outlive the world and stay the same. `precision`: full all the same where an effect other
+  // than gravity has stages.
   explicit World(const Capacities& capacities, Hulls<T> hulls = {}, Meshes<T> meshes = {},
-                 SweepPrecision precision = SweepPrecision::kFull);
+                 const EffectSetups<T>& effects = {}, SweepPrecision precision = SweepPrecision::kFull);
+  SweepPrecision precision() const noexcept { return solver_ ? SweepPrecision::kFull : SweepPrecision::kSingle; }
 
   // [setup] From now on the work of a step is shared where that pays; the results stay, bit by bit.
   void share_work(const Executor& executor) noexcept { executor_ = executor; }
@@ -99,6 +103,10 @@ class World {
   // (the static coupling). To the others it is at rest and infinitely heavy.
   void set_frozen(std::uint32_t slot, bool frozen) noexcept;
 
+  // What is called for beside contacts: their state, and handing it over to another world.
+  Effects<T>& effects() noexcept { return effects_; }
+  const Effects<T>& effects() const noexcept { return effects_; }
+
   // --- books
   T kinetic_energy() const noexcept;                          // J, dynamic bodies
   T potential_energy(const Vec3<T>& gravity) const noexcept;  // J, -sum m g.x
@@ -116,8 +124,8 @@ class World {
   void clear() noexcept;
   bool is_consistent() const noexcept;
   bool refuse(CapacityBit bit) noexcept;
-  void add_pairs() noexcept;
-  void add_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept;
+  void add_pairs(StageContext<T>& context) noexcept;
+  void add_fixed_pairs(StageContext<T>& context) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept;
   void solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
              const CutPredicate& cut, StepReport<T>& report) noexcept;
@@ -146,6 +154,7 @@ class World {
   PairOrder pair_order_;
   BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows
   ContactTable<T> contacts_;
+  Effects<T> effects_;
   std::optional<Solver<T>> solver_;  // one of the two
   std::optional<Solver<T, float>> single_solver_;
   PoseSpring<T> spring_;

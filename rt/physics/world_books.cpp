@@ -203,6 +203,7 @@ void World<T>::save(ByteWriter& out) const noexcept {
   each_field(io, spring);
   write_all(out, border_contacts_.span());
   io(static_cast<std::uint32_t>(border_mode)), io(last_sub_step_), io(refused_bits_), io(refused_);
+  effects_.save(out);
 }
 
 template <class T>
@@ -210,7 +211,7 @@ std::size_t World<T>::save_size_bound() const noexcept {
   const Capacities& c = capacities_;
   return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + sizeof(Pose<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
          c.contacts * (sizeof(Contact<T>) + sizeof(ContactReference<T>) + sizeof(WarmStart<T>)) +
-         c.border_contacts * sizeof(BorderContact<T>) + sizeof(PoseSpring<T>) +
+         c.border_contacts * sizeof(BorderContact<T>) + sizeof(PoseSpring<T>) + effects_.save_size_bound() +
          64;  // 64: counts and the last line of save
 }
 
@@ -282,7 +283,7 @@ bool World<T>::restore(ByteReader& in) noexcept {
     std::uint32_t mode = 0;
     io(mode), io(last_sub_step_), io(refused_bits_), io(refused_);
     border_mode = static_cast<BorderMode>(mode);
-    return in.ok() && is_consistent();
+    return effects_.restore(in) && in.ok() && is_consistent();
   };
   if (!read()) {
     clear();

@@ -67,7 +67,7 @@ class TactusEngine final : public Engine {
         precision_(precision),
         is_global_(is_global(scene)),
         times_broad_phase_(options.time_broad_phase),
-        world_(capacities_of(scene), {}, {},
+        world_(capacities_of(scene), {}, {}, {},
                precision_ == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
         grid_(capacities_of(scene).bodies),
         paddle_(scene.paddle),

@@ -7,6 +7,7 @@
 #include "firmware/faults.h"
 #include "rt/haptics/coupling_limits.h"
 #include "sim/choice_names.h"
+#include "sim/scene_effects.h"
 #include "sim/scene_load.h"
 #include "tools/session/open_link.h"
 
@@ -50,9 +51,7 @@ physics::StepSettings<double> step_settings(const sim::Scene& scene, double peri
   step.relax_sweeps = scene.solver.relax_sweeps;
   step.contact_hertz = scene.solver.contact_hertz;
   step.contact_damping_ratio = scene.solver.contact_damping_ratio;
-  step.gravity = scene.effects.gravity ? scene.gravity_m_per_s2 : Vec3d{};
-  step.friction = scene.effects.friction;
-  step.gyroscopic = scene.effects.gyroscopic;
+  sim::choose_effects(scene, step);
   return step;
 }
 
@@ -165,6 +164,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.damping_Nms_per_rad = scene.coupling.damping_Nms_per_rad;
   sub.hulls = scene.hulls;
   sub.meshes = scene.meshes;
+  sub.effects = sim::effect_setups(scene);
   sub.capacities = sub_world_capacities(scene, members_of(scene, options));
   return config;
 }

@@ -134,6 +134,7 @@ std::string global_text(const RunSummary& s) {
                   "exchange", s.stats.cycles, s.ratio, s.stats.late_cycles, s.stats.cycle_ticks_max, dilation_ms(s));
   text += fmt::format("  {:<22} {} bodies, at most {} contacts; deepest overlap {:.3f} mm\n", "size", s.global.bodies,
                       s.global.most_contacts, 1e3 * s.global.deepest_m);
+  if (s.global.broken_joints > 0) text += fmt::format("  {:<22} {} broken\n", "joints", s.global.broken_joints);
   if (s.global.asleep > 0 || s.global.fell_asleep > 0)
     text += fmt::format("  {:<22} {} bodies awake, at most {}; {} asleep; {} fell asleep, {} woke up\n", "sleeping",
                         s.global.awake, s.global.most_awake, s.global.asleep, s.global.fell_asleep, s.global.woke_up);
@@ -300,6 +301,7 @@ json to_json(const RunSummary& s) {
                          {"dilation_ms", dilation_ms(s)},
                          {"bodies_awake", s.global.awake},
                          {"bodies_awake_max", s.global.most_awake},
+                         {"joints_broken", s.global.broken_joints},
                          {"bodies_asleep", s.global.asleep},
                          {"bodies_fell_asleep", s.global.fell_asleep},
                          {"bodies_woke_up", s.global.woke_up},

@@ -23,6 +23,7 @@ CLI::App* add_experiment_command(CLI::App& program, int& exit_code) {
   experiment->footer("Example:\n  tactus experiment peers --quick\n  tactus experiment scaling --quick");
   add_peers(*experiment, exit_code);
   add_scaling(*experiment, exit_code);
+  add_effects(*experiment, exit_code);
   return experiment;
 }
 

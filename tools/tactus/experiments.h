@@ -12,6 +12,7 @@ namespace tactus::tools {
 // Each adds its subcommand; the exit status of what ran lands in `exit_code`.
 void add_peers(CLI::App& experiment, int& exit_code);
 void add_scaling(CLI::App& experiment, int& exit_code);
+void add_effects(CLI::App& experiment, int& exit_code);
 
 // Writes `text` to `path`; nothing where the path is empty. Exit status: complains where the file cannot be written.
 int write_file(const std::string& path, const std::string& text);

@@ -8,6 +8,7 @@
 #include "hal/profiles.h"
 #include "sim/scene_load.h"
 #include "sim/scene_report.h"
+#include "tools/experiment/effects.h"
 #include "tools/tactus/commands.h"
 
 namespace tactus::tools {
@@ -43,7 +44,11 @@ ordered_json to_json(const haptics::AxisVerdict& axis, const char* stiffness_uni
 ordered_json to_json(const sim::SceneReport& r) {
   ordered_json effects = ordered_json::array(), parts = ordered_json::array(), meshes = ordered_json::array();
   for (const auto& e : r.effects)
-    effects.push_back({{"name", e.name}, {"declared", e.declared}, {"used", e.used}, {"cost", e.cost}});
+    effects.push_back({{"name", e.name},
+                       {"declared", e.declared},
+                       {"used", e.used},
+                       {"cost", e.cost},
+                       {"measured_us_per_tick", e.tick_us > 0 ? ordered_json(e.added_us) : ordered_json(nullptr)}});
   for (const auto& p : r.generated)
     parts.push_back({{"kind", p.kind},
                      {"first_id", p.first},
@@ -123,7 +128,10 @@ int check_scene(const CheckOptions& options) {
     return kExitBadInput;
   }
   const double tick_s = 1 / options.rate_Hz;
-  const auto report = sim::report_on(scene.value(), device_of(scene.value(), tick_s), tick_s);
+  auto report = sim::report_on(scene.value(), device_of(scene.value(), tick_s), tick_s);
+  for (const auto& time : experiment::time_effects(scene.value()))
+    for (auto& effect : report.effects)
+      if (effect.name == time.effect) effect.added_us = time.added_us, effect.tick_us = time.tick_us;
   if (!diagnostics.warnings.empty()) fmt::print(stderr, "{}\n", diagnostics.warning_message());
   if (options.json) {
     object["name"] = report.name;

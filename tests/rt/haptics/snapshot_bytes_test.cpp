@@ -31,6 +31,7 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
   s->dropped = 3, s->component = 400;
   s->proxy = random_motion(random);
   for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->members.try_push(2 * i + 1));
+  for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->effects.try_push(static_cast<std::byte>(i)));
   for (std::uint32_t i = 0; i < counts.joiners; ++i) {
     auto body = physics::make_dynamic_body<double>(i, physics::Shape<double>::sphere(random(0.01, 1)), random(0.1, 9),
                                                    random(0, 1), {});
@@ -84,7 +85,7 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     const auto s = random_snapshot(seed, counts);
     const auto bytes = bytes_of(*s);
     CHECK(bytes.size() ==
-          kHeader + 6 * 4 + counts.members * sizeof(BodyId) + counts.joiners * sizeof(physics::Body<double>) +
+          kHeader + 7 * 4 + counts.members * (sizeof(BodyId) + 1) + counts.joiners * sizeof(physics::Body<double>) +
               counts.warm_starts * sizeof(physics::WarmStart<double>) + counts.border * sizeof(BorderPoint));
     REQUIRE(read(bytes, *back));
     CHECK(back->cycle == s->cycle);
@@ -94,6 +95,8 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     CHECK(back->proxy == s->proxy);
     REQUIRE(back->members.size() == counts.members);
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->members[i] == s->members[i]);
+    REQUIRE(back->effects.size() == counts.members);
+    for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->effects[i] == s->effects[i]);
     REQUIRE(back->joiners.size() == counts.joiners);
     for (std::uint32_t i = 0; i < counts.joiners; ++i) {
       CHECK(back->joiners[i].id == s->joiners[i].id);

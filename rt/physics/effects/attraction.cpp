@@ -1,0 +1,52 @@
+#include "rt/physics/effects/attraction.h"
+
+#include <algorithm>
+
+namespace tactus::physics {
+namespace {
+
+template <class T>
+const Body<T>* find_by_id(std::span<const Body<T>> bodies, BodyId id) noexcept {
+  const auto at =
+      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
+  return at != bodies.end() && at->id == id ? &*at : nullptr;
+}
+
+}  // namespace
+
+template <class T>
+void Attraction<T>::pull(StageContext<T>& c) noexcept {
+  const auto place_of = [&](std::uint32_t i) noexcept {
+    return c.bodies[i].motion.pose.position + c.motion[i].delta_position;
+  };
+  for (const AttractionSource<T>& source : setup_.sources) {
+    Vec3<T> from = source.position_m;
+    std::uint32_t source_slot = kNoSlot;
+    if (source.body != kNoBody) {
+      if (const Body<T>* fixed = find_by_id(c.fixed_bodies, source.body)) {
+        from = fixed->motion.pose.position;
+      } else if (const Body<T>* moving = find_by_id<T>(c.bodies, source.body)) {
+        source_slot = static_cast<std::uint32_t>(moving - c.bodies.data());
+        from = place_of(source_slot);
+      } else {
+        continue;
+      }
+    }
+    Vec3<T> sum;
+    for (std::uint32_t i = 0; i < c.motion.size(); ++i) {
+      const BodyId id = c.bodies[i].id;
+      if (i == source_slot || c.held[i] != 0 || id >= setup_.weight_by_id.size()) continue;
+      const Vec3<T> d = from - place_of(i);
+      const T square = norm_squared(d) + source.softening_m * source.softening_m;
+      const T strength = source.strength_Nm2 * setup_.weight_by_id[id] / (square * std::sqrt(square));
+      c.motion[i].v += (c.h * c.motion[i].inverse_mass * strength) * d;
+      sum += strength * d;
+    }
+    if (source_slot != kNoSlot) c.motion[source_slot].v -= (c.h * c.motion[source_slot].inverse_mass) * sum;
+  }
+}
+
+template class Attraction<double>;
+template class Attraction<float>;
+
+}  // namespace tactus::physics

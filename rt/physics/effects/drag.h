@@ -1,0 +1,29 @@
+// Effect drag: a fluid that fills the world, at rest or flowing evenly, resists with the square of the speed.
+//
+// Implicit Euler of du/dt = -k |u| u, u the body's velocity through the fluid: u' = u / (1 + k |u| h), which for a lone
+// body is exact: 1 / |u'| = 1 / |u| + k h. k = density x drag coefficient x area across the flow / (2 mass). Acts at
+// the centre; a spin is not resisted. Units: SI. Thread: [rt], the owner of the World. Bound: linear in bodies.
+#pragma once
+
+#include "rt/physics/effects/stage.h"
+
+namespace tactus::physics {
+
+template <class T>
+class Drag : public Stateless {
+ public:
+  struct Setup {
+    std::span<const T> per_m{};  // k by body id; those beyond the end have none. Must outlive the world
+    Vec3<T> flow{};              // m/s, of the fluid
+    bool used() const noexcept { return !per_m.empty(); }
+  };
+  Drag(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
+  void enter(StageTable<T>& table) noexcept { table.template add<&Drag::resist>(Phase::kForces, *this); }
+
+ private:
+  void resist(StageContext<T>& c) noexcept;
+
+  Setup setup_;
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,304 @@
+// A joint's rows, sub-step by sub-step.
+#include <algorithm>
+
+#include "rt/physics/effects/joints.h"
+
+namespace tactus::physics {
+namespace {
+
+// Which directions of the joint's axes a kind holds.
+struct Locks {
+  std::array<bool, 3> linear, angular;
+};
+constexpr Locks kLocks[] = {{{true, true, true}, {true, true, true}},         // fixed
+                            {{true, true, true}, {false, false, false}},      // ball
+                            {{true, true, true}, {true, true, false}},        // hinge
+                            {{true, true, false}, {true, true, true}},        // slider
+                            {{false, false, false}, {false, false, false}}};  // distance
+constexpr Locks locks_of(JointKind kind) noexcept { return kLocks[static_cast<std::uint32_t>(kind)]; }
+
+template <class T>
+Vec3<T> masked(const Vec3<T>& v, const std::array<bool, 3>& mask) noexcept {
+  return {mask[0] ? v.x : T(0), mask[1] ? v.y : T(0), mask[2] ? v.z : T(0)};
+}
+template <class T>
+Vec3<T> into(const Axes<T>& axes, const Vec3<T>& v) noexcept {
+  return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)};
+}
+template <class T>
+Vec3<T> out_of(const Axes<T>& axes, const Vec3<T>& v) noexcept {
+  return v.x * axes.x + v.y * axes.y + v.z * axes.z;
+}
+
+// The inverse of J M^-1 J^T; `entry(p, q)` of axes p and q. What is free is made a unit row: it takes no part.
+template <class T, class F>
+SymMat3<T> mass_of(const Axes<T>& axes, const std::array<bool, 3>& mask, F&& entry) noexcept {
+  const Vec3<T>* d[] = {&axes.x, &axes.y, &axes.z};
+  const auto at = [&](int p, int q) noexcept {
+    const bool both = mask[static_cast<std::size_t>(p)] && mask[static_cast<std::size_t>(q)];
+    return both ? entry(*d[p], *d[q]) : (p == q ? T(1) : T(0));
+  };
+  return inverse(SymMat3<T>{at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)});
+}
+
+// asin(x) for small x, to x^7.
+template <class T>
+T small_asin(T x) noexcept {
+  const T x2 = x * x;
+  return x * (T(1) + x2 * (T(1.0 / 6) + x2 * (T(3.0 / 40) + x2 * T(15.0 / 336))));
+}
+
+// The angle with that sine and cosine (up to a common positive factor), in (-pi, pi]: twice from a guess, by our own
+// sine, because results depend on it. The error of the first look, below 3e-4, leaves 1e-28 to the second.
+template <class T>
+T angle_of(T s, T c) noexcept {
+  const T length = std::sqrt(s * s + c * c);
+  if (!(length > T(0))) return T(0);
+  s /= length, c /= length;
+  constexpr T eighth = T(0.78539816339744830962);
+  const T a = std::abs(s), b = std::abs(c);
+  // To the nearest of 0, 45, 90 degrees, then by sign to the whole circle.
+  T guess = a < T(0.41421356237309504880) * b ? T(0) : (b < T(0.41421356237309504880) * a ? T(2) * eighth : eighth);
+  if (c < T(0)) guess = T(4) * eighth - guess;
+  if (s < T(0)) guess = -guess;
+  for (int i = 0; i < 2; ++i) {
+    const auto [sine, cosine] = sin_cos(guess);
+    guess += small_asin(s * cosine - c * sine);
+  }
+  return guess;
+}
+
+}  // namespace
+
+template <class T>
+typename Joints<T>::Side Joints<T>::side(StageContext<T>& c, Row& row, std::uint32_t slot) noexcept {
+  static constexpr SymMat3<T> kNone{};
+  if (slot == kOutside) return {row.outside, kNone};
+  return {c.motion[slot], c.inverse_inertia[slot]};
+}
+
+template <class T>
+void Joints<T>::prepare(StageContext<T>& c) noexcept {
+  for (Row& row : rows_) {
+    row.outside = {};
+    row.outside.v = row.outside_motion.velocity.linear, row.outside.w = row.outside_motion.velocity.angular;
+    row.now = row.kept = c.h * states_[row.joint].effort;
+    row.sum_force = row.sum_torque = {};
+  }
+}
+
+// Where the bodies are now: axes, levers, errors, the coordinate.
+template <class T>
+void Joints<T>::measure(const StageContext<T>&, Row& row, const SolverBody<T>& a,
+                        const SolverBody<T>& b) const noexcept {
+  const Joint<T>& joint = joints_[row.joint];
+  const Vec3<T> r_a = rotate(a.delta_rotation, row.arm_a);
+  row.r_b = rotate(b.delta_rotation, row.arm_b);
+  const Vec3<T> d = row.apart + (b.delta_position - a.delta_position) + (row.r_b - row.arm_b) - (r_a - row.arm_a);
+  row.r_a = r_a + d;  // forces act at B's frame, on both: what the rows do is then exactly what their errors measure
+  const Quat<T> q_a = a.delta_rotation * row.frame_a, q_b = b.delta_rotation * row.frame_b;
+  row.axes = axes_of(q_a);
+  row.linear_error = masked(into(row.axes, d), locks_of(joint.kind).linear);
+  row.axis = row.axes.z;
+  switch (joint.kind) {
+    case JointKind::kHinge: {
+      const Vec3<T> z_b = rotate(q_b, Vec3<T>{T(0), T(0), T(1)});
+      row.angular_error = masked(into(row.axes, cross(row.axes.z, z_b)), locks_of(joint.kind).angular);
+      const Quat<T> turn = conjugate(q_a) * q_b;
+      const T sign = turn.w < T(0) ? T(-1) : T(1);
+      row.coordinate = T(2) * angle_of(sign * turn.z, sign * turn.w);
+      break;
+    }
+    case JointKind::kDistance:
+      row.coordinate = norm(d);
+      row.axis = normalized_or(d, row.axes.z);
+      break;
+    default:
+      row.angular_error = masked(small_rotation_vector(conjugate(q_a) * q_b), locks_of(joint.kind).angular);
+      row.coordinate = dot(row.axes.z, d);
+  }
+}
+
+template <class T>
+void Joints<T>::fill_masses(Row& row, const Side& a, const Side& b) const noexcept {
+  const JointKind kind = joints_[row.joint].kind;
+  const auto linear = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept {
+    return inverse_effective_mass(a.body.inverse_mass, a.inverse_inertia, row.r_a, p, q) +
+           inverse_effective_mass(b.body.inverse_mass, b.inverse_inertia, row.r_b, p, q);
+  };
+  const SymMat3<T> turning = a.inverse_inertia + b.inverse_inertia;
+  const auto angular = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept { return dot(turning * p, q); };
+  row.linear_mass = mass_of(row.axes, locks_of(kind).linear, linear);
+  row.angular_mass = mass_of(row.axes, locks_of(kind).angular, angular);
+  row.axis_mass = invert_or_zero(kind == JointKind::kHinge ? angular(row.axis, row.axis) : linear(row.axis, row.axis));
+}
+
+template <class T>
+void Joints<T>::begin_sub_step(StageContext<T>& c) noexcept {
+  const T elapsed = static_cast<T>(c.sub_step) * c.h;
+  for (Row& row : rows_) {
+    if (c.sub_step > 0) add_to_sums(row);
+    if (row.slot_a == kOutside || row.slot_b == kOutside) {
+      row.outside.delta_position = elapsed * row.outside.v;
+      row.outside.delta_rotation = quat_from_rotation_vector(elapsed * row.outside.w);
+    }
+    const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
+    measure(c, row, a.body, b.body);
+    fill_masses(row, a, b);
+  }
+}
+
+// `effort` on B, the opposite on A.
+template <class T>
+void Joints<T>::apply(const Row& row, const Side& a, const Side& b, const JointEffort<T>& effort) const noexcept {
+  Vec3<T> p = out_of(row.axes, effort.linear), m = out_of(row.axes, effort.angular);
+  const T along = effort.drive + effort.lower + effort.upper;
+  (joints_[row.joint].kind == JointKind::kHinge ? m : p) += along * row.axis;
+  a.body.v -= a.body.inverse_mass * p;
+  a.body.w -= a.inverse_inertia * (cross(row.r_a, p) + m);
+  b.body.v += b.body.inverse_mass * p;
+  b.body.w += b.inverse_inertia * (cross(row.r_b, p) + m);
+}
+
+template <class T>
+void Joints<T>::add_to_sums(Row& row) const noexcept {
+  const Vec3<T> along = (row.now.drive + row.now.lower + row.now.upper) * row.axis;
+  const bool turns = joints_[row.joint].kind == JointKind::kHinge;
+  row.sum_force += out_of(row.axes, row.now.linear) + (turns ? Vec3<T>{} : along);
+  row.sum_torque += out_of(row.axes, row.now.angular) + (turns ? along : Vec3<T>{});
+}
+
+template <class T>
+void Joints<T>::warm_start(StageContext<T>& c) noexcept {
+  for (Row& row : rows_) apply(row, side(c, row, row.slot_a), side(c, row, row.slot_b), row.now);
+}
+
+template <class T>
+template <bool kBias>
+void Joints<T>::solve_axis(const StageContext<T>& c, Row& row, const Side& a, const Side& b) noexcept {
+  const Joint<T>& joint = joints_[row.joint];
+  const bool turns = joint.kind == JointKind::kHinge;
+  const T mass = row.axis_mass;
+  const Softness<T> soft = kBias ? c.rule.softness : Softness<T>::rigid();
+  const T push = soft.mass_scale * soft.bias_rate;
+  const auto speed = [&]() noexcept {
+    if (turns) return dot(row.axis, b.body.w - a.body.w);
+    return dot(row.axis, velocity_at(b.body, row.r_b) - velocity_at(a.body, row.r_a));
+  };
+  const auto add = [&](T& sum, T next) noexcept {
+    JointEffort<T> change;
+    change.drive = next - sum;
+    sum = next;
+    apply(row, a, b, change);
+  };
+  if (joint.driven) {
+    const T most = c.h * joint.motor_effort;
+    add(row.now.drive, std::clamp(row.now.drive - mass * (speed() - joint.motor_speed), -most, most));
+  }
+  if (!joint.limited) return;
+  if (joint.low == joint.high) {
+    const T error = row.coordinate - joint.low;
+    const T last = row.now.lower;
+    add(row.now.lower, last - mass * (soft.mass_scale * speed() + (kBias ? push * error : T(0))) -
+                           (kBias ? soft.impulse_scale * last : T(0)));
+    return;
+  }
+  // As a contact: apart it may close the gap, no more.
+  const auto hold = [&](T gap, T closing, T last) noexcept {
+    if (gap > T(0)) return std::max(T(0), last - mass * (gap * c.rule.inverse_h + closing));
+    return std::max(T(0), last - mass * (soft.mass_scale * closing + (kBias ? push * gap : T(0))) -
+                              (kBias ? soft.impulse_scale * last : T(0)));
+  };
+  add(row.now.lower, hold(row.coordinate - joint.low, speed(), row.now.lower));
+  add(row.now.upper, -hold(joint.high - row.coordinate, -speed(), -row.now.upper));
+}
+
+template <class T>
+template <bool kBias>
+void Joints<T>::solve(StageContext<T>& c) noexcept {
+  const Softness<T> soft = kBias ? c.rule.softness : Softness<T>::rigid();
+  const T push = kBias ? soft.mass_scale * soft.bias_rate : T(0), leak = kBias ? soft.impulse_scale : T(0);
+  for (Row& row : rows_) {
+    const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
+    const JointKind kind = joints_[row.joint].kind;
+    const Locks locks = locks_of(kind);
+    solve_axis<kBias>(c, row, a, b);
+    if (locks.angular[0]) {
+      const Vec3<T> u = masked(into(row.axes, b.body.w - a.body.w), locks.angular);
+      JointEffort<T> change;
+      change.angular = -(row.angular_mass * (soft.mass_scale * u + push * row.angular_error)) - leak * row.now.angular;
+      row.now.angular += change.angular;
+      apply(row, a, b, change);
+    }
+    if (locks.linear[0]) {
+      const Vec3<T> u =
+          masked(into(row.axes, velocity_at(b.body, row.r_b) - velocity_at(a.body, row.r_a)), locks.linear);
+      JointEffort<T> change;
+      change.linear = -(row.linear_mass * (soft.mass_scale * u + push * row.linear_error)) - leak * row.now.linear;
+      row.now.linear += change.linear;
+      apply(row, a, b, change);
+    }
+  }
+}
+
+template <class T>
+void Joints<T>::follow(StageContext<T>& c) noexcept {
+  for (Row& row : rows_) {
+    if (!joints_[row.joint].limited) continue;
+    Row moved = row;
+    moved.outside.delta_position += c.h * row.outside.v;
+    measure(c, moved, side(c, moved, row.slot_a).body, side(c, moved, row.slot_b).body);
+    row.coordinate = moved.coordinate;
+  }
+}
+
+template <class T>
+void Joints<T>::scale(StageContext<T>& c) noexcept {
+  for (Row& row : rows_) row.now = c.factor * row.now;
+}
+
+template <class T>
+void Joints<T>::keep(StageContext<T>&) noexcept {
+  for (Row& row : rows_) row.kept = row.now;
+}
+
+template <class T>
+void Joints<T>::finish(StageContext<T>& c) noexcept {
+  const T rate = T(1) / c.settings.dt;
+  for (Row& row : rows_) {
+    const bool still =
+        (row.slot_a == kOutside || c.held[row.slot_a] != 0) && (row.slot_b == kOutside || c.held[row.slot_b] != 0);
+    if (still) continue;  // another solve's, or nobody's
+    add_to_sums(row);
+    const Joint<T>& joint = joints_[row.joint];
+    JointState<T>& state = states_[row.joint];
+    const JointEffort<T> next = c.factor == T(1) ? row.now : row.kept + c.factor * (row.now + T(-1) * row.kept);
+    state.effort = (T(1) / c.h) * next;
+    state.force_N = rate * norm(row.sum_force), state.torque_Nm = rate * norm(row.sum_torque);
+    state.coordinate = row.coordinate;
+    if (state.force_N <= joint.break_force_N && state.torque_Nm <= joint.break_torque_Nm) continue;
+    state.broken = 1, state.effort = {};
+    ++c.report.broken_joints;
+  }
+  for (Anchor& anchor : anchors_) {
+    BodyMotion<T>& m = anchor.motion;
+    m.pose.position += c.settings.dt * m.velocity.linear;
+    m.pose.rotation = normalized(quat_from_rotation_vector(c.settings.dt * m.velocity.angular) * m.pose.rotation);
+  }
+}
+
+#define TACTUS_INSTANTIATE(T)                                         \
+  template void Joints<T>::prepare(StageContext<T>&) noexcept;        \
+  template void Joints<T>::begin_sub_step(StageContext<T>&) noexcept; \
+  template void Joints<T>::warm_start(StageContext<T>&) noexcept;     \
+  template void Joints<T>::solve<true>(StageContext<T>&) noexcept;    \
+  template void Joints<T>::solve<false>(StageContext<T>&) noexcept;   \
+  template void Joints<T>::follow(StageContext<T>&) noexcept;         \
+  template void Joints<T>::scale(StageContext<T>&) noexcept;          \
+  template void Joints<T>::keep(StageContext<T>&) noexcept;           \
+  template void Joints<T>::finish(StageContext<T>&) noexcept;
+TACTUS_INSTANTIATE(double)
+TACTUS_INSTANTIATE(float)
+#undef TACTUS_INSTANTIATE
+
+}  // namespace tactus::physics

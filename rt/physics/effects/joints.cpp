@@ -1,0 +1,257 @@
+// Which joints are active, and what of them goes from step to step and from world to world; rows in joint_rows.cpp.
+#include "rt/physics/effects/joints.h"
+
+#include <algorithm>
+
+namespace tactus::physics {
+namespace {
+
+template <class T>
+bool is_finite_effort(const JointEffort<T>& e) noexcept {
+  return is_finite(e.linear) && is_finite(e.angular) && std::isfinite(e.drive) && std::isfinite(e.lower) &&
+         std::isfinite(e.upper);
+}
+
+template <class T>
+std::uint32_t slot_in(std::span<const Body<T>> bodies, BodyId id) noexcept {
+  const auto at =
+      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
+  return at != bodies.end() && at->id == id ? static_cast<std::uint32_t>(at - bodies.begin()) : kNoSlot;
+}
+
+// Flags of a joint that is handed over.
+constexpr std::uint32_t kBroken = 1, kAnchored = 2;
+
+bool comes_before(const SlotPair& p, const SlotPair& q) noexcept { return p.a != q.a ? p.a < q.a : p.b < q.b; }
+
+// Takes out of `pairs` what is in `apart`; both in the same order.
+void take_out(BoundedVector<SlotPair>& pairs, const BoundedVector<SlotPair>& apart) noexcept {
+  std::uint32_t kept = 0, next = 0;
+  for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+    const SlotPair pair = pairs[i];
+    while (next < apart.size() && comes_before(apart[next], pair)) ++next;
+    if (next == apart.size() || comes_before(pair, apart[next])) pairs[kept++] = pair;
+  }
+  pairs.resize(kept);
+}
+
+}  // namespace
+
+template <class T>
+Joints<T>::Joints(const Setup& setup, const Capacities&) : joints_(setup.joints) {
+  const auto count = static_cast<std::uint32_t>(joints_.size());
+  BodyId highest = 0;
+  for (const Joint<T>& joint : joints_) {
+    TACTUS_CHECK(joint.b <= kMaxBodyId && (joint.a == kNoBody || joint.a <= kMaxBodyId), joint.a, joint.b);
+    highest = std::max(highest, joint.a == kNoBody ? joint.b : std::max(joint.a, joint.b));
+  }
+  states_ = BoundedVector<JointState<T>>(count);
+  states_.resize(count);
+  first_of_ = BoundedVector<std::uint32_t>(highest + 2);
+  first_of_.resize(highest + 2);
+  joints_of_ = BoundedVector<std::uint32_t>(2 * count);
+  anchors_ = BoundedVector<Anchor>(count);
+  rows_ = BoundedVector<Row>(count);
+  apart_ = BoundedVector<SlotPair>(count), apart_fixed_ = BoundedVector<SlotPair>(count);
+  for (BodyId id = 0; id <= highest; ++id) first_of_[id] = 0;
+  for (const Joint<T>& joint : joints_) {
+    ++first_of_[joint.b];
+    if (joint.a != kNoBody) ++first_of_[joint.a];
+  }
+  std::uint32_t sum = 0;
+  for (BodyId id = 0; id <= highest + 1; ++id) {
+    const std::uint32_t own = id <= highest ? first_of_[id] : 0;
+    sum += own;
+    first_of_[id] = sum;  // the end; filling backwards turns it into the start
+  }
+  joints_of_.resize(sum);
+  for (std::uint32_t k = count; k-- > 0;) {
+    joints_of_[--first_of_[joints_[k].b]] = k;
+    if (joints_[k].a != kNoBody) joints_of_[--first_of_[joints_[k].a]] = k;
+  }
+}
+
+template <class T>
+void Joints<T>::enter(StageTable<T>& table) noexcept {
+  table.template add<&Joints::find_active>(Phase::kPairs, *this);
+  table.template add<&Joints::separate>(Phase::kPairs, *this);
+  table.template add<&Joints::separate_fixed>(Phase::kFixedPairs, *this);
+  table.template add<&Joints::prepare>(Phase::kPrepare, *this);
+  table.template add<&Joints::begin_sub_step>(Phase::kBeginSubStep, *this);
+  table.template add<&Joints::warm_start>(Phase::kWarmStart, *this);
+  table.template add<&Joints::template solve<true>>(Phase::kBiased, *this);
+  table.template add<&Joints::follow>(Phase::kMoved, *this);
+  table.template add<&Joints::template solve<false>>(Phase::kRelax, *this);
+  table.template add<&Joints::scale>(Phase::kScale, *this);
+  table.template add<&Joints::keep>(Phase::kKeep, *this);
+  table.template add<&Joints::finish>(Phase::kFinish, *this);
+}
+
+template <class T>
+std::uint32_t Joints<T>::slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept {
+  return id == kNoBody ? kNoSlot : slot_in(bodies, id);
+}
+
+template <class T>
+std::span<const std::uint32_t> Joints<T>::joints_of(BodyId id) const noexcept {
+  if (id + 1 >= first_of_.size()) return {};
+  return joints_of_.span().subspan(first_of_[id], first_of_[id + 1] - first_of_[id]);
+}
+
+template <class T>
+const typename Joints<T>::Anchor* Joints<T>::anchor_of(std::uint32_t joint) const noexcept {
+  const auto* at = std::lower_bound(anchors_.begin(), anchors_.end(), joint,
+                                    [](const Anchor& x, std::uint32_t k) { return x.joint < k; });
+  return at != anchors_.end() && at->joint == joint ? at : nullptr;
+}
+
+// The joints of the bodies that are here, each once: by its B, or by its A where B is another world's.
+template <class T>
+void Joints<T>::find_active(StageContext<T>& c) noexcept {
+  rows_.clear(), apart_.clear(), apart_fixed_.clear();
+  for (std::uint32_t slot = 0; slot < c.bodies.size(); ++slot) {
+    for (const std::uint32_t k : joints_of(c.bodies[slot].id)) {
+      const Joint<T>& joint = joints_[k];
+      if (states_[k].broken != 0) continue;
+      if (joint.b != c.bodies[slot].id) {
+        if (slot_of(c.bodies, joint.b) == kNoSlot && anchor_of(k) != nullptr) add_row(c, k, slot, kOutside);
+        continue;
+      }
+      const std::uint32_t slot_a = slot_of(c.bodies, joint.a);
+      const std::uint32_t fixed_a = slot_a != kNoSlot ? kNoSlot : slot_of(c.fixed_bodies, joint.a);
+      if (slot_a == kNoSlot && fixed_a == kNoSlot && joint.a != kNoBody && anchor_of(k) == nullptr) continue;
+      add_row(c, k, slot_a, slot);
+      if (joint.bodies_collide) continue;
+      if (slot_a != kNoSlot) (void)apart_.try_push({std::min(slot_a, slot), std::max(slot_a, slot)});
+      if (fixed_a != kNoSlot) (void)apart_fixed_.try_push({fixed_a, slot});
+    }
+  }
+  std::sort(apart_.begin(), apart_.end(), comes_before);
+  std::sort(apart_fixed_.begin(), apart_fixed_.end(), comes_before);
+}
+
+template <class T>
+void Joints<T>::add_row(StageContext<T>& c, std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+  if (!rows_.try_push({})) return;  // room for all joints
+  const Joint<T>& joint = joints_[k];
+  Row& row = rows_[rows_.size() - 1];
+  row.joint = k, row.slot_a = slot_a, row.slot_b = slot_b;
+  if (slot_a == kOutside || slot_b == kOutside) {
+    const BodyId id = slot_a == kOutside ? joint.a : joint.b;
+    const std::uint32_t fixed = slot_of(c.fixed_bodies, id);
+    if (fixed != kNoSlot)
+      row.outside_motion = {c.fixed_bodies[fixed].motion.pose, {}};
+    else if (id != kNoBody)
+      row.outside_motion = anchor_of(k)->motion;
+  }
+  const Pose<T>& a = slot_a == kOutside ? row.outside_motion.pose : c.bodies[slot_a].motion.pose;
+  const Pose<T>& b = slot_b == kOutside ? row.outside_motion.pose : c.bodies[slot_b].motion.pose;
+  row.arm_a = rotate(a.rotation, joint.a_from_joint.position);
+  row.arm_b = rotate(b.rotation, joint.b_from_joint.position);
+  row.apart = (b.position - a.position) + (row.arm_b - row.arm_a);
+  row.frame_a = a.rotation * joint.a_from_joint.rotation;
+  row.frame_b = b.rotation * joint.b_from_joint.rotation;
+}
+
+template <class T>
+void Joints<T>::separate(StageContext<T>& c) noexcept {
+  if (!apart_.empty()) take_out(*c.pairs, apart_);
+}
+
+template <class T>
+void Joints<T>::separate_fixed(StageContext<T>& c) noexcept {
+  if (!apart_fixed_.empty()) take_out(*c.pairs, apart_fixed_);
+}
+
+template <class T>
+void Joints<T>::save(ByteWriter& out) const noexcept {
+  for (const JointState<T>& s : states_)  // field by field: the struct has padding
+    out.put(s.effort), out.put(s.force_N), out.put(s.torque_Nm), out.put(s.coordinate), out.put(s.broken);
+  out.put(anchors_.size());
+  for (const Anchor& anchor : anchors_) out.put(anchor.joint), out.put(anchor.motion);
+}
+
+template <class T>
+std::size_t Joints<T>::save_size_bound() const noexcept {
+  return states_.size() * (sizeof(JointState<T>) + sizeof(Anchor)) + sizeof(std::uint32_t);
+}
+
+template <class T>
+bool Joints<T>::restore(ByteReader& in) noexcept {
+  anchors_.clear();
+  for (JointState<T>& s : states_)
+    in.get(s.effort), in.get(s.force_N), in.get(s.torque_Nm), in.get(s.coordinate), in.get(s.broken);
+  std::uint32_t count = 0;
+  in.get(count);
+  bool good = in.ok() && count <= anchors_.capacity();
+  for (std::uint32_t i = 0; good && i < count; ++i) {
+    Anchor anchor;
+    in.get(anchor.joint), in.get(anchor.motion);
+    good = in.ok() && anchor.joint < joints_.size() && (i == 0 || anchors_[i - 1].joint < anchor.joint) &&
+           is_finite(anchor.motion.pose) && is_finite(anchor.motion.velocity) && anchors_.try_push(anchor);
+  }
+  for (JointState<T>& state : states_)
+    if (!is_finite_effort(state.effort) || state.broken > 1) state = {}, good = false;
+  return good;
+}
+
+// Count, then for each joint with a body inside: its number, whether it is broken (1), whether one of its bodies is
+// outside (2), its effort, and the outside body's motion where there is one.
+template <class T>
+void Joints<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
+                          std::span<const std::uint8_t> inside) const noexcept {
+  const auto is_inside = [&](std::uint32_t slot) noexcept {
+    return slot != kNoSlot && (inside.empty() || inside[slot] != 0);
+  };
+  const auto each = [&](auto&& f) noexcept {  // f(joint, the slot of its body that is not inside, or kNoSlot)
+    for (std::uint32_t slot = 0; slot < bodies.size(); ++slot) {
+      if (!is_inside(slot)) continue;
+      for (const std::uint32_t k : joints_of(bodies[slot].id)) {
+        const bool is_b = joints_[k].b == bodies[slot].id;
+        const std::uint32_t other = slot_of(bodies, is_b ? joints_[k].a : joints_[k].b);
+        if (!is_inside(other))
+          f(k, other);
+        else if (is_b)
+          f(k, kNoSlot);
+      }
+    }
+  };
+  std::uint32_t count = 0;
+  each([&](std::uint32_t, std::uint32_t) noexcept { ++count; });
+  out.put(count);
+  each([&](std::uint32_t k, std::uint32_t beyond) noexcept {
+    out.put(k), out.put(states_[k].broken | (beyond != kNoSlot ? kAnchored : 0u)), out.put(states_[k].effort);
+    if (beyond != kNoSlot) out.put(bodies[beyond].motion);
+  });
+}
+
+template <class T>
+bool Joints<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept {
+  std::uint32_t count = 0;
+  in.get(count);
+  if (!known_too) anchors_.clear();
+  for (std::uint32_t i = 0; i < count && in.ok(); ++i) {
+    Anchor anchor;
+    std::uint32_t flags = 0;
+    JointEffort<T> effort;
+    in.get(anchor.joint), in.get(flags), in.get(effort);
+    if ((flags & kAnchored) != 0) in.get(anchor.motion);
+    if (!in.ok() || anchor.joint >= joints_.size() || !is_finite_effort(effort) || !is_finite(anchor.motion.pose) ||
+        !is_finite(anchor.motion.velocity))
+      return false;
+    const Joint<T>& joint = joints_[anchor.joint];
+    JointState<T>& state = states_[anchor.joint];
+    const bool known =
+        slot_of(bodies, joint.b) != kNoSlot && (joint.a == kNoBody || slot_of(bodies, joint.a) != kNoSlot);
+    if (known_too || !known) state.effort = effort;
+    if ((flags & kBroken) != 0) state.broken = 1, state.effort = {};
+    if (!known_too && (flags & kAnchored) != 0) (void)anchors_.try_push(anchor);
+  }
+  std::sort(anchors_.begin(), anchors_.end(), [](const Anchor& p, const Anchor& q) { return p.joint < q.joint; });
+  return in.ok();
+}
+
+template class Joints<double>;
+template class Joints<float>;
+
+}  // namespace tactus::physics

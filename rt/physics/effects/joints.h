@@ -1,0 +1,109 @@
+// Effect joints: all joints of the scene, those active whose bodies are here.
+//
+// Rows are soft-step rows as the contacts' are, with the same frequency and damping: soft in the biased sweep, at
+// velocity level in the relax sweep. Three rows of forces are one 3 x 3 system in the joint's axes, three of torques
+// another; a direction that is free has no mass. Limits are unilateral rows by the rule of a contact, a motor is a row
+// of bounded effort. Axes, levers and masses are those of the start of the sub-step. Order in a sweep: joint after
+// joint by B's id, in a joint axis, torques, forces. A joint whose one body is another world's holds on to where that
+// one goes by its last known velocity (an anchor). Source: Catto, soft constraints; block rows as in his Box2D.
+// Frame: world. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: linear in the
+// joints of the bodies that are here, x log bodies.
+#pragma once
+
+#include "rt/physics/body_frame.h"
+#include "rt/physics/effects/joint.h"
+#include "rt/physics/effects/stage.h"
+
+namespace tactus::physics {
+
+template <class T>
+class Joints {
+ public:
+  struct Setup {
+    std::span<const Joint<T>> joints{};  // must outlive the world
+    bool used() const noexcept { return !joints.empty(); }
+  };
+  Joints(const Setup& setup, const Capacities& capacities);
+  void enter(StageTable<T>& table) noexcept;
+
+  std::span<const Joint<T>> joints() const noexcept { return joints_; }
+  std::span<const JointState<T>> states() const noexcept { return states_.span(); }  // by joint
+  // `f(slot_a, slot_b, joint)` for joints that hold two of these bodies together, by B.
+  template <class F>
+  void for_each_link(std::span<const Body<T>> bodies, F&& f) const noexcept {
+    for (std::uint32_t slot = 0; slot < bodies.size(); ++slot)
+      for (const std::uint32_t k : joints_of(bodies[slot].id)) {
+        if (states_[k].broken != 0 || joints_[k].b != bodies[slot].id) continue;
+        if (const std::uint32_t a = slot_of(bodies, joints_[k].a); a != kNoSlot) f(a, slot, k);
+      }
+  }
+
+  void save(ByteWriter& out) const noexcept;
+  bool restore(ByteReader& in) noexcept;
+  std::size_t save_size_bound() const noexcept;
+  void hand_over(ByteWriter& out, std::span<const Body<T>> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  bool take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept;
+
+ private:
+  static constexpr std::uint32_t kOutside = kNoSlot;
+
+  // Where a body of another world goes.
+  struct Anchor {
+    std::uint32_t joint{0};
+    BodyMotion<T> motion;
+  };
+  struct Row {
+    std::uint32_t joint{0}, slot_a{kOutside}, slot_b{kOutside};
+    Vec3<T> arm_a, arm_b, apart;   // m: from the centres to the frames, between the frames; at the start of the step
+    Quat<T> frame_a, frame_b;      // world_from_joint, at the start of the step
+    SolverBody<T> outside;         // of the side that has no slot
+    BodyMotion<T> outside_motion;  // at the start of the step
+    // Of the sub-step.
+    Axes<T> axes;
+    Vec3<T> r_a, r_b, axis;  // m; axis: unit, of the coordinate
+    Vec3<T> linear_error, angular_error;
+    T coordinate{};
+    SymMat3<T> linear_mass, angular_mass;
+    T axis_mass{};
+    JointEffort<T> now, kept;       // N s, N m s
+    Vec3<T> sum_force, sum_torque;  // N s, N m s, on B, world, over the step
+  };
+  struct Side {
+    SolverBody<T>& body;
+    const SymMat3<T>& inverse_inertia;
+  };
+
+  static std::uint32_t slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept;
+  std::span<const std::uint32_t> joints_of(BodyId id) const noexcept;
+  const Anchor* anchor_of(std::uint32_t joint) const noexcept;
+  Side side(StageContext<T>& c, Row& row, std::uint32_t slot) noexcept;
+  void measure(const StageContext<T>& c, Row& row, const SolverBody<T>& a, const SolverBody<T>& b) const noexcept;
+  void fill_masses(Row& row, const Side& a, const Side& b) const noexcept;
+  void add_row(StageContext<T>& c, std::uint32_t joint, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
+
+  void find_active(StageContext<T>& c) noexcept;
+  void separate(StageContext<T>& c) noexcept;
+  void separate_fixed(StageContext<T>& c) noexcept;
+  void prepare(StageContext<T>& c) noexcept;
+  void begin_sub_step(StageContext<T>& c) noexcept;
+  void warm_start(StageContext<T>& c) noexcept;
+  template <bool kBias>
+  void solve(StageContext<T>& c) noexcept;
+  template <bool kBias>
+  void solve_axis(const StageContext<T>& c, Row& row, const Side& a, const Side& b) noexcept;
+  void follow(StageContext<T>& c) noexcept;  // limits after the bodies have moved
+  void scale(StageContext<T>& c) noexcept;
+  void keep(StageContext<T>& c) noexcept;
+  void finish(StageContext<T>& c) noexcept;
+  void apply(const Row& row, const Side& a, const Side& b, const JointEffort<T>& effort) const noexcept;
+  void add_to_sums(Row& row) const noexcept;
+
+  std::span<const Joint<T>> joints_;
+  BoundedVector<JointState<T>> states_;                // by joint
+  BoundedVector<std::uint32_t> first_of_, joints_of_;  // by body id: where its joints begin among those of all bodies
+  BoundedVector<Anchor> anchors_;                      // by joint
+  BoundedVector<Row> rows_;
+  BoundedVector<SlotPair> apart_, apart_fixed_;  // pairs that do not collide, in the order of the pairs
+};
+
+}  // namespace tactus::physics

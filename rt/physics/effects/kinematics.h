@@ -1,0 +1,65 @@
+// Effect kinematic: bodies that follow a script whatever touches them; to all others they are infinitely heavy.
+//
+// Without way points a body goes on with the velocity that it has; with way points it is where its path says at its own
+// time, which travels with it between the worlds, so that a late world makes no jump. Between way points the motion is
+// a smooth step (C2), rotation vectors are interpolated as they are: a path may turn several times about one axis.
+// Frame: world. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: scripts x log
+// bodies, x way points.
+#pragma once
+
+#include "rt/physics/effects/stage.h"
+
+namespace tactus::physics {
+
+template <class T>
+struct PathKey {
+  T time_s{};
+  Vec3<T> position_m, rotation_vector_rad;  // of the body, about the world's axes
+};
+
+struct KinematicScript {
+  BodyId id{kNoBody};
+  std::uint32_t first_key{0}, keys{0};  // of its way points, times ascending from 0; none: steady motion
+  bool repeat{false};                   // begins again at its end; else it stays there
+};
+
+template <class T>
+class Kinematics {
+ public:
+  struct Setup {  // by id; must outlive the world
+    std::span<const KinematicScript> scripts{};
+    std::span<const PathKey<T>> keys{};
+    bool used() const noexcept { return !scripts.empty(); }
+  };
+  Kinematics(const Setup& setup, const Capacities& capacities);
+  void enter(StageTable<T>& table) noexcept;
+
+  std::span<const KinematicScript> scripts() const noexcept { return setup_.scripts; }
+  // Time on a body's path [s], by script.
+  std::span<const T> times() const noexcept { return time_.span(); }
+
+  void save(ByteWriter& out) const noexcept;
+  bool restore(ByteReader& in) noexcept;
+  std::size_t save_size_bound() const noexcept { return time_.capacity() * sizeof(T); }
+  void hand_over(ByteWriter& out, std::span<const Body<T>> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  bool take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept;
+
+ private:
+  struct Follower {
+    std::uint32_t script{0}, slot{0};
+    Pose<T> start, now;  // at the start of the step; after the sub-steps so far
+  };
+
+  Pose<T> pose_at(const KinematicScript& script, T time_s) const noexcept;
+  Pose<T> pose_in_step(const Follower& follower, const Twist<T>& steady, T elapsed) const noexcept;
+  void take_hold(StageContext<T>& c) noexcept;  // of the bodies that are here
+  void aim(StageContext<T>& c) noexcept;
+  void place(StageContext<T>& c) noexcept;
+  void finish(StageContext<T>& c) noexcept;
+
+  Setup setup_;
+  BoundedVector<T> time_;
+  BoundedVector<Follower> followers_;
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,72 @@
+// tactus experiment effects: what effects cost where they are called for, and where they are not.
+#include "tools/experiment/effects.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "tools/tactus/commands.h"
+#include "tools/tactus/experiments.h"
+
+namespace tactus::tools {
+namespace {
+
+struct EffectsOptions {
+  std::vector<std::string> effects;
+  std::string count;
+  bool json{false};
+};
+
+int run_effects(const EffectsOptions& options) {
+  const auto known = experiment::effect_names();
+  const auto is_known = [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  if (!options.count.empty()) {
+    const auto colon = options.count.find(':');
+    const std::string effect = options.count.substr(0, colon);
+    const char state = colon == std::string::npos ? '?' : options.count.back();
+    if (!is_known(effect) || state < '0' || state > '2')
+      return complain("tactus experiment effects: --count: no such case", kExitBadInput);
+    experiment::count_effect(effect, static_cast<experiment::EffectState>(state - '0'));
+    return kExitGood;
+  }
+  std::error_code ignored;
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
+  const auto rows = experiment::run_effects(options.effects.empty() ? known : options.effects, program,
+                                            experiment::terminal_progress());
+  fmt::print("{}\n", options.json ? experiment::effects_json(rows) : experiment::effects_table(rows));
+  int exit_code = kExitGood;
+  for (const auto& row : rows) {
+    if (row.instructions[0] == 0)
+      return complain(
+          "tactus experiment effects: nothing was counted: valgrind is not installed, or was not at the build",
+          kExitMachineCannot);
+    if (!row.good())
+      exit_code = complain(fmt::format("tactus experiment effects: {}: declared and not used, it costs", row.effect),
+                           kExitVerdictBad);
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+void add_effects(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<EffectsOptions>();
+  CLI::App* effects = experiment.add_subcommand("effects", "What each effect costs: not declared, not used, used.");
+  effects->footer(
+      "Instructions of a tick, by callgrind: needs valgrind. Exit status 1: an effect that is declared and not used\n"
+      "costs more than 0.1 %.\n\n"
+      "Example:\n  tactus experiment effects --effects joints,restitution");
+  effects->add_option("--effects", options->effects, "these alone")
+      ->delimiter(',')
+      ->check(CLI::IsMember(experiment::effect_names()));
+  effects->add_option("--count", options->count, "runs one case for the count of instructions")->group("");
+  effects->add_flag("--json", options->json, "one JSON object on stdout");
+  effects->callback([options, &exit_code] { exit_code = run_effects(*options); });
+}
+
+}  // namespace tactus::tools
