@@ -156,6 +156,16 @@ void GlobalWorld::share_work(WorkerPool& pool) {
   grid_.share_work(pool.executor(), pool.threads(), world_.dynamic_pairs().capacity());
 }
 
+void GlobalWorld::set_state(std::span<const Body<double>> bodies,
+                            std::span<const physics::WarmStart<double>> contacts) noexcept {
+  for (const auto& body : bodies)
+    if (const std::int32_t slot = world_.slot_of(body.id); slot >= 0)
+      world_.bodies()[static_cast<std::uint32_t>(slot)].motion = body.motion;
+  for (const auto& contact : contacts) world_.add_warm_start(contact);
+  islands_.follow(world_);
+  for (Device& device : devices_) device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+}
+
 void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noexcept {
   find_touches_at_rest();
   fill_snapshot(device, 0, haptics::kMaxMembers, first);

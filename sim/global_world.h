@@ -67,6 +67,10 @@ class GlobalWorld {
   // [setup] From now on the pool's threads share the work of the steps; the results stay, bit by bit.
   void share_work(WorkerPool& pool);
 
+  // [setup] Goes on from another world's state: the motion of moving bodies, and what their contacts hold.
+  void set_state(std::span<const physics::Body<double>> bodies,
+                 std::span<const physics::WarmStart<double>> contacts) noexcept;
+
   // G(0): members chosen where the bodies are, nothing stepped yet.
   void first_snapshot(haptics::WorldSnapshot& first, std::uint32_t device = 0) noexcept;
   // One cycle: from H(n) to G(n+1).

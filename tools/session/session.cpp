@@ -74,26 +74,6 @@ haptics::DevicePlacement::Config placement_of(const sim::Scene& scene, const hap
   return {scene.device.world_from_device, scene.device.motion_scale, device.has_rotation};
 }
 
-// The scene says where the hand goes in the world; the device wants it in its own frame.
-hal::HandModel make_hand(const sim::Scene& scene) {
-  const sim::HandScript& script = scene.hand;
-  const Posed device_from_world = inverse(scene.device.world_from_device);
-  std::vector<hal::HandWaypoint> path;
-  for (const sim::HandWaypoint& waypoint : script.path) {
-    const Quatd rotation = device_from_world.rotation * quat_from_rotation_vector(waypoint.rotation_vector_rad);
-    path.push_back({waypoint.time_s, (device_from_world * waypoint.position_m) * (1.0 / scene.device.motion_scale),
-                    hal::rotation_vector_of(rotation)});
-  }
-  hal::HandParameters parameters;
-  parameters.stiffness_N_per_m = script.stiffness_N_per_m;
-  parameters.damping_Ns_per_m = script.damping_Ns_per_m;
-  parameters.mass_kg = script.mass_kg;
-  parameters.stiffness_Nm_per_rad = script.stiffness_Nm_per_rad;
-  parameters.damping_Nms_per_rad = script.damping_Nms_per_rad;
-  parameters.repeat = script.repeat;
-  return hal::HandModel(parameters, path);
-}
-
 Status check_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
   const double s2 = scene.device.motion_scale * scene.device.motion_scale;
   const sim::CouplingGains& gains = scene.coupling;
@@ -126,6 +106,28 @@ Status check_frequency(const sim::Scene& scene, const RunOptions& options) {
       scene.name, scene.solver.contact_hertz, options.rate_Hz, limit_Hz));
 }
 
+}  // namespace
+
+// The scene says where the hand goes in the world; the device wants it in its own frame.
+hal::HandModel make_hand(const sim::Scene& scene) {
+  const sim::HandScript& script = scene.hand;
+  const Posed device_from_world = inverse(scene.device.world_from_device);
+  std::vector<hal::HandWaypoint> path;
+  for (const sim::HandWaypoint& waypoint : script.path) {
+    const Quatd rotation = device_from_world.rotation * quat_from_rotation_vector(waypoint.rotation_vector_rad);
+    path.push_back({waypoint.time_s, (device_from_world * waypoint.position_m) * (1.0 / scene.device.motion_scale),
+                    hal::rotation_vector_of(rotation)});
+  }
+  hal::HandParameters parameters;
+  parameters.stiffness_N_per_m = script.stiffness_N_per_m;
+  parameters.damping_Ns_per_m = script.damping_Ns_per_m;
+  parameters.mass_kg = script.mass_kg;
+  parameters.stiffness_Nm_per_rad = script.stiffness_Nm_per_rad;
+  parameters.damping_Nms_per_rad = script.damping_Nms_per_rad;
+  parameters.repeat = script.repeat;
+  return hal::HandModel(parameters, path);
+}
+
 sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& options,
                                   const haptics::DeviceProperties& device) {
   sim::GlobalOptions global;
@@ -142,8 +144,6 @@ sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& opt
   global.reach.max_angular_speed_rad_per_s = device.max_angular_speed_rad_per_s;
   return global;
 }
-
-}  // namespace
 
 loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
                              const haptics::DeviceProperties& device) {

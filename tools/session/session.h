@@ -32,6 +32,11 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
 std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOptions& options,
                                             const haptics::DeviceProperties& device);
 
+// What the global world of this scene is told; its hand, for a simulated device.
+sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& options,
+                                  const haptics::DeviceProperties& device);
+hal::HandModel make_hand(const sim::Scene& scene);
+
 class Session {
  public:
   // One line on everything that does not go together: gains the device cannot hold, too many bodies, a bad script.

@@ -10,6 +10,9 @@ class App;
 namespace tactus::tools {
 
 // Each adds its subcommand; the exit status of what ran lands in `exit_code`.
+void add_capacity(CLI::App& experiment, int& exit_code);
+void add_couplings(CLI::App& experiment, int& exit_code);
+void add_energy_loss(CLI::App& experiment, int& exit_code);
 void add_peers(CLI::App& experiment, int& exit_code);
 void add_scaling(CLI::App& experiment, int& exit_code);
 void add_effects(CLI::App& experiment, int& exit_code);

@@ -1,0 +1,107 @@
+#include "tools/experiment/coupling/coupled_worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/system/session_bench.h"
+#include "tools/experiment/coupling/reference_run.h"
+#include "tools/session/open_link.h"
+#include "tools/session/session.h"
+
+using namespace tactus;
+using namespace tactus::experiment;
+using haptics::CouplingScheme;
+
+namespace {
+
+constexpr std::size_t kStart = 400, kTicks = 500;
+
+struct Bench {
+  sim::Scene scene = test::scene_text(test::kPressScene);
+  hal::DeviceProfile profile = session::find_description(scene.device.profile, {}).value();
+
+  session::RunOptions options(CouplingScheme coupling, unsigned ratio = 8) const {
+    auto options = test::virtual_options();
+    options.coupling = coupling;
+    options.ratio = ratio;
+    return options;
+  }
+  CoupledWorlds worlds(CouplingScheme coupling) const { return {scene, options(coupling), profile.properties}; }
+  ScriptedArm arm() const {
+    return {profile, session::make_hand(scene),
+            session::loop_config(scene, options(CouplingScheme::kDirect), profile.properties).placement, 1e-3};
+  }
+  ReferenceRun reference() const {
+    auto direct = worlds(CouplingScheme::kDirect);
+    auto hand = arm();
+    const WindowPlace place{kStart, true};
+    const unsigned ratio = 8;
+    return record_reference(direct, hand, kTicks, {&place, 1}, {&ratio, 1});
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A direct run that goes on from a moment has the force of the run that it was taken from, bit by bit") {
+  const Bench bench;
+  const ReferenceRun reference = bench.reference();
+  auto again = bench.worlds(CouplingScheme::kDirect);
+  again.start_from({}, reference.windows[0].now, {});
+  bool same = true;
+  for (std::size_t k = kStart; k < kTicks; ++k)
+    same = same && again.tick(reference.ideal[k]).on_device.force == reference.force[k];
+  CHECK(same);
+  CHECK(norm(reference.force.back()) > 0.5);  // it is pressing
+}
+
+TEST_CASE("A sub-world that has all bodies goes on from a moment as the direct run does") {
+  const Bench bench;
+  const ReferenceRun reference = bench.reference();
+  auto sub_world = bench.worlds(CouplingScheme::kSubWorld);
+  sub_world.start_from(reference.windows[0].before[0], reference.windows[0].now, reference.mean_on_proxy(kStart, 8));
+  double most = 0;
+  for (std::size_t k = kStart; k < kTicks; ++k)
+    most = std::max(most, norm(sub_world.tick(reference.ideal[k]).on_device.force - reference.force[k]));
+  CHECK(most < 1e-12);
+  CHECK(sub_world.sub_world().members() == 2);
+}
+
+TEST_CASE("A proxy a micrometre away is felt by the stiffness of the coupling") {
+  const Bench bench;
+  const ReferenceRun reference = bench.reference();
+  auto apart = bench.worlds(CouplingScheme::kDirect);
+  apart.start_from({}, reference.windows[0].now, {}, {1e-6, 0, 0});
+  const double first = norm(apart.tick(reference.ideal[kStart]).on_device.force - reference.force[kStart]);
+  CHECK(first > 0.5 * 1500e-6);
+  CHECK(first < 1.5 * 1500e-6);
+}
+
+TEST_CASE("All bodies move with the energy of their speeds, wherever they are simulated") {
+  Bench bench;
+  for (auto& body : bench.scene.bodies)
+    if (body.kind == physics::BodyKind::kDynamic) body.motion.velocity.linear = {0, 0.1, 0};
+  const double expected_J = 0.5 * (0.2 + 1) * 0.1 * 0.1;
+  for (const auto coupling :
+       {CouplingScheme::kDirect, CouplingScheme::kSubWorld, CouplingScheme::kStatic, CouplingScheme::kInterpolation}) {
+    auto worlds = bench.worlds(coupling);
+    worlds.start_at_rest();
+    CHECK(worlds.motion().kinetic_J == Approx(expected_J));
+    CHECK(worlds.motion().speed_squared == Approx(2 * 0.1 * 0.1));
+  }
+}
+
+TEST_CASE("An arm that nobody pushes stays, and a force moves it after the device's delay, not before") {
+  Bench bench;
+  bench.scene.hand.path.resize(1);
+  auto arm = bench.arm();
+  const Vec3d start = arm.ideal().pose.position;
+  const unsigned delay = bench.profile.transport_delay_ticks;
+  const double quantum_m = bench.profile.properties.position_quantum_m;
+  CHECK(norm(arm.encoded().pose.position - start) <= quantum_m);
+  for (unsigned k = 0; k < delay; ++k) arm.advance({{5, 0, 0}, {}});
+  CHECK(norm(arm.ideal().pose.position - start) < 1e-12);
+  arm.advance({{5, 0, 0}, {}});
+  const double moved = arm.ideal().pose.position.x - start.x;
+  CHECK(moved > 0);
+  // Four sub-steps from rest under 5 N, against a hand that resists: at most 5/8 of a T^2.
+  CHECK(moved < 0.625 * 5.0 / 0.5 * 1e-6);
+}

@@ -1,0 +1,81 @@
+#include "tools/experiment/coupling/coupling_study.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+using namespace tactus;
+using namespace tactus::experiment;
+
+namespace {
+
+StudyReport study_of(const std::string& scene, const std::vector<Scheme>& schemes) {
+  StudyRequest request;
+  for (const CouplingCase& one : coupling_cases())
+    if (one.name == scene) request.cases.push_back(one);
+  request.schemes = schemes;
+  request.seeds = 1;
+  request.quick = true;
+  auto report = run_coupling_study(request, {});
+  REQUIRE(report.ok());
+  return std::move(report).value();
+}
+
+constexpr auto kDirect = haptics::CouplingScheme::kDirect;
+constexpr auto kSubWorld = haptics::CouplingScheme::kSubWorld;
+
+}  // namespace
+
+TEST_CASE("All seven scenes load, and every hand but the first is another") {
+  CHECK(coupling_cases().size() == 7);
+  for (const CouplingCase& one : coupling_cases()) {
+    INFO(one.name);
+    const auto written = load_coupling_case(one, 0), other = load_coupling_case(one, 7),
+               same = load_coupling_case(one, 7);
+    REQUIRE(written.ok());
+    REQUIRE(other.ok());
+    CHECK(written.value().hand.path[1].position_m != other.value().hand.path[1].position_m);
+    CHECK(same.value().hand.path[1].position_m == other.value().hand.path[1].position_m);
+    CHECK(one.members < written.value().bodies.size());
+  }
+}
+
+TEST_CASE("The direct coupling measured against itself has no error") {
+  const StudyReport report = study_of("peg", {{kDirect, physics::BorderMode::kCapped, 1}});
+  REQUIRE(report.rows.size() == 1);
+  const StudyRow& row = report.rows[0];
+  CHECK(row.force_error == 0);
+  CHECK(row.energy.loss == 0);
+  CHECK(row.energy.gain == 0);
+  CHECK(row.hold_vibration_N == 0);
+  CHECK(row.hold_vibration_encoder_N == 0);
+  CHECK(row.stable);
+  CHECK(report.scenes[0].contact_share > 0.8);
+  CHECK(report.scenes[0].apart_force_error > 0);
+}
+
+TEST_CASE("A border costs accuracy, and what the study says is in its JSON and its CSV") {
+  const StudyReport report = study_of("chain", {{kSubWorld, physics::BorderMode::kFrozen, 8}});
+  REQUIRE(report.rows.size() == 1);
+  CHECK(report.scenes[0].component == 25);
+  CHECK(report.scenes[0].members == 8);
+  CHECK(report.rows[0].force_error > 0.01);  // a row of cubes that cannot move
+  const auto json = nlohmann::json::parse(study_json(report));
+  for (const char* key : {"scene", "coupling", "border", "ratio", "loss", "gain", "force_error_rms", "sync_step_N",
+                          "hold_vibration_N", "stable"})
+    CHECK(json["rows"][0].contains(key));
+  const std::string csv = study_csv(report);
+  const auto commas = [&](std::size_t from, std::size_t to) {
+    return std::count(csv.begin() + static_cast<std::ptrdiff_t>(from), csv.begin() + static_cast<std::ptrdiff_t>(to),
+                      ',');
+  };
+  const std::size_t first_line = csv.find('\n');
+  CHECK(commas(0, first_line) == commas(first_line + 1, csv.size()));
+}
+
+TEST_CASE("A force far beyond the direct coupling's is not stable, nor a shaking one, nor one that is gone") {
+  const HandInLoop direct{2, 0.01, 1.8};
+  CHECK(is_stable(direct, direct));
+  CHECK_FALSE(is_stable({4.1, 0.01, 1.8}, direct));
+  CHECK_FALSE(is_stable({2, 0.22, 1.8}, direct));
+  CHECK_FALSE(is_stable({2, 0.01, 0.8}, direct));
+}

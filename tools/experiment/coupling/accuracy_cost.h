@@ -1,0 +1,70 @@
+// What accuracy costs in time: `tactus experiment accuracy-cost`.
+//
+// Every setting of solver, sub-world and border is measured on the same windows as the couplings are
+// (coupling_study.h), against a direct run with many more sub-steps and a second relax sweep: its error is the
+// coupling's and the solver's. What a tick costs is CPU time of one thread on the haptic side, and instructions where
+// the machine counts them. A setting is on the front when no other is as accurate and cheaper. Thread: one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rt/physics/border_contact.h"
+#include "sim/extraction.h"
+#include "tools/experiment/coupling/coupling_cases.h"
+#include "tools/experiment/progress.h"
+
+namespace tactus::experiment {
+
+struct Setting {
+  unsigned sub_steps{4}, relax_sweeps{1};
+  double contact_Hz{250};
+  unsigned members{64}, ratio{8};
+  physics::BorderMode border{physics::BorderMode::kCapped};
+  sim::CutOrder order{sim::CutOrder::kBestFirst};
+  friend bool operator==(const Setting&, const Setting&) = default;
+};
+
+struct CostPoint {
+  std::string scene;
+  Setting setting;
+  bool is_default{false}, on_front{false};
+  double force_error{0};  // RMS(F - F_ref) / RMS(F_ref), over all windows
+  double hold_vibration_N{0}, sync_step_N{0};
+  double loss{0}, gain{0};  // of kinetic energy, as coupling_study.h
+  double tick_us_p50{0}, tick_us_p99{0}, tick_us_max{0};
+  double global_us_per_tick{0};  // median global step / ratio
+  double instructions{0};        // of a tick, mean; 0: not counted
+};
+
+// One factor changed by a notch, all others at the default.
+struct Notch {
+  std::string scene, factor, from, to;
+  double error_before{0}, error_after{0}, tick_us_before{0}, tick_us_after{0};
+};
+
+struct CostRequest {
+  std::vector<CouplingCase> cases;
+  unsigned seeds{3};
+  bool quick{false};  // one factor at a time only, two windows a seed
+};
+
+struct CostReport {
+  std::vector<CostPoint> points;
+  std::vector<Notch> notches;
+  unsigned seeds{0};
+};
+
+// The settings that are measured on a scene, the default first.
+std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, bool quick);
+
+// Marks the points that no other of their scene beats in both error and median tick.
+void mark_front(std::vector<CostPoint>& points);
+
+Result<CostReport> run_accuracy_cost(const CostRequest& request, const Progress& progress);
+
+std::string cost_table(const CostReport& report);
+std::string cost_json(const CostReport& report);
+std::string cost_csv(const CostReport& report);  // units in the header
+
+}  // namespace tactus::experiment

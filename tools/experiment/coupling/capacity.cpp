@@ -1,0 +1,175 @@
+#include "tools/experiment/coupling/capacity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/choice_names.h"
+#include "sim/scene_load.h"
+#include "tools/experiment/coupling/coupled_worlds.h"
+#include "tools/experiment/statistics.h"
+#include "tools/experiment/timing.h"
+#include "tools/session/open_link.h"
+
+namespace tactus::experiment {
+namespace {
+
+using haptics::CouplingScheme;
+
+constexpr unsigned kLeastBodies = 25;
+constexpr unsigned kLeastSteps = 40;
+constexpr double kSettle_s = 0.3;
+constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
+
+// A heap as wide as high, in its box, under a proxy.
+Result<sim::Scene> make_heap(unsigned bodies, double rate_Hz) {
+  const auto layers = std::max(1u, static_cast<unsigned>(std::lround(std::cbrt(bodies / 2.0))));
+  const double top_m = 0.05 * layers + 0.0205;
+  const auto sub_steps = std::max(1u, static_cast<unsigned>(std::lround(1 / (rate_Hz * kSubStep_s))));
+  return sim::parse_scene(fmt::format(R"(
+title = "A heap"
+effects = ["gravity", "friction"]
+[simulation]
+contact_hertz_Hz = 250
+sub_steps = {}
+[device]
+position_m = [0, -0.03, {}]
+[proxy]
+shape = "sphere"
+radius_m = 0.02
+mass_kg = 0.2
+friction = 1.0
+position_m = [0, -0.03, {}]
+[[body]]
+shape = "plane"
+friction = 0.5
+[[generate]]
+kind = "pile"
+count = {}
+layers = {}
+cube_m = 0.05
+gap_fraction = 0.04
+mass_kg = 0.075
+friction = 0.5
+wall_height_m = {}
+wall_thickness_m = 0.05
+[hand]
+repeat = false
+path = [{{time_s = 0.0, position_m = [0, -0.03, {}]}}]
+)",
+                                      sub_steps, top_m, top_m, bodies, layers, top_m + 0.05, top_m),
+                          "heap");
+}
+
+// Down by 12 mm in a tenth of a second, then round and round.
+haptics::DeviceTarget stir(const Vec3d& start, double time_s) {
+  constexpr double kRadius_m = 0.02, kTurns_Hz = 1;
+  const double pressed = std::min(1.0, time_s / 0.1);
+  const double angle = 2 * std::numbers::pi * kTurns_Hz * time_s;
+  haptics::DeviceTarget target;
+  target.engaged = true;
+  target.pose.position =
+      start + Vec3d{kRadius_m * std::sin(angle), kRadius_m * (1 - std::cos(angle)), -0.012 * pressed};
+  target.velocity.linear = Vec3d{std::cos(angle), std::sin(angle), 0} * (2 * std::numbers::pi * kTurns_Hz * kRadius_m);
+  return target;
+}
+
+Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint point) {
+  auto scene = make_heap(point.bodies, point.rate_Hz);
+  if (!scene.ok()) return scene.status();
+  const auto profile = session::find_description(scene.value().device.profile, {});
+  if (!profile.ok()) return profile.status();
+  session::RunOptions options;
+  options.coupling = point.coupling;
+  options.rate_Hz = point.rate_Hz;
+  options.ratio = point.ratio;
+  options.members = request.members;
+  CoupledWorlds worlds(scene.value(), options, profile.value().properties);
+  worlds.start_at_rest();
+  const Vec3d start = scene.value().bodies[scene.value().proxy].motion.pose.position;
+  const auto settle = static_cast<unsigned>(std::lround(kSettle_s * point.rate_Hz));
+  const bool direct = point.coupling == CouplingScheme::kDirect;
+  const unsigned timed = direct ? request.ticks : std::max(request.ticks, kLeastSteps * point.ratio);
+  std::vector<double> ticks_us, steps_us;
+  for (unsigned k = 0; k < settle + timed; ++k) {
+    const auto target = stir(start, k / point.rate_Hz);
+    const double begin_us = thread_time_us();
+    const bool synchronised = worlds.synchronise();
+    double haptic_us = thread_time_us() - begin_us;
+    if (synchronised) {
+      const double step_us = thread_time_us();
+      worlds.serve();
+      if (k >= settle) steps_us.push_back(thread_time_us() - step_us);
+    }
+    const double again_us = thread_time_us();
+    const auto& step = worlds.step(target);
+    haptic_us += thread_time_us() - again_us;
+    if (k >= settle) ticks_us.push_back(haptic_us);
+    point.contact_points = direct ? step.report.points : worlds.global()->statistics().points;
+  }
+  const double period_us = 1e6 / point.rate_Hz;
+  point.tick_us_p50 = median(ticks_us), point.tick_us_p99 = quantile(ticks_us, 0.99);
+  point.step_us_p50 = median(steps_us), point.step_us_p90 = quantile(steps_us, 0.9);
+  point.tick_fits = point.tick_us_p99 <= period_us;
+  point.step_fits = point.step_us_p90 <= point.ratio * period_us;
+  return point;
+}
+
+}  // namespace
+
+Bracket find_capacity(unsigned least, unsigned most, const std::function<bool(unsigned)>& fits) {
+  Bracket bracket;
+  for (unsigned bodies = least; bodies <= most; bodies *= 2) {
+    if (!fits(bodies)) {
+      bracket.too_many = bodies;
+      break;
+    }
+    bracket.fits = bodies;
+  }
+  if (bracket.fits == 0 || bracket.too_many == 0) return bracket;
+  for (int halving = 0; halving < 3; ++halving) {
+    const auto middle = static_cast<unsigned>(std::lround(std::sqrt(double{1} * bracket.fits * bracket.too_many)));
+    (fits(middle) ? bracket.fits : bracket.too_many) = middle;
+  }
+  return bracket;
+}
+
+Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress) {
+  settle_on_core();
+  CapacityReport report;
+  report.members = request.members;
+  for (const double rate_Hz : request.rates_Hz) {
+    unsigned direct_bodies = 0;
+    for (const CouplingScheme coupling : request.couplings) {
+      const bool direct = coupling == CouplingScheme::kDirect;
+      for (const unsigned ratio : direct ? std::vector<unsigned>{1} : request.ratios) {
+        CapacityRow row{coupling, rate_Hz, ratio, 0, 0, {}, 0};
+        Status failed = Status::good();
+        const auto fits = [&](unsigned bodies) {
+          if (!failed.ok()) return false;
+          if (progress)
+            progress(fmt::format("{} at {:g} Hz, ratio {}: {} bodies", sim::name_of(coupling), rate_Hz, ratio, bodies));
+          CapacityPoint point;
+          point.coupling = coupling, point.rate_Hz = rate_Hz, point.ratio = ratio, point.bodies = bodies;
+          auto timed = time_heap(request, point);
+          if (!timed.ok()) failed = timed.status();
+          if (!timed.ok()) return false;
+          report.points.push_back(timed.value());
+          if (!timed.value().fits()) row.breaks = timed.value().step_fits ? "tick" : "global step";
+          return timed.value().fits();
+        };
+        const Bracket bracket = find_capacity(kLeastBodies, request.most_bodies, fits);
+        if (!failed.ok()) return failed;
+        row.bodies = bracket.fits, row.too_many = bracket.too_many;
+        if (direct) direct_bodies = bracket.fits;
+        if (direct_bodies > 0) row.quotient = static_cast<double>(row.bodies) / direct_bodies;
+        report.rows.push_back(row);
+      }
+    }
+  }
+  return report;
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,69 @@
+// How many bodies each coupling sustains, by rate and ratio: `tactus experiment capacity` (paper, section 3.1).
+//
+// A heap of cubes with a proxy that presses and stirs, every cube awake. Sustained: 99 of 100 ticks compute for less
+// than the tick, and 9 of 10 global steps for less than their r ticks: the global world has a core of its own. CPU time
+// of one thread, so that what else the machine does counts little; the heap doubles until something is too slow, then
+// the number is narrowed down. Thread: one.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "rt/base/result.h"
+#include "rt/haptics/coupling_scheme.h"
+#include "tools/experiment/progress.h"
+
+namespace tactus::experiment {
+
+struct CapacityRequest {
+  std::vector<double> rates_Hz;
+  std::vector<unsigned> ratios;
+  std::vector<haptics::CouplingScheme> couplings;
+  unsigned members{64};
+  unsigned most_bodies{20000};
+  unsigned ticks{400};  // timed, of each heap; at least 40 global steps
+};
+
+// One heap, timed.
+struct CapacityPoint {
+  haptics::CouplingScheme coupling{haptics::CouplingScheme::kDirect};
+  double rate_Hz{1000};
+  unsigned ratio{1}, bodies{0}, contact_points{0};  // points: of the whole world
+  double tick_us_p50{0}, tick_us_p99{0};
+  double step_us_p50{0}, step_us_p90{0};  // global; 0 with the direct coupling
+  bool tick_fits{true}, step_fits{true};
+  bool fits() const { return tick_fits && step_fits; }
+};
+
+struct CapacityRow {
+  haptics::CouplingScheme coupling{haptics::CouplingScheme::kDirect};
+  double rate_Hz{1000};
+  unsigned ratio{1};
+  unsigned bodies{0};    // sustained; 0: not even the smallest heap
+  unsigned too_many{0};  // the smallest heap that was not; 0: none was found
+  std::string breaks;    // what was too slow there: tick, global step
+  double quotient{0};    // over the direct coupling at the same rate; 0: not measured
+};
+
+struct CapacityReport {
+  std::vector<CapacityRow> rows;
+  std::vector<CapacityPoint> points;
+  unsigned members{0};
+};
+
+// One line where a scene is refused.
+Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress);
+
+// The largest number that `fits`, between `least` and `most`, by doubling and then narrowing down to an eighth of an
+// octave; {largest that fits or 0, smallest seen that does not or 0}.
+struct Bracket {
+  unsigned fits{0}, too_many{0};
+};
+Bracket find_capacity(unsigned least, unsigned most, const std::function<bool(unsigned)>& fits);
+
+std::string capacity_table(const CapacityReport& report);
+std::string capacity_json(const CapacityReport& report);
+std::string capacity_csv(const CapacityReport& report);  // units in the header
+
+}  // namespace tactus::experiment

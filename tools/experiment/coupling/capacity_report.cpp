@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/choice_names.h"
+#include "tools/experiment/coupling/capacity.h"
+
+namespace tactus::experiment {
+
+std::string capacity_table(const CapacityReport& report) {
+  std::string text = fmt::format("{:<14} {:>7} {:>5} {:>9} {:>9} {:>12} {:>14}\n", "coupling", "rate Hz", "ratio",
+                                 "bodies", "too many", "times direct", "breaks by");
+  for (const CapacityRow& row : report.rows)
+    text += fmt::format("{:<14} {:>7g} {:>5} {:>9} {:>9} {:>12} {:>14}\n", sim::name_of(row.coupling), row.rate_Hz,
+                        row.ratio, row.bodies, row.too_many > 0 ? fmt::format("{}", row.too_many) : "-",
+                        row.quotient > 0 ? fmt::format("{:.1f}", row.quotient) : "-",
+                        row.breaks.empty() ? "-" : row.breaks);
+  return text + fmt::format(
+                    "\nCubes in a heap, all awake, stirred by the proxy; sub-world of {} members. CPU time of one "
+                    "thread: 99 of 100 ticks\nwithin the tick, 9 of 10 global steps within their r ticks. The paper: "
+                    "50 cubes directly, 500 at ratio 10, at 1 kHz.\n",
+                    report.members);
+}
+
+std::string capacity_json(const CapacityReport& report) {
+  using nlohmann::ordered_json;
+  ordered_json rows = ordered_json::array(), points = ordered_json::array();
+  for (const CapacityRow& row : report.rows)
+    rows.push_back({{"coupling", sim::name_of(row.coupling)},
+                    {"rate_Hz", row.rate_Hz},
+                    {"ratio", row.ratio},
+                    {"bodies", row.bodies},
+                    {"too_many", row.too_many > 0 ? ordered_json(row.too_many) : ordered_json(nullptr)},
+                    {"breaks_by", row.breaks},
+                    {"times_direct", row.quotient > 0 ? ordered_json(row.quotient) : ordered_json(nullptr)}});
+  for (const CapacityPoint& p : report.points)
+    points.push_back({{"coupling", sim::name_of(p.coupling)},
+                      {"rate_Hz", p.rate_Hz},
+                      {"ratio", p.ratio},
+                      {"bodies", p.bodies},
+                      {"contact_points", p.contact_points},
+                      {"tick_us_p50", p.tick_us_p50},
+                      {"tick_us_p99", p.tick_us_p99},
+                      {"step_us_p50", p.step_us_p50},
+                      {"step_us_p90", p.step_us_p90},
+                      {"fits", p.fits()}});
+  return ordered_json{{"rows", rows}, {"points", points}, {"members", report.members}}.dump(2);
+}
+
+std::string capacity_csv(const CapacityReport& report) {
+  std::string text =
+      "coupling,rate [Hz],ratio [1],bodies [1],contact_points [1],tick_p50 [us],tick_p99 [us],global_step_p50 [us],"
+      "global_step_p90 [us],fits\n";
+  for (const CapacityPoint& p : report.points)
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", sim::name_of(p.coupling), p.rate_Hz, p.ratio, p.bodies,
+                        p.contact_points, p.tick_us_p50, p.tick_us_p99, p.step_us_p50, p.step_us_p90, p.fits());
+  return text;
+}
+
+}  // namespace tactus::experiment

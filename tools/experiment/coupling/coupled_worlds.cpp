@@ -1,0 +1,156 @@
+#include "tools/experiment/coupling/coupled_worlds.h"
+
+#include "tools/session/session.h"
+
+namespace tactus::experiment {
+namespace {
+
+using haptics::CouplingScheme;
+
+void add_motion(const physics::Body<double>& body, Motion& sum) noexcept {
+  const auto& [linear, angular] = body.motion.velocity;
+  const Vec3d w = rotate_inverse(body.motion.pose.rotation, angular);
+  sum.kinetic_J += 0.5 * (body.mass * norm_squared(linear) + dot(w, scale(body.inertia, w)));
+  sum.speed_squared += norm_squared(linear);
+}
+
+}  // namespace
+
+CoupledWorlds::CoupledWorlds(const sim::Scene& scene, const session::RunOptions& options,
+                             const haptics::DeviceProperties& device)
+    : config_(session::loop_config(scene, options, device).sub_world) {
+  std::vector<physics::Body<double>> fixed;
+  for (const auto& body : scene.bodies) (body.kind == physics::BodyKind::kFixed ? fixed : at_rest_).push_back(body);
+  // Room for all bodies, so that the state of a direct run fits.
+  session::RunOptions direct = options;
+  direct.coupling = CouplingScheme::kDirect;
+  const bool is_direct = options.coupling == CouplingScheme::kDirect;
+  if (is_direct || at_rest_.size() <= haptics::kMaxMembers)
+    config_.capacities = session::loop_config(scene, direct, device).sub_world.capacities;
+  sub_world_ = std::make_unique<haptics::SubWorld>(config_, fixed);
+  report_ = std::make_unique<haptics::SubWorldReport>();
+  for (auto& snapshot : snapshots_) snapshot = std::make_unique<haptics::WorldSnapshot>();
+  if (!is_direct) global_ = std::make_unique<sim::GlobalWorld>(scene, session::global_options(scene, options, device));
+}
+
+void CoupledWorlds::start_at_rest() {
+  if (exchanges())
+    global_->first_snapshot(*snapshots_[0]);
+  else
+    sub_world_->set_members(at_rest_);
+}
+
+void CoupledWorlds::start_from(const Moment& before, const Moment& now, const Wrenchd& on_proxy, const Vec3d& shift) {
+  ByteReader in(now.state);
+  TACTUS_CHECK(sub_world_->restore(in), now.tick, now.state.size());
+  if (!exchanges()) {
+    if (shift != Vec3d{}) shift_proxy(now, shift);
+    return;
+  }
+  on_proxy_before_ = on_proxy;
+  global_->set_state(before.bodies, before.contacts);
+  *report_ = {};
+  const double cycle_s = config_.ratio * config_.step.dt;
+  report_->mean_device_wrench = on_proxy;
+  report_->stored_effort = {on_proxy.force * cycle_s, on_proxy.torque * cycle_s};
+  global_->impose(0, *report_);
+  haptics::WorldSnapshot& first = *snapshots_[0];
+  if (config_.scheme == CouplingScheme::kInterpolation) {  // which moves from where the proxy was a cycle ago
+    global_->fill_snapshot(0, 1, haptics::kMaxMembers, first);
+    first.warm_starts.clear();
+    sub_world_->synchronise(first, *report_);
+  }
+  global_->advance();
+  global_->set_state(now.bodies, {});
+  global_->fill_snapshot(0, 1, haptics::kMaxMembers, first);
+  first.cycle = 0;
+  first.warm_starts.clear();  // the members are there already, with what their contacts hold
+}
+
+// By leaving and joining again, elsewhere and with the contacts that it had.
+void CoupledWorlds::shift_proxy(const Moment& now, const Vec3d& shift) {
+  haptics::WorldSnapshot& snapshot = *snapshots_[0];
+  snapshot = {};
+  for (const auto& body : now.bodies)
+    if (body.id != config_.proxy) TACTUS_CHECK(snapshot.members.try_push(body.id), body.id, 0);
+  sub_world_->synchronise(snapshot, *report_);
+  snapshot.members.clear();
+  for (const auto& body : now.bodies) {
+    TACTUS_CHECK(snapshot.members.try_push(body.id), body.id, 0);
+    if (body.id != config_.proxy) continue;
+    auto moved = body;
+    moved.motion.pose.position += shift;
+    TACTUS_CHECK(snapshot.joiners.try_push(moved), body.id, 0);
+  }
+  for (const auto& contact : now.contacts)
+    if (contact.key.low() == config_.proxy || contact.key.high() == config_.proxy)
+      (void)snapshot.warm_starts.try_push(contact);
+  sub_world_->synchronise(snapshot, *report_);
+}
+
+bool CoupledWorlds::at_synchronisation() const noexcept {
+  return !exchanges() || first_ || sub_world_->ticks_in_cycle() >= config_.ratio;
+}
+
+bool CoupledWorlds::synchronise() {
+  if (!exchanges() || !at_synchronisation()) return false;
+  const haptics::WorldSnapshot& snapshot = *snapshots_[cycle_ % 2];
+  component_ = snapshot.component;
+  sub_world_->synchronise(snapshot, *report_);
+  report_->member_budget = haptics::kMaxMembers;
+  if (!first_) return true;
+  const double cycle_s = config_.ratio * config_.step.dt;
+  report_->mean_device_wrench = on_proxy_before_;
+  report_->stored_effort = {on_proxy_before_.force * cycle_s, on_proxy_before_.torque * cycle_s};
+  first_ = false;
+  return true;
+}
+
+void CoupledWorlds::serve() {
+  ++cycle_;
+  global_->step(*report_, *snapshots_[cycle_ % 2]);
+}
+
+const haptics::SubWorldStep& CoupledWorlds::step(const haptics::DeviceTarget& target) {
+  step_ = sub_world_->step(target, config_.step.sub_steps, {});
+  return step_;
+}
+
+const haptics::SubWorldStep& CoupledWorlds::tick(const haptics::DeviceTarget& target) {
+  if (synchronise()) serve();
+  return step(target);
+}
+
+Motion CoupledWorlds::motion() const noexcept {
+  Motion sum;
+  const auto& inner = sub_world_->world();
+  const auto scheme = config_.scheme;
+  for (const auto& body : inner.bodies())
+    if (scheme != CouplingScheme::kInterpolation && (scheme != CouplingScheme::kStatic || body.id == config_.proxy))
+      add_motion(body, sum);
+  if (!exchanges()) return sum;
+  for (const auto& body : global_->bodies()) {
+    const bool counted = scheme != CouplingScheme::kInterpolation && inner.slot_of(body.id) >= 0 &&
+                         (scheme != CouplingScheme::kStatic || body.id == config_.proxy);
+    if (!counted) add_motion(body, sum);
+  }
+  return sum;
+}
+
+Moment CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
+  Moment moment;
+  moment.tick = tick;
+  const auto& world = sub_world_->world();
+  moment.bodies.assign(world.bodies().begin(), world.bodies().end());
+  const double sub_step_s = config_.step.dt / config_.step.sub_steps;
+  for (const auto& contact : world.contacts())
+    moment.contacts.push_back(physics::World<double>::warm_start_of(contact, sub_step_s));
+  if (!every_bit) return moment;
+  moment.state.resize(sub_world_->save_size_bound());
+  ByteWriter out(moment.state);
+  sub_world_->save(out);
+  moment.state.resize(out.size());
+  return moment;
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,78 @@
+// The haptic sub-world and the global world of a run, on a virtual clock and in one thread, without device and output
+// path: what the coupling itself does to the force.
+//
+// A tick that begins a cycle synchronises, and the global world answers at once: it is never late. The worlds start at
+// rest, or from the state of a run with direct coupling, contact impulses included. Thread: one. Frame: world. Units:
+// SI. Bound: from another run's state at most haptics::kMaxMembers moving bodies.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "rt/haptics/sub_world.h"
+#include "sim/global_world.h"
+#include "tools/session/run_options.h"
+
+namespace tactus::experiment {
+
+// The whole of a world at the beginning of a tick.
+struct Moment {
+  std::uint64_t tick{0};
+  std::vector<physics::Body<double>> bodies;         // that move, by id
+  std::vector<physics::WarmStart<double>> contacts;  // what they hold
+  std::vector<std::byte> state;                      // of the haptic side, every bit
+};
+
+// Of all moving bodies at once.
+struct Motion {
+  double kinetic_J{0};
+  double speed_squared{0};  // m^2/s^2: sum of |v|^2, every body of mass one
+};
+
+class CoupledWorlds {
+ public:
+  // The options must go with the scene (sim::check_global_options).
+  CoupledWorlds(const sim::Scene& scene, const session::RunOptions& options, const haptics::DeviceProperties& device);
+
+  void start_at_rest();
+  // `before` is one cycle earlier than `now`: the global world steps from there, so that its contacts are as in a run
+  // under way. `on_proxy`: mean wrench of the coupling over that cycle [N, N m]. For the direct coupling `before` is
+  // not used, and `shift` puts the proxy elsewhere.
+  void start_from(const Moment& before, const Moment& now, const Wrenchd& on_proxy, const Vec3d& shift = {});
+
+  const haptics::SubWorldStep& tick(const haptics::DeviceTarget& target);
+
+  // The three parts of a tick: haptic side, where a cycle begins; global world, then; haptic side.
+  bool synchronise();  // false: no cycle begins
+  void serve();
+  const haptics::SubWorldStep& step(const haptics::DeviceTarget& target);
+
+  // Does the next tick begin with a synchronisation? Then all bodies are at the same time.
+  bool at_synchronisation() const noexcept;
+  Motion motion() const noexcept;                           // at a synchronisation
+  Moment moment(std::uint64_t tick, bool every_bit) const;  // of the direct coupling; without every bit: no `state`
+
+  const haptics::SubWorld& sub_world() const noexcept { return *sub_world_; }
+  const sim::GlobalWorld* global() const noexcept { return global_.get(); }
+  std::uint32_t component() const noexcept { return component_; }  // of the last snapshot
+  const haptics::SubWorldStep& last() const noexcept { return step_; }
+
+ private:
+  bool exchanges() const noexcept { return global_ != nullptr; }
+  void shift_proxy(const Moment& now, const Vec3d& shift);
+
+  haptics::SubWorldConfig config_;
+  std::unique_ptr<haptics::SubWorld> sub_world_;
+  std::unique_ptr<sim::GlobalWorld> global_;  // null with the direct coupling
+  std::vector<physics::Body<double>> at_rest_;
+  std::array<std::unique_ptr<haptics::WorldSnapshot>, 2> snapshots_;
+  std::unique_ptr<haptics::SubWorldReport> report_;
+  std::uint64_t cycle_{0};
+  bool first_{true};
+  Wrenchd on_proxy_before_;  // mean of the cycle before the start
+  std::uint32_t component_{0};
+  haptics::SubWorldStep step_;
+};
+
+}  // namespace tactus::experiment

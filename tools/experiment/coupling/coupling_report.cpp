@@ -1,0 +1,114 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/choice_names.h"
+#include "tools/experiment/coupling/coupling_study.h"
+
+namespace tactus::experiment {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string border_of(const Scheme& scheme) {
+  return scheme.coupling == haptics::CouplingScheme::kSubWorld ? std::string(sim::name_of(scheme.border)) : "-";
+}
+
+ordered_json to_json(const StudyRow& row) {
+  return {{"scene", row.scene},
+          {"coupling", sim::name_of(row.scheme.coupling)},
+          {"border", border_of(row.scheme)},
+          {"ratio", row.scheme.ratio},
+          {"loss", row.energy.loss},
+          {"gain", row.energy.gain},
+          {"force_error_rms", row.force_error},
+          {"sync_step_N", row.sync_step_N},
+          {"hold_vibration_N", row.hold_vibration_N},
+          {"stable", row.stable},
+          {"loss_worst_instant", row.worst_instant.loss},
+          {"gain_worst_instant", row.worst_instant.gain},
+          {"loss_speed_squared", row.speed_squared.loss},
+          {"gain_speed_squared", row.speed_squared.gain},
+          {"force_error_hold", row.force_error_hold},
+          {"force_error_moving", row.force_error_moving},
+          {"force_error_worst_window", row.force_error_worst},
+          {"hold_vibration_worst_N", row.hold_vibration_worst_N},
+          {"hold_vibration_encoder_N", row.hold_vibration_encoder_N},
+          {"energy_basis", row.at_rest ? "kinetic and spring" : "kinetic"},
+          {"loop_peak_N", row.loop.peak_N},
+          {"loop_shake_N", row.loop.shake_N},
+          {"loop_hold_N", row.loop.hold_N},
+          {"spectrum_N2", row.spectrum}};
+}
+
+ordered_json to_json(const StudyScene& scene) {
+  return {{"scene", scene.name},
+          {"bodies", scene.bodies},
+          {"members_cap", scene.members},
+          {"component", scene.component},
+          {"contact_points", scene.contact_points},
+          {"contact_share", scene.contact_share},
+          {"force_rms_N", scene.force_rms_N},
+          {"apart_1um_force_error", scene.apart_force_error},
+          {"apart_1um_loss", scene.apart_energy.loss},
+          {"apart_1um_gain", scene.apart_energy.gain},
+          {"loop_peak_N", scene.loop.peak_N},
+          {"loop_shake_N", scene.loop.shake_N},
+          {"loop_hold_N", scene.loop.hold_N}};
+}
+
+}  // namespace
+
+std::string study_table(const StudyReport& report) {
+  std::string text = fmt::format("{:<11} {:>6} {:>9} {:>7} {:>7} {:>8} {:>8} {:>14}\n", "scene", "bodies", "component",
+                                 "members", "points", "contact", "force N", "1 um apart");
+  for (const StudyScene& s : report.scenes)
+    text +=
+        fmt::format("{:<11} {:>6} {:>9} {:>7} {:>7} {:>6.0f} % {:>8.2f} {:>12.2f} %\n", s.name, s.bodies, s.component,
+                    s.members, s.contact_points, 100 * s.contact_share, s.force_rms_N, 100 * s.apart_force_error);
+  text +=
+      fmt::format("\n{:<11} {:<13} {:<7} {:>5} {:>8} {:>8} {:>10} {:>9} {:>10} {:>10} {:>7}\n", "scene", "coupling",
+                  "border", "ratio", "loss %", "gain %", "force err%", "sync N", "hold vib N", "encoder N", "stable");
+  for (const StudyRow& r : report.rows)
+    text += fmt::format("{:<11} {:<13} {:<7} {:>5} {:>8.2f} {:>7.2f}{} {:>10.2f} {:>9.4f} {:>10.5f} {:>10.5f} {:>7}\n",
+                        r.scene, sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio,
+                        100 * r.energy.loss, 100 * r.energy.gain, r.at_rest ? "*" : " ", 100 * r.force_error,
+                        r.sync_step_N, r.hold_vibration_N, r.hold_vibration_encoder_N, r.stable ? "yes" : "NO");
+  return text + fmt::format(
+                    "\n{} seeds, {} windows of {:g} s each, all from the state of a run with direct coupling. loss, "
+                    "gain: kinetic energy,\nby window. sync: 95 % of the steps of F - F_direct. vibration: std of F - "
+                    "F_direct, 20 to 500 Hz, while the hand holds.\n",
+                    report.seeds, report.windows, report.window_s);
+}
+
+std::string study_json(const StudyReport& report) {
+  ordered_json rows = ordered_json::array(), scenes = ordered_json::array();
+  for (const StudyRow& row : report.rows) rows.push_back(to_json(row));
+  for (const StudyScene& scene : report.scenes) scenes.push_back(to_json(scene));
+  return ordered_json{{"rows", rows},
+                      {"scenes", scenes},
+                      {"seeds", report.seeds},
+                      {"windows_per_seed", report.windows},
+                      {"window_s", report.window_s},
+                      {"spectrum_line_Hz", report.line_Hz}}
+      .dump(2);
+}
+
+std::string study_csv(const StudyReport& report) {
+  std::string text =
+      "scene,coupling,border,ratio [1],loss [1],gain [1],loss_worst_instant [1],gain_worst_instant [1],"
+      "loss_speed_squared [1],gain_speed_squared [1],force_error_rms [1],force_error_hold [1],force_error_moving [1],"
+      "force_error_worst_window [1],sync_step [N],hold_vibration [N],hold_vibration_worst [N],"
+      "hold_vibration_encoder [N],energy_basis,loop_peak [N],loop_shake [N],loop_hold [N],stable\n";
+  for (const StudyRow& r : report.rows)
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
+                        sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio, r.energy.loss,
+                        r.energy.gain, r.worst_instant.loss, r.worst_instant.gain, r.speed_squared.loss,
+                        r.speed_squared.gain, r.force_error, r.force_error_hold, r.force_error_moving,
+                        r.force_error_worst, r.sync_step_N, r.hold_vibration_N, r.hold_vibration_worst_N,
+                        r.hold_vibration_encoder_N, r.at_rest ? "kinetic and spring" : "kinetic", r.loop.peak_N,
+                        r.loop.shake_N, r.loop.hold_N, r.stable);
+  return text;
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,318 @@
+#include "tools/experiment/coupling/coupling_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "rt/base/denormals.h"
+#include "tools/experiment/coupling/force_measures.h"
+#include "tools/experiment/coupling/reference_run.h"
+#include "tools/experiment/statistics.h"
+#include "tools/session/open_link.h"
+#include "tools/session/session.h"
+
+namespace tactus::experiment {
+namespace {
+
+using haptics::CouplingScheme;
+
+constexpr double kRate_Hz = 1000;
+constexpr std::size_t kWindowTicks = 200;
+constexpr double kApart_m = 1e-6;
+constexpr double kVibrationLow_Hz = 20, kVibrationHigh_Hz = 500;
+
+std::size_t tick_at(double time_s) { return static_cast<std::size_t>(std::llround(time_s * kRate_Hz)); }
+
+std::vector<WindowPlace> places(bool quick) {
+  if (quick) return {{tick_at(1.2), true}, {tick_at(2.05), false}};
+  return {{tick_at(0.95), true},  {tick_at(1.2), true},   {tick_at(1.45), true},
+          {tick_at(1.75), false}, {tick_at(2.05), false}, {tick_at(2.35), false}};
+}
+
+std::vector<unsigned> ratios_of(const StudyRequest& request) {
+  std::vector<unsigned> ratios;
+  for (const Scheme& scheme : request.schemes) ratios.push_back(scheme.ratio);
+  std::sort(ratios.begin(), ratios.end());
+  ratios.erase(std::unique(ratios.begin(), ratios.end()), ratios.end());
+  return ratios;
+}
+
+// What a row is made of, over windows and seeds.
+struct RowSums {
+  ForceError hold, moving;
+  double worst{0};
+  EnergyBook energy;
+  std::vector<double> steps, vibration, encoder_vibration;
+  std::vector<double> spectrum;
+  std::size_t spectra{0};
+};
+
+// One scene while it is measured.
+class SceneStudy {
+ public:
+  SceneStudy(const StudyRequest& request, const CouplingCase& one, const hal::DeviceProfile& profile)
+      : request_(request), case_(one), profile_(profile), ratios_(ratios_of(request)), sums_(request.schemes.size()) {}
+
+  Status measure(std::uint64_t seed);
+  void judge_stability();
+  void add_to(StudyReport& report) const;
+
+ private:
+  session::RunOptions options(const Scheme& scheme) const;
+  CoupledWorlds worlds(const Scheme& scheme) const { return {scene_, options(scheme), profile_.properties}; }
+  ScriptedArm arm() const {
+    const auto config = session::loop_config(scene_, options(kDirect), profile_.properties);
+    return {profile_, session::make_hand(scene_), config.placement, config.period_s};
+  }
+  std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
+                                const ReferenceRun& reference, const Window& window, EnergyBook* energy) const;
+  void measure_apart(const ReferenceRun& reference, const Window& window);
+  void measure_scheme(std::size_t index, const ReferenceRun& reference, const Window& window,
+                      std::span<const Vec3d> direct_encoded);
+  void start(CoupledWorlds& worlds, const Scheme& scheme, const ReferenceRun& reference, const Window& window) const;
+
+  HandInLoop close_loop(const Scheme& scheme) const;
+
+  static constexpr Scheme kDirect{CouplingScheme::kDirect, physics::BorderMode::kCapped, 1};
+
+  const StudyRequest& request_;
+  const CouplingCase& case_;
+  const hal::DeviceProfile& profile_;
+  std::vector<unsigned> ratios_;
+  sim::Scene scene_;  // with the hand of the last seed
+  std::vector<RowSums> sums_;
+  std::vector<HandInLoop> loops_;
+  HandInLoop direct_loop_;
+  StudyScene account_;
+  ForceError apart_;
+  EnergyBook apart_energy_;
+  double touching_{0}, ticks_{0}, force_squared_{0};
+};
+
+session::RunOptions SceneStudy::options(const Scheme& scheme) const {
+  session::RunOptions options;
+  options.coupling = scheme.coupling;
+  options.border = scheme.border;
+  options.ratio = scheme.ratio;
+  options.members = request_.members > 0 ? request_.members : case_.members;
+  options.order = request_.order;
+  options.rate_Hz = kRate_Hz;
+  options.virtual_time = true;
+  return options;
+}
+
+Status SceneStudy::measure(std::uint64_t seed) {
+  auto loaded = load_coupling_case(case_, seed);
+  if (!loaded.ok()) return loaded.status();
+  scene_ = std::move(loaded).value();
+  CoupledWorlds direct = worlds(kDirect);
+  ScriptedArm hand = arm();
+  const auto at = places(request_.quick);
+  const ReferenceRun reference = record_reference(direct, hand, tick_at(HandTimes::kEnd), at, ratios_);
+  account_.bodies = static_cast<unsigned>(direct.sub_world().members());
+  account_.contact_points = std::max(account_.contact_points, reference.most_points);
+  for (const Window& window : reference.windows) {
+    for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
+      touching_ += reference.touches[k];
+      ticks_ += 1;
+      force_squared_ += norm_squared(reference.force[k]);
+    }
+    std::vector<Vec3d> encoded;
+    if (window.hold) {
+      start(direct, kDirect, reference, window);
+      encoded = run_window(direct, reference.encoded, reference, window, nullptr);
+    }
+    measure_apart(reference, window);
+    for (std::size_t i = 0; i < request_.schemes.size(); ++i) measure_scheme(i, reference, window, encoded);
+  }
+  return Status::good();
+}
+
+void SceneStudy::start(CoupledWorlds& worlds, const Scheme& scheme, const ReferenceRun& reference,
+                       const Window& window) const {
+  const auto found = std::find(ratios_.begin(), ratios_.end(), scheme.ratio);
+  const Moment nothing;
+  const Moment& before =
+      found == ratios_.end() ? nothing : window.before[static_cast<std::size_t>(found - ratios_.begin())];
+  worlds.start_from(before, window.now, reference.mean_on_proxy(window.start, scheme.ratio));
+}
+
+std::vector<Vec3d> SceneStudy::run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
+                                          const ReferenceRun& reference, const Window& window,
+                                          EnergyBook* energy) const {
+  std::vector<Vec3d> force;
+  for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
+    if (energy != nullptr && k > window.start && worlds.at_synchronisation())
+      energy->add(worlds.motion(), reference.motion[k],
+                  0.5 * norm_squared(reference.force[k]) / scene_.coupling.stiffness_N_per_m);
+    force.push_back(worlds.tick(targets[k]).on_device.force);
+  }
+  if (energy != nullptr) energy->close_window();
+  return force;
+}
+
+void SceneStudy::measure_apart(const ReferenceRun& reference, const Window& window) {
+  CoupledWorlds apart = worlds(kDirect);
+  apart.start_from({}, window.now, {}, {kApart_m, 0, 0});
+  const auto force = run_window(apart, reference.ideal, reference, window, window.hold ? nullptr : &apart_energy_);
+  apart_.add(force, std::span(reference.force).subspan(window.start, kWindowTicks));
+}
+
+void SceneStudy::measure_scheme(std::size_t index, const ReferenceRun& reference, const Window& window,
+                                std::span<const Vec3d> direct_encoded) {
+  const Scheme& scheme = request_.schemes[index];
+  RowSums& sums = sums_[index];
+  const auto wanted = std::span(reference.force).subspan(window.start, kWindowTicks);
+  CoupledWorlds tested = worlds(scheme);
+  start(tested, scheme, reference, window);
+  const auto force = run_window(tested, reference.ideal, reference, window, window.hold ? nullptr : &sums.energy);
+  account_.component = std::max(account_.component, tested.component());
+
+  ForceError error;
+  error.add(force, wanted);
+  (window.hold ? sums.hold : sums.moving).add(error);
+  sums.worst = std::max(sums.worst, error.relative());
+  std::vector<std::size_t> syncs;
+  for (std::size_t k = scheme.ratio; k < kWindowTicks; k += scheme.ratio) syncs.push_back(k);
+  const auto steps = steps_at(force, wanted, syncs);
+  sums.steps.insert(sums.steps.end(), steps.begin(), steps.end());
+  if (!window.hold) return;
+
+  const auto off = difference(force, wanted);
+  sums.vibration.push_back(band_deviation(off, kRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
+  const auto lines = power_spectrum(off);
+  sums.spectrum.resize(lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) sums.spectrum[i] += lines[i];
+  ++sums.spectra;
+  CoupledWorlds with_encoder = worlds(scheme);
+  start(with_encoder, scheme, reference, window);
+  const auto encoded = run_window(with_encoder, reference.encoded, reference, window, nullptr);
+  sums.encoder_vibration.push_back(
+      band_deviation(difference(encoded, direct_encoded), kRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
+}
+
+HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
+  CoupledWorlds tested = worlds(scheme);
+  ScriptedArm hand = arm();
+  tested.start_at_rest();
+  HandInLoop loop;
+  std::vector<Vec3d> held;
+  Wrenchd on_device;
+  const std::size_t first_held = tick_at(HandTimes::kHeld) - 500, last_held = tick_at(HandTimes::kHeld);
+  for (std::size_t k = 0; k < tick_at(HandTimes::kEnd); ++k) {
+    if (k > 0) hand.advance(on_device);
+    on_device = tested.tick(hand.encoded()).on_device;
+    const double size = norm(on_device.force);
+    // What no device would give is no number to go on with.
+    if (!is_finite(on_device) || size > 1e3) return {1e3, 1e3, 1e3};
+    loop.peak_N = std::max(loop.peak_N, size);
+    if (k < first_held || k >= last_held) continue;
+    held.push_back(on_device.force);
+    loop.hold_N += size / static_cast<double>(last_held - first_held);
+  }
+  loop.shake_N = band_deviation(held, kRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz);
+  return loop;
+}
+
+void SceneStudy::judge_stability() {
+  direct_loop_ = close_loop(kDirect);
+  for (const Scheme& scheme : request_.schemes) loops_.push_back(close_loop(scheme));
+}
+
+void SceneStudy::add_to(StudyReport& report) const {
+  StudyScene account = account_;
+  account.name = case_.name;
+  account.members = options(kDirect).members;
+  account.contact_share = touching_ / ticks_;
+  account.force_rms_N = std::sqrt(force_squared_ / ticks_);
+  account.apart_force_error = apart_.relative();
+  account.apart_energy = apart_energy_.kinetic();
+  account.loop = direct_loop_;
+  report.scenes.push_back(account);
+  for (std::size_t i = 0; i < request_.schemes.size(); ++i) {
+    const RowSums& sums = sums_[i];
+    StudyRow row;
+    row.scene = case_.name;
+    row.scheme = request_.schemes[i];
+    row.at_rest = sums.energy.at_rest();
+    row.energy = sums.energy.kinetic();
+    row.worst_instant = sums.energy.worst_instant();
+    row.speed_squared = sums.energy.speed_squared();
+    ForceError all = sums.hold;
+    all.add(sums.moving);
+    row.force_error = all.relative();
+    row.force_error_hold = sums.hold.relative(), row.force_error_moving = sums.moving.relative();
+    row.force_error_worst = sums.worst;
+    row.sync_step_N = quantile(sums.steps, 0.95);
+    row.hold_vibration_N = median(sums.vibration);
+    row.hold_vibration_worst_N = quantile(sums.vibration, 1);
+    row.hold_vibration_encoder_N = median(sums.encoder_vibration);
+    row.loop = loops_[i];
+    row.stable = is_stable(loops_[i], direct_loop_);
+    for (const double power : sums.spectrum) row.spectrum.push_back(power / static_cast<double>(sums.spectra));
+    report.rows.push_back(std::move(row));
+  }
+}
+
+// "scene pile, seed 3 of 20, about 40 s left"; the scenes weigh as their bodies do.
+class Pace {
+ public:
+  Pace(const Progress& progress, double work) : progress_(progress), work_(work) {}
+  void say(const std::string& doing, double done) const {
+    if (!progress_) return;
+    const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const std::string left = done > 0 ? fmt::format(", about {:.0f} s left", elapsed_s * (work_ / done - 1)) : "";
+    progress_(doing + left);
+  }
+
+ private:
+  const Progress& progress_;
+  double work_;
+  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
+};
+
+}  // namespace
+
+bool is_stable(const HandInLoop& loop, const HandInLoop& direct) {
+  return loop.peak_N <= 1.5 * direct.peak_N + 1.0 && loop.shake_N <= direct.shake_N + 0.2 &&
+         loop.hold_N >= 0.5 * direct.hold_N;
+}
+
+Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progress& progress) {
+  set_denormals_flush();
+  StudyReport report;
+  report.seeds = request.seeds;
+  report.windows = static_cast<unsigned>(places(request.quick).size());
+  report.window_s = kWindowTicks / kRate_Hz;
+  report.line_Hz = line_Hz(1, kWindowTicks, kRate_Hz);
+  std::vector<double> weight;
+  double work = 0, done = 0;
+  for (const CouplingCase& one : request.cases) {
+    auto scene = load_coupling_case(one, 0);
+    if (!scene.ok()) return scene.status();
+    weight.push_back(static_cast<double>(scene.value().bodies.size()));
+    work += (request.seeds + 1) * weight.back();
+  }
+  const Pace pace(progress, work);
+  for (std::size_t c = 0; c < request.cases.size(); ++c) {
+    const CouplingCase& one = request.cases[c];
+    auto scene = load_coupling_case(one, 0);
+    const auto profile = session::find_description(scene.value().device.profile, {});
+    if (!profile.ok()) return profile.status();
+    SceneStudy study(request, one, profile.value());
+    for (unsigned seed = request.seeds; seed-- > 0;) {  // the hand as it is written last: stability is judged with it
+      pace.say(fmt::format("scene {}, seed {} of {}", one.name, request.seeds - seed, request.seeds), done);
+      if (const Status status = study.measure(seed); !status.ok()) return status;
+      done += weight[c];
+    }
+    pace.say(fmt::format("scene {}, stability", one.name), done);
+    study.judge_stability();
+    done += weight[c];
+    study.add_to(report);
+  }
+  return report;
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,90 @@
+// Couplings measured against the direct one on the same hand motion: `tactus experiment energy-loss` and `couplings`.
+//
+// For each scene and seed a run with direct coupling, the hand in the loop. Then, for each coupling, border and ratio,
+// windows of 200 ms that start from that run's state, contact impulses included, with that run's hand motion. Stability
+// is judged apart: from rest, the hand in the loop, the device's own encoder and delay. Thread: one. Virtual time: the
+// same request, the same bits.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rt/haptics/coupling_scheme.h"
+#include "rt/physics/border_contact.h"
+#include "sim/extraction.h"
+#include "tools/experiment/coupling/coupling_cases.h"
+#include "tools/experiment/coupling/energy_measures.h"
+#include "tools/experiment/progress.h"
+
+namespace tactus::experiment {
+
+struct Scheme {
+  haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
+  physics::BorderMode border{physics::BorderMode::kCapped};
+  unsigned ratio{8};
+};
+
+struct StudyRequest {
+  std::vector<CouplingCase> cases;
+  std::vector<Scheme> schemes;
+  unsigned seeds{20};
+  unsigned members{0};  // cap; 0: the case's
+  sim::CutOrder order{sim::CutOrder::kBestFirst};
+  bool quick{false};  // two windows a seed instead of six
+};
+
+// A run from rest with the hand in the loop, the device's own encoder and delay.
+struct HandInLoop {
+  double peak_N{0};   // largest force
+  double shake_N{0};  // 20 to 500 Hz while the hand holds
+  double hold_N{0};   // mean force while the hand holds
+};
+
+// Of one coupling on one scene; fractions, unless the name has a unit.
+struct StudyRow {
+  std::string scene;
+  Scheme scheme;
+  Deviation energy, worst_instant, speed_squared;  // L1, L2, L3, of the windows in which the hand moves
+  bool at_rest{false};                             // L1 and L2 are shares of the energy at play, see energy_measures.h
+  double force_error{0};                           // RMS(F - F_direct) / RMS(F_direct), over all windows
+  double force_error_hold{0}, force_error_moving{0};
+  double force_error_worst{0};         // of the windows
+  double sync_step_N{0};               // 95 % of the steps of F - F_direct at synchronisations
+  double hold_vibration_N{0};          // std of F - F_direct, 20 to 500 Hz, ideal encoder; median of the hold windows
+  double hold_vibration_worst_N{0};    // of the hold windows
+  double hold_vibration_encoder_N{0};  // the same as the median, with the device's encoder
+  bool stable{true};
+  HandInLoop loop;
+  std::vector<double> spectrum;  // of F - F_direct in hold windows, mean power by line [N^2]
+};
+
+// Of one scene: how hard it is, and how far apart two direct runs are that start 1 um apart.
+struct StudyScene {
+  std::string name;
+  unsigned bodies{0}, members{0}, component{0}, contact_points{0};
+  double contact_share{0};  // of the windows' ticks
+  double force_rms_N{0};
+  double apart_force_error{0};
+  Deviation apart_energy;
+  HandInLoop loop;  // of the direct coupling
+};
+
+struct StudyReport {
+  std::vector<StudyRow> rows;
+  std::vector<StudyScene> scenes;
+  unsigned seeds{0}, windows{0};  // a seed
+  double window_s{0}, line_Hz{0};
+};
+
+// One line where a scene cannot be loaded or does not go with the schemes.
+Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progress& progress);
+
+// Stable: no force beyond 1.5 times the direct coupling's peak and 1 N more; while the hand holds, no more than 0.2 N
+// between 20 and 500 Hz beyond the direct coupling's, and at least half its force: nothing has given way.
+bool is_stable(const HandInLoop& loop, const HandInLoop& direct);
+
+std::string study_table(const StudyReport& report);
+std::string study_json(const StudyReport& report);  // {"rows": [...], "scenes": [...]}
+std::string study_csv(const StudyReport& report);   // units in the header
+
+}  // namespace tactus::experiment

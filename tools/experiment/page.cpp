@@ -1,0 +1,51 @@
+#include "tools/experiment/page.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+
+namespace tactus::experiment {
+namespace {
+
+constexpr int kLibraryMissing = 3;  // the writer's own exit status, when it cannot draw
+
+bool write_all(int to, const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t wrote = write(to, text.data() + done, text.size() - done);
+    if (wrote <= 0) return false;
+    done += static_cast<std::size_t>(wrote);
+  }
+  return true;
+}
+
+}  // namespace
+
+Status write_page(const std::string& experiment, const std::string& json, const std::string& command,
+                  const std::string& path) {
+  const Status missing =
+      Status::error("--page: needs python3 with matplotlib; install what Debian calls python3-matplotlib");
+  std::array<int, 2> pipe_ends{};
+  if (pipe(pipe_ends.data()) != 0) return Status::error("--page: no pipe to the page's writer");
+  std::signal(SIGPIPE, SIG_IGN);  // a writer that dies is told by its exit status
+  const pid_t child = fork();
+  if (child < 0) return Status::error("--page: the page's writer could not be started");
+  if (child == 0) {
+    dup2(pipe_ends[0], STDIN_FILENO);
+    close(pipe_ends[0]), close(pipe_ends[1]);
+    execlp("python3", "python3", TACTUS_PAGE_WRITER, experiment.c_str(), command.c_str(), path.c_str(), nullptr);
+    _exit(kLibraryMissing);
+  }
+  close(pipe_ends[0]);
+  const bool written = write_all(pipe_ends[1], json);
+  close(pipe_ends[1]);
+  int status = 0;
+  if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return Status::error("--page: the page's writer died");
+  if (WEXITSTATUS(status) == kLibraryMissing) return missing;
+  if (WEXITSTATUS(status) != 0 || !written) return Status::error(fmt::format("--page: {}: cannot be written", path));
+  return Status::good();
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,88 @@
+// tactus experiment capacity: how many bodies each coupling sustains (paper, section 3.1).
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+#include "sim/choice_names.h"
+#include "tools/experiment/coupling/capacity.h"
+#include "tools/experiment/page.h"
+#include "tools/tactus/commands.h"
+#include "tools/tactus/experiments.h"
+
+namespace tactus::tools {
+namespace {
+
+struct CapacityOptions {
+  std::vector<double> rates_Hz;
+  std::vector<unsigned> ratios;
+  std::vector<std::string> couplings{"direct", "sub-world", "static", "interpolation"};
+  unsigned members{64}, most{20000};
+  std::string csv, page;
+  bool quick{false}, json{false};
+};
+
+int run_capacity(const CapacityOptions& options) {
+  experiment::CapacityRequest request;
+  request.rates_Hz = options.rates_Hz;
+  if (request.rates_Hz.empty())
+    request.rates_Hz = options.quick ? std::vector<double>{1000} : std::vector<double>{1000, 2000, 4000};
+  request.ratios = options.ratios;
+  if (request.ratios.empty())
+    request.ratios = options.quick ? std::vector<unsigned>{10} : std::vector<unsigned>{2, 4, 10, 16};
+  for (const std::string& word : options.couplings) request.couplings.push_back(*sim::parse_coupling_scheme(word));
+  request.members = options.members;
+  request.most_bodies = options.most;
+  if (options.quick) request.ticks = 200;
+  const auto report = experiment::run_capacity(request, experiment::terminal_progress());
+  if (!report.ok()) return complain("tactus experiment capacity: " + report.message(), kExitBadInput);
+  const std::string json = experiment::capacity_json(report.value());
+  fmt::print("{}\n", options.json ? json : experiment::capacity_table(report.value()));
+  const int exit_code = write_file(options.csv, experiment::capacity_csv(report.value()));
+  if (options.page.empty()) return exit_code;
+  const std::string command =
+      fmt::format("tactus experiment capacity --rates {} --ratios {} --couplings {} --members {} --most {}{} --page {}",
+                  fmt::join(request.rates_Hz, ","), fmt::join(request.ratios, ","), fmt::join(options.couplings, ","),
+                  options.members, options.most, options.quick ? " --quick" : "", options.page);
+  const Status status = experiment::write_page("capacity", json, command, options.page);
+  return status.ok() ? exit_code : complain("tactus experiment capacity: " + status.message(), kExitMachineCannot);
+}
+
+}  // namespace
+
+void add_capacity(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<CapacityOptions>();
+  CLI::App* command =
+      experiment.add_subcommand("capacity", "How many bodies each coupling sustains, by rate and ratio.");
+  command->footer(
+      "A heap of cubes, all awake, that the proxy stirs. Sustained: 99 of 100 ticks compute for less than the tick, "
+      "and\n"
+      "9 of 10 global steps for less than their r ticks (the global world has a core of its own). CPU time of one\n"
+      "thread. The heap doubles until something is too slow; then the number is narrowed down to an eighth of an\n"
+      "octave. The haptic side has sub-steps of 0.25 ms at every rate, the global world one a tick.\n\n"
+      "Example:\n  tactus experiment capacity --quick\n  tactus experiment capacity --rates 1000 --ratios 10 --page "
+      "capacity.html");
+  command->add_option("--rates", options->rates_Hz, "Hz, separated by commas; default 1000,2000,4000")
+      ->delimiter(',')
+      ->check(CLI::Range(100.0, 10000.0));
+  command->add_option("--ratios", options->ratios, "ticks per global step, separated by commas; default 2,4,10,16")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 100));
+  command->add_option("--couplings", options->couplings, "separated by commas; the quotient needs direct, first")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"direct", "sub-world", "static", "interpolation"}))
+      ->capture_default_str();
+  command->add_option("--members", options->members, "cap of the sub-world")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--most", options->most, "cubes in the largest heap to try")
+      ->check(CLI::Range(25, 90000))
+      ->capture_default_str();
+  command->add_option("--csv", options->csv, "writes every heap that was timed to this file");
+  command->add_option("--page", options->page, "draws it into this HTML file; needs python3-matplotlib");
+  command->add_flag("--quick", options->quick, "about a minute: 1 kHz, ratio 10");
+  command->add_flag("--json", options->json, "one JSON object on stdout");
+  command->callback([options, &exit_code] { exit_code = run_capacity(*options); });
+}
+
+}  // namespace tactus::tools

@@ -1,0 +1,35 @@
+// tactus experiment couplings: the four schemes side by side (paper, section 3.3).
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+#include "tools/tactus/coupling_options.h"
+#include "tools/tactus/experiments.h"
+
+namespace tactus::tools {
+
+void add_couplings(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<CouplingOptions>();
+  CLI::App* command = experiment.add_subcommand("couplings", "The four coupling schemes on the same hand motion.");
+  command->footer(
+      "direct: all bodies at the haptic rate. sub-world: the paper's method. static: the proxy moves among frozen\n"
+      "members. interpolation: the device feels interpolated positions, its effort comes late and at once. Errors are\n"
+      "against the direct coupling, over windows of 200 ms that start from its state. stable is judged with the hand\n"
+      "in the loop, the device's own encoder and delay: no force beyond 1.5 times the direct coupling's peak and 1 N\n"
+      "more; while the hand holds, no more than 0.2 N of shaking beyond its own, and at least half its force (nothing "
+      "has\n"
+      "given way). Virtual time: the same options, the same figures.\n\n"
+      "Example:\n  tactus experiment couplings --quick\n  tactus experiment couplings --csv couplings.csv --page "
+      "couplings.html");
+  add_coupling_options(*command, *options);
+  command->callback([options, &exit_code] {
+    using haptics::CouplingScheme;
+    using physics::BorderMode;
+    exit_code = run_coupling_experiment(*options, {{CouplingScheme::kDirect, BorderMode::kCapped, 1},
+                                                   {CouplingScheme::kSubWorld, BorderMode::kCapped, 0},
+                                                   {CouplingScheme::kStatic, BorderMode::kCapped, 0},
+                                                   {CouplingScheme::kInterpolation, BorderMode::kCapped, 0}});
+  });
+}
+
+}  // namespace tactus::tools

@@ -1,0 +1,36 @@
+// tactus experiment energy-loss: what the sub-world costs in energy (paper, section 3.2).
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+#include "tools/tactus/coupling_options.h"
+#include "tools/tactus/experiments.h"
+
+namespace tactus::tools {
+
+void add_energy_loss(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<CouplingOptions>();
+  CLI::App* command =
+      experiment.add_subcommand("energy-loss", "Energy and force errors of the sub-world, by border and ratio.");
+  command->footer(
+      "The sub-world at each ratio, with each border, beside the same scene with direct coupling: the same hand "
+      "motion,\n"
+      "windows of 200 ms that start from the direct run's state. loss and gain are of the kinetic energy of all "
+      "bodies\n"
+      "(--json and --csv have the two other readings); positive both, and a window that won does not hide one that "
+      "lost.\n"
+      "'1 um apart' is how far two direct runs go apart that start so: less cannot be told from chance. Virtual time:\n"
+      "the same options, the same figures, on any machine.\n\n"
+      "Example:\n  tactus experiment energy-loss --quick\n"
+      "  tactus experiment energy-loss --scenes pile,stack --ratios 8,16 --page energy.html");
+  add_coupling_options(*command, *options);
+  command->callback([options, &exit_code] {
+    using haptics::CouplingScheme;
+    using physics::BorderMode;
+    exit_code = run_coupling_experiment(*options, {{CouplingScheme::kSubWorld, BorderMode::kCapped, 0},
+                                                   {CouplingScheme::kSubWorld, BorderMode::kReplay, 0},
+                                                   {CouplingScheme::kSubWorld, BorderMode::kFrozen, 0}});
+  });
+}
+
+}  // namespace tactus::tools
