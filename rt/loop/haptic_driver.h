@@ -19,9 +19,11 @@ class HapticDriver {
 
   void read() noexcept { device_.read(input_.device); }
 
-  const TickOutput& compute(std::uint32_t operator_bits, const physics::CutPredicate& cut) noexcept {
+  const TickOutput& compute(std::uint32_t operator_bits, const physics::CutPredicate& cut,
+                            const StageObserver& stages = {}) noexcept {
     input_.operator_bits = operator_bits;
     input_.cut = cut;
+    input_.stages = stages;
     poll_exchange();
     WorkCounts counts = loop_.counts();
     counts.synchronises = input_.snapshot != nullptr;

@@ -30,9 +30,12 @@ void HapticLoop::tick(const TickInput& in, TickOutput& out) noexcept {
   out.tick = state_.tick;
   guard(in.device, out);
   adopt(in);
+  in.stages(TickStage::kAdopt);
   arm(in.operator_bits, out);
   const haptics::DeviceTarget target = couple(out);
+  in.stages(TickStage::kCouple);
   step(target, in, out);
+  in.stages(TickStage::kStep);
   shape_force(out);
   command(out);
   ++state_.tick;

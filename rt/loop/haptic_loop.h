@@ -15,6 +15,7 @@
 #include "rt/haptics/sub_world.h"
 #include "rt/haptics/velocity_estimator.h"
 #include "rt/loop/governor.h"
+#include "rt/loop/tick_stages.h"
 
 namespace tactus::loop {
 
@@ -50,6 +51,7 @@ struct TickInput {
   const haptics::WorldSnapshot* snapshot{nullptr};  // null: none adopted in this tick
   ReportSink sink;                                  // needed where snapshot is given
   physics::CutPredicate cut;
+  StageObserver stages;
 };
 
 // What a tick says. No padding: tapes compare it byte by byte.

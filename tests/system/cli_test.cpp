@@ -65,6 +65,16 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
       {"hil --device usb --virtual-time", "tactus hil: --virtual-time: usb keeps real time; accepted: "},
       {"hil --device sim --force 1000", "tactus hil: --force: 1000 is out of range; accepted: "},
       {"hil --device sim --rate 1", "tactus hil: --rate: 1 is out of range; accepted: "},
+      {"timing --load gpu", "tactus timing: --load: 'gpu' is none; accepted: none, cpu, memory, stress-ng"},
+      {"timing --duration 1", "tactus timing: --duration: 1 is out of range; accepted: 3 to 1e6 s"},
+      {"timing --against rtla", "tactus timing: "},
+      {"run", "tactus run: SCENE is required; accepted: "},
+      {"run --config /nowhere.toml", "/nowhere.toml: the file: cannot be read; accepted: "},
+      {"run --budget /nowhere.json " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml",
+       "tactus run: --budget: /nowhere.json: no such file; accepted: "},
+      {"config", "tactus config: no command; accepted: check"},
+      {"config check /nowhere.toml", "/nowhere.toml: the file: cannot be read; accepted: "},
+      {"control fly", "tactus control: "},
       {"scene check /nowhere.toml", "tactus: /nowhere.toml: the file: cannot be read; accepted: "},
   };
   for (const auto& c : cases) {

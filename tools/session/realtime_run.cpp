@@ -29,40 +29,48 @@ int last_allowed_cpu() {
 
 struct Deadline {
   std::int64_t cut_ns{0};
+  loop::TickProbe* probe{nullptr};
   static bool passed(void* self, std::uint32_t) noexcept {
-    return MonotonicClock::now_ns() > static_cast<const Deadline*>(self)->cut_ns;
+    const auto& deadline = *static_cast<const Deadline*>(self);
+    const std::int64_t now_ns = MonotonicClock::now_ns();
+    if (deadline.probe != nullptr) deadline.probe->sweep_begins(now_ns);
+    return now_ns > deadline.cut_ns;
   }
 };
 
 // The haptic thread's tick: the driver's three stages, each timed, and the books.
 class RealtimeTick {
  public:
-  RealtimeTick(Session& session, LiveStatus& live, std::atomic<bool>& rearm, std::uint64_t most_ticks)
+  RealtimeTick(Session& session, LiveStatus& live, std::atomic<std::uint32_t>& requests, std::uint64_t most_ticks,
+               loop::TickProbe* probe)
       : session_(session),
+        probe_(probe),
         gpio_(session.gpio.get()),
         live_(live),
-        rearm_(rearm),
+        requests_(requests),
         most_ticks_(most_ticks),
         period_ns_(static_cast<std::int64_t>(session.options.period_s() * 1e9)) {}
 
   bool operator()(const loop::TickTiming& timing) noexcept {
+    if (probe_ != nullptr && !probe_begins(timing)) return true;
     Driver& driver = *session_.driver;
     cpu_began_ns_ = MonotonicClock::thread_cpu_ns();
     if (gpio_ != nullptr) gpio_->probe(true);
     driver.read();
     const std::int64_t read_ns = MonotonicClock::now_ns();
-    Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_))};
+    if (probe_ != nullptr) probe_->read_done(read_ns);
+    Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_)),
+                      probe_};
     std::uint32_t bits = session_.operator_bits();
-    if (rearm_.load(std::memory_order_relaxed)) {
-      rearm_.store(false, std::memory_order_relaxed);
-      bits |= loop::kRearm;
-    }
+    if (requests_.load(std::memory_order_relaxed) != 0) bits |= requests_.exchange(0, std::memory_order_relaxed);
     if (gpio_ != nullptr && gpio_->estop()) bits |= loop::kStopLine;
-    const loop::TickOutput& out = driver.compute(bits, {&Deadline::passed, &deadline});
+    const loop::TickOutput& out = driver.compute(bits, {&Deadline::passed, &deadline},
+                                                 probe_ != nullptr ? probe_->stages() : loop::StageObserver{});
     const std::int64_t computed_ns = MonotonicClock::now_ns();
     driver.write();
     if (gpio_ != nullptr) show_on_lines(out);
     const std::int64_t wrote_ns = MonotonicClock::now_ns();
+    if (probe_ != nullptr) probe_ends(out, computed_ns, wrote_ns);
 
     compute.record(computed_ns - read_ns);
     forecast.add(driver.plan().predicted_ns, static_cast<double>(computed_ns - read_ns));
@@ -98,6 +106,29 @@ class RealtimeTick {
     }
   }
 
+  // False: the window is not the loop's.
+  bool probe_begins(const loop::TickTiming& timing) noexcept {
+    switch (probe_->window(timing)) {
+      case loop::WindowKind::kLoop:
+        probe_->begin(timing);
+        return true;
+      case loop::WindowKind::kBare:
+        probe_->bare(timing);
+        return false;
+      case loop::WindowKind::kRest:
+        probe_->rest(timing, period_ns_);
+        return false;
+    }
+    return true;
+  }
+  void probe_ends(const loop::TickOutput& out, std::int64_t computed_ns, std::int64_t wrote_ns) noexcept {
+    loop::TickTimes& times = probe_->times();
+    times.foreseen_ns = static_cast<std::int64_t>(session_.driver->plan().predicted_ns);
+    times.members = out.members, times.contacts = out.contacts, times.points = out.points, times.border = out.border;
+    times.sub_steps = session_.driver->sub_steps();
+    probe_->end(computed_ns, wrote_ns);
+  }
+
   // The drives are enabled as long as force is wanted; a fault takes the line back with the command that brakes.
   void show_on_lines(const loop::TickOutput& out) noexcept {
     gpio_->enable(out.command.wanted == haptics::DeviceState::kForce);
@@ -119,9 +150,10 @@ class RealtimeTick {
   }
 
   Session& session_;
-  hal::GpioLines* gpio_;  // null: no lines
+  loop::TickProbe* probe_;  // null: nobody looks into the tick
+  hal::GpioLines* gpio_;    // null: no lines
   LiveStatus& live_;
-  std::atomic<bool>& rearm_;
+  std::atomic<std::uint32_t>& requests_;
   std::uint64_t most_ticks_;
   std::int64_t period_ns_;
   std::int64_t cpu_began_ns_{0};  // the thread's own clock at the start of the tick
@@ -156,12 +188,12 @@ std::vector<sim::Stall> wall_clock_stalls(const Session& session) {
 
 // Shows and listens until the run is over.
 void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& live, const RealtimeHooks& hooks,
-            std::atomic<bool>& rearm, const std::atomic<bool>& stop) {
+            std::atomic<std::uint32_t>& requests, const std::atomic<bool>& stop) {
   const auto began = std::chrono::steady_clock::now();
   while (thread.running() && !stop.load(std::memory_order_relaxed)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
-    if (hooks.rearm_requested && hooks.rearm_requested()) rearm.store(true, std::memory_order_relaxed);
+    if (hooks.rearm_requested && hooks.rearm_requested()) requests.fetch_or(loop::kRearm, std::memory_order_relaxed);
     if (hooks.show && !hooks.show(live, elapsed.count())) return;
   }
 }
@@ -190,17 +222,18 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
     if (const Status status = session.drain->start(); !status.ok()) return status;
 
   LiveStatus live;
-  std::atomic<bool> rearm{false};
+  std::atomic<std::uint32_t> own_requests{0};
+  std::atomic<std::uint32_t>& requests = hooks.requests != nullptr ? *hooks.requests : own_requests;
   const auto most_ticks = options.duration_s > 0
                               ? static_cast<std::uint64_t>(std::llround(options.duration_s * options.rate_Hz))
                               : ~std::uint64_t{0};
-  RealtimeTick tick(session, live, rearm, most_ticks);
+  RealtimeTick tick(session, live, requests, most_ticks, hooks.probe);
   loop::PeriodicThread<RealtimeTick> thread(tick);
   const auto began = std::chrono::steady_clock::now();
   if (const Status status = session.device->start(); !status.ok()) return status;
   const auto cpu_before = cpu_time_now(settings.setup.cpu);
   if (const Status status = thread.start(settings); !status.ok()) return status;
-  attend(thread, live, hooks, rearm, stop);
+  attend(thread, live, hooks, requests, stop);
   thread.stop();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
   if (world) world->stop();

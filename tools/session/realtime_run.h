@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 
+#include "rt/loop/tick_probe.h"
 #include "tools/session/session.h"
 
 namespace tactus::session {
@@ -21,6 +22,10 @@ struct RealtimeHooks {
   std::function<bool(const LiveStatus&, double elapsed_s)> show;
   // Whether the operator asked for a re-arm since the last call.
   std::function<bool()> rearm_requested;
+  // OperatorBit: what others ask of the loop, set by them and taken once; null: nobody does.
+  std::atomic<std::uint32_t>* requests{nullptr};
+  // Looks into every tick, and may take windows for itself; null: nobody does.
+  loop::TickProbe* probe{nullptr};
 };
 
 // Returns when the duration is over, a hook or `stop` ends it. The error is the system's or the tape's.

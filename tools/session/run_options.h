@@ -35,8 +35,9 @@ struct RunOptions {
   std::vector<int> world_cpus;  // one for each of them; empty: any
   int priority{80};             // SCHED_FIFO
   bool virtual_time{false};
-  bool rearm{false};   // take a latched fault back by itself, one second after it latched
-  std::string inject;  // faults of device, link and world, by script
+  bool arm_at_start{true};  // force from the first good sample on; else when an operator asks for it
+  bool rearm{false};        // take a latched fault back by itself, one second after it latched
+  std::string inject;       // faults of device, link and world, by script
   std::filesystem::path record;
   std::uint64_t seed{1};  // of the simulated device's link
   // Of a tape that is replayed: the device that it was made with, which is not opened then.

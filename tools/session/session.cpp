@@ -262,7 +262,7 @@ void Session::count_tick() noexcept {
 }
 
 std::uint32_t Session::operator_bits() noexcept {
-  if (stats.ticks == 0) return loop::kArm;
+  if (stats.ticks == 0) return options.arm_at_start ? loop::kArm : 0u;
   if (options.rearm && latched_ticks_ >= kRearmAfter_s * options.rate_Hz) {
     latched_ticks_ = 0;
     return loop::kRearm;

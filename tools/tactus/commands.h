@@ -15,6 +15,9 @@ CLI::App* add_hil_command(CLI::App& program, int& exit_code);
 CLI::App* add_replay_command(CLI::App& program, int& exit_code);
 CLI::App* add_scene_command(CLI::App& program, int& exit_code);
 CLI::App* add_doctor_command(CLI::App& program, int& exit_code);
+CLI::App* add_timing_command(CLI::App& program, int& exit_code);
+CLI::App* add_config_command(CLI::App& program, int& exit_code);
+CLI::App* add_control_command(CLI::App& program, int& exit_code);
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code);
 
 // One line on stderr: "tactus: " and the text. Returns `exit_code`, so that a command can end with it.

@@ -86,6 +86,9 @@ int run_program(int argc, char** argv) {
   add_replay_command(program, exit_code);
   add_scene_command(program, exit_code);
   add_doctor_command(program, exit_code);
+  add_timing_command(program, exit_code);
+  add_config_command(program, exit_code);
+  add_control_command(program, exit_code);
   add_experiment_command(program, exit_code);
   return parse_and_run(program, argc, argv, exit_code);
 }

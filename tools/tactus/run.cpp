@@ -6,16 +6,20 @@
 
 #include <csignal>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "sim/choice_names.h"
 #include "sim/scene_load.h"
 #include "tools/doctor/system_view.h"
+#include "tools/service/run_service.h"
 #include "tools/session/open_link.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
+#include "tools/timing/budget.h"
 
 namespace tactus::tools {
 namespace {
@@ -33,6 +37,8 @@ struct Words {
 struct RunCommand {
   session::RunOptions options;
   Words words;
+  std::filesystem::path budget, config, control;
+  service::Configuration configuration;
   bool json{false};
 };
 
@@ -92,15 +98,28 @@ bool enter_pressed() {
   return read(STDIN_FILENO, line, sizeof line) > 0;
 }
 
-Result<session::RunSummary> run_in_real_time(session::Session& session, bool json) {
+// With a configuration it is a service: events in a log instead of a status line.
+Result<session::RunSummary> run_in_real_time(session::Session& session, const RunCommand& command) {
+  const bool json = command.json, logged = !command.config.empty();
+  std::unique_ptr<service::RunService> service;
+  if (logged || !command.control.empty()) {
+    service::Configuration configuration = command.configuration;
+    if (!command.control.empty()) configuration.socket = command.control;
+    auto opened = service::RunService::open(configuration, command.config, g_stop);
+    if (!opened.ok()) return opened.status();
+    service = std::move(opened).value();
+  }
   if (const Status status = session.record(session.options.record.string()); !status.ok()) return status;
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGTERM, ask_to_stop);
   session::RealtimeHooks hooks;
-  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
   std::uint64_t last_ticks = 0;
   double last_s = 0, next_line_s = 0;
+  if (service != nullptr) hooks.requests = &service->requests();
   hooks.show = [&](const session::LiveStatus& live, double elapsed_s) {
+    if (service != nullptr) service->look(live, elapsed_s);
+    if (logged) return true;
     // On a terminal the line moves; in a log it comes every two seconds.
     if (terminal || (!json && elapsed_s >= next_line_s)) {
       show_live(live, elapsed_s, last_ticks, last_s);
@@ -130,13 +149,69 @@ Result<session::RunSummary> run_in_virtual_time(session::Session& session) {
   return summary;
 }
 
-int run_scene(RunCommand& command) {
+// Held against what was measured on this machine; may lower the cap of members.
+int keep_budget(RunCommand& command, const sim::Scene& scene) {
+  if (command.budget.empty()) return kExitGood;
+  session::RunOptions& o = command.options;
+  if (o.virtual_time)
+    return complain("tactus run: --budget: is of real time; accepted: without --virtual-time", kExitBadInput);
+  std::ifstream file(command.budget);
+  if (!file)
+    return complain(fmt::format("tactus run: --budget: {}: no such file; accepted: one of `tactus timing --certify`",
+                                command.budget.string()),
+                    kExitBadInput);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto budget = timing::read_budget(text, command.budget.string());
+  if (!budget.ok()) return complain("tactus run: --budget: " + budget.message(), kExitBadInput);
+  const unsigned members = o.members != 0 ? o.members : scene.members;
+  const int cpu = o.cpu >= 0 ? o.cpu : timing::cores_without(-1).back();
+  const auto answer = timing::check_budget(budget.value(), timing::this_machine(cpu),
+                                           {o.rate_Hz, members, scene.solver.sub_steps, o.priority});
+  if (!answer.refusal.empty()) return complain("tactus run: --budget: " + answer.refusal, kExitMachineCannot);
+  if (answer.fewer_members) o.members = *answer.fewer_members;
+  if (!answer.note.empty()) fmt::print(stderr, "tactus run: {}\n", answer.note);
+  return kExitGood;
+}
+
+// What the configuration says, where no option says otherwise.
+Status read_configuration(const CLI::App& app, RunCommand& command) {
+  if (command.config.empty()) return Status::good();
+  auto read = service::load_configuration(command.config);
+  if (!read.ok()) return read.status();
+  command.configuration = std::move(read).value();
+  const session::RunOptions& from = command.configuration.run;
+  session::RunOptions& o = command.options;
+  const auto given = [&](const char* option) { return app.count(option) > 0; };
+  if (!given("SCENE")) o.scene = from.scene;
+  if (!given("--device")) o.device = from.device;
+  if (!given("--device-file")) o.device_file = from.device_file;
+  if (!given("--gpio")) o.gpio = from.gpio;
+  if (!given("--rate")) o.rate_Hz = from.rate_Hz;
+  if (!given("--ratio")) o.ratio = from.ratio;
+  if (!given("--members")) o.members = from.members;
+  if (!given("--cpu")) o.cpu = from.cpu;
+  if (!given("--priority")) o.priority = from.priority;
+  if (!given("--world-threads")) o.world_threads = from.world_threads;
+  if (!given("--world-cpu")) command.words.world_cpus = fmt::format("{}", fmt::join(from.world_cpus, ","));
+  if (!given("--budget")) command.budget = command.configuration.budget;
+  o.arm_at_start = from.arm_at_start;
+  return Status::good();
+}
+
+int run_scene(const CLI::App& app, RunCommand& command) {
+  if (const Status status = read_configuration(app, command); !status.ok()) {
+    fmt::print(stderr, "{}\n", status.message());  // a line for each mistake in the file
+    return kExitBadInput;
+  }
+  if (command.options.scene.empty())
+    return complain("tactus run: SCENE is required; accepted: see tactus run --help", kExitBadInput);
   if (const Status status = read_words(command); !status.ok()) return complain(status.message(), kExitBadInput);
   auto scene = sim::load_scene(command.options.scene);
   if (!scene.ok()) {
     fmt::print(stderr, "tactus: {}\n", scene.message());
     return kExitBadInput;
   }
+  if (const int exit_code = keep_budget(command, scene.value()); exit_code != kExitGood) return exit_code;
   const auto profile = session::find_description(scene.value().device.profile, command.options.device_file);
   if (!profile.ok()) {
     fmt::print(stderr, "tactus: {}\n", profile.message());  // a line for each mistake in the file
@@ -147,7 +222,7 @@ int run_scene(RunCommand& command) {
   auto session = session::Session::create(std::move(scene).value(), command.options, std::move(hardware).value());
   if (!session.ok()) return complain("tactus run: " + session.message(), kExitBadInput);
   auto summary = command.options.virtual_time ? run_in_virtual_time(*session.value())
-                                              : run_in_real_time(*session.value(), command.json);
+                                              : run_in_real_time(*session.value(), command);
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
   if (command.json)
     fmt::print("{}\n", to_json(summary.value()).dump(2));
@@ -158,7 +233,12 @@ int run_scene(RunCommand& command) {
 
 void add_options(CLI::App& app, RunCommand& command) {
   session::RunOptions& o = command.options;
-  app.add_option("SCENE", o.scene, "the scene, such as sim/scenes/card_house.toml")->required();
+  app.add_option("SCENE", o.scene, "the scene, such as sim/scenes/card_house.toml; or --config names it");
+  app.add_option(
+      "--config", command.config,
+      "a deployment's configuration, see `tactus config check --help`: what no option says it says, and the\n"
+      "run logs events instead of a status line");
+  app.add_option("--control", command.control, "serve `tactus control` at this path");
   app.add_option("--device", o.device, "sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE")->capture_default_str();
   app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
@@ -188,6 +268,9 @@ void add_options(CLI::App& app, RunCommand& command) {
       ->capture_default_str();
   app.add_flag("--virtual-time", o.virtual_time, "one thread on a virtual clock: the same bits every time");
   app.add_option("--record", o.record, "write a tape here, for `tactus replay`");
+  app.add_option("--budget", command.budget,
+                 "hold the run against this file of `tactus timing --certify`: refused on another machine, at a\n"
+                 "higher rate or with more sub-steps than measured; with more members it runs with fewer");
   app.add_flag("--rearm", o.rearm, "take a latched fault back by itself after a second; else Enter does");
   app.add_option("--inject", o.inject,
                  "faults, as KIND@TICK[+TICKS][:AMOUNT],...: lost, late, duplicated, corrupted, nan, wild,\n"
@@ -212,7 +295,7 @@ CLI::App* add_run_command(CLI::App& program, int& exit_code) {
       "  tactus run sim/scenes/pile700.toml --virtual-time --coupling static\n"
       "  tactus run sim/scenes/stack20.toml --inject lost@1000+20,stall@3000+50 --rearm --record my.tape");
   add_options(*run, *command);
-  run->callback([command, &exit_code] { exit_code = run_scene(*command); });
+  run->callback([command, run, &exit_code] { exit_code = run_scene(*run, *command); });
   return run;
 }
 

@@ -1,0 +1,164 @@
+// What the haptic thread asks of the kernel after its start: the time, and the sleep to the next deadline. Held to that
+// by the kernel, in a process of its own; the same run counts allocations, locks and page faults.
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <ctime>
+#include <thread>
+
+#include "rt/loop/periodic_thread.h"
+#include "sim/global_thread.h"
+#include "tests/support/rt_guard.h"
+#include "tests/support/syscall_filter.h"
+#include "tests/system/session_bench.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+// A clock that answers from the kernel (not every machine has one that does not), the sleep, and the question of the
+// guard that counts page faults.
+constexpr long kAllowed[]{SYS_clock_gettime, SYS_clock_nanosleep, SYS_getrusage};
+constexpr std::uint64_t kWarmUp = 200;
+
+struct Counts {
+  bool filtered{false}, done{false};
+  std::uint64_t ticks{0}, cycles{0}, allocations{0}, frees{0}, locks{0}, faults{0}, refused{0};
+  long first_refused{-1};
+};
+
+enum class Pace { kRealTime, kAsFastAsItGoes };
+
+struct Trial {
+  std::uint64_t ticks{0};
+  Pace pace{Pace::kRealTime};
+  bool misbehave{false};  // one call too many, in one tick
+};
+
+// The haptic thread's own work, as in a run: the driver's three stages, with a clock in the cut predicate.
+void one_tick(session::Session& session) noexcept {
+  static constexpr auto never = [](void*, std::uint32_t) noexcept { return MonotonicClock::now_ns() < 0; };
+  session.driver->read();
+  session.driver->compute(session.operator_bits(), {never, nullptr});
+  session.driver->write();
+  session.count_tick();
+}
+
+struct Ticks {
+  session::Session& session;
+  const Trial& trial;
+  Counts& counts;
+  std::optional<RtGuard> guard;
+
+  bool operator()(const loop::TickTiming&) noexcept {
+    one_tick(session);
+    if (session.stats.ticks == kWarmUp) {
+      counts.filtered = install_syscall_filter(kAllowed);
+      guard.emplace();
+    }
+    if (trial.misbehave && session.stats.ticks == kWarmUp + 5) syscall(SYS_getpid);
+    if (session.stats.ticks < kWarmUp + trial.ticks) return true;
+    finish();
+    return false;
+  }
+
+  void finish() noexcept {
+    counts.allocations = guard->allocations(), counts.frees = guard->frees(), counts.locks = guard->locks();
+    counts.faults = guard->minor_faults() + guard->major_faults();
+    counts.ticks = session.stats.ticks - kWarmUp, counts.cycles = session.stats.cycles;
+    counts.refused = refused_syscalls(), counts.first_refused = first_refused_syscall();
+    std::atomic_thread_fence(std::memory_order_seq_cst);
+    static_cast<volatile bool&>(counts.done) = true;
+    for (;;) MonotonicClock::sleep_until_ns(INT64_MAX);  // the end of a thread takes other calls; the process ends it
+  }
+};
+
+// As fast as it goes the haptic side waits for its snapshots, so that no cycle is late however slow the world is.
+void run_fast(Ticks& ticks) noexcept {
+  const auto& snapshots = ticks.session.exchange->snapshots;
+  const auto& loop = *ticks.session.loop;
+  for (bool go = true; go; go = ticks({}))
+    while (loop.wants_snapshot() && snapshots.try_read(loop.next_cycle()) == nullptr) {}
+}
+
+// In the child: the world and the recorder's drain on threads of their own.
+void run_child(const Trial& trial, Counts& counts) {
+  session::RunOptions options = virtual_options();
+  options.members = 4;  // so that members come and go and there is a border
+  auto session = make_session(scene_file("domino_row.toml"), options);
+  REQUIRE(session->record("").ok());
+  set_denormals_flush();
+  sim::GlobalThread world(*session->global, *session->exchange, {});
+  REQUIRE(world.start().ok());
+  REQUIRE(session->drain->start().ok());
+  Ticks ticks{*session, trial, counts, std::nullopt};
+  loop::PeriodicThread<Ticks> periodic(ticks);
+  std::thread fast;
+  if (trial.pace == Pace::kRealTime) {
+    loop::PeriodicSettings settings;
+    settings.setup.priority = 0;  // the machine's other work goes on
+    REQUIRE(periodic.start(settings).ok());
+  } else {
+    fast = std::thread([&] {
+      loop::CpuAwake awake;
+      (void)loop::setup_realtime({.priority = 0, .hold_cpu_awake = false}, awake);
+      run_fast(ticks);
+    });
+  }
+  while (!static_cast<volatile bool&>(counts.done)) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  _exit(0);
+}
+
+Counts run_trial(const Trial& trial) {
+  void* const shared = mmap(nullptr, sizeof(Counts), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  REQUIRE(shared != MAP_FAILED);
+  auto& counts = *new (shared) Counts;
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    run_child(trial, counts);
+    _exit(1);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  REQUIRE(WEXITSTATUS(status) == 0);
+  const Counts result = counts;
+  munmap(shared, sizeof(Counts));
+  REQUIRE(result.filtered);
+  return result;
+}
+
+void check_clean(const Counts& counts, std::uint64_t ticks) {
+  CHECK(counts.ticks == ticks);
+  INFO("first refused system call: " << counts.first_refused);
+  CHECK(counts.refused == 0);
+  CHECK(counts.allocations == 0);
+  CHECK(counts.frees == 0);
+  CHECK(counts.locks == 0);
+  CHECK(counts.faults == 0);
+}
+
+}  // namespace
+
+TEST_CASE("after its start the haptic thread asks the kernel for the time and for sleep, and for nothing else",
+          "[no-asan][no-tsan]") {
+  const Counts counts = run_trial({.ticks = 2'000});
+  check_clean(counts, 2'000);
+  CHECK(counts.cycles > 50);
+}
+
+TEST_CASE("one system call too many in one tick is seen", "[no-asan][no-tsan]") {
+  const Counts counts = run_trial({.ticks = 100, .misbehave = true});
+  CHECK(counts.refused == 1);
+  CHECK(counts.first_refused == SYS_getpid);
+}
+
+TEST_CASE("ten million ticks: no allocation, no lock, no page fault, no system call", "[.][long]") {
+  const Counts counts = run_trial({.ticks = 10'000'000, .pace = Pace::kAsFastAsItGoes});
+  check_clean(counts, 10'000'000);
+  CHECK(counts.cycles > 900'000);
+}

@@ -1,0 +1,110 @@
+// The deployment's configuration: what it reads as, what is wrong with it, what may change while it runs.
+#include "tools/service/configuration.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <iterator>
+
+using Catch::Matchers::Contains;
+
+namespace tactus::service {
+namespace {
+
+Configuration good(const std::string& text) {
+  const auto configuration = parse_configuration(text, "/etc/tactus/tactus.toml");
+  INFO(configuration.message());
+  REQUIRE(configuration.ok());
+  return configuration.value();
+}
+
+}  // namespace
+
+TEST_CASE("a configuration reads as the options of a run, its paths from its own folder") {
+  const auto c = good(R"(scene = "../scenes/wall.toml"
+[device]
+name = "can:can0"
+file = "device.toml"
+[rates]
+rate_Hz = 500
+ratio = 5
+[cores]
+haptic = 3
+priority = 70
+world = "1-2"
+world_threads = 2
+[limits]
+members = 20
+budget = "budget.json"
+[control]
+socket = "/run/tactus/control"
+arm_at_start = false
+rearm = true
+[log]
+interval_s = 10
+)");
+  CHECK(c.run.scene == "/etc/tactus/../scenes/wall.toml");
+  CHECK(c.run.device == "can:can0");
+  CHECK(c.run.device_file == "/etc/tactus/device.toml");
+  CHECK(c.run.rate_Hz == 500);
+  CHECK(c.run.ratio == 5);
+  CHECK(c.run.cpu == 3);
+  CHECK(c.run.priority == 70);
+  CHECK(c.run.world_cpus == std::vector<int>{1, 2});
+  CHECK(c.run.world_threads == 2);
+  CHECK(c.run.members == 20);
+  CHECK(c.budget == "/etc/tactus/budget.json");
+  CHECK(c.socket == "/run/tactus/control");
+  CHECK_FALSE(c.run.arm_at_start);
+  CHECK(c.run.rearm);
+  CHECK(c.log_interval_s == 10);
+}
+
+TEST_CASE("all but the scene has a default") {
+  const auto c = good("scene = \"/a.toml\"\n");
+  CHECK(c.run.scene == "/a.toml");
+  CHECK(c.run.device == "sim");
+  CHECK(c.run.cpu == -1);
+  CHECK(c.run.ratio == 0);
+  CHECK(c.run.members == 0);
+  CHECK(c.socket.empty());
+  CHECK(c.run.arm_at_start);
+}
+
+TEST_CASE("every mistake has its line, and none hides the next one") {
+  const auto bad = parse_configuration(R"([device]
+name = 4
+[rates]
+rate_Hz = 5
+[cores]
+world = "one"
+prioritty = 80
+)",
+                                       "tactus.toml");
+  REQUIRE_FALSE(bad.ok());
+  for (const char* says : {"scene", "tactus.toml:2:", "tactus.toml:4:11: [rates] rate_Hz: 5 is not a rate",
+                           "tactus.toml:6:", "is no list of cores", "did you mean priority?"})
+    CHECK_THAT(bad.message(), Contains(says));
+}
+
+TEST_CASE("what does not go together is a mistake of the file") {
+  const auto bad = parse_configuration("scene = \"a\"\n[cores]\nworld = \"1-3\"\nworld_threads = 2\n", "t.toml");
+  REQUIRE_FALSE(bad.ok());
+  CHECK_THAT(bad.message(), Contains("3 cores for 2 of --world-threads"));
+  CHECK_FALSE(parse_configuration(std::string(kMaxConfigurationBytes + 1, '#'), "t.toml").ok());
+  CHECK_FALSE(parse_configuration("scene = ", "t.toml").ok());
+}
+
+TEST_CASE("re-arming and the log may change while it runs, the rest needs a restart and is named") {
+  const auto before = good("scene = \"/a.toml\"\n");
+  CHECK(needs_restart(before, good("scene = \"/a.toml\"\n[control]\nrearm = true\n[log]\ninterval_s = 5\n")).empty());
+  CHECK(needs_restart(before, good("scene = \"/b.toml\"\n[rates]\nrate_Hz = 2000\n")) == "scene, [rates]");
+  CHECK(needs_restart(before, good("scene = \"/a.toml\"\n[control]\nsocket = \"/s\"\n")) == "[control] socket");
+}
+
+TEST_CASE("the configuration that is installed is good") {
+  std::ifstream file(TACTUS_SOURCE_DIR "/tools/deploy/tactus.toml");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  CHECK(good(text).socket == "/run/tactus/control");
+}
+
+}  // namespace tactus::service

@@ -1,0 +1,189 @@
+// The control socket end to end, the log's lines, and what systemd is told.
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "rt/loop/haptic_loop.h"
+#include "tools/service/control_server.h"
+#include "tools/service/event_log.h"
+#include "tools/service/monitor.h"
+#include "tools/service/notify.h"
+
+using Catch::Matchers::Contains;
+
+namespace tactus::service {
+namespace {
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tactus-control-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path = name;
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  std::filesystem::path path;
+};
+
+struct Bench {
+  Folder folder;
+  std::atomic<std::uint32_t> requests{0};
+  std::atomic<bool> stop{false};
+  std::filesystem::path socket = folder.path / "control";
+  std::unique_ptr<ControlServer> server = open();
+
+  std::unique_ptr<ControlServer> open() {
+    auto opened = ControlServer::open(socket, requests, stop, [](std::string& said) {
+      said = "nothing changed";
+      return Status::good();
+    });
+    INFO(opened.message());
+    REQUIRE(opened.ok());
+    return std::move(opened).value();
+  }
+  nlohmann::json ask(const std::string& line) const {
+    const auto answer = ask_control(socket, line);
+    INFO(answer.message());
+    REQUIRE(answer.ok());
+    return nlohmann::json::parse(answer.value());
+  }
+};
+
+std::string written(const std::function<void(EventLog&)>& events, bool with_level = false) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* file = open_memstream(&text, &size);
+  EventLog log(file, with_level, 1.0);
+  events(log);
+  std::fclose(file);
+  std::string lines(text, size);
+  std::free(text);
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("requests become operator bits, each once, and stop sets the flag") {
+  Bench bench;
+  CHECK(bench.ask("arm")["ok"] == true);
+  CHECK(bench.requests.exchange(0) == loop::kArm);
+  CHECK(bench.ask("disarm")["ok"] == true);
+  CHECK(bench.ask("rearm")["ok"] == true);
+  CHECK(bench.requests.exchange(0) == (loop::kDisarm | loop::kRearm));
+  CHECK_FALSE(bench.stop.load());
+  CHECK(bench.ask("stop")["said"] == "stopping");
+  CHECK(bench.stop.load());
+}
+
+TEST_CASE("state is what the run last told, reload what it said") {
+  Bench bench;
+  bench.server->tell(R"({"ok":true,"ticks":42})");
+  CHECK(bench.ask("state")["ticks"] == 42);
+  CHECK(bench.ask("reload")["said"] == "nothing changed");
+}
+
+TEST_CASE("what is no request is refused, also where it is long or nothing") {
+  Bench bench;
+  for (const std::string& line : {std::string("fly"), std::string(), std::string(10 * kLongestLine, 'x')}) {
+    const auto answer = ask_control(bench.socket, line);
+    if (!answer.ok()) continue;  // a line that is too long may find the socket closed
+    CHECK(nlohmann::json::parse(answer.value())["ok"] == false);
+  }
+  CHECK(bench.ask("arm")["ok"] == true);  // and it goes on
+  CHECK(bench.requests.load() == loop::kArm);
+}
+
+TEST_CASE("the socket is the group's, is taken over from a dead run and never from a living one") {
+  Bench bench;
+  struct stat status {};
+  REQUIRE(stat(bench.socket.c_str(), &status) == 0);
+  CHECK((status.st_mode & 0777) == 0660);
+  const auto second = ControlServer::open(bench.socket, bench.requests, bench.stop, {});
+  REQUIRE_FALSE(second.ok());
+  CHECK_THAT(second.message(), Contains("another run serves it"));
+  bench.server.reset();
+  CHECK_FALSE(std::filesystem::exists(bench.socket));
+  CHECK_FALSE(ask_control(bench.socket, "state").ok());
+
+  const int left = ::socket(AF_UNIX, SOCK_STREAM, 0);  // as a killed run leaves it
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strcpy(address.sun_path, bench.socket.c_str());
+  REQUIRE(bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  close(left);
+  bench.server = bench.open();
+  CHECK(bench.ask("disarm")["ok"] == true);
+}
+
+TEST_CASE("an event comes once in its interval, with how often it was held back, and the level that journald takes") {
+  const std::string lines = written([](EventLog& log) {
+    log.event(Level::kWarning, "overruns", {{"count", "1"}}, 0.0);
+    log.event(Level::kWarning, "overruns", {{"count", "2"}}, 0.4);
+    log.event(Level::kError, "fault", {{"text", "no \"link\" now"}}, 0.5);
+    log.event(Level::kWarning, "overruns", {{"count", "3"}}, 0.9);
+    log.event(Level::kWarning, "overruns", {{"count", "4"}}, 1.0);
+    log.event(Level::kWarning, "overruns", {{"count", "5"}}, 2.5);
+  });
+  CHECK(lines ==
+        "overruns count=1\nfault text=\"no \\\"link\\\" now\"\noverruns count=4 suppressed=2\noverruns count=5\n");
+  CHECK(written([](EventLog& log) { log.event(Level::kNotice, "x", {}, 0); }, true) == "<5>x\n");
+}
+
+TEST_CASE("the monitor tells what changed, and that the loop is alive") {
+  session::LiveStatus live;
+  const std::string lines = written([&](EventLog& log) {
+    Monitor monitor(log);
+    monitor.look(live, 0.2);
+    CHECK_FALSE(monitor.alive());
+    live.ticks = 200;
+    monitor.look(live, 0.4);
+    CHECK(monitor.alive());
+    CHECK(monitor.rate_Hz() == Approx(1000));
+    live.ticks = 400, live.overruns = 3;
+    monitor.look(live, 0.6);
+    live.ticks = 600, live.fault = static_cast<std::uint32_t>(Fault::kEmergencyStop);
+    monitor.look(live, 0.8);
+    monitor.look(live, 1.0);
+    CHECK_FALSE(monitor.alive());
+  });
+  CHECK_THAT(lines, Contains("running rate_Hz=1000\noverruns count=3 total=3\nfault code=") && Contains("standstill"));
+  const auto state = nlohmann::json::parse(state_json(live, 1.0, 1000));
+  CHECK(state["ticks"] == 600);
+  CHECK(state["overruns"] == 3);
+  CHECK(state["fault"] == static_cast<std::uint32_t>(Fault::kEmergencyStop));
+  CHECK_FALSE(state["fault_text"].get<std::string>().empty());
+}
+
+TEST_CASE("systemd is told over its socket, and nobody where there is none") {
+  const Folder folder;
+  unsetenv("NOTIFY_SOCKET");
+  CHECK_FALSE(notify("READY=1"));
+  const std::string path = (folder.path / "notify").string();
+  const int listener = ::socket(AF_UNIX, SOCK_DGRAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strcpy(address.sun_path, path.c_str());
+  REQUIRE(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  CHECK(notify("READY=1"));
+  char text[32]{};
+  CHECK(recv(listener, text, sizeof text - 1, MSG_DONTWAIT) == 7);
+  CHECK(std::string(text) == "READY=1");
+  close(listener);
+  unsetenv("NOTIFY_SOCKET");
+
+  setenv("WATCHDOG_USEC", "5000000", 1);
+  CHECK(watchdog_period_s() == Approx(5));
+  setenv("WATCHDOG_PID", "1", 1);
+  CHECK(watchdog_period_s() == 0);
+  unsetenv("WATCHDOG_USEC"), unsetenv("WATCHDOG_PID");
+}
+
+}  // namespace tactus::service

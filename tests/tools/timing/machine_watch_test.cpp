@@ -1,0 +1,68 @@
+// What the kernel's texts say about a core: recorded texts, and two looks made into a change.
+#include "tools/timing/machine_watch.h"
+
+#include <catch2/catch.hpp>
+
+#include "tools/timing/cyclictest.h"
+
+namespace tactus::timing {
+namespace {
+
+// cpu 1 is offline: the columns are those of 0, 2 and 3.
+const char* const kInterrupts =
+    "            CPU0       CPU2       CPU3       \n"
+    "   1:          9          0          2   IO-APIC    1-edge      i8042\n"
+    "  24:          0         50        400   PCI-MSI 65536-edge      nvme0q0\n"
+    " LOC:      90000      80000      70000   Local timer interrupts\n"
+    " RES:         10         20         30   Rescheduling interrupts\n"
+    " TLB:          1          2          3   TLB shootdowns\n"
+    " ERR:          0\n";
+
+}  // namespace
+
+TEST_CASE("a core's interrupts are told apart by kind, in the column of that core") {
+  const auto three = parse_interrupts(kInterrupts, 3);
+  REQUIRE(three.has_value());
+  CHECK(three->timer == 70000);
+  CHECK(three->devices == 402);
+  CHECK(three->kernel == 33);
+  CHECK(parse_interrupts(kInterrupts, 2)->devices == 50);
+  CHECK_FALSE(parse_interrupts(kInterrupts, 1).has_value());
+  CHECK_FALSE(parse_interrupts("", 0).has_value());
+}
+
+TEST_CASE("how long a thread waited for its core is the second figure of its schedstat") {
+  CHECK(parse_wait_ns("168542300 4711 932\n") == 4711u);
+  CHECK_FALSE(parse_wait_ns("").has_value());
+}
+
+TEST_CASE("what happened around a time is the change from the last look before it to the first one after") {
+  MachineHistory history;
+  for (std::uint64_t i = 0; i < 5; ++i)
+    history.add({static_cast<std::int64_t>(i) * 20, InterruptCounts{i, 10 * i, 0}, i * i, std::nullopt});
+  const auto change = history.around(25, 45);
+  REQUIRE(change.has_value());
+  CHECK(change->span_ns == 40);                // from 20 to 60
+  CHECK(change->interrupts->devices == 20);    // 30 - 10
+  CHECK(change->stolen_ms == 8u);              // 9 - 1
+  CHECK_FALSE(change->waited_ns.has_value());  // nobody told
+  CHECK_FALSE(history.around(70, 90).has_value());
+}
+
+TEST_CASE("cyclictest's lines are read one by one, and the first ones not counted") {
+  Histogram wake;
+  CHECK(add_cyclictest_line("       0:       2:   21690\n", 2, wake));
+  CHECK(add_cyclictest_line("       0:       1:  990000\n", 2, wake));
+  CHECK_FALSE(add_cyclictest_line("# /dev/cpu_dma_latency set to 0us\n", 2, wake));
+  CHECK_FALSE(add_cyclictest_line("Thread 0 Interval: 1500\n", 2, wake));
+  CHECK(wake.count() == 1);
+  CHECK(wake.max_ns() == 21690);
+}
+
+TEST_CASE("cyclictest runs on the loop's core, at its priority and period") {
+  const std::string command =
+      cyclictest_command({.cpu = 3, .main_cpu = 1, .priority = 70, .period_us = 500, .seconds = 9});
+  CHECK(command.find(" -a3 -p70 -i500 -D9 --mainaffinity=1") != std::string::npos);
+}
+
+}  // namespace tactus::timing

@@ -1,0 +1,93 @@
+// What people and other programs get to see: bars, the plot, the trace, the report's keys.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sim/scene_load.h"
+#include "tests/tools/timing/made_ticks.h"
+#include "tools/timing/capacity_scene.h"
+#include "tools/timing/plot.h"
+#include "tools/timing/report.h"
+#include "tools/timing/trace.h"
+
+using Catch::Matchers::Contains;
+
+namespace tactus::timing {
+namespace {
+
+TimingResult made_result() {
+  TimingResult r{{}, {}, Books({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
+  for (std::uint64_t i = 0; i < 400; ++i) r.books.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
+  for (std::uint64_t i = 0; i < 100; ++i) r.books.add_bare(usual_tick(i));
+  r.books.finish();
+  r.rows = judge(r.books);
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("the bars have each time once, in the row that ends at or above it, and a line at the deadline") {
+  Histogram h;
+  for (int i = 0; i < 1000; ++i) h.record(3'000);
+  h.record(1'500'000);
+  const std::string text = histogram_text({{"loop", "blue", &h}}, kPeriod_ns);
+  CHECK_THAT(text, Contains("<= 5 us  \u2588") && Contains("1000\n") && Contains("deadline, 1 ms"));
+  CHECK(text.find("<= 2 us") == std::string::npos);     // rows begin where there is something
+  CHECK(text.find("deadline") < text.find("<= 2 ms"));  // what is below the line is late
+  CHECK(text.find("<= 1 ms") < text.find("deadline"));
+}
+
+TEST_CASE("the plot is an SVG with a curve for each histogram that has times") {
+  const TimingResult r = made_result();
+  const std::string svg = to_svg(r);
+  std::size_t curves = 0;
+  for (std::size_t at = 0; (at = svg.find("<polyline", at)) != std::string::npos; ++at) ++curves;
+  CHECK(curves == 3);  // done, wake-up, bare timer; no cyclictest
+  CHECK_THAT(svg, Catch::StartsWith("<svg ") && Catch::EndsWith("</svg>\n") && Contains("deadline"));
+  CHECK(svg.find("nan") == std::string::npos);
+}
+
+TEST_CASE("the trace has the stages of the ticks around a spike, and a mark on it with the cause") {
+  const TimingResult r = made_result();
+  const auto trace = nlohmann::json::parse(trace_json(r.books));
+  std::size_t solves = 0, marks = 0;
+  for (const auto& event : trace["traceEvents"]) {
+    if (event["name"] == "solve") {
+      ++solves;
+      CHECK(event["ph"] == "X");
+      CHECK(event["dur"] == Approx(120.0));
+    }
+    if (event["name"] != "SPIKE: late wake-up") continue;
+    ++marks;
+    CHECK(event["args"]["tick"] == 200);
+    CHECK(event["ts"] == Approx(200 * 1000.0 + 1720));  // from the first tick shown, which is tick 0
+  }
+  CHECK(solves == 400);
+  CHECK(marks == 1);
+}
+
+TEST_CASE("the report has percentiles by stage in us, overruns by cause and the verdict") {
+  const auto j = to_json(made_result());
+  CHECK(j["ticks"] == 400);
+  CHECK(j["stages"].size() == kStages);
+  CHECK(j["stages"]["solve"]["p50_us"] == Approx(120).epsilon(0.02));
+  CHECK(j["stages"]["wake"]["max_us"] == Approx(1505));
+  CHECK(j["overruns"]["late_wake_up"] == 1);
+  CHECK(j["overruns"].size() == kCauses);
+  CHECK(j["page_faults"] == 0);
+  CHECK(j["context_switches"] == 0);
+  CHECK(j["verdict"] == "machine");
+  CHECK_THAT(to_text(made_result()), Contains("THE MACHINE") && Contains("tick       200") && Contains("late wake-up"));
+}
+
+TEST_CASE("the worst case is a scene that loads, with more bodies than may be members") {
+  for (const unsigned members : {2u, 64u, 256u}) {
+    const auto scene = sim::parse_scene(capacity_scene(members, 4, 10), "capacity");
+    INFO(scene.message());
+    REQUIRE(scene.ok());
+    CHECK(scene.value().members == members);
+    CHECK(scene.value().solver.sub_steps == 4);
+    CHECK(scene.value().bodies.size() > 2 * members);
+  }
+}
+
+}  // namespace tactus::timing

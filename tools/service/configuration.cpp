@@ -1,0 +1,151 @@
+#include "tools/service/configuration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "rt/haptics/snapshot.h"
+#include "sim/choice_names.h"
+#include "sim/scene_load_reader.h"
+#include "sim/worker_pool.h"
+#include "tools/doctor/system_view.h"
+
+namespace tactus::service {
+namespace {
+
+constexpr std::size_t kLongestText = 1024;
+
+class ConfigurationReader {
+ public:
+  ConfigurationReader(const sim::TomlNode& root, Configuration& into, std::filesystem::path folder,
+                      sim::SceneDiagnostics& diagnostics)
+      : root_(&root, "", diagnostics), c_(into), folder_(std::move(folder)), diagnostics_(diagnostics) {}
+
+  void read() {
+    root_.require("scene", "the path of a scene file");
+    c_.run.scene = path(root_, "scene");
+    read_device();
+    read_rates();
+    read_cores();
+    read_limits();
+    read_control();
+    sim::TableReader log = table("log");
+    c_.log_interval_s = log.number("interval_s", c_.log_interval_s, {"an interval", 0.1, 3600});
+    log.finish();
+    root_.finish();
+    if (!diagnostics_.ok()) return;
+    if (const Status status = check_options(c_.run); !status.ok())
+      diagnostics_.add({0, 0, "the file", "does not go together: " + status.message(), "see tactus run --help"});
+  }
+
+ private:
+  sim::TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
+
+  std::filesystem::path path(sim::TableReader& t, const char* key) {
+    const std::string text = t.text(key, "", kLongestText);
+    return text.empty() ? std::filesystem::path() : folder_ / text;
+  }
+
+  void read_device() {
+    sim::TableReader t = table("device");
+    c_.run.device = t.text("name", c_.run.device, kLongestText);
+    c_.run.device_file = path(t, "file");
+    c_.run.gpio = t.text("gpio", "", kLongestText);
+    t.finish();
+  }
+
+  void read_rates() {
+    sim::TableReader t = table("rates");
+    c_.run.rate_Hz = t.number("rate_Hz", c_.run.rate_Hz, {"a rate", 100, 10000});
+    const unsigned ratio = t.count("ratio", 10, {"a ratio", 1, 100});
+    if (t.has("ratio")) c_.run.ratio = ratio;
+    t.finish();
+  }
+
+  void read_cores() {
+    sim::TableReader t = table("cores");
+    const unsigned core = t.count("haptic", 0, {"a core", 0, 4095});
+    if (t.has("haptic")) c_.run.cpu = static_cast<int>(core);
+    c_.run.priority =
+        static_cast<int>(t.count("priority", static_cast<unsigned>(c_.run.priority), {"a priority", 0, 98}));
+    c_.run.world_threads = t.count("world_threads", 1, {"a number of threads", 1, sim::kMaxWorldThreads});
+    const auto cpus = doctor::parse_cpu_list(t.text("world", "", kLongestText));
+    if (cpus)
+      c_.run.world_cpus = *cpus;
+    else
+      t.mistake("world", "is no list of cores", "numbers of cores, such as \"2\" or \"1,3-4\"");
+    t.finish();
+  }
+
+  void read_limits() {
+    sim::TableReader t = table("limits");
+    const unsigned members = t.count("members", 64, {"a number of members", 1, haptics::kMaxMembers});
+    if (t.has("members")) c_.run.members = members;
+    c_.budget = path(t, "budget");
+    t.finish();
+  }
+
+  void read_control() {
+    sim::TableReader t = table("control");
+    c_.socket = path(t, "socket");
+    c_.run.arm_at_start = t.flag("arm_at_start", c_.run.arm_at_start);
+    c_.run.rearm = t.flag("rearm", c_.run.rearm);
+    t.finish();
+  }
+
+  sim::TableReader root_;
+  Configuration& c_;
+  std::filesystem::path folder_;
+  sim::SceneDiagnostics& diagnostics_;
+};
+
+}  // namespace
+
+Result<Configuration> parse_configuration(std::string_view text, std::string_view name) {
+  sim::SceneDiagnostics diagnostics;
+  diagnostics.name = std::string(name);
+  Configuration configuration;
+  sim::TomlNode root;
+  if (text.size() > kMaxConfigurationBytes)
+    diagnostics.add({0, 0, "the file", fmt::format("longer than {} bytes", kMaxConfigurationBytes), "a configuration"});
+  else if (sim::read_toml(text, root, diagnostics))
+    ConfigurationReader(root, configuration, std::filesystem::path(name).parent_path(), diagnostics).read();
+  if (!diagnostics.ok()) return Status::error(diagnostics.message());
+  return configuration;
+}
+
+Result<Configuration> load_configuration(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  if (file && !std::filesystem::is_directory(path)) {
+    text.resize(kMaxConfigurationBytes + 1);  // one byte more than is accepted says that there is more
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.is_open() || file.bad() || std::filesystem::is_directory(path))
+    return Status::error(path.string() +
+                         ": the file: cannot be read; accepted: the path of a configuration, such as "
+                         "/etc/tactus/tactus.toml");
+  return parse_configuration(text, path.string());
+}
+
+std::string needs_restart(const Configuration& before, const Configuration& after) {
+  std::string keys;
+  const auto compare = [&](const char* key, bool same) {
+    if (!same) keys += (keys.empty() ? "" : ", ") + std::string(key);
+  };
+  const session::RunOptions &a = before.run, &b = after.run;
+  compare("scene", a.scene == b.scene);
+  compare("[device]", a.device == b.device && a.device_file == b.device_file && a.gpio == b.gpio);
+  compare("[rates]", a.rate_Hz == b.rate_Hz && a.ratio == b.ratio);
+  compare("[cores]", a.cpu == b.cpu && a.priority == b.priority && a.world_threads == b.world_threads &&
+                         a.world_cpus == b.world_cpus);
+  compare("[limits]", a.members == b.members && before.budget == after.budget);
+  compare("[control] socket", before.socket == after.socket);
+  compare("[control] arm_at_start", a.arm_at_start == b.arm_at_start);
+  return keys;
+}
+
+}  // namespace tactus::service

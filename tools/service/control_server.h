@@ -1,0 +1,63 @@
+// The control socket of a running tactus: one line in, one line of JSON out, over a Unix stream socket.
+//
+//   state     what the loop does now        arm       force on, with the device where it is
+//   rearm     take a latched fault back     disarm    force off
+//   reload    read the configuration again  stop      end the run
+// Who may write to the socket may do all of it: its mode is 0660, its folder the service's. Thread: construction and
+// destruction [setup]; it serves on a thread of its own, of normal priority; tell() by one normal thread.
+// Bound: one connection at a time, kLongestLine bytes in, answered within kPatience_ms or dropped.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "rt/base/result.h"
+
+namespace tactus::service {
+
+inline constexpr std::size_t kLongestLine = 256;
+inline constexpr int kPatience_ms = 1000;
+
+class ControlServer {
+ public:
+  using Reload = std::function<Status(std::string& said)>;
+
+  // `requests`: OperatorBit (rt/loop/haptic_loop.h) is set there, and taken by whoever gives it to the loop; `stop` is
+  // set by "stop"; `reload` gives a line, what was changed, or an error.
+  static Result<std::unique_ptr<ControlServer>> open(const std::filesystem::path& socket,
+                                                     std::atomic<std::uint32_t>& requests, std::atomic<bool>& stop,
+                                                     Reload reload);
+  ~ControlServer();
+
+  // The answer to "state": one JSON object.
+  void tell(std::string state);
+
+  // One line's answer. Public for tests.
+  std::string answer(const std::string& line);
+
+ private:
+  ControlServer(int listener, std::filesystem::path socket, std::atomic<std::uint32_t>& requests,
+                std::atomic<bool>& stop, Reload reload);
+  void serve();
+  void serve_one(int connection);
+
+  int listener_;
+  std::filesystem::path socket_;
+  std::atomic<std::uint32_t>& requests_;
+  std::atomic<bool>& stop_;
+  Reload reload_;
+  std::atomic<bool> closing_{false};
+  std::mutex mutex_;
+  std::string state_{"{}"};
+  std::thread thread_;  // last: it uses the others
+};
+
+// The other end: sends the line, gives the answer. One line on an error.
+Result<std::string> ask_control(const std::filesystem::path& socket, const std::string& line);
+
+}  // namespace tactus::service

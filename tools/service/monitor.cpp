@@ -1,0 +1,65 @@
+#include "tools/service/monitor.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "rt/base/status.h"
+
+namespace tactus::service {
+namespace {
+
+constexpr auto relaxed = std::memory_order_relaxed;
+
+std::string number(std::uint64_t value) { return fmt::format("{}", value); }
+
+}  // namespace
+
+std::string state_json(const session::LiveStatus& live, double elapsed_s, double rate_Hz) {
+  nlohmann::ordered_json conditions = nlohmann::ordered_json::array();
+  const std::uint32_t status = live.status.load(relaxed);
+  for (std::uint32_t bit = 0; bit < 32; ++bit)
+    if (const auto name = name_of(static_cast<StatusBit>(1u << bit)); ((status >> bit) & 1u) != 0 && !name.empty())
+      conditions.push_back(std::string(name));
+  const auto fault = static_cast<Fault>(live.fault.load(relaxed));
+  return nlohmann::ordered_json{{"ok", true},
+                                {"elapsed_s", elapsed_s},
+                                {"ticks", live.ticks.load(relaxed)},
+                                {"rate_Hz", rate_Hz},
+                                {"armed", (status & kNotArmed) == 0},
+                                {"force_N", live.force_N.load(relaxed)},
+                                {"members", live.members.load(relaxed)},
+                                {"contacts", live.contacts.load(relaxed)},
+                                {"border_contacts", live.border.load(relaxed)},
+                                {"overruns", live.overruns.load(relaxed)},
+                                {"late_cycles", live.late_cycles.load(relaxed)},
+                                {"conditions", conditions},
+                                {"fault", static_cast<std::uint32_t>(fault)},
+                                {"fault_text", fault == Fault::kNone ? "" : std::string(describe(fault))}}
+      .dump();
+}
+
+void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
+  const std::uint64_t ticks = live.ticks.load(relaxed), overruns = live.overruns.load(relaxed),
+                      late = live.late_cycles.load(relaxed);
+  const std::uint32_t fault = live.fault.load(relaxed);
+  alive_ = ticks > ticks_;
+  if (elapsed_s > last_s_) rate_Hz_ = static_cast<double>(ticks - ticks_) / (elapsed_s - last_s_);
+  if (!started_ && ticks > 0)
+    log_.event(Level::kInfo, "running", {{"rate_Hz", fmt::format("{:.0f}", rate_Hz_)}}, elapsed_s);
+  started_ = started_ || ticks > 0;
+  if (overruns > overruns_)
+    log_.event(Level::kWarning, "overruns", {{"count", number(overruns - overruns_)}, {"total", number(overruns)}},
+               elapsed_s);
+  if (late > late_cycles_)
+    log_.event(Level::kWarning, "late-world", {{"cycles", number(late - late_cycles_)}, {"total", number(late)}},
+               elapsed_s);
+  if (fault != fault_ && fault != 0)
+    log_.event(Level::kError, "fault",
+               {{"code", number(fault)}, {"text", std::string(describe(static_cast<Fault>(fault)))}}, elapsed_s);
+  if (fault != fault_ && fault == 0) log_.event(Level::kNotice, "re-armed", {{"code", number(fault_)}}, elapsed_s);
+  if (started_ && !alive_) log_.event(Level::kError, "standstill", {{"ticks", number(ticks)}}, elapsed_s);
+  ticks_ = ticks, overruns_ = overruns, late_cycles_ = late, fault_ = fault, last_s_ = elapsed_s;
+}
+
+}  // namespace tactus::service

@@ -1,0 +1,33 @@
+// What the outside learns of a run, five times a second: the log's events, the control socket's state, systemd's
+// watchdog. Thread: one, normal. Time comes from the caller.
+#pragma once
+
+#include <string>
+
+#include "tools/service/event_log.h"
+#include "tools/session/realtime_run.h"
+
+namespace tactus::service {
+
+// One JSON object: ticks, rate, force, members, contacts, overruns, late cycles, conditions, fault.
+std::string state_json(const session::LiveStatus& live, double elapsed_s, double rate_Hz);
+
+class Monitor {
+ public:
+  explicit Monitor(EventLog& log) : log_(log) {}
+
+  // Events for what has changed since the last call: the start, overruns, a late world, a fault and its end.
+  void look(const session::LiveStatus& live, double elapsed_s);
+  // The loop has ticked since the last call: what a watchdog wants to know.
+  bool alive() const { return alive_; }
+  double rate_Hz() const { return rate_Hz_; }
+
+ private:
+  EventLog& log_;
+  bool started_{false}, alive_{false};
+  std::uint64_t ticks_{0}, overruns_{0}, late_cycles_{0};
+  std::uint32_t fault_{0};
+  double last_s_{0}, rate_Hz_{0};
+};
+
+}  // namespace tactus::service

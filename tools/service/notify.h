@@ -1,0 +1,15 @@
+// Tells systemd how the service is: ready, stopping, alive. Does nothing where nobody asked to be told.
+// Thread: normal. Source: sd_notify(3), the protocol over NOTIFY_SOCKET.
+#pragma once
+
+#include <string>
+
+namespace tactus::service {
+
+// Such as "READY=1", "STATUS=...", "WATCHDOG=1", "STOPPING=1". False: nobody to tell, or it could not be told.
+bool notify(const std::string& state);
+
+// The watchdog's period that systemd set for this process [s]; 0: none.
+double watchdog_period_s();
+
+}  // namespace tactus::service

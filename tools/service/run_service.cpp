@@ -1,0 +1,70 @@
+#include "tools/service/run_service.h"
+
+#include <fmt/format.h>
+
+#include "rt/loop/haptic_loop.h"
+#include "tools/service/notify.h"
+
+namespace tactus::service {
+namespace {
+
+// A latched fault is taken back this long after it latched, as by --rearm.
+constexpr double kRearmAfter_s = 1.0;
+
+}  // namespace
+
+RunService::RunService(const Configuration& configuration, std::filesystem::path file)
+    : configuration_(configuration),
+      file_(std::move(file)),
+      rearm_(configuration.run.rearm),
+      log_interval_s_(configuration.log_interval_s),
+      log_(stderr, EventLog::to_journal(), configuration.log_interval_s),
+      monitor_(log_) {}
+
+Result<std::unique_ptr<RunService>> RunService::open(const Configuration& configuration,
+                                                     const std::filesystem::path& file, std::atomic<bool>& stop) {
+  std::unique_ptr<RunService> service(new RunService(configuration, file));
+  if (!configuration.socket.empty()) {
+    ControlServer::Reload reload;
+    if (!file.empty()) reload = [raw = service.get()](std::string& said) { return raw->reload(said); };
+    auto control = ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload));
+    if (!control.ok()) return control.status();
+    service->control_ = std::move(control).value();
+  }
+  return service;
+}
+
+RunService::~RunService() { (void)notify("STOPPING=1"); }
+
+Status RunService::reload(std::string& said) {
+  const auto read = load_configuration(file_);
+  if (!read.ok()) return Status::error("nothing was changed: " + read.message());
+  const Configuration& after = read.value();
+  if (const std::string keys = needs_restart(configuration_, after); !keys.empty())
+    return Status::error("nothing was changed: a restart is needed for " + keys);
+  rearm_.store(after.run.rearm);
+  log_interval_s_.store(after.log_interval_s);
+  said = fmt::format("rearm {}, log interval {:g} s", after.run.rearm, after.log_interval_s);
+  return Status::good();
+}
+
+void RunService::look(const session::LiveStatus& live, double elapsed_s) {
+  log_.set_interval(log_interval_s_.load());
+  monitor_.look(live, elapsed_s);
+  if (control_ != nullptr) control_->tell(state_json(live, elapsed_s, monitor_.rate_Hz()));
+  if (monitor_.alive()) {
+    if (!ready_) (void)notify("READY=1");
+    ready_ = true;
+    if (watchdog_period_s() > 0) (void)notify("WATCHDOG=1");
+  }
+  if (live.fault.load(std::memory_order_relaxed) == 0) {
+    fault_since_s_ = -1;
+  } else if (fault_since_s_ < 0) {
+    fault_since_s_ = elapsed_s;
+  } else if (rearm_.load() && elapsed_s - fault_since_s_ >= kRearmAfter_s) {
+    requests_.fetch_or(loop::kRearm, std::memory_order_relaxed);
+    fault_since_s_ = -1;
+  }
+}
+
+}  // namespace tactus::service

@@ -1,0 +1,45 @@
+// What makes a run a service: its log, its control socket, systemd's notifications and watchdog, a configuration that
+// may be read again while it runs.
+//
+// Thread: made and looked at by the main one; the control socket's own thread calls back into reload. The haptic thread
+// sees one atomic number, requests(). Bound: one look in some 200 ms, as the run's hooks give it.
+#pragma once
+
+#include <memory>
+
+#include "tools/service/configuration.h"
+#include "tools/service/control_server.h"
+#include "tools/service/monitor.h"
+
+namespace tactus::service {
+
+class RunService {
+ public:
+  // `file` is the one that `configuration` came from: reload reads it again. Where it names no socket there is none.
+  static Result<std::unique_ptr<RunService>> open(const Configuration& configuration, const std::filesystem::path& file,
+                                                  std::atomic<bool>& stop);
+  ~RunService();
+
+  // OperatorBit, for RealtimeHooks.
+  std::atomic<std::uint32_t>& requests() noexcept { return requests_; }
+  // Logs what changed, tells the control socket and systemd, takes a latched fault back where the configuration says
+  // so.
+  void look(const session::LiveStatus& live, double elapsed_s);
+
+ private:
+  RunService(const Configuration& configuration, std::filesystem::path file);
+  Status reload(std::string& said);
+
+  Configuration configuration_;
+  std::filesystem::path file_;
+  std::atomic<std::uint32_t> requests_{0};
+  std::atomic<bool> rearm_;
+  std::atomic<double> log_interval_s_;
+  EventLog log_;
+  Monitor monitor_;
+  bool ready_{false};
+  double fault_since_s_{-1};
+  std::unique_ptr<ControlServer> control_;  // last: its thread uses the others
+};
+
+}  // namespace tactus::service

@@ -1,0 +1,60 @@
+// tactus control: asks a running tactus for its state, or to do something, over its control socket.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/service/control_server.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+struct ControlOptions {
+  std::string request, socket{"/run/tactus/control"};
+  bool json{false};
+};
+
+void print_text(const nlohmann::json& answer) {
+  if (answer.contains("said")) {
+    fmt::print("{}\n", answer["said"].get<std::string>());
+    return;
+  }
+  for (const auto& [key, value] : answer.items())
+    fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+}
+
+int ask(const ControlOptions& options) {
+  const auto answer = service::ask_control(options.socket, options.request);
+  if (!answer.ok()) return complain("tactus control: " + answer.message(), kExitMachineCannot);
+  const auto parsed = nlohmann::json::parse(answer.value(), nullptr, /*allow_exceptions=*/false);
+  if (!parsed.is_object()) return complain("tactus control: the answer is no JSON object", kExitMachineCannot);
+  const bool good = parsed.value("ok", true);
+  if (options.json)
+    fmt::print("{}\n", answer.value());
+  else if (good)
+    print_text(parsed);
+  if (!good) return complain("tactus control: " + parsed.value("said", std::string("refused")), kExitVerdictBad);
+  return kExitGood;
+}
+
+}  // namespace
+
+CLI::App* add_control_command(CLI::App& program, int& exit_code) {
+  auto options = std::make_shared<ControlOptions>();
+  CLI::App* control =
+      program.add_subcommand("control", "Asks a running tactus: state, arm, rearm, disarm, reload, stop.");
+  control->footer(
+      "A run has a socket where its configuration ([control] socket) or --control names one. Who may write to the\n"
+      "socket may do all of this. Exit status: 0 done; 1 refused; 3 nobody answers.\n\n"
+      "Examples:\n  tactus control state --json\n  tactus control rearm --socket /run/tactus/control");
+  control->add_option("REQUEST", options->request, "state, arm, rearm, disarm, reload, stop")
+      ->required()
+      ->check(CLI::IsMember({"state", "arm", "rearm", "disarm", "reload", "stop"}));
+  control->add_option("--socket", options->socket, "of the run")->capture_default_str();
+  control->add_flag("--json", options->json, "the answer as it came: one JSON object on stdout");
+  control->callback([options, &exit_code] { exit_code = ask(*options); });
+  return control;
+}
+
+}  // namespace tactus::tools

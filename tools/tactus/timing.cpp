@@ -1,0 +1,127 @@
+// tactus timing: the real loop under a worst case, measured stage by stage.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/tactus/commands.h"
+#include "tools/tactus/experiments.h"
+#include "tools/timing/budget.h"
+#include "tools/timing/report.h"
+#include "tools/timing/trace.h"
+
+namespace tactus::tools {
+namespace {
+
+std::atomic<bool> g_stop_timing{false};  // set by SIGINT and SIGTERM
+void ask_to_stop(int) { g_stop_timing.store(true); }
+
+struct TimingCommand {
+  timing::TimingOptions options;
+  std::string load{"none"}, against, svg, trace, certify;
+  bool no_bare{false}, json{false}, strict{false};
+};
+
+void show_progress(double share, const session::LiveStatus& live) {
+  fmt::print(stderr, "\r\033[K{:3.0f} %  members {:3}  contacts {:4}  border {:4}  overruns {}", 100 * share,
+             live.members.load(std::memory_order_relaxed), live.contacts.load(std::memory_order_relaxed),
+             live.border.load(std::memory_order_relaxed), live.overruns.load(std::memory_order_relaxed));
+}
+
+int certify(const TimingCommand& command, const timing::TimingResult& result) {
+  if (command.certify.empty()) return kExitGood;
+  const std::string text = timing::budget_text(result, timing::this_machine(result.options.run.cpu));
+  if (text.empty())
+    return complain("tactus timing: --certify: the verdict is bad, nothing is signed off", kExitVerdictBad);
+  if (result.verdict() != timing::TimingVerdict::kGood)
+    (void)complain("tactus timing: --certify: signed off as it was, not good: `tactus run --budget` refuses it",
+                   kExitGood);
+  return write_file(command.certify, text);
+}
+
+int run_timing_command(TimingCommand& command) {
+  timing::TimingOptions& o = command.options;
+  const auto load = timing::parse_load(command.load);
+  if (!load.ok()) return complain("tactus timing: " + load.message(), kExitBadInput);
+  o.load = load.value();
+  o.bare = !command.no_bare;
+  o.against_cyclictest = !command.against.empty();
+  if (o.run.scene.empty()) o.run.members = o.members;
+  if (const Status status = timing::check(o); !status.ok())
+    return complain("tactus timing: " + status.message(), kExitBadInput);
+  std::signal(SIGINT, ask_to_stop);
+  std::signal(SIGTERM, ask_to_stop);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  timing::TimingProblem problem;
+  const auto result =
+      timing::run_timing(o, terminal ? show_progress : timing::TimingProgress{}, g_stop_timing, problem);
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (!result) return complain("tactus timing: " + problem.text, problem.input ? kExitBadInput : kExitMachineCannot);
+  if (result->books.ticks == 0)
+    return complain("tactus timing: stopped before a tick was measured", kExitMachineCannot);
+  if (command.json)
+    fmt::print("{}\n", to_json(*result).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  else
+    fmt::print("{}", to_text(*result));
+  for (const int failed :
+       {write_file(command.svg, timing::to_svg(*result)),
+        command.trace.empty() ? kExitGood : write_file(command.trace, timing::trace_json(result->books)),
+        certify(command, *result)})
+    if (failed != kExitGood) return failed;
+  const timing::TimingVerdict verdict = result->verdict();
+  const bool bad =
+      verdict == timing::TimingVerdict::kBad || (command.strict && verdict != timing::TimingVerdict::kGood);
+  return bad ? kExitVerdictBad : kExitGood;
+}
+
+}  // namespace
+
+CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
+  auto command = std::make_shared<TimingCommand>();
+  timing::TimingOptions& o = command->options;
+  CLI::App* app =
+      program.add_subcommand("timing", "The real loop at its capacity on the simulated device, timed by stage.");
+  app->footer(
+      "Stages: wake (from the deadline to the thread's running), read (the device, simulated here), adopt (guard,\n"
+      "snapshot, report), couple, collide (up to the first sweep), solve, write (passivity, limits, the device).\n"
+      "Windows of the loop and of a bare timer take turns, so that the loop's own share of a late wake-up is seen.\n"
+      "Exit status: 0 the program lost no tick to its own work; 1 it did, or faulted a page; with --strict also where\n"
+      "the machine did not keep up; 2 bad usage or scene; 3 the machine cannot do it.\n\n"
+      "Examples:\n  tactus timing --cpu 3 --duration 600 --load stress-ng --svg timing.svg --trace timing.json\n"
+      "  tactus timing --cpu 3 --against cyclictest --duration 600\n"
+      "  tactus timing --cpu 3 --members 100 --duration 3600 --load memory --certify budget.json");
+  app->add_option("--duration", o.duration_s, "how long, all windows together [s]")->capture_default_str();
+  app->add_option("--members", o.members, "declared capacity: bodies of the sub-world")
+      ->check(CLI::Range(2u, haptics::kMaxMembers))
+      ->capture_default_str();
+  app->add_option("--sub-steps", o.sub_steps, "declared capacity: sub-steps of a tick")
+      ->check(CLI::Range(1u, 16u))
+      ->capture_default_str();
+  app->add_option("--ratio", o.ratio, "ticks per global step")->check(CLI::Range(1u, 100u))->capture_default_str();
+  app->add_option("--scene", o.run.scene, "this scene at its own capacity, instead of the worst case");
+  app->add_option("--rate", o.run.rate_Hz, "ticks per second [Hz]")->capture_default_str();
+  app->add_option("--cpu", o.run.cpu, "core of the haptic thread; default: the last that this process may use");
+  app->add_option("--priority", o.run.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
+      ->capture_default_str();
+  app->add_option("--load", command->load, "on the other cores: none, cpu, memory, stress-ng")->capture_default_str();
+  app->add_option("--window", o.window_s, "length of a window of the loop, and of the bare timer's [s]")
+      ->capture_default_str();
+  app->add_flag("--no-bare", command->no_bare, "the loop all the time, without the bare timer");
+  app->add_option(
+         "--against", command->against,
+         "cyclictest: in turns with that program (Debian: rt-tests), 10 s each, on the same core, at the same\n"
+         "period and priority, in the bare timer's place")
+      ->check(CLI::IsMember({"cyclictest"}));
+  app->add_option("--svg", command->svg, "plot the times into this file");
+  app->add_option("--trace", command->trace, "write the worst spikes and the last second for Perfetto");
+  app->add_option("--certify", command->certify, "sign the capacity off into this file, for `tactus run --budget`");
+  app->add_flag("--strict", command->strict, "the exit status is 1 also where the machine did not keep up");
+  app->add_flag("--json", command->json, "one JSON object on stdout, units in the keys");
+  app->callback([command, &exit_code] { exit_code = run_timing_command(*command); });
+  return app;
+}
+
+}  // namespace tactus::tools

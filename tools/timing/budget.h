@@ -1,0 +1,55 @@
+// The capacity contract: what a timing run measured on this PC, signed off in a file, and what it allows later runs.
+//
+// A budget holds the machine (CPU, kernel, boot line, settings of the core), what was measured (rate, members,
+// sub-steps, histogram of computing) and the margin that was left of the period. Whoever edits it breaks its
+// seal, a checksum over all the rest: a guard against mistakes, not against an adversary.
+// `tactus run --budget` compares, in this order: the seal; the machine (another one: refused); the verdict; the rate
+// (a higher one: refused); sub-steps (more: refused, as they are the scene's accuracy); members (more: the cap is
+// lowered to the certified number, one line says so). Thread: normal. Units in the keys.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rt/base/result.h"
+#include "tools/timing/run_timing.h"
+
+namespace tactus::timing {
+
+// What a budget is only good for.
+struct Machine {
+  std::string cpu_model, kernel, boot_line, governor;
+  unsigned cores{0};
+  bool operator==(const Machine&) const = default;
+};
+Machine this_machine(int cpu);
+
+// The file's text. Empty where the run's verdict is bad: that is signed by nobody.
+std::string budget_text(const TimingResult& result, const Machine& machine);
+
+struct Budget {
+  Machine machine;
+  double rate_Hz{0}, worst_us{0}, margin{0};  // of computing; the share of the period that the worst tick left
+  unsigned members{0}, sub_steps{0};
+  int priority{0};
+  std::string verdict;
+};
+// One line for what is no budget: the file, what is wrong, what is accepted.
+Result<Budget> read_budget(const std::string& text, const std::string& name);
+
+// What a run wants of the machine.
+struct BudgetRequest {
+  double rate_Hz{1000};
+  unsigned members{64}, sub_steps{4};
+  int priority{80};
+};
+struct BudgetAnswer {
+  std::string refusal;                    // one line; empty: it may run
+  std::optional<unsigned> fewer_members;  // the cap to run with
+  std::string note;                       // one line, where it runs with less than it asked for
+};
+BudgetAnswer check_budget(const Budget& budget, const Machine& machine, const BudgetRequest& request);
+
+}  // namespace tactus::timing

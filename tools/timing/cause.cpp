@@ -1,0 +1,110 @@
+#include "tools/timing/cause.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "rt/loop/run_stats.h"
+
+namespace tactus::timing {
+namespace {
+
+using loop::OverrunCause;
+using loop::TickTimes;
+
+// Less than that of a tick off its core is the error of two clocks that are read one after the other.
+constexpr std::int64_t kNoise_ns = 5'000;
+
+double us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
+
+// Of a tick that met its deadline: which part grew most over what is typical.
+OverrunCause largest_part(const TickTimes& t, const Typical& typical) {
+  const std::int64_t execution = t.wrote_ns - t.woke_ns, rest = execution - (t.computed_ns - t.read_ns);
+  const std::int64_t explained = std::min(t.cpu_ns, 2 * t.foreseen_ns + rest);
+  const std::int64_t late = t.woke_ns - t.scheduled_ns - typical.wake_ns;
+  const std::int64_t work = explained - typical.execution_ns;
+  const std::int64_t unexplained = execution - std::max(explained, typical.execution_ns);
+  if (late >= work && late >= unexplained) return OverrunCause::kLateWake;
+  return work >= unexplained ? OverrunCause::kOwnWork : OverrunCause::kInterrupted;
+}
+
+OverrunCause first_answer(const TickTimes& t, std::int64_t period_ns, const Typical& typical) {
+  if (t.wrote_ns <= t.scheduled_ns + period_ns) return largest_part(t, typical);
+  return loop::classify_overrun(static_cast<double>(t.woke_ns - t.scheduled_ns), static_cast<double>(t.cpu_ns),
+                                static_cast<double>(t.foreseen_ns), static_cast<double>(period_ns));
+}
+
+std::string machine_evidence(const std::optional<MachineChange>& change) {
+  if (!change) return "";
+  std::string text;
+  const double span_ms = us(change->span_ns) * 1e-3;
+  if (change->stolen_ms.value_or(0) > 0) text += fmt::format("; its host took {} ms", *change->stolen_ms);
+  if (change->interrupts)
+    text +=
+        fmt::format("; {} device and {} kernel interrupts", change->interrupts->devices, change->interrupts->kernel);
+  if (change->waited_ns.value_or(0) > 0)
+    text += fmt::format("; ready and not running {:.0f} us", us(static_cast<std::int64_t>(*change->waited_ns)));
+  return text.empty() ? text : text + fmt::format(" in the {:.0f} ms around it", span_ms);
+}
+
+bool stolen(const std::optional<MachineChange>& change) { return change && change->stolen_ms.value_or(0) > 0; }
+
+bool device_interrupted(const std::optional<MachineChange>& change) {
+  return change && change->interrupts && change->interrupts->devices > 0;
+}
+
+Cause what_interrupted(const TickTimes& t, std::int64_t off_core_ns, const std::optional<MachineChange>& change) {
+  if (t.minor_faults + t.major_faults > 0) return Cause::kPageFault;
+  if (off_core_ns > kNoise_ns && t.involuntary_switches > 0) return Cause::kContextSwitch;
+  if (device_interrupted(change) && !stolen(change)) return Cause::kInterrupt;
+  return Cause::kMachine;
+}
+
+}  // namespace
+
+const char* name_of(Cause cause) {
+  constexpr std::array<const char*, kCauses> names{"late wake-up", "page fault", "context switch",
+                                                   "interrupt",    "own work",   "the machine, inferred"};
+  return names[static_cast<std::size_t>(cause)];
+}
+
+const char* key_of(Cause cause) {
+  constexpr std::array<const char*, kCauses> keys{"late_wake_up", "page_fault", "context_switch",
+                                                  "interrupt",    "own_work",   "machine_inferred"};
+  return keys[static_cast<std::size_t>(cause)];
+}
+
+Attribution attribute(const TickTimes& t, std::int64_t period_ns, const Typical& typical,
+                      const std::optional<MachineChange>& change) {
+  const std::int64_t execution_ns = t.wrote_ns - t.woke_ns;
+  const std::int64_t off_core_ns = std::max<std::int64_t>(0, execution_ns - t.cpu_ns);
+  const std::string took = fmt::format("took {:.0f} us, {:.0f} of them on its core, {:.0f} foreseen", us(execution_ns),
+                                       us(t.cpu_ns), us(t.foreseen_ns));
+  switch (first_answer(t, period_ns, typical)) {
+    case OverrunCause::kOwnWork:
+      return {Cause::kOwnWork, fmt::format("{}: {} members, {} contacts, {} border contacts, {} sub-steps", took,
+                                           t.members, t.contacts, t.border, t.sub_steps)};
+    case OverrunCause::kLateWake: {
+      std::string text =
+          fmt::format("woke {:.0f} us late, typically {:.0f}", us(t.woke_ns - t.scheduled_ns), us(typical.wake_ns));
+      if (typical.bare_worst_ns > 0) text += fmt::format("; the bare timer up to {:.0f}", us(typical.bare_worst_ns));
+      return {Cause::kLateWake, text + machine_evidence(change)};
+    }
+    case OverrunCause::kInterrupted:
+      break;
+  }
+  const Cause cause = what_interrupted(t, off_core_ns, change);
+  std::string text = took;
+  if (cause == Cause::kPageFault)
+    text += fmt::format("; {} minor, {} major page faults", t.minor_faults, t.major_faults);
+  if (cause == Cause::kContextSwitch) text += fmt::format("; {} times pushed aside", t.involuntary_switches);
+  if (cause == Cause::kMachine) {
+    text += "; no fault, no context switch";
+    if (typical.bare_worst_ns > 0)
+      text += fmt::format("; the bare timer woke up to {:.0f} us late", us(typical.bare_worst_ns));
+  }
+  return {cause, text + machine_evidence(change)};
+}
+
+}  // namespace tactus::timing

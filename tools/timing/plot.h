@@ -1,0 +1,23 @@
+// Histograms of times for the eye: bars in a terminal, a plot as SVG. Both axes are logarithmic: what matters is rare
+// and late. Thread: normal. Pure.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rt/base/histogram.h"
+
+namespace tactus::timing {
+
+struct Curve {
+  std::string name, colour;  // colour as in CSS
+  const Histogram* times{nullptr};
+};
+
+// Times in bins of 1, 2, 5, 10 ... us, a column of bars for each curve, with the counts. `mark_ns`: a deadline.
+std::string histogram_text(const std::vector<Curve>& curves, std::int64_t mark_ns);
+
+// The share of the ticks that took longer than the time: falls from 1 to one tick. The deadline is a red line.
+std::string histogram_svg(const std::string& title, const std::vector<Curve>& curves, std::int64_t mark_ns);
+
+}  // namespace tactus::timing

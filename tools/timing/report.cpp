@@ -1,0 +1,189 @@
+#include "tools/timing/report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/timing/plot.h"
+
+namespace tactus::timing {
+namespace {
+
+using nlohmann::ordered_json;
+
+double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
+
+const Histogram& wake(const TimingResult& r) { return r.books.stages[static_cast<std::size_t>(Stage::kWake)]; }
+
+std::string times_line(const std::string& name, const Histogram& h) {
+  return fmt::format("  {:<24} {:>8.1f} {:>8.1f} {:>8.1f} {:>9.1f}\n", name, us(h.percentile_ns(50)),
+                     us(h.percentile_ns(99)), us(h.percentile_ns(99.99)), us(h.max_ns()));
+}
+
+ordered_json times_json(const Histogram& h) {
+  return {{"count", h.count()},
+          {"p50_us", us(h.percentile_ns(50))},
+          {"p99_us", us(h.percentile_ns(99))},
+          {"p99_99_us", us(h.percentile_ns(99.99))},
+          {"max_us", us(h.max_ns())}};
+}
+
+std::string verdict_line(const TimingResult& r) {
+  const char* const degraded = r.summary.degraded() ? ", DEGRADED: without real-time privileges, see set-up" : "";
+  switch (r.verdict()) {
+    case TimingVerdict::kGood:
+      return fmt::format("good{}", degraded);
+    case TimingVerdict::kMachine:
+      return fmt::format("THE MACHINE: the program lost no tick to its own work, the machine did not keep up{}",
+                         degraded);
+    case TimingVerdict::kBad:
+      return fmt::format("BAD: the program did not keep its own promise{}", degraded);
+  }
+  return "";
+}
+
+std::string stages_text(const TimingResult& r) {
+  const Books& b = r.books;
+  std::string text =
+      fmt::format("time of                     {:>8} {:>8} {:>8} {:>9}  us\n", "p50", "p99", "p99.99", "max");
+  for (std::uint32_t i = 0; i < kStages; ++i) text += times_line(name_of(static_cast<Stage>(i)), b.stages[i]);
+  text += times_line("execution", b.execution);
+  text += times_line("  computing", b.compute);
+  text += times_line("  the loop's own part", b.overhead);
+  text += times_line("done, from the deadline on", b.done);
+  text += times_line("force age, when written", b.force_age);
+  text += times_line("force age, when replaced", b.oldest_age);
+  if (b.bare_ticks > 0) text += times_line("bare timer's wake-up", b.bare_wake);
+  if (r.cyclictest_wake.count() > 0) text += times_line("cyclictest's wake-up", r.cyclictest_wake);
+  return text;
+}
+
+std::string ratio_text(const TimingResult& r, const char* name, const Histogram& other) {
+  if (other.count() == 0) return "";
+  return fmt::format("wake-up of the loop / {:<14} p50 {:.2f}, p99 {:.2f}\n", name, wake_ratio(r, other, 50),
+                     wake_ratio(r, other, 99));
+}
+
+std::string overruns_text(const TimingResult& r) {
+  const Books& b = r.books;
+  std::string causes;
+  for (std::uint32_t i = 0; i < kCauses; ++i)
+    causes += fmt::format("{}{} {}", i > 0 ? ", " : "", name_of(static_cast<Cause>(i)), b.overruns_by_cause[i]);
+  std::string text = fmt::format("overruns                   {} of {} ticks, {} deadlines skipped\n  {}\n", b.overruns,
+                                 b.ticks, b.skipped, causes);
+  text += fmt::format("haptic thread              {} page faults, {} involuntary context switches\n",
+                      b.minor_faults + b.major_faults, b.involuntary_switches);
+  text += "latest ticks\n";
+  for (const Spike& s : b.spikes)
+    text += fmt::format("  tick {:>9}  done {:>7.0f} us after its deadline's start: {} ({})\n", s.times.tick,
+                        static_cast<double>(s.times.wrote_ns - s.times.scheduled_ns) * 1e-3,
+                        name_of(s.attribution.cause), s.attribution.evidence);
+  return text;
+}
+
+std::string verdict_text(const TimingResult& r) {
+  std::string text = fmt::format("{:<28} {:>10} {:>10}\n", "verdict", "measured", "limit");
+  for (const VerdictRow& row : r.rows)
+    text += fmt::format("  {:<26} {:>10.1f} {:>10.1f} {:<9} {}\n", row.figure, row.measured, row.limit, row.unit,
+                        row.good() ? "ok"
+                        : row.ours ? "BAD"
+                                   : "the machine");
+  return text;
+}
+
+}  // namespace
+
+double wake_ratio(const TimingResult& r, const Histogram& other, double percent) {
+  const auto mine = static_cast<double>(wake(r).percentile_ns(percent)),
+             theirs = static_cast<double>(other.percentile_ns(percent));
+  return theirs > 0 ? mine / theirs : 0;
+}
+
+std::string to_text(const TimingResult& r) {
+  const Books& b = r.books;
+  std::string text = fmt::format("tactus timing: {}\n", verdict_line(r));
+  text += fmt::format(
+      "run                        {} ticks at {:g} Hz on cpu {}, {} processes of load; {} ticks of the bare timer\n",
+      b.ticks, r.options.run.rate_Hz, r.options.run.cpu,
+      r.options.load == LoadKind::kNone ? 0 : cores_without(r.options.run.cpu).size(), b.bare_ticks);
+  text += fmt::format(
+      "capacity                   {} members declared, {} reached ({} ticks); {} contacts, {} points, {} border "
+      "contacts\n\n",
+      r.options.members, b.members_max, b.at_capacity, b.contacts_max, b.points_max, b.border_max);
+  std::vector<Curve> curves{{"done after the deadline's start", "#1f5fa8", &b.done}, {"wake-up", "#2a8a3a", &wake(r)}};
+  if (b.bare_ticks > 0) curves.push_back({"bare timer's wake-up", "#888888", &b.bare_wake});
+  if (r.cyclictest_wake.count() > 0) curves.push_back({"cyclictest's wake-up", "#888888", &r.cyclictest_wake});
+  text += histogram_text(curves, b.settings().period_ns) + "\n" + stages_text(r);
+  text += ratio_text(r, "bare timer", b.bare_wake) + ratio_text(r, "cyclictest", r.cyclictest_wake) + "\n";
+  text += overruns_text(r) + "\n" + verdict_text(r);
+  if (r.records_lost > 0)
+    text += fmt::format("{} ticks were not recorded: the other cores were too busy to look\n", r.records_lost);
+  text += "set-up of the haptic thread\n";
+  for (const auto& step : r.summary.setup.steps)
+    text += fmt::format("  {:<4} {:<17} {}\n", step.ok ? "ok" : "FAIL", step.name, step.message());
+  return text;
+}
+
+ordered_json to_json(const TimingResult& r) {
+  const Books& b = r.books;
+  ordered_json j{{"verdict", name_of(r.verdict())},
+                 {"degraded", r.summary.degraded()},
+                 {"ticks", b.ticks},
+                 {"rate_Hz", r.options.run.rate_Hz},
+                 {"cpu", r.options.run.cpu}};
+  for (std::uint32_t i = 0; i < kStages; ++i) j["stages"][name_of(static_cast<Stage>(i))] = times_json(b.stages[i]);
+  j["execution"] = times_json(b.execution);
+  j["computing"] = times_json(b.compute);
+  j["own_part"] = times_json(b.overhead);
+  j["done"] = times_json(b.done);
+  j["force_age"] = times_json(b.force_age);
+  j["force_age_when_replaced"] = times_json(b.oldest_age);
+  j["bare_timer"] = times_json(b.bare_wake);
+  if (r.cyclictest_wake.count() > 0) {
+    j["cyclictest"] = times_json(r.cyclictest_wake);
+    j["cyclictest"]["wake_ratio_p50"] = wake_ratio(r, r.cyclictest_wake, 50);
+    j["cyclictest"]["wake_ratio_p99"] = wake_ratio(r, r.cyclictest_wake, 99);
+  }
+  for (std::uint32_t i = 0; i < kCauses; ++i) j["overruns"][key_of(static_cast<Cause>(i))] = b.overruns_by_cause[i];
+  j["overruns_total"] = b.overruns;
+  j["skipped_ticks"] = b.skipped;
+  j["page_faults"] = b.minor_faults + b.major_faults;
+  j["context_switches"] = b.involuntary_switches;
+  j["records_lost"] = r.records_lost;
+  j["capacity"] = {{"members_declared", r.options.members},
+                   {"members", b.members_max},
+                   {"ticks_with_them", b.at_capacity},
+                   {"contacts", b.contacts_max},
+                   {"points", b.points_max},
+                   {"border_contacts", b.border_max}};
+  j["thresholds"] = ordered_json::array();
+  for (const VerdictRow& row : r.rows)
+    j["thresholds"].push_back({{"figure", row.figure},
+                               {"unit", row.unit},
+                               {"measured", row.measured},
+                               {"limit", row.limit},
+                               {"good", row.good()},
+                               {"whose", row.ours ? "program" : "machine"}});
+  j["spikes"] = ordered_json::array();
+  for (const Spike& s : b.spikes)
+    j["spikes"].push_back({{"tick", s.times.tick},
+                           {"done_us", static_cast<double>(s.times.wrote_ns - s.times.scheduled_ns) * 1e-3},
+                           {"cause", key_of(s.attribution.cause)},
+                           {"evidence", s.attribution.evidence}});
+  j["setup"] = ordered_json::array();
+  for (const auto& step : r.summary.setup.steps)
+    j["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
+  return j;
+}
+
+std::string to_svg(const TimingResult& r) {
+  const Books& b = r.books;
+  return histogram_svg(fmt::format("{} ticks at {:g} Hz, {} members", b.ticks, r.options.run.rate_Hz, b.members_max),
+                       {{"done, from the deadline's start on", "#1f5fa8", &b.done},
+                        {"wake-up", "#2a8a3a", &wake(r)},
+                        {"wake-up of the bare timer", "#888888", &b.bare_wake},
+                        {"wake-up of cyclictest", "#b07000", &r.cyclictest_wake}},
+                       b.settings().period_ns);
+}
+
+}  // namespace tactus::timing

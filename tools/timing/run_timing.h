@@ -1,0 +1,57 @@
+// One timing run: the real loop on the simulated device, its probe, the other cores' load, and who watches.
+//
+// Thread: the main one. A thread of normal priority on the other cores empties the probe's ring and looks at the
+// machine fifty times a second; the loop itself is that of `tactus run` (tools/session/realtime_run.h).
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+
+#include "tools/session/realtime_run.h"
+#include "tools/timing/books.h"
+#include "tools/timing/load.h"
+#include "tools/timing/verdict.h"
+
+namespace tactus::timing {
+
+struct TimingOptions {
+  session::RunOptions run;  // its scene may be empty: the worst case for `members` and `sub_steps`
+  unsigned members{64}, sub_steps{4}, ratio{10};
+  double duration_s{60};  // of all windows together
+  double window_s{1};     // of one window of the loop, and of the bare timer after it
+  bool bare{true};
+  LoadKind load{LoadKind::kNone};
+  bool against_cyclictest{false};  // in the bare timer's place, in windows of 10 s
+};
+
+inline constexpr double kAgainstWindow_s = 10;
+
+struct TimingResult {
+  TimingOptions options;
+  session::RunSummary summary;
+  Books books;
+  std::vector<VerdictRow> rows;
+  Histogram cyclictest_wake;  // empty without it
+  std::uint64_t records_lost{0};
+  std::string scene_text;  // what was run
+
+  TimingVerdict verdict() const { return verdict_of(rows); }
+};
+
+struct TimingProblem {
+  bool input{false};  // the user's; else the machine's
+  std::string text;
+};
+
+// Shown about five times a second: the share done, and what the loop says.
+using TimingProgress = std::function<void(double share, const session::LiveStatus& live)>;
+
+// Ranges. One line: the option, what was given, what is accepted.
+Status check(const TimingOptions& options);
+
+// Nothing: see `problem`.
+std::optional<TimingResult> run_timing(const TimingOptions& options, const TimingProgress& progress,
+                                       const std::atomic<bool>& stop, TimingProblem& problem);
+
+}  // namespace tactus::timing

@@ -1,0 +1,55 @@
+#include "tools/timing/verdict.h"
+
+namespace tactus::timing {
+namespace {
+
+double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
+
+}  // namespace
+
+// The shares. Wake-up: a tenth of a period is jitter that no hand feels; half of one leaves less for the work than the
+// governor plans with. Computing: the 0.6 that the governor plans with, and 0.85, where the cut fires. Done: 1 tick in
+// 10 000 after its deadline is a force that is held one period longer. Force age: a force may be a period old when it
+// is replaced, and as old again after one late tick. The loop's own part: a hundredth of a period.
+std::vector<VerdictRow> judge(const Books& b) {
+  const double period_us = static_cast<double>(b.settings().period_ns) * 1e-3;
+  const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];
+  const double ticks = b.ticks > 0 ? static_cast<double>(b.ticks) : 1;
+  const Histogram& wake = b.stages[static_cast<std::size_t>(Stage::kWake)];
+  return {
+      {"ticks lost to own work", "", static_cast<double>(own), 0, true},
+      {"page faults", "", static_cast<double>(b.minor_faults + b.major_faults), 0, true},
+      {"wake-up, p99", "us", us(wake.percentile_ns(99)), 0.1 * period_us, false},
+      {"wake-up, worst", "us", us(wake.max_ns()), 0.5 * period_us, false},
+      {"computing, p99", "us", us(b.compute.percentile_ns(99)), 0.6 * period_us, false},
+      {"computing, p99.99", "us", us(b.compute.percentile_ns(99.99)), 0.85 * period_us, false},
+      {"the loop's own part, p50", "us", us(b.overhead.percentile_ns(50)), 0.01 * period_us, false},
+      {"after their deadline", "of 10000", 1e4 * static_cast<double>(b.overruns) / ticks, 1, false},
+      {"force age, p99.99", "us", us(b.oldest_age.percentile_ns(99.99)), 2 * period_us, false},
+      {"context switches", "", static_cast<double>(b.involuntary_switches), 0, false},
+  };
+}
+
+TimingVerdict verdict_of(const std::vector<VerdictRow>& rows) {
+  TimingVerdict verdict = TimingVerdict::kGood;
+  for (const VerdictRow& row : rows) {
+    if (row.good()) continue;
+    if (row.ours) return TimingVerdict::kBad;
+    verdict = TimingVerdict::kMachine;
+  }
+  return verdict;
+}
+
+const char* name_of(TimingVerdict verdict) {
+  switch (verdict) {
+    case TimingVerdict::kGood:
+      return "good";
+    case TimingVerdict::kMachine:
+      return "machine";
+    case TimingVerdict::kBad:
+      return "bad";
+  }
+  return "";
+}
+
+}  // namespace tactus::timing
