@@ -10,6 +10,7 @@ class App;
 namespace tactus::tools {
 
 // Each adds its subcommand; the exit status of what ran lands in `exit_code`.
+void add_accuracy_cost(CLI::App& experiment, int& exit_code);
 void add_capacity(CLI::App& experiment, int& exit_code);
 void add_couplings(CLI::App& experiment, int& exit_code);
 void add_energy_loss(CLI::App& experiment, int& exit_code);

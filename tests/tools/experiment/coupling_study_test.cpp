@@ -1,5 +1,6 @@
 #include "tools/experiment/coupling/coupling_study.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 

@@ -46,7 +46,8 @@ struct Notch {
 struct CostRequest {
   std::vector<CouplingCase> cases;
   unsigned seeds{3};
-  bool quick{false};  // one factor at a time only, two windows a seed
+  bool quick{false};    // one factor at a time only, two windows a seed
+  std::string program;  // this program's own path, for the count of instructions; empty: none are counted
 };
 
 struct CostReport {
@@ -62,6 +63,10 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
 void mark_front(std::vector<CostPoint>& points);
 
 Result<CostReport> run_accuracy_cost(const CostRequest& request, const Progress& progress);
+
+// What runs under valgrind: the sub-world of a case's setting (by its place in settings_for) from rest until the hand
+// presses, then some ticks, which alone are counted.
+Status run_counted(const CouplingCase& one, std::size_t setting, bool quick);
 
 std::string cost_table(const CostReport& report);
 std::string cost_json(const CostReport& report);

@@ -52,8 +52,8 @@ Result<sim::Scene> load_coupling_case(const CouplingCase& one, std::uint64_t see
                      {HandTimes::kPressed, hold, {}},
                      {HandTimes::kHeld, hold, {}},
                      {HandTimes::kHeld + kMoves, hold + slide, {}},
-                     {HandTimes::kHeld + 2 * kMoves, hold + slide * 0.85, {}},
-                     {HandTimes::kEnd, hold + slide * 1.2, {}}};
+                     {HandTimes::kHeld + 2 * kMoves, hold + slide * 1.1, {}},
+                     {HandTimes::kEnd, hold + slide * 1.5, {}}};
   scene.hand.repeat = false;
   return scene;
 }

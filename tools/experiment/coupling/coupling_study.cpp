@@ -18,18 +18,8 @@ namespace {
 
 using haptics::CouplingScheme;
 
-constexpr double kRate_Hz = 1000;
-constexpr std::size_t kWindowTicks = 200;
 constexpr double kApart_m = 1e-6;
 constexpr double kVibrationLow_Hz = 20, kVibrationHigh_Hz = 500;
-
-std::size_t tick_at(double time_s) { return static_cast<std::size_t>(std::llround(time_s * kRate_Hz)); }
-
-std::vector<WindowPlace> places(bool quick) {
-  if (quick) return {{tick_at(1.2), true}, {tick_at(2.05), false}};
-  return {{tick_at(0.95), true},  {tick_at(1.2), true},   {tick_at(1.45), true},
-          {tick_at(1.75), false}, {tick_at(2.05), false}, {tick_at(2.35), false}};
-}
 
 std::vector<unsigned> ratios_of(const StudyRequest& request) {
   std::vector<unsigned> ratios;
@@ -66,8 +56,6 @@ class SceneStudy {
     const auto config = session::loop_config(scene_, options(kDirect), profile_.properties);
     return {profile_, session::make_hand(scene_), config.placement, config.period_s};
   }
-  std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
-                                const ReferenceRun& reference, const Window& window, EnergyBook* energy) const;
   void measure_apart(const ReferenceRun& reference, const Window& window);
   void measure_scheme(std::size_t index, const ReferenceRun& reference, const Window& window,
                       std::span<const Vec3d> direct_encoded);
@@ -98,7 +86,7 @@ session::RunOptions SceneStudy::options(const Scheme& scheme) const {
   options.ratio = scheme.ratio;
   options.members = request_.members > 0 ? request_.members : case_.members;
   options.order = request_.order;
-  options.rate_Hz = kRate_Hz;
+  options.rate_Hz = kHapticRate_Hz;
   options.virtual_time = true;
   return options;
 }
@@ -109,7 +97,7 @@ Status SceneStudy::measure(std::uint64_t seed) {
   scene_ = std::move(loaded).value();
   CoupledWorlds direct = worlds(kDirect);
   ScriptedArm hand = arm();
-  const auto at = places(request_.quick);
+  const auto at = window_places(request_.quick);
   const ReferenceRun reference = record_reference(direct, hand, tick_at(HandTimes::kEnd), at, ratios_);
   account_.bodies = static_cast<unsigned>(direct.sub_world().members());
   account_.contact_points = std::max(account_.contact_points, reference.most_points);
@@ -137,20 +125,6 @@ void SceneStudy::start(CoupledWorlds& worlds, const Scheme& scheme, const Refere
   const Moment& before =
       found == ratios_.end() ? nothing : window.before[static_cast<std::size_t>(found - ratios_.begin())];
   worlds.start_from(before, window.now, reference.mean_on_proxy(window.start, scheme.ratio));
-}
-
-std::vector<Vec3d> SceneStudy::run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
-                                          const ReferenceRun& reference, const Window& window,
-                                          EnergyBook* energy) const {
-  std::vector<Vec3d> force;
-  for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
-    if (energy != nullptr && k > window.start && worlds.at_synchronisation())
-      energy->add(worlds.motion(), reference.motion[k],
-                  0.5 * norm_squared(reference.force[k]) / scene_.coupling.stiffness_N_per_m);
-    force.push_back(worlds.tick(targets[k]).on_device.force);
-  }
-  if (energy != nullptr) energy->close_window();
-  return force;
 }
 
 void SceneStudy::measure_apart(const ReferenceRun& reference, const Window& window) {
@@ -181,7 +155,7 @@ void SceneStudy::measure_scheme(std::size_t index, const ReferenceRun& reference
   if (!window.hold) return;
 
   const auto off = difference(force, wanted);
-  sums.vibration.push_back(band_deviation(off, kRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
+  sums.vibration.push_back(band_deviation(off, kHapticRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
   const auto lines = power_spectrum(off);
   sums.spectrum.resize(lines.size());
   for (std::size_t i = 0; i < lines.size(); ++i) sums.spectrum[i] += lines[i];
@@ -190,7 +164,7 @@ void SceneStudy::measure_scheme(std::size_t index, const ReferenceRun& reference
   start(with_encoder, scheme, reference, window);
   const auto encoded = run_window(with_encoder, reference.encoded, reference, window, nullptr);
   sums.encoder_vibration.push_back(
-      band_deviation(difference(encoded, direct_encoded), kRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
+      band_deviation(difference(encoded, direct_encoded), kHapticRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
 }
 
 HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
@@ -212,7 +186,7 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
     held.push_back(on_device.force);
     loop.hold_N += size / static_cast<double>(last_held - first_held);
   }
-  loop.shake_N = band_deviation(held, kRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz);
+  loop.shake_N = band_deviation(held, kHapticRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz);
   return loop;
 }
 
@@ -284,9 +258,9 @@ Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progre
   set_denormals_flush();
   StudyReport report;
   report.seeds = request.seeds;
-  report.windows = static_cast<unsigned>(places(request.quick).size());
-  report.window_s = kWindowTicks / kRate_Hz;
-  report.line_Hz = line_Hz(1, kWindowTicks, kRate_Hz);
+  report.windows = static_cast<unsigned>(window_places(request.quick).size());
+  report.window_s = kWindowTicks / kHapticRate_Hz;
+  report.line_Hz = line_Hz(1, kWindowTicks, kHapticRate_Hz);
   std::vector<double> weight;
   double work = 0, done = 0;
   for (const CouplingCase& one : request.cases) {

@@ -1,8 +1,18 @@
 #include "tools/experiment/coupling/reference_run.h"
 
+#include <cmath>
+
 #include "rt/base/status.h"
 
 namespace tactus::experiment {
+
+std::size_t tick_at(double time_s) { return static_cast<std::size_t>(std::llround(time_s * kHapticRate_Hz)); }
+
+std::vector<WindowPlace> window_places(bool quick) {
+  if (quick) return {{tick_at(1.2), true}, {tick_at(2.05), false}};
+  return {{tick_at(0.95), true},  {tick_at(1.2), true},   {tick_at(1.45), true},
+          {tick_at(1.75), false}, {tick_at(2.05), false}, {tick_at(2.35), false}};
+}
 
 Wrenchd ReferenceRun::mean_on_proxy(std::size_t tick, unsigned ticks) const {
   Wrenchd sum;
@@ -38,6 +48,19 @@ ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size
     run.most_points = std::max(run.most_points, step.report.points);
   }
   return run;
+}
+
+std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
+                              const ReferenceRun& reference, const Window& window, EnergyBook* energy) {
+  std::vector<Vec3d> force;
+  const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
+  for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
+    if (energy != nullptr && k > window.start && worlds.at_synchronisation())
+      energy->add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
+    force.push_back(worlds.tick(targets[k]).on_device.force);
+  }
+  if (energy != nullptr) energy->close_window();
+  return force;
 }
 
 }  // namespace tactus::experiment

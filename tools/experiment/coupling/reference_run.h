@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/experiment/coupling/coupled_worlds.h"
+#include "tools/experiment/coupling/energy_measures.h"
 #include "tools/experiment/coupling/scripted_arm.h"
 
 namespace tactus::experiment {
@@ -37,7 +38,19 @@ struct WindowPlace {
   bool hold{false};
 };
 
+inline constexpr double kHapticRate_Hz = 1000;
+inline constexpr std::size_t kWindowTicks = 200;
+
+std::size_t tick_at(double time_s);
+// Where the windows are in the hand's script (coupling_cases.h): half of them while it holds.
+std::vector<WindowPlace> window_places(bool quick);
+
 ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size_t ticks,
                               std::span<const WindowPlace> places, std::span<const unsigned> ratios);
+
+// The force on the device, tick by tick, from where the worlds were started. `energy`, when given, gets what all bodies
+// have at the synchronisations.
+std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
+                              const ReferenceRun& reference, const Window& window, EnergyBook* energy);
 
 }  // namespace tactus::experiment

@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "sim/choice_names.h"
+#include "tools/experiment/coupling/accuracy_cost.h"
+
+namespace tactus::experiment {
+namespace {
+
+// "one more sub-step buys X % for Y us", of the factor's notch.
+std::string sentence_of(const Notch& notch) {
+  const double error = 100 * (notch.error_after - notch.error_before);
+  const double time_us = notch.tick_us_after - notch.tick_us_before;
+  return fmt::format("{} {} -> {}: {} {:.2f} % of error, {} {:.0f} us a tick", notch.factor, notch.from, notch.to,
+                     error <= 0 ? "saves" : "adds", std::abs(error), time_us <= 0 ? "saves" : "costs",
+                     std::abs(time_us));
+}
+
+}  // namespace
+
+std::string cost_table(const CostReport& report) {
+  std::string text;
+  std::string scene;
+  for (const CostPoint& p : report.points) {
+    if (p.scene != scene) {
+      scene = p.scene;
+      text += fmt::format("{}{}\n  {:>9} {:>5} {:>8} {:>7} {:>5} {:<7} {:<13} {:>10} {:>10} {:>9} {:>9} {:>8}\n",
+                          text.empty() ? "" : "\n", scene, "sub-steps", "relax", "contact", "members", "ratio",
+                          "border", "extraction", "error %", "vibr. N", "p50 us", "p99 us", "");
+    }
+    // All of a full sweep would fill pages: the front and the default; --csv and --json have the rest.
+    if (!p.on_front && !p.is_default) continue;
+    const Setting& s = p.setting;
+    text += fmt::format(
+        "  {:>9} {:>5} {:>5g} Hz {:>7} {:>5} {:<7} {:<13} {:>10.3f} {:>10.5f} {:>9.1f} {:>9.1f} {:>8}\n", s.sub_steps,
+        s.relax_sweeps, s.contact_Hz, s.members, s.ratio, sim::name_of(s.border), sim::name_of(s.order),
+        100 * p.force_error, p.hold_vibration_N, p.tick_us_p50, p.tick_us_p99, p.is_default ? "default" : "");
+  }
+  text += "\nFrom the default, one notch at a time:\n";
+  for (const Notch& notch : report.notches) text += fmt::format("  {:<11} {}\n", notch.scene, sentence_of(notch));
+  return text + fmt::format(
+                    "\n{} seeds. error: RMS(F - F_ref) / RMS(F_ref), the reference being all bodies at 1 kHz with 16 "
+                    "sub-steps and two\nrelax sweeps. us: CPU time of a tick on the haptic side. Shown: the front of "
+                    "error and median tick, and the default.\n",
+                    report.seeds);
+}
+
+std::string cost_json(const CostReport& report) {
+  using nlohmann::ordered_json;
+  ordered_json points = ordered_json::array(), notches = ordered_json::array();
+  for (const CostPoint& p : report.points)
+    points.push_back({{"scene", p.scene},
+                      {"sub_steps", p.setting.sub_steps},
+                      {"relax_sweeps", p.setting.relax_sweeps},
+                      {"contact_Hz", p.setting.contact_Hz},
+                      {"members", p.setting.members},
+                      {"ratio", p.setting.ratio},
+                      {"border", sim::name_of(p.setting.border)},
+                      {"extraction", sim::name_of(p.setting.order)},
+                      {"force_error_rms", p.force_error},
+                      {"hold_vibration_N", p.hold_vibration_N},
+                      {"sync_step_N", p.sync_step_N},
+                      {"loss", p.loss},
+                      {"gain", p.gain},
+                      {"tick_us_p50", p.tick_us_p50},
+                      {"tick_us_p99", p.tick_us_p99},
+                      {"tick_us_max", p.tick_us_max},
+                      {"global_us_per_tick", p.global_us_per_tick},
+                      {"instructions", p.instructions > 0 ? ordered_json(p.instructions) : ordered_json(nullptr)},
+                      {"on_front", p.on_front},
+                      {"is_default", p.is_default}});
+  for (const Notch& n : report.notches)
+    notches.push_back({{"scene", n.scene},
+                       {"factor", n.factor},
+                       {"from", n.from},
+                       {"to", n.to},
+                       {"error_before", n.error_before},
+                       {"error_after", n.error_after},
+                       {"tick_us_before", n.tick_us_before},
+                       {"tick_us_after", n.tick_us_after},
+                       {"sentence", sentence_of(n)}});
+  return ordered_json{{"points", points}, {"notches", notches}, {"seeds", report.seeds}}.dump(2);
+}
+
+std::string cost_csv(const CostReport& report) {
+  std::string text =
+      "scene,sub_steps [1],relax_sweeps [1],contact_frequency [Hz],members [1],ratio [1],border,extraction,"
+      "force_error_rms [1],hold_vibration [N],sync_step [N],loss [1],gain [1],tick_p50 [us],tick_p99 [us],"
+      "tick_max [us],global_per_tick [us],instructions [1],on_front,is_default\n";
+  for (const CostPoint& p : report.points) {
+    const Setting& s = p.setting;
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", p.scene, s.sub_steps,
+                        s.relax_sweeps, s.contact_Hz, s.members, s.ratio, sim::name_of(s.border), sim::name_of(s.order),
+                        p.force_error, p.hold_vibration_N, p.sync_step_N, p.loss, p.gain, p.tick_us_p50, p.tick_us_p99,
+                        p.tick_us_max, p.global_us_per_tick,
+                        p.instructions > 0 ? fmt::format("{:.0f}", p.instructions) : "", p.on_front, p.is_default);
+  }
+  return text;
+}
+
+}  // namespace tactus::experiment

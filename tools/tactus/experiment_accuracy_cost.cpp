@@ -1,0 +1,95 @@
+// tactus experiment accuracy-cost: what accuracy costs in time.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "tools/experiment/coupling/accuracy_cost.h"
+#include "tools/experiment/page.h"
+#include "tools/tactus/commands.h"
+#include "tools/tactus/experiments.h"
+
+namespace tactus::tools {
+namespace {
+
+struct CostOptions {
+  std::vector<std::string> scenes;
+  unsigned seeds{3};
+  std::string csv, page;
+  std::vector<unsigned> count;  // hidden: scene and setting whose instructions are counted
+  bool quick{false}, json{false};
+};
+
+int run_cost(const CostOptions& options) {
+  const auto cases = experiment::coupling_cases();
+  if (options.count.size() == 2) {
+    if (options.count[0] >= cases.size())
+      return complain("tactus experiment accuracy-cost: no such case", kExitBadInput);
+    const Status status = experiment::run_counted(cases[options.count[0]], options.count[1], options.quick);
+    return status.ok() ? kExitGood : complain(status.message(), kExitBadInput);
+  }
+  experiment::CostRequest request;
+  for (const auto& one : cases)
+    if (options.scenes.empty() ||
+        std::find(options.scenes.begin(), options.scenes.end(), one.name) != options.scenes.end())
+      request.cases.push_back(one);
+  request.seeds = options.quick ? 1 : options.seeds;
+  request.quick = options.quick;
+  std::error_code ignored;
+  if (!options.quick) request.program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
+  const auto report = experiment::run_accuracy_cost(request, experiment::terminal_progress());
+  if (!report.ok()) return complain("tactus experiment accuracy-cost: " + report.message(), kExitBadInput);
+  const std::string json = experiment::cost_json(report.value());
+  fmt::print("{}\n", options.json ? json : experiment::cost_table(report.value()));
+  const int exit_code = write_file(options.csv, experiment::cost_csv(report.value()));
+  if (options.page.empty()) return exit_code;
+  const std::string command =
+      fmt::format("tactus experiment accuracy-cost{} --seeds {}{} --page {}",
+                  options.scenes.empty() ? "" : fmt::format(" --scenes {}", fmt::join(options.scenes, ",")),
+                  request.seeds, options.quick ? " --quick" : "", options.page);
+  const Status status = experiment::write_page("accuracy-cost", json, command, options.page);
+  return status.ok() ? exit_code : complain("tactus experiment accuracy-cost: " + status.message(), kExitMachineCannot);
+}
+
+std::vector<std::string> case_names() {
+  std::vector<std::string> names;
+  for (const auto& one : experiment::coupling_cases()) names.push_back(one.name);
+  return names;
+}
+
+}  // namespace
+
+void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<CostOptions>();
+  CLI::App* command =
+      experiment.add_subcommand("accuracy-cost", "What accuracy costs: error of the force against a tick's time.");
+  command->footer(
+      "Sub-steps, relax sweeps, contact frequency, members, ratio, border and extraction, against a run of all bodies "
+      "at\n"
+      "1 kHz with 16 sub-steps and two relax sweeps, on the windows of `energy-loss`: so the error is the solver's "
+      "and\n"
+      "the coupling's. A setting is on the front when no other is as accurate and cheaper in the median. Accuracy is "
+      "of\n"
+      "virtual time, the same everywhere; times are CPU time on this machine. Instructions are of the front and the\n"
+      "default, where valgrind is installed; not with --quick.\n\n"
+      "Example:\n  tactus experiment accuracy-cost --quick\n"
+      "  tactus experiment accuracy-cost --scenes pile,wall --page cost.html");
+  command->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember(case_names()));
+  command->add_option("--seeds", options->seeds, "hands that press and slide a little differently")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--csv", options->csv, "writes every setting to this file, units in the header");
+  command->add_option("--page", options->page, "draws them into this HTML file; needs python3-matplotlib");
+  command->add_option("--count", options->count, "case and setting, for the count of instructions")
+      ->expected(2)
+      ->group("");
+  command->add_flag("--quick", options->quick, "a minute or two: one seed, two windows, one factor at a time");
+  command->add_flag("--json", options->json, "one JSON object on stdout");
+  command->callback([options, &exit_code] { exit_code = run_cost(*options); });
+}
+
+}  // namespace tactus::tools
