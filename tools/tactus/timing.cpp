@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/doctor/examine.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 #include "tools/timing/budget.h"
@@ -42,6 +43,31 @@ int certify(const TimingCommand& command, const timing::TimingResult& result) {
   return write_file(command.certify, text);
 }
 
+// What the doctor finds that makes figures taken here say little about a dedicated PC.
+std::vector<std::string> distortions(int cpu, double rate_Hz) {
+  const auto system = doctor::SystemView::open("/");
+  std::vector<std::string> found;
+  if (!system.ok()) return found;
+  doctor::Request request;
+  request.cpu = cpu, request.rate_Hz = rate_Hz;
+  for (const doctor::Finding& finding : doctor::examine(system.value(), request).findings)
+    if (finding.distorts) found.push_back(finding.check + ": " + finding.found);
+  return found;
+}
+
+void print_result(const timing::TimingResult& result, bool json) {
+  const auto distorted = distortions(result.options.run.cpu, result.options.run.rate_Hz);
+  if (json) {
+    auto object = to_json(result);
+    object["representative"] = distorted.empty();
+    fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return;
+  }
+  fmt::print("{}", to_text(result));
+  if (!distorted.empty()) fmt::print("these figures are NOT representative of a dedicated real-time PC:\n");
+  for (const std::string& line : distorted) fmt::print("  {}\n", line);
+}
+
 int run_timing_command(TimingCommand& command) {
   timing::TimingOptions& o = command.options;
   const auto load = timing::parse_load(command.load);
@@ -62,10 +88,7 @@ int run_timing_command(TimingCommand& command) {
   if (!result) return complain("tactus timing: " + problem.text, problem.input ? kExitBadInput : kExitMachineCannot);
   if (result->books.ticks == 0)
     return complain("tactus timing: stopped before a tick was measured", kExitMachineCannot);
-  if (command.json)
-    fmt::print("{}\n", to_json(*result).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-  else
-    fmt::print("{}", to_text(*result));
+  print_result(*result, command.json);
   for (const int failed :
        {write_file(command.svg, timing::to_svg(*result)),
         command.trace.empty() ? kExitGood : write_file(command.trace, timing::trace_json(result->books)),

@@ -157,6 +157,12 @@ TEST_CASE("one system call too many in one tick is seen", "[no-asan][no-tsan]") 
   CHECK(counts.first_refused == SYS_getpid);
 }
 
+TEST_CASE("as fast as it goes it asks for nothing either", "[no-asan][no-tsan]") {
+  const Counts counts = run_trial({.ticks = 20'000, .pace = Pace::kAsFastAsItGoes});
+  check_clean(counts, 20'000);
+  CHECK(counts.cycles > 1'800);
+}
+
 TEST_CASE("ten million ticks: no allocation, no lock, no page fault, no system call", "[.][long]") {
   const Counts counts = run_trial({.ticks = 10'000'000, .pace = Pace::kAsFastAsItGoes});
   check_clean(counts, 10'000'000);
