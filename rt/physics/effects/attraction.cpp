@@ -1,18 +1,8 @@
 #include "rt/physics/effects/attraction.h"
 
-#include <algorithm>
+#include "rt/physics/body_search.h"
 
 namespace tactus::physics {
-namespace {
-
-template <class T>
-const Body<T>* find_by_id(std::span<const Body<T>> bodies, BodyId id) noexcept {
-  const auto at =
-      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
-  return at != bodies.end() && at->id == id ? &*at : nullptr;
-}
-
-}  // namespace
 
 template <class T>
 void Attraction<T>::pull(StageContext<T>& c) noexcept {
@@ -23,14 +13,10 @@ void Attraction<T>::pull(StageContext<T>& c) noexcept {
     Vec3<T> from = source.position_m;
     std::uint32_t source_slot = kNoSlot;
     if (source.body != kNoBody) {
-      if (const Body<T>* fixed = find_by_id(c.fixed_bodies, source.body)) {
-        from = fixed->motion.pose.position;
-      } else if (const Body<T>* moving = find_by_id<T>(c.bodies, source.body)) {
-        source_slot = static_cast<std::uint32_t>(moving - c.bodies.data());
-        from = place_of(source_slot);
-      } else {
-        continue;
-      }
+      const std::uint32_t fixed = find_slot(c.fixed_bodies, source.body);
+      source_slot = find_slot<T>(c.bodies, source.body);
+      if (fixed == kNoSlot && source_slot == kNoSlot) continue;
+      from = fixed != kNoSlot ? c.fixed_bodies[fixed].motion.pose.position : place_of(source_slot);
     }
     Vec3<T> sum;
     for (std::uint32_t i = 0; i < c.motion.size(); ++i) {

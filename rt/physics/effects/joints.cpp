@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "rt/physics/body_search.h"
+
 namespace tactus::physics {
 namespace {
 
@@ -10,13 +12,6 @@ template <class T>
 bool is_finite_effort(const JointEffort<T>& e) noexcept {
   return is_finite(e.linear) && is_finite(e.angular) && std::isfinite(e.drive) && std::isfinite(e.lower) &&
          std::isfinite(e.upper);
-}
-
-template <class T>
-std::uint32_t slot_in(std::span<const Body<T>> bodies, BodyId id) noexcept {
-  const auto at =
-      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
-  return at != bodies.end() && at->id == id ? static_cast<std::uint32_t>(at - bodies.begin()) : kNoSlot;
 }
 
 // Flags of a joint that is handed over.
@@ -89,7 +84,7 @@ void Joints<T>::enter(StageTable<T>& table) noexcept {
 
 template <class T>
 std::uint32_t Joints<T>::slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept {
-  return id == kNoBody ? kNoSlot : slot_in(bodies, id);
+  return id == kNoBody ? kNoSlot : find_slot(bodies, id);
 }
 
 template <class T>

@@ -2,18 +2,9 @@
 
 #include <algorithm>
 
+#include "rt/physics/body_search.h"
+
 namespace tactus::physics {
-namespace {
-
-template <class T>
-std::uint32_t slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept {
-  const auto at =
-      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
-  return at != bodies.end() && at->id == id ? static_cast<std::uint32_t>(at - bodies.begin()) : kNoSlot;
-}
-
-}  // namespace
-
 template <class T>
 Kinematics<T>::Kinematics(const Setup& setup, const Capacities&)
     : setup_(setup),
@@ -60,7 +51,7 @@ template <class T>
 void Kinematics<T>::take_hold(StageContext<T>& c) noexcept {
   followers_.clear();
   for (std::uint32_t k = 0; k < setup_.scripts.size(); ++k) {
-    const std::uint32_t slot = slot_of<T>(c.bodies, setup_.scripts[k].id);
+    const std::uint32_t slot = find_slot<T>(c.bodies, setup_.scripts[k].id);
     if (slot == kNoSlot || c.held[slot] != 0) continue;
     c.motion[slot].inverse_mass = c.motion[slot].gyroscopic = T(0);
     c.inverse_inertia[slot] = {};
@@ -123,7 +114,7 @@ void Kinematics<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
                               std::span<const std::uint8_t> inside) const noexcept {
   const auto each = [&](auto&& f) noexcept {
     for (std::uint32_t k = 0; k < time_.size(); ++k) {
-      const std::uint32_t slot = slot_of(bodies, setup_.scripts[k].id);
+      const std::uint32_t slot = find_slot(bodies, setup_.scripts[k].id);
       if (slot != kNoSlot && (inside.empty() || inside[slot] != 0)) f(k);
     }
   };
@@ -142,7 +133,7 @@ bool Kinematics<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, b
     T time{};
     in.get(k), in.get(time);
     if (!in.ok() || k >= time_.size() || !std::isfinite(time)) return false;
-    if (known_too || slot_of(bodies, setup_.scripts[k].id) == kNoSlot) time_[k] = time;
+    if (known_too || find_slot(bodies, setup_.scripts[k].id) == kNoSlot) time_[k] = time;
   }
   return in.ok();
 }

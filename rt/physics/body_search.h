@@ -1,0 +1,20 @@
+// Finding a body among bodies sorted by id. Thread: [any]; pure. Bound: log bodies.
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "rt/physics/body.h"
+#include "rt/physics/contact.h"
+
+namespace tactus::physics {
+
+// Its index, or kNoSlot.
+template <class T>
+std::uint32_t find_slot(std::span<const Body<T>> bodies, BodyId id) noexcept {
+  const auto at =
+      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
+  return at != bodies.end() && at->id == id ? static_cast<std::uint32_t>(at - bodies.begin()) : kNoSlot;
+}
+
+}  // namespace tactus::physics
