@@ -21,6 +21,7 @@ int write_file(const std::string& path, const std::string& text) {
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code) {
   CLI::App* experiment = program.add_subcommand("experiment", "Measures whole worlds: a table, JSON, files for plots.");
   experiment->footer("Example:\n  tactus experiment peers --quick\n  tactus experiment scaling --quick");
+  add_hard_cases(*experiment, exit_code);
   add_peers(*experiment, exit_code);
   add_scaling(*experiment, exit_code);
   return experiment;

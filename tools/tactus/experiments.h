@@ -10,6 +10,7 @@ class App;
 namespace tactus::tools {
 
 // Each adds its subcommand; the exit status of what ran lands in `exit_code`.
+void add_hard_cases(CLI::App& experiment, int& exit_code);
 void add_peers(CLI::App& experiment, int& exit_code);
 void add_scaling(CLI::App& experiment, int& exit_code);
 
