@@ -145,7 +145,7 @@ void join_along_edges(MeshParts& mesh, MeshAccount& account) {
       s.neighbour = std::min(s.neighbour, t.triangle);
     }
   for (const Open& s : open) {
-    if (!(s.covered > s.length - 2 * kPatchHeight_m)) continue;
+    if (s.neighbour == kNoTriangle || !(s.covered > s.length - 2 * kPatchHeight_m)) continue;
     mesh.triangles[s.triangle].edge[s.k] = EdgeKind::kFlat;
     mesh.triangles[s.triangle].neighbour[s.k] = s.neighbour;
     if (account.boundary_edges > 0) --account.boundary_edges;

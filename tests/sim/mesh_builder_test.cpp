@@ -119,6 +119,16 @@ TEST_CASE("a fold counts as flat below a milliradian, and what bends away by mor
   CHECK(folded(1.2e-4).mesh.patches.size() == 2);  // 12 um
 }
 
+TEST_CASE("an open edge shorter than what counts as flat is open: a needle alone is a mesh") {
+  TriangleSoup soup;
+  soup.corners = {{0, 0, 0}, {5e-6, 0, 0}, {0, 1, 0}};
+  soup.triangles = {{0, 1, 2}};
+  const BuiltMesh made = built(soup);
+  CHECK(edges_of(made.mesh, EdgeKind::kBoundary) == 3);
+  CHECK(made.account.boundary_edges == 3);
+  check_neighbours(made.mesh);
+}
+
 TEST_CASE("the same triangles give the same mesh, and a corner with too many is refused") {
   CHECK(built(flat_grid(7, 0.1, 5)).parts->triangles == built(flat_grid(7, 0.1, 5)).parts->triangles);
   TriangleSoup fan;

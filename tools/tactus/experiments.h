@@ -14,6 +14,7 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code);
 void add_capacity(CLI::App& experiment, int& exit_code);
 void add_couplings(CLI::App& experiment, int& exit_code);
 void add_energy_loss(CLI::App& experiment, int& exit_code);
+void add_hard_cases(CLI::App& experiment, int& exit_code);
 void add_peers(CLI::App& experiment, int& exit_code);
 void add_scaling(CLI::App& experiment, int& exit_code);
 void add_effects(CLI::App& experiment, int& exit_code);

@@ -1,0 +1,207 @@
+// The device's spring at its limits, and tight places.
+#include <algorithm>
+#include <cmath>
+
+#include "rt/base/hash.h"
+#include "rt/haptics/coupling_limits.h"
+#include "rt/haptics/force_limiter.h"
+#include "rt/haptics/passivity.h"
+#include "tools/experiment/hard_cases/case_world.h"
+#include "tools/experiment/hard_cases/cases.h"
+
+namespace tactus::hard_cases {
+namespace {
+
+constexpr BodyId kGround = 1000;
+
+void couple(CaseWorld& world, BodyId proxy, double stiffness, double damping) {
+  auto& spring = world.world.device_spring();
+  spring.enabled = true, spring.slot = world.slot(proxy);
+  spring.stiffness_N_per_m = stiffness, spring.damping_Ns_per_m = damping;
+  spring.stiffness_Nm_per_rad = 5, spring.damping_Nms_per_rad = 0.02;
+  spring.target = world.body(proxy).motion.pose;
+}
+
+// N, on the device: the mean over the last step.
+Vec3d force_on_device(CaseWorld& world) {
+  return (-1 / world.settings.dt) * world.world.device_spring().step_impulse.force;
+}
+
+// --- a peg in a hole: tilted by a torque to one side, then to the other
+
+Outcome peg_in_hole(const Setting& setting) {
+  const double side = 0.02, length = 0.04, clearance = 1e-4, torque = 0.1;
+  CaseWorld world(setting);
+  const double in = 0.5 * (side + clearance), wall = 0.05;
+  for (int k = 0; k < 4; ++k) {
+    const double out = (k % 2 == 0 ? 1 : -1) * (in + wall);
+    const Vec3d half = k < 2 ? Vec3d{wall, 0.2, wall} : Vec3d{in, wall, wall};
+    world.add(physics::make_fixed_body<double>(kGround + static_cast<BodyId>(k), physics::Shape<double>::box(half), 0.2,
+                                               {k < 2 ? Vec3d{out, 0, 0} : Vec3d{0, out, 0}, {}}));
+  }
+  world.add(
+      physics::make_fixed_body<double>(kGround + 4, physics::Shape<double>::plane(), 0.2, {{0, 0, -0.5 * length}, {}}));
+  world.add_box(0, {0.5 * side, 0.5 * side, 0.5 * length}, 0.1, 0.2, {});
+  double tilt = 0, energy = 0;
+  for (const double way : {1.0, -1.0}) {
+    world.hold(0, {{}, {0, way * torque, 0}});
+    for (int k = world.steps_in(1); k > 0; --k) {
+      world.step();
+      energy = std::max(energy, world.world.kinetic_energy());
+    }
+    tilt = std::max(tilt, tilt_of(world.body(0).motion.pose.rotation));
+  }
+  world.hold(0, {});
+  world.run(1);
+  Outcome outcome;
+  // Both walls give way by the overlap that contacts leave alone.
+  const double most = (clearance + 2 * world.settings.slop) / length;
+  outcome.relative("tilt, rad", tilt, most, 0.05);
+  outcome.at_most("kinetic energy, J", energy, torque * 2 * most);  // the torque's work
+  outcome.at_most("speed at the end, m/s", world.fastest(), 1e-4);
+  world.close(outcome);
+  return outcome;
+}
+
+// --- the proxy pulled a metre into a corner
+
+Outcome into_a_corner(const Setting& setting) {
+  const double radius = 0.01;
+  CaseWorld world(setting);
+  world.settings.gravity = {};
+  const Quatd to_x = quat_from_rotation_vector(Vec3d{0, 0.5 * kPi, 0}),
+              to_y = quat_from_rotation_vector(Vec3d{-0.5 * kPi, 0, 0});
+  world.add(physics::make_fixed_body<double>(kGround, physics::Shape<double>::plane(), 0.3, {{}, to_x}));
+  world.add(physics::make_fixed_body<double>(kGround + 1, physics::Shape<double>::plane(), 0.3, {{}, to_y}));
+  world.add_sphere(0, radius, 0.5, 0.3, {2 * radius, 2 * radius, 0});
+  couple(world, 0, 2000, 5);
+  const haptics::DeviceProperties device;
+  haptics::ForceLimiter limiter{haptics::ForceLimiter::Config::of(device, setting.step_s), {}};
+  const Vec3d inside = (-1 / std::sqrt(2.0)) * Vec3d{1, 1, 0};
+  auto& spring = world.world.device_spring();
+  Vec3d sent;
+  double deepest = 0, most = 0;
+  const int ramp = world.steps_in(1);
+  for (int k = 0; k < 2 * ramp; ++k) {
+    const double speed = k < ramp ? 1.0 : 0.0;
+    spring.target_velocity.linear = speed * inside;
+    world.step();
+    spring.target.position += (speed * setting.step_s) * inside;
+    sent = limiter.limit({force_on_device(world), {}}, 1, haptics::Slew::kNormal).wrench.force;
+    most = std::max(most, norm(sent));
+    deepest = std::max(deepest, radius - std::min(world.position(0).x, world.position(0).y));
+  }
+  const double angle = std::acos(std::clamp(-dot(sent, inside) / norm(sent), -1.0, 1.0));
+  Outcome outcome;
+  outcome.at_most("largest force, N", most, device.max_force_N * (1 + 1e-9));
+  outcome.relative("force, N", norm(sent), limiter.force_limit_N(), 1e-3);
+  outcome.at_most("off the bisector, rad", angle, 2 * kPi / 180);
+  outcome.at_most("deepest overlap, m", deepest, 0.1e-3);
+  world.close(outcome);
+  return outcome;
+}
+
+// --- the proxy between two blocks of 100 kg that are pushed together with 1000 N each
+
+Outcome between_blocks(const Setting& setting) {
+  const double radius = 0.02, mass = 0.2, block = 100, force = 1000;
+  CaseWorld world(setting);
+  world.settings.gravity = {};
+  world.add_sphere(0, radius, mass, 0.5, {});
+  for (BodyId id = 1; id <= 2; ++id) {
+    const double way = id == 1 ? -1 : 1;
+    world.add_box(id, {0.1, 0.1, 0.1}, block, 0.5, {{way * (0.1 + radius), 0, 0}, {}});
+    world.hold(id, {{-way * force, 0, 0}, {}});
+  }
+  couple(world, 0, 2000, 5);
+  double most = 0;
+  for (int k = world.steps_in(2); k > 0; --k) {
+    world.step();
+    most = std::max(most, norm(force_on_device(world)));
+  }
+  const double expected = world.overlap_under(force, 1 / (1 / mass + 1 / block));
+  Outcome outcome;
+  outcome.relative("overlap on the left, m", 0.1 + radius - (world.position(0).x - world.position(1).x), expected,
+                   0.05);
+  outcome.relative("overlap on the right, m", 0.1 + radius - (world.position(2).x - world.position(0).x), expected,
+                   0.05);
+  outcome.relative("force between, N", world.carried_between(0, 1), force, 1e-3);
+  outcome.at_most("force on the device, N", most, 30);
+  world.close(outcome);
+  return outcome;
+}
+
+// --- the coupling at its limit: a device of 0.3 kg with 0.5 N s/m on a proxy that does not move
+
+struct DeviceOnSpring {
+  double early_m_per_s{0}, late_m_per_s{0}, given_J{0};  // fastest in the first and last tenth; work done on the device
+};
+
+DeviceOnSpring push_device(double stiffness, double damping, bool controlled, const Setting& setting,
+                           Outcome& outcome) {
+  const haptics::DeviceProperties device;
+  const double T = setting.step_s, m = device.mass_kg, b = device.damping_Ns_per_m, decay = std::exp(-b / m * T);
+  CaseWorld world(setting);
+  world.settings.gravity = {};
+  world.add_sphere(0, 0.1, 1e9, 0.5, {});
+  couple(world, 0, stiffness, damping);
+  haptics::CouplingGains gains;
+  gains.stiffness_N_per_m = stiffness, gains.damping_Ns_per_m = damping;
+  haptics::Passivity passivity{haptics::Passivity::Config::of(device, gains, T), {}};
+  double x = 0, v = 0.1, last = 0, work = 0;
+  Vec3d late_force;                // of the tick before: the transport delay
+  world.energy_is_booked = false;  // the device goes its own way, not its velocity's
+  DeviceOnSpring result;
+  auto& spring = world.world.device_spring();
+  const int ticks = 5000;
+  for (int k = 0; k < ticks; ++k) {
+    spring.target.position.x = x;
+    spring.target_velocity.linear.x = (x - last) / T;
+    world.step();
+    Wrenchd wanted{force_on_device(world), {}};
+    if (controlled) wanted = passivity.control(wanted, spring.target_velocity, {0.5 * stiffness * x * x, 0});
+    passivity.book(wanted);
+    const double end = late_force.x / b, before = x;
+    late_force = wanted.force;
+    last = x;
+    x += end * T + (v - end) * (m / b) * (1 - decay);
+    v = end + (v - end) * decay;
+    work += end * b * (x - before);
+    result.given_J = std::max(result.given_J, work);
+    if (!(std::abs(x) < 1)) x = std::clamp(x, -1.0, 1.0), v = 0;  // the workspace
+    if (k < ticks / 10) result.early_m_per_s = std::max(result.early_m_per_s, std::abs(v));
+    if (k >= ticks - ticks / 10) result.late_m_per_s = std::max(result.late_m_per_s, std::abs(v));
+  }
+  const std::uint64_t hash = outcome.hash;
+  world.close(outcome);
+  Fnv1a all;
+  all.add(hash), all.add(x), all.add(v);
+  outcome.hash = all.value();
+  return result;
+}
+
+Outcome coupling_limit(const Setting& setting) {
+  const haptics::DeviceProperties device;
+  const double damping = 5;
+  const haptics::AxisLimits axis{setting.step_s, device.delay_s, device.mass_kg, device.damping_Ns_per_m, 0, 0};
+  const double limit = haptics::uncoupled_stiffness_limit(axis, damping);
+  Outcome outcome;
+  const DeviceOnSpring below = push_device(0.9 * limit, damping, false, setting, outcome);
+  outcome.at_most("speed left at 0.9 of the limit, share", below.late_m_per_s / below.early_m_per_s, 0.01);
+  const DeviceOnSpring above = push_device(1.1 * limit, damping, true, setting, outcome);
+  outcome.at_most("given to the hand at 1.1 of the limit, J", above.given_J, 0.05);
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<HardCase> coupling_cases() {
+  return {
+      {13, "peg in a hole", "", true, peg_in_hole},
+      {16, "proxy pulled a metre into a corner", "", false, into_a_corner},
+      {23, "proxy between two blocks of 100 kg", "", true, between_blocks},
+      {30, "coupling at 0.9 and 1.1 of its limit", "", false, coupling_limit},
+  };
+}
+
+}  // namespace tactus::hard_cases

@@ -1,0 +1,43 @@
+// Worlds that nobody would build, by seed: mass ratios to 1e6, sizes from 1 mm to 10 m, frictions 0 to 5, slivers, deep
+// overlaps and coincident bodies at the start, and a device that pulls on one of them at its limits.
+//
+// The same seed gives the same world on every machine. What must hold: the gates of CaseWorld, the same state twice,
+// and mechanical energy within what was given: work, and overlaps pushed out at the push speed.
+// Thread: one. Units: SI.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "rt/physics/body.h"
+#include "tools/experiment/hard_cases/hard_case.h"
+
+namespace tactus::hard_cases {
+
+struct RandomWorld {
+  std::uint64_t seed{0};
+  std::vector<physics::Body<double>> bodies;  // the first is the proxy
+  double contact_hertz{1000};
+  unsigned ticks{60};
+  bool held{false};  // the proxy by the device
+  double stiffness_N_per_m{0}, damping_Ns_per_m{0};
+  Vec3d device_speed_m_per_s;  // turns round every ten ticks
+};
+
+RandomWorld make_random_world(std::uint64_t seed);
+
+struct RandomRun {
+  std::string broken_gate;  // the first; or nothing
+  bool gyroscopic{false};   // nothing breaks in the same world without the gyroscopic term
+  std::uint64_t hash{0};
+};
+RandomRun run_twice(const RandomWorld& world);
+
+// The same failure with as few bodies and ticks as it takes: bodies are left out one by one while `fails`.
+RandomWorld shrink(RandomWorld world, const std::function<bool(const RandomWorld&)>& fails);
+
+// A scene file of it, for `tactus run` and for looking at.
+std::string to_scene(const RandomWorld& world, const std::string& broken_gate);
+
+}  // namespace tactus::hard_cases

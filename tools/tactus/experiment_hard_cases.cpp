@@ -1,0 +1,111 @@
+// tactus experiment hard-cases: small worlds with known answers, scored.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/experiment/hard_cases/random_world.h"
+#include "tools/experiment/hard_cases/report.h"
+#include "tools/tactus/commands.h"
+#include "tools/tactus/experiments.h"
+
+namespace tactus::tools {
+namespace {
+
+struct HardCasesOptions {
+  std::vector<int> cases;
+  std::vector<std::string> accuracies;
+  std::vector<double> steps_ms{1, 10};
+  std::string csv, svg;
+  std::uint64_t random{0}, first{0};
+  bool no_peers{false}, json{false};
+};
+
+// Seeds one after the other; what breaks a gate is left as a scene file. Worlds whose bodies turn more than the
+// engine's integration is meant for are told apart.
+int run_random_worlds(const HardCasesOptions& options) {
+  const auto progress = experiment::terminal_progress();
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  std::uint64_t broken = 0;
+  for (std::uint64_t seed = options.first; seed < options.first + options.random; ++seed) {
+    if (progress && seed % 100 == 0) progress(fmt::format("seed {}, {} broke a gate", seed, broken));
+    const auto world = hard_cases::make_random_world(seed);
+    const auto run = hard_cases::run_twice(world);
+    if (run.broken_gate.empty()) continue;
+    ++broken;
+    const auto small =
+        hard_cases::shrink(world, [](const auto& less) { return !hard_cases::run_twice(less).broken_gate.empty(); });
+    const std::string path = fmt::format("random-world-{}.toml", seed);
+    if (write_file(path, hard_cases::to_scene(small, run.broken_gate)) != kExitGood) return kExitBadInput;
+    rows.push_back({{"seed", seed}, {"gate", run.broken_gate}, {"gyroscopic", run.gyroscopic}, {"file", path}});
+    if (!options.json)
+      fmt::print("seed {}: gate broken: {}{}; {}\n", seed, run.broken_gate,
+                 run.gyroscopic ? ", but not without the gyroscopic term" : "", path);
+  }
+  if (options.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"worlds", options.random}, {"broken", broken}, {"rows", rows}}.dump(2));
+  else
+    fmt::print("{} of {} random worlds from seed {} broke a gate\n", broken, options.random, options.first);
+  return broken == 0 ? kExitGood : kExitVerdictBad;
+}
+
+int run_hard_cases(const HardCasesOptions& options) {
+  if (options.random > 0) return run_random_worlds(options);
+  const auto asked = [](const auto& list, const auto& one) {
+    return list.empty() || std::find(list.begin(), list.end(), one) != list.end();
+  };
+  hard_cases::Request request;
+  for (const auto& one : hard_cases::hard_cases())
+    if (asked(options.cases, one.number)) request.cases.push_back(&one);
+  if (request.cases.empty()) return complain("tactus experiment hard-cases: --cases: no such case", kExitBadInput);
+  for (const auto accuracy : hard_cases::kAccuracies)
+    if (asked(options.accuracies, std::string(hard_cases::name_of(accuracy)))) request.accuracies.push_back(accuracy);
+  for (const double step_ms : options.steps_ms) request.steps_s.push_back(1e-3 * step_ms);
+  if (!options.no_peers && options.cases.empty())
+    for (const auto& kind : experiment::engine_kinds())
+      if (kind.available) request.peers.push_back(kind);
+  const auto report = hard_cases::run(request, experiment::terminal_progress());
+  if (options.json)
+    fmt::print("{}\n", hard_cases::report_json(report));
+  else
+    fmt::print("{}\n{}", hard_cases::report_table(report), hard_cases::failures_text(report));
+  const int written = std::max(write_file(options.csv, hard_cases::report_csv(report)),
+                               write_file(options.svg, hard_cases::report_svg(report)));
+  if (!report.all_pass_at(hard_cases::Accuracy::kBalanced)) return kExitVerdictBad;
+  return written;
+}
+
+}  // namespace
+
+void add_hard_cases(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<HardCasesOptions>();
+  CLI::App* command =
+      experiment.add_subcommand("hard-cases", "Small worlds with known answers, scored at three accuracies.");
+  command->footer(
+      "In steps of 1 ms and 10 ms. Accuracies by sub-steps: fast 2 and 10, balanced 4 and 40, accurate 16 and 160 "
+      "with\n"
+      "two relax sweeps; contacts are as stiff as the case asks for and the sub-step resolves. Without --cases, "
+      "stacks\n"
+      "are also given to the other engines that were found when tactus was built. Exit status 1: a case fails at the\n"
+      "balanced accuracy.\n\n"
+      "Example:\n  tactus experiment hard-cases --svg scores.svg\n  tactus experiment hard-cases --cases 2,102");
+  command->add_option("--cases", options->cases, "numbers, separated by commas; all by default")->delimiter(',');
+  command->add_option("--accuracies", options->accuracies, "fast, balanced, accurate; all by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"fast", "balanced", "accurate"}));
+  command->add_option("--steps-ms", options->steps_ms, "1, 10; both by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember({1.0, 10.0}));
+  command->add_option("--csv", options->csv, "writes every metric to this file");
+  command->add_option("--svg", options->svg, "plots the scores into this file");
+  command->add_option("--random", options->random, "this many random worlds instead of the cases");
+  command->add_option("--first", options->first, "seed of the first random world")->capture_default_str();
+  command->add_flag("--no-peers", options->no_peers, "leaves out the other engines");
+  command->add_flag("--json", options->json, "one JSON object on stdout");
+  command->callback([options, &exit_code] { exit_code = run_hard_cases(*options); });
+}
+
+}  // namespace tactus::tools
