@@ -49,7 +49,7 @@ sim::Scene with(sim::Scene scene, const Setting& setting) {
   scene.solver.relax_sweeps = setting.relax_sweeps;
   scene.solver.contact_hertz = setting.contact_Hz;
   scene.solver.global_sub_steps_per_tick =
-      std::max(scene.solver.global_sub_steps_per_tick, least_sub_steps(setting.contact_Hz));
+      std::max<double>(scene.solver.global_sub_steps_per_tick, least_sub_steps(setting.contact_Hz));
   return scene;
 }
 
