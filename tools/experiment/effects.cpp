@@ -10,7 +10,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "sim/global_world.h"
+#include "rt/physics/world.h"
+#include "sim/pair_grid.h"
 #include "sim/scene_effects.h"
 #include "sim/scene_load.h"
 #include "tools/experiment/statistics.h"
@@ -28,7 +29,7 @@
 namespace tactus::experiment {
 namespace {
 
-constexpr unsigned kSettleTicks = 200, kCountedTicks = 20, kRatio = 10;
+constexpr unsigned kSettleTicks = 200, kCountedTicks = 20;
 constexpr double kTick_s = 1e-3, kMostDifference = 1e-3;
 constexpr std::uint32_t kTimedMost = 1000, kTimedTicks = 60;  // bodies; ticks with and without each effect
 
@@ -147,16 +148,6 @@ void count_effect(const std::string& effect, EffectState state) {
   const auto loaded = sim::parse_scene(effect_scene(effect, state), effect);
   if (!loaded.ok()) std::abort();  // the test of these scenes says why
   const sim::Scene& scene = loaded.value();
-  if (effect == "sleeping") {
-    sim::GlobalOptions options;
-    options.reach.ratio = kRatio, options.reach.tick_period_s = kTick_s;
-    sim::GlobalWorld world(scene, options);
-    for (unsigned i = 0; i < kSettleTicks / kRatio; ++i) world.advance();
-    CALLGRIND_START_INSTRUMENTATION;
-    for (unsigned i = 0; i < kCountedTicks / kRatio; ++i) world.advance();
-    CALLGRIND_STOP_INSTRUMENTATION;
-    return;
-  }
   TickedWorld world(scene);
   for (unsigned i = 0; i < kSettleTicks; ++i) world.tick();
   CALLGRIND_START_INSTRUMENTATION;

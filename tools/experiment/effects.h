@@ -3,8 +3,8 @@
 //
 // The same scene three times for each effect: not declared; declared, with nothing that uses it; used. Instructions are
 // counted by callgrind, which runs this program again, once a row and state, and counts some ticks of the world that
-// the haptic thread would have (for sleeping: of the global world, where it lives). And what the effects of a given
-// scene cost in time, for `tactus scene check`. Thread: one, on one core. Units in the names.
+// the haptic thread would have. Sleeping is the global world's alone, so its three counts are the same there. And what
+// the effects of a given scene cost in time, for `tactus scene check`. Thread: one, on one core. Units in the names.
 #pragma once
 
 #include <array>
