@@ -64,7 +64,22 @@ std::string properties_from_json(const json& object, haptics::DeviceProperties& 
   return {};
 }
 
+constexpr std::pair<Accuracy, std::string_view> kAccuracies[] = {
+    {Accuracy::kFast, "fast"}, {Accuracy::kBalanced, "balanced"}, {Accuracy::kAccurate, "accurate"}};
+
 }  // namespace
+
+std::string_view name_of(Accuracy accuracy) noexcept {
+  for (const auto& [value, word] : kAccuracies)
+    if (value == accuracy) return word;
+  return "unknown";
+}
+
+std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept {
+  for (const auto& [value, name] : kAccuracies)
+    if (name == word) return value;
+  return std::nullopt;
+}
 
 Status check_options(const RunOptions& o) {
   for (const Status& status : {
@@ -108,6 +123,7 @@ std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& d
   text["border"] = sim::name_of(o.border);
   text["order"] = sim::name_of(o.order);
   text["reach"] = sim::name_of(o.reach);
+  text["accuracy"] = name_of(o.accuracy);
   text["all_members"] = o.all_members;
   text["rate_Hz"] = o.rate_Hz;
   text["ratio"] = o.ratio;
@@ -137,7 +153,9 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   const auto border = sim::parse_border_mode(word("border"));
   const auto order = sim::parse_cut_order(word("order"));
   const auto reach = sim::parse_reach(word("reach"));
-  if (!coupling || !border || !order || !reach) return bad("names no coupling, border, order or reach of this program");
+  const auto accuracy = parse_accuracy(word("accuracy"));
+  if (!coupling || !border || !order || !reach || !accuracy)
+    return bad("names no coupling, border, order, reach or accuracy of this program");
   if (!parsed.contains("rate_Hz") || !parsed["rate_Hz"].is_number()) return bad("has no number 'rate_Hz'");
   for (const char* key : {"ratio", "members", "seed"}) {
     if (!parsed.contains(key) || !parsed[key].is_number_unsigned()) return bad(fmt::format("has no number '{}'", key));
@@ -147,6 +165,7 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   }
   RunOptions& o = tape.options;
   o.coupling = *coupling, o.border = *border, o.order = *order, o.reach = *reach;
+  o.accuracy = *accuracy;
   o.all_members = parsed["all_members"].get<bool>();
   o.virtual_time = parsed["virtual_time"].get<bool>();
   o.rate_Hz = parsed["rate_Hz"].get<double>();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rt/base/result.h"
@@ -14,6 +15,16 @@
 #include "sim/extraction.h"
 
 namespace tactus::session {
+
+// Three points of what accuracy costs (`tactus experiment accuracy-cost`): what pays most is a sub-world with room for
+// all that hangs together with the proxy, then sub-steps.
+enum class Accuracy {
+  kFast,      // half of the scene's members, half of its sub-steps where they still resolve its contacts
+  kBalanced,  // as the scene says
+  kAccurate,  // twice its members and its sub-steps
+};
+std::string_view name_of(Accuracy accuracy) noexcept;  // fast, balanced, accurate
+std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept;
 
 struct RunOptions {
   std::filesystem::path scene;
@@ -26,8 +37,9 @@ struct RunOptions {
   sim::Reach reach{sim::Reach::kTwoCycles};
   bool all_members{false};  // every dynamic body a member from tick 0
   double rate_Hz{1000};
-  unsigned ratio{0};          // 0: the scene's
-  unsigned members{0};        // 0: the scene's
+  unsigned ratio{0};    // 0: the scene's
+  unsigned members{0};  // 0: the scene's, by the accuracy
+  Accuracy accuracy{Accuracy::kBalanced};
   double duration_s{0};       // 0: until stopped; virtual time needs one
   int cpu{-1};                // -1: the last core that this process may use
   unsigned world_threads{1};  // of the global world

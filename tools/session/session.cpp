@@ -41,13 +41,28 @@ unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
   if (options.coupling == haptics::CouplingScheme::kDirect) return dynamic_bodies_of(scene);
   if (options.coupling == haptics::CouplingScheme::kInterpolation) return 1;
   if (options.all_members) return std::min(dynamic_bodies_of(scene), haptics::kMaxMembers);
-  return options.members != 0 ? options.members : scene.members;
+  if (options.members != 0) return options.members;
+  if (options.accuracy == Accuracy::kFast) return std::max(1u, scene.members / 2);
+  return options.accuracy == Accuracy::kAccurate ? std::min(2 * scene.members, haptics::kMaxMembers) : scene.members;
 }
 
-physics::StepSettings<double> step_settings(const sim::Scene& scene, double period_s) {
+// The contact frequency must stay resolved: s >= 4 f T.
+unsigned least_sub_steps(const sim::Scene& scene, const RunOptions& options) {
+  return std::max(1u, static_cast<unsigned>(std::ceil(4.0 * scene.solver.contact_hertz * options.period_s() - 1e-9)));
+}
+
+// Of the haptic side.
+unsigned sub_steps_of(const sim::Scene& scene, const RunOptions& options) {
+  const unsigned written = scene.solver.sub_steps;
+  if (options.accuracy == Accuracy::kFast)
+    return std::min(written, std::max(written / 2, least_sub_steps(scene, options)));
+  return options.accuracy == Accuracy::kAccurate ? 2 * written : written;
+}
+
+physics::StepSettings<double> step_settings(const sim::Scene& scene, const RunOptions& options) {
   physics::StepSettings<double> step;
-  step.dt = period_s;
-  step.sub_steps = scene.solver.sub_steps;
+  step.dt = options.period_s();
+  step.sub_steps = sub_steps_of(scene, options);
   step.relax_sweeps = scene.solver.relax_sweeps;
   step.contact_hertz = scene.solver.contact_hertz;
   step.contact_damping_ratio = scene.solver.contact_damping_ratio;
@@ -157,7 +172,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.border_mode = options.border;
   sub.ratio = ratio_of(scene, options);
   sub.proxy = scene.proxy;
-  sub.step = step_settings(scene, options.period_s());
+  sub.step = step_settings(scene, options);
   sub.stiffness_N_per_m = scene.coupling.stiffness_N_per_m;
   sub.damping_Ns_per_m = scene.coupling.damping_Ns_per_m;
   sub.stiffness_Nm_per_rad = scene.coupling.stiffness_Nm_per_rad;
@@ -209,11 +224,8 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   session->loop = make_loop(scene, options, device);
   loop::GovernorConfig governor;
   governor.period_ns = options.period_s() * 1e9;
-  governor.sub_steps = scene.solver.sub_steps;
-  // The contact frequency must stay resolved: s >= 4 f T.
-  governor.min_sub_steps = std::min(
-      scene.solver.sub_steps,
-      std::max(1u, static_cast<unsigned>(std::ceil(4.0 * scene.solver.contact_hertz * options.period_s() - 1e-9))));
+  governor.sub_steps = session->loop->config().sub_world.step.sub_steps;
+  governor.min_sub_steps = std::min(governor.sub_steps, least_sub_steps(scene, options));
   governor.members = session->members;
   governor.min_members = std::min(governor.min_members, governor.members);
   session->governor = std::make_unique<loop::Governor>(governor);
@@ -277,7 +289,7 @@ RunSummary Session::summary() const {
   summary.scene_title = scene.title;
   summary.ratio = ratio;
   summary.members_cap = members;
-  summary.sub_steps = scene.solver.sub_steps;
+  summary.sub_steps = loop->config().sub_world.step.sub_steps;
   summary.bodies = dynamic_bodies_of(scene);
   summary.stats = stats;
   summary.has_global = global != nullptr;

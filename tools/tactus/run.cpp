@@ -30,8 +30,8 @@ std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM
 void ask_to_stop(int) { g_stop.store(true); }
 
 struct Words {
-  std::string coupling{"sub-world"}, border{"capped"}, order{"best-first"}, reach{"two-cycles"}, world_cpus,
-      precision{"mixed"};
+  std::string coupling{"sub-world"}, border{"capped"}, accuracy{"balanced"}, order{"best-first"}, reach{"two-cycles"},
+      world_cpus, precision{"mixed"};
 };
 
 struct RunCommand {
@@ -61,6 +61,9 @@ Status read_words(RunCommand& command) {
   const auto precision = sim::parse_precision(w.precision);
   if (!precision) return unknown("--world-precision", w.precision, "double, mixed");
   o.world_precision = *precision;
+  const auto accuracy = session::parse_accuracy(w.accuracy);
+  if (!accuracy) return unknown("--accuracy", w.accuracy, "fast, balanced, accurate");
+  o.accuracy = *accuracy;
   const auto world_cpus = doctor::parse_cpu_list(w.world_cpus);
   if (!world_cpus) return unknown("--world-cpu", w.world_cpus, "numbers of cores, such as 2 or 1,3-4");
   o.world_cpus = *world_cpus;
@@ -249,9 +252,12 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--order", command.words.order, "in which the contact graph is cut: best-first or breadth-first")
       ->capture_default_str();
   app.add_option("--reach", command.words.reach, "of the boundary cube: two-cycles or paper")->capture_default_str();
+  app.add_option("--accuracy", command.words.accuracy,
+                 "fast: half the scene's members and sub-steps; balanced: as it says; accurate: twice of both")
+      ->capture_default_str();
   app.add_option("--rate", o.rate_Hz, "haptic ticks a second [Hz]")->capture_default_str();
   app.add_option("--ratio", o.ratio, "haptic ticks per global step; default: the scene's");
-  app.add_option("--members", o.members, "most bodies in the sub-world, the proxy included; default: the scene's");
+  app.add_option("--members", o.members, "most bodies in the sub-world, the proxy included; default: by the accuracy");
   app.add_option("--duration", o.duration_s, "seconds to run; default: until stopped, in virtual time 10");
   app.add_option("--cpu", o.cpu, "core of the haptic thread; default: the last one allowed")
       ->check(CLI::Range(0, 1023));
