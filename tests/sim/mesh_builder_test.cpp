@@ -121,7 +121,7 @@ TEST_CASE("a fold counts as flat below a milliradian, and what bends away by mor
 
 TEST_CASE("an open edge shorter than what counts as flat is open: a needle alone is a mesh") {
   TriangleSoup soup;
-  soup.corners = {{0, 0, 0}, {5e-6, 0, 0}, {0, 1, 0}};
+  soup.corners = {{0, 0, 0}, {15e-6, 0, 0}, {0, 1, 0}};
   soup.triangles = {{0, 1, 2}};
   const BuiltMesh made = built(soup);
   CHECK(edges_of(made.mesh, EdgeKind::kBoundary) == 3);

@@ -66,7 +66,7 @@ int run_hard_cases(const HardCasesOptions& options) {
   for (const double step_ms : options.steps_ms) request.steps_s.push_back(1e-3 * step_ms);
   if (!options.no_peers && options.cases.empty())
     for (const auto& kind : experiment::engine_kinds())
-      if (kind.available) request.peers.push_back(kind);
+      if (kind.available && kind.name != "tactus") request.peers.push_back(kind);
   const auto report = hard_cases::run(request, experiment::terminal_progress());
   if (options.json)
     fmt::print("{}\n", hard_cases::report_json(report));

@@ -16,7 +16,7 @@ struct Request {
   std::vector<const HardCase*> cases;
   std::vector<Accuracy> accuracies;
   std::vector<double> steps_s;
-  std::vector<experiment::EngineKind> peers;  // that are given the stacks
+  std::vector<experiment::EngineKind> peers;  // that are given the stacks, beside tactus
 };
 
 struct Row {

@@ -190,6 +190,12 @@ Outcome cards_in_a_stack(const Setting& setting) {
 
 }  // namespace
 
+StackState stack_in_tactus(const StackSpec& spec, double step_s) {
+  StackWorld world(spec, {Accuracy::kBalanced, step_s});
+  world.run(spec.seconds);
+  return world.state();
+}
+
 std::vector<HardCase> stack_cases() {
   return {
       {2, "stack of twenty cubes", "", true, twenty_cubes},

@@ -30,7 +30,7 @@ StackState judge(const StackSpec& spec, std::span<const Vec3d> centres) {
     below = centres[k].z;
   }
   if (!centres.empty()) state.sag_m = spec.start_of(centres.size() - 1).z - centres.back().z;
-  state.stands = state.stands && state.side_m < 0.1 * spec.edge_m;
+  state.stands = state.stands && state.side_m < 0.5 * spec.edge_m;
   return state;
 }
 
