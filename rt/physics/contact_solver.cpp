@@ -213,9 +213,9 @@ void ContactSolver<T, kWidth>::store_impulses(std::span<Contact<U>> contacts, U 
       const int lane = static_cast<int>(used);
       Contact<U>& contact = contacts[row.contact[used]];
       for (std::uint32_t i = 0; i < contact.count; ++i) {
-        blend(contact.points[i].normal_impulse, lane_of(row.normal_impulse[i], lane));
+        blend(contact.points[i].normal_impulse, static_cast<U>(lane_of(row.normal_impulse[i], lane)));
         for (int d = 0; d < 2; ++d)
-          blend(contact.points[i].tangent_impulse[d], lane_of(row.tangent_impulse[d][i], lane));
+          blend(contact.points[i].tangent_impulse[d], static_cast<U>(lane_of(row.tangent_impulse[d][i], lane)));
       }
     }
   });
@@ -234,7 +234,7 @@ void ContactSolver<T, kWidth>::store(std::span<Contact<U>> contacts, U share) co
       const Vec3<T> t1 = at(row.t1), t2 = at(row.t2);
       Contact<U>& contact = contacts[row.contact[used]];
       for (std::uint32_t i = 0; i < contact.count; ++i) {
-        contact.points[i].total_normal_impulse = lane_of(row.total_normal_impulse[i], lane);
+        contact.points[i].total_normal_impulse = static_cast<U>(lane_of(row.total_normal_impulse[i], lane));
         contact.points[i].total_friction = number_cast<U>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +
                                                           lane_of(row.total_tangent_impulse[1][i], lane) * t2);
       }

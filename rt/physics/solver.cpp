@@ -103,7 +103,7 @@ void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input, StageCon
   const S factor = quadratic > S(0) ? std::clamp(-linear / quadratic, S(0), S(1)) : S(0);
   contacts_.scale_impulses(factor);
   border_.scale_impulses(factor);
-  context.factor = factor;
+  context.factor = static_cast<T>(factor);
   run_stages(input, Phase::kScale, context);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
     motion_[i].v = before_[i].linear + factor * (motion_[i].v - before_[i].linear);
