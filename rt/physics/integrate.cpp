@@ -4,21 +4,6 @@
 
 namespace tactus::physics {
 
-template <class T>
-FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& angular_velocity, const Vec3<T>& inertia,
-                              T h) noexcept {
-  const Vec3<T> w0 = rotate_inverse(world_from_body, angular_velocity);
-  const Vec3<T> gain{h / inertia.x, h / inertia.y, h / inertia.z};
-  Vec3<T> w1 = w0, mid = w0;
-  for (int i = 0; i < 4; ++i) {
-    w1 = w0 - scale(gain, cross(mid, scale(inertia, mid)));
-    mid = T(0.5) * (w0 + w1);
-  }
-  const Vec3<T> half = rotate(world_from_body, T(0.5) * h * mid);
-  const Quat<T> change = normalized(Quat<T>{T(1), half.x, half.y, half.z});
-  return {change, rotate(change, rotate(world_from_body, w1))};
-}
-
 // The exponential map by series of cos and sin(x)/x in x = angle / 2, to x^8: for angles below kSmallAngle the first
 // term left out is below 3e-20.
 template <class V>
@@ -42,6 +27,26 @@ FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept {
   // The usual case, and several times faster than the general one.
   if (angle_squared < kSmallAngleSquared<T>) return {small_rotation(v, angle_squared), angular_velocity};
   return {quat_from_rotation_vector(v), angular_velocity};
+}
+
+// Beyond this the iteration below need not converge.
+template <class T>
+inline constexpr T kMostTurnSquared = T(0.25);  // rad^2
+
+template <class T>
+FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& angular_velocity, const Vec3<T>& inertia,
+                              T h) noexcept {
+  if (!(h * h * norm_squared(angular_velocity) < kMostTurnSquared<T>)) return rotate_steadily(angular_velocity, h);
+  const Vec3<T> w0 = rotate_inverse(world_from_body, angular_velocity);
+  const Vec3<T> gain{h / inertia.x, h / inertia.y, h / inertia.z};
+  Vec3<T> w1 = w0, mid = w0;
+  for (int i = 0; i < 4; ++i) {
+    w1 = w0 - scale(gain, cross(mid, scale(inertia, mid)));
+    mid = T(0.5) * (w0 + w1);
+  }
+  const Vec3<T> half = rotate(world_from_body, T(0.5) * h * mid);
+  const Quat<T> change = normalized(Quat<T>{T(1), half.x, half.y, half.z});
+  return {change, rotate(change, rotate(world_from_body, w1))};
 }
 
 namespace {

@@ -1,7 +1,8 @@
 // How a body moves when nothing touches it: the free rotation over one sub-step.
 //
 // Frame: world; inertia diagonal in the body frame. Units: SI. Thread: [any], pure. Bound: 4 fixed-point iterations,
-// each wins a factor h |w| (1 - I_min / I_max); meant for h |w| < 0.5.
+// each wins a factor h |w| (1 - I_min / I_max); for h |w| < 0.5. A body that turns more in a sub-step turns steadily:
+// the axis stays in the body and in space, so energy is kept and the direction of the angular momentum is not.
 #pragma once
 
 #include <span>

@@ -13,9 +13,6 @@ namespace {
 
 constexpr std::uint64_t kSeeds = 2000, kLongSeeds = 100'000;
 
-// Beyond half a radian in a sub-step the gyroscopic term's iteration diverges (rt/physics/integrate.h names that
-// bound), see the test that fails below. Light bodies of millimetres that are hit get there.
-constexpr double kMostSpinning = 0.06;  // share of the worlds
 // An impact's impulses are given again as the next sub-step's warm start, see anytime_test.cpp: a few in a thousand
 // worlds gain energy by it.
 constexpr double kMostGaining = 0.006;
@@ -24,7 +21,7 @@ constexpr double kMostGaining = 0.006;
 std::string written(const RandomWorld& world, const std::string& gate) {
   const RandomWorld small = shrink(world, [](const RandomWorld& w) {
     const RandomRun run = run_twice(w);
-    return !run.broken_gate.empty() && !run.gyroscopic;
+    return !run.broken_gate.empty();
   });
   const std::string path = "random-world-" + std::to_string(world.seed) + ".toml";
   std::ofstream(path) << to_scene(small, gate);
@@ -32,14 +29,12 @@ std::string written(const RandomWorld& world, const std::string& gate) {
 }
 
 void check_seeds(std::uint64_t first, std::uint64_t last) {
-  std::uint64_t spinning = 0, gaining = 0;
+  std::uint64_t gaining = 0;
   for (std::uint64_t seed = first; seed < last; ++seed) {
     const RandomWorld world = make_random_world(seed);
     const RandomRun run = run_twice(world);
     if (run.broken_gate.empty()) continue;
-    if (run.gyroscopic) {
-      ++spinning;
-    } else if (run.broken_gate.starts_with("energy")) {
+    if (run.broken_gate.starts_with("energy")) {
       ++gaining;
     } else {
       FAIL_CHECK("seed " << seed << ": gate broken: " << run.broken_gate << "; see "
@@ -47,7 +42,6 @@ void check_seeds(std::uint64_t first, std::uint64_t last) {
     }
   }
   const auto worlds = static_cast<double>(last - first);
-  CHECK(static_cast<double>(spinning) <= kMostSpinning * worlds + 1);
   CHECK(static_cast<double>(gaining) <= kMostGaining * worlds + 1);
 }
 
@@ -61,9 +55,8 @@ TEST_CASE("random worlds: a few seeds") { check_seeds(kSeeds, kSeeds + 20); }
 
 TEST_CASE("random worlds: a hundred thousand seeds", "[.long]") { check_seeds(kSeeds, kSeeds + kLongSeeds); }
 
-// Fails: at 30 krad/s and a sub-step of 0.25 ms the four fixed-point iterations of the gyroscopic term diverge, and a
-// few ticks later the state is not finite.
-TEST_CASE("a small rod that a blow spins at thirty thousand radians a second stays finite", "[!shouldfail]") {
+// More than half a radian in a sub-step is more than the gyroscopic term's iteration can follow.
+TEST_CASE("a small rod that a blow spins at thirty thousand radians a second stays finite") {
   CaseWorld world({});
   auto rod = physics::make_dynamic_body<double>(0, physics::Shape<double>::capsule(0.5e-3, 2e-3), 0.01, 0.5, {});
   rod.motion.velocity.angular = {24000, 15000, 9000};

@@ -123,6 +123,17 @@ TEST_CASE("A thin rod that spins fast gains no energy") {
   }
 }
 
+TEST_CASE("A body that spins by more than half a radian in a sub-step keeps its energy, whatever its inertia") {
+  for (const double spin : {2.5e3, 3e4, 1e6}) {  // rad/s, in sub-steps of 0.25 ms
+    PhysicsBench<> bench;
+    bench.settings.gravity = {};
+    bench.world.insert(free_body({1e-6, 2e-6, 3e-4}, {spin, 0.7 * spin, -0.3 * spin}));
+    const double before = bench.world.kinetic_energy();
+    bench.run(1000);
+    CHECK(bench.world.kinetic_energy() == Approx(before).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("Without the gyroscopic effect the angular velocity stays as it is") {
   PhysicsBench<> bench;
   bench.settings.gravity = {};

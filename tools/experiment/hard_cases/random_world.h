@@ -29,7 +29,6 @@ RandomWorld make_random_world(std::uint64_t seed);
 
 struct RandomRun {
   std::string broken_gate;  // the first; or nothing
-  bool gyroscopic{false};   // nothing breaks in the same world without the gyroscopic term
   std::uint64_t hash{0};
 };
 RandomRun run_twice(const RandomWorld& world);
