@@ -17,8 +17,10 @@ constexpr Names<CouplingScheme, 4> kCouplingSchemes{{{CouplingScheme::kSubWorld,
                                                      {CouplingScheme::kDirect, "direct"},
                                                      {CouplingScheme::kInterpolation, "interpolation"},
                                                      {CouplingScheme::kStatic, "static"}}};
-constexpr Names<BorderMode, 3> kBorderModes{
-    {{BorderMode::kCapped, "capped"}, {BorderMode::kReplay, "replay"}, {BorderMode::kFrozen, "frozen"}}};
+constexpr Names<BorderMode, 4> kBorderModes{{{BorderMode::kGhost, "ghost"},
+                                             {BorderMode::kCapped, "capped"},
+                                             {BorderMode::kReplay, "replay"},
+                                             {BorderMode::kFrozen, "frozen"}}};
 constexpr Names<CutOrder, 2> kCutOrders{
     {{CutOrder::kBestFirst, "best-first"}, {CutOrder::kBreadthFirst, "breadth-first"}}};
 constexpr Names<SweepPrecision, 2> kPrecisions{{{SweepPrecision::kFull, "double"}, {SweepPrecision::kSingle, "mixed"}}};
