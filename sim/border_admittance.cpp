@@ -55,7 +55,8 @@ Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
   const SymMat3<double> own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
   const double m = body.mass, dd = norm_squared(d);
   const Vec3d md = m * d;
-  const double xx = own.xx + m * (dd - d.x * d.x), yy = own.yy + m * (dd - d.y * d.y), zz = own.zz + m * (dd - d.z * d.z);
+  const double xx = own.xx + m * (dd - d.x * d.x), yy = own.yy + m * (dd - d.y * d.y),
+               zz = own.zz + m * (dd - d.z * d.z);
   const double xy = own.xy - m * d.x * d.y, xz = own.xz - m * d.x * d.z, yz = own.yz - m * d.y * d.z;
   return {{{m, 0, 0, 0, md.z, -md.y},
            {0, m, 0, -md.z, 0, md.x},
@@ -66,7 +67,8 @@ Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
 }
 
 // What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds.
-Matrix6 firmness_of(const Contact<double>& contact, std::span<const Body<double>> bodies, const Vec3d& centre) noexcept {
+Matrix6 firmness_of(const Contact<double>& contact, std::span<const Body<double>> bodies,
+                    const Vec3d& centre) noexcept {
   const Body<double>& a = bodies[contact.slot_a];
   const double inverse_mass = 1 / a.mass + (contact.b_fixed ? 0 : 1 / bodies[contact.slot_b].mass);
   const double firm = kFirmness / inverse_mass;
@@ -74,8 +76,7 @@ Matrix6 firmness_of(const Contact<double>& contact, std::span<const Body<double>
   double pressed = 0;
   for (std::uint32_t i = 0; i < contact.count; ++i)
     friction += contact.points[i].total_friction, pressed += contact.points[i].total_normal_impulse;
-  static const int kStick = getenv("G_STICK") ? atoi(getenv("G_STICK")) : 1;
-  const bool sticks = kStick && norm(friction) < kSticks * contact.friction * pressed;
+  const bool sticks = norm(friction) < kSticks * contact.friction * pressed;
   const auto [t1, t2] = tangents_of(contact.normal);
   const Vec3d directions[3] = {contact.normal, t1, t2};
   Matrix6 sum{};
@@ -197,7 +198,8 @@ double BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t>
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     Reached& to = reached_[i];
     if (i == 0) {
-      to.change = {impulse.force.x, impulse.force.y, impulse.force.z, impulse.torque.x, impulse.torque.y, impulse.torque.z};
+      to.change = {impulse.force.x,  impulse.force.y,  impulse.force.z,
+                   impulse.torque.x, impulse.torque.y, impulse.torque.z};
     } else {
       const Vector6 pushed = reached_[to.parent].change;
       for (std::size_t k = 0; k < 6; ++k) {

@@ -28,7 +28,8 @@ class BorderAdmittance {
   BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts);
 
   // Of a step that has been taken; they must stay while they are asked about.
-  void index(std::span<const physics::Contact<double>> contacts, std::span<const physics::Body<double>> bodies) noexcept;
+  void index(std::span<const physics::Contact<double>> contacts,
+             std::span<const physics::Body<double>> bodies) noexcept;
   // Of a body's centre. `members` by slot: 1 for those that the sub-world moves.
   physics::Admittance<double> find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
   // Gives the body an impulse [N s, N m s about its centre], and with it all that moves with it: their velocities

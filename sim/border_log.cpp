@@ -37,9 +37,8 @@ BorderPoint border_point(const Contact<double>& contact, const physics::ContactP
   result.impulse_rate_N = point.total_normal_impulse / step_s;
   result.friction = contact.friction;
   result.friction_N = (sides.member_is_a ? -1 / step_s : 1 / step_s) * point.total_friction;
-  result.outside_inverse_mass =
-      own_inverse_mass(outside, start[sides.outside].rotation, sides.member_is_a ? point.from_b : point.from_a,
-                       contact.normal);
+  result.outside_inverse_mass = own_inverse_mass(outside, start[sides.outside].rotation,
+                                                 sides.member_is_a ? point.from_b : point.from_a, contact.normal);
   const Vec3d& from_outside = sides.member_is_a ? point.from_b : point.from_a;
   const Posed& outside_start = start[sides.outside];
   const Vec3d anchor = rotate_inverse(outside_start.rotation, from_outside);
@@ -138,8 +137,8 @@ std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::sp
 }
 
 // Mean over the step, by those that were members.
-Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& world, std::span<const std::uint8_t> former,
-                           double step_s) const noexcept {
+Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& world,
+                           std::span<const std::uint8_t> former, double step_s) const noexcept {
   Wrenchd sum;
   for (const std::uint32_t c : admittance_.contacts_of(slot)) {
     const Contact<double>& contact = world.contacts()[c];
@@ -162,20 +161,11 @@ std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::
   admittance_.index(world.contacts(), world.bodies());
   for (const BodyId id : ids_) {
     const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
-    const auto& [pose, velocity] = world.bodies()[slot].motion;
-    const Posed& start = world.last_poses()[slot];
     OutsideBody body;
     body.id = id;
-    body.centre = pose.position;
-    body.velocity = {(pose.position - start.position) * (1 / step_s),
-                     small_rotation_vector(pose.rotation * conjugate(start.rotation)) * (1 / step_s)};
-    static const int kEnd = getenv("G_END") ? atoi(getenv("G_END")) : 0;
-    static const double kAcc = getenv("G_ACC") ? atof(getenv("G_ACC")) : 0;
-    static const int kW = getenv("G_W") ? atoi(getenv("G_W")) : 1;
-    body.acceleration = {(velocity.linear - body.velocity.linear) * (2 * kAcc / step_s),
-                         (velocity.angular - body.velocity.angular) * (2 * kAcc / step_s)};
-    if (kEnd) body.velocity = velocity;
-    if (kW) body.admittance = admittance_.find(slot, members);
+    body.centre = world.bodies()[slot].motion.pose.position;
+    body.velocity = world.bodies()[slot].motion.velocity;
+    body.admittance = admittance_.find(slot, members);
     if (former[slot] == 0) body.load = load_on(slot, world, former, step_s);
     if (!outside.try_push(body)) return static_cast<std::uint32_t>(ids_.size() - outside.size());
   }

@@ -33,10 +33,10 @@ struct BorderPoint {
   Vec3d member_anchor;       // m, in the member's body frame
   double impulse_rate_N{0};  // non-penetration impulse of the step / its time
   double friction{0};
-  Vec3d outside_point;     // m, world: the outside body's surface at the point, at the end of the step
-  double separation_m{0};  // signed gap along the normal when the member's point is at outside_point
-  Vec3d outside_velocity;  // m/s, of the outside body's surface at the point: its mean over the step
-  Vec3d friction_N;        // on the member: friction impulse of the step / its time
+  Vec3d outside_point;             // m, world: the outside body's surface at the point, at the end of the step
+  double separation_m{0};          // signed gap along the normal when the member's point is at outside_point
+  Vec3d outside_velocity;          // m/s, of the outside body's surface at the point: its mean over the step
+  Vec3d friction_N;                // on the member: friction impulse of the step / its time
   double outside_inverse_mass{0};  // 1/kg: the outside body's own share of the inverse effective mass along the normal
 };
 
@@ -45,8 +45,7 @@ struct OutsideBody {
   BodyId id{kNoBody};
   std::uint32_t padding{0};
   Vec3d centre;                            // m, world
-  Twistd velocity;                         // of the centre
-  Twistd acceleration;                     // m/s^2, rad/s^2: over the step
+  Twistd velocity;                         // of the centre, at the end of the step
   Wrenchd load;                            // N, N m about the centre: mean of the step, by those that were members
   physics::Admittance<double> admittance;  // of the centre, with all that moves with it
 };
@@ -61,7 +60,7 @@ struct WorldSnapshot {
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // of the border points, ascending; with the ghost border
-  physics::BodyMotion<double> proxy;  // the proxy in the global world (interpolation coupling)
+  physics::BodyMotion<double> proxy;                    // the proxy in the global world (interpolation coupling)
   // The triangles of meshes near members, by index: the meshes themselves are both worlds' from the start.
   FixedVector<physics::NearRegion<double>, kMaxNearRegions> near_regions;  // by member, then by mesh
   FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;            // of the regions, one after the other

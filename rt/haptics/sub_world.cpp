@@ -210,7 +210,8 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
       hint = at + 1;
       break;
     }
-    if (config_.border_mode == physics::BorderMode::kGhost) contact.ghost = load_ghost(point, contact, world_.border_ghosts());
+    if (config_.border_mode == physics::BorderMode::kGhost)
+      contact.ghost = load_ghost(point, contact, world_.border_ghosts());
     // The world counts what does not fit, and the next step reports it.
     if (world_.add_border_contact(contact)) (void)outside_velocity_.try_push(point.outside_velocity);
   }
@@ -232,7 +233,6 @@ void SubWorld::renew_ghosts(const WorldSnapshot& snapshot) noexcept {
     ghost.outside = body.id;
     ghost.centre = body.centre;
     ghost.velocity = body.velocity;
-    ghost.drive = body.acceleration;
     ghost.admittance = body.admittance;
     if (state_.ticks_in_cycle > 0) {
       Wrenchd news{-step_s * body.load.force, -step_s * body.load.torque};

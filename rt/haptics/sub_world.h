@@ -60,7 +60,7 @@ class SubWorld {
   std::uint32_t border_contacts() const noexcept { return border_count_; }
   std::uint32_t ticks_in_cycle() const noexcept { return state_.ticks_in_cycle; }
   bool exchanges() const noexcept { return config_.scheme != CouplingScheme::kDirect; }
-  double border_work_J() const noexcept;  // done on members by the border, so far
+  double border_work_J() const noexcept;                           // done on members by the border, so far
   double border_tank_J() const noexcept { return state_.tank_J; }  // what the ghost border may still do, 0 or more
   double border_owed_J() const noexcept { return state_.owed_J; }  // what it did beyond that, 0 or more
   const physics::World<double>& world() const noexcept { return world_; }
@@ -109,7 +109,7 @@ class SubWorld {
   SubWorldConfig config_;
   physics::World<double> world_;
   BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
-  BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew_border
+  BoundedVector<physics::BorderContact<double>> replaced_;       // scratch of renew_border
   BoundedVector<physics::BorderGhost<double>> replaced_ghosts_;  // same
   // As adopted; none without meshes. They never show in a result (near_triangles.h), so they are no part of the state.
   BoundedVector<physics::NearRegion<double>> near_regions_;

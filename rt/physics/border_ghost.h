@@ -19,8 +19,9 @@ struct Admittance {
 
   friend constexpr Twist<T> operator*(const Admittance& w, const Wrench<T>& p) noexcept {
     const Vec3<T>& f = p.force;
-    return {w.linear * f + Vec3<T>{dot(w.crossed[0], p.torque), dot(w.crossed[1], p.torque), dot(w.crossed[2], p.torque)},
-            w.angular * p.torque + f.x * w.crossed[0] + f.y * w.crossed[1] + f.z * w.crossed[2]};
+    return {
+        w.linear * f + Vec3<T>{dot(w.crossed[0], p.torque), dot(w.crossed[1], p.torque), dot(w.crossed[2], p.torque)},
+        w.angular * p.torque + f.x * w.crossed[0] + f.y * w.crossed[1] + f.z * w.crossed[2]};
   }
 };
 

@@ -259,8 +259,7 @@ void BorderSolver<T>::solve(SolverBodies<T> bodies, const SweepRule<T>& rule, bo
 
 template <class T>
 void BorderSolver<T>::move_ghosts() noexcept {
-  for (Ghost& ghost : ghosts_)
-    ghost.moved += h_ * ghost.velocity.linear, ghost.turned += h_ * ghost.velocity.angular;
+  for (Ghost& ghost : ghosts_) ghost.moved += h_ * ghost.velocity.linear, ghost.turned += h_ * ghost.velocity.angular;
 }
 
 template <class T>
@@ -287,7 +286,9 @@ template <class T>
 void BorderSolver<T>::scale_impulses(T factor) noexcept {
   for (Pair& pair : pairs_) pair.sum *= factor;
   for (Ghost& ghost : ghosts_) {
-    const auto scaled = [factor](const Vec3<T>& from, const Vec3<T>& to) noexcept { return from + factor * (to - from); };
+    const auto scaled = [factor](const Vec3<T>& from, const Vec3<T>& to) noexcept {
+      return from + factor * (to - from);
+    };
     ghost.velocity = {scaled(ghost.before.linear, ghost.velocity.linear),
                       scaled(ghost.before.angular, ghost.velocity.angular)};
   }

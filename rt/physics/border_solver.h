@@ -63,7 +63,7 @@ class BorderSolver {
     T error[2]{};                     // m, off the line at the start of the sub-step
     T end_gap{};                      // m, and the member's point from line_point: at the end of the sub-step
     Vec3<T> end_offset;
-    Vec3<T> start_velocity;           // m/s, of the point
+    Vec3<T> start_velocity;  // m/s, of the point
     T step_normal{}, work{};
     Vec3<T> step_tangent;
   };

@@ -51,9 +51,8 @@ TEST_CASE("A body that nothing touches answers with its own mass and inertia") {
   const Twistd turn = w * Wrenchd{force, torque};
   CHECK(norm(turn.linear - force * (1 / kMass)) < 1e-12);
   const Vec3d local = rotate_inverse(body.motion.pose.rotation, torque);
-  const Vec3d wanted =
-      rotate(body.motion.pose.rotation,
-             Vec3d{local.x / body.inertia.x, local.y / body.inertia.y, local.z / body.inertia.z});
+  const Vec3d wanted = rotate(body.motion.pose.rotation,
+                              Vec3d{local.x / body.inertia.x, local.y / body.inertia.y, local.z / body.inertia.z});
   CHECK(norm(turn.angular - wanted) < 1e-9 * norm(wanted));
 }
 
@@ -105,7 +104,8 @@ TEST_CASE("An answer never gains energy: work of any wrench on its own answer is
   for (std::uint32_t slot = 0; slot < 12; ++slot) {
     const auto w = answer_of(bench, slot, {1, 1});
     for (int i = 0; i < 20; ++i) {
-      const Wrenchd p{{random(-1, 1), random(-1, 1), random(-1, 1)}, {random(-0.1, 0.1), random(-0.1, 0.1), random(-0.1, 0.1)}};
+      const Wrenchd p{{random(-1, 1), random(-1, 1), random(-1, 1)},
+                      {random(-0.1, 0.1), random(-0.1, 0.1), random(-0.1, 0.1)}};
       const Twistd v = w * p;
       CHECK(dot(p.force, v.linear) + dot(p.torque, v.angular) >= 0);
       CHECK(is_finite(v));

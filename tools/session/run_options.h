@@ -32,7 +32,7 @@ struct RunOptions {
   std::filesystem::path device_file;  // describes a real device; empty: the scene's profile does
   std::string gpio;                   // lines beside the link: e-stop, drive enable, probe, heartbeat; empty: none
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border{physics::BorderMode::kCapped};
+  physics::BorderMode border{physics::BorderMode::kGhost};
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   sim::Reach reach{sim::Reach::kTwoCycles};
   bool all_members{false};  // every dynamic body a member from tick 0

@@ -26,7 +26,7 @@ void add_couplings(CLI::App& experiment, int& exit_code) {
     using haptics::CouplingScheme;
     using physics::BorderMode;
     exit_code = run_coupling_experiment(*options, {{CouplingScheme::kDirect, BorderMode::kCapped, 1},
-                                                   {CouplingScheme::kSubWorld, BorderMode::kCapped, 0},
+                                                   {CouplingScheme::kSubWorld, BorderMode::kGhost, 0},
                                                    {CouplingScheme::kStatic, BorderMode::kCapped, 0},
                                                    {CouplingScheme::kInterpolation, BorderMode::kCapped, 0}});
   });

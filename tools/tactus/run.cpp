@@ -30,7 +30,7 @@ std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM
 void ask_to_stop(int) { g_stop.store(true); }
 
 struct Words {
-  std::string coupling{"sub-world"}, border{"capped"}, accuracy{"balanced"}, order{"best-first"}, reach{"two-cycles"},
+  std::string coupling{"sub-world"}, border{"ghost"}, accuracy{"balanced"}, order{"best-first"}, reach{"two-cycles"},
       world_cpus, precision{"mixed"};
 };
 
