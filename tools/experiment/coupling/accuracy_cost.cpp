@@ -150,7 +150,7 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
   for (const unsigned n : {base.members / 2, base.members * 2, base.members * 4})
     if (n > 0 && n / 2 < bodies) add("members", base.members, n, [n](Setting& s) { s.members = n; });
   for (const unsigned n : {2u, 4u, 8u, 16u}) add("ratio", base.ratio, n, [n](Setting& s) { s.ratio = n; });
-  for (const BorderMode border : {BorderMode::kCapped, BorderMode::kReplay, BorderMode::kFrozen})
+  for (const BorderMode border : {BorderMode::kGhost, BorderMode::kCapped, BorderMode::kReplay, BorderMode::kFrozen})
     add("border", sim::name_of(base.border), sim::name_of(border), [border](Setting& s) { s.border = border; });
   for (const CutOrder order : {CutOrder::kBestFirst, CutOrder::kBreadthFirst})
     add("extraction", sim::name_of(base.order), sim::name_of(order), [order](Setting& s) { s.order = order; });
@@ -159,7 +159,7 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
 
 Setting default_setting(const sim::Scene& scene, unsigned members) {
   return {scene.solver.sub_steps, scene.solver.relax_sweeps, scene.solver.contact_hertz, members,
-          kDefaultRatio,          BorderMode::kCapped,       CutOrder::kBestFirst};
+          kDefaultRatio,          BorderMode::kGhost,        CutOrder::kBestFirst};
 }
 
 unsigned moving_bodies(const sim::Scene& scene) {
@@ -294,7 +294,7 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
     for (const unsigned relax_sweeps : {1u, 2u})
       for (const unsigned cap : {members / 2, members, 2 * members})
         for (const unsigned ratio : {4u, 8u, 16u})
-          for (const BorderMode border : {BorderMode::kCapped, BorderMode::kFrozen})
+          for (const BorderMode border : {BorderMode::kGhost, BorderMode::kCapped})
             if (sub_steps >= least_sub_steps(base.contact_Hz) && cap > 0 && cap / 2 < bodies)
               add({sub_steps, relax_sweeps, base.contact_Hz, cap, ratio, border, base.order});
   return settings;

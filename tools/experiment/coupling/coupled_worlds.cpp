@@ -108,10 +108,7 @@ bool CoupledWorlds::synchronise() {
 
 void CoupledWorlds::serve() {
   ++cycle_;
-  global_->impose(0, *report_);
-  motion_ = motion();
-  global_->advance();
-  global_->fill_snapshot(0, report_->cycle + 1, report_->member_budget, *snapshots_[cycle_ % 2]);
+  global_->step(*report_, *snapshots_[cycle_ % 2]);
 }
 
 const haptics::SubWorldStep& CoupledWorlds::step(const haptics::DeviceTarget& target) {
@@ -132,7 +129,7 @@ Motion CoupledWorlds::motion() const noexcept {
     if (scheme != CouplingScheme::kInterpolation && (scheme != CouplingScheme::kStatic || body.id == config_.proxy))
       add_motion(body, sum);
   if (!exchanges()) return sum;
-  for (const auto& body : global_->world().bodies()) {  // what sleeps does not move
+  for (const auto& body : global_->bodies()) {
     const bool counted = scheme != CouplingScheme::kInterpolation && inner.slot_of(body.id) >= 0 &&
                          (scheme != CouplingScheme::kStatic || body.id == config_.proxy);
     if (!counted) add_motion(body, sum);

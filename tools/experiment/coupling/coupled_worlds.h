@@ -50,9 +50,7 @@ class CoupledWorlds {
 
   // Does the next tick begin with a synchronisation? Then all bodies are at the same time.
   bool at_synchronisation() const noexcept;
-  Motion motion() const noexcept;  // at a synchronisation
-  // At the last synchronisation, what the worlds had to tell each other included.
-  const Motion& motion_at_synchronisation() const noexcept { return motion_; }
+  Motion motion() const noexcept;                           // at a synchronisation
   Moment moment(std::uint64_t tick, bool every_bit) const;  // of the direct coupling; without every bit: no `state`
 
   const haptics::SubWorld& sub_world() const noexcept { return *sub_world_; }
@@ -75,7 +73,6 @@ class CoupledWorlds {
   Wrenchd on_proxy_before_;  // mean of the cycle before the start
   std::uint32_t component_{0};
   haptics::SubWorldStep step_;
-  Motion motion_;
 };
 
 }  // namespace tactus::experiment

@@ -55,12 +55,9 @@ std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::
   std::vector<Vec3d> force;
   const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
   for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
-    const bool counts = energy != nullptr && k > window.start && worlds.at_synchronisation();
-    const Motion before = counts && worlds.global() == nullptr ? worlds.motion() : Motion{};
+    if (energy != nullptr && k > window.start && worlds.at_synchronisation())
+      energy->add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
     force.push_back(worlds.tick(targets[k]).on_device.force);
-    if (counts)
-      energy->add(worlds.global() == nullptr ? before : worlds.motion_at_synchronisation(), reference.motion[k],
-                  0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
   }
   if (energy != nullptr) energy->close_window();
   return force;
