@@ -56,6 +56,10 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
     point.impulse_rate_N = random(0, 50), point.friction = random(0, 1);
     point.outside_velocity = random.vector(1);
     REQUIRE(s->border.try_push(point));
+    OutsideBody body;
+    body.id = point.outside, body.centre = random.vector(1), body.velocity = {random.vector(1), random.vector(1)};
+    body.load.force = random.vector(50), body.admittance.crossed[1] = random.vector(3);
+    REQUIRE(s->outside.try_push(body));
   }
   return s;
 }
@@ -84,9 +88,10 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     const Counts counts{some(), some(), some(), some()};
     const auto s = random_snapshot(seed, counts);
     const auto bytes = bytes_of(*s);
-    CHECK(bytes.size() ==
-          kHeader + 7 * 4 + counts.members * (sizeof(BodyId) + 1) + counts.joiners * sizeof(physics::Body<double>) +
-              counts.warm_starts * sizeof(physics::WarmStart<double>) + counts.border * sizeof(BorderPoint));
+    CHECK(bytes.size() == kHeader + 8 * 4 + counts.members * (sizeof(BodyId) + 1) +
+                              counts.joiners * sizeof(physics::Body<double>) +
+                              counts.warm_starts * sizeof(physics::WarmStart<double>) +
+                              counts.border * (sizeof(BorderPoint) + sizeof(OutsideBody)));
     REQUIRE(read(bytes, *back));
     CHECK(back->cycle == s->cycle);
     CHECK(back->global_time_s == s->global_time_s);
@@ -97,6 +102,9 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->members[i] == s->members[i]);
     REQUIRE(back->effects.size() == counts.members);
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->effects[i] == s->effects[i]);
+    REQUIRE(back->outside.size() == counts.border);
+    for (std::uint32_t i = 0; i < counts.border; ++i)
+      CHECK(std::memcmp(&back->outside[i], &s->outside[i], sizeof(OutsideBody)) == 0);
     REQUIRE(back->joiners.size() == counts.joiners);
     for (std::uint32_t i = 0; i < counts.joiners; ++i) {
       CHECK(back->joiners[i].id == s->joiners[i].id);
