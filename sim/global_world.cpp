@@ -114,7 +114,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       hulls_(scene.hulls),
       meshes_(scene.meshes),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
-      grid_(capacities_for(scene).bodies),
+      pair_cache_(capacities_for(scene).bodies, capacities_for(scene).pairs),
       graph_(capacities_for(scene).bodies, touches_for(scene)),
       border_log_(capacities_for(scene).contacts),
       bounds_(capacities_for(scene).bodies),
@@ -153,7 +153,7 @@ std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) no
 
 void GlobalWorld::share_work(WorkerPool& pool) {
   world_.share_work(pool.executor());
-  grid_.share_work(pool.executor(), pool.threads(), world_.dynamic_pairs().capacity());
+  pair_cache_.share_work(pool.executor(), pool.threads());
 }
 
 void GlobalWorld::set_state(std::span<const Body<double>> bodies,
@@ -253,7 +253,7 @@ void GlobalWorld::advance() noexcept {
   world_.begin_step(bounds_settings_);
   while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings_);  // who wakes may wake others
   const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
-  if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
+  if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
   const auto report = world_.finish_step(settings_, {}, far_region());
   time_s_ += settings_.dt;
   islands_.follow(world_);
@@ -310,7 +310,7 @@ void GlobalWorld::find_touches_at_rest() noexcept {
     bounds_[slot] = physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, options_.touch_tolerance_m);
   auto& pairs = world_.dynamic_pairs();
   pairs.clear();
-  if (!grid_.find(std::span(std::as_const(bounds_)).first(bodies.size()), pairs))
+  if (!pair_cache_.find(std::span(std::as_const(bounds_)).first(bodies.size()), pairs))
     statistics_.capacity_bits |= physics::kPairsFull;
   std::sort(pairs.begin(), pairs.end(), [](const physics::SlotPair& p, const physics::SlotPair& q) {
     const auto low = [](const physics::SlotPair& x) { return std::min(x.a, x.b); };

@@ -7,7 +7,7 @@
 
 #include "rt/base/denormals.h"
 #include "rt/haptics/snapshot.h"
-#include "sim/pair_grid.h"
+#include "sim/pair_cache.h"
 #include "tools/experiment/engine.h"
 #include "tools/experiment/timing.h"
 
@@ -69,7 +69,7 @@ class TactusEngine final : public Engine {
         times_broad_phase_(options.time_broad_phase),
         world_(capacities_of(scene), {}, {}, {},
                precision_ == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
-        grid_(capacities_of(scene).bodies),
+        pair_cache_(capacities_of(scene).bodies, capacities_of(scene).pairs),
         paddle_(scene.paddle),
         cubes_(static_cast<std::uint32_t>(scene.cubes.size())) {
     set_denormals_flush();
@@ -97,7 +97,7 @@ class TactusEngine final : public Engine {
     world_.begin_step(settings_);
     const double start_us = times_broad_phase_ ? thread_time_us() : 0;
     const bool all = !is_global_ ? physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs())
-                                 : grid_.find(world_.bounds(), world_.dynamic_pairs());
+                                 : pair_cache_.find(world_.bounds(), world_.dynamic_pairs());
     if (times_broad_phase_) broad_phase_us_ = thread_time_us() - start_us;
     if (!all) lost_ |= physics::kPairsFull;
     report_ = world_.finish_step(settings_);
@@ -163,7 +163,7 @@ class TactusEngine final : public Engine {
   bool is_global_, times_broad_phase_;
   double broad_phase_us_{0};
   physics::World<T> world_;
-  sim::PairGrid grid_;
+  sim::PairCache pair_cache_;
   std::optional<Paddle> paddle_;
   std::uint32_t cubes_;
   physics::StepReport<T> report_;
