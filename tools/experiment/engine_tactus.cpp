@@ -8,6 +8,7 @@
 #include "rt/base/denormals.h"
 #include "rt/haptics/snapshot.h"
 #include "sim/pair_cache.h"
+#include "sim/worker_pool.h"
 #include "tools/experiment/engine.h"
 #include "tools/experiment/timing.h"
 
@@ -70,9 +71,14 @@ class TactusEngine final : public Engine {
         world_(capacities_of(scene), {}, {}, {},
                precision_ == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
         pair_cache_(capacities_of(scene).bodies, capacities_of(scene).pairs),
+        pool_(static_cast<std::uint32_t>(options.helpers.size()) + 1, options.helpers),
         paddle_(scene.paddle),
         cubes_(static_cast<std::uint32_t>(scene.cubes.size())) {
     set_denormals_flush();
+    if (pool_.threads() > 1) {
+      world_.share_work(pool_.executor());
+      pair_cache_.share_work(pool_.executor(), pool_.threads());
+    }
     BodyId id = 0;
     const T friction = static_cast<T>(scene.friction);
     for (const Cube& cube : scene.cubes) {
@@ -164,6 +170,7 @@ class TactusEngine final : public Engine {
   double broad_phase_us_{0};
   physics::World<T> world_;
   sim::PairCache pair_cache_;
+  sim::WorkerPool pool_;
   std::optional<Paddle> paddle_;
   std::uint32_t cubes_;
   physics::StepReport<T> report_;
