@@ -5,8 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "rt/haptics/plane_coupling.h"
 #include "rt/haptics/snapshot_bytes.h"
 #include "sim/mesh_neighbourhood.h"
+#include "sim/proxy_planes.h"
 #include "sim/scene_effects.h"
 
 namespace tactus::sim {
@@ -341,8 +343,8 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   for (const Device& other : devices_)
     if (&other != &device)
       for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
-  // With the interpolation the device feels the proxy alone.
-  if (options_.coupling == CouplingScheme::kInterpolation) budget = 1;
+  // Where the device feels the proxy alone, there are no other members.
+  if (options_.coupling == CouplingScheme::kInterpolation || feels_planes(options_.coupling)) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
 
@@ -365,6 +367,9 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
       next.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), member_slots(device),
                                        settings_.dt, next.border);
   }
+  if (feels_planes(options_.coupling) && cycle > 0)
+    fill_proxy_planes(world_, device.id, settings_.dt,
+                      options_.coupling == CouplingScheme::kPlane ? 1 : haptics::kMaxProxyPlanes, next.border);
   count(device, next);
 }
 

@@ -2,24 +2,12 @@
 
 #include <fmt/format.h>
 #include <sched.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
 
+#include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
-
-#if __has_include(<valgrind/callgrind.h>)
-#include <valgrind/callgrind.h>
-#define TACTUS_COUNTS_INSTRUCTIONS 1
-#else
-#define CALLGRIND_START_INSTRUMENTATION
-#define CALLGRIND_STOP_INSTRUMENTATION
-#define TACTUS_COUNTS_INSTRUCTIONS 0
-#endif
 
 namespace tactus::experiment {
 namespace {
@@ -75,22 +63,13 @@ ScalingRow timed(const ScalingCase& one, const EngineOptions& options, const std
   return row;
 }
 
-// Instructions of a step by callgrind; 0 where it could not be counted.
+// Instructions of a step; 0 where it could not be counted.
 double counted(std::size_t index, const EngineOptions& options, const std::string& program, bool quick) {
-  const std::string out = fmt::format("/tmp/tactus-callgrind.{}", getpid());
-  const std::string command = fmt::format(
-      "valgrind --tool=callgrind --callgrind-out-file={} --instr-atstart=no "
-      "'{}' experiment scaling --count {}{}{} >/dev/null 2>&1",
-      out, program, index, options.precision ? fmt::format(" --precision {}", precision_name(*options.precision)) : "",
-      quick ? " --quick" : "");
-  if (std::system(command.c_str()) != 0) return 0;
-  std::ifstream file(out);
-  double instructions = 0;
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("summary:") || line.starts_with("totals:"))
-      instructions = std::strtod(line.c_str() + line.find(':') + 1, nullptr);
-  std::remove(out.c_str());
-  return instructions / kCountedSteps;
+  const std::string precision =
+      options.precision ? fmt::format(" --precision {}", precision_name(*options.precision)) : "";
+  return counted_instructions(
+             program, fmt::format("experiment scaling --count {}{}{}", index, precision, quick ? " --quick" : "")) /
+         kCountedSteps;
 }
 
 }  // namespace
@@ -122,9 +101,9 @@ std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores) {
 
 void run_counted(const ScalingCase& one, const EngineOptions& options) {
   const auto engine = settled(one, options, one.settle_s);
-  CALLGRIND_START_INSTRUMENTATION;
+  start_counting();
   for (unsigned i = 0; i < kCountedSteps; ++i) engine->step();
-  CALLGRIND_STOP_INSTRUMENTATION;
+  stop_counting();
 }
 
 ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOptions& options,
@@ -132,8 +111,7 @@ ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOpt
   const std::vector<int> cores = allowed_cores();
   settle_on_core();
   ScalingReport report;
-  const bool counts =
-      TACTUS_COUNTS_INSTRUCTIONS != 0 && !program.empty() && std::system("command -v valgrind >/dev/null 2>&1") == 0;
+  const bool counts = !program.empty() && can_count_instructions();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const auto say = [&](const char* doing) {
       if (progress)
