@@ -5,6 +5,7 @@ namespace {
 
 using haptics::BorderPoint;
 using haptics::BorderReturn;
+using haptics::OutsideBody;
 using physics::Body;
 using physics::Contact;
 
@@ -13,6 +14,13 @@ struct Sides {
   std::uint32_t member, outside;
   bool member_is_a;
 };
+
+// The body's share of a contact's inverse effective mass, along n at r from its centre.
+double own_inverse_mass(const Body<double>& body, const Quatd& rotation, const Vec3d& r, const Vec3d& n) noexcept {
+  const Vec3d turn = rotate_inverse(rotation, cross(r, n));
+  return 1 / body.mass + turn.x * turn.x / body.inertia.x + turn.y * turn.y / body.inertia.y +
+         turn.z * turn.z / body.inertia.z;
+}
 
 BorderPoint border_point(const Contact<double>& contact, const physics::ContactPoint<double>& point, const Sides& sides,
                          std::span<const Body<double>> bodies, std::span<const Posed> start, double step_s) noexcept {
@@ -28,6 +36,10 @@ BorderPoint border_point(const Contact<double>& contact, const physics::ContactP
   result.member_anchor = rotate_inverse(start[sides.member].rotation, from_member);
   result.impulse_rate_N = point.total_normal_impulse / step_s;
   result.friction = contact.friction;
+  result.friction_N = (sides.member_is_a ? -1 / step_s : 1 / step_s) * point.total_friction;
+  result.outside_inverse_mass =
+      own_inverse_mass(outside, start[sides.outside].rotation, sides.member_is_a ? point.from_b : point.from_a,
+                       contact.normal);
   const Vec3d& from_outside = sides.member_is_a ? point.from_b : point.from_a;
   const Posed& outside_start = start[sides.outside];
   const Vec3d anchor = rotate_inverse(outside_start.rotation, from_outside);
@@ -66,6 +78,19 @@ void take_back(const Contact<double>& contact, std::uint32_t outside, physics::W
   }
 }
 
+// The impulse of a contact on one of its bodies, and its moment about the centre.
+Wrenchd impulse_on(std::uint32_t slot, const Contact<double>& contact) noexcept {
+  const double side = contact.slot_b == slot ? 1 : -1;
+  Wrenchd sum;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    const Vec3d impulse = side * (point.total_normal_impulse * contact.normal + point.total_friction);
+    sum.force += impulse;
+    sum.torque += cross(contact.slot_b == slot ? point.from_b : point.from_a, impulse);
+  }
+  return sum;
+}
+
 const Contact<double>* find_contact(std::span<const Contact<double>> contacts, BodyId a, BodyId b) noexcept {
   const PairKey key = PairKey::of(a, b, false);
   const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
@@ -75,8 +100,10 @@ const Contact<double>* find_contact(std::span<const Contact<double>> contacts, B
 
 }  // namespace
 
-BorderLog::BorderLog(std::uint32_t max_contacts) {
+BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts) : admittance_(max_bodies, max_contacts) {
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
+  ids_.reserve(haptics::kMaxBorderPoints);
+  news_.reserve(max_bodies);
   order_.reserve(points_.capacity());
 }
 
@@ -110,6 +137,51 @@ std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::sp
   return static_cast<std::uint32_t>(points_.size() - fits);
 }
 
+// Mean over the step, by those that were members.
+Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& world, std::span<const std::uint8_t> former,
+                           double step_s) const noexcept {
+  Wrenchd sum;
+  for (const std::uint32_t c : admittance_.contacts_of(slot)) {
+    const Contact<double>& contact = world.contacts()[c];
+    if (contact.b_fixed || former[contact.slot_a == slot ? contact.slot_b : contact.slot_a] == 0) continue;
+    const Wrenchd impulse = impulse_on(slot, contact);
+    sum.force += impulse.force, sum.torque += impulse.torque;
+  }
+  return {sum.force * (1 / step_s), sum.torque * (1 / step_s)};
+}
+
+std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::span<const std::uint8_t> members,
+                                      std::span<const std::uint8_t> former, double step_s,
+                                      std::span<const BorderPoint> border,
+                                      FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
+  outside.clear();
+  ids_.clear();
+  for (const BorderPoint& point : border) ids_.push_back(point.outside);
+  std::sort(ids_.begin(), ids_.end());
+  ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+  admittance_.index(world.contacts(), world.bodies());
+  for (const BodyId id : ids_) {
+    const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
+    const auto& [pose, velocity] = world.bodies()[slot].motion;
+    const Posed& start = world.last_poses()[slot];
+    OutsideBody body;
+    body.id = id;
+    body.centre = pose.position;
+    body.velocity = {(pose.position - start.position) * (1 / step_s),
+                     small_rotation_vector(pose.rotation * conjugate(start.rotation)) * (1 / step_s)};
+    static const int kEnd = getenv("G_END") ? atoi(getenv("G_END")) : 0;
+    static const double kAcc = getenv("G_ACC") ? atof(getenv("G_ACC")) : 0;
+    static const int kW = getenv("G_W") ? atoi(getenv("G_W")) : 1;
+    body.acceleration = {(velocity.linear - body.velocity.linear) * (2 * kAcc / step_s),
+                         (velocity.angular - body.velocity.angular) * (2 * kAcc / step_s)};
+    if (kEnd) body.velocity = velocity;
+    if (kW) body.admittance = admittance_.find(slot, members);
+    if (former[slot] == 0) body.load = load_on(slot, world, former, step_s);
+    if (!outside.try_push(body)) return static_cast<std::uint32_t>(ids_.size() - outside.size());
+  }
+  return 0;
+}
+
 HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
                           physics::BorderMode mode, physics::World<double>& world) noexcept {
   HandBack result;
@@ -130,6 +202,51 @@ HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const
       if (contact != nullptr) take_back(*contact, outside, world, result);
     }
     give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);
+  }
+  return result;
+}
+
+void BorderLog::add_news(std::uint32_t slot, const Wrenchd& impulse) noexcept {
+  const auto known = std::find_if(news_.begin(), news_.end(), [slot](const News& n) { return n.slot == slot; });
+  News& news = known != news_.end() ? *known : news_.emplace_back(News{slot, {}});
+  news.impulse.force += impulse.force, news.impulse.torque += impulse.torque;
+}
+
+HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32_t step_ticks,
+                              std::span<const std::uint8_t> members, physics::World<double>& world) noexcept {
+  HandBack result;
+  if (report.ticks == 0) return result;  // no cycle yet
+  news_.clear();
+  const auto reported = [&](BodyId id) noexcept {
+    const auto at = std::lower_bound(report.members.begin(), report.members.end(), id,
+                                     [](const haptics::MemberMotion& m, BodyId i) { return m.id < i; });
+    return at != report.members.end() && at->id == id;
+  };
+  for (const auto& contact : world.contacts()) {
+    if (contact.b_fixed) continue;
+    const bool a = reported(contact.key.low()), b = reported(contact.key.high());
+    const std::uint32_t outside = a ? contact.slot_b : contact.slot_a;
+    if (a == b || members[outside] != 0) continue;
+    const Wrenchd impulse = impulse_on(outside, contact);
+    add_news(outside, {-impulse.force, -impulse.torque});
+  }
+  const double share = report.ticks > step_ticks ? 1.0 * step_ticks / report.ticks : 1.0;
+  for (const BorderReturn& entry : report.border) {
+    const Vec3d impulse = -share * (entry.normal_impulse_Ns * entry.normal + entry.tangent_impulse);
+    const std::int32_t found = world.slot_of(entry.outside);
+    if (found < 0 || !is_finite(impulse) || !is_finite(entry.point)) continue;
+    const auto outside = static_cast<std::uint32_t>(found);
+    if (members[outside] != 0) {
+      ++result.skipped;
+      continue;
+    }
+    add_news(outside, {impulse, cross(entry.point - world.bodies()[outside].motion.pose.position, impulse)});
+  }
+  admittance_.index(world.contacts(), world.bodies());
+  for (const News& news : news_) {
+    result.energy_J += admittance_.apply(news.slot, members, news.impulse, world.bodies());
+    result.impulse_Ns += news.impulse.force;
+    result.magnitude_Ns += norm(news.impulse.force);
   }
   return result;
 }

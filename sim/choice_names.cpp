@@ -20,8 +20,10 @@ constexpr Names<CouplingScheme, 7> kCouplingSchemes{{{CouplingScheme::kSubWorld,
                                                      {CouplingScheme::kPlane, "plane"},
                                                      {CouplingScheme::kPlanes, "planes"},
                                                      {CouplingScheme::kLinearised, "linearised"}}};
-constexpr Names<BorderMode, 3> kBorderModes{
-    {{BorderMode::kCapped, "capped"}, {BorderMode::kReplay, "replay"}, {BorderMode::kFrozen, "frozen"}}};
+constexpr Names<BorderMode, 4> kBorderModes{{{BorderMode::kGhost, "ghost"},
+                                             {BorderMode::kCapped, "capped"},
+                                             {BorderMode::kReplay, "replay"},
+                                             {BorderMode::kFrozen, "frozen"}}};
 constexpr Names<CutOrder, 2> kCutOrders{
     {{CutOrder::kBestFirst, "best-first"}, {CutOrder::kBreadthFirst, "breadth-first"}}};
 constexpr Names<SweepPrecision, 2> kPrecisions{{{SweepPrecision::kFull, "double"}, {SweepPrecision::kSingle, "mixed"}}};

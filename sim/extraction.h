@@ -56,6 +56,7 @@ class Extraction {
   }
 
   bool is_member(std::uint32_t slot) const noexcept { return member_[slot] != 0; }
+  bool was_member(std::uint32_t slot) const noexcept { return was_member_[slot] != 0; }  // before the last choice
   // Of the last choice: was it no member before?
   bool is_joiner(std::uint32_t slot) const noexcept { return member_[slot] != 0 && was_member_[slot] == 0; }
   std::span<const std::uint32_t> members() const noexcept { return chosen_; }

@@ -118,12 +118,13 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
       pair_cache_(capacities_for(scene).bodies, capacities_for(scene).pairs),
       graph_(capacities_for(scene).bodies, touches_for(scene)),
-      border_log_(capacities_for(scene).contacts),
+      border_log_(capacities_for(scene).bodies, capacities_for(scene).contacts),
       bounds_(capacities_for(scene).bodies),
       free_(capacities_for(scene).bodies),
       held_(capacities_for(scene).bodies) {
   touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
+  former_slots_.reserve(capacities_for(scene).bodies);
   const std::int32_t found = islands_.place_of(scene.proxy);
   TACTUS_CHECK(found >= 0, scene.proxy, scene.bodies.size());
   const auto proxy = static_cast<std::uint32_t>(found);
@@ -189,8 +190,7 @@ void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noe
   const GlobalStatistics statistics = statistics_;
   const double time_s = time_s_;
   for (unsigned step = 0; step < kForeseenSteps; ++step) advance();
-  first.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(),
-                                    member_slots(devices_[device]), settings_.dt, first.border);
+  fill_border(devices_[device], first);
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
   TACTUS_CHECK(world_.restore(in), out.size(), 0);
   world_.index_fixed_bodies();
@@ -220,7 +220,10 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   if (options_.coupling == CouplingScheme::kSubWorld) {
     haptics::read_effects(report.effects, true, world_);
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
-    const HandBack back = hand_back_border(report.border.span(), member_slots(device), options_.border_mode, world_);
+    const HandBack back =
+        options_.border_mode == physics::BorderMode::kGhost
+            ? border_log_.hand_back(report, options_.reach.ratio, member_slots(device), world_)
+            : hand_back_border(report.border.span(), member_slots(device), options_.border_mode, world_);
     statistics_.handed_back_impulse_Ns += back.magnitude_Ns;
     statistics_.handed_back_energy_J += back.energy_J;
     statistics_.handed_back_skipped += back.skipped;
@@ -356,6 +359,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.members.clear();
   for (const std::uint32_t place : members) TACTUS_CHECK(next.members.try_push(bodies[place].id), place, 0);
   next.border.clear();
+  next.outside.clear();
   next.warm_starts.clear();
   next.effects.clear();
   fill_joiners(device, next);
@@ -363,14 +367,25 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   if (options_.coupling == CouplingScheme::kSubWorld) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
-    if (cycle > 0)
-      next.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), member_slots(device),
-                                       settings_.dt, next.border);
+    if (cycle > 0) fill_border(device, next);
   }
   if (feels_planes(options_.coupling) && cycle > 0)
     fill_proxy_planes(world_, device.id, settings_.dt,
                       options_.coupling == CouplingScheme::kPlane ? 1 : haptics::kMaxProxyPlanes, next.border);
   count(device, next);
+}
+
+// Of the last step.
+void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
+  const auto members = member_slots(device);
+  next.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, settings_.dt,
+                                   next.border);
+  if (options_.border_mode != physics::BorderMode::kGhost) return;
+  former_slots_.clear();
+  for (const std::uint32_t place : islands_.awake())
+    former_slots_.push_back(device.extraction.was_member(place) ? 1 : 0);
+  next.dropped +=
+      border_log_.fill_outside(world_, members, former_slots_, settings_.dt, next.border.span(), next.outside);
 }
 
 // Whole bodies, bit by bit. Frozen members (static coupling) come anew every time, but for the proxy, which is the

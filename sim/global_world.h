@@ -109,6 +109,7 @@ class GlobalWorld {
 
   std::uint32_t slot_of(const Device& device) const noexcept;
   std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
+  void fill_border(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void wake_for(const haptics::SubWorldReport& report) noexcept;
   void wake_near(const Device& device) noexcept;
   void mark_held() noexcept;
@@ -140,6 +141,7 @@ class GlobalWorld {
   std::vector<std::uint8_t> free_;              // by place: member of no other device's sub-world
   std::vector<std::uint8_t> held_;              // by place: member of a sub-world
   std::vector<std::uint8_t> member_slots_;      // by slot: member of the sub-world in question
+  std::vector<std::uint8_t> former_slots_;      // by slot: was one before the last choice
   std::vector<physics::Aabb<double>> regions_;  // by device: where nothing falls asleep
   double time_s_{0};
   GlobalStatistics statistics_;

@@ -15,6 +15,7 @@ namespace tactus::haptics {
 
 inline constexpr std::uint32_t kMaxMembers = 256;
 inline constexpr std::uint32_t kMaxBorderPoints = 1024;
+inline constexpr std::uint32_t kMaxOutsideBodies = 256;
 inline constexpr std::uint32_t kMaxWarmStarts = 1024;
 inline constexpr std::uint32_t kMaxNearRegions = 512;
 inline constexpr std::uint32_t kMaxNearTriangles = 8192;
@@ -35,6 +36,19 @@ struct BorderPoint {
   Vec3d outside_point;     // m, world: the outside body's surface at the point, at the end of the step
   double separation_m{0};  // signed gap along the normal when the member's point is at outside_point
   Vec3d outside_velocity;  // m/s, of the outside body's surface at the point: its mean over the step
+  Vec3d friction_N;        // on the member: friction impulse of the step / its time
+  double outside_inverse_mass{0};  // 1/kg: the outside body's own share of the inverse effective mass along the normal
+};
+
+// An outside body at border contacts, as the global step left it: what the ghost border needs.
+struct OutsideBody {
+  BodyId id{kNoBody};
+  std::uint32_t padding{0};
+  Vec3d centre;                            // m, world
+  Twistd velocity;                         // of the centre
+  Twistd acceleration;                     // m/s^2, rad/s^2: over the step
+  Wrenchd load;                            // N, N m about the centre: mean of the step, by those that were members
+  physics::Admittance<double> admittance;  // of the centre, with all that moves with it
 };
 
 struct WorldSnapshot {
@@ -46,6 +60,7 @@ struct WorldSnapshot {
   FixedVector<physics::Body<double>, kMaxMembers> joiners;              // members that were none in cycle n - 1
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
   FixedVector<BorderPoint, kMaxBorderPoints> border;
+  FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // of the border points, ascending; with the ghost border
   physics::BodyMotion<double> proxy;  // the proxy in the global world (interpolation coupling)
   // The triangles of meshes near members, by index: the meshes themselves are both worlds' from the start.
   FixedVector<physics::NearRegion<double>, kMaxNearRegions> near_regions;  // by member, then by mesh
@@ -65,6 +80,7 @@ struct BorderReturn {
   std::uint32_t feature{0};
   std::uint32_t padding{0};
   Vec3d point;            // m, world, now
+  Vec3d normal;           // unit, from the outside body towards the member
   Vec3d tangent_impulse;  // N s, on the member: the outside body gets the opposite
   double normal_impulse_Ns{0};
 };

@@ -73,6 +73,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   write_list(out, s.joiners);
   write_list(out, s.warm_starts);
   write_list(out, s.border);
+  write_list(out, s.outside);
   write_list(out, s.near_regions);
   write_list(out, s.near_triangles);
   write_list(out, s.effects);
@@ -85,7 +86,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
   in.get(s.component);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
-         read_list(in, s.border) && read_list(in, s.near_regions) && read_list(in, s.near_triangles) &&
+         read_list(in, s.border) && read_list(in, s.outside) && read_list(in, s.near_regions) && read_list(in, s.near_triangles) &&
          read_list(in, s.effects) && is_sound(s, hulls, meshes);
 }
 

@@ -15,9 +15,38 @@ constexpr double kWorldFadeTicks = 10;
 constexpr std::uint32_t kFreezeAfterCycles = 4;
 // How far a border contact's predecessor is looked for; one that moved further starts cold, which costs a sweep.
 constexpr std::uint32_t kSearchWindow = 32;
+// The tank holds no more, so that what was taken out long ago is not put in at once.
+constexpr double kMostInTank_J = 0.1;
 
 bool contains(std::span<const BodyId> sorted, BodyId id) noexcept {
   return std::binary_search(sorted.begin(), sorted.end(), id);
+}
+
+template <class Ghost>
+Ghost* find_ghost(std::span<Ghost> ghosts, BodyId outside) noexcept {
+  const auto at = std::lower_bound(ghosts.begin(), ghosts.end(), outside,
+                                   [](const Ghost& ghost, BodyId id) { return ghost.outside < id; });
+  return at != ghosts.end() && at->outside == outside ? &*at : nullptr;
+}
+
+// The ghost that the contact presses on: its index. What the contact did to it in the global step, the outside body
+// stood: from now on its other forces do the opposite.
+std::uint32_t load_ghost(const BorderPoint& point, const physics::BorderContact<double>& contact,
+                         BoundedVector<physics::BorderGhost<double>>& ghosts) noexcept {
+  auto* ghost = find_ghost(ghosts.span(), point.outside);
+  if (ghost == nullptr) return physics::kNoGhost;
+  const Vec3d force = point.impulse_rate_N * point.normal + point.friction_N;
+  const Twistd answer = ghost->admittance * Wrenchd{force, cross(contact.line_point - ghost->centre, force)};
+  ghost->drive.linear += answer.linear, ghost->drive.angular += answer.angular;
+  return static_cast<std::uint32_t>(ghost - ghosts.begin());
+}
+
+// What moves them, too.
+void slow_down(std::span<physics::BorderGhost<double>> ghosts, double share) noexcept {
+  for (auto& ghost : ghosts) {
+    ghost.velocity = {share * ghost.velocity.linear, share * ghost.velocity.angular};
+    ghost.drive = {share * ghost.drive.linear, share * ghost.drive.angular};
+  }
 }
 
 // From a (share 0) to b (share 1) the short way round. The chord and not the arc: it ends on b exactly, and the turn of
@@ -36,6 +65,7 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<d
       world_(config.capacities, config.hulls, config.meshes, config.effects),
       outside_velocity_(config.capacities.border_contacts),
       replaced_(config.capacities.border_contacts),
+      replaced_ghosts_(config.capacities.border_contacts),
       near_regions_(config.meshes.empty() ? 0 : kMaxNearRegions),
       near_triangles_(config.meshes.empty() ? 0 : kMaxNearTriangles) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
@@ -121,6 +151,7 @@ void SubWorld::report_border(SubWorldReport& report) const noexcept {
                              contact.feature,
                              0,
                              pose * contact.member_anchor,
+                             contact.normal,
                              contact.total_tangent_impulse,
                              contact.total_normal_impulse};
     if (!report.border.try_push(entry)) return;
@@ -153,6 +184,7 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
   for (const auto& contact : contacts) state_.border_work_J += contact.work;
   replaced_.swap(contacts);
   contacts.clear();
+  if (config_.border_mode == physics::BorderMode::kGhost) renew_ghosts(snapshot);
   outside_velocity_.clear();
   std::uint32_t hint = 0;
   for (const BorderPoint& point : snapshot.border) {
@@ -165,6 +197,7 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
     contact.impulse_rate = point.impulse_rate_N;
     contact.friction = point.friction;
     contact.outside_velocity = point.outside_velocity;
+    contact.outside_inverse_mass = point.outside_inverse_mass;
     contact.line_point = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose * point.member_anchor;
     contact.gap = point.separation_m + dot(point.normal, contact.line_point - point.outside_point);
     // Both lists are in the global world's order, so the old one is near where the last one was found.
@@ -178,10 +211,55 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
       hint = at + 1;
       break;
     }
+    if (config_.border_mode == physics::BorderMode::kGhost) contact.ghost = load_ghost(point, contact, world_.border_ghosts());
     // The world counts what does not fit, and the next step reports it.
     if (world_.add_border_contact(contact)) (void)outside_velocity_.try_push(point.outside_velocity);
   }
   border_count_ = contacts.size();
+  if (config_.border_mode == physics::BorderMode::kGhost) put_in_tank(work_in_global_step_J());
+}
+
+// A ghost for each outside body, moving as the global step says, and as it would have said, had its members pressed as
+// these here did over the cycle.
+void SubWorld::renew_ghosts(const WorldSnapshot& snapshot) noexcept {
+  auto& ghosts = world_.border_ghosts();
+  replaced_ghosts_.swap(ghosts);
+  ghosts.clear();
+  const double step_s = config_.ratio * config_.step.dt;
+  // A late cycle is longer than the global step: its mean counts.
+  const double share = state_.ticks_in_cycle > config_.ratio ? 1.0 * config_.ratio / state_.ticks_in_cycle : 1.0;
+  for (const OutsideBody& body : snapshot.outside) {
+    physics::BorderGhost<double> ghost;
+    ghost.outside = body.id;
+    ghost.centre = body.centre;
+    ghost.velocity = body.velocity;
+    ghost.drive = body.acceleration;
+    ghost.admittance = body.admittance;
+    if (state_.ticks_in_cycle > 0) {
+      Wrenchd news{-step_s * body.load.force, -step_s * body.load.torque};
+      if (const auto* before = find_ghost(replaced_ghosts_.span(), body.id))
+        news.force += share * before->total_impulse.force, news.torque += share * before->total_impulse.torque;
+      const Twistd change = body.admittance * news;
+      ghost.velocity.linear += change.linear, ghost.velocity.angular += change.angular;
+    }
+    if (!ghosts.try_push(ghost)) return;
+  }
+}
+
+// What the outside bodies did at the border contacts in the global step, on members: they may do it here as well.
+double SubWorld::work_in_global_step_J() const noexcept {
+  double power_W = 0;
+  const auto& contacts = world_.border_contacts();
+  for (std::uint32_t i = 0; i < contacts.size(); ++i)
+    power_W += contacts[i].impulse_rate * std::max(0.0, dot(contacts[i].normal, outside_velocity_[i]));
+  return power_W * config_.ratio * config_.step.dt;
+}
+
+void SubWorld::put_in_tank(double energy_J) noexcept {
+  const double balance = state_.tank_J - state_.owed_J + energy_J;
+  state_.tank_J = std::clamp(balance, 0.0, kMostInTank_J);
+  state_.owed_J = std::max(0.0, -balance);
+  world_.border_may_give = state_.tank_J > 0;
 }
 
 void SubWorld::take_near_triangles(std::span<const physics::NearRegion<double>> regions,
@@ -223,6 +301,8 @@ void SubWorld::apply_lateness(SubWorldStep& result) noexcept {
   auto& contacts = world_.border_contacts();
   for (std::uint32_t i = 0; i < contacts.size(); ++i) contacts[i].outside_velocity = fade * outside_velocity_[i];
   if (late == 0) return;
+  const double faded = std::max(0.0, 1.0 - static_cast<double>(late - 1) / config_.ratio);
+  slow_down(world_.border_ghosts().span(), faded > 0 ? fade / faded : 0.0);
   result.status |= kWorldLate;
   if (late > kFreezeAfterCycles * config_.ratio) {
     world_.border_mode = physics::BorderMode::kFrozen;
@@ -252,10 +332,12 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
   physics::StepSettings<double> settings = config_.step;
   settings.sub_steps = sub_steps;
   aim_spring(target);
+  const double border_before_J = border_work_J();
   world_.begin_step(settings);
   (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
   result.report = world_.finish_step(settings, cut);
   state_.last_sub_steps = sub_steps;
+  if (world_.border_mode == physics::BorderMode::kGhost) put_in_tank(border_before_J - border_work_J());
 
   const Wrenchd& impulse = world_.device_spring().step_impulse;
   state_.cycle_impulse.force += impulse.force;

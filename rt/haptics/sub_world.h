@@ -61,6 +61,8 @@ class SubWorld {
   std::uint32_t ticks_in_cycle() const noexcept { return state_.ticks_in_cycle; }
   bool exchanges() const noexcept { return config_.scheme != CouplingScheme::kDirect; }
   double border_work_J() const noexcept;  // done on members by the border, so far
+  double border_tank_J() const noexcept { return state_.tank_J; }  // what the ghost border may still do, 0 or more
+  double border_owed_J() const noexcept { return state_.owed_J; }  // what it did beyond that, 0 or more
   const physics::World<double>& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;
@@ -70,6 +72,11 @@ class SubWorld {
   std::size_t save_size_bound() const noexcept;
 
  private:
+  // The tank of the ghost border: what the border puts into the members it must have taken out before, or the outside
+  // bodies must have given it in the global world; and a little to start with. Where a tick takes more than there is,
+  // the rest is owed: it is paid first, and until then the border only takes.
+  static constexpr double kTankAtStart_J = 0.01;
+
   struct State {  // everything that is not in world_ and that the next tick depends on
     std::uint32_t ticks_in_cycle{0};
     std::uint32_t last_sub_steps{0};
@@ -78,6 +85,7 @@ class SubWorld {
     Wrenchd cycle_impulse;                        // N s, N m s: on the proxy by the coupling, this cycle
     physics::BodyMotion<double> global_proxy[2];  // interpolation: in G(n-1), in G(n)
     double border_work_J{0};
+    double tank_J{kTankAtStart_J}, owed_J{0};
   };
 
   void fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
@@ -85,6 +93,9 @@ class SubWorld {
   void report_border(SubWorldReport& report) const noexcept;
   void change_members(const WorldSnapshot& snapshot) noexcept;
   void renew_border(const WorldSnapshot& snapshot) noexcept;
+  void renew_ghosts(const WorldSnapshot& snapshot) noexcept;
+  double work_in_global_step_J() const noexcept;
+  void put_in_tank(double energy_J) noexcept;
   void take_near_triangles(std::span<const physics::NearRegion<double>> regions,
                            std::span<const std::uint32_t> triangles) noexcept;
   void freeze_all_but_proxy() noexcept;
@@ -101,6 +112,7 @@ class SubWorld {
   physics::World<double> world_;
   BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
   BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew_border
+  BoundedVector<physics::BorderGhost<double>> replaced_ghosts_;  // same
   // As adopted; none without meshes. They never show in a result (near_triangles.h), so they are no part of the state.
   BoundedVector<physics::NearRegion<double>> near_regions_;
   BoundedVector<std::uint32_t> near_triangles_;

@@ -48,8 +48,8 @@ void Solver<T, S>::prepare(const SolverInput<T>& input, StageContext<T>& context
   run_stages(input, Phase::kPrepare, context);
   contacts_.prepare(std::span<const Contact<T>>(input.contacts), state(), input.executor);
   if constexpr (kIsWhole) {
-    border_.prepare(input.border, input.border_mode, input.bodies, state(), context.h, input.impulse_scale,
-                    settings.friction);
+    border_.prepare(input.border, input.ghosts, input.border_mode, input.bodies, state(), context.h,
+                    input.impulse_scale, settings.friction, input.border_may_give);
     const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
     spring_.prepare(input.spring, spring_start, state(), context.h, input.impulse_scale);
   }
@@ -124,7 +124,7 @@ template <class T, class S>
 void Solver<T, S>::store(const SolverInput<T>& input, StageContext<T>& context, std::uint32_t uncorrected) noexcept {
   context.factor = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
   contacts_.store(input.contacts, context.factor);
-  if constexpr (kIsWhole) border_.store(input.border, context.settings.dt, context.factor);
+  if constexpr (kIsWhole) border_.store(input.border, input.ghosts, context.settings.dt, context.factor);
   run_stages(input, Phase::kFinish, context);
   for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
     const SolverBody<S>& state = motion_[i];
@@ -184,6 +184,7 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
       move_bodies(motion_.span().subspan(begin, end - begin),
                   std::span<const Body<T>>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });
+    border_.move_ghosts();
     run_stages(input, Phase::kMoved, context);
     bool counted = false;
     ++uncorrected;

@@ -47,7 +47,8 @@ World<T>::World(const Capacities& capacities, Hulls<T> hulls, Meshes<T> meshes, 
       dynamic_pairs_(capacities.pairs + 1),
       contacts_(capacities),
       effects_(effects, capacities),
-      border_contacts_(capacities.border_contacts) {
+      border_contacts_(capacities.border_contacts),
+      border_ghosts_(capacities.border_contacts) {
   if (precision == SweepPrecision::kSingle && effects_.only_gravity())
     single_solver_.emplace(capacities);
   else
@@ -385,9 +386,19 @@ void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& 
                      const CutPredicate& cut, StepReport<T>& report) noexcept {
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
-  const SolverInput<T> input{
-      bodies_.span(), held,          wrenches,          contacts_.contacts(), spring_,  border_contacts_.span(),
-      border_mode,    impulse_scale, effects_.stages(), fixed_bodies_.span(), executor_};
+  const SolverInput<T> input{bodies_.span(),
+                             held,
+                             wrenches,
+                             contacts_.contacts(),
+                             spring_,
+                             border_contacts_.span(),
+                             border_ghosts_.span(),
+                             border_mode,
+                             border_may_give,
+                             impulse_scale,
+                             effects_.stages(),
+                             fixed_bodies_.span(),
+                             executor_};
   if (solver_) return solver_->step(input, settings, cut, report);
   TACTUS_CHECK(!spring_.enabled && border_contacts_.empty(), spring_.slot, border_contacts_.size());
   single_solver_->step(input, settings, cut, report);

@@ -92,7 +92,11 @@ class World {
   bool add_border_contact(const BorderContact<T>& contact) noexcept;
   BoundedVector<BorderContact<T>>& border_contacts() noexcept;
   const BoundedVector<BorderContact<T>>& border_contacts() const noexcept;
+  // As many as border contacts, at most. Border contacts name them by index.
+  BoundedVector<BorderGhost<T>>& border_ghosts() noexcept { return border_ghosts_; }
+  const BoundedVector<BorderGhost<T>>& border_ghosts() const noexcept { return border_ghosts_; }
   BorderMode border_mode{BorderMode::kCapped};
+  bool border_may_give{true};  // set before each step; see BorderSolver
 
   // A wrench on a dynamic body, held over the next step, then forgotten. N, N m about its centre, world.
   void apply_wrench(std::uint32_t slot, const Wrench<T>& wrench) noexcept;
@@ -159,6 +163,7 @@ class World {
   std::optional<Solver<T, float>> single_solver_;
   PoseSpring<T> spring_;
   BoundedVector<BorderContact<T>> border_contacts_;
+  BoundedVector<BorderGhost<T>> border_ghosts_;
   T last_sub_step_{};                           // s, of the stored impulses; 0 before the first step
   std::uint32_t refused_bits_{0}, refused_{0};  // of insert and add, for the next report
 };

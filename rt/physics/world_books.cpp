@@ -86,10 +86,24 @@ void each_field(Io& io, BorderContact<T>& c) noexcept {
   io(c.member), io(c.outside), io(c.feature);
   each_field(io, c.normal), each_field(io, c.member_anchor);
   io(c.impulse_rate), io(c.friction);
-  each_field(io, c.outside_velocity), each_field(io, c.line_point), io(c.gap);
+  each_field(io, c.outside_velocity), io(c.ghost), io(c.outside_inverse_mass);
+  each_field(io, c.line_point), io(c.gap);
   io(c.friction_free), io(c.normal_impulse), io(c.tangent_impulse[0]), io(c.tangent_impulse[1]);
   io(c.step_normal_impulse), each_field(io, c.step_tangent_impulse);
   io(c.total_normal_impulse), each_field(io, c.total_tangent_impulse), io(c.work);
+}
+
+template <class Io, class T>
+void each_field(Io& io, SymMat3<T>& m) noexcept {
+  io(m.xx), io(m.yy), io(m.zz), io(m.xy), io(m.xz), io(m.yz);
+}
+
+template <class Io, class T>
+void each_field(Io& io, BorderGhost<T>& g) noexcept {
+  io(g.outside), each_field(io, g.centre), each_field(io, g.velocity), each_field(io, g.drive);
+  each_field(io, g.admittance.linear), each_field(io, g.admittance.angular);
+  for (Vec3<T>& row : g.admittance.crossed) each_field(io, row);
+  each_field(io, g.total_impulse);
 }
 
 struct Writing {
@@ -202,7 +216,9 @@ void World<T>::save(ByteWriter& out) const noexcept {
   PoseSpring<T> spring = spring_;
   each_field(io, spring);
   write_all(out, border_contacts_.span());
-  io(static_cast<std::uint32_t>(border_mode)), io(last_sub_step_), io(refused_bits_), io(refused_);
+  write_all(out, border_ghosts_.span());
+  io(static_cast<std::uint32_t>(border_mode)), io(border_may_give);
+  io(last_sub_step_), io(refused_bits_), io(refused_);
   effects_.save(out);
 }
 
@@ -211,7 +227,7 @@ std::size_t World<T>::save_size_bound() const noexcept {
   const Capacities& c = capacities_;
   return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + sizeof(Pose<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
          c.contacts * (sizeof(Contact<T>) + sizeof(ContactReference<T>) + sizeof(WarmStart<T>)) +
-         c.border_contacts * sizeof(BorderContact<T>) + sizeof(PoseSpring<T>) + effects_.save_size_bound() +
+         c.border_contacts * (sizeof(BorderContact<T>) + sizeof(BorderGhost<T>)) + sizeof(PoseSpring<T>) + effects_.save_size_bound() +
          64;  // 64: counts and the last line of save
 }
 
@@ -221,10 +237,10 @@ void World<T>::clear() noexcept {
   bounds_.clear(), fixed_bounds_.clear(), frames_.clear(), fixed_frames_.clear();
   reach_.clear(), last_poses_.clear(), dynamic_pairs_.clear();
   contacts_.clear();
-  border_contacts_.clear();
+  border_contacts_.clear(), border_ghosts_.clear();
   fixed_is_indexed_ = false;
   spring_ = {};
-  border_mode = BorderMode::kCapped;
+  border_mode = BorderMode::kCapped, border_may_give = true;
   wrench_applied_ = false;
   last_sub_step_ = T(0);
   refused_bits_ = 0, refused_ = 0;
@@ -257,7 +273,7 @@ bool World<T>::is_consistent() const noexcept {
   for (const WarmStart<T>& w : contacts_.warm_starts())
     if (w.count > kMaxManifoldPoints) return false;
   if (spring_.enabled && spring_.slot >= bodies_.size()) return false;
-  return border_mode >= BorderMode::kCapped && border_mode <= BorderMode::kFrozen;
+  return border_mode >= BorderMode::kCapped && border_mode <= BorderMode::kGhost;
 }
 
 template <class T>
@@ -279,9 +295,9 @@ bool World<T>::restore(ByteReader& in) noexcept {
     if (!read_all(in, contacts_.stored_contacts()) || !read_all(in, contacts_.stored_references())) return false;
     if (!read_all(in, contacts_.stored_warm_starts())) return false;
     each_field(io, spring_);
-    if (!read_all(in, border_contacts_)) return false;
+    if (!read_all(in, border_contacts_) || !read_all(in, border_ghosts_)) return false;
     std::uint32_t mode = 0;
-    io(mode), io(last_sub_step_), io(refused_bits_), io(refused_);
+    io(mode), io(border_may_give), io(last_sub_step_), io(refused_bits_), io(refused_);
     border_mode = static_cast<BorderMode>(mode);
     return effects_.restore(in) && in.ok() && is_consistent();
   };

@@ -132,7 +132,7 @@ TEST_CASE("A border point is where the bodies touch, with the normal from the ou
   std::vector<Posed> start;
   for (const auto& body : world->bodies()) start.push_back(body.motion.pose);
   step(*world);
-  BorderLog log(16);
+  BorderLog log(4, 16);
   auto border = std::make_unique<Border>();
   const bool card_is_member = GENERATE(true, false);
   const std::vector<std::uint8_t> members =
@@ -171,7 +171,7 @@ TEST_CASE("Contacts inside, outside or with static geometry are no border, nor a
   contact.points[1].separation = 0.001;
   const std::vector<physics::Body<double>> bodies(3);
   const std::vector<Posed> start(3);
-  BorderLog log(16);
+  BorderLog log(4, 16);
   auto border = std::make_unique<Border>();
   const auto count = [&](std::vector<std::uint8_t> members) {
     log.fill(std::span(&contact, 1), bodies, start, members, kStep_s, *border);
@@ -201,7 +201,7 @@ TEST_CASE("When border points do not fit, those that press least are left out an
       contacts[i].points[p].feature = p, contacts[i].points[p].total_normal_impulse = p == 2 ? 1e-6 * (i + 1) : 1.0;
   }
   bodies[0].id = 0;
-  BorderLog log(kContacts);
+  BorderLog log(kContacts + 1, kContacts);
   auto border = std::make_unique<Border>();
   CHECK(log.fill(contacts, bodies, std::vector<Posed>(kContacts + 1), members, kStep_s, *border) == 176);
   REQUIRE(border->size() == 1024);
@@ -210,4 +210,73 @@ TEST_CASE("When border points do not fit, those that press least are left out an
     CHECK(std::pair(last.outside, last.feature) < std::pair(point.outside, point.feature));
     if (point.feature == 2) CHECK(point.outside > 176);
   }
+}
+
+TEST_CASE("To ghosts the whole difference is handed back: what the members did, less what their images did") {
+  auto world = card_on_slab();
+  BorderLog log(4, 16);
+  auto report = std::make_unique<haptics::SubWorldReport>();
+  *report = {};
+  report->ticks = 10;
+  REQUIRE(report->members.try_push({1, 0, world->bodies()[1].motion}));
+  const Vec3d j1{0.3, -0.1, 0}, j2{0.05, 0.2, 0};
+  for (auto& entry : returns(j1, j2)) {
+    entry.normal = {0, 0, 1}, entry.normal_impulse_Ns = 0.7;
+    REQUIRE(report->border.try_push(entry));
+  }
+  const Vec3d global = friction_on_slab(*world) - Vec3d{0, 0, kPress_N * kStep_s};
+  const Vec3d before = momentum_of(*world, 0);
+  SECTION("in time") {
+    log.hand_back(*report, 10, kCardIsMember, *world);
+    const Vec3d change = momentum_of(*world, 0) - before;
+    CHECK(norm(change - (-(j1 + j2) - Vec3d{0, 0, 1.4} - global)) < 1e-3 * kPress_N * kStep_s);
+  }
+  SECTION("late: the mean of the cycle counts") {
+    report->ticks = 20;
+    log.hand_back(*report, 10, kCardIsMember, *world);
+    const Vec3d change = momentum_of(*world, 0) - before;
+    CHECK(norm(change - (-0.5 * (j1 + j2) - Vec3d{0, 0, 0.7} - global)) < 1e-3 * kPress_N * kStep_s);
+  }
+  SECTION("no cycle yet, or a body that is a member by now: nothing") {
+    if (GENERATE(true, false)) {
+      report->ticks = 0;
+      log.hand_back(*report, 10, kCardIsMember, *world);
+    } else {
+      log.hand_back(*report, 10, std::vector<std::uint8_t>{1, 1}, *world);
+    }
+    CHECK(momentum_of(*world, 0) == before);
+  }
+  SECTION("a member that pressed in the global world alone: that is taken back") {
+    report->border.clear();
+    log.hand_back(*report, 10, kCardIsMember, *world);
+    CHECK(norm(momentum_of(*world, 0) - before + global) < 1e-3 * kPress_N * kStep_s);
+  }
+}
+
+TEST_CASE("An outside body is told as it moved, with the load that it bore of those that were members") {
+  auto world = card_on_slab();
+  const auto before = world->bodies()[0].motion.pose.position;
+  step(*world);
+  BorderLog log(4, 16);
+  auto border = std::make_unique<Border>();
+  REQUIRE(log.fill(world->contacts(), world->bodies(), world->last_poses(), kCardIsMember, kStep_s, *border) == 0);
+  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
+  const bool was_member = GENERATE(true, false);
+  const std::vector<std::uint8_t> former{0, static_cast<std::uint8_t>(was_member)};
+  REQUIRE(log.fill_outside(*world, kCardIsMember, former, kStep_s, border->span(), outside) == 0);
+  REQUIRE(outside.size() == 1);
+  CHECK(outside[0].id == 0);
+  CHECK(outside[0].centre == world->bodies()[0].motion.pose.position);
+  CHECK(norm(outside[0].velocity.linear - (outside[0].centre - before) * (1 / kStep_s)) < 1e-12);
+  CHECK(outside[0].admittance.linear.xx == Approx(1 / 20.0).epsilon(1e-9));  // nothing holds the slab
+  const Vec3d load = was_member ? friction_on_slab(*world) * (1 / kStep_s) - Vec3d{0, 0, kPress_N} : Vec3d{};
+  CHECK(norm(outside[0].load.force - load) < 1e-3 * kPress_N);
+  // Its own share of the contact's inverse mass: 1 / M and the corner's lever on its inertia.
+  const auto& slab = world->bodies()[0];
+  const Vec3d r = (*border)[0].outside_point - slab.motion.pose.position;
+  CHECK((*border)[0].outside_inverse_mass ==
+        Approx(1 / 20.0 + r.y * r.y / slab.inertia.x + r.x * r.x / slab.inertia.y).epsilon(1e-3));
+  Vec3d friction;
+  for (const auto& point : *border) friction += point.friction_N;
+  CHECK(norm(friction + friction_on_slab(*world) * (1 / kStep_s)) < 1e-12);
 }

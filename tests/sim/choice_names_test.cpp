@@ -28,7 +28,6 @@ TEST_CASE("Names are the words of the command line") {
 TEST_CASE("Other words name nothing") {
   CHECK_FALSE(sim::parse_coupling_scheme("subworld"));
   CHECK_FALSE(sim::parse_coupling_scheme(""));
-  CHECK_FALSE(sim::parse_border_mode("ghost"));
   CHECK_FALSE(sim::parse_cut_order("best"));
   CHECK_FALSE(sim::parse_reach("Paper"));
   CHECK_FALSE(sim::parse_precision("float"));

@@ -22,6 +22,7 @@ std::vector<std::string> case_names() {
 std::string command_of(const CouplingOptions& o, const experiment::StudyRequest& request) {
   std::string text = "tactus experiment " + o.name;
   if (!o.scenes.empty()) text += fmt::format(" --scenes {}", fmt::join(o.scenes, ","));
+  if (!o.borders.empty()) text += fmt::format(" --borders {}", fmt::join(o.borders, ","));
   if (!o.ratios.empty()) text += fmt::format(" --ratios {}", fmt::join(o.ratios, ","));
   text += fmt::format(" --seeds {}", request.seeds);
   if (o.members > 0) text += fmt::format(" --members {}", o.members);
@@ -36,6 +37,9 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   command.add_option("--scenes", options.scenes, "scenes, separated by commas; all by default")
       ->delimiter(',')
       ->check(CLI::IsMember(case_names()));
+  command.add_option("--borders", options.borders, "borders, separated by commas; all that are compared by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"ghost", "capped", "replay", "frozen"}));
   command.add_option("--ratios", options.ratios, "ticks per global step, separated by commas; default 1,2,4,8,16")
       ->delimiter(',')
       ->check(CLI::Range(1, 100));
@@ -61,7 +65,13 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
       request.cases.push_back(one);
   std::vector<unsigned> ratios = options.ratios;
   if (ratios.empty()) ratios = options.quick ? std::vector<unsigned>{2, 8, 16} : std::vector<unsigned>{1, 2, 4, 8, 16};
+  const auto asked_for = [&](const experiment::Scheme& scheme) {
+    const auto& borders = options.borders;
+    return borders.empty() || scheme.coupling != haptics::CouplingScheme::kSubWorld ||
+           std::find(borders.begin(), borders.end(), sim::name_of(scheme.border)) != borders.end();
+  };
   for (experiment::Scheme scheme : schemes) {
+    if (!asked_for(scheme)) continue;
     if (scheme.coupling == haptics::CouplingScheme::kDirect) {
       scheme.ratio = 1;
       request.schemes.push_back(scheme);

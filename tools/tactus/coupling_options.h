@@ -15,7 +15,7 @@ namespace tactus::tools {
 
 struct CouplingOptions {
   std::string name;  // of the experiment
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes, borders;
   std::vector<unsigned> ratios;
   unsigned seeds{20}, members{0};
   std::string order{"best-first"}, csv, page;

@@ -27,7 +27,8 @@ void add_energy_loss(CLI::App& experiment, int& exit_code) {
   command->callback([options, &exit_code] {
     using haptics::CouplingScheme;
     using physics::BorderMode;
-    exit_code = run_coupling_experiment(*options, {{CouplingScheme::kSubWorld, BorderMode::kCapped, 0},
+    exit_code = run_coupling_experiment(*options, {{CouplingScheme::kSubWorld, BorderMode::kGhost, 0},
+                                                   {CouplingScheme::kSubWorld, BorderMode::kCapped, 0},
                                                    {CouplingScheme::kSubWorld, BorderMode::kReplay, 0},
                                                    {CouplingScheme::kSubWorld, BorderMode::kFrozen, 0}});
   });

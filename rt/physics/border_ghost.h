@@ -1,0 +1,37 @@
+// A body of another world as this world knows it at the border: its motion, and what an impulse does to it.
+//
+// The ghost moves as the other world found it to move under the load it found; what the load is off by moves it at
+// once, by its admittance: v = u + W (P - P_found). W stands for all that moves with the body, so that a body on firm
+// ground has none and the first of a row the row's. Frame: world. Units: SI. Thread: the owner of the World.
+#pragma once
+
+#include "rt/base/ids.h"
+#include "rt/base/spatial.h"
+
+namespace tactus::physics {
+
+// The change of a body's twist by an impulse on it, both at its centre: symmetric, not negative.
+template <class T>
+struct Admittance {
+  SymMat3<T> linear;   // m/s per N s
+  SymMat3<T> angular;  // rad/s per N m s
+  Vec3<T> crossed[3];  // row i: velocity i [m/s] per N m s; its transpose is rad/s per N s
+
+  friend constexpr Twist<T> operator*(const Admittance& w, const Wrench<T>& p) noexcept {
+    const Vec3<T>& f = p.force;
+    return {w.linear * f + Vec3<T>{dot(w.crossed[0], p.torque), dot(w.crossed[1], p.torque), dot(w.crossed[2], p.torque)},
+            w.angular * p.torque + f.x * w.crossed[0] + f.y * w.crossed[1] + f.z * w.crossed[2]};
+  }
+};
+
+template <class T>
+struct BorderGhost {
+  BodyId outside{kNoBody};
+  Vec3<T> centre;            // m
+  Twist<T> velocity;         // of the centre, now
+  Twist<T> drive;            // m/s^2, rad/s^2: by all that acts on it but this world's members
+  Admittance<T> admittance;  // of the centre
+  Wrench<T> total_impulse;   // N s, N m s about the centre: by the members, over the cycle
+};
+
+}  // namespace tactus::physics

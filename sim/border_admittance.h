@@ -1,0 +1,60 @@
+// How an outside body answers an impulse at the border, with all that moves with it: W of the ghost border.
+//
+// Through contacts that press, an impulse reaches other outside bodies and static geometry at once. The contact graph
+// is followed outwards from the body, nearest first, members left out, and every body is eliminated from the far end
+// inwards (as an articulated body's inertia is found): exact where the graph is a tree. A body that can be reached in
+// two ways hangs on the nearest; what holds it counts all the same. A contact holds along its normal, and across it
+// where it sticks. Beyond kMostBodies the rest is left out: then the answer is too large, never too small.
+// Thread: the global world's; construction [setup]; allocates nothing. Frame: world. Units: SI. Work: index linear in
+// contacts, find in kMostBodies. Source: the study of borders (Schur complement of the outside contact system);
+// articulated-body inertia, Featherstone.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "rt/physics/world.h"
+
+namespace tactus::sim {
+
+// Of six unknowns, velocity before spin: symmetric.
+using Vector6 = std::array<double, 6>;
+using Matrix6 = std::array<std::array<double, 6>, 6>;
+
+class BorderAdmittance {
+ public:
+  static constexpr std::uint32_t kMostBodies = 32;
+
+  BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts);
+
+  // Of a step that has been taken; they must stay while they are asked about.
+  void index(std::span<const physics::Contact<double>> contacts, std::span<const physics::Body<double>> bodies) noexcept;
+  // Of a body's centre. `members` by slot: 1 for those that the sub-world moves.
+  physics::Admittance<double> find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
+  // Gives the body an impulse [N s, N m s about its centre], and with it all that moves with it: their velocities
+  // change, that of the body by find() x impulse. Returns the kinetic energy that they gained [J].
+  double apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
+               std::span<physics::Body<double>> bodies) noexcept;
+  // Indices of the body's contacts, in their order.
+  std::span<const std::uint32_t> contacts_of(std::uint32_t slot) const noexcept;
+
+ private:
+  struct Reached {
+    std::uint32_t slot, parent, contact;  // parent: index among the reached
+    Matrix6 inertia;                      // about the asked body's centre, with all that hangs on it
+    Matrix6 firmness;                     // of the contact with the parent
+    Vector6 change;                       // of its twist, at the asked body's centre
+  };
+
+  void collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
+  void reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t contact, const Vec3d& centre) noexcept;
+
+  std::span<const physics::Contact<double>> contacts_;
+  std::span<const physics::Body<double>> bodies_;
+  std::vector<std::uint32_t> first_, links_;  // by slot: its first link; links: contacts
+  std::vector<std::uint32_t> found_;          // by slot: the search that reached it
+  std::uint32_t search_{0};
+  std::vector<Reached> reached_;
+};
+
+}  // namespace tactus::sim

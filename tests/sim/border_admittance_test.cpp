@@ -1,0 +1,114 @@
+#include "sim/border_admittance.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/physics_bench.h"
+
+namespace {
+
+using namespace tactus;
+using namespace tactus::sim;
+using test::PhysicsBench;
+
+constexpr double kHalf = 0.05, kMass = 0.2;
+
+PhysicsBench<> make_bench() {
+  PhysicsBench<> bench(physics::Capacities{64, 2, 256, 256, 0});
+  bench.settings.dt = 0.01, bench.settings.sub_steps = 10;
+  return bench;
+}
+
+physics::Admittance<double> answer_of(const PhysicsBench<>& bench, std::uint32_t slot,
+                                      std::vector<std::uint8_t> members) {
+  BorderAdmittance admittance(64, 256);
+  members.resize(64, 0);
+  admittance.index(bench.world.contacts(), bench.world.bodies());
+  return admittance.find(slot, members);
+}
+
+// A row of cubes along x without gravity, the first pushed so that all press on each other.
+PhysicsBench<> pushed_row(std::uint32_t count, double friction) {
+  PhysicsBench<> bench = make_bench();
+  bench.settings.gravity = {};
+  for (std::uint32_t k = 0; k < count; ++k)
+    bench.add_box(k, {kHalf, kHalf, kHalf}, kMass, friction, {{2 * kHalf * k, 0, 0}, {}});
+  for (int step = 0; step < 20; ++step) {
+    bench.world.apply_wrench(0, {{2, 0, 0}, {}});
+    bench.step();
+  }
+  return bench;
+}
+
+}  // namespace
+
+TEST_CASE("A body that nothing touches answers with its own mass and inertia") {
+  PhysicsBench<> bench = make_bench();
+  bench.add_box(0, {0.02, 0.03, 0.04}, kMass, 0.5, {{1, 2, 3}, quat_from_rotation_vector(Vec3d{0.3, -0.2, 0.5})});
+  bench.step();
+  const auto w = answer_of(bench, 0, {});
+  const auto& body = bench.body(0);
+  const Vec3d force{1, -2, 0.5}, torque{0.1, 0.4, -0.3};
+  const Twistd turn = w * Wrenchd{force, torque};
+  CHECK(norm(turn.linear - force * (1 / kMass)) < 1e-12);
+  const Vec3d local = rotate_inverse(body.motion.pose.rotation, torque);
+  const Vec3d wanted =
+      rotate(body.motion.pose.rotation,
+             Vec3d{local.x / body.inertia.x, local.y / body.inertia.y, local.z / body.inertia.z});
+  CHECK(norm(turn.angular - wanted) < 1e-9 * norm(wanted));
+}
+
+TEST_CASE("A cube that stands on the ground answers to no push, as far as its friction holds") {
+  PhysicsBench<> bench = make_bench();
+  bench.add_ground(9, 0.5);
+  bench.add_stack(0, 3, kHalf, kMass, 0.5);
+  bench.run(50);
+  const auto w = answer_of(bench, 2, {});  // on two others
+  for (const Vec3d& push : {Vec3d{0, 0, -1}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}})
+    CHECK(norm((w * Wrenchd{push, {}}).linear) < 1e-3 / kMass);
+  CHECK(norm((w * Wrenchd{{}, {1, 1, 1}}).angular) < 1e-2 / bench.body(2).inertia.x);
+}
+
+TEST_CASE("On slippery ground it gives way sideways, and not downwards") {
+  PhysicsBench<> bench = make_bench();
+  bench.add_ground(9, 0);
+  bench.add_stack(0, 1, kHalf, kMass, 0);
+  bench.run(50);
+  const auto w = answer_of(bench, 0, {});
+  CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / kMass).epsilon(1e-3));
+  CHECK(std::abs((w * Wrenchd{{0, 0, 1}, {}}).linear.z) < 1e-3 / kMass);
+}
+
+TEST_CASE("The first outside body of a row answers with the mass of the whole row behind it") {
+  const auto count = GENERATE(2u, 5u, 20u);
+  const double friction = GENERATE(0.0, 0.5);
+  const PhysicsBench<> bench = pushed_row(count, friction);
+  const auto w = answer_of(bench, 1, {1});
+  CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / (kMass * (count - 1))).epsilon(1e-3));
+  if (friction == 0) CHECK((w * Wrenchd{{0, 1, 0}, {}}).linear.y >= (1 - 1e-3) / (kMass * (count - 1)));
+}
+
+TEST_CASE("A row longer than is followed counts as far as it is followed") {
+  const PhysicsBench<> bench = pushed_row(45, 0);
+  const auto w = answer_of(bench, 1, {1});
+  const double counted = (w * Wrenchd{{1, 0, 0}, {}}).linear.x * kMass;
+  CHECK(counted == Approx(1.0 / BorderAdmittance::kMostBodies).epsilon(0.01));
+}
+
+TEST_CASE("An answer never gains energy: work of any wrench on its own answer is not negative") {
+  PhysicsBench<> bench = make_bench();
+  bench.add_ground(9, 0.4);
+  test::Random random(7);
+  for (BodyId k = 0; k < 12; ++k)
+    bench.add_box(k, {kHalf, kHalf, kHalf}, kMass, 0.4,
+                  {{random(-0.08, 0.08), random(-0.08, 0.08), 0.06 + 0.12 * k}, {}});
+  bench.run(60);
+  for (std::uint32_t slot = 0; slot < 12; ++slot) {
+    const auto w = answer_of(bench, slot, {1, 1});
+    for (int i = 0; i < 20; ++i) {
+      const Wrenchd p{{random(-1, 1), random(-1, 1), random(-1, 1)}, {random(-0.1, 0.1), random(-0.1, 0.1), random(-0.1, 0.1)}};
+      const Twistd v = w * p;
+      CHECK(dot(p.force, v.linear) + dot(p.torque, v.angular) >= 0);
+      CHECK(is_finite(v));
+    }
+  }
+}
