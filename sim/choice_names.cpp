@@ -13,10 +13,13 @@ using physics::SweepPrecision;
 template <class Choice, std::size_t kCount>
 using Names = std::array<std::pair<Choice, std::string_view>, kCount>;
 
-constexpr Names<CouplingScheme, 4> kCouplingSchemes{{{CouplingScheme::kSubWorld, "sub-world"},
+constexpr Names<CouplingScheme, 7> kCouplingSchemes{{{CouplingScheme::kSubWorld, "sub-world"},
                                                      {CouplingScheme::kDirect, "direct"},
                                                      {CouplingScheme::kInterpolation, "interpolation"},
-                                                     {CouplingScheme::kStatic, "static"}}};
+                                                     {CouplingScheme::kStatic, "static"},
+                                                     {CouplingScheme::kPlane, "plane"},
+                                                     {CouplingScheme::kPlanes, "planes"},
+                                                     {CouplingScheme::kLinearised, "linearised"}}};
 constexpr Names<BorderMode, 4> kBorderModes{{{BorderMode::kGhost, "ghost"},
                                              {BorderMode::kCapped, "capped"},
                                              {BorderMode::kReplay, "replay"},

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "rt/haptics/plane_coupling.h"
 #include "rt/haptics/snapshot_bytes.h"
 #include "sim/mesh_neighbourhood.h"
+#include "sim/proxy_planes.h"
 #include "sim/scene_effects.h"
 
 namespace tactus::sim {
@@ -114,7 +116,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       hulls_(scene.hulls),
       meshes_(scene.meshes),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
-      grid_(capacities_for(scene).bodies),
+      pair_cache_(capacities_for(scene).bodies, capacities_for(scene).pairs),
       graph_(capacities_for(scene).bodies, touches_for(scene)),
       border_log_(capacities_for(scene).bodies, capacities_for(scene).contacts),
       bounds_(capacities_for(scene).bodies),
@@ -154,7 +156,7 @@ std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) no
 
 void GlobalWorld::share_work(WorkerPool& pool) {
   world_.share_work(pool.executor());
-  grid_.share_work(pool.executor(), pool.threads(), world_.dynamic_pairs().capacity());
+  pair_cache_.share_work(pool.executor(), pool.threads());
 }
 
 void GlobalWorld::set_state(std::span<const Body<double>> bodies,
@@ -256,7 +258,7 @@ void GlobalWorld::advance() noexcept {
   world_.begin_step(bounds_settings_);
   while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings_);  // who wakes may wake others
   const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
-  if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
+  if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
   const auto report = world_.finish_step(settings_, {}, far_region());
   time_s_ += settings_.dt;
   islands_.follow(world_);
@@ -313,7 +315,7 @@ void GlobalWorld::find_touches_at_rest() noexcept {
     bounds_[slot] = physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, options_.touch_tolerance_m);
   auto& pairs = world_.dynamic_pairs();
   pairs.clear();
-  if (!grid_.find(std::span(std::as_const(bounds_)).first(bodies.size()), pairs))
+  if (!pair_cache_.find(std::span(std::as_const(bounds_)).first(bodies.size()), pairs))
     statistics_.capacity_bits |= physics::kPairsFull;
   std::sort(pairs.begin(), pairs.end(), [](const physics::SlotPair& p, const physics::SlotPair& q) {
     const auto low = [](const physics::SlotPair& x) { return std::min(x.a, x.b); };
@@ -344,8 +346,8 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   for (const Device& other : devices_)
     if (&other != &device)
       for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
-  // With the interpolation the device feels the proxy alone.
-  if (options_.coupling == CouplingScheme::kInterpolation) budget = 1;
+  // Where the device feels the proxy alone, there are no other members.
+  if (options_.coupling == CouplingScheme::kInterpolation || feels_planes(options_.coupling)) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
 
@@ -367,6 +369,9 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
     if (cycle > 0) fill_border(device, next);
   }
+  if (feels_planes(options_.coupling) && cycle > 0)
+    fill_proxy_planes(world_, device.id, settings_.dt,
+                      options_.coupling == CouplingScheme::kPlane ? 1 : haptics::kMaxProxyPlanes, next.border);
   count(device, next);
 }
 

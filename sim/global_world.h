@@ -19,7 +19,7 @@
 #include "sim/border_log.h"
 #include "sim/extraction.h"
 #include "sim/island_manager.h"
-#include "sim/pair_grid.h"
+#include "sim/pair_cache.h"
 #include "sim/scene.h"
 #include "sim/worker_pool.h"
 
@@ -132,7 +132,7 @@ class GlobalWorld {
   physics::Hulls<double> hulls_;
   physics::Meshes<double> meshes_;
   IslandManager islands_;
-  PairGrid grid_;
+  PairCache pair_cache_;
   ContactGraph graph_;
   BorderLog border_log_;
   std::vector<Device> devices_;

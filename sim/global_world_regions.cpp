@@ -57,7 +57,7 @@ physics::FarRegion GlobalWorld::far_region() noexcept {
 
 void GlobalWorld::sleep_from_start() noexcept {
   world_.begin_step(bounds_settings_);
-  if (!grid_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
+  if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
   islands_.count_resting_as_slow();
   sleep();
 }

@@ -12,7 +12,7 @@
 
 #include "rt/physics/world.h"
 #include "sim/islands.h"
-#include "sim/sleeper_grid.h"
+#include "sim/box_grid.h"
 
 namespace tactus::sim {
 
@@ -93,7 +93,7 @@ class IslandManager {
   std::vector<Parked> parked_;
   std::size_t max_parked_;
   std::uint32_t free_parked_{kNone};
-  SleeperGrid grid_;
+  BoxGrid grid_;
 
   Islands islands_;
   std::vector<std::uint8_t> stays_, apart_;            // by slot: of an island, by its lowest slot; scratch

@@ -12,15 +12,6 @@ constexpr double kFill = 0.999;
 // Cells beyond are folded into the last: still right, since folding never moves two cells further apart.
 constexpr double kFarthestCell = 1099511627776.0;  // 2^40
 
-// Exact: the grid computes in double, whatever the world's precision.
-template <class T>
-physics::Aabb<double> widened(const physics::Aabb<T>& box) noexcept {
-  const auto wide = [](const Vec3<T>& v) {
-    return Vec3d{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-  };
-  return {wide(box.lower), wide(box.upper)};
-}
-
 double largest_extent(const physics::Aabb<double>& box) noexcept {
   const Vec3d e = box.upper - box.lower;
   return std::max(e.x, std::max(e.y, e.z));

@@ -19,6 +19,15 @@
 
 namespace tactus::sim {
 
+// Exact: broad phases compute in double, whatever the world's precision.
+template <class T>
+physics::Aabb<double> widened(const physics::Aabb<T>& box) noexcept {
+  const auto wide = [](const Vec3<T>& v) {
+    return Vec3d{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+  };
+  return {wide(box.lower), wide(box.upper)};
+}
+
 class PairGrid {
  public:
   // What the last find did: counts, which grow the same on every machine.

@@ -2,10 +2,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
+
+#include "rt/base/math.h"
 
 namespace tactus::haptics {
 namespace {
+
+// The force of one quantum through the damper that a hand does not notice (N; N m).
+constexpr double kQuietForce_N = 0.05, kQuietTorque_Nm = 2e-3;
+
+struct Gains {
+  double stiffness, damping;
+};
+
+// The gains for which an oscillation that turns by `angle` a period neither dies out nor grows: of
+// 1 + (K + B (1 - 1/z) / T) z^(-t_d/T) G(z) = 0 at z = e^(i angle), both parts. G: position by held force.
+Gains on_boundary(const AxisLimits& axis, double angle) noexcept {
+  using Complex = std::complex<double>;
+  const double T = axis.period_s, m = axis.mass, b = axis.damping;
+  const auto [sine, cosine] = sin_cos(angle);
+  const auto [late_sine, late_cosine] = sin_cos(angle * axis.delay_s / T);
+  const Complex z{cosine, sine}, late{late_cosine, late_sine};
+  const double a = b * T / m, decay = (1 - 0.5 * a) / (1 + 0.5 * a);
+  // Below, the two terms of the damped mass would cancel.
+  const Complex G = a < 1e-6 ? T * T / (2 * m) * (z + 1.0) / ((z - 1.0) * (z - 1.0))
+                             : (T / (z - 1.0) - (m / b) * (1 - decay) / (z - decay)) / b;
+  const Complex wanted = -late / G;
+  const double damping = T * wanted.imag() / sine;
+  return {wanted.real() - damping / T * (1 - cosine), damping};
+}
 
 AxisVerdict judge(const AxisLimits& axis, double stiffness, double damping) noexcept {
   AxisVerdict v;
@@ -24,9 +51,48 @@ AxisVerdict judge(const AxisLimits& axis, double stiffness, double damping) noex
   return v;
 }
 
+// Where the encoder is fine, a tenth of the damper's limit is enough: the stiffness goes with the damping up to there.
+// A fiftieth below what is allowed, so that the figures may be rounded.
+Gains suggest(const AxisLimits& axis, double quiet) noexcept {
+  const double most = 0.1 * damping_limit(axis);
+  const double damping = axis.quantum > 0 ? std::min(most, quiet * axis.period_s / axis.quantum) : most;
+  return {0.98 * kAllowedStiffnessShare * uncoupled_stiffness_limit(axis, damping), damping};
+}
+
 }  // namespace
 
+AxisLimits translation_of(const DeviceProperties& device, double period_s, double late_s) noexcept {
+  return {period_s,
+          device.delay_s + late_s,
+          device.mass_kg,
+          device.damping_Ns_per_m,
+          device.coulomb_friction_N,
+          device.position_quantum_m};
+}
+
+AxisLimits rotation_of(const DeviceProperties& device, double period_s, double late_s) noexcept {
+  return {period_s,
+          device.delay_s + late_s,
+          device.inertia_kg_m2,
+          device.damping_Nms_per_rad,
+          device.coulomb_friction_Nm,
+          device.rotation_quantum_rad};
+}
+
+// Damping grows with the angle up to where the stiffness is back at 0, at most pi / (2 (t_d/T + 1)) but for the
+// device's own damping: by halves between none and a fifth more.
 double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept {
+  if (!(axis.mass > 0) || !(coupling_damping + axis.damping > 0)) return 0;
+  double least = 0, most = 1.2 * 1.5707963267948966 / (axis.delay_s / axis.period_s + 1);
+  if (!(on_boundary(axis, most).damping > coupling_damping)) return 0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (least + most);
+    (on_boundary(axis, middle).damping < coupling_damping ? least : most) = middle;
+  }
+  return std::max(0.0, on_boundary(axis, most).stiffness);
+}
+
+double little_damping_limit(const AxisLimits& axis, double coupling_damping) noexcept {
   return (axis.damping + coupling_damping) / (0.5 * axis.period_s + axis.delay_s);
 }
 
@@ -41,25 +107,26 @@ double quantisation_stiffness_limit(const AxisLimits& axis) noexcept {
   return axis.quantum > 0 ? std::min(by_damping, 2.0 * axis.coulomb_friction / axis.quantum) : by_damping;
 }
 
-CouplingVerdict check_coupling(const CouplingGains& gains, const DeviceProperties& device, double period_s) noexcept {
-  const AxisLimits translation{period_s,
-                               device.delay_s,
-                               device.mass_kg,
-                               device.damping_Ns_per_m,
-                               device.coulomb_friction_N,
-                               device.position_quantum_m};
-  const AxisLimits rotation{period_s,
-                            device.delay_s,
-                            device.inertia_kg_m2,
-                            device.damping_Nms_per_rad,
-                            device.coulomb_friction_Nm,
-                            device.rotation_quantum_rad};
+CouplingVerdict check_coupling(const CouplingGains& gains, const DeviceProperties& device, double period_s,
+                               double late_s) noexcept {
   CouplingVerdict verdict;
-  verdict.translation = judge(translation, gains.stiffness_N_per_m, gains.damping_Ns_per_m);
-  verdict.rotation = judge(rotation, gains.stiffness_Nm_per_rad, gains.damping_Nms_per_rad);
+  verdict.translation =
+      judge(translation_of(device, period_s, late_s), gains.stiffness_N_per_m, gains.damping_Ns_per_m);
+  verdict.rotation =
+      judge(rotation_of(device, period_s, late_s), gains.stiffness_Nm_per_rad, gains.damping_Nms_per_rad);
   if (!device.has_rotation) verdict.rotation.accepted = true;
   verdict.accepted = verdict.translation.accepted && verdict.rotation.accepted;
   return verdict;
+}
+
+CouplingGains suggest_gains(const DeviceProperties& device, double period_s, double late_s) noexcept {
+  CouplingGains gains;
+  const Gains linear = suggest(translation_of(device, period_s, late_s), kQuietForce_N);
+  gains.stiffness_N_per_m = linear.stiffness, gains.damping_Ns_per_m = linear.damping;
+  if (!device.has_rotation) return gains;
+  const Gains angular = suggest(rotation_of(device, period_s, late_s), kQuietTorque_Nm);
+  gains.stiffness_Nm_per_rad = angular.stiffness, gains.damping_Nms_per_rad = angular.damping;
+  return gains;
 }
 
 }  // namespace tactus::haptics

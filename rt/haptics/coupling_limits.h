@@ -1,11 +1,16 @@
 // How stiff and how damped the device-proxy coupling may be, from the device's description. For set-up: the loop
-// refuses gains that the rules below refuse, and the tool prints the numbers.
+// refuses gains that the rules below refuse, and the tools print the numbers; `tactus experiment stability-map`
+// measures where they are right.
 //
 // Thread: [any], pure. Units: SI, in the names. b, m: the device's own damping and mass at the tool; T: period;
-// t_d: delay beyond the sample-and-hold; K, B: the coupling's stiffness and damping; f_c: the device's Coulomb
-// friction; q: its quantum. The same formulas hold for rotation with N m/rad, N m s/rad, kg m^2, rad.
-//   engineering  K < (b + B) / (T/2 + t_d)     uncoupled stability, no hand: Gil, Avello, Rubio, Florez 2004; with the
-//                                              delay: Hulin, Preusche, Hirzinger 2008. A hold is a delay of T/2.
+// t_d: delay beyond the sample-and-hold, lateness of the tick included; K, B: the coupling's stiffness and damping;
+// f_c: the device's Coulomb friction; q: its quantum. The same formulas hold for rotation with N m/rad, N m s/rad,
+// kg m^2, rad.
+//   stable       1 + L(z) = 0 on the unit circle   uncoupled stability, no hand: a mass under held force, a backward
+//                                              difference, t_d. For a little damping it is the well-known line
+//                                              K < (b + B) / (T/2 + t_d) (Gil, Avello, Rubio, Florez 2004; with delay:
+//                                              Hulin, Preusche, Hirzinger 2008); it bends down where B T / m is not
+//                                              small, and comes to 0 where the damper alone is unstable
 //   damper       B <= 0.5 m / T                a sampled damper on a free mass. With the backward difference, the hold
 //   and
 //                                              one period of delay its poles are the roots of z^3 - z^2 + (c/2)(z + 1),
@@ -25,9 +30,9 @@ struct CouplingGains {
   double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
 };
 
-// The share of the uncoupled limit that is allowed. The formula is linear in the damping and within about a tenth of
-// a simulated device's limit; the rest covers a device description that is off and a delay that varies.
-inline constexpr double kAllowedStiffnessShare = 0.55;
+// The share of the limit that is allowed. The limit is that of a simulated mass within 3 %; a proxy that is no rigid
+// wall, a device description that is off and a delay that varies take the rest.
+inline constexpr double kAllowedStiffnessShare = 0.56;
 
 // One axis' device, and what is asked of it. Translation in N/m, N s/m, kg, N, m; rotation in N m/rad and so on.
 struct AxisLimits {
@@ -35,7 +40,14 @@ struct AxisLimits {
   double mass{0}, damping{0}, coulomb_friction{0}, quantum{0};
 };
 
+// Of the axes of a device whose tick is late by `late_s` besides.
+AxisLimits translation_of(const DeviceProperties& device, double period_s, double late_s = 0) noexcept;
+AxisLimits rotation_of(const DeviceProperties& device, double period_s, double late_s = 0) noexcept;
+
+// The stiffness above which a push grows; 0 where the damping alone is too much, and for a device without mass.
 double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept;
+// Its line for a little damping, (b + B) / (T/2 + t_d).
+double little_damping_limit(const AxisLimits& axis, double coupling_damping) noexcept;
 double damping_limit(const AxisLimits& axis) noexcept;
 double passive_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept;  // <= 0: none is passive
 double quantisation_stiffness_limit(
@@ -59,6 +71,12 @@ struct CouplingVerdict {
   bool accepted{false};
 };
 
-CouplingVerdict check_coupling(const CouplingGains& gains, const DeviceProperties& device, double period_s) noexcept;
+// `late_s`: how late the tick wakes, by the machine's own measurement; it delays the force as the link does.
+CouplingVerdict check_coupling(const CouplingGains& gains, const DeviceProperties& device, double period_s,
+                               double late_s = 0) noexcept;
+
+// What to use on this device: as much damping as keeps the force of one quantum, B q / T, below 0.05 N (2 N mm), and
+// the stiffness that is allowed with it, less 2 %. Of a 3-DoF device the rotation's are the defaults.
+CouplingGains suggest_gains(const DeviceProperties& device, double period_s, double late_s = 0) noexcept;
 
 }  // namespace tactus::haptics

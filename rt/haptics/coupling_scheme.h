@@ -1,5 +1,5 @@
-// How the haptic side and the global world are coupled: the paper's method and the three it is compared with
-// (paper, section 3.3). Thread: [any].
+// How the haptic side and the global world are coupled: the paper's method, the three it is compared with (paper,
+// section 3.3), and three that its introduction cites, of the kind it calls intermediate representations. Thread: [any].
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,15 @@ enum class CouplingScheme : std::uint32_t {
                        // cycle is stored and applied as one impulse at the synchronisation
   kStatic = 3,         // the proxy moves at the device's rate among members that are frozen; its state is imposed on
                        // the global world at the synchronisation
+  // The device feels what the global world makes of the proxy's contacts, see plane_coupling.h; the bodies move in the
+  // global world alone, where the proxy's state is imposed and pushed by the force that the hand felt.
+  kPlane = 4,       // one plane: the contact that presses most
+  kPlanes = 5,      // a plane for each contact point
+  kLinearised = 6,  // force and Jacobian of the contacts that press
 };
+
+constexpr bool feels_planes(CouplingScheme scheme) noexcept {
+  return scheme == CouplingScheme::kPlane || scheme == CouplingScheme::kPlanes || scheme == CouplingScheme::kLinearised;
+}
 
 }  // namespace tactus::haptics

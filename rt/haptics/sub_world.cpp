@@ -2,6 +2,7 @@
 
 #include "rt/base/hash.h"
 #include "rt/base/status.h"
+#include "rt/haptics/plane_coupling.h"
 #include "rt/haptics/snapshot_bytes.h"
 
 namespace tactus::haptics {
@@ -282,6 +283,8 @@ SubWorldStep SubWorld::step(const DeviceTarget& target, std::uint32_t sub_steps,
   apply_lateness(result);
   if (config_.scheme == CouplingScheme::kInterpolation)
     step_interpolated(target, result);
+  else if (feels_planes(config_.scheme))
+    step_on_planes(target, result);
   else
     step_world(target, sub_steps, cut, result);
   ++state_.ticks_in_cycle;
@@ -359,8 +362,28 @@ void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& resul
   proxy_.pose.position = from.position + u * (to.position - from.position);
   proxy_.pose.rotation = between(from.rotation, to.rotation, u);
   proxy_.velocity = late ? Twistd{} : Twistd{(to.position - from.position) * (1 / cycle_s), turn * (1 / cycle_s)};
-  if (!target.engaged) return;
+  if (target.engaged) feel_proxy(target, result);
+}
 
+// The proxy as the planes of its contacts let it follow the device, without mass; its effort on the bodies is stored.
+void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept {
+  const std::int32_t slot = world_.slot_of(config_.proxy);
+  if (slot < 0) return;
+  proxy_.velocity = {};
+  if (target.engaged) {
+    const auto planes = planes_of(world_.border_contacts().span(), target.pose.rotation, config_.scheme);
+    const bool linearised = config_.scheme == CouplingScheme::kLinearised;
+    const HeldProxy held = linearised ? keep_on(planes.span(), target.pose.position, target.velocity.linear)
+                                      : keep_above(planes.span(), target.pose.position, target.velocity.linear);
+    proxy_ = {{held.position, target.pose.rotation}, {held.velocity, target.velocity.angular}};
+    if (held.touches) result.status |= kProxyContact;
+    feel_proxy(target, result);
+  }
+  world_.bodies()[static_cast<std::uint32_t>(slot)].motion = proxy_;
+}
+
+// The coupling's spring and damper between the device and a proxy that no world simulates here.
+void SubWorld::feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept {
   const Vec3d stretch = target.pose.position - proxy_.pose.position;
   const Vec3d twist = small_rotation_vector(target.pose.rotation * conjugate(proxy_.pose.rotation));
   const Wrenchd on_proxy{config_.stiffness_N_per_m * stretch +

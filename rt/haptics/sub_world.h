@@ -104,6 +104,8 @@ class SubWorld {
   void step_world(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
                   SubWorldStep& result) noexcept;
   void step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept;
+  void step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept;
+  void feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept;
   bool proxy_touches() const noexcept;
 
   SubWorldConfig config_;

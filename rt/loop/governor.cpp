@@ -16,7 +16,7 @@ WorkCounts with_joiners(const WorkCounts& known) noexcept {
 
 WorkCounts with_all_searched(const WorkCounts& known) noexcept {
   WorkCounts counts = known;
-  counts.searched = known.pairs;
+  counts.searched = std::max(known.pairs, known.searched);
   return counts;
 }
 
@@ -47,7 +47,7 @@ double predict_ns(const CostModel& cost, const WorkCounts& counts, std::uint32_t
 TickPlan Governor::plan(const WorkCounts& known) noexcept {
   searched_ = std::max(known.searched, searched_ - (searched_ + 15) / 16);
   WorkCounts counts = known;
-  counts.searched = std::min(known.pairs, searched_);
+  counts.searched = known.pairs > 0 ? searched_ : 0;
   counts = with_joiners(counts);
   const double budget_ns = config_.budget * config_.period_ns;
   TickPlan plan;

@@ -18,7 +18,7 @@ struct CostModel {
   double fixed{15000};              // also what the caches lose while the loop sleeps
   double per_body{160};             // bounds, poses, bookkeeping
   double per_pair{50};              // a pair that narrow phase knows
-  double per_search{1000};          // one whose shapes it compares
+  double per_search{1000};          // one whose shapes it compares: boxes; other shapes by their share of it
   double per_contact{350};          // a manifold: update, prepare, store
   double per_border{200};           // a border contact: prepare, store
   double per_body_sub_step{30};     // integration
@@ -51,7 +51,7 @@ static_assert(sizeof(CostModel) == sizeof(double) * std::size(kCosts), "one is n
 // What is known of a tick before it begins: the counts of the one before, and the joins to come.
 struct WorkCounts {
   std::uint32_t bodies{0}, pairs{0}, contacts{0}, points{0}, border{0};
-  std::uint32_t searched{0};  // of the pairs, as in physics::StepReport
+  std::uint32_t searched{0};  // the work of comparing shapes, in pairs of boxes: physics::StepReport::comparisons
   std::uint32_t joins{0};
   bool synchronises{false};
 };
@@ -64,6 +64,9 @@ struct TickPlan {
 
 // A joiner brings contacts that no count knows yet; a cube in a heap has about six neighbours of four points.
 inline constexpr std::uint32_t kContactsPerJoin = 6, kPointsPerContact = 4;
+
+// A joint's rows in every sweep and its masses in every sub-step take as long as those of two contacts.
+inline constexpr std::uint32_t kContactsPerJoint = 2;
 
 // The counts with the joiners' bodies and contacts among them.
 WorkCounts with_joiners(const WorkCounts& counts) noexcept;

@@ -107,6 +107,7 @@ class ContactTable {
   void sort_pairs() noexcept;
   void sort_warm_starts() noexcept;
   void visit(Walk& walk, std::uint32_t index) noexcept;
+  std::uint32_t comparisons_in(const Scene& scene, const Search& search) const noexcept;
   Manifold<T> compare(const Scene& scene, Search& search) const noexcept;
   void keep(Walk& walk, const Visit& visit) noexcept;
   void take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold<T>& manifold) noexcept;

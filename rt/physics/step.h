@@ -57,6 +57,8 @@ struct StepReport {
   std::uint32_t dropped{0};            // pairs and contacts left out
   std::uint32_t pairs{0};              // known to narrow phase
   std::uint32_t searched{0};           // of the pairs, those whose shapes were compared: no contact carried over
+  std::uint32_t comparisons{0};        // the work of that, in comparisons of two boxes
+  std::uint32_t joints{0};             // solved
   std::uint32_t contacts{0};           // manifolds solved
   std::uint32_t points{0};             // points solved
   std::uint32_t cut_sweep{kNeverCut};  // sweep at which the cut fired

@@ -43,7 +43,8 @@ TEST_CASE("a recorded run on a triangle mesh replays with the same bits, whateve
   const TemporaryFile tape;
   session::RunOptions options = virtual_options();
   options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect,
-                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic);
+                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic,
+                              haptics::CouplingScheme::kPlanes, haptics::CouplingScheme::kLinearised);
   options.record = tape.path();
   options.inject = "stall@900+60";  // members outrun the triangles that came with the snapshot
   auto session = make_session(scene_file("terrain.toml"), options);
@@ -73,7 +74,8 @@ TEST_CASE("a recorded virtual run replays with the same bits, whatever the coupl
   const TemporaryFile tape;
   session::RunOptions options = virtual_options();
   options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect,
-                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic);
+                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic,
+                              haptics::CouplingScheme::kPlanes, haptics::CouplingScheme::kLinearised);
   options.border = GENERATE(physics::BorderMode::kCapped, physics::BorderMode::kReplay);
   options.record = tape.path();
   options.members = 8;

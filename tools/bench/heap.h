@@ -5,7 +5,7 @@
 
 #include "rt/base/denormals.h"
 #include "rt/physics/world.h"
-#include "sim/pair_grid.h"
+#include "sim/pair_cache.h"
 
 namespace tactus::bench {
 
@@ -16,10 +16,10 @@ template <class T>
 struct Heap {
   physics::World<T> world;
   physics::StepSettings<T> settings;
-  sim::PairGrid grid;
+  sim::PairCache pair_cache;
   physics::StepReport<T> report;
 
-  explicit Heap(std::uint32_t cubes) : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}), grid(cubes) {
+  explicit Heap(std::uint32_t cubes) : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}), pair_cache(cubes, 16 * cubes + 256) {
     set_denormals_flush();
     settings.gravity = {T(0), T(0), T(-9.81)};
     const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(cubes))));
@@ -38,7 +38,7 @@ struct Heap {
 
   void step() {
     world.begin_step(settings);
-    static_cast<void>(grid.find(world.bounds(), world.dynamic_pairs()));
+    static_cast<void>(pair_cache.find(world.bounds(), world.dynamic_pairs()));
     report = world.finish_step(settings);
   }
 };

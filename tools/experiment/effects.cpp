@@ -1,12 +1,9 @@
 #include "tools/experiment/effects.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,17 +11,9 @@
 #include "sim/pair_grid.h"
 #include "sim/scene_effects.h"
 #include "sim/scene_load.h"
+#include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
-
-#if __has_include(<valgrind/callgrind.h>)
-#include <valgrind/callgrind.h>
-#define TACTUS_COUNTS_INSTRUCTIONS 1
-#else
-#define CALLGRIND_START_INSTRUMENTATION
-#define CALLGRIND_STOP_INSTRUMENTATION
-#define TACTUS_COUNTS_INSTRUCTIONS 0
-#endif
 
 namespace tactus::experiment {
 namespace {
@@ -150,42 +139,22 @@ void count_effect(const std::string& effect, EffectState state) {
   const sim::Scene& scene = loaded.value();
   TickedWorld world(scene);
   for (unsigned i = 0; i < kSettleTicks; ++i) world.tick();
-  CALLGRIND_START_INSTRUMENTATION;
+  start_counting();
   for (unsigned i = 0; i < kCountedTicks; ++i) world.tick();
-  CALLGRIND_STOP_INSTRUMENTATION;
+  stop_counting();
 }
-
-namespace {
-
-// Instructions of a tick by callgrind; 0 where they could not be counted.
-double counted(const std::string& effect, EffectState state, const std::string& program) {
-  const std::string out = fmt::format("/tmp/tactus-callgrind.{}", getpid());
-  const std::string command = fmt::format(
-      "valgrind --tool=callgrind --callgrind-out-file={} --instr-atstart=no '{}' experiment effects --count {}:{} "
-      ">/dev/null 2>&1",
-      out, program, effect, static_cast<unsigned>(state));
-  if (std::system(command.c_str()) != 0) return 0;
-  std::ifstream file(out);
-  double instructions = 0;
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("summary:") || line.starts_with("totals:"))
-      instructions = std::strtod(line.c_str() + line.find(':') + 1, nullptr);
-  std::remove(out.c_str());
-  return instructions / kCountedTicks;
-}
-
-}  // namespace
 
 std::vector<EffectRow> run_effects(const std::vector<std::string>& effects, const std::string& program,
                                    const Progress& progress) {
-  const bool counts = TACTUS_COUNTS_INSTRUCTIONS != 0 && std::system("command -v valgrind >/dev/null 2>&1") == 0;
+  const bool counts = can_count_instructions();
   std::vector<EffectRow> rows;
   for (const auto& effect : effects) {
     EffectRow row{effect};
     for (std::uint32_t state = 0; counts && state < row.instructions.size(); ++state) {
       constexpr const char* kStates[] = {"off", "declared and not used", "used"};
       if (progress) progress(fmt::format("{} of {}: {}, {}", rows.size() + 1, effects.size(), effect, kStates[state]));
-      row.instructions[state] = counted(effect, static_cast<EffectState>(state), program);
+      row.instructions[state] =
+          counted_instructions(program, fmt::format("experiment effects --count {}:{}", effect, state)) / kCountedTicks;
     }
     rows.push_back(row);
   }

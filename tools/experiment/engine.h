@@ -2,7 +2,7 @@
 //
 // Each engine's own file translates the scene; nothing else knows its headers. An engine that was not there when
 // tactus was built has a maker that gives none.
-// Thread: one; a step runs on the caller's thread alone. Units: SI.
+// Thread: one; a step runs on the caller's thread alone, unless it is given helpers. Units: SI.
 #pragma once
 
 #include <cstdint>
@@ -52,6 +52,7 @@ struct EngineOptions {
   bool tuned{false};
   std::optional<Precision> precision{};  // tactus only; none: as in a run, mixed where the world is a global one
   bool time_broad_phase{false};          // tactus only
+  std::vector<int> helpers{};            // tactus only: cores of the threads that share its steps, beside the caller
   unsigned sub_steps{0};                 // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
 };
 

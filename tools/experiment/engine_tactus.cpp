@@ -7,7 +7,8 @@
 
 #include "rt/base/denormals.h"
 #include "rt/haptics/snapshot.h"
-#include "sim/pair_grid.h"
+#include "sim/pair_cache.h"
+#include "sim/worker_pool.h"
 #include "tools/experiment/engine.h"
 #include "tools/experiment/timing.h"
 
@@ -69,10 +70,15 @@ class TactusEngine final : public Engine {
         times_broad_phase_(options.time_broad_phase),
         world_(capacities_of(scene), {}, {}, {},
                precision_ == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
-        grid_(capacities_of(scene).bodies),
+        pair_cache_(capacities_of(scene).bodies, capacities_of(scene).pairs),
+        pool_(static_cast<std::uint32_t>(options.helpers.size()) + 1, options.helpers),
         paddle_(scene.paddle),
         cubes_(static_cast<std::uint32_t>(scene.cubes.size())) {
     set_denormals_flush();
+    if (pool_.threads() > 1) {
+      world_.share_work(pool_.executor());
+      pair_cache_.share_work(pool_.executor(), pool_.threads());
+    }
     BodyId id = 0;
     const T friction = static_cast<T>(scene.friction);
     for (const Cube& cube : scene.cubes) {
@@ -97,7 +103,7 @@ class TactusEngine final : public Engine {
     world_.begin_step(settings_);
     const double start_us = times_broad_phase_ ? thread_time_us() : 0;
     const bool all = !is_global_ ? physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs())
-                                 : grid_.find(world_.bounds(), world_.dynamic_pairs());
+                                 : pair_cache_.find(world_.bounds(), world_.dynamic_pairs());
     if (times_broad_phase_) broad_phase_us_ = thread_time_us() - start_us;
     if (!all) lost_ |= physics::kPairsFull;
     report_ = world_.finish_step(settings_);
@@ -163,7 +169,8 @@ class TactusEngine final : public Engine {
   bool is_global_, times_broad_phase_;
   double broad_phase_us_{0};
   physics::World<T> world_;
-  sim::PairGrid grid_;
+  sim::PairCache pair_cache_;
+  sim::WorkerPool pool_;
   std::optional<Paddle> paddle_;
   std::uint32_t cubes_;
   physics::StepReport<T> report_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -15,6 +16,13 @@ Progress terminal_progress() {
     fmt::print(stderr, "\r\033[K{}", doing);
     std::fflush(stderr);
   };
+}
+
+void Pace::say(const std::string& doing, double done) const {
+  if (!progress_) return;
+  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  progress_(done > 0 ? fmt::format("{}, about {:.0f} s left", doing, std::max(0.0, elapsed_s * (work_ / done - 1)))
+                     : doing);
 }
 
 }  // namespace tactus::experiment

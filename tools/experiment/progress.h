@@ -1,6 +1,7 @@
 // One line on a terminal that says how far an experiment is; nothing where stderr is none. Thread: one.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 
@@ -11,5 +12,19 @@ using Progress = std::function<void(const std::string& doing)>;
 
 // A line on stderr that each call overwrites, and that goes with the last copy. Empty where stderr is no terminal.
 Progress terminal_progress();
+
+// How long the rest takes where it goes on as it did: "scene pile, seed 3 of 20, about 40 s left".
+class Pace {
+ public:
+  // `work`: all there is to do, in any unit. The progress must outlive this.
+  Pace(const Progress& progress, double work) : progress_(progress), work_(work) {}
+  // `done`: of the work, so far.
+  void say(const std::string& doing, double done) const;
+
+ private:
+  const Progress& progress_;
+  double work_;
+  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
+};
 
 }  // namespace tactus::experiment

@@ -1,24 +1,13 @@
 #include "tools/experiment/scaling.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
+#include <sched.h>
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
 
+#include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
-
-#if __has_include(<valgrind/callgrind.h>)
-#include <valgrind/callgrind.h>
-#define TACTUS_COUNTS_INSTRUCTIONS 1
-#else
-#define CALLGRIND_START_INSTRUMENTATION
-#define CALLGRIND_STOP_INSTRUMENTATION
-#define TACTUS_COUNTS_INSTRUCTIONS 0
-#endif
 
 namespace tactus::experiment {
 namespace {
@@ -30,6 +19,15 @@ constexpr std::uint32_t kMixedCubes = 10000;  // of the worlds with cubes of man
 
 BoxScene scene_of(const ScalingCase& one) { return make_pile(one.sweep, one.pile); }
 
+// Cores for the threads beside this one, which has settled on one of them.
+std::vector<int> helpers_of(const ScalingCase& one, const std::vector<int>& cores) {
+  std::vector<int> helpers;
+  const int own = sched_getcpu();
+  for (const int core : cores)
+    if (core != own && helpers.size() + 1 < one.threads) helpers.push_back(core);
+  return helpers;
+}
+
 std::unique_ptr<Engine> settled(const ScalingCase& one, EngineOptions options, double settle_s) {
   options.sub_steps = one.sub_steps;
   auto engine = make_tactus(scene_of(one), options);
@@ -38,21 +36,24 @@ std::unique_ptr<Engine> settled(const ScalingCase& one, EngineOptions options, d
   return engine;
 }
 
-ScalingRow timed(const ScalingCase& one, const EngineOptions& options) {
+ScalingRow timed(const ScalingCase& one, const EngineOptions& options, const std::vector<int>& cores) {
   EngineOptions timed_options = options;
   timed_options.time_broad_phase = true;
+  timed_options.helpers = helpers_of(one, cores);
+  const auto time_us = one.threads > 0 ? wall_time_us : thread_time_us;
   const auto engine = settled(one, timed_options, one.settle_s);
   std::vector<double> us, broad_phase_us;
   us.reserve(one.timed_steps), broad_phase_us.reserve(one.timed_steps);
   for (std::uint32_t i = 0; i < one.timed_steps; ++i) {
-    const double start = thread_time_us();
+    const double start = time_us();
     engine->step();
-    us.push_back(thread_time_us() - start);
+    us.push_back(time_us() - start);
     broad_phase_us.push_back(engine->broad_phase_us());
   }
   const Measurement m = engine->measure();
   ScalingRow row;
   row.sweep = one.sweep, row.bodies = one.pile.cubes, row.sub_steps = one.sub_steps;
+  row.threads = static_cast<std::uint32_t>(timed_options.helpers.size()) + 1;
   row.size_ratio = one.pile.largest_edge_m / one.pile.smallest_edge_m;
   row.contact_points = m.contacts, row.touching_pairs = m.touching_pairs;
   row.broad_phase_us = median(broad_phase_us);
@@ -62,27 +63,18 @@ ScalingRow timed(const ScalingCase& one, const EngineOptions& options) {
   return row;
 }
 
-// Instructions of a step by callgrind; 0 where it could not be counted.
+// Instructions of a step; 0 where it could not be counted.
 double counted(std::size_t index, const EngineOptions& options, const std::string& program, bool quick) {
-  const std::string out = fmt::format("/tmp/tactus-callgrind.{}", getpid());
-  const std::string command = fmt::format(
-      "valgrind --tool=callgrind --callgrind-out-file={} --instr-atstart=no "
-      "'{}' experiment scaling --count {}{}{} >/dev/null 2>&1",
-      out, program, index, options.precision ? fmt::format(" --precision {}", precision_name(*options.precision)) : "",
-      quick ? " --quick" : "");
-  if (std::system(command.c_str()) != 0) return 0;
-  std::ifstream file(out);
-  double instructions = 0;
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("summary:") || line.starts_with("totals:"))
-      instructions = std::strtod(line.c_str() + line.find(':') + 1, nullptr);
-  std::remove(out.c_str());
-  return instructions / kCountedSteps;
+  const std::string precision =
+      options.precision ? fmt::format(" --precision {}", precision_name(*options.precision)) : "";
+  return counted_instructions(
+             program, fmt::format("experiment scaling --count {}{}{}", index, precision, quick ? " --quick" : "")) /
+         kCountedSteps;
 }
 
 }  // namespace
 
-std::vector<ScalingCase> scaling_cases(bool quick) {
+std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores) {
   std::vector<ScalingCase> cases;
   // From a hundred contact points to a hundred thousand.
   for (const std::uint32_t cubes : {16u, 64u, 250u, 1000u, 4000u, 10000u, 25000u}) {
@@ -97,6 +89,9 @@ std::vector<ScalingCase> scaling_cases(bool quick) {
                       .step_s = 1e-2,
                       .smallest_edge_m = 0.1 / std::sqrt(ratio),
                       .largest_edge_m = 0.1 * std::sqrt(ratio)}});
+  constexpr std::size_t kMostThreads = 8;
+  for (std::uint32_t threads = 1; threads <= std::min(cores, kMostThreads); ++threads)
+    cases.push_back({.sweep = "threads", .pile = {.cubes = quick ? 1000u : 4000u, .step_s = 1e-2}, .threads = threads});
   for (ScalingCase& one : cases) {
     if (one.pile.cubes > 4000) one.timed_steps = 30;
     if (quick) one.settle_s = 1, one.timed_steps = 30;
@@ -106,17 +101,17 @@ std::vector<ScalingCase> scaling_cases(bool quick) {
 
 void run_counted(const ScalingCase& one, const EngineOptions& options) {
   const auto engine = settled(one, options, one.settle_s);
-  CALLGRIND_START_INSTRUMENTATION;
+  start_counting();
   for (unsigned i = 0; i < kCountedSteps; ++i) engine->step();
-  CALLGRIND_STOP_INSTRUMENTATION;
+  stop_counting();
 }
 
 ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOptions& options,
                           const std::string& program, bool quick, const Progress& progress) {
+  const std::vector<int> cores = allowed_cores();
   settle_on_core();
   ScalingReport report;
-  const bool counts =
-      TACTUS_COUNTS_INSTRUCTIONS != 0 && !program.empty() && std::system("command -v valgrind >/dev/null 2>&1") == 0;
+  const bool counts = !program.empty() && can_count_instructions();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const auto say = [&](const char* doing) {
       if (progress)
@@ -124,8 +119,8 @@ ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOpt
             fmt::format("{} of {}: {}, {} cubes, {}", i + 1, cases.size(), cases[i].sweep, cases[i].pile.cubes, doing));
     };
     say("timed");
-    report.rows.push_back(timed(cases[i], options));
-    if (!counts || cases[i].pile.cubes > kCountedMost) continue;
+    report.rows.push_back(timed(cases[i], options, cores));
+    if (!counts || cases[i].threads > 0 || cases[i].pile.cubes > kCountedMost) continue;
     say("instructions");
     report.rows.back().instructions = counted(i, options, program, quick);
   }

@@ -2,7 +2,7 @@
 //
 // Each row is one world, settled, then timed; all of it by tactus alone. Instructions are counted where valgrind is
 // installed (and was when this was built): it runs this program again, once a row, and counts the steps alone. Thread:
-// one, on one core. Units in the names.
+// one, on one core; but for the sweep of threads, each on a core of its own. Units in the names.
 #pragma once
 
 #include <string>
@@ -14,20 +14,23 @@
 namespace tactus::experiment {
 
 struct ScalingCase {
-  std::string sweep;  // what the row belongs to: bodies, sub-steps, sizes
+  std::string sweep;  // what the row belongs to: bodies, sub-steps, sizes, threads
   PileSpec pile;
   unsigned sub_steps{4};
   double settle_s{2};
   std::uint32_t timed_steps{100};
+  std::uint32_t threads{0};  // that share the step, timed by the wall clock; 0: one, by its CPU time
 };
 
-// The worlds of the experiment; `quick` leaves out those above 1000 cubes.
-std::vector<ScalingCase> scaling_cases(bool quick);
+// The worlds of the experiment; `quick` leaves out those above 1000 cubes. `cores`: at most as many threads share a
+// step.
+std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores);
 
 struct ScalingRow {
   std::string sweep;
   std::uint32_t bodies{0};
   unsigned sub_steps{0};
+  std::uint32_t threads{1};
   double size_ratio{1};  // largest edge to smallest
   double contact_points{0}, touching_pairs{0};
   double median_us{0}, p99_us{0}, ns_per_point{0};

@@ -22,20 +22,22 @@ struct LogAxis {  // decades from the least to the most, on the page from `start
 }  // namespace
 
 std::string scaling_table(const ScalingReport& report) {
-  std::string text = fmt::format("{:<10} {:>7} {:>9} {:>6} {:>9} {:>9} {:>11} {:>11} {:>12} {:>9} {:>13}\n", "sweep",
-                                 "bodies", "sub-steps", "sizes", "points", "touching", "median us", "p99 us",
-                                 "broad ph. us", "ns/point", "instructions");
+  std::string text = fmt::format("{:<10} {:>7} {:>9} {:>7} {:>6} {:>9} {:>9} {:>11} {:>11} {:>12} {:>9} {:>13}\n",
+                                 "sweep", "bodies", "sub-steps", "threads", "sizes", "points", "touching", "median us",
+                                 "p99 us", "broad ph. us", "ns/point", "instructions");
   for (const ScalingRow& row : report.rows) {
-    text += fmt::format("{:<10} {:>7} {:>9} {:>6.0f} {:>9.0f} {:>9.0f} {:>11.1f} {:>11.1f} {:>12.1f} {:>9.0f} {:>13}\n",
-                        row.sweep, row.bodies, row.sub_steps, row.size_ratio, row.contact_points, row.touching_pairs,
-                        row.median_us, row.p99_us, row.broad_phase_us, row.ns_per_point,
-                        row.instructions > 0 ? fmt::format("{:.0f}", row.instructions) : "-");
+    text += fmt::format(
+        "{:<10} {:>7} {:>9} {:>7} {:>6.0f} {:>9.0f} {:>9.0f} {:>11.1f} {:>11.1f} {:>12.1f} {:>9.0f} {:>13}\n",
+        row.sweep, row.bodies, row.sub_steps, row.threads, row.size_ratio, row.contact_points, row.touching_pairs,
+        row.median_us, row.p99_us, row.broad_phase_us, row.ns_per_point,
+        row.instructions > 0 ? fmt::format("{:.0f}", row.instructions) : "-");
     if (!row.failure.empty()) text += fmt::format("           DOES NOT COUNT: {}\n", row.failure);
   }
   text += fmt::format("\ncost grows with contact points to the power {:.2f}", report.exponent);
   if (report.instruction_exponent > 0)
     text += fmt::format(", instructions to the power {:.2f}", report.instruction_exponent);
-  return text + "\nCPU time of one thread; instructions: of a step, by callgrind.\n";
+  return text +
+         "\nCPU time of one thread, in the sweep of threads the wall clock; instructions: of a step, by callgrind.\n";
 }
 
 std::string scaling_json(const ScalingReport& report) {
@@ -46,6 +48,7 @@ std::string scaling_json(const ScalingReport& report) {
         {{"sweep", row.sweep},
          {"bodies", row.bodies},
          {"sub_steps", row.sub_steps},
+         {"threads", row.threads},
          {"size_ratio", row.size_ratio},
          {"contact_points", row.contact_points},
          {"touching_pairs", row.touching_pairs},
@@ -65,12 +68,14 @@ std::string scaling_json(const ScalingReport& report) {
 
 std::string scaling_csv(const ScalingReport& report) {
   std::string text =
-      "sweep,bodies [1],sub_steps [1],size_ratio [1],contact_points [1],touching_pairs [1],median [us],p99 [us],"
+      "sweep,bodies [1],sub_steps [1],threads [1],size_ratio [1],contact_points [1],touching_pairs [1],median [us],p99 "
+      "[us],"
       "broad_phase [us],per_point [ns],instructions_per_step [1]\n";
   for (const ScalingRow& row : report.rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", row.sweep, row.bodies, row.sub_steps, row.size_ratio,
-                        row.contact_points, row.touching_pairs, row.median_us, row.p99_us, row.broad_phase_us,
-                        row.ns_per_point, row.instructions > 0 ? fmt::format("{}", row.instructions) : "");
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", row.sweep, row.bodies, row.sub_steps, row.threads,
+                        row.size_ratio, row.contact_points, row.touching_pairs, row.median_us, row.p99_us,
+                        row.broad_phase_us, row.ns_per_point,
+                        row.instructions > 0 ? fmt::format("{}", row.instructions) : "");
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <sched.h>
 #include <time.h>
 
+#include "rt/base/clock.h"
 #include "rt/base/denormals.h"
 
 namespace tactus::experiment {
@@ -11,6 +12,18 @@ double thread_time_us() noexcept {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
+double wall_time_us() noexcept { return 1e-3 * static_cast<double>(MonotonicClock::now_ns()); }
+
+std::vector<int> allowed_cores() {
+  std::vector<int> cores;
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return cores;
+  for (int core = 0; core < CPU_SETSIZE; ++core)
+    if (CPU_ISSET(static_cast<unsigned>(core), &allowed)) cores.push_back(core);
+  return cores;
 }
 
 void settle_on_core() noexcept {

@@ -39,7 +39,7 @@ unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
 
 unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
   if (options.coupling == haptics::CouplingScheme::kDirect) return dynamic_bodies_of(scene);
-  if (options.coupling == haptics::CouplingScheme::kInterpolation) return 1;
+  if (options.coupling == haptics::CouplingScheme::kInterpolation || haptics::feels_planes(options.coupling)) return 1;
   if (options.all_members) return std::min(dynamic_bodies_of(scene), haptics::kMaxMembers);
   if (options.members != 0) return options.members;
   if (options.accuracy == Accuracy::kFast) return std::max(1u, scene.members / 2);
@@ -89,22 +89,30 @@ haptics::DevicePlacement::Config placement_of(const sim::Scene& scene, const hap
   return {scene.device.world_from_device, scene.device.motion_scale, device.has_rotation};
 }
 
+// Stiffness and damping of translation are the world's; at the hand they are motion_scale^2 of that.
 Status check_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
   const double s2 = scene.device.motion_scale * scene.device.motion_scale;
   const sim::CouplingGains& gains = scene.coupling;
   const auto verdict = haptics::check_coupling({s2 * gains.stiffness_N_per_m, s2 * gains.damping_Ns_per_m,
                                                 gains.stiffness_Nm_per_rad, gains.damping_Nms_per_rad},
-                                               device, options.period_s());
+                                               device, options.period_s(), options.late_s);
   if (verdict.accepted) return Status::good();
-  const auto line = [&](const char* what, const haptics::AxisVerdict& v, const char* stiff, const char* damp) {
+  const haptics::CouplingGains use = haptics::suggest_gains(device, options.period_s(), options.late_s);
+  const std::string late = options.late_s > 0 ? fmt::format(" that wakes {:.0f} us late", 1e6 * options.late_s) : "";
+  const auto line = [&](const char* what, const haptics::AxisVerdict& v, const char* stiff, const char* damp,
+                        const std::string& instead) {
     return Status::error(fmt::format(
-        "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable at {:g} Hz on this device; accepted: "
-        "stiffness up to {:.4g} {} (0.55 of the limit {:.4g}), damping up to {:.4g} {}",
-        scene.name, what, v.stiffness, stiff, v.damping, damp, options.rate_Hz, v.stiffness_allowed, stiff,
-        v.stiffness_limit, v.damping_limit, damp));
+        "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable at {:g} Hz on this device{}; accepted: "
+        "stiffness up to {:.4g} {} ({:g} of the limit {:.4g}) with that damping, damping up to {:.4g} {}; use {}",
+        scene.name, what, v.stiffness, stiff, v.damping, damp, options.rate_Hz, late, v.stiffness_allowed, stiff,
+        haptics::kAllowedStiffnessShare, v.stiffness_limit, v.damping_limit, damp, instead));
   };
-  return verdict.translation.accepted ? line("rotational", verdict.rotation, "N m/rad", "N m s/rad")
-                                      : line("translational", verdict.translation, "N/m", "N s/m");
+  return verdict.translation.accepted ? line("rotational", verdict.rotation, "N m/rad", "N m s/rad",
+                                             fmt::format("stiffness_Nm_per_rad = {:.3g}, damping_Nms_per_rad = {:.3g}",
+                                                         use.stiffness_Nm_per_rad, use.damping_Nms_per_rad))
+                                      : line("translational", verdict.translation, "N/m", "N s/m",
+                                             fmt::format("stiffness_N_per_m = {:.4g}, damping_Ns_per_m = {:.3g}",
+                                                         use.stiffness_N_per_m / s2, use.damping_Ns_per_m / s2));
 }
 
 // One contact frequency in both worlds, and both worlds must resolve it: at most a quarter of the sub-step rate.

@@ -16,6 +16,7 @@ CLI::App* add_replay_command(CLI::App& program, int& exit_code);
 CLI::App* add_scene_command(CLI::App& program, int& exit_code);
 CLI::App* add_doctor_command(CLI::App& program, int& exit_code);
 CLI::App* add_timing_command(CLI::App& program, int& exit_code);
+CLI::App* add_tune_command(CLI::App& program, int& exit_code);
 CLI::App* add_config_command(CLI::App& program, int& exit_code);
 CLI::App* add_control_command(CLI::App& program, int& exit_code);
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code);

@@ -27,6 +27,7 @@ CLI::App* add_experiment_command(CLI::App& program, int& exit_code) {
   add_hard_cases(*experiment, exit_code);
   add_peers(*experiment, exit_code);
   add_scaling(*experiment, exit_code);
+  add_stability_map(*experiment, exit_code);
   add_effects(*experiment, exit_code);
   return experiment;
 }

@@ -1,4 +1,5 @@
-// tactus experiment couplings: the four schemes side by side (paper, section 3.3).
+// tactus experiment couplings: the schemes side by side (paper, section 3.3), and three that the paper's introduction
+// cites.
 #include <CLI/CLI.hpp>
 
 #include <memory>
@@ -10,10 +11,13 @@ namespace tactus::tools {
 
 void add_couplings(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<CouplingOptions>();
-  CLI::App* command = experiment.add_subcommand("couplings", "The four coupling schemes on the same hand motion.");
+  CLI::App* command = experiment.add_subcommand("couplings", "The coupling schemes on the same hand motion.");
   command->footer(
       "direct: all bodies at the haptic rate. sub-world: the paper's method. static: the proxy moves among frozen\n"
-      "members. interpolation: the device feels interpolated positions, its effort comes late and at once. Errors are\n"
+      "members. interpolation: the device feels interpolated positions, its effort comes late and at once. plane, "
+      "planes:\n"
+      "a plane for the contact that presses most, or for each contact point, until the next synchronisation.\n"
+      "linearised: the force and its Jacobian. Errors are\n"
       "against the direct coupling, over windows of 200 ms that start from its state. stable is judged with the hand\n"
       "in the loop, the device's own encoder and delay: no force beyond 1.5 times the direct coupling's peak and 1 N\n"
       "more; while the hand holds, no more than 0.2 N of shaking beyond its own, and at least half its force (nothing "
@@ -28,7 +32,10 @@ void add_couplings(CLI::App& experiment, int& exit_code) {
     exit_code = run_coupling_experiment(*options, {{CouplingScheme::kDirect, BorderMode::kCapped, 1},
                                                    {CouplingScheme::kSubWorld, BorderMode::kGhost, 0},
                                                    {CouplingScheme::kStatic, BorderMode::kCapped, 0},
-                                                   {CouplingScheme::kInterpolation, BorderMode::kCapped, 0}});
+                                                   {CouplingScheme::kInterpolation, BorderMode::kCapped, 0},
+                                                   {CouplingScheme::kPlane, BorderMode::kCapped, 0},
+                                                   {CouplingScheme::kPlanes, BorderMode::kCapped, 0},
+                                                   {CouplingScheme::kLinearised, BorderMode::kCapped, 0}});
   });
 }
 

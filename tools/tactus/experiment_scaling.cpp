@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "tools/experiment/timing.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 
@@ -23,7 +24,7 @@ struct ScalingOptions {
 int run_scaling(const ScalingOptions& options) {
   experiment::EngineOptions engine;
   engine.precision = experiment::precision_of(options.precision);
-  const auto cases = experiment::scaling_cases(options.quick);
+  const auto cases = experiment::scaling_cases(options.quick, experiment::allowed_cores().size());
   if (options.count >= 0) {
     const auto index = static_cast<std::size_t>(options.count);
     if (index >= cases.size()) return complain("tactus experiment scaling: --count: no such case", kExitBadInput);
@@ -48,10 +49,12 @@ int run_scaling(const ScalingOptions& options) {
 void add_scaling(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<ScalingOptions>();
   CLI::App* scaling =
-      experiment.add_subcommand("scaling", "How a step's cost grows with bodies, contacts, sub-steps, sizes.");
+      experiment.add_subcommand("scaling", "How a step's cost grows with bodies, contacts, sub-steps, sizes, threads.");
   scaling->footer(
-      "One core, CPU time. Where valgrind is installed, instructions are counted too, of the worlds of up to 1000\n"
-      "cubes. Exit status 1: work was left out by a capacity, and the row does not count.\n\n"
+      "One core, CPU time; the sweep of threads has a core for each and goes by the wall clock. Where valgrind is\n"
+      "installed, instructions are counted too, of the worlds of up to 1000 cubes. Exit status 1: work was left out "
+      "by\n"
+      "a capacity, and the row does not count.\n\n"
       "Example:\n  tactus experiment scaling --csv scaling.csv --svg scaling.svg");
   scaling
       ->add_option("--precision", options->precision,

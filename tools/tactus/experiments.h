@@ -17,6 +17,7 @@ void add_energy_loss(CLI::App& experiment, int& exit_code);
 void add_hard_cases(CLI::App& experiment, int& exit_code);
 void add_peers(CLI::App& experiment, int& exit_code);
 void add_scaling(CLI::App& experiment, int& exit_code);
+void add_stability_map(CLI::App& experiment, int& exit_code);
 void add_effects(CLI::App& experiment, int& exit_code);
 
 // Writes `text` to `path`; nothing where the path is empty. Exit status: complains where the file cannot be written.

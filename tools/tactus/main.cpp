@@ -87,6 +87,7 @@ int run_program(int argc, char** argv) {
   add_scene_command(program, exit_code);
   add_doctor_command(program, exit_code);
   add_timing_command(program, exit_code);
+  add_tune_command(program, exit_code);
   add_config_command(program, exit_code);
   add_control_command(program, exit_code);
   add_experiment_command(program, exit_code);

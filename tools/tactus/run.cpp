@@ -6,8 +6,6 @@
 
 #include <csignal>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -49,7 +47,8 @@ Status read_words(RunCommand& command) {
     return Status::error(fmt::format("tactus run: {}: '{}' is none; accepted: {}", option, word, accepted));
   };
   const auto coupling = sim::parse_coupling_scheme(w.coupling);
-  if (!coupling) return unknown("--coupling", w.coupling, "sub-world, direct, interpolation, static");
+  if (!coupling)
+    return unknown("--coupling", w.coupling, "sub-world, direct, interpolation, static, plane, planes, linearised");
   const auto border = sim::parse_border_mode(w.border);
   if (!border) return unknown("--border", w.border, "ghost, capped, replay, frozen");
   const auto order = sim::parse_cut_order(w.order);
@@ -156,13 +155,7 @@ int keep_budget(RunCommand& command, const sim::Scene& scene) {
   session::RunOptions& o = command.options;
   if (o.virtual_time)
     return complain("tactus run: --budget: is of real time; accepted: without --virtual-time", kExitBadInput);
-  std::ifstream file(command.budget);
-  if (!file)
-    return complain(fmt::format("tactus run: --budget: {}: no such file; accepted: one of `tactus timing --certify`",
-                                command.budget.string()),
-                    kExitBadInput);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto budget = timing::read_budget(text, command.budget.string());
+  const auto budget = timing::load_budget(command.budget.string());
   if (!budget.ok()) return complain("tactus run: --budget: " + budget.message(), kExitBadInput);
   const unsigned members = o.members != 0 ? o.members : scene.members;
   const int cpu = o.cpu >= 0 ? o.cpu : timing::cores_without(-1).back();
@@ -170,6 +163,7 @@ int keep_budget(RunCommand& command, const sim::Scene& scene) {
                                            {o.rate_Hz, members, scene.solver.sub_steps, o.priority});
   if (!answer.refusal.empty()) return complain("tactus run: --budget: " + answer.refusal, kExitMachineCannot);
   if (answer.fewer_members) o.members = *answer.fewer_members;
+  o.late_s = 1e-6 * budget.value().wake_p99_9_us;
   if (!answer.note.empty()) fmt::print(stderr, "tactus run: {}\n", answer.note);
   return kExitGood;
 }
@@ -243,7 +237,8 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--device", o.device, "sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE")->capture_default_str();
   app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
-  app.add_option("--coupling", command.words.coupling, "sub-world, direct, interpolation or static")
+  app.add_option("--coupling", command.words.coupling,
+                 "sub-world, direct, interpolation, static, plane, planes or linearised")
       ->capture_default_str();
   app.add_option("--border", command.words.border, "of the sub-world: ghost, capped, replay (the paper's) or frozen")
       ->capture_default_str();

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr unsigned kFormat = 1;
+constexpr unsigned kFormat = 2;
 
 std::string line_of(const std::string& path) {
   std::ifstream file(path);
@@ -74,6 +74,7 @@ std::string budget_text(const TimingResult& r, const Machine& machine) {
   if (r.verdict() == TimingVerdict::kBad) return {};
   const double period_us = 1e6 / r.options.run.rate_Hz;
   const double worst_us = static_cast<double>(r.books.compute.max_ns()) * 1e-3;
+  const Histogram& wake = r.books.stages[static_cast<std::size_t>(Stage::kWake)];
   ordered_json j{{"tactus", "budget"},
                  {"format", kFormat},
                  {"machine",
@@ -97,6 +98,9 @@ std::string budget_text(const TimingResult& r, const Machine& machine) {
                  {"computing_worst_us", worst_us},
                  {"computing_p99_99_us", static_cast<double>(r.books.compute.percentile_ns(99.99)) * 1e-3},
                  {"margin", std::max(0.0, 1 - worst_us / period_us)},
+                 {"wake_p50_us", static_cast<double>(wake.percentile_ns(50)) * 1e-3},
+                 {"wake_p99_9_us", static_cast<double>(wake.percentile_ns(99.9)) * 1e-3},
+                 {"wake_worst_us", static_cast<double>(wake.max_ns()) * 1e-3},
                  {"computing_histogram_upper_ns_count", buckets_json(r.books.compute)}};
   for (const auto& step : r.summary.setup.steps) j["setup"][step.name] = step.ok;
   j["seal"] = seal_of(j);
@@ -125,8 +129,16 @@ Result<Budget> read_budget(const std::string& text, const std::string& name) {
   budget.priority = settings["priority"];
   budget.worst_us = j["computing_worst_us"];
   budget.margin = j["margin"];
+  budget.wake_p50_us = j["wake_p50_us"], budget.wake_p99_9_us = j["wake_p99_9_us"];
+  budget.wake_worst_us = j["wake_worst_us"];
   budget.verdict = j["verdict"];
   return budget;
+}
+
+Result<Budget> load_budget(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return Status::error(fmt::format("{}: no such file; accepted: one of `tactus timing --certify`", path));
+  return read_budget({std::istreambuf_iterator<char>(file), {}}, path);
 }
 
 BudgetAnswer check_budget(const Budget& budget, const Machine& machine, const BudgetRequest& request) {

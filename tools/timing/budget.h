@@ -32,12 +32,14 @@ std::string budget_text(const TimingResult& result, const Machine& machine);
 struct Budget {
   Machine machine;
   double rate_Hz{0}, worst_us{0}, margin{0};  // of computing; the share of the period that the worst tick left
+  double wake_p50_us{0}, wake_p99_9_us{0}, wake_worst_us{0};  // how late the loop woke
   unsigned members{0}, sub_steps{0};
   int priority{0};
   std::string verdict;
 };
 // One line for what is no budget: the file, what is wrong, what is accepted.
 Result<Budget> read_budget(const std::string& text, const std::string& name);
+Result<Budget> load_budget(const std::string& path);
 
 // What a run wants of the machine.
 struct BudgetRequest {

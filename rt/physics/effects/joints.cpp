@@ -121,6 +121,7 @@ void Joints<T>::find_active(StageContext<T>& c) noexcept {
       if (fixed_a != kNoSlot) (void)apart_fixed_.try_push({fixed_a, slot});
     }
   }
+  c.report.joints = rows_.size();
   std::sort(apart_.begin(), apart_.end(), comes_before);
   std::sort(apart_fixed_.begin(), apart_fixed_.end(), comes_before);
 }

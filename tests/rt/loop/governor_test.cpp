@@ -124,6 +124,18 @@ TEST_CASE("after a burst of searches the next ticks are planned for some, and th
   CHECK(before_ns == at_rest_ns);
 }
 
+TEST_CASE("shapes that are dearer than boxes are planned for, and not forgotten where all pairs are searched") {
+  Governor governor(make_config());
+  WorkCounts boxes = heap(4);
+  WorkCounts hulls = boxes;
+  hulls.searched = 9 * boxes.pairs;  // of 64 vertices
+  const double dearer_ns = governor.config().cost.per_search * 8 * boxes.pairs;
+  const double boxes_ns = governor.plan(boxes).predicted_ns;
+  CHECK(governor.plan(hulls).predicted_ns == Approx(boxes_ns + dearer_ns));
+  CHECK(with_all_searched(hulls).searched == hulls.searched);
+  CHECK(with_all_searched(boxes).searched == boxes.pairs);
+}
+
 TEST_CASE("the member budget is that of a sub-world in which nothing is carried over") {
   GovernorConfig config = make_config();
   config.members = 256;

@@ -170,3 +170,17 @@ TEST_CASE("A world with hulls goes on from its bytes with the same bits") {
   ByteReader again(std::span<const std::byte>(bytes).first(out.size()));
   REQUIRE_FALSE(poorer.world.restore(again));
 }
+
+TEST_CASE("The more vertices two hulls have the more comparisons of boxes they are counted as") {
+  const auto comparisons_of = [](std::uint32_t sides) {
+    HullBench bench({prism_hull(sides, 0.05, 0.05).hull});
+    bench.add(0, 0, 0.3, {{0, 0, 1}, {}});
+    bench.add(1, 0, 0.3, {{0, 0, 1.1001}, {}});  // far from the ground, all but touching
+    bench.run(1);
+    REQUIRE(bench.report.searched == 1);
+    return bench.report.comparisons;
+  };
+  CHECK(comparisons_of(3) == 1);   // 6 vertices each
+  CHECK(comparisons_of(8) == 3);   // 16
+  CHECK(comparisons_of(32) == 9);  // 64
+}

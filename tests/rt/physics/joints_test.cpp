@@ -71,6 +71,7 @@ TEST_CASE("A fixed joint carries a cantilever: force m g, torque m g L, sunk by 
   JointBench bench({joint_of(JointKind::kFixed, kNoBody, 1, {{0, 0, 1}, {}}, {{-lever, 0, 0}, {}})});
   bench.add_cube(1, {lever, 0, 1});
   bench.run_seconds(2);
+  CHECK(bench.report.joints == 1);
   CHECK(bench.state().force_N == Approx(kMass * kGravity).epsilon(1e-4));
   CHECK(bench.state().torque_Nm == Approx(kMass * kGravity * lever).epsilon(1e-3));
   // Less than the whole weight on the whole lever through the softest direction alone: F / (m w^2) (1 + m L^2 / I).

@@ -89,6 +89,30 @@ TEST_CASE("All bodies move with the energy of their speeds, wherever they are si
   }
 }
 
+TEST_CASE("Planes hold the hand as the bodies do that they stand for, and the bodies bear its force") {
+  const Bench bench;
+  const auto held_N = [&](CouplingScheme coupling, double& block_z_m) {
+    auto worlds = bench.worlds(coupling);
+    auto hand = bench.arm();
+    worlds.start_at_rest();
+    double sum_N = 0;
+    for (std::size_t k = 0; k < 1500; ++k) {
+      if (k > 0) hand.advance(worlds.last().on_device);
+      const double force_N = worlds.tick(hand.ideal()).on_device.force.z;
+      if (k >= 1000) sum_N += force_N / 500;
+    }
+    if (worlds.global() != nullptr) block_z_m = worlds.global()->bodies()[1].motion.pose.position.z;
+    return sum_N;
+  };
+  double block_z_m = 0;
+  const double direct_N = held_N(CouplingScheme::kDirect, block_z_m);
+  CHECK(direct_N > 1);
+  for (const auto coupling : {CouplingScheme::kPlane, CouplingScheme::kPlanes, CouplingScheme::kLinearised}) {
+    CHECK(held_N(coupling, block_z_m) == Approx(direct_N).epsilon(0.05));
+    CHECK(block_z_m == Approx(0.05).margin(1e-4));  // pressed on, but neither pushed into the ground nor thrown
+  }
+}
+
 TEST_CASE("An arm that nobody pushes stays, and a force moves it after the device's delay, not before") {
   Bench bench;
   bench.scene.hand.path.resize(1);

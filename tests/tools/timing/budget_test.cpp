@@ -45,6 +45,9 @@ TEST_CASE("a budget reads back as it was measured") {
   CHECK(b.verdict == "good");
   CHECK(b.worst_us == Approx(189));  // 2 + 3 + 60 + 120 + 4
   CHECK(b.margin == Approx(1 - 0.189));
+  CHECK(b.wake_p50_us > 0);
+  CHECK(b.wake_p50_us <= b.wake_p99_9_us);
+  CHECK(b.wake_p99_9_us <= b.wake_worst_us);
 }
 
 TEST_CASE("nobody signs off a bad run") {

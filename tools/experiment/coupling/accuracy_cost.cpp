@@ -1,30 +1,15 @@
 #include "tools/experiment/coupling/accuracy_cost.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
 
 #include "sim/choice_names.h"
-#include "tools/experiment/coupling/force_measures.h"
-#include "tools/experiment/coupling/reference_run.h"
+#include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
 #include "tools/session/open_link.h"
 #include "tools/session/session.h"
-
-#if __has_include(<valgrind/callgrind.h>)
-#include <valgrind/callgrind.h>
-#define TACTUS_COUNTS_INSTRUCTIONS 1
-#else
-#define CALLGRIND_START_INSTRUMENTATION
-#define CALLGRIND_STOP_INSTRUMENTATION
-#define TACTUS_COUNTS_INSTRUCTIONS 0
-#endif
 
 namespace tactus::experiment {
 namespace {
@@ -35,85 +20,10 @@ using haptics::CouplingScheme;
 using physics::BorderMode;
 using sim::CutOrder;
 
-// Of the run that all settings are measured against.
-constexpr unsigned kReferenceSubSteps = 16, kReferenceRelaxSweeps = 2;
 constexpr unsigned kDefaultRatio = 8;
+constexpr double kReferenceWork = 5;  // of the reference run, in settings on its windows
 
-// Sub-steps of a tick that resolve a contact frequency: a quarter of them in a second.
-unsigned least_sub_steps(double contact_Hz) {
-  return static_cast<unsigned>(std::ceil(4 * contact_Hz / kHapticRate_Hz - 1e-9));
-}
-
-sim::Scene with(sim::Scene scene, const Setting& setting) {
-  scene.solver.sub_steps = setting.sub_steps;
-  scene.solver.relax_sweeps = setting.relax_sweeps;
-  scene.solver.contact_hertz = setting.contact_Hz;
-  scene.solver.global_sub_steps_per_tick =
-      std::max<double>(scene.solver.global_sub_steps_per_tick, least_sub_steps(setting.contact_Hz));
-  return scene;
-}
-
-session::RunOptions options_of(const Setting& setting, CouplingScheme coupling) {
-  session::RunOptions options;
-  options.coupling = coupling;
-  options.border = setting.border;
-  options.order = setting.order;
-  options.ratio = setting.ratio;
-  options.members = setting.members;
-  options.rate_Hz = kHapticRate_Hz;
-  return options;
-}
-
-struct Sums {
-  ForceError error;
-  EnergyBook energy;
-  std::vector<double> vibration, steps, ticks_us, global_us;
-};
-
-// A window, timed part by part.
-std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& reference, const Window& window,
-                                Sums& sums) {
-  std::vector<Vec3d> force;
-  const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
-  for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
-    if (!window.hold && k > window.start && worlds.at_synchronisation())
-      sums.energy.add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
-    const double begin_us = thread_time_us();
-    const bool synchronised = worlds.synchronise();
-    double haptic_us = thread_time_us() - begin_us;
-    if (synchronised) {
-      const double step_us = thread_time_us();
-      worlds.serve();
-      sums.global_us.push_back(thread_time_us() - step_us);
-    }
-    const double again_us = thread_time_us();
-    force.push_back(worlds.step(reference.ideal[k]).on_device.force);
-    sums.ticks_us.push_back(haptic_us + thread_time_us() - again_us);
-  }
-  sums.energy.close_window();
-  return force;
-}
-
-void measure(const sim::Scene& scene, const hal::DeviceProfile& profile, const Setting& setting,
-             const ReferenceRun& reference, std::span<const unsigned> ratios, Sums& sums) {
-  const sim::Scene solved = with(scene, setting);
-  const auto options = options_of(setting, CouplingScheme::kSubWorld);
-  const auto ratio = static_cast<std::size_t>(std::find(ratios.begin(), ratios.end(), setting.ratio) - ratios.begin());
-  for (const Window& window : reference.windows) {
-    CoupledWorlds worlds(solved, options, profile.properties);
-    worlds.start_from(window.before[ratio], window.now, reference.mean_on_proxy(window.start, setting.ratio));
-    const auto wanted = std::span(reference.force).subspan(window.start, kWindowTicks);
-    const auto force = timed_window(worlds, reference, window, sums);
-    sums.error.add(force, wanted);
-    std::vector<std::size_t> syncs;
-    for (std::size_t k = setting.ratio; k < kWindowTicks; k += setting.ratio) syncs.push_back(k);
-    const auto steps = steps_at(force, wanted, syncs);
-    sums.steps.insert(sums.steps.end(), steps.begin(), steps.end());
-    if (window.hold) sums.vibration.push_back(band_deviation(difference(force, wanted), kHapticRate_Hz, 20, 500));
-  }
-}
-
-CostPoint point_of(const std::string& scene, const Setting& setting, const Sums& sums) {
+CostPoint point_of(const std::string& scene, const Setting& setting, const SettingSums& sums) {
   CostPoint point;
   point.scene = scene;
   point.setting = setting;
@@ -162,25 +72,13 @@ Setting default_setting(const sim::Scene& scene, unsigned members) {
           kDefaultRatio,          BorderMode::kGhost,        CutOrder::kBestFirst};
 }
 
-unsigned moving_bodies(const sim::Scene& scene) {
-  return static_cast<unsigned>(std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) {
-    return body.kind == physics::BodyKind::kDynamic;
-  }));
+// How long a case takes, a seed: its bodies count in every setting.
+double work_of(const sim::Scene& scene, const CouplingCase& one, bool quick) {
+  return moving_bodies(scene) * (kReferenceWork + static_cast<double>(settings_for(scene, one.members, quick).size()));
 }
 
-ReferenceRun record(const sim::Scene& scene, const hal::DeviceProfile& profile, bool quick,
-                    std::span<const unsigned> ratios) {
-  sim::Scene fine = scene;
-  fine.solver.sub_steps = kReferenceSubSteps;
-  fine.solver.relax_sweeps = kReferenceRelaxSweeps;
-  const auto options = options_of({}, CouplingScheme::kDirect);
-  CoupledWorlds direct(fine, options, profile.properties);
-  const auto config = session::loop_config(fine, options, profile.properties);
-  ScriptedArm arm(profile, session::make_hand(fine), config.placement, config.period_s);
-  return record_reference(direct, arm, tick_at(HandTimes::kEnd), window_places(quick), ratios);
-}
-
-Status measure_case(const CostRequest& request, const CouplingCase& one, const Progress& progress, CostReport& report) {
+Status measure_case(const CostRequest& request, const CouplingCase& one, const Pace& pace, double& done,
+                    CostReport& report) {
   auto written = load_coupling_case(one, 0);
   if (!written.ok()) return written.status();
   const auto profile = session::find_description(written.value().device.profile, {});
@@ -189,18 +87,22 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
   std::vector<unsigned> ratios;
   for (const Setting& setting : settings)
     if (std::find(ratios.begin(), ratios.end(), setting.ratio) == ratios.end()) ratios.push_back(setting.ratio);
-  std::vector<Sums> sums(settings.size());
+  std::vector<SettingSums> sums(settings.size());
+  const double unit = moving_bodies(written.value());
   for (unsigned seed = 0; seed < request.seeds; ++seed) {
     auto scene = load_coupling_case(one, seed);
     if (!scene.ok()) return scene.status();
     const auto say = [&](const std::string& doing) {
-      if (progress) progress(fmt::format("scene {}, seed {} of {}: {}", one.name, seed + 1, request.seeds, doing));
+      pace.say(fmt::format("scene {}, seed {} of {}: {}", one.name, seed + 1, request.seeds, doing), done);
     };
     say("reference");
-    const ReferenceRun reference = record(scene.value(), profile.value(), request.quick, ratios);
+    const ReferenceRun reference =
+        record_fine(scene.value(), profile.value(), tick_at(HandTimes::kEnd), window_places(request.quick), ratios);
+    done += kReferenceWork * unit;
     for (std::size_t i = 0; i < settings.size(); ++i) {
       say(fmt::format("setting {} of {}", i + 1, settings.size()));
-      measure(scene.value(), profile.value(), settings[i], reference, ratios, sums[i]);
+      measure_setting(scene.value(), profile.value(), settings[i], reference, ratios, sums[i]);
+      done += unit;
     }
   }
   const std::size_t first = report.points.size();
@@ -216,38 +118,26 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
   return Status::good();
 }
 
-// Instructions of a tick by callgrind; 0 where it could not be counted.
-double counted(const std::string& program, std::size_t scene, std::size_t setting, bool quick) {
-  const std::string out = fmt::format("/tmp/tactus-callgrind.{}", getpid());
-  const std::string command = fmt::format(
-      "valgrind --tool=callgrind --callgrind-out-file={} --instr-atstart=no '{}' experiment accuracy-cost --count {} "
-      "{}{}"
-      " >/dev/null 2>&1",
-      out, program, scene, setting, quick ? " --quick" : "");
-  if (std::system(command.c_str()) != 0) return 0;
-  std::ifstream file(out);
-  double instructions = 0;
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("summary:") || line.starts_with("totals:"))
-      instructions = std::strtod(line.c_str() + line.find(':') + 1, nullptr);
-  std::remove(out.c_str());
-  return instructions / kCountedTicks;
-}
-
 void count_instructions(const CostRequest& request, const Progress& progress, std::vector<CostPoint>& points) {
-  if (TACTUS_COUNTS_INSTRUCTIONS == 0 || request.program.empty() ||
-      std::system("command -v valgrind >/dev/null 2>&1") != 0)
-    return;
+  if (request.program.empty() || !can_count_instructions()) return;
   const auto cases = coupling_cases();
+  const auto wanted = [](const CostPoint& point) { return point.on_front || point.is_default; };
+  const auto runs = std::count_if(points.begin(), points.end(), wanted);
+  const Pace pace(progress, static_cast<double>(runs));
+  double done = 0;
   std::size_t setting = 0;
   for (std::size_t i = 0; i < points.size(); ++i, ++setting) {
     if (points[i].is_default) setting = 0;  // the first of its scene
-    if (!points[i].on_front && !points[i].is_default) continue;
-    if (progress) progress(fmt::format("scene {}: instructions of setting {}", points[i].scene, setting + 1));
+    if (!wanted(points[i])) continue;
+    pace.say(fmt::format("instructions: scene {}, {} of {}", points[i].scene, done + 1, runs), done);
+    done += 1;
     const auto scene =
         std::find_if(cases.begin(), cases.end(), [&](const auto& c) { return c.name == points[i].scene; });
     points[i].instructions =
-        counted(request.program, static_cast<std::size_t>(scene - cases.begin()), setting, request.quick);
+        counted_instructions(request.program,
+                             fmt::format("experiment accuracy-cost --count {} {}{}", scene - cases.begin(), setting,
+                                         request.quick ? " --quick" : "")) /
+        kCountedTicks;
   }
 }
 
@@ -270,13 +160,13 @@ Status run_counted(const CouplingCase& one, std::size_t setting, bool quick) {
   for (std::size_t k = 0; k < first + kCountedTicks; ++k) {
     if (k > 0) arm.advance(worlds.last().on_device);
     const bool count = k >= first;
-    if (count) { CALLGRIND_START_INSTRUMENTATION; }
+    if (count) start_counting();
     const bool synchronised = worlds.synchronise();
-    if (count) { CALLGRIND_STOP_INSTRUMENTATION; }
+    if (count) stop_counting();
     if (synchronised) worlds.serve();
-    if (count) { CALLGRIND_START_INSTRUMENTATION; }
+    if (count) start_counting();
     (void)worlds.step(arm.ideal());
-    if (count) { CALLGRIND_STOP_INSTRUMENTATION; }
+    if (count) stop_counting();
   }
   return Status::good();
 }
@@ -313,8 +203,15 @@ Result<CostReport> run_accuracy_cost(const CostRequest& request, const Progress&
   settle_on_core();
   CostReport report;
   report.seeds = request.seeds;
+  double work = 0, done = 0;
+  for (const CouplingCase& one : request.cases) {
+    const auto scene = load_coupling_case(one, 0);
+    if (!scene.ok()) return scene.status();
+    work += request.seeds * work_of(scene.value(), one, request.quick);
+  }
+  const Pace pace(progress, work);
   for (const CouplingCase& one : request.cases)
-    if (const Status status = measure_case(request, one, progress, report); !status.ok()) return status;
+    if (const Status status = measure_case(request, one, pace, done, report); !status.ok()) return status;
   mark_front(report.points);
   count_instructions(request, progress, report.points);
   return report;

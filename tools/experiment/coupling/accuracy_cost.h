@@ -9,21 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "rt/physics/border_contact.h"
-#include "sim/extraction.h"
 #include "tools/experiment/coupling/coupling_cases.h"
+#include "tools/experiment/coupling/setting_cost.h"
 #include "tools/experiment/progress.h"
 
 namespace tactus::experiment {
-
-struct Setting {
-  unsigned sub_steps{4}, relax_sweeps{1};
-  double contact_Hz{250};
-  unsigned members{64}, ratio{8};
-  physics::BorderMode border{physics::BorderMode::kCapped};
-  sim::CutOrder order{sim::CutOrder::kBestFirst};
-  friend bool operator==(const Setting&, const Setting&) = default;
-};
 
 struct CostPoint {
   std::string scene;

@@ -140,6 +140,12 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
   settle_on_core();
   CapacityReport report;
   report.members = request.members;
+  // A search is as long as any other, nearly: most of it goes into its largest heaps.
+  double work = 0, done = 0;
+  for (const CouplingScheme coupling : request.couplings)
+    work += static_cast<double>(request.rates_Hz.size()) *
+            (coupling == CouplingScheme::kDirect ? 1.0 : static_cast<double>(request.ratios.size()));
+  const Pace pace(progress, work);
   for (const double rate_Hz : request.rates_Hz) {
     unsigned direct_bodies = 0;
     for (const CouplingScheme coupling : request.couplings) {
@@ -149,8 +155,8 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
         Status failed = Status::good();
         const auto fits = [&](unsigned bodies) {
           if (!failed.ok()) return false;
-          if (progress)
-            progress(fmt::format("{} at {:g} Hz, ratio {}: {} bodies", sim::name_of(coupling), rate_Hz, ratio, bodies));
+          pace.say(fmt::format("{} at {:g} Hz, ratio {}: {} bodies", sim::name_of(coupling), rate_Hz, ratio, bodies),
+                   done);
           CapacityPoint point;
           point.coupling = coupling, point.rate_Hz = rate_Hz, point.ratio = ratio, point.bodies = bodies;
           auto timed = time_heap(request, point);
@@ -166,6 +172,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
         if (direct) direct_bodies = bracket.fits;
         if (direct_bodies > 0) row.quotient = static_cast<double>(row.bodies) / direct_bodies;
         report.rows.push_back(row);
+        done += 1;
       }
     }
   }

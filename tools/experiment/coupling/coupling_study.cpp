@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "rt/base/denormals.h"
@@ -230,23 +229,6 @@ void SceneStudy::add_to(StudyReport& report) const {
   }
 }
 
-// "scene pile, seed 3 of 20, about 40 s left"; the scenes weigh as their bodies do.
-class Pace {
- public:
-  Pace(const Progress& progress, double work) : progress_(progress), work_(work) {}
-  void say(const std::string& doing, double done) const {
-    if (!progress_) return;
-    const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    const std::string left = done > 0 ? fmt::format(", about {:.0f} s left", elapsed_s * (work_ / done - 1)) : "";
-    progress_(doing + left);
-  }
-
- private:
-  const Progress& progress_;
-  double work_;
-  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
-};
-
 }  // namespace
 
 bool is_stable(const HandInLoop& loop, const HandInLoop& direct) {
@@ -269,7 +251,7 @@ Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progre
     weight.push_back(static_cast<double>(scene.value().bodies.size()));
     work += (request.seeds + 1) * weight.back();
   }
-  const Pace pace(progress, work);
+  const Pace pace(progress, work);  // the scenes weigh as their bodies do
   for (std::size_t c = 0; c < request.cases.size(); ++c) {
     const CouplingCase& one = request.cases[c];
     auto scene = load_coupling_case(one, 0);

@@ -1,8 +1,9 @@
-// Where the sleeping bodies are: boxes that stay, come and go one by one, and are asked for by those that are awake.
+// Boxes that stay from step to step, come and go one by one, and are asked for by those that move: where sleeping
+// bodies are, and the room of those that hardly move.
 //
-// A hierarchical uniform grid, as PairGrid, but kept from step to step: a box lives in the cell of its lower corner, on
-// the level whose cells are just larger than it, in a list per hashed cell. To insert or remove is O(1); to ask costs a
-// few cells for each level in use, whatever else there is. Exactly the boxes of the brute-force test; their order
+// A hierarchical uniform grid, as PairGrid, but kept: a box lives in the cell of its lower corner, on the level whose
+// cells are just larger than it, in a list per hashed cell. To insert or remove is O(1); to ask costs a few cells for
+// each level in use, whatever else there is. Exactly the boxes of the brute-force test; their order
 // follows from the order in which they came. Thread: construction [setup]; the rest: the owner, never allocates.
 // Frame: any. Units: m. Bound: as many boxes as given at construction, each by its own number below that.
 #pragma once
@@ -14,12 +15,13 @@
 
 namespace tactus::sim {
 
-class SleeperGrid {
+class BoxGrid {
  public:
-  explicit SleeperGrid(std::uint32_t max_bodies);
+  explicit BoxGrid(std::uint32_t max_bodies);
 
   void insert(std::uint32_t body, const physics::Aabb<double>& box) noexcept;
   void remove(std::uint32_t body) noexcept;
+  void clear() noexcept;  // linear in boxes + cells
   std::uint32_t size() const noexcept { return size_; }
 
   // Calls found(body) for each box that overlaps; it must not insert or remove.
@@ -43,6 +45,7 @@ class SleeperGrid {
 
   struct Cell {
     std::int64_t x, y, z;
+    bool operator==(const Cell&) const = default;
   };
   struct Cells {  // a block of them, both ends included
     Cell low, high;
@@ -50,6 +53,7 @@ class SleeperGrid {
   };
   struct Entry {
     physics::Aabb<double> box;
+    Cell cell{};
     std::uint32_t level{0}, bucket{0};
     std::uint32_t next{kNone}, before{kNone};  // in the bucket's list
     bool inside{false};
@@ -70,7 +74,7 @@ class SleeperGrid {
           for (std::uint32_t body = head_[bucket_of(cell, level)]; body != kNone; body = entries_[body].next) {
             const Entry& entry = entries_[body];
             // Other cells share the bucket.
-            if (entry.level == level && entry.box.overlaps(box) && is_in(entry, cell)) found(body);
+            if (entry.level == level && entry.cell == cell && entry.box.overlaps(box)) found(body);
           }
         }
   }
@@ -82,7 +86,6 @@ class SleeperGrid {
       if (entry.inside && entry.level == level && entry.box.overlaps(box)) found(body);
     }
   }
-  static bool is_in(const Entry& entry, const Cell& cell) noexcept;
 
   std::vector<Entry> entries_;       // by body
   std::vector<std::uint32_t> head_;  // by bucket

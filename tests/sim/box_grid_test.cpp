@@ -1,4 +1,4 @@
-#include "sim/sleeper_grid.h"
+#include "sim/box_grid.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ namespace {
 
 Aabb<double> box_at(const Vec3d& centre, const Vec3d& half) { return {centre - half, centre + half}; }
 
-std::vector<std::uint32_t> found_in(const SleeperGrid& grid, const Aabb<double>& box) {
+std::vector<std::uint32_t> found_in(const BoxGrid& grid, const Aabb<double>& box) {
   std::vector<std::uint32_t> found;
   grid.find(box, [&](std::uint32_t body) { found.push_back(body); });
   std::sort(found.begin(), found.end());
@@ -24,10 +24,10 @@ std::vector<std::uint32_t> found_in(const SleeperGrid& grid, const Aabb<double>&
 
 }  // namespace
 
-TEST_CASE("The grid of sleepers finds what the brute-force test finds while boxes of all sizes come and go") {
+TEST_CASE("A grid of boxes finds what the brute-force test finds while boxes of all sizes come and go") {
   constexpr std::uint32_t kBodies = 500;
   Random random(5);
-  SleeperGrid grid(kBodies);
+  BoxGrid grid(kBodies);
   std::map<std::uint32_t, Aabb<double>> inside;
   std::size_t hits = 0;
   for (int k = 0; k < 6000; ++k) {
@@ -53,7 +53,7 @@ TEST_CASE("The grid of sleepers finds what the brute-force test finds while boxe
 }
 
 TEST_CASE("Boxes on the borders of cells, far out, without end and without size are found") {
-  SleeperGrid grid(8);
+  BoxGrid grid(8);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   grid.insert(0, box_at({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}));
   grid.insert(1, box_at({1.5, 0.5, 0.5}, {0.5, 0.5, 0.5}));

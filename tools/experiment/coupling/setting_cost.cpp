@@ -1,0 +1,104 @@
+#include "tools/experiment/coupling/setting_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/experiment/timing.h"
+#include "tools/session/session.h"
+
+namespace tactus::experiment {
+namespace {
+
+using haptics::CouplingScheme;
+
+// Of the run that all settings are measured against.
+constexpr unsigned kReferenceSubSteps = 16, kReferenceRelaxSweeps = 2;
+
+// A window, timed part by part.
+std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& reference, const Window& window,
+                                SettingSums& sums) {
+  std::vector<Vec3d> force;
+  const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
+  for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
+    if (!window.hold && k > window.start && worlds.at_synchronisation())
+      sums.energy.add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
+    const double begin_us = thread_time_us();
+    const bool synchronised = worlds.synchronise();
+    double haptic_us = thread_time_us() - begin_us;
+    if (synchronised) {
+      const double step_us = thread_time_us();
+      worlds.serve();
+      sums.global_us.push_back(thread_time_us() - step_us);
+    }
+    const double again_us = thread_time_us();
+    force.push_back(worlds.step(reference.ideal[k]).on_device.force);
+    sums.ticks_us.push_back(haptic_us + thread_time_us() - again_us);
+  }
+  sums.energy.close_window();
+  return force;
+}
+
+}  // namespace
+
+unsigned least_sub_steps(double contact_Hz) {
+  return static_cast<unsigned>(std::ceil(4 * contact_Hz / kHapticRate_Hz - 1e-9));
+}
+
+sim::Scene with(sim::Scene scene, const Setting& setting) {
+  scene.solver.sub_steps = setting.sub_steps;
+  scene.solver.relax_sweeps = setting.relax_sweeps;
+  scene.solver.contact_hertz = setting.contact_Hz;
+  scene.solver.global_sub_steps_per_tick =
+      std::max<double>(scene.solver.global_sub_steps_per_tick, least_sub_steps(setting.contact_Hz));
+  return scene;
+}
+
+session::RunOptions options_of(const Setting& setting, haptics::CouplingScheme coupling) {
+  session::RunOptions options;
+  options.coupling = coupling;
+  options.border = setting.border;
+  options.order = setting.order;
+  options.ratio = setting.ratio;
+  options.members = setting.members;
+  options.rate_Hz = kHapticRate_Hz;
+  return options;
+}
+
+unsigned moving_bodies(const sim::Scene& scene) {
+  return static_cast<unsigned>(std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) {
+    return body.kind == physics::BodyKind::kDynamic;
+  }));
+}
+
+ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& profile, std::size_t ticks,
+                         std::span<const WindowPlace> places, std::span<const unsigned> ratios) {
+  sim::Scene fine = scene;
+  fine.solver.sub_steps = kReferenceSubSteps;
+  fine.solver.relax_sweeps = kReferenceRelaxSweeps;
+  const auto options = options_of({}, CouplingScheme::kDirect);
+  CoupledWorlds direct(fine, options, profile.properties);
+  const auto config = session::loop_config(fine, options, profile.properties);
+  ScriptedArm arm(profile, session::make_hand(fine), config.placement, config.period_s);
+  return record_reference(direct, arm, ticks, places, ratios);
+}
+
+void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const Setting& setting,
+                     const ReferenceRun& reference, std::span<const unsigned> ratios, SettingSums& sums) {
+  const sim::Scene solved = with(scene, setting);
+  const auto options = options_of(setting, CouplingScheme::kSubWorld);
+  const auto ratio = static_cast<std::size_t>(std::find(ratios.begin(), ratios.end(), setting.ratio) - ratios.begin());
+  for (const Window& window : reference.windows) {
+    CoupledWorlds worlds(solved, options, profile.properties);
+    worlds.start_from(window.before[ratio], window.now, reference.mean_on_proxy(window.start, setting.ratio));
+    const auto wanted = std::span(reference.force).subspan(window.start, kWindowTicks);
+    const auto force = timed_window(worlds, reference, window, sums);
+    sums.error.add(force, wanted);
+    std::vector<std::size_t> syncs;
+    for (std::size_t k = setting.ratio; k < kWindowTicks; k += setting.ratio) syncs.push_back(k);
+    const auto steps = steps_at(force, wanted, syncs);
+    sums.steps.insert(sums.steps.end(), steps.begin(), steps.end());
+    if (window.hold) sums.vibration.push_back(band_deviation(difference(force, wanted), kHapticRate_Hz, 20, 500));
+  }
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,55 @@
+// One setting of solver, sub-world and border, on the windows of a reference run: how far off its force is, and what it
+// takes.
+//
+// The reference is a direct run with many more sub-steps and a second relax sweep: the error is the coupling's and the
+// solver's. Times are CPU time of one thread, the haptic side's and the global world's apart. Thread: one, on one core.
+// Bound: scenes of at most haptics::kMaxMembers moving bodies.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hal/profiles.h"
+#include "rt/haptics/coupling_scheme.h"
+#include "rt/physics/border_contact.h"
+#include "sim/extraction.h"
+#include "tools/experiment/coupling/force_measures.h"
+#include "tools/experiment/coupling/reference_run.h"
+
+namespace tactus::experiment {
+
+struct Setting {
+  unsigned sub_steps{4}, relax_sweeps{1};
+  double contact_Hz{250};
+  unsigned members{64}, ratio{8};
+  physics::BorderMode border{physics::BorderMode::kCapped};
+  sim::CutOrder order{sim::CutOrder::kBestFirst};
+  friend bool operator==(const Setting&, const Setting&) = default;
+};
+
+// Sub-steps of a tick that resolve a contact frequency: a quarter of them in a second.
+unsigned least_sub_steps(double contact_Hz);
+
+// The scene and the options of a run with this setting.
+sim::Scene with(sim::Scene scene, const Setting& setting);
+session::RunOptions options_of(const Setting& setting, haptics::CouplingScheme coupling);
+
+unsigned moving_bodies(const sim::Scene& scene);
+
+// The scene's own hand, all bodies at the haptic rate. `ratios`: of the settings to come.
+ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& profile, std::size_t ticks,
+                         std::span<const WindowPlace> places, std::span<const unsigned> ratios);
+
+// Over windows and hands.
+struct SettingSums {
+  ForceError error;
+  EnergyBook energy;
+  std::vector<double> vibration, steps;     // N: of the hold windows; at synchronisations
+  std::vector<double> ticks_us, global_us;  // a tick of the haptic side; a global step
+};
+
+// Adds what the setting does on the reference's windows. Its ratio is one of `ratios`, as the reference was recorded.
+void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const Setting& setting,
+                     const ReferenceRun& reference, std::span<const unsigned> ratios, SettingSums& sums);
+
+}  // namespace tactus::experiment

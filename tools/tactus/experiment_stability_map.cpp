@@ -1,0 +1,94 @@
+// tactus experiment stability-map: which gains of the device-proxy coupling are stable, and which to use on this PC.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "tools/experiment/page.h"
+#include "tools/experiment/stability/stability_map.h"
+#include "tools/session/open_link.h"
+#include "tools/tactus/commands.h"
+#include "tools/tactus/experiments.h"
+#include "tools/timing/budget.h"
+
+namespace tactus::tools {
+namespace {
+
+struct MapOptions {
+  std::string profile{"virtuose6d"}, device_file, budget, csv, page;
+  double rate_Hz{1000};
+  int cpu{-1};
+  bool quick{false}, json{false};
+};
+
+Result<experiment::WakeLateness> lateness_of(const MapOptions& options) {
+  if (options.budget.empty()) return experiment::measure_wake(options.rate_Hz, options.quick ? 2 : 10, options.cpu);
+  const auto budget = timing::load_budget(options.budget);
+  if (!budget.ok()) return budget.status();
+  const timing::Budget& b = budget.value();
+  return experiment::WakeLateness{1e-6 * b.wake_p50_us, 1e-6 * b.wake_p99_9_us, 1e-6 * b.wake_worst_us, options.budget,
+                                  false};
+}
+
+// What a person types to get the same figures.
+std::string command_of(const MapOptions& o) {
+  std::string text = fmt::format("tactus experiment stability-map --rate {:g}", o.rate_Hz);
+  text += o.device_file.empty() ? " --profile " + o.profile : " --device-file " + o.device_file;
+  if (!o.budget.empty()) text += " --budget " + o.budget;
+  return text + (o.quick ? " --quick" : "") + " --page " + o.page;
+}
+
+int run_map(const MapOptions& options) {
+  const auto profile = session::find_description(options.profile, options.device_file);
+  if (!profile.ok()) return complain("tactus experiment stability-map: " + profile.message(), kExitBadInput);
+  const auto wake = lateness_of(options);
+  if (!wake.ok()) return complain("tactus experiment stability-map: --budget: " + wake.message(), kExitBadInput);
+  experiment::MapRequest request;
+  request.description = profile.value().description;
+  request.rate_Hz = options.rate_Hz;
+  request.wake = wake.value();
+  request.quick = options.quick;
+  const auto report = experiment::run_stability_map(request, experiment::terminal_progress());
+  const std::string json = experiment::map_json(report);
+  fmt::print("{}\n", options.json ? json : experiment::map_table(report));
+  const int exit_code = write_file(options.csv, experiment::map_csv(report));
+  if (options.page.empty()) return exit_code;
+  const Status status = experiment::write_page("stability-map", json, command_of(options), options.page);
+  return status.ok() ? exit_code : complain("tactus experiment stability-map: " + status.message(), kExitMachineCannot);
+}
+
+}  // namespace
+
+void add_stability_map(CLI::App& experiment, int& exit_code) {
+  auto options = std::make_shared<MapOptions>();
+  CLI::App* command =
+      experiment.add_subcommand("stability-map", "Stiffness and damping of the coupling: what is stable, what to use.");
+  command->footer(
+      "The simulated device, pressed against a wall with 5 N and tapped, passivity controller off and without dry\n"
+      "friction. For each damping the stiffness at which the tap begins to ring on, by halves, beside the formula by\n"
+      "which `tactus run` refuses gains. Rate, delay, jitter and encoder quantum are changed one at a time. Virtual "
+      "time:\n"
+      "the same options, the same map. How late this PC wakes a thread is measured for some seconds, or read from a "
+      "file\n"
+      "of `tactus timing --certify`; the gains that are suggested are for a tick as late as one in a thousand.\n\n"
+      "Example:\n  tactus experiment stability-map --quick\n"
+      "  tactus experiment stability-map --budget budget.json --page stability.html");
+  command->add_option("--profile", options->profile, "device that is built in: virtuose6d or desk3d")
+      ->capture_default_str();
+  command->add_option("--device-file", options->device_file, "describes another device");
+  command->add_option("--rate", options->rate_Hz, "ticks a second of the loop from which each factor is changed [Hz]")
+      ->check(CLI::Range(100.0, 10000.0))
+      ->capture_default_str();
+  command->add_option("--cpu", options->cpu, "core on which wake-ups are measured; default: any")
+      ->check(CLI::Range(0, 1023));
+  command->add_option("--budget", options->budget, "a file of `tactus timing --certify`, instead of measuring");
+  command->add_option("--csv", options->csv, "writes every boundary to this file, units in the header");
+  command->add_option("--page", options->page, "draws them into this HTML file; needs python3-matplotlib");
+  command->add_flag("--quick", options->quick, "less than a minute: four dampings, fewer loops");
+  command->add_flag("--json", options->json, "one JSON object on stdout");
+  command->callback([options, &exit_code] { exit_code = run_map(*options); });
+}
+
+}  // namespace tactus::tools

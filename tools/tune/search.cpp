@@ -1,0 +1,103 @@
+#include "tools/tune/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace tactus::tune {
+namespace {
+
+constexpr unsigned kMostRounds = 16;
+// A notch is worth its time from this share of the error on; and one that costs less is taken back.
+constexpr double kWorth = 0.98, kForNothing = 1.005;
+constexpr std::array kRatios{1u, 2u, 4u, 8u, 16u};
+
+template <class T>
+void add(std::vector<Notch>& notches, const char* factor, const Setting& from, T Setting::*what, T to) {
+  if (from.*what == to) return;
+  Notch notch{factor, fmt::format("{}", from.*what), fmt::format("{}", to), from};
+  notch.setting.*what = to;
+  notches.push_back(notch);
+}
+
+bool cheaper(const Trial& a, const Trial& b) {
+  return a.tick_us_p99 + a.global_us_per_tick < b.tick_us_p99 + b.global_us_per_tick;
+}
+
+}  // namespace
+
+bool Trial::fits(const Limits& limits) const {
+  return tick_us_p99 <= limits.tick_us && global_us_per_tick <= limits.global_us && setting.members <= limits.members &&
+         setting.sub_steps <= limits.sub_steps;
+}
+
+std::vector<Notch> notches_up(const Setting& s, const Limits& limits) {
+  std::vector<Notch> notches;
+  if (2 * s.sub_steps <= limits.sub_steps) add(notches, "sub-steps", s, &Setting::sub_steps, 2 * s.sub_steps);
+  if (s.relax_sweeps < 2) add(notches, "relax sweeps", s, &Setting::relax_sweeps, 2u);
+  const unsigned most = std::min(limits.members, limits.bodies);
+  if (s.members < most) add(notches, "members", s, &Setting::members, std::min(2 * s.members, most));
+  if (2 * s.members < most) add(notches, "members", s, &Setting::members, most);
+  const auto below = std::lower_bound(kRatios.begin(), kRatios.end(), s.ratio);
+  if (below != kRatios.begin()) add(notches, "ratio", s, &Setting::ratio, *(below - 1));
+  return notches;
+}
+
+std::vector<Notch> notches_down(const Setting& s, const Limits& limits) {
+  std::vector<Notch> notches;
+  const unsigned sub_steps = std::min(std::max(1u, s.sub_steps / 2), limits.sub_steps);
+  if (sub_steps >= experiment::least_sub_steps(s.contact_Hz))
+    add(notches, "sub-steps", s, &Setting::sub_steps, sub_steps);
+  if (s.relax_sweeps > 1) add(notches, "relax sweeps", s, &Setting::relax_sweeps, 1u);
+  add(notches, "members", s, &Setting::members, std::min({std::max(1u, s.members / 2), limits.members, limits.bodies}));
+  const auto above = std::upper_bound(kRatios.begin(), kRatios.end(), s.ratio);
+  if (above != kRatios.end()) add(notches, "ratio", s, &Setting::ratio, *above);
+  return notches;
+}
+
+std::vector<Notch> notches_stiffer(const Setting& s) {
+  std::vector<Notch> notches;
+  if (s.sub_steps >= experiment::least_sub_steps(2 * s.contact_Hz))
+    add(notches, "contact frequency [Hz]", s, &Setting::contact_Hz, 2 * s.contact_Hz);
+  return notches;
+}
+
+Found search(const Setting& start, const Limits& limits, const Measure& measure) {
+  Found found;
+  found.best = measure(start);
+  for (unsigned round = 0; round < kMostRounds && !found.best.fits(limits); ++round) {
+    std::vector<Trial> tried;
+    for (const Notch& notch : notches_down(found.best.setting, limits)) tried.push_back(measure(notch.setting));
+    std::erase_if(tried, [&](const Trial& t) { return !t.fits(limits) && !cheaper(t, found.best); });
+    if (tried.empty()) return found;
+    // What fits, else what is cheaper; of these the most accurate.
+    found.best = *std::min_element(tried.begin(), tried.end(), [&](const Trial& a, const Trial& b) {
+      return a.fits(limits) != b.fits(limits) ? a.fits(limits) : a.force_error < b.force_error;
+    });
+  }
+  found.fits = found.best.fits(limits);
+  if (!found.fits) return found;
+  for (unsigned round = 0; round < kMostRounds; ++round) {
+    Trial next = found.best;
+    for (const Notch& notch : notches_up(found.best.setting, limits)) {
+      const Trial trial = measure(notch.setting);
+      const double worth = kWorth * found.best.force_error;
+      if (trial.fits(limits) && trial.force_error < std::min(worth, next.force_error)) next = trial;
+    }
+    if (next.setting == found.best.setting) break;
+    found.best = next;
+  }
+  const double error = found.best.force_error;
+  for (const Notch& notch : notches_down(found.best.setting, limits)) {
+    if (notch.factor == "ratio") continue;  // the global world's time is its own
+    const Trial trial = measure(notch.setting);
+    if (trial.fits(limits) && trial.force_error <= kForNothing * error && cheaper(trial, found.best)) {
+      found.best = trial;
+      break;
+    }
+  }
+  return found;
+}
+
+}  // namespace tactus::tune

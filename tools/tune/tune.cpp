@@ -1,0 +1,218 @@
+#include "tools/tune/tune.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "tools/experiment/statistics.h"
+#include "tools/experiment/timing.h"
+#include "tools/session/open_link.h"
+#include "tools/session/realtime_run.h"
+
+namespace tactus::tune {
+namespace {
+
+using experiment::kHapticRate_Hz;
+using experiment::kWindowTicks;
+using experiment::ReferenceRun;
+
+constexpr std::array kRatios{1u, 2u, 4u, 8u, 16u};
+constexpr double kFirstWindow_s = 0.3, kWindowEvery_s = 0.25;
+// Of the whole, in trials: the reference, a real run, and about as many trials as there are.
+constexpr double kReferenceWork = 6, kRealWork = 4, kTrials = 22;
+constexpr int kMostStepsBack = 3;
+constexpr double kMostCoreFactor = 4;
+
+// This thread stays on the core where it is, while it lives: a real run wants all of them back.
+class OnOneCore {
+ public:
+  OnOneCore() {
+    sched_getaffinity(0, sizeof before_, &before_);
+    experiment::settle_on_core();
+  }
+  ~OnOneCore() { sched_setaffinity(0, sizeof before_, &before_); }
+  OnOneCore(const OnOneCore&) = delete;
+  OnOneCore& operator=(const OnOneCore&) = delete;
+
+ private:
+  cpu_set_t before_{};
+};
+
+session::RunOptions run_options(const TuneRequest& request, const Setting& setting, double duration_s) {
+  session::RunOptions options = request.run;
+  options.rate_Hz = kHapticRate_Hz;
+  options.members = setting.members, options.ratio = setting.ratio;
+  options.duration_s = duration_s;
+  return options;
+}
+
+Result<RealRun> run_for_real(const TuneRequest& request, const Setting& setting, const std::atomic<bool>& stop) {
+  auto session = session::Session::create(experiment::with(request.scene, setting),
+                                          run_options(request, setting, request.verify_s));
+  if (!session.ok()) return session.status();
+  const auto ran = session::run_realtime(*session.value(), {}, stop);
+  if (!ran.ok()) return ran.status();
+  const session::RunSummary& summary = ran.value();
+  const loop::RunStats& stats = summary.stats;
+  const auto ticks_with = [&](StatusBit bit) {
+    return static_cast<double>(stats.status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))]);
+  };
+  const auto us = [&](double percent) { return 1e-3 * static_cast<double>(summary.compute.percentile_ns(percent)); };
+  const double ticks = std::max<double>(1, static_cast<double>(stats.ticks)),
+               cycles = std::max<double>(1, static_cast<double>(stats.cycles));
+  RealRun run;
+  run.duration_s = summary.wall_s;
+  run.tick_us_p50 = us(50), run.tick_us_p99 = us(99);
+  run.tick_us_max = 1e-3 * static_cast<double>(summary.compute.max_ns());
+  run.reduced_share = (ticks_with(kSubStepsReduced) + ticks_with(kSolverCut)) / ticks;
+  run.restrained_share = static_cast<double>(stats.restrained_cycles) / cycles;
+  run.late_share = static_cast<double>(stats.late_cycles) / cycles;
+  run.lost = summary.overruns_own_work;
+  run.degraded = summary.degraded();
+  return run;
+}
+
+// The windows in which the hand presses most, in the order of time.
+void keep_strongest(ReferenceRun& reference, std::size_t count) {
+  const auto force = [&](const experiment::Window& window) {
+    double sum = 0;
+    for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k)
+      if (reference.touches[k] != 0) sum += norm_squared(reference.force[k]);
+    return sum;
+  };
+  auto& windows = reference.windows;
+  std::erase_if(windows, [&](const auto& window) { return force(window) <= 0; });
+  std::stable_sort(windows.begin(), windows.end(), [&](const auto& a, const auto& b) { return force(a) > force(b); });
+  if (windows.size() > count) windows.resize(count);
+}
+
+// Measures settings against the reference, each once.
+class Bench {
+ public:
+  Bench(const TuneRequest& request, const hal::DeviceProfile& profile) : request_(request), profile_(profile) {
+    ratios_.assign(kRatios.begin(), kRatios.end());
+    const unsigned written = request.run.ratio != 0 ? request.run.ratio : request.scene.ratio;
+    if (std::find(ratios_.begin(), ratios_.end(), written) == ratios_.end()) ratios_.push_back(written);
+    const auto& path = request.scene.hand.path;
+    const double end_s = std::min(path.empty() ? 0.0 : path.back().time_s, request.quick ? 3.0 : 6.0);
+    std::vector<experiment::WindowPlace> places;
+    for (double at = kFirstWindow_s; at + kWindowTicks / kHapticRate_Hz < end_s; at += kWindowEvery_s)
+      places.push_back({experiment::tick_at(at), true});
+    reference_ = experiment::record_fine(request.scene, profile, experiment::tick_at(end_s), places, ratios_);
+    keep_strongest(reference_, request.quick ? 2 : 4);
+  }
+
+  std::size_t windows() const { return reference_.windows.size(); }
+  unsigned trials() const { return static_cast<unsigned>(known_.size()); }
+  double core_factor{1};
+
+  Trial measure(const Setting& setting) {
+    const auto before =
+        std::find_if(known_.begin(), known_.end(), [&](const Trial& t) { return t.setting == setting; });
+    Trial trial = before != known_.end() ? *before : measure_anew(setting);
+    trial.tick_us_p50 *= core_factor, trial.tick_us_p99 *= core_factor;
+    return trial;
+  }
+
+ private:
+  Trial measure_anew(const Setting& setting) {
+    experiment::SettingSums sums;
+    experiment::measure_setting(request_.scene, profile_, setting, reference_, ratios_, sums);
+    known_.push_back({setting, sums.error.relative(), experiment::median(sums.ticks_us),
+                      experiment::quantile(sums.ticks_us, 0.99),
+                      experiment::quantile(sums.global_us, 0.9) / setting.ratio});
+    return known_.back();
+  }
+
+  const TuneRequest& request_;
+  const hal::DeviceProfile& profile_;
+  std::vector<unsigned> ratios_;
+  ReferenceRun reference_;
+  std::vector<Trial> known_;  // times as they are in a row
+};
+
+Setting written_setting(const TuneRequest& request, unsigned bodies) {
+  const sim::Scene& scene = request.scene;
+  Setting setting;
+  setting.sub_steps = scene.solver.sub_steps, setting.relax_sweeps = scene.solver.relax_sweeps;
+  setting.contact_Hz = scene.solver.contact_hertz;
+  setting.members = std::min(request.run.members != 0 ? request.run.members : scene.members, bodies);
+  setting.ratio = request.run.ratio != 0 ? request.run.ratio : scene.ratio;
+  setting.border = request.run.border, setting.order = request.run.order;
+  return setting;
+}
+
+// The cheapest step back: what holds in a real run may be less than what was foreseen.
+Trial step_back(const Trial& from, const Limits& limits, Bench& bench) {
+  std::vector<Trial> tried;
+  for (const Notch& notch : notches_down(from.setting, limits)) tried.push_back(bench.measure(notch.setting));
+  if (tried.empty()) return from;
+  return *std::min_element(tried.begin(), tried.end(),
+                           [](const Trial& a, const Trial& b) { return a.force_error < b.force_error; });
+}
+
+}  // namespace
+
+Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progress& progress,
+                            const std::atomic<bool>& stop) {
+  TuneReport report;
+  report.file = request.file, report.scene = request.scene.name;
+  report.bodies = experiment::moving_bodies(request.scene);
+  report.limits = request.limits, report.limits.bodies = report.bodies;
+  if (report.bodies > haptics::kMaxMembers)
+    return Status::error(
+        fmt::format("{}: {} moving bodies; accepted: up to {}, for accuracy is measured against a run "
+                    "of all of them",
+                    request.scene.name, report.bodies, haptics::kMaxMembers));
+  const auto profile = session::find_description(request.scene.device.profile, {});
+  if (!profile.ok()) return profile.status();
+  const Setting written = written_setting(request, report.bodies);
+
+  const experiment::Pace pace(progress, kReferenceWork + kTrials + 2 * kRealWork);
+  pace.say("the scene as it is written, in real time", 0);
+  const auto real_written = run_for_real(request, written, stop);
+  if (!real_written.ok()) return real_written.status();
+  pace.say("reference: all bodies at 1 kHz", kRealWork);
+  std::optional<OnOneCore> pinned(std::in_place);
+  Bench bench(request, profile.value());
+  if (bench.windows() == 0)
+    return Status::error(fmt::format("{}: the hand touches nothing in its first {} s; accepted: a script that does",
+                                     request.scene.name, request.quick ? 3 : 6));
+  report.windows = static_cast<unsigned>(bench.windows());
+  const double in_a_row_us = bench.measure(written).tick_us_p99;
+  bench.core_factor = std::clamp(real_written.value().tick_us_p99 / std::max(1e-3, in_a_row_us), 1.0, kMostCoreFactor);
+  report.core_factor = bench.core_factor;
+  const Measure measure = [&](const Setting& setting) {
+    pace.say(fmt::format("{} sub-steps, {} relax sweeps, {} members, ratio {}", setting.sub_steps, setting.relax_sweeps,
+                         setting.members, setting.ratio),
+             kRealWork + kReferenceWork + bench.trials());
+    return bench.measure(setting);
+  };
+  report.written = measure(written);
+  const Found found = search(written, report.limits, measure);
+  report.chosen = found.best, report.fits = found.fits;
+  pinned.reset();
+
+  for (int back = 0; back <= kMostStepsBack && !stop.load(std::memory_order_relaxed); ++back) {
+    pace.say("the choice, in real time", kReferenceWork + kTrials + kRealWork);
+    const auto real = run_for_real(request, report.chosen.setting, stop);
+    if (!real.ok()) return real.status();
+    report.real = real.value();
+    if (report.real.holds() || back == kMostStepsBack) break;
+    report.chosen = step_back(report.chosen, report.limits, bench);
+  }
+  pinned.emplace();
+  std::vector<Notch> further = notches_up(report.chosen.setting, report.limits);
+  for (const Notch& notch : notches_stiffer(report.chosen.setting)) further.push_back(notch);
+  for (const Notch& notch : further) {
+    const Trial trial = measure(notch.setting);
+    report.further.push_back({notch, trial, trial.fits(report.limits)});
+  }
+  report.trials = bench.trials();
+  return report;
+}
+
+}  // namespace tactus::tune
