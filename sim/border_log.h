@@ -50,17 +50,18 @@ class BorderLog {
                      std::span<const std::uint8_t> members, physics::World<double>& world) noexcept;
 
  private:
-  Wrenchd load_on(std::uint32_t slot, const physics::World<double>& world, std::span<const std::uint8_t> former,
-                  double step_s) const noexcept;
-
-  std::vector<haptics::BorderPoint> points_;
-  std::vector<std::uint32_t> order_;
-  std::vector<BodyId> ids_;
   struct News {  // for an outside body
     std::uint32_t slot;
     Wrenchd impulse;
   };
+
+  Wrenchd load_on(std::uint32_t slot, const physics::World<double>& world, std::span<const std::uint8_t> former,
+                  double step_s) const noexcept;
   void add_news(std::uint32_t slot, const Wrenchd& impulse) noexcept;
+
+  std::vector<haptics::BorderPoint> points_;
+  std::vector<std::uint32_t> order_;
+  std::vector<BodyId> ids_;
   std::vector<News> news_;
   BorderAdmittance admittance_;
 };
