@@ -11,7 +11,7 @@
 
 namespace tactus::sim {
 
-std::string_view name_of(haptics::CouplingScheme scheme) noexcept;     // sub-world, direct, interpolation, static, plane, ...
+std::string_view name_of(haptics::CouplingScheme scheme) noexcept;     // sub-world, direct, and so on
 std::string_view name_of(physics::BorderMode mode) noexcept;           // capped, replay, frozen
 std::string_view name_of(CutOrder order) noexcept;                     // best-first, breadth-first
 std::string_view name_of(Reach reach) noexcept;                        // two-cycles, paper

@@ -17,8 +17,8 @@
 //                                              c = B T/m: stable for c < 2 (sqrt 2 - 1) = 0.83. 0.5 is a margin of 1.66
 //   certificate  K < 2 (b - |B|) / T           passive for every passive hand: Colgate, Schenkel 1997, b > K T/2 + |B|
 //   quantised    K <= min(2 b / T, 2 f_c / q)  no limit cycle from the encoder: Abbott, Okamura 2005
-// Only the first two refuse, and a damper that makes 0.06 N of one quantum: the certificate holds for none that is worth
-// having (it needs B < b), which is why a passivity controller stands behind the coupling.
+// Only the first two refuse, and a damper that makes 0.06 N of one quantum: the certificate holds for none that is
+// worth having (it needs B < b), which is why a passivity controller stands behind the coupling.
 #pragma once
 
 #include "rt/haptics/device.h"

@@ -47,7 +47,8 @@ Status read_words(RunCommand& command) {
     return Status::error(fmt::format("tactus run: {}: '{}' is none; accepted: {}", option, word, accepted));
   };
   const auto coupling = sim::parse_coupling_scheme(w.coupling);
-  if (!coupling) return unknown("--coupling", w.coupling, "sub-world, direct, interpolation, static, plane, planes, linearised");
+  if (!coupling)
+    return unknown("--coupling", w.coupling, "sub-world, direct, interpolation, static, plane, planes, linearised");
   if (w.border == "ghost")
     return Status::error("tactus run: --border: ghost is not in this version; accepted: capped, replay, frozen");
   const auto border = sim::parse_border_mode(w.border);
@@ -238,7 +239,8 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--device", o.device, "sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE")->capture_default_str();
   app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
-  app.add_option("--coupling", command.words.coupling, "sub-world, direct, interpolation, static, plane, planes or linearised")
+  app.add_option("--coupling", command.words.coupling,
+                 "sub-world, direct, interpolation, static, plane, planes or linearised")
       ->capture_default_str();
   app.add_option("--border", command.words.border, "of the sub-world: capped, replay (the paper's) or frozen")
       ->capture_default_str();
