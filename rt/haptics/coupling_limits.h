@@ -17,8 +17,8 @@
 //                                              c = B T/m: stable for c < 2 (sqrt 2 - 1) = 0.83. 0.5 is a margin of 1.66
 //   certificate  K < 2 (b - |B|) / T           passive for every passive hand: Colgate, Schenkel 1997, b > K T/2 + |B|
 //   quantised    K <= min(2 b / T, 2 f_c / q)  no limit cycle from the encoder: Abbott, Okamura 2005
-// Only the first two refuse: the certificate holds for no virtual damping that is worth having (it needs B < b), which
-// is why a passivity controller stands behind the coupling.
+// Only the first two refuse, and a damper that makes 0.06 N of one quantum: the certificate holds for none that is
+// worth having (it needs B < b), which is why a passivity controller stands behind the coupling.
 #pragma once
 
 #include "rt/haptics/device.h"
@@ -40,7 +40,7 @@ struct AxisLimits {
   double mass{0}, damping{0}, coulomb_friction{0}, quantum{0};
 };
 
-// Of the axes of a device whose tick is late by `late_s` besides.
+// Of the axes of a device whose ticks are late by up to `late_s`: a delay of half of it, the mean.
 AxisLimits translation_of(const DeviceProperties& device, double period_s, double late_s = 0) noexcept;
 AxisLimits rotation_of(const DeviceProperties& device, double period_s, double late_s = 0) noexcept;
 
@@ -71,11 +71,11 @@ struct CouplingVerdict {
   bool accepted{false};
 };
 
-// `late_s`: how late the tick wakes, by the machine's own measurement; it delays the force as the link does.
+// `late_s`: up to how late ticks wake, by the machine's own measurement; half of it delays the force as the link does.
 CouplingVerdict check_coupling(const CouplingGains& gains, const DeviceProperties& device, double period_s,
                                double late_s = 0) noexcept;
 
-// What to use on this device: as much damping as keeps the force of one quantum, B q / T, below 0.05 N (2 N mm), and
+// What to use on this device: damping that makes 0.0125 N (0.6 N mm) of one quantum in the estimator's window, and
 // the stiffness that is allowed with it, less 2 %. Of a 3-DoF device the rotation's are the defaults.
 CouplingGains suggest_gains(const DeviceProperties& device, double period_s, double late_s = 0) noexcept;
 

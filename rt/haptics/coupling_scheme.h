@@ -1,5 +1,5 @@
 // How the haptic side and the global world are coupled: the paper's method, the three it is compared with (paper,
-// section 3.3), and three that its introduction cites, of the kind it calls intermediate representations. Thread: [any].
+// section 3.3), and three that its introduction cites as intermediate representations. Thread: [any].
 #pragma once
 
 #include <cstdint>

@@ -181,7 +181,8 @@ TEST_CASE("the gain check reads a file's figures: half the damping allows less")
   };
   // (b + B) / (T / 2 + t_d) with B = 5 N s/m, T = t_d = 1 ms, less at most 3 %: that line is for little damping.
   CHECK(allowed(text_of(shipped("virtuose6d"))) == Approx(5.5 / 1.5e-3).epsilon(0.03));
-  CHECK(allowed(spoilt("virtuose6d", "damping_Ns_per_m = 0.5", "damping_Ns_per_m = 0.25")) == Approx(5.25 / 1.5e-3).epsilon(0.03));
+  CHECK(allowed(spoilt("virtuose6d", "damping_Ns_per_m = 0.5", "damping_Ns_per_m = 0.25")) ==
+        Approx(5.25 / 1.5e-3).epsilon(0.03));
   CHECK(allowed(spoilt("virtuose6d", "transport_delay_ticks = 1", "transport_delay_ticks = 3")) ==
         Approx(5.5 / 3.5e-3).epsilon(0.03));
 }

@@ -98,7 +98,8 @@ Status check_gains(const sim::Scene& scene, const RunOptions& options, const hap
                                                device, options.period_s(), options.late_s);
   if (verdict.accepted) return Status::good();
   const haptics::CouplingGains use = haptics::suggest_gains(device, options.period_s(), options.late_s);
-  const std::string late = options.late_s > 0 ? fmt::format(" that wakes {:.0f} us late", 1e6 * options.late_s) : "";
+  const std::string late =
+      options.late_s > 0 ? fmt::format(" that wakes up to {:.0f} us late", 1e6 * options.late_s) : "";
   const auto line = [&](const char* what, const haptics::AxisVerdict& v, const char* stiff, const char* damp,
                         const std::string& instead) {
     return Status::error(fmt::format(

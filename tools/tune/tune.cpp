@@ -145,10 +145,13 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
   return setting;
 }
 
-// The cheapest step back: what holds in a real run may be less than what was foreseen.
-Trial step_back(const Trial& from, const Limits& limits, Bench& bench) {
+// What holds in a real run may be less than what was foreseen: the most accurate step back in what did not hold, the
+// global world's time or the tick's.
+Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Bench& bench) {
+  const bool world_is_late = real.late_share > kMostMissed;
   std::vector<Trial> tried;
-  for (const Notch& notch : notches_down(from.setting, limits)) tried.push_back(bench.measure(notch.setting));
+  for (const Notch& notch : notches_down(from.setting, limits))
+    if ((notch.factor == "ratio") == world_is_late) tried.push_back(bench.measure(notch.setting));
   if (tried.empty()) return from;
   return *std::min_element(tried.begin(), tried.end(),
                            [](const Trial& a, const Trial& b) { return a.force_error < b.force_error; });
@@ -202,7 +205,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
     if (!real.ok()) return real.status();
     report.real = real.value();
     if (report.real.holds() || back == kMostStepsBack) break;
-    report.chosen = step_back(report.chosen, report.limits, bench);
+    report.chosen = step_back(report.chosen, report.real, report.limits, bench);
   }
   pinned.emplace();
   std::vector<Notch> further = notches_up(report.chosen.setting, report.limits);

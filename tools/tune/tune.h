@@ -23,6 +23,9 @@ struct TuneRequest {
   bool quick{false};        // two windows in the hand's first three seconds, instead of four in its first six
 };
 
+// One tick in a hundred may have less in a real run, one cycle in a hundred: the machine's gaps count there too.
+inline constexpr double kMostMissed = 0.01;
+
 // A real run of a setting.
 struct RealRun {
   double duration_s{0};
@@ -31,8 +34,9 @@ struct RealRun {
   double restrained_share{0}, late_share{0};              // cycles with fewer members; whose global step was late
   std::uint64_t lost{0};                                  // ticks, to the program's own work
   bool degraded{false};                                   // without a real-time privilege
-  // One tick in a hundred may have less, one cycle in a hundred: the machine's gaps count there too.
-  bool holds() const { return lost == 0 && reduced_share <= 0.01 && restrained_share <= 0.01 && late_share <= 0.01; }
+  bool holds() const {
+    return lost == 0 && reduced_share <= kMostMissed && restrained_share <= kMostMissed && late_share <= kMostMissed;
+  }
 };
 
 struct FurtherStep {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rt/haptics/velocity_estimator.h"
+
 using namespace tactus;
 using namespace tactus::haptics;
 
@@ -46,9 +48,10 @@ TEST_CASE("the default gains on the default device have the margins that the for
   CHECK(verdict.translation.stiffness_limit == Approx(5.5 / 1.5e-3).epsilon(0.02));  // 3667 N/m, for little damping
   CHECK(verdict.translation.margin == Approx(11.0 / 6.0).epsilon(0.02));
   CHECK(verdict.translation.stiffness_allowed == Approx(0.56 * verdict.translation.stiffness_limit));
-  CHECK(verdict.translation.damping_limit == Approx(150.0));
+  CHECK(verdict.translation.damping_limit ==
+        Approx(0.5 * 1e-3 / 1e-5));  // 0.5 N a quantum and tick, the damper's own is 150
   CHECK(verdict.rotation.stiffness_limit == Approx(0.022 / 1.5e-3).epsilon(0.03));
-  CHECK(verdict.rotation.damping_limit == Approx(0.5));
+  CHECK(verdict.rotation.damping_limit == Approx(0.003 * 8e-3 / 1e-4));  // 3 N mm a quantum in 8 ticks
   CHECK_FALSE(verdict.translation.passive);  // B > b
 }
 
@@ -92,7 +95,9 @@ TEST_CASE("a tick that wakes late delays the force: fewer gains are accepted") {
   CHECK(check_coupling({}, device, 1e-3).accepted);
   CHECK(check_coupling({}, device, 1e-3, 1e-6).translation.stiffness_limit <
         check_coupling({}, device, 1e-3).translation.stiffness_limit);
-  CHECK_FALSE(check_coupling({}, device, 1e-3, 0.2e-3).accepted);
+  CHECK(check_coupling({}, device, 1e-3, 0.4e-3).translation.stiffness_limit ==
+        Approx(5.5 / (0.5e-3 + 1e-3 + 0.2e-3)).epsilon(0.03));  // late by up to 0.4 ms: by half of it in the mean
+  CHECK_FALSE(check_coupling({}, device, 1e-3, 0.4e-3).accepted);
 }
 
 TEST_CASE("gains that are suggested are accepted, also when rounded, and the damper stays quiet") {
@@ -101,7 +106,8 @@ TEST_CASE("gains that are suggested are accepted, also when rounded, and the dam
   DeviceProperties device;
   device.delay_s = period_s;
   CouplingGains gains = suggest_gains(device, period_s, late_s);
-  CHECK(gains.damping_Ns_per_m * device.position_quantum_m / period_s <= 0.05 * (1 + 1e-12));
+  const double window = VelocityEstimator::Config::of(device, period_s).window;
+  CHECK(gains.damping_Ns_per_m * device.position_quantum_m / (window * period_s) <= 0.0125 * (1 + 1e-12));
   CHECK(check_coupling(gains, device, period_s, late_s).accepted);
   CHECK(check_coupling(gains, device, period_s, late_s).translation.stiffness_allowed < 1.03 * gains.stiffness_N_per_m);
   gains.damping_Ns_per_m *= 0.995, gains.stiffness_N_per_m *= 1.005;
@@ -145,7 +151,7 @@ TEST_CASE("gains are refused above the allowed share, above the damper limit, ne
   gains.stiffness_N_per_m = 0.561 * limit;
   CHECK_FALSE(check_coupling(gains, device, 1e-3).translation.accepted);
   gains = {};
-  gains.damping_Ns_per_m = 150.1;
+  gains.damping_Ns_per_m = 50.1;
   CHECK_FALSE(check_coupling(gains, device, 1e-3).translation.accepted);
   for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     gains = {};

@@ -15,22 +15,28 @@ namespace {
 
 constexpr const char* kFactors[] = {"rate", "delay", "jitter", "quantum"};
 
-// Shares of the damper's limit, 0.5 m/T: up to where it alone is too much.
+// Shares of the damping that is accepted.
 std::vector<double> damping_shares(bool quick) {
-  if (quick) return {0.0033, 0.033, 0.2, 0.6};
-  return {0.0033, 0.0067, 0.0133, 0.033, 0.067, 0.133, 0.267, 0.4, 0.6, 0.8, 1};
+  if (quick) return {0.005, 0.04, 0.3, 1};
+  return {0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.5, 0.75, 1};
 }
 
 MapRow measure(const MapRequest& request, const char* factor, const LoopTiming& timing, double damping_share) {
   const haptics::DeviceProperties device = device_in(request.description, timing);
   const double period_s = 1 / timing.rate_Hz;
-  const haptics::AxisLimits axis = haptics::translation_of(device, period_s, timing.jitter_ticks * period_s);
-  MapRow row{factor, timing, device.delay_s, damping_share * haptics::damping_limit(axis), 0, 0, 0, 0};
-  row.formula_N_per_m = haptics::uncoupled_stiffness_limit(axis, row.damping_Ns_per_m);
-  row.line_N_per_m = haptics::little_damping_limit(axis, row.damping_Ns_per_m);
-  row.allowed_N_per_m = haptics::kAllowedStiffnessShare * row.formula_N_per_m;
+  const double late_s = timing.jitter_ticks * period_s;
+  const auto judge = [&](double damping) {
+    haptics::CouplingGains gains;
+    gains.damping_Ns_per_m = damping;
+    return haptics::check_coupling(gains, device, period_s, late_s).translation;
+  };
+  MapRow row{factor, timing, device.delay_s, damping_share * judge(0).damping_limit, 0, 0, 0, 0};
+  const haptics::AxisVerdict verdict = judge(row.damping_Ns_per_m);
+  row.formula_N_per_m = verdict.stiffness_limit, row.allowed_N_per_m = verdict.stiffness_allowed;
+  row.line_N_per_m =
+      haptics::little_damping_limit(haptics::translation_of(device, period_s, late_s), row.damping_Ns_per_m);
   row.measured_N_per_m = measured_limit(request.description, timing, row.damping_Ns_per_m, 0.1 * row.line_N_per_m,
-                                        2 * row.line_N_per_m, request.quick ? 1.04 : 1.02);
+                                        4 * row.line_N_per_m, request.quick ? 1.04 : 1.02);
   return row;
 }
 

@@ -34,15 +34,16 @@ std::string map_table(const MapReport& report) {
   text += fmt::format(
       "\n{}, pressed against a wall with 5 N and tapped; passivity controller off, no dry friction. measured: where "
       "the "
-      "tap\nbegins to ring on. formula: rt/haptics/coupling_limits.h, for ticks as late as the latest. allowed: what "
-      "`tactus\nrun` accepts, {:g} of it. The least measured / formula is {:.2f}; {} of {} boundaries are below what "
+      "tap\nbegins to ring on. formula: rt/haptics/coupling_limits.h; the coupling's own lead, half a tick and half a "
+      "sub-step, is not\nin it. allowed: what `tactus run` accepts, {:g} of it. The least measured / formula is "
+      "{:.2f}; {} of {} boundaries are below what "
       "is "
       "allowed.\n",
       report.device, haptics::kAllowedStiffnessShare, report.least_of_formula, report.unsafe, report.rows.size());
   const WakeLateness& w = report.wake;
   text += fmt::format(
       "\n{}{}: half later than {:.0f} us, one in a thousand later than {:.0f} us, latest {:.0f} us.\n"
-      "For this device at {:g} Hz, a tick late by {:.0f} us:\n\n{}",
+      "For this device at {:g} Hz, ticks late by up to {:.0f} us:\n\n{}",
       w.source, w.degraded ? " (without real-time privileges)" : "", 1e6 * w.typical_s, 1e6 * w.late_s,
       1e6 * w.latest_s, report.rate_Hz, 1e6 * w.late_s, gains_text(report.suggested));
   return text;

@@ -1,0 +1,39 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "rt/haptics/coupling_limits.h"
+#include "tests/system/session_bench.h"
+
+using namespace tactus;
+
+namespace {
+
+Status created(const sim::CouplingGains& gains, double late_s = 0) {
+  sim::Scene scene = test::scene_text(test::kPressScene);
+  scene.coupling = gains;
+  session::RunOptions options = test::virtual_options();
+  options.late_s = late_s;
+  return session::Session::create(std::move(scene), options).status();
+}
+
+}  // namespace
+
+TEST_CASE("a run refuses gains beyond the limit in one line, and what it says to use it accepts") {
+  sim::CouplingGains gains;
+  gains.stiffness_N_per_m = 5000;
+  const std::string said = created(gains).message();
+  CHECK_THAT(said, Catch::Contains("not stable at 1000 Hz") && Catch::Contains("use stiffness_N_per_m = "));
+  CHECK(std::count(said.begin(), said.end(), '\n') == 0);
+  const std::string key = "use stiffness_N_per_m = ", then = ", damping_Ns_per_m = ";
+  const std::size_t at = said.find(key) + key.size();
+  gains.stiffness_N_per_m = std::stod(said.substr(at));
+  gains.damping_Ns_per_m = std::stod(said.substr(said.find(then, at) + then.size()));
+  CHECK(created(gains).ok());
+}
+
+TEST_CASE("gains that the device bears may be too much for a machine that wakes the loop late") {
+  const sim::CouplingGains gains;  // of a scene that says nothing
+  CHECK(created(gains).ok());
+  const std::string said = created(gains, 0.4e-3).message();
+  CHECK_THAT(said, Catch::Contains("that wakes up to 400 us late"));
+}
