@@ -267,10 +267,21 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   if constexpr (!kFixed) v += b.v + cross(b.w, c.c_b), w += b.w;
 
   NormalPart<V> normal_motion{dot(c.n, v), dot(c.t1, w), dot(c.t2, w)};
+  const std::array<V, 9>& k = c.w_cross;
+  TangentPart<V> held;
+  if constexpr (kBias && kFriction) {
+    held = solve_friction<false>(c, {dot(c.t1, v), dot(c.t2, v), dot(c.n, w)});
+    normal_motion.n += k[0] * held.t1 + k[3] * held.t2 + k[6] * held.mn;
+    normal_motion.m1 += k[1] * held.t1 + k[4] * held.t2 + k[7] * held.mn;
+    normal_motion.m2 += k[2] * held.t1 + k[5] * held.t2 + k[8] * held.mn;
+  }
   const NormalPart<V> pressed = solve_normals<kBias, kTotals>(c, normal_motion, rule);
   Vec3<V> p = pressed.n * c.n, m = pressed.m1 * c.t1 + pressed.m2 * c.t2;
-  if constexpr (kFriction) {
-    const std::array<V, 9>& k = c.w_cross;
+  if constexpr (kBias && kFriction) {
+    p += held.t1 * c.t1 + held.t2 * c.t2;
+    m += held.mn * c.n;
+  }
+  if constexpr (kFriction && !kBias) {
     const TangentPart<V> rubbed =
         solve_friction<kTotals>(c, {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
                                     dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
@@ -295,6 +306,8 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   template void warm_start<kFixed, V>(const ContactRow<V>&, const SolverBodies<LaneOf<V>>&) noexcept; \
   template void solve<true, kFixed, false, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,  \
                                                      const SweepRule<LaneOf<V>>&) noexcept;           \
+  template void solve<true, kFixed, true, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,   \
+                                                    const SweepRule<LaneOf<V>>&) noexcept;            \
   template void solve<false, kFixed, true, true, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,   \
                                                     const SweepRule<LaneOf<V>>&) noexcept;            \
   template void solve<false, kFixed, true, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,  \

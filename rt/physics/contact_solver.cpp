@@ -169,8 +169,8 @@ void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>&
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
-  sweep<true, false, false>(bodies, rule);
+void ContactSolver<T, kWidth>::solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction) noexcept {
+  friction ? sweep<true, true, false>(bodies, rule) : sweep<true, false, false>(bodies, rule);
 }
 
 template <class T, int kWidth>

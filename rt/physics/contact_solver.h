@@ -27,7 +27,7 @@ class ContactSolver {
   template <class U>
   void prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
   void warm_start(SolverBodies<T> bodies) noexcept;
-  void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
+  void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction) noexcept;
   // `last`: also adds the impulses to the totals of the step.
   void relax(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction, bool last) noexcept;
   // For a sub-step without a relax sweep: adds the impulses to the totals as they are.

@@ -112,13 +112,13 @@ Outcome hundred_on_nine(const Setting& setting) {
 
 Outcome heavy_on_five(double top_kg, const Setting& setting) {
   StackWorld world(heavy_on(top_kg, 5, 1), setting);
-  world.run(30);  // it sways at first, ever less
+  world.run(20);  // it sways at first, ever less
   const Vec3d settled = world.top();
-  world.run(10);
+  world.run(60);
   Outcome outcome;
   outcome.holds("stands", world.state().stands);
   outcome.at_most("overlaps against k x, share", world.overlap_error(), 0.05);
-  outcome.at_most("top's drift in 10 s, m", norm(world.top() - settled), 10e-6);
+  outcome.at_most("top's drift in 60 s, m", norm(world.top() - settled), 10e-6);
   outcome.relative("force on the ground, N", world.carried_by_fixed(), world.load(0), 1e-3);
   world.close(outcome);
   return outcome;
@@ -168,10 +168,13 @@ Outcome card_house_of_three(const Setting& setting) {
   return outcome;
 }
 
-// Twenty cards of a millimetre; one is taken out of the middle and the rest comes down by its thickness.
+// Twenty cards of a millimetre; one is taken out of the middle and the rest comes down by its thickness. Contacts at
+// 500 Hz: a thin plate on four corners rocks at sqrt(12 / 7) of the contacts' own frequency (corners of m / 7 each on
+// an arm of half the plate, against m / 3 of its square), which at 1 kHz is beyond what two relax sweeps bring to rest:
+// (w h)^2 12 / 7 = 4.2 > 3 (rt/physics/softness.h); at 500 Hz it is 1.06 < 2.
 Outcome cards_in_a_stack(const Setting& setting) {
   const Vec3d half{0.03175, 0.04445, 0.0005};
-  CaseWorld world(setting);
+  CaseWorld world(setting, 500);
   world.add_ground(kGround, 0.5);
   for (BodyId id = 0; id < 20; ++id) world.add_box(id, half, 0.007, 0.5, {{0, 0, half.z * (2 * id + 1)}, {}});
   world.run(5);
