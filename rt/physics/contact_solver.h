@@ -76,6 +76,7 @@ class ContactSolver {
   Executor executor_;
   BoundedVector<Twist<T>> before_, given_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
   bool given_is_known_{false};
+  SweepOrder order_;  // of the last sweep
 };
 
 }  // namespace tactus::physics
