@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "rt/haptics/plane_coupling.h"
 #include "rt/haptics/snapshot_bytes.h"
+#include "rt/physics/passes.h"
 #include "sim/mesh_neighbourhood.h"
 #include "sim/proxy_planes.h"
 #include "sim/scene_effects.h"
@@ -22,6 +24,8 @@ using physics::BodyKind;
 
 // Enough for impulses to come through a stack of some twenty bodies.
 constexpr unsigned kForeseenSteps = 5;
+// Bodies awake: a step of more is taken in one pass.
+constexpr std::size_t kMostInPasses = 500;
 
 // A packed cube has 26 neighbours, half of them its own pairs, and touches 6: twice of that before anything is lost.
 constexpr std::uint32_t kPairsPerBody = 16;
@@ -72,7 +76,8 @@ std::uint32_t touches_for(const Scene& scene) noexcept {
 
 // The scene's moving and fixed bodies, all at once.
 physics::World<double> world_of(const Scene& scene, physics::SweepPrecision precision) {
-  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, effect_setups(scene), precision);
+  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, global_effect_setups(scene),
+                               precision);
   for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
   world.index_fixed_bodies();
   return world;
@@ -191,6 +196,7 @@ void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noe
   const double time_s = time_s_;
   for (unsigned step = 0; step < kForeseenSteps; ++step) advance();
   fill_border(devices_[device], first);
+  devices_[device].has_border = !first.border.empty();
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
   TACTUS_CHECK(world_.restore(in), out.size(), 0);
   world_.index_fixed_bodies();
@@ -229,7 +235,7 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
     statistics_.handed_back_skipped += back.skipped;
   }
   // The device goes on holding the proxy as it did on the mean of the last cycle; the next report corrects it.
-  if (is_finite(report.mean_device_wrench)) world_.apply_wrench(slot_of(device), report.mean_device_wrench);
+  device.held_by = is_finite(report.mean_device_wrench) ? report.mean_device_wrench : Wrenchd{};
 }
 
 // Pose and velocity of the members as they are, bit by bit; with the static coupling only the proxy's, since the
@@ -254,12 +260,42 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
   device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
 }
 
-void GlobalWorld::advance() noexcept {
-  world_.begin_step(bounds_settings_);
-  while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings_);  // who wakes may wake others
-  const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
+physics::StepReport<double> GlobalWorld::take_pass(std::uint32_t passes) noexcept {
+  const auto settings = physics::settings_of_pass(settings_, passes);
+  const auto bounds_settings = physics::settings_of_pass(bounds_settings_, passes);
+  for (const Device& device : devices_)
+    if (device.held_by != Wrenchd{}) world_.apply_wrench(slot_of(device), device.held_by);
+  world_.begin_step(bounds_settings);
+  while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings);  // who wakes may wake others
   if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
-  const auto report = world_.finish_step(settings_, {}, far_region());
+  physics::FarRegion far = far_region();
+  far.sub_steps = std::max(1u, far.sub_steps / passes);
+  pass_s_ = settings.dt;
+  return world_.finish_step(settings, {}, far);
+}
+
+// One where a border is: what it exchanges are the impulses of a whole step. One too for a large world, whose step
+// would take that many times as long.
+std::uint32_t GlobalWorld::passes_of_step() noexcept {
+  if (islands_.awake().size() > kMostInPasses) return 1;
+  for (const Device& device : devices_)
+    if (device.has_border) return 1;
+  const std::span<const std::uint8_t> members =
+      devices_.size() == 1 ? member_slots(devices_[0]) : std::span<const std::uint8_t>();
+  return std::gcd(physics::passes_of(world_, bounds_settings_, members), settings_.sub_steps);
+}
+
+void GlobalWorld::advance() noexcept {
+  const std::uint32_t passes = passes_of_step();
+  physics::StepReport<double> report;
+  for (std::uint32_t pass = 0; pass < passes; ++pass) {
+    const std::uint32_t bits = report.capacity_bits;
+    const double deepest_m = report.deepest_m;
+    report = take_pass(passes);
+    report.capacity_bits |= bits, report.deepest_m = std::max(report.deepest_m, deepest_m);
+  }
+  for (Device& device : devices_) device.held_by = {};
+  const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
   time_s_ += settings_.dt;
   islands_.follow(world_);
   sleep();
@@ -370,22 +406,22 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
     if (cycle > 0) fill_border(device, next);
   }
   if (feels_planes(options_.coupling) && cycle > 0)
-    fill_proxy_planes(world_, device.id, settings_.dt,
+    fill_proxy_planes(world_, device.id, pass_s_,
                       options_.coupling == CouplingScheme::kPlane ? 1 : haptics::kMaxProxyPlanes, next.border);
+  device.has_border = !next.border.empty();
   count(device, next);
 }
 
 // Of the last step.
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
   const auto members = member_slots(device);
-  next.dropped += border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, settings_.dt,
-                                   next.border);
+  next.dropped +=
+      border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
   if (options_.border_mode != physics::BorderMode::kGhost) return;
   former_slots_.clear();
   for (const std::uint32_t place : islands_.awake())
     former_slots_.push_back(device.extraction.was_member(place) ? 1 : 0);
-  next.dropped +=
-      border_log_.fill_outside(world_, members, former_slots_, settings_.dt, next.border.span(), next.outside);
+  next.dropped += border_log_.fill_outside(world_, members, former_slots_, pass_s_, next.border.span(), next.outside);
 }
 
 // Whole bodies, bit by bit. Frozen members (static coupling) come anew every time, but for the proxy, which is the

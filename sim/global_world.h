@@ -104,7 +104,9 @@ class GlobalWorld {
     BodyId id;            // of the proxy
     std::uint32_t proxy;  // its place
     Extraction extraction;
-    Posed reported_proxy;  // where the device's own world had it at t_n
+    Posed reported_proxy;    // where the device's own world had it at t_n
+    Wrenchd held_by{};       // N, N m: on the proxy over the next step
+    bool has_border{false};  // its last snapshot
   };
 
   std::uint32_t slot_of(const Device& device) const noexcept;
@@ -115,6 +117,8 @@ class GlobalWorld {
   void mark_held() noexcept;
   void sleep() noexcept;
   physics::FarRegion far_region() noexcept;
+  std::uint32_t passes_of_step() noexcept;
+  physics::StepReport<double> take_pass(std::uint32_t passes) noexcept;
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
@@ -127,6 +131,7 @@ class GlobalWorld {
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
 
   GlobalOptions options_;
+  double pass_s_{0};  // of the last pass of the last step: what the contacts' impulses are of
   physics::StepSettings<double> settings_, bounds_settings_;  // the latter: with the sub-steps of the far region
   physics::World<double> world_;
   physics::Hulls<double> hulls_;

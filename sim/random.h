@@ -12,16 +12,16 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
-  double uniform() noexcept {  // in [0, 1)
+  std::uint64_t next() noexcept {
     state_ += 0x9e3779b97f4a7c15ull;
     std::uint64_t z = state_;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    z ^= z >> 31;
-    return static_cast<double>(z >> 11) * 0x1p-53;
+    return z ^ (z >> 31);
   }
-  double symmetric() noexcept { return 2 * uniform() - 1; }  // in [-1, 1)
-  Vec3<double> vector(double most) noexcept {                // each component in [-most, most)
+  double uniform() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }  // in [0, 1)
+  double symmetric() noexcept { return 2 * uniform() - 1; }                          // in [-1, 1)
+  Vec3<double> vector(double most) noexcept {                                        // each component in [-most, most)
     const double x = symmetric(), y = symmetric(), z = symmetric();
     return {most * x, most * y, most * z};
   }

@@ -20,6 +20,7 @@ struct Effects {
   bool gravity{false}, friction{false}, gyroscopic{false}, sleeping{false};
   bool damping{false}, drag{false}, kinematic{false}, joints{false};
   bool torsional{false}, rolling{false}, restitution{false}, attraction{false};
+  bool ccd{false}, texture{false}, transients{false};
 };
 
 // What the effects act on. Lists by body id are empty where no body needs them, else one entry for each body.
@@ -33,7 +34,9 @@ struct EffectData {
   std::vector<double> restitution;                     // by body id
   std::vector<physics::ContactPatch<double>> patches;  // by body id
   FixedVector<physics::AttractionSource<double>, physics::kMaxAttractionSources> attraction{};
-  std::vector<double> attraction_weight;  // by body id
+  std::vector<double> attraction_weight;          // by body id
+  std::vector<physics::Grain<double>> grain;      // by body id
+  std::vector<physics::Ringing<double>> ringing;  // by body id
 };
 
 // When what rests in the global world falls asleep, with the effect sleeping.

@@ -44,6 +44,11 @@ bool has_patch(const Scene& scene) {
 bool resists_spin(const Scene& scene) {
   return scene.effects.friction && has_friction(scene) && has_patch<&physics::ContactPatch<double>::radius_m>(scene);
 }
+bool may_meet(const Scene& scene) {
+  return any_body(scene, [&](const auto& b) { return b.id != scene.proxy; });
+}
+bool has_grain(const Scene& scene) { return !scene.effect_data.grain.empty(); }
+bool rings(const Scene& scene) { return !scene.effect_data.ringing.empty(); }
 bool resists_rolling(const Scene& scene) { return has_patch<&physics::ContactPatch<double>::rolling_m>(scene); }
 
 // One line for each effect.
@@ -71,6 +76,12 @@ constexpr EffectInfo kEffects[] = {
      "a look at every point of contacts that may bounce, every sub-step; a pass over those that do"},
     {"attraction", &Effects::attraction, attracts, "there is no [[attraction]], or no body has an attraction_weight",
      "a root and a division a body, source and sub-step"},
+    {"ccd", &Effects::ccd, may_meet, "there is nothing that the proxy could meet",
+     "a comparison; where the proxy is faster than 10 m/s, a look at what it may reach, every sub-step"},
+    {"texture", &Effects::texture, has_grain, "no body has a texture_height_m",
+     "a look at every contact; three sines a point of the proxy's on a grained surface"},
+    {"transients", &Effects::transients, rings, "no body has a transient_strength_Ns_per_m",
+     "a look at every contact; a sine and a cosine for each blow that still rings"},
 };
 
 template <class T>
@@ -111,6 +122,18 @@ physics::EffectSetups<double> effect_setups(const Scene& scene) {
     std::get<physics::ContactTorque<double>::Setup>(setups) = {data.patches};
   if (is_in_use(scene, *find_effect("attraction")))
     std::get<physics::Attraction<double>::Setup>(setups) = {data.attraction, data.attraction_weight};
+  if (is_in_use(scene, *find_effect("ccd")))
+    std::get<physics::ContinuousCollision<double>::Setup>(setups) = {scene.proxy, scene.hulls};
+  std::get<physics::Texture<double>::Setup>(setups) = {scene.proxy, if_in_use(scene, "texture", data.grain)};
+  std::get<physics::Transients<double>::Setup>(setups) = {scene.proxy, if_in_use(scene, "transients", data.ringing)};
+  return setups;
+}
+
+physics::EffectSetups<double> global_effect_setups(const Scene& scene) {
+  physics::EffectSetups<double> setups = effect_setups(scene);
+  std::get<physics::ContinuousCollision<double>::Setup>(setups) = {};
+  std::get<physics::Texture<double>::Setup>(setups) = {};
+  std::get<physics::Transients<double>::Setup>(setups) = {};
   return setups;
 }
 

@@ -16,6 +16,7 @@ using physics::ShapeKind;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr Range kRate{"a rate", 0, 1e4};
+constexpr double kSteepestGrain = 1;
 
 double face_area(const physics::Hull<double>& hull, std::uint32_t face) {
   const auto loop = hull.topology.loop(face);
@@ -105,13 +106,32 @@ EffectReader::Surface EffectReader::read_surface(TableReader& table) {
   surface.patch.rolling_m = table.number("rolling_friction_m", 0, {"a length", 0, 10});
   needs(table, "attraction_weight", scene_.effects.attraction, "attraction");
   surface.attraction_weight = table.number("attraction_weight", 0, {"a weight", -1e3, 1e3});
+  read_feel(table, surface);
   return surface;
+}
+
+// What the hand feels of it beyond its coupling.
+void EffectReader::read_feel(TableReader& table, Surface& surface) {
+  needs(table, "texture_height_m", scene_.effects.texture, "texture");
+  surface.grain.height_m = table.number("texture_height_m", 0, {"a height", 0, 0.01});
+  surface.grain.wavelength_m = table.number("texture_wavelength_m", 0.002, {"a length", 1e-4, 1});
+  const double slope = 2 * kPi * surface.grain.height_m / surface.grain.wavelength_m;
+  if (slope > kSteepestGrain)
+    table.mistake("texture_height_m", fmt::format("the grain's slope is {:.3g}", slope),
+                  fmt::format("at most texture_wavelength_m / {:.3g}: a slope of 1", 2 * kPi / kSteepestGrain));
+  needs(table, "transient_strength_Ns_per_m", scene_.effects.transients, "transients");
+  surface.ringing.strength_Ns_per_m =
+      table.number("transient_strength_Ns_per_m", 0, {"newtons for a metre per second", 0, 1e3});
+  surface.ringing.frequency_Hz = table.number("transient_frequency_Hz", 150, {"a frequency", 10, 400});
+  surface.ringing.decay_s = table.number("transient_decay_s", 0.01, {"a time", 0.001, 1});
 }
 
 void EffectReader::set_surface(BodyId id, const Surface& surface) {
   if (surface.restitution > 0) entry_of(scene_.effect_data.restitution, id) = surface.restitution;
   if (surface.patch.radius_m > 0 || surface.patch.rolling_m > 0)
     entry_of(scene_.effect_data.patches, id) = surface.patch;
+  if (surface.grain.height_m > 0) entry_of(scene_.effect_data.grain, id) = surface.grain;
+  if (surface.ringing.strength_Ns_per_m > 0) entry_of(scene_.effect_data.ringing, id) = surface.ringing;
   if (surface.attraction_weight != 0) entry_of(scene_.effect_data.attraction_weight, id) = surface.attraction_weight;
 }
 

@@ -24,6 +24,8 @@ class EffectReader {
     double restitution{0};
     physics::ContactPatch<double> patch;
     double attraction_weight{0};
+    physics::Grain<double> grain;
+    physics::Ringing<double> ringing;
   };
   Surface read_surface(TableReader& table);
   void set_surface(BodyId id, const Surface& surface);
@@ -38,6 +40,7 @@ class EffectReader {
 
  private:
   bool needs(TableReader& table, const char* key, bool declared, const char* effect);
+  void read_feel(TableReader& table, Surface& surface);
   void read_script(TableReader& table, physics::Body<double>& body);
   void read_joint(TableReader& table);
   BodyId read_end(TableReader& table, const char* key);

@@ -343,7 +343,8 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
   state_.cycle_impulse.force += impulse.force;
   state_.cycle_impulse.torque += impulse.torque;
   const double rate = -1.0 / settings.dt;
-  if (target.engaged) result.on_device = {impulse.force * rate, impulse.torque * rate};
+  const Wrenchd& felt = result.report.felt;  // of effects that are the hand's alone
+  if (target.engaged) result.on_device = {impulse.force * rate + felt.force, impulse.torque * rate + felt.torque};
   if (world_.device_spring().enabled) proxy_ = world_.bodies()[world_.device_spring().slot].motion;
   if (proxy_touches()) result.status |= kProxyContact;
   if (result.report.capacity_bits != 0) result.status |= kCapacityExceeded;

@@ -10,10 +10,12 @@
 // Points are taken at their place in the plane: for the normal rows that changes nothing, friction acts at most as far
 // off as the points are from being coplanar. Gaps within the step follow from the bodies' motion since its start: no
 // collision between sub-steps. Bodies move before the relax sweep, so it works them out and the biased sweep of the
-// next sub-step finds them. Friction belongs to the relax sweep alone, so that the bias never widens Coulomb's disk. V
-// is one number or a Wide: each lane has the bits that one number would have. Lanes beyond `used` have no mass and are
-// not written back. Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto, soft-step
-// (TGS-soft) solver; rows of contacts without a common body, Tonge 2012.
+// next sub-step finds them. Friction acts in the relax sweep, so that the bias never widens Coulomb's disk. Contacts so
+// stiff that they need two relax sweeps have it in the biased sweep too, before the normal rows, within the disks that
+// the last relax sweep left: else what the bias moves creeps, and a wedge at 1.02 of its locking friction works itself
+// loose. V is one number or a Wide: each lane has the bits that one number would have. Lanes beyond `used` have no mass
+// and are not written back. Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto,
+// soft-step (TGS-soft) solver; rows of contacts without a common body, Tonge 2012.
 #pragma once
 
 #include <array>
@@ -81,11 +83,18 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact<
 template <class V>
 void complete(ContactRow<V>& row) noexcept;
 
+// Which way round the points of a contact are taken. To and fro is symmetric, while always the same way round drives
+// what sways in circles.
+struct SweepOrder {
+  bool normals_backwards{false}, friction_backwards{false};
+};
+
 // --- sweeps; kFixed: B is a fixed body in all lanes
 template <bool kFixed, class V>
 void warm_start(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies) noexcept;
 // kBias: the soft sweep; kTotals: also adds the impulses to the totals of the step.
 template <bool kBias, bool kFixed, bool kFriction, bool kTotals, class V>
-void solve(ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept;
+void solve(ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule,
+           SweepOrder order) noexcept;
 
 }  // namespace tactus::physics

@@ -27,7 +27,7 @@ class ContactSolver {
   template <class U>
   void prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
   void warm_start(SolverBodies<T> bodies) noexcept;
-  void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
+  void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction) noexcept;
   // `last`: also adds the impulses to the totals of the step.
   void relax(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction, bool last) noexcept;
   // For a sub-step without a relax sweep: adds the impulses to the totals as they are.
@@ -76,6 +76,7 @@ class ContactSolver {
   Executor executor_;
   BoundedVector<Twist<T>> before_, given_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
   bool given_is_known_{false};
+  SweepOrder order_;  // of the last sweep
 };
 
 }  // namespace tactus::physics

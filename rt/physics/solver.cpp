@@ -175,7 +175,7 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
       spring_.solve(state());
       run_stages(input, Phase::kBiased, context);
       border_.solve(state(), rule, true);
-      contacts_.solve_biased(state(), rule);
+      contacts_.solve_biased(state(), rule, settings.friction && settings.relax_sweeps > 1);
     } else {
       spring_.solve(state());
       warm_start_without_gain(input, context);

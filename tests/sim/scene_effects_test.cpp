@@ -54,6 +54,9 @@ TEST_CASE("a key or table that needs an effect which is not declared is a mistak
       {cube("a", "[0, 0, 1]") + "[[joint]]\nkind = \"ball\"\nb = \"a\"\n", "joint: set, but the effect joints"},
       {cube("a", "[0, 0, 1]", "attraction_weight = 1\n"), "attraction_weight: set, but the effect attraction"},
       {"[[attraction]]\nstrength_Nm2 = 1", "attraction: set, but the effect attraction"},
+      {cube("a", "[0, 0, 1]", "texture_height_m = 1e-4\n"), "texture_height_m: set, but the effect texture"},
+      {cube("a", "[0, 0, 1]", "transient_strength_Ns_per_m = 1\n"),
+       "transient_strength_Ns_per_m: set, but the effect transients"},
   };
   for (const auto& [text, message] : cases) CHECK_THAT(diagnose(text).message(), Contains(message));
 }
@@ -106,6 +109,25 @@ TEST_CASE("keys of effects are read into what the worlds are told") {
   CHECK(attraction.sources[0].body == 1);
   CHECK(attraction.sources[0].softening_m == 0.5);
   CHECK(attraction.weight_by_id[4] == 3);
+}
+
+TEST_CASE("what the hand alone feels is read for its own world, and the global world has none of it") {
+  const Scene scene = good("effects = [\"texture\", \"transients\"]\n" +
+                           cube("a", "[0, 0, 1]",
+                                "texture_height_m = 1e-4\ntexture_wavelength_m = 0.003\n"
+                                "transient_strength_Ns_per_m = 2\ntransient_frequency_Hz = 200\n"));
+  const auto setups = effect_setups(scene);
+  const auto& texture = setup_of<physics::Texture<double>>(setups);
+  REQUIRE(texture.by_id.size() == 2);
+  CHECK(texture.proxy == scene.proxy);
+  CHECK((texture.by_id[1].height_m == 1e-4 && texture.by_id[1].wavelength_m == 0.003));
+  const auto& transients = setup_of<physics::Transients<double>>(setups);
+  REQUIRE(transients.by_id.size() == 2);
+  CHECK((transients.by_id[1].strength_Ns_per_m == 2 && transients.by_id[1].frequency_Hz == 200));
+  CHECK(transients.by_id[1].decay_s == 0.01);
+  std::apply([](const auto&... setup) { CHECK_FALSE((setup.used() || ...)); }, global_effect_setups(scene));
+  CHECK_THAT(diagnose("effects = [\"texture\"]\n" + cube("a", "[0, 0, 1]", "texture_height_m = 0.01\n")).message(),
+             Contains("[body.1] texture_height_m: the grain's slope is"));
 }
 
 TEST_CASE("joints are read with their frames where the bodies are, and mistakes in them are named") {

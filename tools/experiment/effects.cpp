@@ -123,6 +123,8 @@ std::string effect_scene(const std::string& effect, EffectState state) {
   if (effect == "torsional" && used) bodies.sphere = "contact_radius_m = 0.005\n";
   if (effect == "rolling" && used) bodies.sphere = "rolling_friction_m = 0.001\n";
   if (effect == "restitution" && used) bodies.all = "restitution = 0.5\n";
+  if (effect == "texture" && used) bodies.all = "texture_height_m = 1e-4\n";
+  if (effect == "transients" && used) bodies.all = "transient_strength_Ns_per_m = 1\n";
   if (effect == "attraction" && used) {
     bodies.sphere = "attraction_weight = 1\n";
     tail = "[[attraction]]\nposition_m = [2, 0, 3]\nstrength_Nm2 = 0.01\n";

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "rt/physics/effects/attraction.h"
+#include "rt/physics/effects/ccd.h"
 #include "rt/physics/effects/contact_torque.h"
 #include "rt/physics/effects/damping.h"
 #include "rt/physics/effects/drag.h"
@@ -15,6 +16,8 @@
 #include "rt/physics/effects/joints.h"
 #include "rt/physics/effects/kinematics.h"
 #include "rt/physics/effects/restitution.h"
+#include "rt/physics/effects/texture.h"
+#include "rt/physics/effects/transients.h"
 
 namespace tactus::physics {
 
@@ -27,7 +30,10 @@ using EffectRooms = std::tuple<  //
     Kinematics<T>,               //
     Joints<T>,                   //
     ContactTorque<T>,            //
-    Restitution<T>               //
+    Restitution<T>,              //
+    ContinuousCollision<T>,      //
+    Texture<T>,                  //
+    Transients<T>                //
     >;
 
 }  // namespace tactus::physics

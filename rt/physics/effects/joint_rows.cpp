@@ -133,6 +133,18 @@ void Joints<T>::fill_masses(Row& row, const Side& a, const Side& b) const noexce
   row.axis_mass = invert_or_zero(kind == JointKind::kHinge ? angular(row.axis, row.axis) : linear(row.axis, row.axis));
 }
 
+// The world's inertia of a body that spins fast has turned since the start of the step: a joint's pull that goes by the
+// old one spins it up (a top at 100 rad/s gained 0.2 % of its energy in 4 s).
+template <class T>
+void turn_inertia(const StageContext<T>& c, std::uint32_t slot) noexcept {
+  const SolverBody<T>& state = c.motion[slot];
+  if (state.gyroscopic == T(0) || state.inverse_mass == T(0)) return;
+  const Body<T>& body = c.bodies[slot];
+  c.inverse_inertia[slot] =
+      rotate_diagonal(state.delta_rotation * body.motion.pose.rotation,
+                      Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
+}
+
 template <class T>
 void Joints<T>::begin_sub_step(StageContext<T>& c) noexcept {
   const T elapsed = static_cast<T>(c.sub_step) * c.h;
@@ -142,6 +154,8 @@ void Joints<T>::begin_sub_step(StageContext<T>& c) noexcept {
       row.outside.delta_position = elapsed * row.outside.v;
       row.outside.delta_rotation = quat_from_rotation_vector(elapsed * row.outside.w);
     }
+    for (const std::uint32_t slot : {row.slot_a, row.slot_b})
+      if (slot != kOutside && c.sub_step > 0) turn_inertia(c, slot);
     const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
     measure(c, row, a.body, b.body);
     fill_masses(row, a, b);

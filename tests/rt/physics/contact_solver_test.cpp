@@ -69,7 +69,7 @@ void solve_steps(Heap<T>& heap) {
   solver.prepare(std::span<const Contact<T>>(heap.contacts), heap.bodies());
   for (int sub_step = 0; sub_step < 3; ++sub_step) {
     solver.warm_start(heap.bodies());
-    solver.solve_biased(heap.bodies(), rule);
+    solver.solve_biased(heap.bodies(), rule, sub_step > 0);
     solver.relax(heap.bodies(), rule, true, sub_step < 2);
     if (sub_step == 2) solver.add_to_totals();
     solver.scale_impulses(T(0.75));

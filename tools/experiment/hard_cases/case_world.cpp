@@ -36,8 +36,9 @@ physics::StepSettings<double> settings_of(const Setting& setting, double contact
 }
 
 CaseWorld::CaseWorld(const Setting& setting, double contact_hertz, const physics::Capacities& capacities,
-                     physics::Hulls<double> hulls, physics::Meshes<double> meshes)
-    : world(capacities, hulls, meshes), settings(settings_of(setting, contact_hertz)) {
+                     physics::Hulls<double> hulls, physics::Meshes<double> meshes,
+                     const physics::EffectSetups<double>& effects)
+    : world(capacities, hulls, meshes, effects), settings(settings_of(setting, contact_hertz)) {
   set_denormals_flush();
 }
 
@@ -47,16 +48,24 @@ void CaseWorld::run(double seconds) {
   for (int i = steps_in(seconds); i > 0; --i) step();
 }
 
+// As the global world takes its steps.
 void CaseWorld::step() {
+  const bool whole = world.device_spring().enabled || !world.border_contacts().empty();
+  const std::uint32_t passes = whole ? 1 : physics::passes_of(world, settings);
+  for (std::uint32_t k = 0; k < passes; ++k) take_pass(physics::settings_of_pass(settings, passes));
+}
+
+void CaseWorld::take_pass(const physics::StepSettings<double>& pass) {
   const double before_J = stored_J(0);
   for (const Held& held : held_) world.apply_wrench(slot(held.id), held.wrench);
   const std::uint64_t allocations = experiment::allocation_count();
-  world.begin_step(settings);
+  world.begin_step(pass);
   if (!find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs())) lost_ |= physics::kPairsFull;
-  report = world.finish_step(settings, cut);
+  report = world.finish_step(pass, cut);
   allocations_ += experiment::allocation_count() - allocations;
   lost_ |= report.capacity_bits;
-  book(stored_J(settings.dt) - before_J - work_of_step_J());
+  pass_s_ = pass.dt;
+  book(stored_J(pass.dt) - before_J - work_of_step_J());
 }
 
 // Kinetic, potential and that of the device's spring, whose target has gone on for `ahead_s`.
@@ -174,7 +183,7 @@ double CaseWorld::carried_by_fixed() const {
   for (const auto& contact : world.contacts())
     for (std::uint32_t i = 0; contact.b_fixed && i < contact.count; ++i)
       impulse += contact.points[i].total_normal_impulse;
-  return impulse / settings.dt;
+  return impulse / pass_s_;
 }
 
 double CaseWorld::carried_between(BodyId a, BodyId b) const {
@@ -185,7 +194,7 @@ double CaseWorld::carried_between(BodyId a, BodyId b) const {
     if (std::min(first, second) != std::min(a, b) || std::max(first, second) != std::max(a, b)) continue;
     for (std::uint32_t i = 0; i < contact.count; ++i) impulse += contact.points[i].total_normal_impulse;
   }
-  return impulse / settings.dt;
+  return impulse / pass_s_;
 }
 
 double CaseWorld::overlap_under(double load_N, double mass_kg) const {

@@ -6,6 +6,7 @@
 // play. Frame: world, z up. Thread: one. Units: SI.
 #pragma once
 
+#include "rt/physics/passes.h"
 #include "rt/physics/world.h"
 #include "tools/experiment/hard_cases/hard_case.h"
 
@@ -21,11 +22,12 @@ physics::StepSettings<double> settings_of(const Setting& setting, double contact
 class CaseWorld {
  public:
   explicit CaseWorld(const Setting& setting, double contact_hertz = 1000, const physics::Capacities& capacities = {},
-                     physics::Hulls<double> hulls = {}, physics::Meshes<double> meshes = {});
+                     physics::Hulls<double> hulls = {}, physics::Meshes<double> meshes = {},
+                     const physics::EffectSetups<double>& effects = {});
 
   physics::World<double> world;
   physics::StepSettings<double> settings;
-  physics::StepReport<double> report;
+  physics::StepReport<double> report;  // of the last pass
   physics::CutPredicate cut;
   bool energy_is_booked{true};  // false: where something acts whose work is not known
 
@@ -50,7 +52,7 @@ class CaseWorld {
   void add_box(BodyId id, const Vec3d& half, double mass, double friction, const Posed& pose, const Twistd& twist = {});
   void add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at, const Vec3d& velocity = {});
 
-  // Of the last step. N: what the contacts of `id` with fixed bodies carry, or all of them.
+  // Of the last pass. N: what the contacts of `id` with fixed bodies carry, or all of them.
   double carried_by_fixed() const;
   double carried_between(BodyId a, BodyId b) const;
 
@@ -58,6 +60,8 @@ class CaseWorld {
   double overlap_under(double load_N, double mass_kg) const;
 
  private:
+  void take_pass(const physics::StepSettings<double>& pass);
+
   struct Springs {
     double before{0}, after{0};
   };
@@ -71,6 +75,7 @@ class CaseWorld {
     Wrenchd wrench;
   };
   std::vector<Held> held_;
+  double pass_s_{0};
   double unexplained_J_{0}, least_J_{0}, gain_J_{0}, largest_J_{0};
   std::uint64_t allocations_{0};
   std::uint32_t lost_{0};

@@ -12,6 +12,7 @@ std::vector<HardCase> motion_cases();    // free bodies, fast spins
 std::vector<HardCase> impact_cases();    // fast, deep, sudden
 std::vector<HardCase> coupling_cases();  // the device's spring
 std::vector<HardCase> session_cases();   // whole runs in virtual time: device, border, late world
+std::vector<HardCase> effect_cases();    // bounces, joints, torsional friction
 std::vector<HardCase> waiting_cases();   // those whose effect is not there yet
 
 }  // namespace tactus::hard_cases

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/random.h"
 #include "tools/experiment/hard_cases/case_world.h"
 
 namespace tactus::hard_cases {
@@ -18,31 +19,24 @@ using physics::ShapeKind;
 constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMostFriction = 5;
 constexpr unsigned kTicksOneWay = 10;
 
-// SplitMix64: a standard library's distributions differ from one to the next.
-class Random {
+class Draw {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * static_cast<double>(next() >> 11) * 0x1p-53; }
+  explicit Draw(std::uint64_t seed) : random_(seed) {}
+  double uniform(double low, double high) { return low + (high - low) * random_.uniform(); }
   double logarithmic(double low, double high) { return low * std::exp(std::log(high / low) * uniform(0, 1)); }
   bool chance(double p) { return uniform(0, 1) < p; }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(next() % n); }
+  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(random_.next() % n); }
   Vec3d vector(double most) {
     const double x = uniform(-most, most), y = uniform(-most, most), z = uniform(-most, most);
     return {x, y, z};
   }
 
  private:
-  std::uint64_t next() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15ull;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t state_;
+  sim::Random random_;
 };
 
 // About `size` long; every third box is a sliver, up to 1:1000.
-Shape<double> random_shape(Random& random, double size) {
+Shape<double> random_shape(Draw& random, double size) {
   switch (random.below(3)) {
     case 0:
       return Shape<double>::sphere(0.5 * size);
@@ -65,7 +59,7 @@ double mechanical_J(const CaseWorld& world) {
 }  // namespace
 
 RandomWorld make_random_world(std::uint64_t seed) {
-  Random random(seed);
+  Draw random(seed);
   RandomWorld world;
   world.seed = seed;
   world.contact_hertz = random.chance(0.5) ? 250 : 1000;

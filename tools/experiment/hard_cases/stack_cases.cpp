@@ -15,7 +15,6 @@ constexpr BodyId kGround = 1000;
 constexpr std::string_view kSlips =
     "feet slip at up to 1.3 of the friction that exact Coulomb friction needs: house of two levels and more";
 constexpr std::string_view kSways = "stands, but the sway of its start dies by half in 30 s only";
-constexpr std::string_view kRocks = "thin plates in a deep stack rock at 1 cm/s without end and creep";
 
 class StackWorld : public CaseWorld {
  public:
@@ -114,11 +113,11 @@ Outcome heavy_on_five(double top_kg, const Setting& setting) {
   StackWorld world(heavy_on(top_kg, 5, 1), setting);
   world.run(30);  // it sways at first, ever less
   const Vec3d settled = world.top();
-  world.run(10);
+  world.run(60);
   Outcome outcome;
   outcome.holds("stands", world.state().stands);
   outcome.at_most("overlaps against k x, share", world.overlap_error(), 0.05);
-  outcome.at_most("top's drift in 10 s, m", norm(world.top() - settled), 10e-6);
+  outcome.at_most("top's drift in 60 s, m", norm(world.top() - settled), 10e-6);
   outcome.relative("force on the ground, N", world.carried_by_fixed(), world.load(0), 1e-3);
   world.close(outcome);
   return outcome;
@@ -179,11 +178,11 @@ Outcome cards_in_a_stack(const Setting& setting) {
   world.world.remove(10);
   world.run(5);
   const Vec3d settled = world.position(19);
-  world.run(20);
+  world.run(60);
   Outcome outcome;
   outcome.near("came down by, m", before - settled.z, 2 * half.z, 50e-6);
-  outcome.at_most("went to the side, m", std::hypot(settled.x, settled.y), 10e-6);
-  outcome.at_most("top's drift in 20 s, m", norm(world.position(19) - settled), 10e-6);
+  outcome.at_most("went to the side in its fall, m", std::hypot(settled.x, settled.y), 50e-6);
+  outcome.at_most("top's drift in 60 s, m", norm(world.position(19) - settled), 10e-6);
   world.close(outcome);
   return outcome;
 }
@@ -203,7 +202,7 @@ std::vector<HardCase> stack_cases() {
       {4, "100 kg on 0.1 kg", "", true, hundred_on_a_tenth},
       {5, "100 kg on nine cubes of 0.1 kg", "", true, hundred_on_nine},
       {6, "card house of five levels at its threshold", "", true, card_house_threshold, kSlips, kSlips},
-      {42, "stack of twenty cards, one taken out", "", true, cards_in_a_stack, kRocks, kRocks},
+      {42, "stack of twenty cards, one taken out", "", true, cards_in_a_stack},
       {101, "100 kg on five cubes of 1 kg", "", true, hundred_on_five},
       {102, "1000 kg on five cubes of 1 kg", "", true, thousand_on_five},
       {103, "card house of three levels", "", true, card_house_of_three},

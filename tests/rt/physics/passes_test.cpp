@@ -1,0 +1,63 @@
+// A long step is taken in as many passes as its fastest body needs, a tick in one.
+#include "rt/physics/passes.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/physics_bench.h"
+
+using namespace tactus;
+using namespace tactus::physics;
+using tactus::test::PhysicsBench;
+
+namespace {
+
+PhysicsBench<> bench_of(double step_s, std::uint32_t sub_steps) {
+  PhysicsBench<> bench;
+  bench.settings.dt = step_s, bench.settings.sub_steps = sub_steps;
+  return bench;
+}
+
+}  // namespace
+
+TEST_CASE("At rest a step has one pass, and so has a tick, however fast") {
+  auto slow = bench_of(0.01, 40), tick = bench_of(0.001, 4);
+  slow.add_box(0, {0.05, 0.05, 0.05}, 1, 0.5, {}, {{0.1, 0, 0}, {}});
+  tick.add_box(0, {0.05, 0.05, 0.05}, 1, 0.5, {}, {{30, 0, 0}, {}});
+  CHECK(passes_of(slow.world, slow.settings) == 1);
+  CHECK(passes_of(tick.world, tick.settings) == 1);
+}
+
+TEST_CASE("A body moves by a quarter of its half thickness in a pass, and passes divide the sub-steps") {
+  const double half = 0.02, allowed = 0.25 * half;
+  for (const auto& [moved, sub_steps, expected] : {std::tuple{0.9, 40u, 1u},
+                                                   {1.5, 40u, 2u},
+                                                   {4.5, 40u, 5u},
+                                                   {6.5, 40u, 8u},
+                                                   {300.0, 40u, 10u},
+                                                   {6.5, 10u, 10u},
+                                                   {2.5, 7u, 7u},
+                                                   {300.0, 25u, 5u},
+                                                   {300.0, 3u, 3u}}) {
+    auto bench = bench_of(0.01, sub_steps);
+    bench.add_box(0, {0.1, half, 0.1}, 1, 0.5, {}, {{moved * allowed / 0.01, 0, 0}, {}});
+    INFO(moved << " of what is allowed, " << sub_steps << " sub-steps");
+    CHECK(passes_of(bench.world, bench.settings) == expected);
+    const auto pass = settings_of_pass(bench.settings, expected);
+    CHECK(pass.dt / pass.sub_steps == Approx(bench.h()).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("A ball that rolls goes on by sqrt(2 slop r) in a pass, one that flies by a quarter of its radius") {
+  const double radius = 0.02, along = std::sqrt(2 * 1e-5 * radius);
+  auto bench = bench_of(0.01, 40);
+  bench.add_ground(1, 0.5);
+  bench.add_sphere(0, radius, 0.2, 0.5, {0, 0, radius});
+  bench.step();
+  bench.velocity(0).linear.x = 3.5 * along / 0.01;
+  CHECK(passes_of(bench.world, bench.settings) == 4);
+  auto flying = bench_of(0.01, 40);
+  flying.add_sphere(0, radius, 0.2, 0.5, {}, {3.5 * along / 0.01, 0, 0});
+  CHECK(passes_of(flying.world, flying.settings) == 1);
+  const std::uint8_t left_out[] = {1};
+  CHECK(passes_of(bench.world, bench.settings, left_out) == 1);
+}
