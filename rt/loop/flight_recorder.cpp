@@ -11,7 +11,7 @@ FlightRecorder::FlightRecorder(const HapticLoop& loop, std::uint64_t ring_bytes,
   scratch_.resize(scratch_.capacity());
 }
 
-void FlightRecorder::before_tick(const HapticLoop& loop) noexcept {
+void FlightRecorder::before_tick(const HapticLoop& loop) noexcept TACTUS_NONBLOCKING {
   if (until_keyframe_ == 0) {
     ByteWriter bytes(scratch_.span());
     loop.save(bytes);
@@ -22,7 +22,7 @@ void FlightRecorder::before_tick(const HapticLoop& loop) noexcept {
   if (until_keyframe_ > 0) --until_keyframe_;
 }
 
-void FlightRecorder::after_tick(const TickInput& in, const TickOutput& out) noexcept {
+void FlightRecorder::after_tick(const TickInput& in, const TickOutput& out) noexcept TACTUS_NONBLOCKING {
   if (in.snapshot != nullptr) {
     ByteWriter bytes(scratch_.span());
     haptics::write_snapshot(bytes, *in.snapshot);

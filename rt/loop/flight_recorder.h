@@ -33,8 +33,8 @@ class FlightRecorder {
   // A keyframe every `keyframe_ticks`; the ring holds `ring_bytes` (a power of two).
   FlightRecorder(const HapticLoop& loop, std::uint64_t ring_bytes, std::uint32_t keyframe_ticks);
 
-  void before_tick(const HapticLoop& loop) noexcept;
-  void after_tick(const TickInput& in, const TickOutput& out) noexcept;
+  void before_tick(const HapticLoop& loop) noexcept TACTUS_NONBLOCKING;
+  void after_tick(const TickInput& in, const TickOutput& out) noexcept TACTUS_NONBLOCKING;
 
   Ring& ring() noexcept { return ring_; }
   std::uint64_t dropped() const noexcept { return ring_.dropped(); }

@@ -4,6 +4,7 @@
 // in order. Bound: the device's read and write are bounded by their contract; compute by the governor and the cut.
 #pragma once
 
+#include "rt/base/nonblocking.h"
 #include "rt/haptics/exchange.h"
 #include "rt/loop/flight_recorder.h"
 
@@ -17,10 +18,11 @@ class HapticDriver {
                FlightRecorder* recorder) noexcept
       : loop_(loop), device_(device), governor_(governor), exchange_(exchange), recorder_(recorder) {}
 
+  // Reading and writing take no longer than the device's contract says, and may enter the kernel.
   void read() noexcept { device_.read(input_.device); }
 
   const TickOutput& compute(std::uint32_t operator_bits, const physics::CutPredicate& cut,
-                            const StageObserver& stages = {}) noexcept {
+                            const StageObserver& stages = {}) noexcept TACTUS_NONBLOCKING {
     input_.operator_bits = operator_bits;
     input_.cut = cut;
     input_.stages = stages;

@@ -25,7 +25,7 @@ HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body<d
   limiter_.config = haptics::ForceLimiter::Config::of(config.device, config.period_s);
 }
 
-void HapticLoop::tick(const TickInput& in, TickOutput& out) noexcept {
+void HapticLoop::tick(const TickInput& in, TickOutput& out) noexcept TACTUS_NONBLOCKING {
   out = TickOutput{};
   out.tick = state_.tick;
   guard(in.device, out);

@@ -7,6 +7,7 @@
 // Faults it can raise: all of status.h; a fault latches, takes the force to zero and waits for a re-arm.
 #pragma once
 
+#include "rt/base/nonblocking.h"
 #include "rt/base/status.h"
 #include "rt/haptics/device_placement.h"
 #include "rt/haptics/force_limiter.h"
@@ -82,7 +83,7 @@ class HapticLoop {
   void set_members(std::span<const physics::Body<double>> bodies) noexcept { sub_world_.set_members(bodies); }
 
   // `out` is written whole. The caller keeps input and output for the tape.
-  void tick(const TickInput& in, TickOutput& out) noexcept;
+  void tick(const TickInput& in, TickOutput& out) noexcept TACTUS_NONBLOCKING;
 
   // Does the next tick want a snapshot, and which?
   bool wants_snapshot() const noexcept;

@@ -8,7 +8,7 @@
 #   KEY/base.cpio      busybox, udev, the modules, the start script: all that does not change from run to run
 #   KEY/release        the kernel's release, such as 6.1.0-56-rt-amd64
 
-kernel_modules=(vcan can_raw kvaser_pci dummy_hcd usb_f_fs libcomposite)
+kernel_modules=(vcan can_raw kvaser_pci dummy_hcd usb_f_fs libcomposite virtio_pci virtio_blk)
 bench=$root/tests/vm
 
 # Where images are kept: the user's cache; build/ where that cannot be written.

@@ -133,6 +133,10 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
   app->add_option("--window", o.window_s, "length of a window of the loop, and of the bare timer's [s]")
       ->capture_default_str();
   app->add_flag("--no-bare", command->no_bare, "the loop all the time, without the bare timer");
+  app->add_flag(
+      "--os-noise", o.os_noise,
+      "name what took the core from a late tick, as the kernel's osnoise events have it. As root; on kernels\n"
+      "before 6.2 a thread of the kernel's then wakes on that core once a second");
   app->add_option(
          "--against", command->against,
          "cyclictest: in turns with that program (Debian: rt-tests), 10 s each, on the same core, at the same\n"

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <vector>
 
 #include "rt/loop/run_stats.h"
 
@@ -48,14 +50,44 @@ std::string machine_evidence(const std::optional<MachineChange>& change) {
   return text.empty() ? text : text + fmt::format(" in the {:.0f} ms around it", span_ms);
 }
 
+// What the kernel measured within the tick: sums by kind, and the longest by name.
+struct Measured {
+  std::int64_t interrupts_ns{0}, threads_ns{0};
+  std::string text;
+};
+
+std::optional<Measured> measured_noise(const std::optional<MachineChange>& change) {
+  constexpr std::size_t kNamed = 3;
+  if (!change || !change->noise) return std::nullopt;
+  Measured sum;
+  std::map<std::string, std::int64_t> by_name;
+  for (const Noise& noise : *change->noise) {
+    (noise.kind == Noise::Kind::kThread ? sum.threads_ns : sum.interrupts_ns) += noise.duration_ns;
+    by_name[noise.name] += noise.duration_ns;
+  }
+  std::vector<std::pair<std::string, std::int64_t>> longest(by_name.begin(), by_name.end());
+  std::stable_sort(longest.begin(), longest.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (longest.size() > kNamed) longest.resize(kNamed);
+  for (const auto& [name, ns] : longest)
+    sum.text += fmt::format("{} {} {:.0f} us", sum.text.empty() ? "; the kernel measured" : ",", name, us(ns));
+  if (longest.empty()) sum.text = "; the kernel measured nothing on its core";
+  return sum;
+}
+
 bool stolen(const std::optional<MachineChange>& change) { return change && change->stolen_ms.value_or(0) > 0; }
 
 bool device_interrupted(const std::optional<MachineChange>& change) {
   return change && change->interrupts && change->interrupts->devices > 0;
 }
 
-Cause what_interrupted(const TickTimes& t, std::int64_t off_core_ns, const std::optional<MachineChange>& change) {
+Cause what_interrupted(const TickTimes& t, std::int64_t off_core_ns, std::int64_t to_explain_ns,
+                       const std::optional<MachineChange>& change) {
   if (t.minor_faults + t.major_faults > 0) return Cause::kPageFault;
+  // Where the kernel measures what takes the core, what it did not see was below it.
+  if (const auto noise = measured_noise(change)) {
+    if (2 * (noise->interrupts_ns + noise->threads_ns) < to_explain_ns) return Cause::kMachine;
+    return noise->threads_ns >= noise->interrupts_ns ? Cause::kContextSwitch : Cause::kInterrupt;
+  }
   if (off_core_ns > kNoise_ns && t.involuntary_switches > 0) return Cause::kContextSwitch;
   if (device_interrupted(change) && !stolen(change)) return Cause::kInterrupt;
   return Cause::kMachine;
@@ -79,6 +111,8 @@ Attribution attribute(const TickTimes& t, std::int64_t period_ns, const Typical&
                       const std::optional<MachineChange>& change) {
   const std::int64_t execution_ns = t.wrote_ns - t.woke_ns;
   const std::int64_t off_core_ns = std::max<std::int64_t>(0, execution_ns - t.cpu_ns);
+  const auto noise = measured_noise(change);
+  const std::string measured = noise ? noise->text : "";
   const std::string took = fmt::format("took {:.0f} us, {:.0f} of them on its core, {:.0f} foreseen", us(execution_ns),
                                        us(t.cpu_ns), us(t.foreseen_ns));
   switch (first_answer(t, period_ns, typical)) {
@@ -89,12 +123,12 @@ Attribution attribute(const TickTimes& t, std::int64_t period_ns, const Typical&
       std::string text =
           fmt::format("woke {:.0f} us late, typically {:.0f}", us(t.woke_ns - t.scheduled_ns), us(typical.wake_ns));
       if (typical.bare_worst_ns > 0) text += fmt::format("; the bare timer up to {:.0f}", us(typical.bare_worst_ns));
-      return {Cause::kLateWake, text + machine_evidence(change)};
+      return {Cause::kLateWake, text + measured + machine_evidence(change)};
     }
     case OverrunCause::kInterrupted:
       break;
   }
-  const Cause cause = what_interrupted(t, off_core_ns, change);
+  const Cause cause = what_interrupted(t, off_core_ns, execution_ns - typical.execution_ns, change);
   std::string text = took;
   if (cause == Cause::kPageFault)
     text += fmt::format("; {} minor, {} major page faults", t.minor_faults, t.major_faults);
@@ -104,7 +138,7 @@ Attribution attribute(const TickTimes& t, std::int64_t period_ns, const Typical&
     if (typical.bare_worst_ns > 0)
       text += fmt::format("; the bare timer woke up to {:.0f} us late", us(typical.bare_worst_ns));
   }
-  return {cause, text + machine_evidence(change)};
+  return {cause, text + measured + machine_evidence(change)};
 }
 
 }  // namespace tactus::timing

@@ -4,7 +4,9 @@
 // or interrupted. What interrupted it is then told apart: a page fault and a context switch the kernel counts for the
 // thread, an interrupt it counts for the core. Where none of them is counted and yet the clock ran on, it was the
 // machine below the kernel (its host, its firmware, another thread of the core's hardware): inferred, never seen, and
-// so always with what it is inferred from. Pure: the same figures give the same cause. Thread: [any].
+// so always with what it is inferred from. Where the kernel's osnoise events are read (os_noise.h), they say what took
+// the core and for how long, and decide between the last three. Pure: the same figures give the same cause. Thread:
+// [any].
 #pragma once
 
 #include <optional>

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -85,9 +86,20 @@ std::optional<MachineChange> MachineHistory::around(std::int64_t from_ns, std::i
     if (look.at_ns >= to_ns && after == nullptr) after = &look;
   }
   if (before == nullptr || after == nullptr) return std::nullopt;
-  return MachineChange{after->at_ns - before->at_ns, difference(before->interrupts, after->interrupts),
+  MachineChange change{after->at_ns - before->at_ns, difference(before->interrupts, after->interrupts),
                        difference(before->stolen_ms, after->stolen_ms),
                        difference(before->waited_ns, after->waited_ns)};
+  for (const MachineLook& look : looks_) {
+    if (look.at_ns < from_ns || look.at_ns > after->at_ns || !look.noise) continue;
+    if (!change.noise) change.noise.emplace();
+    for (Noise noise : *look.noise) {
+      const std::int64_t end_ns = std::min(noise.from_ns + noise.duration_ns, to_ns);
+      noise.from_ns = std::max(noise.from_ns, from_ns);
+      noise.duration_ns = end_ns - noise.from_ns;
+      if (noise.duration_ns > 0) change.noise->push_back(std::move(noise));
+    }
+  }
+  return change;
 }
 
 MachineLook look_at_machine(int cpu, int thread_id) {

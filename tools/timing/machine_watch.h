@@ -10,6 +10,9 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "tools/timing/os_noise.h"
 
 namespace tactus::timing {
 
@@ -29,6 +32,7 @@ struct MachineLook {
   std::int64_t at_ns{0};
   std::optional<InterruptCounts> interrupts;
   std::optional<std::uint64_t> stolen_ms, waited_ns;
+  std::optional<std::vector<Noise>> noise{};  // since the look before; nothing where nobody measures it
 };
 
 // Between two looks.
@@ -36,6 +40,7 @@ struct MachineChange {
   std::int64_t span_ns{0};
   std::optional<InterruptCounts> interrupts;
   std::optional<std::uint64_t> stolen_ms, waited_ns;
+  std::optional<std::vector<Noise>> noise{};  // what overlaps the time that was asked about, cut to it
 };
 
 class MachineHistory {

@@ -12,6 +12,7 @@
 #include "sim/scene_load.h"
 #include "tools/timing/capacity_scene.h"
 #include "tools/timing/cyclictest.h"
+#include "tools/timing/os_noise.h"
 
 namespace tactus::timing {
 namespace {
@@ -38,8 +39,9 @@ loop::WindowPlan windows_of(const TimingOptions& o) {
 // Empties the ring into the books, looks at the machine, and gives the core to cyclictest where the loop rests.
 class Watcher {
  public:
-  Watcher(const TimingOptions& options, loop::TickProbe& probe, TimingResult& result)
-      : options_(options), probe_(probe), result_(result), thread_([this] { watch(); }) {}
+  // `noise` may be null.
+  Watcher(const TimingOptions& options, loop::TickProbe& probe, OsNoise* noise, TimingResult& result)
+      : options_(options), probe_(probe), noise_(noise), result_(result), thread_([this] { watch(); }) {}
   ~Watcher() { stop(); }
 
   void stop() {
@@ -62,7 +64,8 @@ class Watcher {
   }
 
   void look() {
-    const MachineLook now = look_at_machine(options_.run.cpu, probe_.thread_id());
+    MachineLook now = look_at_machine(options_.run.cpu, probe_.thread_id());
+    if (noise_ != nullptr) now.noise = noise_->read(probe_.thread_id());
     RingRecord record;
     loop::TickTimes times;
     while (probe_.ring().try_pop(record, std::as_writable_bytes(std::span<loop::TickTimes, 1>(&times, 1))) ==
@@ -94,6 +97,7 @@ class Watcher {
 
   const TimingOptions& options_;
   loop::TickProbe& probe_;
+  OsNoise* noise_;
   TimingResult& result_;
   Status status_{Status::good()};
   std::atomic<bool> done_{false};
@@ -149,6 +153,12 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   Load load;  // before there are threads
   if (const Status status = load.start(options.load, options.run.cpu); !status.ok())
     return fail(false, status.message());
+  std::unique_ptr<OsNoise> noise;
+  if (options.os_noise) {
+    auto started = OsNoise::start(options.run.cpu);
+    if (!started.ok()) return fail(false, "--os-noise: " + started.message());
+    noise = std::move(started).value();
+  }
   auto session = session::Session::create(std::move(*scene), options.run);
   if (!session.ok()) return fail(true, session.message());
   // The real loop has its flight recorder.
@@ -166,7 +176,7 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
     return elapsed_s < options.duration_s + kGrace_s;
   };
   stay_on(cores_without(options.run.cpu));  // this thread, and what it starts: the haptic thread pins itself
-  Watcher watcher(options, probe, result);
+  Watcher watcher(options, probe, noise.get(), result);
   auto summary = session::run_realtime(*session.value(), hooks, stop);
   watcher.stop();
   if (!summary.ok()) return fail(false, summary.message());

@@ -22,6 +22,7 @@ struct TimingOptions {
   double window_s{1};     // of one window of the loop, and of the bare timer after it
   bool bare{true};
   LoadKind load{LoadKind::kNone};
+  bool os_noise{false};            // read the kernel's osnoise events
   bool against_cyclictest{false};  // in the bare timer's place, in windows of 10 s
 };
 

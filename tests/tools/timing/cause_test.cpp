@@ -64,6 +64,26 @@ TEST_CASE("a tick that was interrupted has the cause that the kernel counted") {
     CHECK(a.cause == Cause::kMachine);
     CHECK_THAT(a.evidence, Contains("its host took 10 ms"));
   }
+  SECTION("what the kernel measured decides, and is named, longest first") {
+    auto change = quiet();
+    const Noise timer{Noise::Kind::kInterrupt, "local_timer", 236, 0, 8'000};
+    const Noise worker{Noise::Kind::kThread, "kworker/3:1", 77, 0, 1'400'000};
+    const Noise card{Noise::Kind::kInterrupt, "eth0", 24, 0, 1'450'000};
+    change.noise = {timer, worker};
+    const auto switched = attribute(t, kPeriod_ns, kUsual, change);
+    CHECK(switched.cause == Cause::kContextSwitch);
+    CHECK_THAT(switched.evidence, Contains("the kernel measured kworker/3:1 1400 us, local_timer 8 us"));
+    change.noise = {timer, card};
+    CHECK(attribute(t, kPeriod_ns, kUsual, change).cause == Cause::kInterrupt);
+  }
+  SECTION("what the kernel measures and did not see is the machine, also with interrupts counted around it") {
+    auto change = quiet();
+    change.interrupts->devices = 3;
+    change.noise = std::vector<Noise>{{Noise::Kind::kInterrupt, "local_timer", 236, 0, 8'000}};
+    CHECK(attribute(t, kPeriod_ns, kUsual, change).cause == Cause::kMachine);
+    change.noise->clear();
+    CHECK_THAT(attribute(t, kPeriod_ns, kUsual, change).evidence, Contains("the kernel measured nothing on its core"));
+  }
   SECTION("none of them is the machine, with what that is inferred from") {
     const auto a = attribute(t, kPeriod_ns, kUsual, std::nullopt);
     CHECK(a.cause == Cause::kMachine);

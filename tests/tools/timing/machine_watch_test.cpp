@@ -49,6 +49,60 @@ TEST_CASE("what happened around a time is the change from the last look before i
   CHECK_FALSE(history.around(70, 90).has_value());
 }
 
+TEST_CASE("what the kernel measured is cut to the time that is asked about") {
+  MachineHistory history;
+  const auto noise = [](std::int64_t from, std::int64_t duration) {
+    return Noise{Noise::Kind::kInterrupt, "local_timer", 236, from, duration};
+  };
+  history.add({0, {}, {}, {}, std::vector<Noise>{noise(-5, 3)}});
+  history.add(
+      {100, {}, {}, {}, std::vector<Noise>{noise(10, 5), noise(28, 4), noise(40, 2), noise(48, 20), noise(60, 5)}});
+  const auto change = history.around(30, 50);
+  REQUIRE((change && change->noise));
+  REQUIRE(change->noise->size() == 3);
+  CHECK(change->noise->at(0).duration_ns == 2);  // 28 to 32, from 30 on
+  CHECK(change->noise->at(1).duration_ns == 2);
+  CHECK(change->noise->at(2).duration_ns == 2);  // 48 to 68, until 50
+  history.add({200, {}, {}, {}});
+  CHECK_FALSE(history.around(110, 120)->noise.has_value());
+}
+
+TEST_CASE("the kernel's osnoise events are read with name, number, end and length") {
+  const auto timer = parse_noise(
+      "          <idle>-0       [002] d.h1.   124.880123: irq_noise: local_timer:236 start 97.110823711 duration 9432 "
+      "ns");
+  REQUIRE(timer);
+  CHECK(timer->kind == Noise::Kind::kInterrupt);
+  CHECK(timer->name == "local_timer");
+  CHECK(timer->number == 236);
+  CHECK(timer->duration_ns == 9'432);
+  CHECK(timer->from_ns ==
+        124'880'123'000 - 9'432);  // the line's time is that of its end; its own start, another clock's
+  const auto thread = parse_noise(
+      "     kworker/2:1-77      [002] d..3.     7.000001: thread_noise: kworker/2:1:77 start 6.999000000 duration 1001 "
+      "ns");
+  REQUIRE(thread);
+  CHECK(thread->kind == Noise::Kind::kThread);
+  CHECK(thread->name == "kworker/2:1");
+  CHECK(thread->number == 77);
+  const auto soft =
+      parse_noise("   ksoftirqd-20  [002] ..s1.   1.000100: softirq_noise:    SCHED:7 start 1.0 duration 500 ns");
+  REQUIRE(soft);
+  CHECK(soft->name == "SCHED");
+  const auto nmi = parse_noise("   <...>-20  [002] ..s1.   1.000100: nmi_noise: start 1.000099000 duration 700 ns");
+  REQUIRE(nmi);
+  CHECK(nmi->name == "nmi");
+  CHECK_FALSE(parse_noise("# tracer: timerlat"));
+  CHECK_FALSE(parse_noise("   <...>-20  [002] .....   1.0: irq_noise: local_timer:236 start"));
+  CHECK_FALSE(parse_noise("   <idle>-0  [002] d.h1.  54.029: #1 context    irq timer_latency       932 ns"));
+}
+
+TEST_CASE("a kernel without the tracer is told in one line, with what it takes") {
+  const auto noise = OsNoise::start(0, "/nonexistent");
+  REQUIRE_FALSE(noise.ok());
+  CHECK_THAT(noise.message(), Catch::Matchers::Contains("CONFIG_TIMERLAT_TRACER"));
+}
+
 TEST_CASE("cyclictest's lines are read one by one, and the first ones not counted") {
   Histogram wake;
   CHECK(add_cyclictest_line("       0:       2:   21690\n", 2, wake));

@@ -26,16 +26,3 @@ wait "$host_process"
 grep -q 'ok *cpu ' "$host_log"
 verdict "the program says that it has its core" "$(grep ' cpu ' "$host_log")"
 stop_device cores
-
-# The doctor, on the core that was set apart and on one that was not. The guest is booted with isolcpus, nohz_full and
-# rcu_nocbs for core 2.
-for cpu in 1 2; do tactus doctor --cpu $cpu --json >/out/doctor-$cpu.json; done
-doctor_says() { grep -A1 "\"check\": \"$2\"" "/out/doctor-$1.json" | grep -q "\"verdict\": \"$3\""; }
-for check in kernel isolation timer-ticks rcu sibling priority-limit memory-limit; do
-  doctor_says 2 $check green
-  verdict "doctor: $check is green on core 2" "$(grep -A2 "\"$check\"" /out/doctor-2.json | tr '\n' ' ')"
-done
-for check in isolation timer-ticks rcu machine; do
-  doctor_says 1 $check amber
-  verdict "doctor: $check is amber on core 1" "$(grep -A2 "\"$check\"" /out/doctor-1.json | tr '\n' ' ')"
-done
