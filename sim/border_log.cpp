@@ -50,18 +50,13 @@ BorderPoint border_point(const Contact<double>& contact, const physics::ContactP
   return result;
 }
 
-double kinetic_energy(const Body<double>& body) noexcept {
-  const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
-  return 0.5 * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
-}
-
 void give(Body<double>& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point,
           physics::World<double>& world, HandBack& result) noexcept {
-  const double before = kinetic_energy(body);
+  const double before = kinetic_energy_J(body);
   world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
   result.impulse_Ns += impulse;
   result.magnitude_Ns += norm(impulse);
-  result.energy_J += kinetic_energy(body) - before;
+  result.energy_J += kinetic_energy_J(body) - before;
 }
 
 // What the global step's own friction gave the outside body at this pair, taken back.

@@ -112,3 +112,36 @@ TEST_CASE("An answer never gains energy: work of any wrench on its own answer is
     }
   }
 }
+
+TEST_CASE("An impulse goes to all that moves with the body, and none of it is lost") {
+  PhysicsBench<> bench = pushed_row(6, 0.3);
+  BorderAdmittance admittance(64, 256);
+  admittance.index(bench.world.contacts(), bench.world.bodies());
+  std::vector<Vec3d> before;
+  for (const auto& body : bench.world.bodies()) before.push_back(body.motion.velocity.linear);
+  const double energy = bench.world.kinetic_energy();
+  std::vector<std::uint8_t> members(64, 0);
+  members[0] = 1;
+  const Vec3d impulse{0.3, 0.02, -0.01};
+  const double gained = admittance.apply(1, members, {impulse, {}}, bench.world.bodies());
+  CHECK(gained == Approx(bench.world.kinetic_energy() - energy).epsilon(1e-9));
+  Vec3d sum;
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const Vec3d change = bench.world.bodies()[k].motion.velocity.linear - before[k];
+    CHECK(change.x == Approx(k == 0 ? 0.0 : impulse.x / (5 * kMass)).epsilon(1e-3));
+    sum += kMass * change;
+  }
+  CHECK(norm(sum - impulse) < 1e-9);
+}
+
+TEST_CASE("An impulse on what stands firmly goes into the ground") {
+  PhysicsBench<> bench = make_bench();
+  bench.add_ground(9, 0.5);
+  bench.add_stack(0, 3, kHalf, kMass, 0.5);
+  bench.run(50);
+  BorderAdmittance admittance(64, 256);
+  admittance.index(bench.world.contacts(), bench.world.bodies());
+  const std::vector<std::uint8_t> members(64, 0);
+  (void)admittance.apply(2, members, {{0.1, 0, -1}, {}}, bench.world.bodies());
+  for (const auto& body : bench.world.bodies()) CHECK(norm(body.motion.velocity.linear) < 1e-3 / kMass);
+}

@@ -76,7 +76,7 @@ TEST_CASE("a recorded virtual run replays with the same bits, whatever the coupl
   options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect,
                               haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic,
                               haptics::CouplingScheme::kPlanes, haptics::CouplingScheme::kLinearised);
-  options.border = GENERATE(physics::BorderMode::kCapped, physics::BorderMode::kReplay);
+  options.border = GENERATE(physics::BorderMode::kGhost, physics::BorderMode::kCapped, physics::BorderMode::kReplay);
   options.record = tape.path();
   options.members = 8;
   options.inject = "lost/state@700+4,stall@900+60";
