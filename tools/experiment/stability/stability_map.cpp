@@ -63,7 +63,7 @@ WakeLateness measure_wake(double rate_Hz, double seconds, int cpu) {
 
 std::vector<LoopTiming> loops_of(const std::string& factor, const LoopTiming& base, double quantum_m, bool quick) {
   std::vector<LoopTiming> loops;
-  const auto add = [&](auto LoopTiming::*what, std::initializer_list<double> values) {
+  const auto add = [&](double LoopTiming::*what, std::initializer_list<double> values) {
     for (const double value : values) {
       loops.push_back(base);
       loops.back().*what = value;
