@@ -42,16 +42,16 @@ TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const Bo
 }
 
 // The normal rows, point after point. Returns what they added; `v` ends as the relative motion after it.
-template <bool kBias, bool kTotals, class V>
-TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v, const SweepRule<LaneOf<V>>& rule,
-                                          bool backwards) noexcept {
+template <bool kBias, bool kTotals, bool kBackwards, class V>
+TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
+                                          const SweepRule<LaneOf<V>>& rule) noexcept {
   const SymBlock<V>& w = c.w_normal;
   const V zero(0), inverse_h(rule.inverse_h), slop(rule.slop), most_push(-rule.max_push_speed);
   const V mass_scale(rule.softness.mass_scale), impulse_scale(rule.softness.impulse_scale);
   const V bias_rate(rule.softness.mass_scale * rule.softness.bias_rate);
   NormalPart<V> sum;
   for (std::uint32_t k = 0; k < c.points; ++k) {
-    const std::uint32_t i = backwards ? c.points - 1 - k : k;
+    const std::uint32_t i = kBackwards ? c.points - 1 - k : k;
     const V x = c.x[i], y = c.y[i], last = c.normal_impulse[i];
     const V s = c.gap[i];
     const auto apart = s > zero;
@@ -78,12 +78,12 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v, co
 }
 
 // The friction rows, point after point, each within the disk of its own normal impulse.
-template <bool kTotals, class V>
-TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v, bool backwards) noexcept {
+template <bool kTotals, bool kBackwards, class V>
+TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v) noexcept {
   const SymBlock<V>& w = c.w_tangent;
   TangentPart<V> sum;
   for (std::uint32_t k = 0; k < c.points; ++k) {
-    const std::uint32_t i = backwards ? c.points - 1 - k : k;
+    const std::uint32_t i = kBackwards ? c.points - 1 - k : k;
     const V x = c.x[i], y = c.y[i], mass = c.tangent_mass[i];
     const V last_1 = c.tangent_impulse[0][i], last_2 = c.tangent_impulse[1][i];
     V next_1 = last_1 - mass * (v.t1 - y * v.mn), next_2 = last_2 - mass * (v.t2 + x * v.mn);
@@ -258,9 +258,8 @@ void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) n
   scatter<kFixed>(c, bodies, a, b);
 }
 
-template <bool kBias, bool kFixed, bool kFriction, bool kTotals, class V>
-void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule,
-           SweepOrder order) noexcept {
+template <bool kBias, bool kFixed, bool kFriction, bool kTotals, bool kBackwards, class V>
+void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept {
   BodyLanes<V> a, b;
   gather<kFixed, !kBias>(c, bodies, a, b);
   if constexpr (!kBias) update_gaps<kFixed>(c, a, b);
@@ -271,24 +270,22 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   const std::array<V, 9>& k = c.w_cross;
   TangentPart<V> held;
   if constexpr (kBias && kFriction) {
-    held = solve_friction<false>(c, {dot(c.t1, v), dot(c.t2, v), dot(c.n, w)}, order.friction_backwards);
+    held = solve_friction<false, kBackwards>(c, {dot(c.t1, v), dot(c.t2, v), dot(c.n, w)});
     normal_motion.n += k[0] * held.t1 + k[3] * held.t2 + k[6] * held.mn;
     normal_motion.m1 += k[1] * held.t1 + k[4] * held.t2 + k[7] * held.mn;
     normal_motion.m2 += k[2] * held.t1 + k[5] * held.t2 + k[8] * held.mn;
   }
-  const NormalPart<V> pressed = solve_normals<kBias, kTotals>(c, normal_motion, rule, order.normals_backwards);
+  const NormalPart<V> pressed = solve_normals<kBias, kTotals, kBackwards>(c, normal_motion, rule);
   Vec3<V> p = pressed.n * c.n, m = pressed.m1 * c.t1 + pressed.m2 * c.t2;
   if constexpr (kBias && kFriction) {
     p += held.t1 * c.t1 + held.t2 * c.t2;
     m += held.mn * c.n;
   }
   if constexpr (kFriction && !kBias) {
-    const TangentPart<V> rubbed =
-        solve_friction<kTotals>(c,
-                                {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
-                                 dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
-                                 dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2},
-                                order.friction_backwards);
+    const TangentPart<V> rubbed = solve_friction<kTotals, kBackwards>(
+        c, {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
+            dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
+            dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2});
     p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
     m += rubbed.mn * c.n;
   } else if constexpr (kBias) {
@@ -305,20 +302,19 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   scatter<kFixed>(c, bodies, a, b);
 }
 
-#define TACTUS_SWEEPS(V, kFixed)                                                                        \
-  template void warm_start<kFixed, V>(const ContactRow<V>&, const SolverBodies<LaneOf<V>>&) noexcept;   \
-  template void solve<true, kFixed, false, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,    \
-                                                     const SweepRule<LaneOf<V>>&, SweepOrder) noexcept; \
-  template void solve<true, kFixed, true, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,     \
-                                                    const SweepRule<LaneOf<V>>&, SweepOrder) noexcept;  \
-  template void solve<false, kFixed, true, true, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,     \
-                                                    const SweepRule<LaneOf<V>>&, SweepOrder) noexcept;  \
-  template void solve<false, kFixed, true, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,    \
-                                                     const SweepRule<LaneOf<V>>&, SweepOrder) noexcept; \
-  template void solve<false, kFixed, false, true, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,    \
-                                                     const SweepRule<LaneOf<V>>&, SweepOrder) noexcept; \
-  template void solve<false, kFixed, false, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,   \
-                                                      const SweepRule<LaneOf<V>>&, SweepOrder) noexcept;
+#define TACTUS_SWEEP(V, kBias, kFixed, kFriction, kTotals)                                                         \
+  template void solve<kBias, kFixed, kFriction, kTotals, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&, \
+                                                                   const SweepRule<LaneOf<V>>&) noexcept;          \
+  template void solve<kBias, kFixed, kFriction, kTotals, true, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,  \
+                                                                  const SweepRule<LaneOf<V>>&) noexcept;
+#define TACTUS_SWEEPS(V, kFixed)                                                                      \
+  template void warm_start<kFixed, V>(const ContactRow<V>&, const SolverBodies<LaneOf<V>>&) noexcept; \
+  TACTUS_SWEEP(V, true, kFixed, false, false)                                                         \
+  TACTUS_SWEEP(V, true, kFixed, true, false)                                                          \
+  TACTUS_SWEEP(V, false, kFixed, true, true)                                                          \
+  TACTUS_SWEEP(V, false, kFixed, true, false)                                                         \
+  TACTUS_SWEEP(V, false, kFixed, false, true)                                                         \
+  TACTUS_SWEEP(V, false, kFixed, false, false)
 #define TACTUS_FILL(V, U)                                                        \
   template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact<U>&, \
                           const SolverBodies<LaneOf<V>>&) noexcept;
@@ -336,5 +332,6 @@ TACTUS_FILL(Register<float>, double)
 #undef TACTUS_FILL
 #undef TACTUS_INSTANTIATE
 #undef TACTUS_SWEEPS
+#undef TACTUS_SWEEP
 
 }  // namespace tactus::physics

@@ -83,18 +83,12 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact<
 template <class V>
 void complete(ContactRow<V>& row) noexcept;
 
-// Which way round the points of a contact are taken. To and fro is symmetric, while always the same way round drives
-// what sways in circles.
-struct SweepOrder {
-  bool normals_backwards{false}, friction_backwards{false};
-};
-
 // --- sweeps; kFixed: B is a fixed body in all lanes
 template <bool kFixed, class V>
 void warm_start(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies) noexcept;
 // kBias: the soft sweep; kTotals: also adds the impulses to the totals of the step.
-template <bool kBias, bool kFixed, bool kFriction, bool kTotals, class V>
-void solve(ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule,
-           SweepOrder order) noexcept;
+// kBackwards: which way round the points are taken.
+template <bool kBias, bool kFixed, bool kFriction, bool kTotals, bool kBackwards, class V>
+void solve(ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept;
 
 }  // namespace tactus::physics

@@ -48,7 +48,7 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>> contacts, Sol
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
   before_.resize(count), given_.resize(count);
   for_each_body([&](std::uint32_t i) noexcept { given_[i] = {}; });
-  given_is_known_ = false, order_ = {};
+  given_is_known_ = backwards_ = next_backwards_ = false;
   colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
   rows_.first_fixed = place_colours(colours_.moving(), 0, moving_);
   place_colours(colours_.fixed(), rows_.first_fixed, fixed_);
@@ -154,20 +154,26 @@ void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies) noexcept {
 template <class T, int kWidth>
 template <bool kBias, bool kFriction, bool kTotals>
 void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
-  order_.normals_backwards = !kBias && !order_.normals_backwards;
-  if constexpr (kFriction) order_.friction_backwards = !order_.friction_backwards;
-  const SweepOrder order = order_;
+  if constexpr (kBias) backwards_ = next_backwards_, next_backwards_ = !next_backwards_;
+  backwards_ ? sweep_points<kBias, kFriction, kTotals, true>(bodies, rule)
+             : sweep_points<kBias, kFriction, kTotals, false>(bodies, rule);
+  backwards_ = !backwards_;
+}
+
+template <class T, int kWidth>
+template <bool kBias, bool kFriction, bool kTotals, bool kBackwards>
+void ContactSolver<T, kWidth>::sweep_points(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
   note_velocities(bodies);
   for_each_colour(moving_, [&](std::uint32_t k, std::uint32_t end) noexcept {
-    for (; k < end; ++k) solve<kBias, false, kFriction, kTotals>(rows_.all[k], bodies, rule, order);
+    for (; k < end; ++k) solve<kBias, false, kFriction, kTotals, kBackwards>(rows_.all[k], bodies, rule);
   });
   for (std::uint32_t k = 0; k < singles_.first_fixed; ++k)
-    solve<kBias, false, kFriction, kTotals>(singles_.all[k], bodies, rule, order);
+    solve<kBias, false, kFriction, kTotals, kBackwards>(singles_.all[k], bodies, rule);
   for_each_colour(fixed_, [&](std::uint32_t k, std::uint32_t end) noexcept {
-    for (; k < end; ++k) solve<kBias, true, kFriction, kTotals>(rows_.all[k], bodies, rule, order);
+    for (; k < end; ++k) solve<kBias, true, kFriction, kTotals, kBackwards>(rows_.all[k], bodies, rule);
   });
   for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
-    solve<kBias, true, kFriction, kTotals>(singles_.all[k], bodies, rule, order);
+    solve<kBias, true, kFriction, kTotals, kBackwards>(singles_.all[k], bodies, rule);
   add_change(bodies);
 }
 

@@ -68,6 +68,8 @@ class ContactSolver {
   void add_change(SolverBodies<T> bodies) noexcept;
   template <bool kBias, bool kFriction, bool kTotals>
   void sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
+  template <bool kBias, bool kFriction, bool kTotals, bool kBackwards>
+  void sweep_points(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
 
   ContactColours colours_;
   Rows<V> rows_;
@@ -76,7 +78,9 @@ class ContactSolver {
   Executor executor_;
   BoundedVector<Twist<T>> before_, given_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
   bool given_is_known_{false};
-  SweepOrder order_;  // of the last sweep
+  // Which way round the next sweep takes the points of a contact, and the first of the next sub-step. To and fro, in
+  // turns also from sub-step to sub-step, is symmetric; always the same way round drives what sways in circles.
+  bool backwards_{false}, next_backwards_{false};
 };
 
 }  // namespace tactus::physics
