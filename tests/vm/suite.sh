@@ -112,7 +112,7 @@ check_scenarios() {
   if choose cores; then
     truncate -s 16M "$work_folder/swap"
     # Without Intel's name QEMU does not say which processors share a core.
-    cpus=4 threads=2 model=max,vendor=GenuineIntel disk=$work_folder/swap append='isolcpus=2 nohz_full=2 rcu_nocbs=2' run_guest cores "${scenarios[@]}"
+    cpus=4 threads=2 model=max,vendor=GenuineIntel disk=$work_folder/swap append='isolcpus=managed_irq,domain,2 nohz_full=2 rcu_nocbs=2' run_guest cores "${scenarios[@]}"
     guests+=(cores)
   fi
 

@@ -135,16 +135,17 @@ Finding check_interrupts(const Patient& p) {
   for (const std::string& number : p.system.list("/proc/irq")) {
     if (number.empty() || number.front() < '0' || number.front() > '9') continue;
     const std::string folder = "/proc/irq/" + number;
-    auto text = p.system.read(folder + "/effective_affinity_list");
-    if (!text || text->empty()) text = p.system.read(folder + "/smp_affinity_list");
-    const auto cpus = parse_cpu_list(text.value_or(""));
+    // What was chosen for it last; until its next interrupt the line may still be where it was before.
+    const auto allowed = parse_cpu_list(p.system.read(folder + "/smp_affinity_list").value_or(""));
+    const auto effective = p.system.read(folder + "/effective_affinity_list");
+    const auto now = effective && !effective->empty() ? parse_cpu_list(*effective) : allowed;
     // A number that no driver uses has only files in its folder.
     const auto entries = p.system.list(folder);
     const bool used = std::any_of(entries.begin(), entries.end(), [&](const std::string& e) {
       return e != "smp_affinity" && e != "smp_affinity_list" && e != "effective_affinity" &&
              e != "effective_affinity_list" && e != "affinity_hint" && e != "node" && e != "spurious";
     });
-    if (!used || !cpus || !contains(*cpus, p.cpu)) continue;
+    if (!used || !allowed || !now || !contains(*allowed, p.cpu) || !contains(*now, p.cpu)) continue;
     if (++count <= 8) numbers += (numbers.empty() ? "" : ", ") + number;
     commands +=
         fmt::format("{}echo {} > {}/smp_affinity_list", commands.empty() ? "" : "\n", p.cpu == 0 ? 1 : 0, folder);
@@ -153,7 +154,11 @@ Finding check_interrupts(const Patient& p) {
   return amber(
       "interrupts",
       fmt::format("{} devices' interrupts go to cpu {}: {}{}", count, p.cpu, numbers, count > 8 ? ", ..." : ""),
-      "send them to another core (the device's own bus may stay), and switch irqbalance off", commands);
+      fmt::format(
+          "send them to another core (the device's own bus may stay), and switch irqbalance off; for those that "
+          "refuse boot with isolcpus=managed_irq,domain,{}",
+          p.cpu),
+      commands);
 }
 
 Finding check_smi(const Patient& p) {

@@ -219,6 +219,11 @@ TEST_CASE("An interrupt in use that may come to the core is amber, and only that
   CHECK(finding.found.find("24") == std::string::npos);
   tree.write("proc/irq/31/effective_affinity_list", "2\n");  // what is really used counts
   CHECK(of(tree.examine(), "interrupts").verdict == Verdict::kGreen);
+  // Sent elsewhere: it goes with its next interrupt.
+  tree.write("proc/irq/31/effective_affinity_list", "3\n");
+  CHECK(of(tree.examine(), "interrupts").verdict == Verdict::kAmber);
+  tree.write("proc/irq/31/smp_affinity_list", "0-2\n");
+  CHECK(of(tree.examine(), "interrupts").verdict == Verdict::kGreen);
 }
 
 TEST_CASE("Firmware interrupts that were counted are amber") {

@@ -59,9 +59,9 @@ cat /proc/"$first"/task/*/stat | sed 's/.*) //' | awk '$38 == 80 && $39 == 1 { f
 verdict "its haptic thread is SCHED_FIFO 80" "$(cat /proc/"$first"/task/*/stat | sed 's/.*) //' | awk '{ printf "%s/%s ", $38, $39 }')"
 [ "$(awk '/^VmLck:/ { print $2 }' "/proc/$first/status")" -gt 10000 ]
 verdict "its memory is locked" "$(grep VmLck "/proc/$first/status")"
-[ "$(awk '/^Seccomp:/ { print $2 }' "/proc/$first/status")" = 2 ] && ! [ -w "/proc/$first/root/usr/bin/tactus" ] 2>/dev/null &&
-  grep -q ' /usr ro\| / ro' "/proc/$first/mounts"
-verdict "its system calls are filtered, its system is read-only" "$(grep Seccomp "/proc/$first/status"; head -n 2 "/proc/$first/mounts")"
+[ "$(awk '/^Seccomp:/ { print $2 }' "/proc/$first/status")" = 2 ] &&
+  awk '$2 == "/" { root = $4 } END { exit !(root ~ /^ro(,|$)/) }' "/proc/$first/mounts"
+verdict "its system calls are filtered, its system is read-only" "$(grep Seccomp: "/proc/$first/status") $(grep ' / ' "/proc/$first/mounts")"
 touched() { [ "$(number members)" -gt 0 ] && [ "$(number contacts)" -gt 0 ]; }
 wait_for touched
 verdict "the card house is in the sub-world" "$(state)"
