@@ -17,6 +17,7 @@ LoopConfig make_config(SyntheticWorld kind) {
   auto& sub = config.sub_world;
   sub.ratio = 1u << 30;  // never late
   sub.step.dt = config.period_s;
+  sub.border_mode = physics::BorderMode::kGhost;
   if (kind == SyntheticWorld::kSearched) sub.step.recycle_tolerance_m = 0;
   constexpr std::uint32_t n = kCalibrationBodies;
   sub.capacities = {.bodies = n, .fixed_bodies = 1, .pairs = 16 * n, .contacts = 10 * n, .border_contacts = 2 * n};
@@ -49,9 +50,19 @@ haptics::BorderPoint make_border_point(std::uint32_t i) {
   point.member = i % kCalibrationBodies, point.outside = kCalibrationBodies + i, point.feature = i;
   point.normal = {0, 0, 1};
   point.member_anchor = {i < kCalibrationBodies ? kHalf_m : -kHalf_m, 0, -kHalf_m};
-  point.impulse_rate_N = 5, point.friction = 0.5;
+  point.friction = 0.5;
+  point.outside_inverse_mass = 1;
   point.outside_point = make_body(SyntheticWorld::kBordered, point.member).motion.pose.position + point.member_anchor;
   return point;
+}
+
+// Whose the point is: as heavy as the members, at rest and not pressed.
+haptics::OutsideBody make_outside(const haptics::BorderPoint& point) {
+  haptics::OutsideBody body;
+  body.id = point.outside, body.centre = point.outside_point - Vec3d{0, 0, kHalf_m};
+  body.admittance.linear = SymMat3<double>::identity(1);
+  body.admittance.angular = SymMat3<double>::identity(600);
+  return body;
 }
 
 std::unique_ptr<WorldSnapshot> make_snapshot(SyntheticWorld kind, std::uint32_t members, std::uint32_t first_joiner) {
@@ -61,7 +72,11 @@ std::unique_ptr<WorldSnapshot> make_snapshot(SyntheticWorld kind, std::uint32_t 
     if (i >= first_joiner) (void)snapshot->joiners.try_push(make_body(kind, i));
   }
   if (kind == SyntheticWorld::kBordered)
-    for (std::uint32_t i = 0; i < 2 * kCalibrationBodies; ++i) (void)snapshot->border.try_push(make_border_point(i));
+    for (std::uint32_t i = 0; i < 2 * kCalibrationBodies; ++i) {
+      const haptics::BorderPoint point = make_border_point(i);
+      (void)snapshot->border.try_push(point);
+      (void)snapshot->outside.try_push(make_outside(point));
+    }
   return snapshot;
 }
 

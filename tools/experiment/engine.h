@@ -53,7 +53,7 @@ struct EngineOptions {
   std::optional<Precision> precision{};  // tactus only; none: as in a run, mixed where the world is a global one
   bool time_broad_phase{false};          // tactus only
   std::vector<int> helpers{};            // tactus only: cores of the threads that share its steps, beside the caller
-  unsigned sub_steps{0};                 // tactus only; 0: 4 in a step of 1 ms, 8 in one of 10 ms
+  unsigned sub_steps{0};                 // tactus only; 0: 4 in a step of 1 ms, 10 in one of 10 ms
 };
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);

@@ -54,7 +54,7 @@ template <class T>
 physics::StepSettings<T> settings_of(const BoxScene& scene, unsigned sub_steps) {
   physics::StepSettings<T> settings;
   settings.dt = static_cast<T>(scene.step_s);
-  settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 8 : 4;
+  settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 10 : 4;
   settings.contact_hertz = static_cast<T>(std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s));
   settings.gravity = {T(0), T(0), static_cast<T>(-scene.gravity_m_per_s2)};
   return settings;

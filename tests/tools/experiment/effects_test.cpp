@@ -18,7 +18,9 @@ TEST_CASE("The scenes of experiment effects are good, and declare and use their 
       INFO(name << " " << static_cast<int>(state) << ": " << scene.message());
       REQUIRE(scene.ok());
       CHECK(scene.value().effects.*effect->declared == (state != EffectState::kOff));
-      if (name != "sleeping") CHECK(sim::is_in_use(scene.value(), *effect) == (state == EffectState::kUsed));
+      // Sleep needs time, and collision of the proxy is there for as long as there is something to meet.
+      if (name != "sleeping" && name != "ccd")
+        CHECK(sim::is_in_use(scene.value(), *effect) == (state == EffectState::kUsed));
     }
   }
 }

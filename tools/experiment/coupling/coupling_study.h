@@ -20,7 +20,7 @@ namespace tactus::experiment {
 
 struct Scheme {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border{physics::BorderMode::kCapped};
+  physics::BorderMode border{physics::BorderMode::kGhost};
   unsigned ratio{8};
 };
 

@@ -22,7 +22,7 @@ struct Setting {
   unsigned sub_steps{4}, relax_sweeps{1};
   double contact_Hz{250};
   unsigned members{64}, ratio{8};
-  physics::BorderMode border{physics::BorderMode::kCapped};
+  physics::BorderMode border{physics::BorderMode::kGhost};
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   friend bool operator==(const Setting&, const Setting&) = default;
 };
