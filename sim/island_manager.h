@@ -11,8 +11,8 @@
 #pragma once
 
 #include "rt/physics/world.h"
-#include "sim/islands.h"
 #include "sim/box_grid.h"
+#include "sim/islands.h"
 
 namespace tactus::sim {
 

@@ -86,8 +86,8 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
   in.get(s.component);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
-         read_list(in, s.border) && read_list(in, s.outside) && read_list(in, s.near_regions) && read_list(in, s.near_triangles) &&
-         read_list(in, s.effects) && is_sound(s, hulls, meshes);
+         read_list(in, s.border) && read_list(in, s.outside) && read_list(in, s.near_regions) &&
+         read_list(in, s.near_triangles) && read_list(in, s.effects) && is_sound(s, hulls, meshes);
 }
 
 bool write_effects(const physics::World<double>& world, std::span<const std::uint8_t> inside,

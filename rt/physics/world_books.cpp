@@ -227,8 +227,8 @@ std::size_t World<T>::save_size_bound() const noexcept {
   const Capacities& c = capacities_;
   return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + sizeof(Pose<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
          c.contacts * (sizeof(Contact<T>) + sizeof(ContactReference<T>) + sizeof(WarmStart<T>)) +
-         c.border_contacts * (sizeof(BorderContact<T>) + sizeof(BorderGhost<T>)) + sizeof(PoseSpring<T>) + effects_.save_size_bound() +
-         64;  // 64: counts and the last line of save
+         c.border_contacts * (sizeof(BorderContact<T>) + sizeof(BorderGhost<T>)) + sizeof(PoseSpring<T>) +
+         effects_.save_size_bound() + 64;  // 64: counts and the last line of save
 }
 
 template <class T>

@@ -19,7 +19,8 @@ struct Heap {
   sim::PairCache pair_cache;
   physics::StepReport<T> report;
 
-  explicit Heap(std::uint32_t cubes) : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}), pair_cache(cubes, 16 * cubes + 256) {
+  explicit Heap(std::uint32_t cubes)
+      : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}), pair_cache(cubes, 16 * cubes + 256) {
     set_denormals_flush();
     settings.gravity = {T(0), T(0), T(-9.81)};
     const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(cubes))));

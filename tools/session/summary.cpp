@@ -55,7 +55,8 @@ std::string verdict(const RunSummary& s) {
 std::string core_name(int cpu) { return cpu < 0 ? "all cores" : fmt::format("core {}", cpu); }
 
 std::string timing_text(const RunSummary& s) {
-  if (!s.real_time) return "timing                 virtual time: no clock was read; a global step takes what its counts foresee\n";
+  if (!s.real_time)
+    return "timing                 virtual time: no clock was read; a global step takes what its counts foresee\n";
   const auto& t = s.timing;
   std::string text = "timing\n";
   text += times_line("wake-up", t.wake_latency);

@@ -52,7 +52,7 @@ TEST_CASE("the default gains on the default device have the margins that the for
         Approx(0.5 * 1e-3 / 1e-5));  // 0.5 N a quantum and tick, the damper's own is 150
   CHECK(verdict.rotation.stiffness_limit == Approx(0.022 / 1.5e-3).epsilon(0.03));
   CHECK(verdict.rotation.damping_limit == Approx(0.003 * 8e-3 / 1e-4));  // 3 N mm a quantum in 8 ticks
-  CHECK_FALSE(verdict.translation.passive);  // B > b
+  CHECK_FALSE(verdict.translation.passive);                              // B > b
 }
 
 TEST_CASE("the uncoupled limit separates the stable from the unstable in a simulated device") {
