@@ -25,7 +25,7 @@ TEST_CASE("above a plane the proxy is where the device wants it, below as near a
 
 TEST_CASE(
     "among planes it is the nearest point: no other point above all of them lies more towards where it is wanted") {
-  std::mt19937_64 random(GENERATE(range(1, 41)));
+  std::mt19937_64 random(GENERATE(range(1u, 41u)));
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto vector = [&] { return Vec3d{uniform(random), uniform(random), uniform(random)}; };
   // Steep enough to each other that the sweeps get there: normals in a cone about z.
