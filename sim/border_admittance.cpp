@@ -122,11 +122,6 @@ physics::Admittance<double> invert(Matrix6 inertia) noexcept {
 
 }  // namespace
 
-double kinetic_energy_J(const Body<double>& body) noexcept {
-  const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
-  return 0.5 * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
-}
-
 BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts)
     : first_(max_bodies + 1), links_(2 * std::size_t{max_contacts}), found_(max_bodies, 0) {
   reached_.reserve(kMostBodies);
@@ -212,11 +207,11 @@ double BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t>
     solve(to.inertia, to.change);
     Body<double>& body = bodies[to.slot];
     const Vec3d turn{to.change[3], to.change[4], to.change[5]};
-    gained_J -= kinetic_energy_J(body);
+    gained_J -= kinetic_energy(body);
     body.motion.velocity.linear +=
         Vec3d{to.change[0], to.change[1], to.change[2]} + cross(turn, body.motion.pose.position - centre);
     body.motion.velocity.angular += turn;
-    gained_J += kinetic_energy_J(body);
+    gained_J += kinetic_energy(body);
   }
   return gained_J;
 }

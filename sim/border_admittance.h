@@ -21,8 +21,6 @@ namespace tactus::sim {
 using Vector6 = std::array<double, 6>;
 using Matrix6 = std::array<std::array<double, 6>, 6>;
 
-double kinetic_energy_J(const physics::Body<double>& body) noexcept;
-
 class BorderAdmittance {
  public:
   static constexpr std::uint32_t kMostBodies = 32;

@@ -9,12 +9,6 @@ using haptics::OutsideBody;
 using physics::Body;
 using physics::Contact;
 
-// A contact seen from the member's side.
-struct Sides {
-  std::uint32_t member, outside;
-  bool member_is_a;
-};
-
 // The body's share of a contact's inverse effective mass, along n at r from its centre.
 double own_inverse_mass(const Body<double>& body, const Quatd& rotation, const Vec3d& r, const Vec3d& n) noexcept {
   const Vec3d turn = rotate_inverse(rotation, cross(r, n));
@@ -22,41 +16,13 @@ double own_inverse_mass(const Body<double>& body, const Quatd& rotation, const V
          turn.z * turn.z / body.inertia.z;
 }
 
-BorderPoint border_point(const Contact<double>& contact, const physics::ContactPoint<double>& point, const Sides& sides,
-                         std::span<const Body<double>> bodies, std::span<const Posed> start, double step_s) noexcept {
-  const Body<double>& member = bodies[sides.member];
-  const Body<double>& outside = bodies[sides.outside];
-  BorderPoint result;
-  result.member = member.id;
-  result.outside = outside.id;
-  result.feature = point.feature;
-  result.normal = sides.member_is_a ? -contact.normal : contact.normal;
-  // Arms are of the start of the step: so is the rotation that takes them into the body.
-  const Vec3d& from_member = sides.member_is_a ? point.from_a : point.from_b;
-  result.member_anchor = rotate_inverse(start[sides.member].rotation, from_member);
-  result.impulse_rate_N = point.total_normal_impulse / step_s;
-  result.friction = contact.friction;
-  result.friction_N = (sides.member_is_a ? -1 / step_s : 1 / step_s) * point.total_friction;
-  result.outside_inverse_mass = own_inverse_mass(outside, start[sides.outside].rotation,
-                                                 sides.member_is_a ? point.from_b : point.from_a, contact.normal);
-  const Vec3d& from_outside = sides.member_is_a ? point.from_b : point.from_a;
-  const Posed& outside_start = start[sides.outside];
-  const Vec3d anchor = rotate_inverse(outside_start.rotation, from_outside);
-  result.outside_point = outside.motion.pose * anchor;
-  result.separation_m = point.separation;
-  // The mean over the step, not the velocity at its end: a body that is held trembles within a step, and a member that
-  // follows such an instant for a whole cycle is thrown.
-  result.outside_velocity = (result.outside_point - outside_start * anchor) * (1.0 / step_s);
-  return result;
-}
-
 void give(Body<double>& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point,
           physics::World<double>& world, HandBack& result) noexcept {
-  const double before = kinetic_energy_J(body);
+  const double before = kinetic_energy(body);
   world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
   result.impulse_Ns += impulse;
   result.magnitude_Ns += norm(impulse);
-  result.energy_J += kinetic_energy_J(body) - before;
+  result.energy_J += kinetic_energy(body) - before;
 }
 
 // What the global step's own friction gave the outside body at this pair, taken back.
@@ -94,6 +60,26 @@ const Contact<double>* find_contact(std::span<const Contact<double>> contacts, B
 
 }  // namespace
 
+BorderPoint border_point(const Contact<double>& contact, const physics::ContactPoint<double>& point, bool member_is_a,
+                         const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept {
+  BorderPoint result;
+  result.member = member.body.id;
+  result.outside = outside.body.id;
+  result.feature = point.feature;
+  result.normal = member_is_a ? -contact.normal : contact.normal;
+  // Arms are of the start of the step: so is the rotation that takes them into the body.
+  result.member_anchor = rotate_inverse(member.start.rotation, member_is_a ? point.from_a : point.from_b);
+  const Vec3d anchor = rotate_inverse(outside.start.rotation, member_is_a ? point.from_b : point.from_a);
+  result.impulse_rate_N = point.total_normal_impulse / step_s;
+  result.friction = contact.friction;
+  result.outside_point = outside.body.motion.pose * anchor;
+  result.separation_m = point.separation;
+  // The mean over the step, not the velocity at its end: a body that is held trembles within a step, and a member that
+  // follows such an instant for a whole cycle is thrown.
+  result.outside_velocity = (result.outside_point - outside.start * anchor) * (1.0 / step_s);
+  return result;
+}
+
 BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts) : admittance_(max_bodies, max_contacts) {
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
   ids_.reserve(haptics::kMaxBorderPoints);
@@ -109,11 +95,15 @@ std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::sp
   for (const auto& contact : contacts) {
     if (contact.b_fixed || members[contact.slot_a] == members[contact.slot_b]) continue;
     const bool a = members[contact.slot_a] != 0;
-    const Sides sides{a ? contact.slot_a : contact.slot_b, a ? contact.slot_b : contact.slot_a, a};
+    const std::uint32_t member = a ? contact.slot_a : contact.slot_b, outside = a ? contact.slot_b : contact.slot_a;
     for (std::uint32_t i = 0; i < contact.count; ++i) {
       const auto& point = contact.points[i];
       if (point.total_normal_impulse <= 0 && point.separation > 0) continue;  // it was only near
-      points_.push_back(border_point(contact, point, sides, bodies, start, step_s));
+      points_.push_back(
+          border_point(contact, point, a, {bodies[member], start[member]}, {bodies[outside], start[outside]}, step_s));
+      points_.back().friction_N = (a ? -1 / step_s : 1 / step_s) * point.total_friction;
+      points_.back().outside_inverse_mass =
+          own_inverse_mass(bodies[outside], start[outside].rotation, a ? point.from_b : point.from_a, contact.normal);
     }
   }
   const auto fits = std::min<std::size_t>(points_.size(), haptics::kMaxBorderPoints);

@@ -27,6 +27,16 @@ struct HandBack {
   std::uint32_t skipped{0};  // returns to bodies that are members by now: their own world moves them
 };
 
+// A body as it is after a step, and where it was before it; a fixed one stays.
+struct BodyOverStep {
+  const physics::Body<double>& body;
+  const Posed& start;
+};
+// A point of a contact, seen from the member's side, after a step of `step_s`; without what only ghosts need.
+haptics::BorderPoint border_point(const physics::Contact<double>& contact, const physics::ContactPoint<double>& point,
+                                  bool member_is_a, const BodyOverStep& member, const BodyOverStep& outside,
+                                  double step_s) noexcept;
+
 class BorderLog {
  public:
   BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts);

@@ -84,10 +84,7 @@ physics::World<double> world_of(const Scene& scene, physics::SweepPrecision prec
 }
 
 double energy_of(const Body<double>& body, const Vec3d& gravity) noexcept {
-  const auto& [pose, velocity] = body.motion;
-  const Vec3d w = rotate_inverse(pose.rotation, velocity.angular);
-  return 0.5 * (body.mass * norm_squared(velocity.linear) + dot(w, scale(body.inertia, w))) -
-         body.mass * body.gravity_scale * dot(gravity, pose.position);
+  return kinetic_energy(body) - body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
 }
 
 }  // namespace
@@ -382,8 +379,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   for (const Device& other : devices_)
     if (&other != &device)
       for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
-  // Where the device feels the proxy alone, there are no other members.
-  if (options_.coupling == CouplingScheme::kInterpolation || feels_planes(options_.coupling)) budget = 1;
+  if (feels_proxy_alone(options_.coupling)) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
 

@@ -180,8 +180,7 @@ void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const
 void IslandManager::lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept {
   const std::uint32_t place = awake_[slot];
   Body<double>& body = bodies_[place];
-  const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
-  stopped_energy_J_ += 0.5 * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
+  stopped_energy_J_ += kinetic_energy(body);
   body.motion.velocity = {};
   island_of_[place] = island;
   if (place == island) {

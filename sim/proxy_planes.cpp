@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <tuple>
 
+#include "sim/border_log.h"
+
 namespace tactus::sim {
 namespace {
 
 using haptics::BorderPoint;
 
-// The proxy's side of a point of one of its contacts; arms are of the start of the step.
+// The proxy's side of a point of one of its contacts; the other may be fixed.
 BorderPoint plane_of(const physics::World<double>& world, const physics::Contact<double>& contact,
                      const physics::ContactPoint<double>& point, bool proxy_is_a, double step_s) noexcept {
   const auto bodies = world.bodies();
@@ -16,18 +18,8 @@ BorderPoint plane_of(const physics::World<double>& world, const physics::Contact
   const std::uint32_t proxy = proxy_is_a ? contact.slot_a : contact.slot_b;
   const std::uint32_t other = proxy_is_a ? contact.slot_b : contact.slot_a;
   const auto& outside = contact.b_fixed ? world.fixed_bodies()[other] : bodies[other];
-  const Posed& outside_start = contact.b_fixed ? outside.motion.pose : start[other];
-  const Vec3d anchor = rotate_inverse(outside_start.rotation, proxy_is_a ? point.from_b : point.from_a);
-  BorderPoint plane;
-  plane.member = bodies[proxy].id, plane.outside = outside.id, plane.feature = point.feature;
-  plane.normal = proxy_is_a ? -contact.normal : contact.normal;
-  plane.member_anchor = rotate_inverse(start[proxy].rotation, proxy_is_a ? point.from_a : point.from_b);
-  plane.impulse_rate_N = point.total_normal_impulse / step_s;
-  plane.friction = contact.friction;
-  plane.outside_point = outside.motion.pose * anchor;
-  plane.separation_m = point.separation;
-  plane.outside_velocity = (plane.outside_point - outside_start * anchor) * (1.0 / step_s);
-  return plane;
+  return border_point(contact, point, proxy_is_a, {bodies[proxy], start[proxy]},
+                      {outside, contact.b_fixed ? outside.motion.pose : start[other]}, step_s);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numbers>
 
 #include "rt/base/math.h"
 #include "rt/haptics/velocity_estimator.h"
@@ -94,7 +95,7 @@ AxisLimits rotation_of(const DeviceProperties& device, double period_s, double l
 // device's own damping: by halves between none and a fifth more.
 double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept {
   if (!(axis.mass > 0) || !(coupling_damping + axis.damping > 0)) return 0;
-  double least = 0, most = 1.2 * 1.5707963267948966 / (axis.delay_s / axis.period_s + 1);
+  double least = 0, most = 1.2 * (0.5 * std::numbers::pi) / (axis.delay_s / axis.period_s + 1);
   if (!(on_boundary(axis, most).damping > coupling_damping)) return 0;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (least + most);

@@ -24,4 +24,9 @@ constexpr bool feels_planes(CouplingScheme scheme) noexcept {
   return scheme == CouplingScheme::kPlane || scheme == CouplingScheme::kPlanes || scheme == CouplingScheme::kLinearised;
 }
 
+// The device feels the proxy alone: it is the only member.
+constexpr bool feels_proxy_alone(CouplingScheme scheme) noexcept {
+  return scheme == CouplingScheme::kInterpolation || feels_planes(scheme);
+}
+
 }  // namespace tactus::haptics

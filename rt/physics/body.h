@@ -43,6 +43,13 @@ Body<T> make_fixed_body(BodyId id, const Shape<T>& shape, T friction, const Pose
   return {id, BodyKind::kFixed, shape, T(0), {}, friction, T(0), {world_from_body, {}}};
 }
 
+// J, of a dynamic body.
+template <class T>
+T kinetic_energy(const Body<T>& body) noexcept {
+  const Vec3<T> w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
+  return T(0.5) * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
+}
+
 static_assert(std::is_trivially_copyable_v<Body<double>>);
 
 }  // namespace tactus::physics

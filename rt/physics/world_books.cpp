@@ -163,10 +163,7 @@ class Fnv1a {
 template <class T>
 T World<T>::kinetic_energy() const noexcept {
   T sum = T(0);
-  for (const Body<T>& body : bodies_) {
-    const Vec3<T> w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
-    sum += T(0.5) * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
-  }
+  for (const Body<T>& body : bodies_) sum += physics::kinetic_energy(body);
   return sum;
 }
 

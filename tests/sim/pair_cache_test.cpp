@@ -3,32 +3,19 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+#include "tests/sim/pair_support.h"
 #include "tests/support/physics_bench.h"
 
 using namespace tactus;
 using namespace tactus::sim;
 using physics::Aabb;
-using tactus::test::Random;
+using namespace tactus::test;
 using Boxes = std::vector<Aabb<double>>;
-using Keys = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 namespace {
 
-Keys sorted_keys(const BoundedVector<physics::SlotPair>& pairs) {
-  Keys keys;
-  for (const auto& pair : pairs) keys.emplace_back(std::min(pair.a, pair.b), std::max(pair.a, pair.b));
-  std::sort(keys.begin(), keys.end());
-  return keys;
-}
-
-Keys by_brute_force(const Boxes& boxes) {
-  BoundedVector<physics::SlotPair> pairs(static_cast<std::uint32_t>(boxes.size() * boxes.size() / 2 + 1));
-  REQUIRE(physics::find_pairs_brute_force<double>(boxes, pairs));
-  return sorted_keys(pairs);
-}
-
 Keys by_cache(PairCache& cache, const Boxes& boxes) {
-  BoundedVector<physics::SlotPair> pairs(static_cast<std::uint32_t>(boxes.size() * boxes.size() / 2 + 1));
+  auto pairs = room_for_pairs(boxes);
   REQUIRE(cache.find(boxes, pairs));
   return sorted_keys(pairs);
 }

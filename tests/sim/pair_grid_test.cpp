@@ -4,35 +4,23 @@
 #include <limits>
 #include <random>
 
+#include "tests/sim/pair_support.h"
+
 namespace {
 
 using namespace tactus;
-using Boxes = std::vector<physics::Aabb<double>>;
-using Keys = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+using namespace tactus::test;
 
 struct Found {
   Keys keys;  // sorted, the lower body first
   sim::PairGrid::Work work;
 };
 
-Keys sorted_keys(const BoundedVector<physics::SlotPair>& pairs) {
-  Keys keys;
-  for (const auto& pair : pairs) keys.emplace_back(std::min(pair.a, pair.b), std::max(pair.a, pair.b));
-  std::sort(keys.begin(), keys.end());
-  return keys;
-}
-
 Found by_grid(const Boxes& boxes) {
   sim::PairGrid grid(static_cast<std::uint32_t>(boxes.size()));
-  BoundedVector<physics::SlotPair> pairs(static_cast<std::uint32_t>(boxes.size() * boxes.size() / 2 + 1));
+  auto pairs = room_for_pairs(boxes);
   REQUIRE(grid.find(boxes, pairs));
   return {sorted_keys(pairs), grid.work()};
-}
-
-Keys by_brute_force(const Boxes& boxes) {
-  BoundedVector<physics::SlotPair> pairs(static_cast<std::uint32_t>(boxes.size() * boxes.size() / 2 + 1));
-  REQUIRE(physics::find_pairs_brute_force<double>(boxes, pairs));
-  return sorted_keys(pairs);
 }
 
 class BoxMaker {

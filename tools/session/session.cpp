@@ -39,7 +39,7 @@ unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
 
 unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
   if (options.coupling == haptics::CouplingScheme::kDirect) return dynamic_bodies_of(scene);
-  if (options.coupling == haptics::CouplingScheme::kInterpolation || haptics::feels_planes(options.coupling)) return 1;
+  if (haptics::feels_proxy_alone(options.coupling)) return 1;
   if (options.all_members) return std::min(dynamic_bodies_of(scene), haptics::kMaxMembers);
   if (options.members != 0) return options.members;
   if (options.accuracy == Accuracy::kFast) return std::max(1u, scene.members / 2);

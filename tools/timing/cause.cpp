@@ -81,10 +81,10 @@ bool device_interrupted(const std::optional<MachineChange>& change) {
 }
 
 Cause what_interrupted(const TickTimes& t, std::int64_t off_core_ns, std::int64_t to_explain_ns,
-                       const std::optional<MachineChange>& change) {
+                       const std::optional<Measured>& noise, const std::optional<MachineChange>& change) {
   if (t.minor_faults + t.major_faults > 0) return Cause::kPageFault;
   // Where the kernel measures what takes the core, what it did not see was below it.
-  if (const auto noise = measured_noise(change)) {
+  if (noise) {
     if (2 * (noise->interrupts_ns + noise->threads_ns) < to_explain_ns) return Cause::kMachine;
     return noise->threads_ns >= noise->interrupts_ns ? Cause::kContextSwitch : Cause::kInterrupt;
   }
@@ -128,7 +128,7 @@ Attribution attribute(const TickTimes& t, std::int64_t period_ns, const Typical&
     case OverrunCause::kInterrupted:
       break;
   }
-  const Cause cause = what_interrupted(t, off_core_ns, execution_ns - typical.execution_ns, change);
+  const Cause cause = what_interrupted(t, off_core_ns, execution_ns - typical.execution_ns, noise, change);
   std::string text = took;
   if (cause == Cause::kPageFault)
     text += fmt::format("; {} minor, {} major page faults", t.minor_faults, t.major_faults);

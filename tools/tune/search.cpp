@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 namespace tactus::tune {
 namespace {
@@ -11,7 +10,6 @@ namespace {
 constexpr unsigned kMostRounds = 16;
 // A notch is worth its time from this share of the error on; and one that costs less is taken back.
 constexpr double kWorth = 0.98, kForNothing = 1.005;
-constexpr std::array kRatios{1u, 2u, 4u, 8u, 16u};
 
 template <class T>
 void add(std::vector<Notch>& notches, const char* factor, const Setting& from, T Setting::*what, T to) {

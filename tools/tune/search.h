@@ -5,6 +5,7 @@
 // is taken back. Thread: one. Bound: sixteen rounds each way, of at most five trials.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@
 namespace tactus::tune {
 
 using experiment::Setting;
+
+// The ratios that are tried, ascending; beside the one that the scene asks for.
+inline constexpr std::array kRatios{1u, 2u, 4u, 8u, 16u};
 
 // What it has to fit into.
 struct Limits {

@@ -4,7 +4,6 @@
 #include <sched.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include "tools/experiment/statistics.h"
@@ -19,7 +18,6 @@ using experiment::kHapticRate_Hz;
 using experiment::kWindowTicks;
 using experiment::ReferenceRun;
 
-constexpr std::array kRatios{1u, 2u, 4u, 8u, 16u};
 constexpr double kFirstWindow_s = 0.3, kWindowEvery_s = 0.25;
 // Of the whole, in trials: the reference, a real run, and about as many trials as there are.
 constexpr double kReferenceWork = 6, kRealWork = 4, kTrials = 22;

@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/physics/effects/contact_speed.h"
+
 namespace tactus::physics {
 namespace {
 
 // A box that lands on a face bounces on four points at once: after these passes they agree to a few per cent.
 constexpr int kPasses = 8;
-
-template <class T>
-T separating_speed(const StageContext<T>& c, const Contact<T>& contact, std::uint32_t point) noexcept {
-  Vec3<T> v = -velocity_at(c.motion[contact.slot_a], contact.points[point].from_a);
-  if (!contact.b_fixed) v += velocity_at(c.motion[contact.slot_b], contact.points[point].from_b);
-  return dot(contact.normal, v);
-}
 
 // Where the bodies have taken the point since the start of the step.
 template <class T>

@@ -1,6 +1,7 @@
 #include "rt/physics/effects/texture.h"
 
 #include <algorithm>
+#include <numbers>
 
 namespace tactus::physics {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 // -grad h of the grain at `at`, in the body's frame.
 template <class T>
 Vec3<T> downhill(const Grain<T>& grain, const Vec3<T>& at) noexcept {
-  const T k = T(2) * T(3.14159265358979323846) / grain.wavelength_m;
+  const T k = T(2) * std::numbers::pi_v<T> / grain.wavelength_m;
   return -grain.height_m * k * Vec3<T>{sin_cos(k * at.x).cos, sin_cos(k * at.y).cos, sin_cos(k * at.z).cos};
 }
 

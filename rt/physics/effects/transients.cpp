@@ -1,6 +1,9 @@
 #include "rt/physics/effects/transients.h"
 
 #include <algorithm>
+#include <numbers>
+
+#include "rt/physics/effects/contact_speed.h"
 
 namespace tactus::physics {
 namespace {
@@ -38,11 +41,7 @@ void Transients<T>::look_ahead(StageContext<T>& c) noexcept {
     const BodyId other = a == setup_.proxy ? b : a;
     if (other >= setup_.by_id.size() || setup_.by_id[other].strength_Ns_per_m == T(0)) continue;
     T speed = T(0);
-    for (std::uint32_t i = 0; i < contact.count; ++i) {
-      Vec3<T> v = velocity_at(c.motion[contact.slot_a], contact.points[i].from_a);
-      if (!contact.b_fixed) v -= velocity_at(c.motion[contact.slot_b], contact.points[i].from_b);
-      speed = std::max(speed, dot(contact.normal, v));
-    }
+    for (std::uint32_t i = 0; i < contact.count; ++i) speed = std::max(speed, -separating_speed(c, contact, i));
     (void)touches_.try_push({k, other, speed});
   }
 }
@@ -77,7 +76,7 @@ void Transients<T>::ring(StageContext<T>& c) noexcept {
 
   std::uint32_t kept = 0;
   for (Oscillation& o : state_.ringing) {
-    const auto [s, cosine] = sin_cos(T(2) * T(3.14159265358979323846) * o.frequency_Hz * c.settings.dt);
+    const auto [s, cosine] = sin_cos(T(2) * std::numbers::pi_v<T> * o.frequency_Hz * c.settings.dt);
     const T x = T(0.5) * c.settings.dt / o.decay_s, fade = (T(1) - x) / (T(1) + x);
     const T sine_N = fade * (cosine * o.sine_N + s * o.cosine_N);
     o.cosine_N = fade * (cosine * o.cosine_N - s * o.sine_N), o.sine_N = sine_N;

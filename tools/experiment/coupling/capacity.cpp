@@ -95,19 +95,10 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   std::vector<double> ticks_us, steps_us;
   for (unsigned k = 0; k < settle + timed; ++k) {
     const auto target = stir(start, k / point.rate_Hz);
-    const double begin_us = thread_time_us();
-    const bool synchronised = worlds.synchronise();
-    double haptic_us = thread_time_us() - begin_us;
-    if (synchronised) {
-      const double step_us = thread_time_us();
-      worlds.serve();
-      if (k >= settle) steps_us.push_back(thread_time_us() - step_us);
-    }
-    const double again_us = thread_time_us();
-    const auto& step = worlds.step(target);
-    haptic_us += thread_time_us() - again_us;
-    if (k >= settle) ticks_us.push_back(haptic_us);
-    point.contact_points = direct ? step.report.points : worlds.global()->statistics().points;
+    const TickTimes times = timed_tick(worlds, target);
+    if (k >= settle && times.global_us) steps_us.push_back(*times.global_us);
+    if (k >= settle) ticks_us.push_back(times.haptic_us);
+    point.contact_points = direct ? worlds.last().report.points : worlds.global()->statistics().points;
   }
   const double period_us = 1e6 / point.rate_Hz;
   point.tick_us_p50 = median(ticks_us), point.tick_us_p99 = quantile(ticks_us, 0.99);

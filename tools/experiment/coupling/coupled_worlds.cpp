@@ -1,5 +1,6 @@
 #include "tools/experiment/coupling/coupled_worlds.h"
 
+#include "tools/experiment/timing.h"
 #include "tools/session/session.h"
 
 namespace tactus::experiment {
@@ -8,10 +9,8 @@ namespace {
 using haptics::CouplingScheme;
 
 void add_motion(const physics::Body<double>& body, Motion& sum) noexcept {
-  const auto& [linear, angular] = body.motion.velocity;
-  const Vec3d w = rotate_inverse(body.motion.pose.rotation, angular);
-  sum.kinetic_J += 0.5 * (body.mass * norm_squared(linear) + dot(w, scale(body.inertia, w)));
-  sum.speed_squared += norm_squared(linear);
+  sum.kinetic_J += kinetic_energy(body);
+  sum.speed_squared += norm_squared(body.motion.velocity.linear);
 }
 
 }  // namespace
@@ -151,6 +150,22 @@ Moment CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
   sub_world_->save(out);
   moment.state.resize(out.size());
   return moment;
+}
+
+TickTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target) {
+  TickTimes times;
+  const double begin_us = thread_time_us();
+  const bool synchronised = worlds.synchronise();
+  times.haptic_us = thread_time_us() - begin_us;
+  if (synchronised) {
+    const double step_us = thread_time_us();
+    worlds.serve();
+    times.global_us = thread_time_us() - step_us;
+  }
+  const double again_us = thread_time_us();
+  worlds.step(target);
+  times.haptic_us += thread_time_us() - again_us;
+  return times;
 }
 
 }  // namespace tactus::experiment

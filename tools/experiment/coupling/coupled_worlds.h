@@ -8,6 +8,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "rt/haptics/sub_world.h"
@@ -74,5 +75,12 @@ class CoupledWorlds {
   std::uint32_t component_{0};
   haptics::SubWorldStep step_;
 };
+
+// CPU time of a tick [us]: the haptic side's, and that of the global world where a cycle began.
+struct TickTimes {
+  double haptic_us{0};
+  std::optional<double> global_us;
+};
+TickTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target);
 
 }  // namespace tactus::experiment

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/experiment/timing.h"
 #include "tools/session/session.h"
 
 namespace tactus::experiment {
@@ -22,17 +21,10 @@ std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& refer
   for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
     if (!window.hold && k > window.start && worlds.at_synchronisation())
       sums.energy.add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
-    const double begin_us = thread_time_us();
-    const bool synchronised = worlds.synchronise();
-    double haptic_us = thread_time_us() - begin_us;
-    if (synchronised) {
-      const double step_us = thread_time_us();
-      worlds.serve();
-      sums.global_us.push_back(thread_time_us() - step_us);
-    }
-    const double again_us = thread_time_us();
-    force.push_back(worlds.step(reference.ideal[k]).on_device.force);
-    sums.ticks_us.push_back(haptic_us + thread_time_us() - again_us);
+    const TickTimes times = timed_tick(worlds, reference.ideal[k]);
+    if (times.global_us) sums.global_us.push_back(*times.global_us);
+    sums.ticks_us.push_back(times.haptic_us);
+    force.push_back(worlds.last().on_device.force);
   }
   sums.energy.close_window();
   return force;

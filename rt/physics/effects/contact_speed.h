@@ -1,0 +1,17 @@
+// How fast the bodies of a contact go apart at one of its points, as the solver has them now. Thread: [rt]; pure.
+// Frame: world. Units: SI.
+#pragma once
+
+#include "rt/physics/effects/stage.h"
+
+namespace tactus::physics {
+
+// m/s, along the contact's normal; negative while they close.
+template <class T>
+T separating_speed(const StageContext<T>& c, const Contact<T>& contact, std::uint32_t point) noexcept {
+  Vec3<T> v = -velocity_at(c.motion[contact.slot_a], contact.points[point].from_a);
+  if (!contact.b_fixed) v += velocity_at(c.motion[contact.slot_b], contact.points[point].from_b);
+  return dot(contact.normal, v);
+}
+
+}  // namespace tactus::physics
