@@ -15,15 +15,15 @@ constexpr double kFirmness = 1e5;
 // A contact whose friction is further used up than this counts as sliding.
 constexpr double kSticks = 0.95;
 
-// K = L L^T in place; false where K is not positive.
+// K = L L^T in place, L below and on the diagonal; false where K is not positive.
 bool factorise(Matrix6& k) noexcept {
   for (std::size_t j = 0; j < 6; ++j) {
-    for (std::size_t i = j; i < 6; ++i) {
-      double sum = k[i][j];
-      for (std::size_t m = 0; m < j; ++m) sum -= k[i][m] * k[j][m];
-      if (i == j && !(sum > 0)) return false;
-      k[i][j] = i == j ? std::sqrt(sum) : sum / k[j][j];
-    }
+    for (std::size_t m = 0; m < j; ++m)
+      for (std::size_t i = j; i < 6; ++i) k[i][j] -= k[i][m] * k[j][m];
+    if (!(k[j][j] > 0)) return false;
+    k[j][j] = std::sqrt(k[j][j]);
+    const double scale = 1 / k[j][j];
+    for (std::size_t i = j + 1; i < 6; ++i) k[i][j] *= scale;
   }
   return true;
 }
@@ -37,6 +37,16 @@ void solve(const Matrix6& l, Vector6& b) noexcept {
   for (std::size_t i = 6; i-- > 0;) {
     for (std::size_t m = i + 1; m < 6; ++m) b[i] -= l[m][i] * b[m];
     b[i] /= l[i][i];
+  }
+}
+
+// X with L X = B, all columns at once.
+void solve_lower(const Matrix6& l, Matrix6& b) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t m = 0; m < i; ++m)
+      for (std::size_t j = 0; j < 6; ++j) b[i][j] -= l[i][m] * b[m][j];
+    const double scale = 1 / l[i][i];
+    for (std::size_t j = 0; j < 6; ++j) b[i][j] *= scale;
   }
 }
 
@@ -83,24 +93,25 @@ Matrix6 firmness_of(const Contact<double>& contact, std::span<const Body<double>
       const Vec3d& n = directions[d];
       const Vec3d turn = cross(r, n);
       const Vector6 row{n.x, n.y, n.z, turn.x, turn.y, turn.z};
-      for (std::size_t k = 0; k < 6; ++k)
-        for (std::size_t l = 0; l < 6; ++l) sum[k][l] += firm * row[k] * row[l];
+      for (std::size_t k = 0; k < 6; ++k) {
+        const double scaled = firm * row[k];
+        for (std::size_t l = 0; l < 6; ++l) sum[k][l] += scaled * row[l];
+      }
     }
   }
   return sum;
 }
 
-// What is felt of `inertia` through a contact of that firmness: both in series, G - G (G + I)^-1 G.
+// What is felt of `inertia` through a contact of that firmness: both in series, G - G (G + I)^-1 G. With G + I = L L^T
+// and Y = L^-1 G that is G - Y^T Y.
 Matrix6 felt_through(const Matrix6& firmness, const Matrix6& inertia) noexcept {
-  Matrix6 both = firmness, felt = firmness;
+  Matrix6 both = firmness, felt = firmness, y = firmness;
   add(both, inertia);
   if (!factorise(both)) return {};
-  for (std::size_t j = 0; j < 6; ++j) {
-    Vector6 column = firmness[j];
-    solve(both, column);
+  solve_lower(both, y);
+  for (std::size_t k = 0; k < 6; ++k)
     for (std::size_t i = 0; i < 6; ++i)
-      for (std::size_t k = 0; k < 6; ++k) felt[i][j] -= firmness[i][k] * column[k];
-  }
+      for (std::size_t j = 0; j < 6; ++j) felt[i][j] -= y[k][i] * y[k][j];
   return felt;
 }
 

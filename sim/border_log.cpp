@@ -84,6 +84,7 @@ BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts) : adm
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
   ids_.reserve(haptics::kMaxBorderPoints);
   news_.reserve(max_bodies);
+  reported_.reserve(max_bodies);
   order_.reserve(points_.capacity());
 }
 
@@ -192,16 +193,13 @@ HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32
   HandBack result;
   if (report.ticks == 0) return result;  // no cycle yet
   news_.clear();
-  const auto reported = [&](BodyId id) noexcept {
-    const auto at = std::lower_bound(report.members.begin(), report.members.end(), id,
-                                     [](const haptics::MemberMotion& m, BodyId i) { return m.id < i; });
-    return at != report.members.end() && at->id == id;
-  };
+  reported_.assign(world.bodies().size(), 0);
+  for (const haptics::MemberMotion& member : report.members)
+    if (const std::int32_t slot = world.slot_of(member.id); slot >= 0) reported_[static_cast<std::size_t>(slot)] = 1;
   for (const auto& contact : world.contacts()) {
-    if (contact.b_fixed) continue;
-    const bool a = reported(contact.key.low()), b = reported(contact.key.high());
-    const std::uint32_t outside = a ? contact.slot_b : contact.slot_a;
-    if (a == b || members[outside] != 0) continue;
+    if (contact.b_fixed || reported_[contact.slot_a] == reported_[contact.slot_b]) continue;
+    const std::uint32_t outside = reported_[contact.slot_a] != 0 ? contact.slot_b : contact.slot_a;
+    if (members[outside] != 0) continue;
     const Wrenchd impulse = impulse_on(outside, contact);
     add_news(outside, {-impulse.force, -impulse.torque});
   }

@@ -73,6 +73,7 @@ class BorderLog {
   std::vector<std::uint32_t> order_;
   std::vector<BodyId> ids_;
   std::vector<News> news_;
+  std::vector<std::uint8_t> reported_;  // by slot: it was a member of the cycle that is handed back
   BorderAdmittance admittance_;
 };
 

@@ -214,26 +214,9 @@ void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
 }
 
 template <class T, int kWidth>
-template <class U>
-void ContactSolver<T, kWidth>::store_impulses(std::span<Contact<U>> contacts, U share) const noexcept {
+template <bool kTotals, class U>
+void ContactSolver<T, kWidth>::store_rows(std::span<Contact<U>> contacts, U share) const noexcept {
   const auto blend = [share](U& kept, U now) noexcept { kept = share == U(1) ? now : kept + share * (now - kept); };
-  for_each_row([&](const auto& row) {
-    for (std::uint32_t used = 0; used < row.used; ++used) {
-      const int lane = static_cast<int>(used);
-      Contact<U>& contact = contacts[row.contact[used]];
-      for (std::uint32_t i = 0; i < contact.count; ++i) {
-        blend(contact.points[i].normal_impulse, static_cast<U>(lane_of(row.normal_impulse[i], lane)));
-        for (int d = 0; d < 2; ++d)
-          blend(contact.points[i].tangent_impulse[d], static_cast<U>(lane_of(row.tangent_impulse[d][i], lane)));
-      }
-    }
-  });
-}
-
-template <class T, int kWidth>
-template <class U>
-void ContactSolver<T, kWidth>::store(std::span<Contact<U>> contacts, U share) const noexcept {
-  store_impulses(contacts, share);
   for_each_row([&](const auto& row) {
     for (std::uint32_t used = 0; used < row.used; ++used) {
       const int lane = static_cast<int>(used);
@@ -243,19 +226,37 @@ void ContactSolver<T, kWidth>::store(std::span<Contact<U>> contacts, U share) co
       const Vec3<T> t1 = at(row.t1), t2 = at(row.t2);
       Contact<U>& contact = contacts[row.contact[used]];
       for (std::uint32_t i = 0; i < contact.count; ++i) {
-        contact.points[i].total_normal_impulse = static_cast<U>(lane_of(row.total_normal_impulse[i], lane));
-        contact.points[i].total_friction = number_cast<U>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +
-                                                          lane_of(row.total_tangent_impulse[1][i], lane) * t2);
+        ContactPoint<U>& point = contact.points[i];
+        blend(point.normal_impulse, static_cast<U>(lane_of(row.normal_impulse[i], lane)));
+        for (int d = 0; d < 2; ++d)
+          blend(point.tangent_impulse[d], static_cast<U>(lane_of(row.tangent_impulse[d][i], lane)));
+        if constexpr (kTotals) {
+          point.total_normal_impulse = static_cast<U>(lane_of(row.total_normal_impulse[i], lane));
+          point.total_friction = number_cast<U>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +
+                                                lane_of(row.total_tangent_impulse[1][i], lane) * t2);
+        }
       }
     }
   });
+}
+
+template <class T, int kWidth>
+template <class U>
+void ContactSolver<T, kWidth>::store(std::span<Contact<U>> contacts, U share) const noexcept {
+  store_rows<true>(contacts, share);
+}
+
+template <class T, int kWidth>
+template <class U>
+void ContactSolver<T, kWidth>::keep_impulses(std::span<Contact<U>> contacts) const noexcept {
+  store_rows<false>(contacts, U(1));
 }
 
 #define TACTUS_CONTACTS(T, kWidth, U)                                                           \
   template void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>>, SolverBodies<T>, \
                                                   const Executor&) noexcept;                    \
   template void ContactSolver<T, kWidth>::store(std::span<Contact<U>>, U) const noexcept;       \
-  template void ContactSolver<T, kWidth>::store_impulses(std::span<Contact<U>>, U) const noexcept;
+  template void ContactSolver<T, kWidth>::keep_impulses(std::span<Contact<U>>) const noexcept;
 #define TACTUS_INSTANTIATE(T, kWidth)      \
   template class ContactSolver<T, kWidth>; \
   TACTUS_CONTACTS(T, kWidth, T)

@@ -38,9 +38,7 @@ class ContactSolver {
   template <class U>
   void store(std::span<Contact<U>> contacts, U share) const noexcept;
   template <class U>
-  void keep_impulses(std::span<Contact<U>> contacts) const noexcept {
-    store_impulses(contacts, U(1));
-  }
+  void keep_impulses(std::span<Contact<U>> contacts) const noexcept;
 
  private:
   using V = std::conditional_t<kWidth == 1, T, Wide<T, kWidth>>;
@@ -62,8 +60,8 @@ class ContactSolver {
   void for_each_row(F&& f) const noexcept;
   template <class F>
   void for_each_body(F&& f) noexcept;
-  template <class U>
-  void store_impulses(std::span<Contact<U>> contacts, U share) const noexcept;
+  template <bool kTotals, class U>
+  void store_rows(std::span<Contact<U>> contacts, U share) const noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;
   void add_change(SolverBodies<T> bodies) noexcept;
   template <bool kBias, bool kFriction, bool kTotals>
