@@ -1,5 +1,6 @@
 #include "sim/border_admittance.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tactus::sim {
@@ -7,8 +8,11 @@ namespace {
 
 using physics::Body;
 using physics::Contact;
+using physics::Joint;
+using physics::JointKind;
+using physics::JointState;
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNone = physics::kNoSlot;
 // A contact that presses gives way to an impulse by a hundred thousandth of what the lighter body would: as good as
 // rigid over a cycle, and far from the limits of double where thirty follow each other.
 constexpr double kFirmness = 1e5;
@@ -71,12 +75,29 @@ Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
            {-md.y, md.x, 0, xz, yz, zz}}};
 }
 
+// What is held along a direction at a place `r` from the centre: firm n n^T of that screw.
+void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noexcept {
+  const Vector6 row{along.x, along.y, along.z, turn.x, turn.y, turn.z};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double scaled = firm * row[k];
+    for (std::size_t l = 0; l < 6; ++l) sum[k][l] += scaled * row[l];
+  }
+}
+
+double inverse_mass_of(std::span<const Body<double>> bodies, std::uint32_t slot) noexcept {
+  return slot == kNone ? 0 : 1 / bodies[slot].mass;
+}
+double inverse_inertia_of(std::span<const Body<double>> bodies, std::uint32_t slot) noexcept {
+  if (slot == kNone) return 0;
+  const Vec3d& i = bodies[slot].inertia;
+  return 1 / std::min({i.x, i.y, i.z});
+}
+
 // What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds.
-Matrix6 firmness_of(const Contact<double>& contact, std::span<const Body<double>> bodies,
-                    const Vec3d& centre) noexcept {
+Matrix6 firmness_of_contact(const Contact<double>& contact, std::span<const Body<double>> bodies,
+                            const Vec3d& centre) noexcept {
   const Body<double>& a = bodies[contact.slot_a];
-  const double inverse_mass = 1 / a.mass + (contact.b_fixed ? 0 : 1 / bodies[contact.slot_b].mass);
-  const double firm = kFirmness / inverse_mass;
+  const double firm = kFirmness / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
   Vec3d friction;
   double pressed = 0;
   for (std::uint32_t i = 0; i < contact.count; ++i)
@@ -89,15 +110,41 @@ Matrix6 firmness_of(const Contact<double>& contact, std::span<const Body<double>
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
     const Vec3d r = a.motion.pose.position + point.from_a - centre;
-    for (int d = 0; d < (sticks ? 3 : 1); ++d) {
-      const Vec3d& n = directions[d];
-      const Vec3d turn = cross(r, n);
-      const Vector6 row{n.x, n.y, n.z, turn.x, turn.y, turn.z};
-      for (std::size_t k = 0; k < 6; ++k) {
-        const double scaled = firm * row[k];
-        for (std::size_t l = 0; l < 6; ++l) sum[k][l] += scaled * row[l];
-      }
-    }
+    for (int d = 0; d < (sticks ? 3 : 1); ++d) hold(sum, firm, directions[d], cross(r, directions[d]));
+  }
+  return sum;
+}
+
+// Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
+bool holds_coordinate(const Joint<double>& joint, const JointState<double>& state) noexcept {
+  if (joint.kind == JointKind::kDistance)
+    return joint.low == joint.high || state.effort.lower != 0 || state.effort.upper != 0;
+  if (joint.limited && (state.effort.lower != 0 || state.effort.upper != 0)) return true;
+  return joint.driven && std::abs(state.effort.drive) < kSticks * joint.motor_effort;
+}
+
+// The same of a joint between bodies at these slots, of which A may be the world.
+Matrix6 firmness_of_joint(const Joint<double>& joint, const JointState<double>& state, std::uint32_t slot_a,
+                          std::uint32_t slot_b, std::span<const Body<double>> bodies, const Vec3d& centre) noexcept {
+  const double firm = kFirmness / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
+  const double firm_turn = kFirmness / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
+  const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
+  const Posed at_b = bodies[slot_b].motion.pose * joint.b_from_joint;
+  const Vec3d r = at_b.position - centre;
+  const bool coordinate = holds_coordinate(joint, state);
+  Matrix6 sum{};
+  if (joint.kind == JointKind::kDistance) {
+    const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
+    if (coordinate) hold(sum, firm, n, cross(r, n));
+    return sum;
+  }
+  const bool slides = joint.kind == JointKind::kSlider && !coordinate;
+  const bool turns = joint.kind == JointKind::kHinge && !coordinate;
+  const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
+                         rotate(at_a.rotation, Vec3d{0, 0, 1})};
+  for (int k = 0; k < 3; ++k) {
+    if (k < 2 || !slides) hold(sum, firm, axes[k], cross(r, axes[k]));
+    if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
   }
   return sum;
 }
@@ -133,37 +180,86 @@ physics::Admittance<double> invert(Matrix6 inertia) noexcept {
 
 }  // namespace
 
-BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts)
-    : first_(max_bodies + 1), links_(2 * std::size_t{max_contacts}), found_(max_bodies, 0) {
+BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
+    : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
+  joints_.reserve(max_joints);
+  immovable_.reserve(max_bodies);
   reached_.reserve(kMostBodies);
 }
 
-void BorderAdmittance::index(std::span<const Contact<double>> contacts, std::span<const Body<double>> bodies) noexcept {
-  TACTUS_CHECK(bodies.size() < first_.size() && 2 * contacts.size() <= links_.size(), bodies.size(), contacts.size());
-  contacts_ = contacts, bodies_ = bodies;
-  std::fill(first_.begin(), first_.end(), 0u);
-  std::uint32_t count = 0;
-  for (const auto& contact : contacts) {
-    ++first_[contact.slot_a], ++count;
-    if (!contact.b_fixed) ++first_[contact.slot_b], ++count;
-  }
-  // Ends of the bodies' links; filling backwards turns them into the starts and keeps the order.
-  for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
-  for (std::size_t c = contacts.size(); c-- > 0;) {
-    links_[--first_[contacts[c].slot_a]] = static_cast<std::uint32_t>(c);
-    if (!contacts[c].b_fixed) links_[--first_[contacts[c].slot_b]] = static_cast<std::uint32_t>(c);
+// Joints that are whole and have B here. One whose A is asleep holds on to nothing that could be asked.
+void BorderAdmittance::find_joints(const physics::World<double>& world) noexcept {
+  joints_.clear();
+  const auto* effect = world.effects().find<physics::Joints<double>>();
+  if (effect == nullptr) return;
+  for (std::size_t k = 0; k < effect->joints().size(); ++k) {
+    const Joint<double>& joint = effect->joints()[k];
+    const std::int32_t a = joint.a == kNoBody ? -1 : world.slot_of(joint.a), b = world.slot_of(joint.b);
+    if (effect->states()[k].broken != 0 || b < 0 || (joint.a != kNoBody && a < 0)) continue;
+    joints_.push_back(
+        {a < 0 ? kNone : static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), &joint, &effect->states()[k]});
   }
 }
 
-std::span<const std::uint32_t> BorderAdmittance::contacts_of(std::uint32_t slot) const noexcept {
+template <class F>
+void BorderAdmittance::for_each_link(F&& f) const noexcept {
+  std::uint32_t link = 0;
+  for (const auto& contact : contacts_) f(link++, contact.slot_a, contact.b_fixed ? kNone : contact.slot_b);
+  for (const Held& held : joints_) f(link++, held.a, held.b);
+}
+
+void BorderAdmittance::index(const physics::World<double>& world) noexcept {
+  contacts_ = world.contacts(), bodies_ = world.bodies();
+  find_joints(world);
+  TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
+               bodies_.size(), contacts_.size() + joints_.size());
+  immovable_.assign(bodies_.size(), 0);
+  if (const auto* kinematics = world.effects().find<physics::Kinematics<double>>())
+    for (const auto& script : kinematics->scripts())
+      if (const std::int32_t slot = world.slot_of(script.id); slot >= 0)
+        immovable_[static_cast<std::uint32_t>(slot)] = 1;
+  std::fill(first_.begin(), first_.end(), 0u);
+  const auto count = [&](std::uint32_t slot) noexcept {
+    if (slot != kNone) ++first_[slot + 1];
+  };
+  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept { count(a), count(b); });
+  for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
+  // Filling moves each start to the next one's.
+  const auto add_link = [&](std::uint32_t slot, std::uint32_t link) noexcept {
+    if (slot != kNone) links_[first_[slot]++] = link;
+  };
+  for_each_link(
+      [&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept { add_link(a, link), add_link(b, link); });
+  std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
+  first_[0] = 0;
+}
+
+std::span<const std::uint32_t> BorderAdmittance::links_of(std::uint32_t slot) const noexcept {
   return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
 }
 
-void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t contact,
+// kNone where that is nothing that moves.
+std::uint32_t BorderAdmittance::other_end(std::uint32_t link, std::uint32_t slot) const noexcept {
+  std::uint32_t a, b;
+  if (link < contacts_.size())
+    a = contacts_[link].slot_a, b = contacts_[link].b_fixed ? kNone : contacts_[link].slot_b;
+  else
+    a = joints_[link - contacts_.size()].a, b = joints_[link - contacts_.size()].b;
+  const std::uint32_t other = a == slot ? b : a;
+  return other != kNone && immovable_[other] != 0 ? kNone : other;
+}
+
+Matrix6 BorderAdmittance::firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
+  if (link < contacts_.size()) return firmness_of_contact(contacts_[link], bodies_, centre);
+  const Held& held = joints_[link - contacts_.size()];
+  return firmness_of_joint(*held.joint, *held.state, held.a, held.b, bodies_, centre);
+}
+
+void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
                              const Vec3d& centre) noexcept {
   found_[slot] = search_;
   reached_.push_back(
-      {slot, parent, contact, inertia_of(bodies_[slot], bodies_[slot].motion.pose.position - centre), {}, {}});
+      {slot, parent, link, inertia_of(bodies_[slot], bodies_[slot].motion.pose.position - centre), {}, {}});
 }
 
 // The bodies that the asked one hangs together with, and the inertia that each shows to its parent's side.
@@ -173,24 +269,23 @@ void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t>
   const Vec3d centre = bodies_[slot].motion.pose.position;
   reach(slot, kNone, kNone, centre);
   for (std::uint32_t head = 0; head < reached_.size(); ++head)
-    for (const std::uint32_t c : contacts_of(reached_[head].slot)) {
-      const Contact<double>& contact = contacts_[c];
-      if (contact.b_fixed) {
-        add(reached_[head].inertia, firmness_of(contact, bodies_, centre));
-        continue;
-      }
-      const std::uint32_t other = contact.slot_a == reached_[head].slot ? contact.slot_b : contact.slot_a;
-      if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies && contact.touching())
-        reach(other, head, c, centre);
+    for (const std::uint32_t link : links_of(reached_[head].slot)) {
+      const std::uint32_t other = other_end(link, reached_[head].slot);
+      if (other == kNone)
+        add(reached_[head].inertia, firmness_of(link, centre));
+      else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
+               (link >= contacts_.size() || contacts_[link].touching()))
+        reach(other, head, link, centre);
     }
   for (std::size_t i = reached_.size(); i-- > 1;) {
     Reached& from = reached_[i];
-    from.firmness = firmness_of(contacts_[from.contact], bodies_, centre);
+    from.firmness = firmness_of(from.link, centre);
     add(reached_[from.parent].inertia, felt_through(from.firmness, from.inertia));
   }
 }
 
 physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+  if (immovable_[slot] != 0) return {};
   collect(slot, members);
   return invert(reached_[0].inertia);
 }
@@ -198,6 +293,7 @@ physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span
 // From the body outwards: what hangs on a contact of firmness G follows its parent by (G + I)^-1 G.
 double BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
                                std::span<Body<double>> bodies) noexcept {
+  if (immovable_[slot] != 0) return 0;
   collect(slot, members);
   const Vec3d centre = bodies_[slot].motion.pose.position;
   double gained_J = 0;

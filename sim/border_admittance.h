@@ -4,7 +4,8 @@
 // is followed outwards from the body, nearest first, members left out, and every body is eliminated from the far end
 // inwards (as an articulated body's inertia is found): exact where the graph is a tree. A body that can be reached in
 // two ways hangs on the nearest; what holds it counts all the same. A contact holds along its normal, and across it
-// where it sticks. Beyond kMostBodies the rest is left out: then the answer is too large, never too small.
+// where it sticks; a joint where its kind does, at its limits and where its motor holds. A kinematic body gives way to
+// nothing. Beyond kMostBodies the rest is left out: then the answer is too large, never too small.
 // Thread: the global world's; construction [setup]; allocates nothing. Frame: world. Units: SI. Work: index linear in
 // contacts, find in kMostBodies. Source: the study of borders (Schur complement of the outside contact system);
 // articulated-body inertia, Featherstone.
@@ -13,6 +14,7 @@
 #include <array>
 #include <vector>
 
+#include "rt/physics/effects/joint.h"
 #include "rt/physics/world.h"
 
 namespace tactus::sim {
@@ -25,34 +27,46 @@ class BorderAdmittance {
  public:
   static constexpr std::uint32_t kMostBodies = 32;
 
-  BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts);
+  BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
-  // Of a step that has been taken; they must stay while they are asked about.
-  void index(std::span<const physics::Contact<double>> contacts,
-             std::span<const physics::Body<double>> bodies) noexcept;
+  // After a step: the world must stay as it is while it is asked about, but for the bodies' velocities.
+  void index(const physics::World<double>& world) noexcept;
   // Of a body's centre. `members` by slot: 1 for those that the sub-world moves.
   physics::Admittance<double> find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
   // Gives the body an impulse [N s, N m s about its centre], and with it all that moves with it: their velocities
   // change, that of the body by find() x impulse. Returns the kinetic energy that they gained [J].
   double apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
                std::span<physics::Body<double>> bodies) noexcept;
-  // Indices of the body's contacts, in their order.
-  std::span<const std::uint32_t> contacts_of(std::uint32_t slot) const noexcept;
+  // The body's links in their order: indices of contacts, and beyond them of joints.
+  std::span<const std::uint32_t> links_of(std::uint32_t slot) const noexcept;
 
  private:
+  struct Held {  // a joint that is whole, and where its bodies are; A may be physics::kNoSlot: the world
+    std::uint32_t a, b;
+    const physics::Joint<double>* joint;
+    const physics::JointState<double>* state;
+  };
   struct Reached {
-    std::uint32_t slot, parent, contact;  // parent: index among the reached
-    Matrix6 inertia;                      // about the asked body's centre, with all that hangs on it
-    Matrix6 firmness;                     // of the contact with the parent
-    Vector6 change;                       // of its twist, at the asked body's centre
+    std::uint32_t slot, parent, link;  // parent: index among the reached
+    Matrix6 inertia;                   // about the asked body's centre, with all that hangs on it
+    Matrix6 firmness;                  // of the link to the parent
+    Vector6 change;                    // of its twist, at the asked body's centre
   };
 
   void collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
-  void reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t contact, const Vec3d& centre) noexcept;
+  void reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
+  void find_joints(const physics::World<double>& world) noexcept;
+  // f(link, slot_a, slot_b), slot_b or slot_a physics::kNoSlot where that side does not move: contacts, then joints.
+  template <class F>
+  void for_each_link(F&& f) const noexcept;
+  std::uint32_t other_end(std::uint32_t link, std::uint32_t slot) const noexcept;
+  Matrix6 firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
 
   std::span<const physics::Contact<double>> contacts_;
   std::span<const physics::Body<double>> bodies_;
-  std::vector<std::uint32_t> first_, links_;  // by slot: its first link; links: contacts
+  std::vector<Held> joints_;
+  std::vector<std::uint8_t> immovable_;       // by slot
+  std::vector<std::uint32_t> first_, links_;  // by slot: its first link; links: contacts, then joints
   std::vector<std::uint32_t> found_;          // by slot: the search that reached it
   std::uint32_t search_{0};
   std::vector<Reached> reached_;

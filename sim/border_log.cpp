@@ -80,7 +80,8 @@ BorderPoint border_point(const Contact<double>& contact, const physics::ContactP
   return result;
 }
 
-BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts) : admittance_(max_bodies, max_contacts) {
+BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
+    : admittance_(max_bodies, max_contacts, max_joints) {
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
   ids_.reserve(haptics::kMaxBorderPoints);
   news_.reserve(max_bodies);
@@ -126,8 +127,9 @@ std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::sp
 Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& world,
                            std::span<const std::uint8_t> former, double step_s) const noexcept {
   Wrenchd sum;
-  for (const std::uint32_t c : admittance_.contacts_of(slot)) {
-    const Contact<double>& contact = world.contacts()[c];
+  for (const std::uint32_t link : admittance_.links_of(slot)) {
+    if (link >= world.contacts().size()) continue;  // a joint
+    const Contact<double>& contact = world.contacts()[link];
     if (contact.b_fixed || former[contact.slot_a == slot ? contact.slot_b : contact.slot_a] == 0) continue;
     const Wrenchd impulse = impulse_on(slot, contact);
     sum.force += impulse.force, sum.torque += impulse.torque;
@@ -144,7 +146,7 @@ std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::
   for (const BorderPoint& point : border) ids_.push_back(point.outside);
   std::sort(ids_.begin(), ids_.end());
   ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-  admittance_.index(world.contacts(), world.bodies());
+  admittance_.index(world);
   for (const BodyId id : ids_) {
     const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
     OutsideBody body;
@@ -215,7 +217,7 @@ HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32
     }
     add_news(outside, {impulse, cross(entry.point - world.bodies()[outside].motion.pose.position, impulse)});
   }
-  admittance_.index(world.contacts(), world.bodies());
+  admittance_.index(world);
   for (const News& news : news_) {
     result.energy_J += admittance_.apply(news.slot, members, news.impulse, world.bodies());
     result.impulse_Ns += news.impulse.force;

@@ -39,7 +39,7 @@ haptics::BorderPoint border_point(const physics::Contact<double>& contact, const
 
 class BorderLog {
  public:
-  BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts);
+  BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
   // Fills `border` from the contacts of a step of `step_s` that began at `start` (poses by slot): every point that
   // pressed or overlaps, between a member (by slot, 1) and a dynamic body that is none. Static geometry is never a

@@ -20,9 +20,9 @@ PhysicsBench<> make_bench() {
 
 physics::Admittance<double> answer_of(const PhysicsBench<>& bench, std::uint32_t slot,
                                       std::vector<std::uint8_t> members) {
-  BorderAdmittance admittance(64, 256);
+  BorderAdmittance admittance(64, 256, 4);
   members.resize(64, 0);
-  admittance.index(bench.world.contacts(), bench.world.bodies());
+  admittance.index(bench.world);
   return admittance.find(slot, members);
 }
 
@@ -115,8 +115,8 @@ TEST_CASE("An answer never gains energy: work of any wrench on its own answer is
 
 TEST_CASE("An impulse goes to all that moves with the body, and none of it is lost") {
   PhysicsBench<> bench = pushed_row(6, 0.3);
-  BorderAdmittance admittance(64, 256);
-  admittance.index(bench.world.contacts(), bench.world.bodies());
+  BorderAdmittance admittance(64, 256, 4);
+  admittance.index(bench.world);
   std::vector<Vec3d> before;
   for (const auto& body : bench.world.bodies()) before.push_back(body.motion.velocity.linear);
   const double energy = bench.world.kinetic_energy();
@@ -139,9 +139,93 @@ TEST_CASE("An impulse on what stands firmly goes into the ground") {
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 3, kHalf, kMass, 0.5);
   bench.run(50);
-  BorderAdmittance admittance(64, 256);
-  admittance.index(bench.world.contacts(), bench.world.bodies());
+  BorderAdmittance admittance(64, 256, 4);
+  admittance.index(bench.world);
   const std::vector<std::uint8_t> members(64, 0);
   (void)admittance.apply(2, members, {{0.1, 0, -1}, {}}, bench.world.bodies());
   for (const auto& body : bench.world.bodies()) CHECK(norm(body.motion.velocity.linear) < 1e-3 / kMass);
+}
+
+namespace {
+
+// A step's world with effects, without gravity.
+struct EffectBench {
+  physics::World<double> world;
+
+  explicit EffectBench(const physics::EffectSetups<double>& setups)
+      : world(physics::Capacities{64, 2, 256, 256, 0}, physics::Hulls<double>{}, physics::Meshes<double>{}, setups) {}
+  void add_cube(BodyId id, const Vec3d& at) {
+    REQUIRE(world.insert(physics::make_dynamic_body<double>(id, physics::Shape<double>::box({kHalf, kHalf, kHalf}),
+                                                            kMass, 0.5, {at, {}})));
+  }
+  physics::Admittance<double> answer_of(std::uint32_t slot) {
+    physics::StepSettings<double> settings;
+    settings.gravity = {};
+    world.begin_step(settings);
+    find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+    (void)world.finish_step(settings);
+    BorderAdmittance admittance(64, 256, 4);
+    admittance.index(world);
+    return admittance.find(slot, std::vector<std::uint8_t>(64, 0));
+  }
+};
+
+physics::EffectSetups<double> setups_of(const std::vector<physics::Joint<double>>& joints) {
+  physics::EffectSetups<double> setups;
+  std::get<physics::Joints<double>::Setup>(setups) = {joints};
+  return setups;
+}
+
+}  // namespace
+
+TEST_CASE("A door answers about its hinge alone, with its inertia there, and not where its motor holds it") {
+  const bool held = GENERATE(false, true);
+  physics::Joint<double> hinge;
+  const double lever = 0.3;
+  hinge.kind = physics::JointKind::kHinge, hinge.b = 0;
+  hinge.a_from_joint.position = {0, 0, 1}, hinge.b_from_joint.position = {-lever, 0, 0};
+  hinge.driven = held, hinge.motor_effort = 10;
+  const std::vector joints{hinge};
+  EffectBench bench(setups_of(joints));
+  bench.add_cube(0, {lever, 0, 1});
+  const auto w = bench.answer_of(0);
+  const double inertia = bench.world.bodies()[0].inertia.z + kMass * lever * lever;
+  const Twistd swing = w * Wrenchd{{0, 1, 0}, {}};
+  CHECK(swing.linear.y == Approx(held ? 0.0 : lever * lever / inertia).epsilon(1e-3).margin(1e-2));
+  CHECK(swing.angular.z == Approx(held ? 0.0 : lever / inertia).epsilon(1e-3).margin(1e-2));
+  for (const Vec3d& push : {Vec3d{1, 0, 0}, Vec3d{0, 0, 1}}) CHECK(norm((w * Wrenchd{push, {}}).linear) < 1e-3 / kMass);
+}
+
+TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
+  physics::Joint<double> joint;
+  joint.kind = GENERATE(physics::JointKind::kFixed, physics::JointKind::kSlider, physics::JointKind::kDistance);
+  const bool rod = joint.kind == physics::JointKind::kDistance;
+  joint.a = 0, joint.b = 1, joint.limited = rod, joint.low = joint.high = rod ? 0.5 : 0;
+  if (!rod) joint.b_from_joint.position = {-0.5, 0, 0};
+  const std::vector joints{joint};
+  EffectBench bench(setups_of(joints));
+  bench.add_cube(0, {0, 0, 0});
+  bench.add_cube(1, {0.5, 0, 0});
+  const auto w = bench.answer_of(0);
+  // Along the line between them; along the slider's axis, z, each goes by itself.
+  CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / (2 * kMass)).epsilon(1e-3));
+  if (joint.kind == physics::JointKind::kSlider || rod)
+    CHECK((w * Wrenchd{{0, 0, 1}, {}}).linear.z == Approx(1 / kMass).epsilon(1e-3));
+}
+
+TEST_CASE("A kinematic body answers to nothing, and is a wall to what presses on it") {
+  const std::vector<physics::KinematicScript> scripts{{1, 0, 0, false}};
+  physics::EffectSetups<double> setups;
+  std::get<physics::Kinematics<double>::Setup>(setups) = {scripts, {}};
+  EffectBench bench(setups);
+  bench.add_cube(0, {0, 0, 0});
+  bench.add_cube(1, {2 * kHalf, 0, 0});
+  CHECK(norm((bench.answer_of(1) * Wrenchd{{1, 2, 3}, {1, 2, 3}}).linear) == 0);
+  bench.world.bodies()[0].motion.velocity.linear = {0.2, 0, 0};
+  CHECK(std::abs((bench.answer_of(0) * Wrenchd{{1, 0, 0}, {}}).linear.x) < 1e-3 / kMass);
+  BorderAdmittance admittance(64, 256, 4);
+  admittance.index(bench.world);
+  const Twistd before = bench.world.bodies()[1].motion.velocity;
+  CHECK(admittance.apply(1, std::vector<std::uint8_t>(64, 0), {{1, 0, 0}, {}}, bench.world.bodies()) == 0);
+  CHECK(bench.world.bodies()[1].motion.velocity == before);
 }

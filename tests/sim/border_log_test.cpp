@@ -132,7 +132,7 @@ TEST_CASE("A border point is where the bodies touch, with the normal from the ou
   std::vector<Posed> start;
   for (const auto& body : world->bodies()) start.push_back(body.motion.pose);
   step(*world);
-  BorderLog log(4, 16);
+  BorderLog log(4, 16, 0);
   auto border = std::make_unique<Border>();
   const bool card_is_member = GENERATE(true, false);
   const std::vector<std::uint8_t> members =
@@ -171,7 +171,7 @@ TEST_CASE("Contacts inside, outside or with static geometry are no border, nor a
   contact.points[1].separation = 0.001;
   const std::vector<physics::Body<double>> bodies(3);
   const std::vector<Posed> start(3);
-  BorderLog log(4, 16);
+  BorderLog log(4, 16, 0);
   auto border = std::make_unique<Border>();
   const auto count = [&](std::vector<std::uint8_t> members) {
     log.fill(std::span(&contact, 1), bodies, start, members, kStep_s, *border);
@@ -201,7 +201,7 @@ TEST_CASE("When border points do not fit, those that press least are left out an
       contacts[i].points[p].feature = p, contacts[i].points[p].total_normal_impulse = p == 2 ? 1e-6 * (i + 1) : 1.0;
   }
   bodies[0].id = 0;
-  BorderLog log(kContacts + 1, kContacts);
+  BorderLog log(kContacts + 1, kContacts, 0);
   auto border = std::make_unique<Border>();
   CHECK(log.fill(contacts, bodies, std::vector<Posed>(kContacts + 1), members, kStep_s, *border) == 176);
   REQUIRE(border->size() == 1024);
@@ -214,7 +214,7 @@ TEST_CASE("When border points do not fit, those that press least are left out an
 
 TEST_CASE("To ghosts the whole difference is handed back: what the members did, less what their images did") {
   auto world = card_on_slab();
-  BorderLog log(4, 16);
+  BorderLog log(4, 16, 0);
   auto report = std::make_unique<haptics::SubWorldReport>();
   *report = {};
   report->ticks = 10;
@@ -256,7 +256,7 @@ TEST_CASE("To ghosts the whole difference is handed back: what the members did, 
 TEST_CASE("An outside body is told as it moved, with the load that it bore of those that were members") {
   auto world = card_on_slab();
   step(*world);
-  BorderLog log(4, 16);
+  BorderLog log(4, 16, 0);
   auto border = std::make_unique<Border>();
   REQUIRE(log.fill(world->contacts(), world->bodies(), world->last_poses(), kCardIsMember, kStep_s, *border) == 0);
   FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
