@@ -16,7 +16,7 @@ using namespace tactus::hard_cases;
 namespace {
 
 constexpr double kResidual = 1e-10, kAgreement = 1e-6;
-constexpr std::size_t kMost = 400'000;
+constexpr std::size_t kMost = 100'000;
 constexpr BodyId kGround = 1000;
 
 // A point of `mass` on the ground, with velocity `v`: the frame's axes are normal, t1, t2.

@@ -42,11 +42,12 @@ double residual_of(const ContactProblem& problem, const Eigen::VectorXd& impulse
 // Body by body, J^T lambda [N s, N m s].
 Eigen::VectorXd net_wrenches(const ContactProblem& problem, const Eigen::VectorXd& impulse);
 
-// Block Gauss-Seidel: each contact's 3 x 3 problem exactly, the others held; over and over.
+// Block Gauss-Seidel: each contact's 3 x 3 problem exactly, the others held; over and over. Where the sweeps go
+// straight on they are extrapolated (Aitken), at most to where a contact starts to slide.
 Solution solve_gauss_seidel(const ContactProblem& problem, double residual, std::size_t most_iterations);
 
 // Alternating directions (augmented Lagrangian): a linear solve for all rows at once, a projection on the cones, and
-// Gamma taken from the last iterate.
+// Gamma taken from the last iterate. The penalty follows what is left of the residual.
 Solution solve_admm(const ContactProblem& problem, double residual, std::size_t most_iterations);
 
 // What the world was at the start of the step it has just made: velocities with gravity and the wrench-free forces of

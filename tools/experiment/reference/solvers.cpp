@@ -1,6 +1,7 @@
 // The two solvers. They share the cone and the residual, nothing of their way.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tools/experiment/reference/contact_problem.h"
 #include "tools/experiment/reference/friction_cone.h"
@@ -20,6 +21,56 @@ namespace {
 constexpr std::size_t kLookEvery = 20;  // iterations between two looks at the residual
 // ADMM, on rows scaled to unit diagonal.
 constexpr double kProximal = 1e-9, kRelaxation = 1.6, kFirstPenalty = 0.1, kMostUnbalanced = 10;
+// Near the solution and with more than half of the residual left after ten looks it walks, by residual / penalty in
+// each step: a looser penalty makes it run. One that lets the residual grow a hundredfold is taken back.
+constexpr double kNear = 1e-6, kStalled = 0.5, kLooser = 0.1, kRunsAway = 100;
+// Gauss-Seidel leaps where its change points the way of the last one to within this part.
+constexpr double kStraight = 0.1;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+// For how long `lambda` may go on by `change` until the first contact that sticks comes to the edge of its cone.
+double way_to_the_edge(const ContactProblem& p, const VectorXd& lambda, const VectorXd& change) {
+  double way = kInfinite;
+  for (Index c = 0; c < p.contacts(); ++c) {
+    const double mu = p.friction[c], n = lambda[3 * c], dn = change[3 * c];
+    const Vector2d t = lambda.segment<2>(3 * c + 1), dt = change.segment<2>(3 * c + 1);
+    // |t + s dt|^2 = mu^2 (n + s dn)^2
+    const double inside = mu * mu * n * n - t.squaredNorm();
+    if (inside <= 1e-9 * t.squaredNorm()) continue;  // at rest or sliding
+    const double a = dt.squaredNorm() - mu * mu * dn * dn, b = t.dot(dt) - mu * mu * n * dn;
+    const double root = std::sqrt(std::max(0.0, b * b + a * inside));
+    if (b + root > 0) way = std::min(way, inside / (b + root));
+  }
+  return way;
+}
+
+// Sweeps that go straight on, each `rho` times the last, are done at once: the rest of the geometric series, or up to
+// where a contact starts to slide, since from there on they go another way. (Contacts that over-determine a body let
+// the impulses walk by as little as 1e-12 N s in each sweep, all in one direction, until one of them slides.)
+class Leap {
+ public:
+  // At every look.
+  void take(const ContactProblem& p, VectorXd& lambda) {
+    const VectorXd change = lambda - last_;
+    const double rho = change.dot(change_) / change_.squaredNorm();
+    const bool straight = rho > 0 && (change - rho * change_).norm() < kStraight * change.norm();
+    const double way =
+        straight ? std::min(rho < 1 ? rho / (1 - rho) : kInfinite, way_to_the_edge(p, lambda, change)) : kInfinite;
+    change_ = change;
+    if (std::isfinite(way)) {
+      lambda += way * change;
+      for (Index c = 0; c < p.contacts(); ++c)
+        lambda.segment<3>(3 * c) = project_on_cone(lambda.segment<3>(3 * c), p.friction[c]);
+      change_.setZero();
+    }
+    last_ = lambda;
+  }
+
+  explicit Leap(const VectorXd& start) : last_(start), change_(VectorXd::Zero(start.size())) {}
+
+ private:
+  VectorXd last_, change_;
+};
 
 }  // namespace
 
@@ -54,6 +105,7 @@ Solution solve_gauss_seidel(const ContactProblem& p, double residual, std::size_
   Solution solution;
   solution.impulse = VectorXd::Zero(free.size());
   VectorXd& lambda = solution.impulse;
+  Leap leap(lambda);
   while (solution.iterations < most_iterations) {
     for (Index c = 0; c < p.contacts(); ++c) {
       const Matrix3d own = w.block<3, 3>(3 * c, 3 * c);
@@ -63,6 +115,7 @@ Solution solve_gauss_seidel(const ContactProblem& p, double residual, std::size_
     if (++solution.iterations % kLookEvery != 0) continue;
     solution.residual = residual_of(p, lambda);
     if (solution.residual <= residual) break;
+    leap.take(p, lambda);
   }
   solution.residual = residual_of(p, lambda);
   return solution;
@@ -84,7 +137,8 @@ Solution solve_admm(const ContactProblem& p, double residual, std::size_t most_i
   Eigen::LLT<MatrixXd> factor;
   const auto renew = [&] { factor.compute(w + (penalty + kProximal) * MatrixXd::Identity(rows, rows)); };
   renew();
-  VectorXd x = VectorXd::Zero(rows), z = x, y = x, gamma = x;
+  VectorXd x = VectorXd::Zero(rows), z = x, y = x, gamma = x, kept_z = x, kept_y = x;
+  double residual_before = std::numeric_limits<double>::infinity();
   Solution solution;
   while (solution.iterations < most_iterations) {
     x = factor.solve(penalty * z - y - free - gamma + kProximal * x).eval();
@@ -98,9 +152,17 @@ Solution solve_admm(const ContactProblem& p, double residual, std::size_t most_i
     solution.impulse = scale.asDiagonal() * z;
     solution.residual = residual_of(p, solution.impulse);
     if (solution.residual <= residual) break;
-    const double primal = (x - z).norm(), dual = penalty * (z - last).norm();
+    if (solution.residual > kRunsAway * residual_before) {  // too loose for contacts that slide now
+      z = kept_z, y = kept_y, penalty /= kLooser, renew();
+      continue;
+    }
     if (solution.iterations % (10 * kLookEvery) != 0) continue;
-    if (primal > kMostUnbalanced * dual)
+    const double primal = (x - z).norm(), dual = penalty * (z - last).norm();
+    const bool stalled = solution.residual > kStalled * residual_before && solution.residual < kNear;
+    residual_before = solution.residual, kept_z = z, kept_y = y;
+    if (stalled)
+      penalty *= kLooser, renew();
+    else if (primal > kMostUnbalanced * dual)
       penalty *= 3, renew();
     else if (dual > kMostUnbalanced * primal)
       penalty /= 3, renew();
