@@ -65,6 +65,8 @@ std::string_view name_of(StatusBit bit) noexcept {
       return "not-armed";
     case kProxyContact:
       return "proxy-contact";
+    case kBorderSpent:
+      return "border-spent";
   }
   return {};
 }

@@ -337,7 +337,10 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
   (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
   result.report = world_.finish_step(settings, cut);
   state_.last_sub_steps = sub_steps;
-  if (world_.border_mode == physics::BorderMode::kGhost) put_in_tank(border_before_J - border_work_J());
+  if (world_.border_mode == physics::BorderMode::kGhost) {
+    put_in_tank(border_before_J - border_work_J());
+    if (!world_.border_may_give) result.status |= kBorderSpent;
+  }
 
   const Wrenchd& impulse = world_.device_spring().step_impulse;
   state_.cycle_impulse.force += impulse.force;

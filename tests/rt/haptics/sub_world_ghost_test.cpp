@@ -107,6 +107,7 @@ TEST_CASE("The tank is never negative, and the border puts no more into the memb
   bench.next_with({ball(1, {})});
   const double speed = 0.04;
   double most_in_tick_J = 0, before_J = 0;
+  int spent_ticks = 0;
   for (int cycle = 0; cycle < 40; ++cycle) {
     OutsideBody body = outside(0, {0, 0, speed});
     body.centre.z += bench.is_member(1) && cycle > 0 ? bench.motion(1).pose.position.z : 0;
@@ -121,11 +122,14 @@ TEST_CASE("The tank is never negative, and the border puts no more into the memb
       most_in_tick_J = std::max(most_in_tick_J, work_J - before_J);
       before_J = work_J;
       REQUIRE(bench.sub_world.border_tank_J() >= 0);
+      REQUIRE(((bench.last.status & kBorderSpent) != 0) == (bench.sub_world.border_tank_J() == 0));
+      if ((bench.last.status & kBorderSpent) != 0) ++spent_ticks;
       REQUIRE(work_J <= 0.01 + most_in_tick_J);
     }
     bench.next({1});
   }
   CHECK(bench.sub_world.border_tank_J() == 0);
+  CHECK(spent_ticks > 100);
   // It was carried up at first: m v^2 / 2 + m g z is what the tank held.
   const auto at_end = bench.motion(1);
   CHECK(kMass * 9.81 * at_end.pose.position.z <= 0.011);
