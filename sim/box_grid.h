@@ -11,7 +11,7 @@
 #include <array>
 #include <vector>
 
-#include "rt/physics/shape.h"
+#include "rt/physics/shapes/shape.h"
 
 namespace tactus::sim {
 

@@ -9,9 +9,9 @@
 #include "rt/haptics/plane_coupling.h"
 #include "rt/haptics/snapshot_bytes.h"
 #include "rt/physics/passes.h"
-#include "sim/mesh_neighbourhood.h"
-#include "sim/proxy_planes.h"
-#include "sim/scene_effects.h"
+#include "sim/interface/mesh_neighbourhood.h"
+#include "sim/interface/proxy_planes.h"
+#include "sim/loader/scene_effects.h"
 
 namespace tactus::sim {
 namespace {

@@ -16,11 +16,11 @@
 
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_scheme.h"
-#include "sim/border_log.h"
-#include "sim/extraction.h"
+#include "sim/interface/border_log.h"
+#include "sim/interface/extraction.h"
 #include "sim/island_manager.h"
+#include "sim/loader/scene.h"
 #include "sim/pair_cache.h"
-#include "sim/scene.h"
 #include "sim/worker_pool.h"
 
 namespace tactus::sim {

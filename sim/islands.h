@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "rt/base/bounded_vector.h"
-#include "rt/physics/pair_finder.h"
+#include "rt/physics/collision/pair_finder.h"
 
 namespace tactus::sim {
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "rt/physics/pair_order.h"
+#include "rt/physics/collision/pair_order.h"
 #include "sim/box_grid.h"
 #include "sim/pair_grid.h"
 

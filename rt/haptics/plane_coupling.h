@@ -13,7 +13,7 @@
 
 #include "rt/base/bounded_vector.h"
 #include "rt/haptics/coupling_scheme.h"
-#include "rt/physics/border_contact.h"
+#include "rt/physics/border/border_contact.h"
 
 namespace tactus::haptics {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "rt/base/ids.h"
-#include "rt/physics/shape.h"
+#include "rt/physics/shapes/shape.h"
 
 namespace tactus::physics {
 

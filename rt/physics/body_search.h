@@ -5,7 +5,7 @@
 #include <span>
 
 #include "rt/physics/body.h"
-#include "rt/physics/contact.h"
+#include "rt/physics/contact/contact.h"
 
 namespace tactus::physics {
 

@@ -1,6 +1,6 @@
 #include "rt/physics/integrate.h"
 
-#include "rt/physics/body_lanes.h"
+#include "rt/physics/contact/body_lanes.h"
 
 namespace tactus::physics {
 

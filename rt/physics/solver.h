@@ -14,9 +14,9 @@
 // border contacts and no effect with a stage but gravity.
 #pragma once
 
-#include "rt/physics/border_solver.h"
+#include "rt/physics/border/border_solver.h"
 #include "rt/physics/capacity.h"
-#include "rt/physics/contact_solver.h"
+#include "rt/physics/contact/contact_solver.h"
 #include "rt/physics/effects/stage.h"
 #include "rt/physics/spring_solver.h"
 #include "rt/physics/step.h"

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "rt/base/check.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactus;

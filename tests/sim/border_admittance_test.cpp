@@ -1,4 +1,4 @@
-#include "sim/border_admittance.h"
+#include "sim/interface/border_admittance.h"
 
 #include <catch2/catch.hpp>
 

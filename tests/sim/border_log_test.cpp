@@ -1,4 +1,4 @@
-#include "sim/border_log.h"
+#include "sim/interface/border_log.h"
 
 #include <catch2/catch.hpp>
 #include <memory>

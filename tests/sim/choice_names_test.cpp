@@ -1,4 +1,4 @@
-#include "sim/choice_names.h"
+#include "sim/loader/choice_names.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "sim/contact_graph.h"
+#include "sim/interface/contact_graph.h"
 
 #include <catch2/catch.hpp>
 #include <random>

@@ -1,4 +1,4 @@
-#include "sim/extraction.h"
+#include "sim/interface/extraction.h"
 
 #include <catch2/catch.hpp>
 #include <memory>

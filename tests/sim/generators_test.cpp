@@ -1,12 +1,12 @@
 // The generators: how many bodies, where they touch, that they overlap nowhere, the same bits each time.
-#include "sim/generators.h"
+#include "sim/loader/generators.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 #include <numeric>
 
-#include "rt/physics/manifold.h"
+#include "rt/physics/collision/manifold.h"
 
 using namespace tactus;
 using namespace tactus::sim;

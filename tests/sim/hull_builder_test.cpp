@@ -1,5 +1,5 @@
 // The hull of points: what is on it, what is flat is one face, the same from the same, and what is refused.
-#include "sim/hull_builder.h"
+#include "sim/loader/hull_builder.h"
 
 #include <catch2/catch.hpp>
 

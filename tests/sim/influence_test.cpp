@@ -1,4 +1,4 @@
-#include "sim/influence.h"
+#include "sim/interface/influence.h"
 
 #include <catch2/catch.hpp>
 #include <random>

@@ -4,9 +4,9 @@
 #include <catch2/catch.hpp>
 #include <functional>
 
-#include "rt/physics/collide_mesh.h"
+#include "rt/physics/collision/collide_mesh.h"
 #include "rt/physics/world.h"
-#include "sim/mesh_builder.h"
+#include "sim/loader/mesh_builder.h"
 #include "tests/rt/physics/collide_support.h"
 
 namespace tactus::sim::test {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "rt/physics/pair_finder.h"
+#include "rt/physics/collision/pair_finder.h"
 
 namespace tactus::test {
 

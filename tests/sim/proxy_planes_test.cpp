@@ -1,8 +1,8 @@
-#include "sim/proxy_planes.h"
+#include "sim/interface/proxy_planes.h"
 
 #include <catch2/catch.hpp>
 
-#include "rt/physics/pair_finder.h"
+#include "rt/physics/collision/pair_finder.h"
 
 using namespace tactus;
 using namespace tactus::physics;

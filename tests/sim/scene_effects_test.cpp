@@ -1,6 +1,6 @@
 // Effects in scene files: their keys are read, a key without its effect is a mistake that names it, an effect without
 // use is a warning; and joints hold bodies together in the contact graph, in islands and in the sub-world.
-#include "sim/scene_effects.h"
+#include "sim/loader/scene_effects.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "rt/haptics/sub_world.h"
 #include "sim/global_world.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 
 using namespace tactus;
 using namespace tactus::sim;

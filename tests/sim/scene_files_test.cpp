@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <set>
 
-#include "sim/scene_load.h"
-#include "sim/scene_report.h"
+#include "sim/loader/scene_load.h"
+#include "sim/loader/scene_report.h"
 
 using namespace tactus;
 using namespace tactus::sim;

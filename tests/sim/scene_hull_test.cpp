@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "sim/scene_load.h"
-#include "sim/scene_report.h"
+#include "sim/loader/scene_load.h"
+#include "sim/loader/scene_report.h"
 
 using namespace tactus;
 using namespace tactus::sim;

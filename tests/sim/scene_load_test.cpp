@@ -1,5 +1,5 @@
 // What is wrong with a scene is said with its place; what is right is read as written.
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 
 #include "rt/haptics/snapshot_bytes.h"
 #include "sim/global_world.h"
-#include "sim/scene_load.h"
-#include "sim/scene_report.h"
+#include "sim/loader/scene_load.h"
+#include "sim/loader/scene_report.h"
 #include "tests/sim/mesh_support.h"
 
 using namespace tactus;

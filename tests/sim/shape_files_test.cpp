@@ -1,5 +1,5 @@
 // Corners of solids from files: each kind of file, and every mistake with its place.
-#include "sim/shape_files.h"
+#include "sim/loader/shape_files.h"
 
 #include <catch2/catch.hpp>
 #include <cstring>

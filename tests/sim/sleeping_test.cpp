@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
-#include "sim/generators.h"
 #include "sim/global_world.h"
+#include "sim/loader/generators.h"
 
 namespace {
 

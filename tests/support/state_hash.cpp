@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tools/session/virtual_run.h"
 
 int main(int count, char** words) {

@@ -1,5 +1,5 @@
 // The boundary cube's promise: nothing is touched before it is a member.
-#include "rt/physics/manifold.h"
+#include "rt/physics/collision/manifold.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tools/session/virtual_run.h"
 
 namespace tactus::test {

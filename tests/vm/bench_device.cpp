@@ -19,7 +19,7 @@
 #include "firmware/boards/linux/linux_program.h"
 #include "firmware/boards/linux_can/can_device_link.h"
 #include "firmware/boards/linux_usb/usb_gadget_link.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tests/vm/hostile_link.h"
 #include "tests/vm/simulated_board.h"
 

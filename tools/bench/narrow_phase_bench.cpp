@@ -2,7 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "rt/base/denormals.h"
-#include "rt/physics/manifold.h"
+#include "rt/physics/collision/manifold.h"
 
 namespace tactus::bench {
 namespace {

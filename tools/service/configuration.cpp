@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "rt/haptics/snapshot.h"
-#include "sim/choice_names.h"
-#include "sim/scene_load_reader.h"
+#include "sim/loader/choice_names.h"
+#include "sim/loader/scene_load_reader.h"
 #include "sim/worker_pool.h"
 #include "tools/doctor/system_view.h"
 

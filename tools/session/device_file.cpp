@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "sim/scene_load_reader.h"
+#include "sim/loader/scene_load_reader.h"
 
 namespace tactus::session {
 namespace {

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "hal/profiles.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 
 namespace tactus::session {
 

@@ -9,7 +9,7 @@
 #include "rt/base/denormals.h"
 #include "rt/haptics/snapshot_bytes.h"
 #include "rt/loop/tape.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tools/session/session.h"
 
 namespace tactus::session {

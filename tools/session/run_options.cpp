@@ -6,7 +6,7 @@
 
 #include "hal/gpio/gpio_options.h"
 #include "rt/haptics/snapshot.h"
-#include "sim/choice_names.h"
+#include "sim/loader/choice_names.h"
 #include "sim/worker_pool.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/stall_script.h"

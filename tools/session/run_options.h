@@ -11,8 +11,8 @@
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_scheme.h"
 #include "rt/haptics/device.h"
-#include "rt/physics/border_contact.h"
-#include "sim/extraction.h"
+#include "rt/physics/border/border_contact.h"
+#include "sim/interface/extraction.h"
 
 namespace tactus::session {
 

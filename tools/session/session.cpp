@@ -6,9 +6,9 @@
 
 #include "firmware/faults.h"
 #include "rt/haptics/coupling_limits.h"
-#include "sim/choice_names.h"
-#include "sim/scene_effects.h"
-#include "sim/scene_load.h"
+#include "sim/loader/choice_names.h"
+#include "sim/loader/scene_effects.h"
+#include "sim/loader/scene_load.h"
 #include "tools/session/open_link.h"
 
 namespace tactus::session {

@@ -15,7 +15,7 @@
 #include "rt/loop/haptic_driver.h"
 #include "rt/loop/run_stats.h"
 #include "rt/loop/tape_drain.h"
-#include "sim/snapshot_server.h"
+#include "sim/interface/snapshot_server.h"
 #include "tools/session/open_device.h"
 #include "tools/session/run_options.h"
 #include "tools/session/stall_script.h"

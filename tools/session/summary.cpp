@@ -5,7 +5,7 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
-#include "sim/choice_names.h"
+#include "sim/loader/choice_names.h"
 
 namespace tactus::session {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tools/service/configuration.h"
 #include "tools/tactus/commands.h"
 

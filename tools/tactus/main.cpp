@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/nearest_word.h"
+#include "sim/loader/nearest_word.h"
 #include "tools/tactus/commands.h"
 
 namespace tactus::tools {

@@ -9,8 +9,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "sim/choice_names.h"
-#include "sim/scene_load.h"
+#include "sim/loader/choice_names.h"
+#include "sim/loader/scene_load.h"
 #include "tools/doctor/system_view.h"
 #include "tools/service/run_service.h"
 #include "tools/session/open_link.h"

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/profiles.h"
-#include "sim/scene_load.h"
-#include "sim/scene_report.h"
+#include "sim/loader/scene_load.h"
+#include "sim/loader/scene_report.h"
 #include "tools/experiment/effects.h"
 #include "tools/tactus/commands.h"
 

@@ -4,7 +4,7 @@
 #include <csignal>
 #include <memory>
 
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tools/tactus/commands.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/load.h"

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "rt/base/clock.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tools/timing/capacity_scene.h"
 #include "tools/timing/cyclictest.h"
 #include "tools/timing/os_noise.h"

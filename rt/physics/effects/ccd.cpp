@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "rt/physics/body_search.h"
-#include "rt/physics/collide.h"
+#include "rt/physics/collision/collide.h"
 
 namespace tactus::physics {
 namespace {

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "rt/physics/effects/stage.h"
-#include "rt/physics/hull.h"
+#include "rt/physics/shapes/hull.h"
 
 namespace tactus::physics {
 

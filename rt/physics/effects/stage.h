@@ -11,10 +11,10 @@
 
 #include "rt/base/bytes.h"
 #include "rt/physics/capacity.h"
-#include "rt/physics/contact.h"
-#include "rt/physics/contact_row.h"
+#include "rt/physics/collision/pair_finder.h"
+#include "rt/physics/contact/contact.h"
+#include "rt/physics/contact/contact_row.h"
 #include "rt/physics/executor.h"
-#include "rt/physics/pair_finder.h"
 #include "rt/physics/solver_body.h"
 #include "rt/physics/step.h"
 

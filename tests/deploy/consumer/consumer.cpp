@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "rt/loop/haptic_loop.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

@@ -1,5 +1,5 @@
 // The polygon over a face, and the four points that stand for it.
-#include "rt/physics/box_clip.h"
+#include "rt/physics/collision/box_clip.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

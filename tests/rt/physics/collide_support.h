@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "rt/physics/manifold.h"
+#include "rt/physics/collision/manifold.h"
 
 namespace tactus::physics::test {
 

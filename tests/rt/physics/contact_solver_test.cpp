@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "rt/physics/contact_solver.h"
+#include "rt/physics/contact/contact_solver.h"
 #include "rt/physics/integrate.h"
 #include "tests/support/physics_bench.h"
 

@@ -1,5 +1,5 @@
 // What narrow phase remembers: a pair that waits because it was apart, and a contact that is carried over.
-#include "rt/physics/contact_table.h"
+#include "rt/physics/contact/contact_table.h"
 
 #include <catch2/catch.hpp>
 #include <memory>

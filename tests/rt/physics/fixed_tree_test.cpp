@@ -1,4 +1,4 @@
-#include "rt/physics/fixed_tree.h"
+#include "rt/physics/collision/fixed_tree.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "rt/physics/hull_view.h"
+#include "rt/physics/shapes/hull_view.h"
 #include "tests/rt/physics/collide_support.h"
 
 namespace tactus::physics::test {

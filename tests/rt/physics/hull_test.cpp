@@ -1,5 +1,5 @@
 // Hulls: closed surfaces, planes, and mass properties against formulas.
-#include "rt/physics/hull.h"
+#include "rt/physics/shapes/hull.h"
 
 #include <catch2/catch.hpp>
 

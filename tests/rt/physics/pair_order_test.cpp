@@ -1,5 +1,5 @@
 // The order of pairs and the wide finder, each against the plain way to say it.
-#include "rt/physics/pair_order.h"
+#include "rt/physics/collision/pair_order.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

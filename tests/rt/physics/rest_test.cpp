@@ -3,8 +3,8 @@
 #include <numeric>
 #include <set>
 
-#include "rt/physics/contact_table.h"
-#include "rt/physics/softness.h"
+#include "rt/physics/contact/contact_table.h"
+#include "rt/physics/contact/softness.h"
 #include "tests/support/physics_bench.h"
 
 using namespace tactus;

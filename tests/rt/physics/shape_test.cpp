@@ -1,4 +1,4 @@
-#include "rt/physics/shape.h"
+#include "rt/physics/shapes/shape.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

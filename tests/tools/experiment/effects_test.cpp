@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sim/scene_effects.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_effects.h"
+#include "sim/loader/scene_load.h"
 
 using namespace tactus;
 using namespace tactus::experiment;

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tests/tools/timing/made_ticks.h"
 #include "tools/timing/capacity_scene.h"
 #include "tools/timing/plot.h"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;

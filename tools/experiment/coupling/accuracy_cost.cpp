@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sim/choice_names.h"
+#include "sim/loader/choice_names.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"

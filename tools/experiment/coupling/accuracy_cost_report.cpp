@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "sim/choice_names.h"
+#include "sim/loader/choice_names.h"
 #include "tools/experiment/coupling/accuracy_cost.h"
 
 namespace tactus::experiment {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 
 namespace tactus::experiment {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "rt/base/result.h"
-#include "sim/scene.h"
+#include "sim/loader/scene.h"
 
 namespace tactus::experiment {
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/choice_names.h"
+#include "sim/loader/choice_names.h"
 #include "tools/experiment/coupling/coupling_study.h"
 
 namespace tactus::experiment {

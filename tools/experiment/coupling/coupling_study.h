@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "rt/haptics/coupling_scheme.h"
-#include "rt/physics/border_contact.h"
-#include "sim/extraction.h"
+#include "rt/physics/border/border_contact.h"
+#include "sim/interface/extraction.h"
 #include "tools/experiment/coupling/coupling_cases.h"
 #include "tools/experiment/coupling/energy_measures.h"
 #include "tools/experiment/progress.h"

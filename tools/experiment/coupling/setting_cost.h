@@ -11,8 +11,8 @@
 
 #include "hal/profiles.h"
 #include "rt/haptics/coupling_scheme.h"
-#include "rt/physics/border_contact.h"
-#include "sim/extraction.h"
+#include "rt/physics/border/border_contact.h"
+#include "sim/interface/extraction.h"
 #include "tools/experiment/coupling/force_measures.h"
 #include "tools/experiment/coupling/reference_run.h"
 

@@ -7,7 +7,7 @@
 
 #include "rt/base/check.h"
 #include "rt/base/denormals.h"
-#include "rt/physics/softness.h"
+#include "rt/physics/contact/softness.h"
 #include "tools/experiment/allocation_count.h"
 
 namespace tactus::hard_cases {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "rt/base/check.h"
-#include "sim/hull_builder.h"
+#include "sim/loader/hull_builder.h"
 #include "tools/experiment/hard_cases/case_world.h"
 #include "tools/experiment/hard_cases/cases.h"
 

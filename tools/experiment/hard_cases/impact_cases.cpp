@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "rt/base/check.h"
-#include "sim/generators.h"
-#include "sim/mesh_builder.h"
+#include "sim/loader/generators.h"
+#include "sim/loader/mesh_builder.h"
 #include "tools/experiment/hard_cases/case_world.h"
 #include "tools/experiment/hard_cases/cases.h"
 

@@ -8,7 +8,7 @@
 
 #include "rt/base/check.h"
 #include "rt/base/hash.h"
-#include "sim/scene_load.h"
+#include "sim/loader/scene_load.h"
 #include "tools/experiment/hard_cases/case_world.h"
 #include "tools/experiment/hard_cases/cases.h"
 #include "tools/session/virtual_run.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/generators.h"
+#include "sim/loader/generators.h"
 #include "tools/experiment/hard_cases/case_world.h"
 #include "tools/experiment/hard_cases/cases.h"
 #include "tools/experiment/hard_cases/stack_spec.h"

@@ -1,0 +1,346 @@
+#include "rt/physics/border/border_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tactus::physics {
+namespace {
+
+template <class T>
+const Body<T>* find_by_id(std::span<const Body<T>> bodies, BodyId id) noexcept {
+  const auto at =
+      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
+  return at != bodies.end() && at->id == id ? &*at : nullptr;
+}
+
+}  // namespace
+
+template <class T>
+void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<const BorderGhost<T>> ghosts,
+                              BorderMode mode, std::span<const Body<T>> bodies, SolverBodies<T> solver_bodies, T h,
+                              T impulse_scale, bool friction, bool may_give) noexcept {
+  mode_ = mode;
+  may_give_ = may_give;
+  h_ = h;
+  ghosts_.resize(mode == BorderMode::kGhost ? static_cast<std::uint32_t>(ghosts.size()) : 0);
+  for (std::uint32_t g = 0; g < ghosts_.size(); ++g) {
+    ghosts_[g] = {};
+    ghosts_[g].velocity = ghosts[g].velocity, ghosts_[g].drive = ghosts[g].drive;
+  }
+  rows_.resize(static_cast<std::uint32_t>(contacts.size()));
+  pairs_.clear();
+  for (std::uint32_t k = 0; k < rows_.size(); ++k) {
+    BorderContact<T>& c = contacts[k];
+    Row& row = rows_[k];
+    row = {};
+    const bool same_pair = k > 0 && contacts[k - 1].member == c.member && contacts[k - 1].outside == c.outside;
+    if (!same_pair) (void)pairs_.try_push({});
+    row.pair = pairs_.size() - 1;
+    pairs_[row.pair].cap += c.impulse_rate * h;
+    c.step_normal_impulse = T(0), c.step_tangent_impulse = {};
+    const Body<T>* member = find_by_id(bodies, c.member);
+    if (member == nullptr) continue;
+    row.slot = static_cast<std::uint32_t>(member - bodies.data());
+    const T mass = solver_bodies.motion[row.slot].inverse_mass;
+    if (mass == T(0)) continue;  // frozen: nothing moves it
+    row.active = true;
+    row.holds = friction && (mode == BorderMode::kGhost || !c.friction_free);
+    row.n = c.normal;
+    const auto [t1, t2] = tangents_of(row.n);
+    row.t1 = t1, row.t2 = t2;
+    row.r = rotate(member->motion.pose.rotation, c.member_anchor);
+    row.offset = member->motion.pose.position + row.r - c.line_point;
+    row.neighbour_velocity = mode == BorderMode::kCapped ? c.outside_velocity : Vec3<T>{};
+    row.cap = c.impulse_rate * h;
+    row.gap = c.gap;
+    row.friction = c.friction;
+    const SymMat3<T>& inertia = solver_bodies.inverse_inertia[row.slot];
+    row.normal_mass = invert_or_zero(inverse_effective_mass(mass, inertia, row.r, row.n, row.n));
+    row.tangent_mass = tangent_mass_of(inverse_effective_mass(mass, inertia, row.r, t1, t1),
+                                       inverse_effective_mass(mass, inertia, row.r, t2, t2),
+                                       inverse_effective_mass(mass, inertia, row.r, t1, t2));
+    if (mode == BorderMode::kGhost && c.ghost < ghosts_.size())
+      meet_ghost(row, c, ghosts[c.ghost], mass, inertia, member->motion.pose.position + row.r);
+    else if (mode == BorderMode::kGhost)
+      row.active = false;
+    const T scale = impulse_scale != T(1) ? impulse_scale : T(1);
+    row.normal_impulse = scale * c.normal_impulse;
+    if (row.holds)
+      row.tangent_impulse[0] = scale * c.tangent_impulse[0], row.tangent_impulse[1] = scale * c.tangent_impulse[1];
+  }
+  // A pair that the other world found touching without pressing may not push: its rows would cost and do nothing.
+  if (mode == BorderMode::kFrozen || mode == BorderMode::kGhost) return;
+  for (Row& row : rows_)
+    if (pairs_[row.pair].cap == T(0)) row.active = false;
+}
+
+// The rows' masses with both sides moving.
+template <class T>
+void BorderSolver<T>::meet_ghost(Row& row, const BorderContact<T>& contact, const BorderGhost<T>& ghost, T inverse_mass,
+                                 const SymMat3<T>& inertia, const Vec3<T>& point) noexcept {
+  row.ghost = contact.ghost;
+  row.ghost_r = point - ghost.centre;
+  const Vec3<T>* directions[3] = {&row.n, &row.t1, &row.t2};
+  for (int i = 0; i < 3; ++i) {
+    const Vec3<T>& d = *directions[i];
+    row.ghost_answer[i] = ghost.admittance * Wrench<T>{-d, -cross(row.ghost_r, d)};
+  }
+  const auto answer = [&](int i, const Vec3<T>& d) noexcept {
+    return -dot(d, row.ghost_answer[i].linear + cross(row.ghost_answer[i].angular, row.ghost_r));
+  };
+  const auto member = [&](const Vec3<T>& d, const Vec3<T>& e) noexcept {
+    return inverse_effective_mass(inverse_mass, inertia, row.r, d, e);
+  };
+  const T alone = member(row.n, row.n), both = alone + answer(0, row.n);
+  row.normal_mass = invert_or_zero(both);
+  row.own_share = (alone + contact.outside_inverse_mass) * row.normal_mass;
+  row.tangent_mass =
+      tangent_mass_of(member(row.t1, row.t1) + answer(1, row.t1), member(row.t2, row.t2) + answer(2, row.t2),
+                      member(row.t1, row.t2) + answer(1, row.t2));
+}
+
+// The most that the normal row may push in a sub-step: what the pair's other points leave of its cap.
+template <class T>
+T BorderSolver<T>::normal_limit(const Row& row) const noexcept {
+  if (mode_ == BorderMode::kFrozen || mode_ == BorderMode::kGhost) return std::numeric_limits<T>::max();
+  const Pair& pair = pairs_[row.pair];
+  return std::max(T(0), pair.cap - (pair.sum - row.normal_impulse));
+}
+
+// Of the member's point from where line_point has gone, `elapsed` into the step.
+template <class T>
+Vec3<T> BorderSolver<T>::offset_at(const Row& row, const SolverBody<T>& body, T elapsed) const noexcept {
+  const Vec3<T> member = row.offset + body.delta_position + rotate(body.delta_rotation, row.r) - row.r;
+  if (row.ghost == kNoGhost) return member - elapsed * row.neighbour_velocity;
+  const Ghost& ghost = ghosts_[row.ghost];
+  return member - ghost.moved - cross(ghost.turned, row.ghost_r);
+}
+
+// The member's velocity against its neighbour's, or what counts for it.
+template <class T>
+Vec3<T> BorderSolver<T>::slip(const Row& row, const SolverBody<T>& body) const noexcept {
+  if (row.ghost == kNoGhost) return velocity_at(body, row.r) - row.neighbour_velocity;
+  const Twist<T>& ghost = ghosts_[row.ghost].velocity;
+  const Vec3<T> v = ghost.linear + cross(ghost.angular, row.ghost_r);
+  return velocity_at(body, row.r) - (may_give_ ? v : std::min(T(0), dot(row.n, v)) * row.n);
+}
+
+// Impulses along n, t1 and t2: on the member, the opposite on the ghost.
+template <class T>
+void BorderSolver<T>::push(const Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, T normal, T tangent1,
+                           T tangent2) noexcept {
+  apply_impulse_at(body, inertia, row.r, normal * row.n + tangent1 * row.t1 + tangent2 * row.t2);
+  if (row.ghost == kNoGhost) return;
+  Twist<T>& ghost = ghosts_[row.ghost].velocity;
+  const T by[3] = {normal, tangent1, tangent2};
+  for (int i = 0; i < 3; ++i)
+    ghost.linear += by[i] * row.ghost_answer[i].linear, ghost.angular += by[i] * row.ghost_answer[i].angular;
+}
+
+// The normal row, by the rules of an inner contact: apart, it lets the gap close; overlapping, it pushes out softly in
+// the biased sweep and stops the approach in the relax sweep.
+template <class T>
+void BorderSolver<T>::press(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule,
+                            bool biased) noexcept {
+  const T gap = row.gap + dot(row.n, offset_at(row, body, biased ? row.elapsed : row.elapsed + h_));
+  Softness<T> soft = Softness<T>::rigid();
+  T bias{};
+  if (gap > T(0)) {
+    bias = gap * rule.inverse_h;
+  } else if (biased) {
+    soft = rule.softness;
+    if (row.ghost != kNoGhost) {
+      soft.mass_scale = T(1) / (T(1) + row.own_share * soft.impulse_scale / soft.mass_scale);
+      soft.impulse_scale = T(1) - soft.mass_scale;
+    }
+    if (may_give_)
+      bias = std::max(soft.mass_scale * soft.bias_rate * std::min(T(0), gap + rule.slop), -rule.max_push_speed);
+  }
+  const T u = dot(row.n, slip(row, body));
+  const T wanted =
+      row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - soft.impulse_scale * row.normal_impulse;
+  const T next = std::clamp(wanted, T(0), normal_limit(row));
+  push(row, body, inertia, next - row.normal_impulse, T(0), T(0));
+  pairs_[row.pair].sum += next - row.normal_impulse;
+  row.normal_impulse = next;
+}
+
+template <class T>
+void BorderSolver<T>::begin_sub_step(std::uint32_t j, SolverBodies<T> bodies) noexcept {
+  for (Ghost& ghost : ghosts_) {
+    ghost.velocity.linear += h_ * ghost.drive.linear, ghost.velocity.angular += h_ * ghost.drive.angular;
+    ghost.before = ghost.velocity;
+  }
+  for (Row& row : rows_) {
+    if (!row.active) continue;
+    const SolverBody<T>& body = bodies.motion[row.slot];
+    row.start_velocity = velocity_at(body, row.r);
+    row.elapsed = static_cast<T>(j) * h_;
+    const Vec3<T> off = offset_at(row, body, row.elapsed);
+    row.error[0] = dot(row.t1, off), row.error[1] = dot(row.t2, off);
+  }
+}
+
+template <class T>
+void BorderSolver<T>::apply_replay(SolverBodies<T> bodies) noexcept {
+  if (mode_ != BorderMode::kReplay) return;
+  for (Row& row : rows_) {
+    if (!row.active) continue;
+    row.normal_impulse = row.cap;
+    apply_impulse_at(bodies.motion[row.slot], bodies.inverse_inertia[row.slot], row.r, row.cap * row.n);
+  }
+}
+
+template <class T>
+void BorderSolver<T>::warm_start(SolverBodies<T> bodies) noexcept {
+  for (Pair& pair : pairs_) pair.sum = T(0);
+  for (Row& row : rows_) {
+    if (!row.active) continue;
+    T normal{};
+    if (mode_ != BorderMode::kReplay) {
+      const T wanted = row.normal_impulse;
+      row.normal_impulse = T(0);
+      row.normal_impulse = std::clamp(wanted, T(0), normal_limit(row));
+      pairs_[row.pair].sum += row.normal_impulse;
+      normal = row.normal_impulse;
+    }
+    clamp_to_disk(row.tangent_impulse[0], row.tangent_impulse[1], row.friction * row.normal_impulse);
+    row.demand[0] = row.tangent_impulse[0], row.demand[1] = row.tangent_impulse[1];
+    push(row, bodies.motion[row.slot], bodies.inverse_inertia[row.slot], normal, row.tangent_impulse[0],
+         row.tangent_impulse[1]);
+  }
+}
+
+// The friction of an inner contact.
+template <class T>
+void BorderSolver<T>::rub(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia) noexcept {
+  const Vec3<T> u = slip(row, body);
+  T next[2] = {row.tangent_impulse[0] - row.tangent_mass * dot(row.t1, u),
+               row.tangent_impulse[1] - row.tangent_mass * dot(row.t2, u)};
+  clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
+  push(row, body, inertia, T(0), next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
+}
+
+template <class T>
+void BorderSolver<T>::hold_on_line(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule,
+                                   bool biased) noexcept {
+  const Softness<T> soft = biased ? rule.softness : Softness<T>::rigid();
+  const Vec3<T> u = slip(row, body);
+  T next[2];
+  for (int i = 0; i < 2; ++i) {
+    const T bias =
+        std::clamp(soft.mass_scale * soft.bias_rate * row.error[i], -rule.max_push_speed, rule.max_push_speed);
+    const T along = dot(i == 0 ? row.t1 : row.t2, u);
+    next[i] = row.tangent_impulse[i] - row.tangent_mass * (soft.mass_scale * along + bias) -
+              soft.impulse_scale * row.tangent_impulse[i];
+    row.demand[i] = next[i];
+  }
+  clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
+  push(row, body, inertia, T(0), next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
+}
+
+template <class T>
+void BorderSolver<T>::solve(SolverBodies<T> bodies, const SweepRule<T>& rule, bool biased) noexcept {
+  for (Row& row : rows_) {
+    if (!row.active) continue;
+    SolverBody<T>& body = bodies.motion[row.slot];
+    const SymMat3<T>& inertia = bodies.inverse_inertia[row.slot];
+    if (mode_ != BorderMode::kReplay) press(row, body, inertia, rule, biased);
+    if (!row.holds) continue;
+    if (row.ghost == kNoGhost)
+      hold_on_line(row, body, inertia, rule, biased);
+    else if (!biased)
+      rub(row, body, inertia);
+  }
+}
+
+template <class T>
+void BorderSolver<T>::move_ghosts() noexcept {
+  for (Ghost& ghost : ghosts_) ghost.moved += h_ * ghost.velocity.linear, ghost.turned += h_ * ghost.velocity.angular;
+}
+
+template <class T>
+void BorderSolver<T>::end_sub_step(SolverBodies<T> bodies) noexcept {
+  for (Row& row : rows_) {
+    if (!row.active) continue;
+    const Vec3<T> tangential = row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
+    // Kinetic energy changes by the impulse times the mean of the velocities before and after, exactly.
+    row.work += dot(row.normal_impulse * row.n + tangential,
+                    T(0.5) * (row.start_velocity + velocity_at(bodies.motion[row.slot], row.r)));
+    row.step_normal += row.normal_impulse;
+    row.step_tangent += tangential;
+    row.step_demand[0] += row.demand[0], row.step_demand[1] += row.demand[1];
+    if (row.ghost == kNoGhost) continue;
+    row.end_offset = offset_at(row, bodies.motion[row.slot], T(0));
+    row.end_gap = row.gap + dot(row.n, row.end_offset);
+    const Vec3<T> on_ghost = -(row.normal_impulse * row.n + tangential);
+    Wrench<T>& sum = ghosts_[row.ghost].impulse;
+    sum.force += on_ghost, sum.torque += cross(row.ghost_r, on_ghost);
+  }
+}
+
+template <class T>
+void BorderSolver<T>::scale_impulses(T factor) noexcept {
+  for (Pair& pair : pairs_) pair.sum *= factor;
+  for (Ghost& ghost : ghosts_) {
+    const auto scaled = [factor](const Vec3<T>& from, const Vec3<T>& to) noexcept {
+      return from + factor * (to - from);
+    };
+    ghost.velocity = {scaled(ghost.before.linear, ghost.velocity.linear),
+                      scaled(ghost.before.angular, ghost.velocity.angular)};
+  }
+  for (Row& row : rows_) {
+    if (mode_ != BorderMode::kReplay) row.normal_impulse *= factor;
+    row.tangent_impulse[0] *= factor, row.tangent_impulse[1] *= factor;
+    row.demand[0] *= factor, row.demand[1] *= factor;
+  }
+}
+
+template <class T>
+void BorderSolver<T>::store_impulses(std::span<BorderContact<T>> contacts, T share) const noexcept {
+  for (std::uint32_t k = 0; k < rows_.size(); ++k) {
+    const auto blend = [share](T& to, T from) noexcept { to = share == T(1) ? from : to + share * (from - to); };
+    blend(contacts[k].normal_impulse, rows_[k].normal_impulse);
+    for (int d = 0; d < 2; ++d) blend(contacts[k].tangent_impulse[d], rows_[k].tangent_impulse[d]);
+  }
+}
+
+template <class T>
+void BorderSolver<T>::store(std::span<BorderContact<T>> contacts, std::span<BorderGhost<T>> ghosts, T dt,
+                            T share) const noexcept {
+  store_impulses(contacts, share);
+  for (std::uint32_t g = 0; g < ghosts_.size(); ++g) {
+    const Ghost& from = ghosts_[g];
+    ghosts[g].velocity = from.velocity;
+    ghosts[g].centre += from.moved;
+    ghosts[g].total_impulse.force += from.impulse.force, ghosts[g].total_impulse.torque += from.impulse.torque;
+  }
+  for (std::uint32_t k = 0; k < rows_.size(); ++k) {
+    const Row& row = rows_[k];
+    BorderContact<T>& c = contacts[k];
+    if (mode_ == BorderMode::kCapped) c.line_point += dt * c.outside_velocity;
+    c.step_normal_impulse = row.step_normal, c.step_tangent_impulse = row.step_tangent;
+    c.total_normal_impulse += row.step_normal, c.total_tangent_impulse += row.step_tangent;
+    c.work += row.work;
+    if (row.ghost != kNoGhost) {
+      const Ghost& ghost = ghosts_[row.ghost];
+      c.line_point += row.end_offset + ghost.moved + cross(ghost.turned, row.ghost_r);
+      c.gap = row.end_gap;
+      continue;
+    }
+    const T limit = row.friction * row.step_normal;
+    const T demand_squared = row.step_demand[0] * row.step_demand[0] + row.step_demand[1] * row.step_demand[1];
+    if (row.holds && demand_squared > limit * limit) {
+      c.friction_free = true;
+      c.tangent_impulse[0] = c.tangent_impulse[1] = T(0);
+    }
+  }
+}
+
+template class BorderSolver<double>;
+template class BorderSolver<float>;
+
+}  // namespace tactus::physics

@@ -1,0 +1,93 @@
+// The table of pairs: puts the two shapes in the order of their kinds, calls the kernel, mirrors the answer back.
+#include "rt/physics/collision/collide.h"
+
+#include <utility>
+
+#include "rt/physics/collision/collide_hull.h"
+
+namespace tactus::physics {
+namespace {
+
+constexpr std::uint32_t pair_of(ShapeKind a, ShapeKind b) noexcept {
+  return static_cast<std::uint32_t>(a) * 8 + static_cast<std::uint32_t>(b);
+}
+
+// B is a hull, A any shape.
+template <class T>
+void collide_with_hull(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache, Hulls<T> hulls) noexcept {
+  if (pair.b.index >= hulls.size()) return;
+  const HullView<T> hull = view_of(hulls[pair.b.index]);
+  switch (pair.a.kind) {
+    case ShapeKind::kSphere:
+      return collide_sphere_hull(pair, hull, manifold);
+    case ShapeKind::kCapsule:
+      return collide_capsule_hull(pair, hull, manifold);
+    case ShapeKind::kBox:
+      return collide_hulls(pair, BoxHull<T>(pair.a.half_extents).view(), hull, manifold, cache);
+    case ShapeKind::kPlane:
+      return collide_plane_hull(pair, hull, manifold);
+    case ShapeKind::kHull:
+      if (pair.a.index < hulls.size()) collide_hulls(pair, view_of(hulls[pair.a.index]), hull, manifold, cache);
+      return;
+    case ShapeKind::kMesh:
+      return;
+  }
+}
+
+template <class T>
+void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache, Hulls<T> hulls) noexcept {
+  using enum ShapeKind;
+  switch (pair_of(pair.a.kind, pair.b.kind)) {
+    case pair_of(kSphere, kSphere):
+      return collide_sphere_sphere(pair, manifold);
+    case pair_of(kSphere, kCapsule):
+      return collide_sphere_capsule(pair, manifold);
+    case pair_of(kSphere, kBox):
+      return collide_sphere_box(pair, manifold);
+    case pair_of(kSphere, kPlane):
+      return collide_sphere_plane(pair, manifold);
+    case pair_of(kCapsule, kCapsule):
+      return collide_capsule_capsule(pair, manifold);
+    case pair_of(kCapsule, kBox):
+      return collide_capsule_box(pair, manifold);
+    case pair_of(kCapsule, kPlane):
+      return collide_capsule_plane(pair, manifold);
+    case pair_of(kBox, kBox):
+      return collide_box_box(pair, manifold, cache);
+    case pair_of(kBox, kPlane):
+      return collide_box_plane(pair, manifold);
+    default:
+      if (pair.b.kind == kHull) collide_with_hull(pair, manifold, cache, hulls);
+      return;  // or two planes, or a mesh (collide_mesh.h)
+  }
+}
+
+}  // namespace
+
+template <class T>
+Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
+                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls,
+                    const LastFeatures& last) noexcept {
+  Manifold<T> manifold;
+  if (a.kind <= b.kind) {
+    collide_ordered(PairView<T>{a, b, world_from_a.rotation, world_from_b.rotation,
+                                world_from_b.position - world_from_a.position, margin, last},
+                    manifold, cache, hulls);
+    return manifold;
+  }
+  collide_ordered(PairView<T>{b, a, world_from_b.rotation, world_from_a.rotation,
+                              world_from_a.position - world_from_b.position, margin, last},
+                  manifold, cache, hulls);
+  manifold.normal = -manifold.normal;
+  for (std::uint32_t i = 0; i < manifold.count; ++i) std::swap(manifold.points[i].from_a, manifold.points[i].from_b);
+  return manifold;
+}
+
+template Manifold<double> collide<double>(const Shape<double>&, const Pose<double>&, const Shape<double>&,
+                                          const Pose<double>&, double, AxisCache&, Hulls<double>,
+                                          const LastFeatures&) noexcept;
+template Manifold<float> collide<float>(const Shape<float>&, const Pose<float>&, const Shape<float>&,
+                                        const Pose<float>&, float, AxisCache&, Hulls<float>,
+                                        const LastFeatures&) noexcept;
+
+}  // namespace tactus::physics

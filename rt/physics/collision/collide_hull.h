@@ -1,0 +1,25 @@
+// Inside narrow phase: the kernels of hulls, as those of collide.h, with the hulls of the pair beside it. A box is
+// looked at as a hull. Thread: [any]; pure, bounded, no allocation.
+#pragma once
+
+#include "rt/physics/collision/collide.h"
+#include "rt/physics/shapes/hull_view.h"
+
+namespace tactus::physics {
+
+// Axis codes of AxisCache, beyond those of boxes: a face of A, a face of B, an edge of A x an edge of B.
+inline constexpr std::uint8_t kHullFaceA = kFirstHullAxis, kHullFaceB = kFirstHullAxis + 1,
+                              kHullEdges = kFirstHullAxis + 2;
+
+template <class T>
+void collide_hulls(const PairView<T>& pair, const HullView<T>& a, const HullView<T>& b, Manifold<T>& manifold,
+                   AxisCache& cache) noexcept;
+// A is the plane, or the round shape; B the hull.
+template <class T>
+void collide_plane_hull(const PairView<T>& pair, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
+template <class T>
+void collide_sphere_hull(const PairView<T>& pair, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
+template <class T>
+void collide_capsule_hull(const PairView<T>& pair, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
+
+}  // namespace tactus::physics

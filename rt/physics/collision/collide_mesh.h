@@ -1,0 +1,56 @@
+// Where a shape touches a patch of a mesh: at most four points on one normal. The manifold of a pair of body and patch.
+//
+// A is the body, B the mesh. Normals come from faces, or from edges and corners only where mesh_region.h allows it.
+// Points where the body's edges cross seams inside the patch are left out: there the surface goes on. Features are the
+// body's corners, ends and edges wherever they can be, so that they stay when a body slides over a seam.
+// Frame: world axes; points from each body's centre. Units: m. Thread: [any]; pure, no allocation.
+// Bound: each triangle of the list once; a triangle at a rim costs one separating-axis test of hulls (hull_pair.h).
+// Source: separating axes, Gottschalk 1996; clipping, Sutherland and Hodgman 1974.
+#pragma once
+
+#include "rt/physics/collision/collide.h"
+#include "rt/physics/shapes/hull_view.h"
+#include "rt/physics/shapes/mesh.h"
+
+namespace tactus::physics {
+
+// `triangles`: those of one patch that are near. Count 0 where nothing is within the margin, or where the centre of A
+// is behind what it would touch.
+template <class T>
+Manifold<T> collide_patch(const Shape<T>& a, const Pose<T>& world_from_a, const Pose<T>& world_from_mesh,
+                          const Mesh<T>& mesh, std::span<const std::uint32_t> triangles, T margin,
+                          std::type_identity_t<Hulls<T>> hulls, const LastFeatures& last = {}) noexcept;
+
+// --- inside narrow phase
+
+template <class T>
+struct PatchView {
+  const PairView<T>& pair;
+  const Mesh<T>& mesh;
+  std::span<const std::uint32_t> triangles;
+  Vec3<T> centre;  // of A, in the mesh's frame
+
+  // `outward`: unit, mesh frame, from the mesh to A.
+  void set_normal(Manifold<T>& manifold, const Vec3<T>& outward) const noexcept {
+    manifold.normal = -rotate(pair.world_from_b, outward);
+  }
+  void add(Manifold<T>& manifold, const Vec3<T>& mid, T separation, std::uint32_t feature) const noexcept {
+    add_point(pair, manifold, pair.b_from_a + rotate(pair.world_from_b, mid), separation, feature);
+  }
+};
+
+// Feature ids: the kind in the three top bits.
+inline constexpr std::uint32_t kBodyFeature = 0u;              // a corner or end of the body
+inline constexpr std::uint32_t kCrossingFeature = 1u << 29;    // an edge of the body crosses an edge of the mesh
+inline constexpr std::uint32_t kMeshCornerFeature = 2u << 29;  // a corner of the mesh
+inline constexpr std::uint32_t kMeshEdgeFeature = 3u << 29;    // an edge of the mesh
+inline constexpr std::uint32_t kEdgePairFeature = 4u << 29;    // an edge of the body across an edge of the mesh
+
+template <class T>
+void collide_sphere_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept;
+template <class T>
+void collide_capsule_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept;
+template <class T>
+void collide_hull_patch(const PatchView<T>& patch, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
+
+}  // namespace tactus::physics

@@ -1,0 +1,205 @@
+// Sphere and capsule against a patch of a mesh, in the mesh's frame.
+#include <limits>
+
+#include "rt/physics/collision/collide_mesh.h"
+#include "rt/physics/collision/hull_closest.h"
+#include "rt/physics/shapes/mesh_region.h"
+#include "rt/physics/shapes/segments.h"
+
+namespace tactus::physics {
+namespace {
+
+// The point of a triangle that is nearest to one in front of it, and what may push there.
+template <class T>
+struct NearestOnTriangle {
+  Ruling ruling{Ruling::kDropped};
+  Vec3<T> point;
+  T distance{};  // along the normal for a face
+};
+
+template <class T>
+NearestOnTriangle<T> nearest_on_triangle(const Mesh<T>& mesh, std::uint32_t triangle, const Vec3<T>& c) noexcept {
+  const MeshTriangle& t = mesh.triangles[triangle];
+  const Vec3<T>& n = mesh.normals[triangle];
+  const T height = dot(n, c - mesh.corners[t.corner[0]]);
+  if (!(height > T(0))) return {};
+  const NearestOnTriangle<T> face{Ruling::kFace, c - n * height, height};
+  bool beyond_any = false, at_corner = false;
+  std::uint32_t feature = 0;
+  Vec3<T> nearest;
+  T least = std::numeric_limits<T>::infinity();
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const Vec3<T>& from = mesh.corners[t.corner[k]];
+    const Vec3<T> along = mesh.corners[t.corner[k == 2 ? 0 : k + 1]] - from;
+    if (!(dot(cross(along, n), c - from) > T(0))) continue;
+    beyond_any = true;
+    const T share = dot(c - from, along) / norm_squared(along);
+    const T clamped = smaller(T(1), larger(T(0), share));
+    const Vec3<T> point = from + along * clamped;
+    const T squared = norm_squared(c - point);
+    if (!(squared < least)) continue;
+    least = squared, nearest = point;
+    at_corner = clamped != share;
+    feature = at_corner && clamped > T(0) ? (k == 2 ? 0 : k + 1) : k;
+  }
+  if (!beyond_any) return face;
+  const Vec3<T> d = c - nearest;
+  const Ruling ruling =
+      at_corner ? rule_corner(mesh, triangle, t.corner[feature], d) : rule_edge(mesh, triangle, feature, d);
+  if (ruling == Ruling::kFace) return face;
+  return {ruling, nearest, std::sqrt(least)};
+}
+
+// The stretch of a capsule's axis above the triangle.
+template <class T>
+struct Stretch {
+  LineRange<T> range;
+  std::uint32_t low_edge{kOwnEnd}, high_edge{kOwnEnd};  // of the triangle, that cuts it
+  static constexpr std::uint32_t kOwnEnd = 3;
+};
+
+template <class T>
+Stretch<T> stretch_above(const Mesh<T>& mesh, std::uint32_t triangle, const Vec3<T>& centre,
+                         const Vec3<T>& half) noexcept {
+  Stretch<T> stretch;
+  const MeshTriangle& t = mesh.triangles[triangle];
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const Vec3<T> outward = outward_of_edge(mesh, triangle, k);
+    const LineRange<T> before = stretch.range;
+    // A side has the width of a rounding error, so that two triangles leave no gap at their seam.
+    cut_range(stretch.range, dot(outward, centre - mesh.corners[t.corner[k]]) - T(1e-9) * norm(outward),
+              dot(outward, half));
+    if (stretch.range.low > before.low) stretch.low_edge = k;
+    if (stretch.range.high < before.high) stretch.high_edge = k;
+  }
+  return stretch;
+}
+
+// The outermost points of the axis above the patch, and the deepest edge or corner beside it.
+template <class T>
+class CapsuleOnPatch {
+ public:
+  CapsuleOnPatch(const PatchView<T>& patch, const Vec3<T>& half, T radius) noexcept
+      : patch_(patch), half_(half), radius_(radius) {}
+
+  void look_at(std::uint32_t triangle) noexcept {
+    look_at_face(triangle);
+    if (patch_.mesh.triangles[triangle].exposed)
+      for (std::uint32_t k = 0; k < 3; ++k) look_at_edge(triangle, k);
+  }
+
+  void finish(Manifold<T>& manifold) const noexcept {
+    const bool face = any_face_ && !(edge_distance_ + T(1e-7) < least_height_);
+    if (!face) {
+      if (!(edge_distance_ < std::numeric_limits<T>::infinity())) return;
+      const Vec3<T> outward = edge_direction_ * (T(1) / edge_distance_);
+      patch_.set_normal(manifold, outward);
+      patch_.add(manifold, edge_point_ + outward * (T(0.5) * (edge_distance_ - radius_)), edge_distance_ - radius_,
+                 kMeshEdgeFeature);
+      return;
+    }
+    const Vec3<T>& n = patch_.mesh.normals[face_];
+    patch_.set_normal(manifold, n);
+    const bool one = (high_.t - low_.t) * norm(half_) <= kFlatTolerance<T>;
+    const End& nearer = high_.height < low_.height ? high_ : low_;
+    for (const End* end : {&low_, &high_}) {
+      if (one && end != &nearer) continue;
+      const T separation = end->height - radius_;
+      const Vec3<T> mid = at(end->t) - n * (T(0.5) * (end->height + radius_));
+      patch_.add(manifold, mid, separation, one ? kBodyFeature : end->feature);
+    }
+  }
+
+ private:
+  struct End {
+    T t{}, height{};
+    std::uint32_t feature{0};
+  };
+
+  Vec3<T> at(T t) const noexcept { return patch_.centre + half_ * t; }
+
+  void look_at_face(std::uint32_t triangle) noexcept {
+    const Mesh<T>& mesh = patch_.mesh;
+    const MeshTriangle& t = mesh.triangles[triangle];
+    const Vec3<T>& n = mesh.normals[triangle];
+    const auto height = [&](T s) noexcept { return dot(n, at(s) - mesh.corners[t.corner[0]]); };
+    const Stretch<T> stretch = stretch_above(mesh, triangle, patch_.centre, half_);
+    if (stretch.range.empty()) return;
+    const T low = height(stretch.range.low), high = height(stretch.range.high);
+    // One-sided: the middle of the capsule is in front, or all of the stretch.
+    if (!(height(T(0)) > T(0) || (low > T(0) && high > T(0)))) return;
+    if (!any_face_ || smaller(low, high) < least_height_) face_ = triangle, least_height_ = smaller(low, high);
+    const auto feature = [&](std::uint32_t edge, std::uint32_t own) noexcept {
+      return edge == Stretch<T>::kOwnEnd ? kBodyFeature | own : kCrossingFeature | (3 * triangle + edge);
+    };
+    if (!any_face_ || stretch.range.low < low_.t) low_ = {stretch.range.low, low, feature(stretch.low_edge, 1)};
+    if (!any_face_ || stretch.range.high > high_.t) high_ = {stretch.range.high, high, feature(stretch.high_edge, 2)};
+    any_face_ = true;
+  }
+
+  void look_at_edge(std::uint32_t triangle, std::uint32_t k) noexcept {
+    const Mesh<T>& mesh = patch_.mesh;
+    const MeshTriangle& t = mesh.triangles[triangle];
+    const std::uint32_t next = k == 2 ? 0 : k + 1;
+    const Vec3<T>&from = mesh.corners[t.corner[k]], &to = mesh.corners[t.corner[next]];
+    const Vec3<T> half_edge = T(0.5) * (to - from), middle = T(0.5) * (from + to);
+    const auto [s, u] = closest_on_segments(half_, half_edge, middle - patch_.centre);
+    const Vec3<T> point = middle + half_edge * u, d = at(s) - point;
+    const T distance = norm(d);
+    if (!(distance > kNoDirection<T> && distance < edge_distance_ && distance - radius_ <= patch_.pair.margin)) return;
+    const Ruling ruling = u == T(1)    ? rule_corner(mesh, triangle, t.corner[next], d)
+                          : u == T(-1) ? rule_corner(mesh, triangle, t.corner[k], d)
+                                       : rule_edge(mesh, triangle, k, d);
+    // At the rim of a face its own stretch is as near.
+    if (ruling != Ruling::kAllowed) return;
+    edge_distance_ = distance, edge_direction_ = d, edge_point_ = point;
+  }
+
+  const PatchView<T>& patch_;
+  Vec3<T> half_;
+  T radius_;
+  bool any_face_{false};
+  std::uint32_t face_{0};  // the one with the least height
+  T least_height_{};
+  End low_, high_;
+  T edge_distance_{std::numeric_limits<T>::infinity()};
+  Vec3<T> edge_direction_, edge_point_;
+};
+
+}  // namespace
+
+template <class T>
+void collide_sphere_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept {
+  NearestOnTriangle<T> nearest;
+  std::uint32_t at = 0;
+  for (const std::uint32_t triangle : patch.triangles) {
+    const NearestOnTriangle<T> found = nearest_on_triangle(patch.mesh, triangle, patch.centre);
+    if (found.ruling == Ruling::kDropped) continue;
+    if (nearest.ruling == Ruling::kDropped || found.distance < nearest.distance) nearest = found, at = triangle;
+  }
+  const T separation = nearest.distance - patch.pair.a.radius;
+  if (nearest.ruling == Ruling::kDropped || !(separation <= patch.pair.margin)) return;
+  const Vec3<T> outward = nearest.ruling == Ruling::kFace
+                              ? patch.mesh.normals[at]
+                              : direction_or(patch.centre - nearest.point, patch.mesh.normals[at]);
+  patch.set_normal(manifold, outward);
+  patch.add(manifold, nearest.point + outward * (T(0.5) * separation), separation, kBodyFeature);
+}
+
+template <class T>
+void collide_capsule_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept {
+  const Vec3<T> half =
+      rotate_inverse(patch.pair.world_from_b, capsule_half_axis(patch.pair.a, patch.pair.world_from_a));
+  CapsuleOnPatch<T> capsule(patch, half, patch.pair.a.radius);
+  for (const std::uint32_t triangle : patch.triangles) capsule.look_at(triangle);
+  capsule.finish(manifold);
+}
+
+#define TACTUS_INSTANTIATE(T)                                                        \
+  template void collide_sphere_patch<T>(const PatchView<T>&, Manifold<T>&) noexcept; \
+  template void collide_capsule_patch<T>(const PatchView<T>&, Manifold<T>&) noexcept;
+TACTUS_INSTANTIATE(double)
+TACTUS_INSTANTIATE(float)
+#undef TACTUS_INSTANTIATE
+
+}  // namespace tactus::physics

@@ -1,0 +1,42 @@
+// The part of a hull's face that lies above another hull's face. Inside narrow phase; what boxes and hulls have in
+// common is in clip_polygon.h. Thread: [any]; pure. Bound: a polygon of n corners cut by m lines has at most n + m.
+//
+// Frame: the reference face's own: u, v along it, w outward from it. Units: m.
+#pragma once
+
+#include "rt/physics/collision/clip_polygon.h"
+#include "rt/physics/shapes/hull.h"
+
+namespace tactus::physics {
+
+inline constexpr std::uint32_t kMaxHullClipPoints = 2 * kMaxHullVertices;
+
+template <class T>
+struct HullClipPoint {
+  T u, v, w;           // m
+  std::uint32_t id;    // a vertex of the incident hull, or the crossing of a line with a side
+  std::uint32_t line;  // the line from this point to the next: an edge of the incident hull, or a side
+  bool kept;           // among the points of the last step
+};
+
+// Labels: edges of the incident hull from 0, sides (edges of the reference hull) from kFirstHullSide; a crossing has
+// both, beyond the vertices.
+inline constexpr std::uint32_t kFirstHullSide = 256;
+inline constexpr std::uint32_t kFirstHullCrossing = 1u << 18;
+
+template <class T>
+struct HullPolygon {
+  std::uint32_t count{0};
+  std::array<HullClipPoint<T>, kMaxHullClipPoints> points;
+};
+
+// Keeps what has nu u + nv v <= limit, (nu, nv) of length 1; `side` is an edge of the reference hull.
+template <class T>
+void clip_to_side(HullPolygon<T>& polygon, T nu, T nv, T limit, std::uint32_t side) noexcept {
+  cut(
+      polygon, [=](const HullClipPoint<T>& point) noexcept { return nu * point.u + nv * point.v - limit; },
+      [=](const HullClipPoint<T>& from) noexcept { return kFirstHullCrossing + from.line * 256u + side; },
+      kFirstHullSide + side);
+}
+
+}  // namespace tactus::physics

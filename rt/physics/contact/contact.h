@@ -1,0 +1,44 @@
+// A contact between two bodies of one world, from step to step: its manifold and the impulses it carries.
+//
+// Sorted by pair key. Impulses are of the last sub-step, in N s, and start the next one (warm start); totals are sums
+// over the step. Frame: world; normal from A (the lower id) to B. Thread: the owner of the World.
+#pragma once
+
+#include "rt/base/ids.h"
+#include "rt/physics/collision/manifold.h"
+
+namespace tactus::physics {
+
+inline constexpr std::uint32_t kNoSlot = 0xffffffffu;
+
+template <class T>
+struct ContactPoint {
+  Vec3<T> from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
+  T separation{};          // m, at the start of the step
+  std::uint32_t feature{0};
+  T normal_impulse{};        // N s, of the last sub-step
+  T tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
+  T total_normal_impulse{};  // N s, over the step
+  Vec3<T> total_friction{};  // N s, over the step, on B, world
+};
+
+template <class T>
+struct Contact {
+  PairKey key;
+  std::uint32_t slot_a{0}, slot_b{0};  // slots in the world's bodies; fixed bodies: index into the fixed ones
+  bool b_fixed{false};                 // true: B is a fixed body. A fixed body is always B.
+  AxisCache axis_cache;
+  T friction{};
+  Vec3<T> normal;  // from A to B
+  std::uint32_t count{0};
+  std::array<ContactPoint<T>, kMaxManifoldPoints> points;
+
+  // Does it press, or did it in the last step?
+  bool touching() const noexcept {
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (points[i].total_normal_impulse > T(0) || points[i].separation <= T(0)) return true;
+    return false;
+  }
+};
+
+}  // namespace tactus::physics

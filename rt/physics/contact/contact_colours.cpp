@@ -1,0 +1,37 @@
+#include "rt/physics/contact/contact_colours.h"
+
+#include <bit>
+
+namespace tactus::physics {
+
+template <class T, class S>
+void ContactColours::assign(std::span<const Contact<T>> contacts, std::span<const SolverBody<S>> motion) noexcept {
+  moving_ = {}, fixed_ = {};
+  used_.resize(static_cast<std::uint32_t>(motion.size()));
+  for (Used& used : used_) used = {};
+  colour_.resize(static_cast<std::uint32_t>(contacts.size()));
+  for (std::uint32_t k = 0; k < colour_.size(); ++k) {
+    const Contact<T>& contact = contacts[k];
+    const bool is_held =
+        motion[contact.slot_a].inverse_mass == S(0) && (contact.b_fixed || motion[contact.slot_b].inverse_mass == S(0));
+    if (is_held) {
+      colour_[k] = kNotSolved;
+      continue;
+    }
+    std::uint64_t& a = contact.b_fixed ? used_[contact.slot_a].fixed : used_[contact.slot_a].moving;
+    std::uint64_t& b = contact.b_fixed ? a : used_[contact.slot_b].moving;
+    const int first = std::countr_one(a | b);  // 64 when all are taken: the number of left over
+    colour_[k] = static_cast<std::uint8_t>(first);
+    if (first < static_cast<int>(kColours)) {
+      const std::uint64_t bit = std::uint64_t{1} << first;
+      a |= bit, b |= bit;
+    }
+    ++(contact.b_fixed ? fixed_ : moving_).of[colour_[k]];
+  }
+}
+
+template void ContactColours::assign(std::span<const Contact<double>>, std::span<const SolverBody<double>>) noexcept;
+template void ContactColours::assign(std::span<const Contact<double>>, std::span<const SolverBody<float>>) noexcept;
+template void ContactColours::assign(std::span<const Contact<float>>, std::span<const SolverBody<float>>) noexcept;
+
+}  // namespace tactus::physics

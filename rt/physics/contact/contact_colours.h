@@ -1,0 +1,48 @@
+// Sets of contacts of which no two share a moving body, so that a set can be solved all at once.
+//
+// Greedy: each contact, in the order of the keys, takes the first colour that neither of its bodies has; so colours
+// depend on the contacts alone. What may not be solved, because nothing moves either body, has no colour. A body with
+// more contacts than colours has the rest left over, one after the other. Contacts with fixed bodies have colours of
+// their own: they are solved last, and win. Thread: construction [setup]; the rest [rt]. Bound: linear in contacts.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "rt/base/bounded_vector.h"
+#include "rt/physics/capacity.h"
+#include "rt/physics/contact/contact.h"
+#include "rt/physics/solver_body.h"
+
+namespace tactus::physics {
+
+class ContactColours {
+ public:
+  static constexpr std::uint32_t kColours = 64;  // the bits of a mask
+  static constexpr std::uint8_t kLeftOver = 64, kNotSolved = 65;
+  // Which contacts: between moving bodies, with fixed bodies.
+  struct Counts {
+    std::array<std::uint32_t, kColours + 1> of{};  // by colour; the last: left over
+  };
+
+  explicit ContactColours(const Capacities& capacities)
+      : colour_(capacities.contacts), used_(capacities.bodies) {}  // [setup]
+
+  // `motion`: the moving bodies, by slot.
+  template <class T, class S>
+  void assign(std::span<const Contact<T>> contacts, std::span<const SolverBody<S>> motion) noexcept;
+
+  std::uint8_t of(std::uint32_t contact) const noexcept { return colour_[contact]; }
+  const Counts& moving() const noexcept { return moving_; }
+  const Counts& fixed() const noexcept { return fixed_; }
+
+ private:
+  BoundedVector<std::uint8_t> colour_;  // by contact
+  struct Used {
+    std::uint64_t moving, fixed;  // a bit for each colour
+  };
+  BoundedVector<Used> used_;  // by slot
+  Counts moving_, fixed_;
+};
+
+}  // namespace tactus::physics

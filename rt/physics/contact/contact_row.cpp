@@ -1,0 +1,337 @@
+#include "rt/physics/contact/contact_row.h"
+
+namespace tactus::physics {
+namespace {
+
+// An impulse and its moment about the plane's centre, or a change of the relative motion there, by blocks.
+template <class V>
+struct NormalPart {
+  V n{}, m1{}, m2{};
+};
+template <class V>
+struct TangentPart {
+  V t1{}, t2{}, mn{};
+};
+
+// How far the bodies' motion has changed the gap since the start of the step: gap + x slope_1 + y slope_2.
+template <class V>
+struct GapChange {
+  V gap, slope_1, slope_2;
+};
+
+template <bool kFixed, class V>
+TACTUS_INLINE GapChange<V> gap_change(const ContactRow<V>& c, const BodyLanes<V>& a, const BodyLanes<V>& b) noexcept {
+  // n . (R r - r) = (R^T n - n) . r: the normal is turned back once instead of every point forth.
+  const Vec3<V> turn_a = rotate_inverse(a.delta_rotation, c.n) - c.n;
+  V gap = -dot(c.n, a.delta_position) - dot(turn_a, c.c_a);
+  Vec3<V> turn = -turn_a;
+  if constexpr (!kFixed) {
+    const Vec3<V> turn_b = rotate_inverse(b.delta_rotation, c.n) - c.n;
+    gap += dot(c.n, b.delta_position) + dot(turn_b, c.c_b);
+    turn += turn_b;
+  }
+  return {gap, dot(turn, c.t1), dot(turn, c.t2)};
+}
+
+// The points' gaps after the bodies have moved.
+template <bool kFixed, class V>
+TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const BodyLanes<V>& b) noexcept {
+  const GapChange<V> moved = gap_change<kFixed>(c, a, b);
+  for (std::uint32_t i = 0; i < c.points; ++i)
+    c.gap[i] = c.separation[i] + moved.gap + c.x[i] * moved.slope_1 + c.y[i] * moved.slope_2;
+}
+
+// The normal rows, point after point. Returns what they added; `v` ends as the relative motion after it.
+template <bool kBias, bool kTotals, bool kBackwards, class V>
+TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
+                                          const SweepRule<LaneOf<V>>& rule) noexcept {
+  const SymBlock<V>& w = c.w_normal;
+  const V zero(0), inverse_h(rule.inverse_h), slop(rule.slop), most_push(-rule.max_push_speed);
+  const V mass_scale(rule.softness.mass_scale), impulse_scale(rule.softness.impulse_scale);
+  const V bias_rate(rule.softness.mass_scale * rule.softness.bias_rate);
+  NormalPart<V> sum;
+  for (std::uint32_t k = 0; k < c.points; ++k) {
+    const std::uint32_t i = kBackwards ? c.points - 1 - k : k;
+    const V x = c.x[i], y = c.y[i], last = c.normal_impulse[i];
+    const V s = c.gap[i];
+    const auto apart = s > zero;
+    V mass = c.normal_mass[i];
+    const V close = mass * (s * inverse_h);  // apart: may close the gap, no more
+    V keep;
+    if constexpr (kBias) {
+      const V push = larger(bias_rate * smaller(zero, s + slop), most_push);
+      keep = last - select(apart, close, mass * push + impulse_scale * last);
+      mass = select(apart, mass, mass * mass_scale);
+    } else {
+      keep = last - select(apart, close, zero);
+    }
+    // What a unit impulse here does: W (1, y, -x).
+    const V by_n = w[0] + w[3] * y - w[4] * x, by_1 = w[3] + w[1] * y - w[5] * x, by_2 = w[4] + w[5] * y - w[2] * x;
+    const V next = larger(zero, keep - mass * (v.n + (y * v.m1 - x * v.m2)));
+    const V change = next - last;
+    c.normal_impulse[i] = next;
+    v.n += by_n * change, v.m1 += by_1 * change, v.m2 += by_2 * change;
+    sum.n += change, sum.m1 += y * change, sum.m2 -= x * change;
+    if constexpr (kTotals) c.total_normal_impulse[i] += next;
+  }
+  return sum;
+}
+
+// The friction rows, point after point, each within the disk of its own normal impulse.
+template <bool kTotals, bool kBackwards, class V>
+TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v) noexcept {
+  const SymBlock<V>& w = c.w_tangent;
+  TangentPart<V> sum;
+  for (std::uint32_t k = 0; k < c.points; ++k) {
+    const std::uint32_t i = kBackwards ? c.points - 1 - k : k;
+    const V x = c.x[i], y = c.y[i], mass = c.tangent_mass[i];
+    const V last_1 = c.tangent_impulse[0][i], last_2 = c.tangent_impulse[1][i];
+    V next_1 = last_1 - mass * (v.t1 - y * v.mn), next_2 = last_2 - mass * (v.t2 + x * v.mn);
+    clamp_to_disk(next_1, next_2, c.friction * c.normal_impulse[i]);
+    const V f1 = next_1 - last_1, f2 = next_2 - last_2, m = x * f2 - y * f1;
+    c.tangent_impulse[0][i] = next_1, c.tangent_impulse[1][i] = next_2;
+    v.t1 += w[0] * f1 + w[3] * f2 + w[4] * m;
+    v.t2 += w[3] * f1 + w[1] * f2 + w[5] * m;
+    v.mn += w[4] * f1 + w[5] * f2 + w[2] * m;
+    sum.t1 += f1, sum.t2 += f2, sum.mn += m;
+    if constexpr (kTotals) c.total_tangent_impulse[0][i] += next_1, c.total_tangent_impulse[1][i] += next_2;
+  }
+  return sum;
+}
+
+// Cuts the friction of the lanes of `which` back to the disks of normal impulses that have just shrunk.
+template <class Mask, class V>
+TangentPart<V> shrink_friction(ContactRow<V>& c, Mask which) noexcept {
+  TangentPart<V> sum;
+  for (std::uint32_t i = 0; i < c.points; ++i) {
+    V next_1 = c.tangent_impulse[0][i], next_2 = c.tangent_impulse[1][i];
+    clamp_to_disk(next_1, next_2, c.friction * c.normal_impulse[i]);
+    next_1 = select(which, next_1, c.tangent_impulse[0][i]), next_2 = select(which, next_2, c.tangent_impulse[1][i]);
+    const V f1 = next_1 - c.tangent_impulse[0][i], f2 = next_2 - c.tangent_impulse[1][i];
+    c.tangent_impulse[0][i] = next_1, c.tangent_impulse[1][i] = next_2;
+    sum.t1 += f1, sum.t2 += f2, sum.mn += c.x[i] * f2 - c.y[i] * f1;
+  }
+  return sum;
+}
+
+// More went than is left.
+template <class V>
+auto lost_most_of_its_impulse(const ContactRow<V>& c, V change) noexcept {
+  V left(0);
+  for (std::uint32_t i = 0; i < c.points; ++i) left += c.normal_impulse[i];
+  return both(change<V(0), -change> left);
+}
+
+// The impulse `p` at the plane's centre and the moment `m` there: on B, the opposite on A.
+template <bool kFixed, class V>
+TACTUS_INLINE void apply(const ContactRow<V>& c, BodyLanes<V>& a, BodyLanes<V>& b, const Vec3<V>& p,
+                         const Vec3<V>& m) noexcept {
+  a.v -= c.inverse_mass_a * p;
+  a.w -= c.inverse_inertia_a * (cross(c.c_a, p) + m);
+  if constexpr (!kFixed) {
+    b.v += c.inverse_mass_b * p;
+    b.w += c.inverse_inertia_b * (cross(c.c_b, p) + m);
+  }
+}
+
+// kPoses: with the bodies' motion since the start of the step.
+template <bool kFixed, bool kPoses, class V>
+TACTUS_INLINE void gather(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, BodyLanes<V>& a,
+                          BodyLanes<V>& b) noexcept {
+  const auto read = [&](const std::uint32_t(&slots)[kLanes<V>]) noexcept {
+    if constexpr (kPoses) return BodyLanes<V>::read(bodies.motion.data(), slots);
+    return BodyLanes<V>::read_velocities(bodies.motion.data(), slots);
+  };
+  a = read(row.a);
+  if constexpr (!kFixed) b = read(row.b);
+}
+
+template <bool kFixed, class V>
+TACTUS_INLINE void scatter(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, const BodyLanes<V>& a,
+                           const BodyLanes<V>& b) noexcept {
+  a.write_velocities(bodies.motion.data(), row.a, row.used);
+  if constexpr (!kFixed) b.write_velocities(bodies.motion.data(), row.b, row.used);
+}
+
+// W: the change of the relative motion at the plane's centre by a unit impulse or moment there.
+template <class V>
+void fill_mobility(ContactRow<V>& c) noexcept {
+  struct Answer {
+    Vec3<V> v, w;
+  };
+  const auto answer_of = [&](const Vec3<V>& p, const Vec3<V>& m) noexcept {
+    const Vec3<V> w_a = c.inverse_inertia_a * (cross(c.c_a, p) + m), w_b = c.inverse_inertia_b * (cross(c.c_b, p) + m);
+    return Answer{(c.inverse_mass_a + c.inverse_mass_b) * p + cross(w_a, c.c_a) + cross(w_b, c.c_b), w_a + w_b};
+  };
+  const Vec3<V> none;
+  const Answer n = answer_of(c.n, none), m1 = answer_of(none, c.t1), m2 = answer_of(none, c.t2);
+  const Answer t1 = answer_of(c.t1, none), t2 = answer_of(c.t2, none), mn = answer_of(none, c.n);
+  c.w_normal = {dot(n.v, c.n), dot(m1.w, c.t1), dot(m2.w, c.t2), dot(m1.v, c.n), dot(m2.v, c.n), dot(m2.w, c.t1)};
+  c.w_tangent = {dot(t1.v, c.t1), dot(t2.v, c.t2), dot(mn.w, c.n), dot(t2.v, c.t1), dot(mn.v, c.t1), dot(mn.v, c.t2)};
+  c.w_cross = {dot(n.v, c.t1),  dot(m1.v, c.t1), dot(m2.v, c.t1), dot(n.v, c.t2), dot(m1.v, c.t2),
+               dot(m2.v, c.t2), dot(n.w, c.n),   dot(m1.w, c.n),  dot(m2.w, c.n)};
+}
+
+template <class V>
+TACTUS_INLINE void set(Vec3<V>& to, int lane, const Vec3<LaneOf<V>>& from) noexcept {
+  set_lane(to.x, lane, from.x), set_lane(to.y, lane, from.y), set_lane(to.z, lane, from.z);
+}
+template <class V>
+TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from) noexcept {
+  set_lane(to.xx, lane, from.xx), set_lane(to.yy, lane, from.yy), set_lane(to.zz, lane, from.zz);
+  set_lane(to.xy, lane, from.xy), set_lane(to.xz, lane, from.xz), set_lane(to.yz, lane, from.yz);
+}
+
+}  // namespace
+
+template <class V, class U>
+void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact<U>& contact,
+               const SolverBodies<LaneOf<V>>& bodies) noexcept {
+  using T = LaneOf<V>;
+  const auto as_lane = [](U x) noexcept { return static_cast<T>(x); };
+  row.a[lane] = contact.slot_a, row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
+  row.contact[lane] = index;
+  set(row.n, lane, number_cast<T>(contact.normal));
+  set_lane(row.friction, lane, as_lane(contact.friction));
+  set_lane(row.inverse_mass_a, lane, bodies.motion[contact.slot_a].inverse_mass);
+  set(row.inverse_inertia_a, lane, bodies.inverse_inertia[contact.slot_a]);
+  set_lane(row.inverse_mass_b, lane, contact.b_fixed ? T(0) : bodies.motion[contact.slot_b].inverse_mass);
+  set(row.inverse_inertia_b, lane, contact.b_fixed ? SymMat3<T>{} : bodies.inverse_inertia[contact.slot_b]);
+
+  Vec3<U> c_a, c_b;
+  for (std::uint32_t i = 0; i < contact.count; ++i) c_a += contact.points[i].from_a, c_b += contact.points[i].from_b;
+  c_a *= U(1) / static_cast<U>(contact.count), c_b *= U(1) / static_cast<U>(contact.count);
+  set(row.c_a, lane, number_cast<T>(c_a)), set(row.c_b, lane, number_cast<T>(c_b));
+  for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
+    const bool there = i < contact.count;
+    const ContactPoint<U>& from = contact.points[there ? i : 0];
+    // Until `complete` the totals hold the points' places from the centre; a point that is not there has no mass.
+    set_lane(row.total_normal_impulse[i], lane, as_lane(from.from_a.x - c_a.x));
+    set_lane(row.total_tangent_impulse[0][i], lane, as_lane(from.from_a.y - c_a.y));
+    set_lane(row.total_tangent_impulse[1][i], lane, as_lane(from.from_a.z - c_a.z));
+    set_lane(row.normal_mass[i], lane, there ? T(1) : T(0));
+    set_lane(row.separation[i], lane, as_lane(from.separation));
+    set_lane(row.normal_impulse[i], lane, there ? as_lane(from.normal_impulse) : T(0));
+    set_lane(row.tangent_impulse[0][i], lane, there ? as_lane(from.tangent_impulse[0]) : T(0));
+    set_lane(row.tangent_impulse[1][i], lane, there ? as_lane(from.tangent_impulse[1]) : T(0));
+  }
+  row.points = row.points < contact.count ? contact.count : row.points;
+}
+
+template <class V>
+void complete(ContactRow<V>& c) noexcept {
+  const auto [t1, t2] = tangents_of(c.n);
+  c.t1 = t1, c.t2 = t2;
+  fill_mobility(c);
+  const SymBlock<V>&w = c.w_normal, &k = c.w_tangent;
+  const V two(2), zero(0);
+  for (std::uint32_t i = 0; i < c.points; ++i) {
+    const Vec3<V> place{c.total_normal_impulse[i], c.total_tangent_impulse[0][i], c.total_tangent_impulse[1][i]};
+    const V x = dot(place, c.t1), y = dot(place, c.t2);
+    const auto there = c.normal_mass[i] > zero;
+    c.x[i] = x, c.y[i] = y;
+    c.gap[i] = c.separation[i];
+    c.normal_mass[i] = select(
+        there, invert_or_zero(w[0] + y * y * w[1] + x * x * w[2] + two * (y * w[3] - x * w[4] - x * y * w[5])), zero);
+    c.tangent_mass[i] =
+        select(there,
+               tangent_mass_of(k[0] - two * y * k[4] + y * y * k[2], k[1] + two * x * k[5] + x * x * k[2],
+                               k[3] + x * k[4] - y * k[5] - x * y * k[2]),
+               zero);
+    c.total_normal_impulse[i] = c.total_tangent_impulse[0][i] = c.total_tangent_impulse[1][i] = zero;
+  }
+}
+
+template <bool kFixed, class V>
+void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) noexcept {
+  NormalPart<V> pressed;
+  TangentPart<V> rubbed;
+  for (std::uint32_t i = 0; i < c.points; ++i) {
+    const V x = c.x[i], y = c.y[i], f = c.normal_impulse[i], f1 = c.tangent_impulse[0][i], f2 = c.tangent_impulse[1][i];
+    pressed.n += f, pressed.m1 += y * f, pressed.m2 -= x * f;
+    rubbed.t1 += f1, rubbed.t2 += f2, rubbed.mn += x * f2 - y * f1;
+  }
+  BodyLanes<V> a, b;
+  gather<kFixed, false>(c, bodies, a, b);
+  apply<kFixed>(c, a, b, pressed.n * c.n + rubbed.t1 * c.t1 + rubbed.t2 * c.t2,
+                pressed.m1 * c.t1 + pressed.m2 * c.t2 + rubbed.mn * c.n);
+  scatter<kFixed>(c, bodies, a, b);
+}
+
+template <bool kBias, bool kFixed, bool kFriction, bool kTotals, bool kBackwards, class V>
+void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept {
+  BodyLanes<V> a, b;
+  gather<kFixed, !kBias>(c, bodies, a, b);
+  if constexpr (!kBias) update_gaps<kFixed>(c, a, b);
+  Vec3<V> v = -(a.v + cross(a.w, c.c_a)), w = -a.w;
+  if constexpr (!kFixed) v += b.v + cross(b.w, c.c_b), w += b.w;
+
+  NormalPart<V> normal_motion{dot(c.n, v), dot(c.t1, w), dot(c.t2, w)};
+  const std::array<V, 9>& k = c.w_cross;
+  TangentPart<V> held;
+  if constexpr (kBias && kFriction) {
+    held = solve_friction<false, kBackwards>(c, {dot(c.t1, v), dot(c.t2, v), dot(c.n, w)});
+    normal_motion.n += k[0] * held.t1 + k[3] * held.t2 + k[6] * held.mn;
+    normal_motion.m1 += k[1] * held.t1 + k[4] * held.t2 + k[7] * held.mn;
+    normal_motion.m2 += k[2] * held.t1 + k[5] * held.t2 + k[8] * held.mn;
+  }
+  const NormalPart<V> pressed = solve_normals<kBias, kTotals, kBackwards>(c, normal_motion, rule);
+  Vec3<V> p = pressed.n * c.n, m = pressed.m1 * c.t1 + pressed.m2 * c.t2;
+  if constexpr (kBias && kFriction) {
+    p += held.t1 * c.t1 + held.t2 * c.t2;
+    m += held.mn * c.n;
+  }
+  if constexpr (kFriction && !kBias) {
+    const TangentPart<V> rubbed = solve_friction<kTotals, kBackwards>(
+        c, {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
+            dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
+            dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2});
+    p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
+    m += rubbed.mn * c.n;
+  } else if constexpr (kBias) {
+    // The impulse of an impact was given again as warm start, and the friction that came with it must go as the normal
+    // part goes: left to the relax sweep, the contacts solved before this one answer to it and keep the energy.
+    const auto lost = lost_most_of_its_impulse(c, pressed.n);
+    if (any(lost)) {
+      const TangentPart<V> rubbed = shrink_friction(c, lost);
+      p = select(lost, p + rubbed.t1 * c.t1 + rubbed.t2 * c.t2, p);
+      m = select(lost, m + rubbed.mn * c.n, m);
+    }
+  }
+  apply<kFixed>(c, a, b, p, m);
+  scatter<kFixed>(c, bodies, a, b);
+}
+
+#define TACTUS_SWEEP(V, kBias, kFixed, kFriction, kTotals)                                                         \
+  template void solve<kBias, kFixed, kFriction, kTotals, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&, \
+                                                                   const SweepRule<LaneOf<V>>&) noexcept;          \
+  template void solve<kBias, kFixed, kFriction, kTotals, true, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,  \
+                                                                  const SweepRule<LaneOf<V>>&) noexcept;
+#define TACTUS_SWEEPS(V, kFixed)                                                                      \
+  template void warm_start<kFixed, V>(const ContactRow<V>&, const SolverBodies<LaneOf<V>>&) noexcept; \
+  TACTUS_SWEEP(V, true, kFixed, false, false)                                                         \
+  TACTUS_SWEEP(V, true, kFixed, true, false)                                                          \
+  TACTUS_SWEEP(V, false, kFixed, true, true)                                                          \
+  TACTUS_SWEEP(V, false, kFixed, true, false)                                                         \
+  TACTUS_SWEEP(V, false, kFixed, false, true)                                                         \
+  TACTUS_SWEEP(V, false, kFixed, false, false)
+#define TACTUS_FILL(V, U)                                                        \
+  template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact<U>&, \
+                          const SolverBodies<LaneOf<V>>&) noexcept;
+#define TACTUS_INSTANTIATE(V)                         \
+  TACTUS_FILL(V, LaneOf<V>)                           \
+  template void complete<V>(ContactRow<V>&) noexcept; \
+  TACTUS_SWEEPS(V, false)                             \
+  TACTUS_SWEEPS(V, true)
+TACTUS_INSTANTIATE(double)
+TACTUS_INSTANTIATE(float)
+TACTUS_INSTANTIATE(Register<double>)
+TACTUS_INSTANTIATE(Register<float>)
+TACTUS_FILL(float, double)
+TACTUS_FILL(Register<float>, double)
+#undef TACTUS_FILL
+#undef TACTUS_INSTANTIATE
+#undef TACTUS_SWEEPS
+#undef TACTUS_SWEEP
+
+}  // namespace tactus::physics

@@ -1,0 +1,271 @@
+#include "rt/physics/contact/contact_solver.h"
+
+#include <algorithm>
+
+namespace tactus::physics {
+namespace {
+
+// A row takes a few tenths of a microsecond in a sweep, handing some over about one.
+constexpr std::uint32_t kFewestRows = 8;
+// The loops over bodies are short of work, but a body that another thread has just solved is slow to read: each thread
+// goes on with the bodies of the contacts that it has.
+constexpr std::uint32_t kFewestBodies = 128;
+
+}  // namespace
+
+template <class T, int kWidth>
+ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities)
+    : colours_(capacities), before_(capacities.bodies), given_(capacities.bodies) {
+  // Every colour may leave one row that is not full.
+  rows_.all = BoundedVector<ContactRow<V>>(
+      std::min(capacities.contacts, capacities.contacts / kWidth + 2 * ContactColours::kColours));
+  singles_.all = BoundedVector<ContactRow<T>>(capacities.contacts);
+}
+
+// Gives each colour its rows from `row` on. Lanes that stay empty are cleared.
+template <class T, int kWidth>
+std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Counts& counts, std::uint32_t row,
+                                                      Starts& starts) noexcept {
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour) {
+    const std::uint32_t count = counts.of[colour], rows = (count + kWidth - 1) / kWidth;
+    starts[colour] = row;
+    rows_.all.resize(row + rows);
+    for (std::uint32_t r = row; r < row + rows; ++r) {
+      const std::uint32_t left = count - (r - row) * kWidth;
+      if (left < kWidth) rows_.all[r] = ContactRow<V>{};
+      rows_.all[r].used = std::min<std::uint32_t>(left, kWidth), rows_.all[r].points = 0;
+    }
+    row += rows;
+  }
+  return starts[ContactColours::kColours] = row;
+}
+
+template <class T, int kWidth>
+template <class U>
+void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies,
+                                       const Executor& executor) noexcept {
+  executor_ = executor;
+  const auto count = static_cast<std::uint32_t>(bodies.motion.size());
+  before_.resize(count), given_.resize(count);
+  for_each_body([&](std::uint32_t i) noexcept { given_[i] = {}; });
+  given_is_known_ = backwards_ = next_backwards_ = false;
+  colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
+  rows_.first_fixed = place_colours(colours_.moving(), 0, moving_);
+  place_colours(colours_.fixed(), rows_.first_fixed, fixed_);
+  singles_.first_fixed = colours_.moving().of[ContactColours::kLeftOver];
+  singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
+  for (auto& row : singles_.all) row.used = 1, row.points = 0;
+
+  // Each contact to the next lane of its colour; the rows are filled one by one after that.
+  Starts lane_of_moving, lane_of_fixed;
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour)
+    lane_of_moving[colour] = moving_[colour] * kWidth, lane_of_fixed[colour] = fixed_[colour] * kWidth;
+  lane_of_moving[ContactColours::kLeftOver] = 0, lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
+  for (std::uint32_t k = 0; k < contacts.size(); ++k) {
+    const std::uint8_t colour = colours_.of(k);
+    if (colour == ContactColours::kNotSolved) continue;
+    const std::uint32_t place = (contacts[k].b_fixed ? lane_of_fixed : lane_of_moving)[colour]++;
+    if (colour == ContactColours::kLeftOver)
+      singles_.all[place].contact[0] = k;
+    else
+      rows_.all[place / kWidth].contact[place % kWidth] = k;
+  }
+  for_each_row([contacts, bodies](auto& row) noexcept {
+    for (std::uint32_t lane = 0; lane < row.used; ++lane)
+      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
+    // Empty lanes read where the first one reads, and write nothing.
+    for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane)
+      row.a[lane] = row.a[0], row.b[lane] = row.b[0];
+    complete(row);
+  });
+}
+
+// `f(begin, end)` on rows of one colour at a time, where that matters. A colour that has no row has none after it.
+template <class T, int kWidth>
+template <class F>
+void ContactSolver<T, kWidth>::for_each_colour(const Starts& starts, F&& f) noexcept {
+  if (!executor_.shares()) return f(starts[0], starts[ContactColours::kColours]);
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours && starts[colour] < starts[colour + 1]; ++colour)
+    executor_.for_each_range(
+        starts[colour + 1] - starts[colour], kFewestRows,
+        [&](std::uint32_t begin, std::uint32_t end) noexcept { f(starts[colour] + begin, starts[colour] + end); });
+}
+
+template <class T, int kWidth>
+template <class F>
+void ContactSolver<T, kWidth>::for_each_row(F&& f) noexcept {
+  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) f(rows_.all[k]);
+  });
+  for (auto& row : singles_.all) f(row);
+}
+template <class T, int kWidth>
+template <class F>
+void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
+  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) f(rows_.all[k]);
+  });
+  for (const auto& row : singles_.all) f(row);
+}
+
+template <class T, int kWidth>
+template <class F>
+void ContactSolver<T, kWidth>::for_each_body(F&& f) noexcept {
+  executor_.for_each_range(given_.size(), kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+    for (; i < end; ++i) f(i);
+  });
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::note_velocities(SolverBodies<T> bodies) noexcept {
+  for_each_body([&](std::uint32_t i) noexcept { before_[i] = {bodies.motion[i].v, bodies.motion[i].w}; });
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::add_change(SolverBodies<T> bodies) noexcept {
+  for_each_body([&](std::uint32_t i) noexcept {
+    given_[i].linear += bodies.motion[i].v - before_[i].linear;
+    given_[i].angular += bodies.motion[i].w - before_[i].angular;
+  });
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies) noexcept {
+  if (given_is_known_) {
+    for_each_body([&](std::uint32_t i) noexcept {
+      bodies.motion[i].v += given_[i].linear, bodies.motion[i].w += given_[i].angular;
+    });
+    return;
+  }
+  note_velocities(bodies);
+  for_each_colour(moving_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) physics::warm_start<false>(rows_.all[k], bodies);
+  });
+  for (std::uint32_t k = 0; k < singles_.first_fixed; ++k) physics::warm_start<false>(singles_.all[k], bodies);
+  for_each_colour(fixed_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) physics::warm_start<true>(rows_.all[k], bodies);
+  });
+  for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
+    physics::warm_start<true>(singles_.all[k], bodies);
+  add_change(bodies);
+  given_is_known_ = true;
+}
+
+template <class T, int kWidth>
+template <bool kBias, bool kFriction, bool kTotals>
+void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
+  if constexpr (kBias) backwards_ = next_backwards_, next_backwards_ = !next_backwards_;
+  backwards_ ? sweep_points<kBias, kFriction, kTotals, true>(bodies, rule)
+             : sweep_points<kBias, kFriction, kTotals, false>(bodies, rule);
+  backwards_ = !backwards_;
+}
+
+template <class T, int kWidth>
+template <bool kBias, bool kFriction, bool kTotals, bool kBackwards>
+void ContactSolver<T, kWidth>::sweep_points(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
+  note_velocities(bodies);
+  for_each_colour(moving_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) solve<kBias, false, kFriction, kTotals, kBackwards>(rows_.all[k], bodies, rule);
+  });
+  for (std::uint32_t k = 0; k < singles_.first_fixed; ++k)
+    solve<kBias, false, kFriction, kTotals, kBackwards>(singles_.all[k], bodies, rule);
+  for_each_colour(fixed_, [&](std::uint32_t k, std::uint32_t end) noexcept {
+    for (; k < end; ++k) solve<kBias, true, kFriction, kTotals, kBackwards>(rows_.all[k], bodies, rule);
+  });
+  for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
+    solve<kBias, true, kFriction, kTotals, kBackwards>(singles_.all[k], bodies, rule);
+  add_change(bodies);
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction) noexcept {
+  friction ? sweep<true, true, false>(bodies, rule) : sweep<true, false, false>(bodies, rule);
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::relax(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction,
+                                     bool last) noexcept {
+  if (friction)
+    last ? sweep<false, true, true>(bodies, rule) : sweep<false, true, false>(bodies, rule);
+  else
+    last ? sweep<false, false, true>(bodies, rule) : sweep<false, false, false>(bodies, rule);
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::add_to_totals() noexcept {
+  for_each_row([](auto& row) {
+    for (std::uint32_t i = 0; i < row.points; ++i) {
+      row.total_normal_impulse[i] += row.normal_impulse[i];
+      for (int d = 0; d < 2; ++d) row.total_tangent_impulse[d][i] += row.tangent_impulse[d][i];
+    }
+  });
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
+  for (Twist<T>& given : given_) given.linear *= factor, given.angular *= factor;
+  for_each_row([factor](auto& row) {
+    const auto f = std::remove_reference_t<decltype(row.friction)>(factor);
+    for (std::uint32_t i = 0; i < row.points; ++i) {
+      row.normal_impulse[i] *= f;
+      for (int d = 0; d < 2; ++d) row.tangent_impulse[d][i] *= f;
+    }
+  });
+}
+
+template <class T, int kWidth>
+template <bool kTotals, class U>
+void ContactSolver<T, kWidth>::store_rows(std::span<Contact<U>> contacts, U share) const noexcept {
+  const auto blend = [share](U& kept, U now) noexcept { kept = share == U(1) ? now : kept + share * (now - kept); };
+  for_each_row([&](const auto& row) {
+    for (std::uint32_t used = 0; used < row.used; ++used) {
+      const int lane = static_cast<int>(used);
+      const auto at = [lane](const auto& v) {
+        return Vec3<T>{lane_of(v.x, lane), lane_of(v.y, lane), lane_of(v.z, lane)};
+      };
+      const Vec3<T> t1 = at(row.t1), t2 = at(row.t2);
+      Contact<U>& contact = contacts[row.contact[used]];
+      for (std::uint32_t i = 0; i < contact.count; ++i) {
+        ContactPoint<U>& point = contact.points[i];
+        blend(point.normal_impulse, static_cast<U>(lane_of(row.normal_impulse[i], lane)));
+        for (int d = 0; d < 2; ++d)
+          blend(point.tangent_impulse[d], static_cast<U>(lane_of(row.tangent_impulse[d][i], lane)));
+        if constexpr (kTotals) {
+          point.total_normal_impulse = static_cast<U>(lane_of(row.total_normal_impulse[i], lane));
+          point.total_friction = number_cast<U>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +
+                                                lane_of(row.total_tangent_impulse[1][i], lane) * t2);
+        }
+      }
+    }
+  });
+}
+
+template <class T, int kWidth>
+template <class U>
+void ContactSolver<T, kWidth>::store(std::span<Contact<U>> contacts, U share) const noexcept {
+  store_rows<true>(contacts, share);
+}
+
+template <class T, int kWidth>
+template <class U>
+void ContactSolver<T, kWidth>::keep_impulses(std::span<Contact<U>> contacts) const noexcept {
+  store_rows<false>(contacts, U(1));
+}
+
+#define TACTUS_CONTACTS(T, kWidth, U)                                                           \
+  template void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>>, SolverBodies<T>, \
+                                                  const Executor&) noexcept;                    \
+  template void ContactSolver<T, kWidth>::store(std::span<Contact<U>>, U) const noexcept;       \
+  template void ContactSolver<T, kWidth>::keep_impulses(std::span<Contact<U>>) const noexcept;
+#define TACTUS_INSTANTIATE(T, kWidth)      \
+  template class ContactSolver<T, kWidth>; \
+  TACTUS_CONTACTS(T, kWidth, T)
+TACTUS_INSTANTIATE(double, 4)
+TACTUS_INSTANTIATE(float, 8)
+TACTUS_INSTANTIATE(double, 1)
+TACTUS_INSTANTIATE(float, 1)
+TACTUS_CONTACTS(float, 8, double)
+#undef TACTUS_INSTANTIATE
+#undef TACTUS_CONTACTS
+
+}  // namespace tactus::physics

@@ -1,0 +1,133 @@
+// The contacts of a world from step to step: pairs in, manifolds out, impulses carried over.
+//
+// Per step: add_pair for every pair that may touch (any order), then build: sort by key, narrow phase, and the impulses
+// of the same pair and feature in the last step. Two things save most of the work where little moves. A pair of boxes
+// that was apart is not looked at again until its bodies have moved by the gap: a proof, so it never shows in a result
+// and is no part of the state. A contact of two boxes that have hardly moved is carried over (contact_reference.h):
+// that is state. Pairs without points leave no trace, so more pairs than needed give the same bits.
+// Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI.
+// Bound: `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties
+// by lower key); what did not fit is counted.
+#pragma once
+
+#include <span>
+
+#include "rt/base/bounded_vector.h"
+#include "rt/physics/body.h"
+#include "rt/physics/capacity.h"
+#include "rt/physics/collision/reach.h"
+#include "rt/physics/contact/contact.h"
+#include "rt/physics/contact/contact_reference.h"
+#include "rt/physics/contact/warm_start.h"
+#include "rt/physics/executor.h"
+#include "rt/physics/shapes/mesh.h"
+#include "rt/physics/step.h"
+
+namespace tactus::physics {
+
+// Which triangles of a patch a body is near to: a stretch of the step's list of them.
+struct PatchTriangles {
+  std::uint32_t first{0}, count{0};
+};
+
+template <class T>
+class ContactTable {
+ public:
+  explicit ContactTable(const Capacities& capacities);  // [setup]
+
+  std::span<const Contact<T>> contacts() const noexcept { return contacts_.span(); }
+  std::span<Contact<T>> contacts() noexcept { return contacts_.span(); }
+  std::span<const ContactReference<T>> references() const noexcept { return references_.span(); }  // by contact
+
+  // --- pairs of this step
+  void clear_pairs() noexcept;
+  // `b` is a slot of the fixed bodies when `with_fixed`. The body with the lower id comes first, a fixed one second.
+  // With a mesh, one pair for each patch: the key has the patch's id, `b` is the slot of the mesh's body.
+  void add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch = {}) noexcept;
+
+  // What narrow phase needs to know about the bodies, all by slot.
+  struct Scene {
+    std::span<const Body<T>> bodies, fixed_bodies;
+    std::span<const BodyFrame<T>> frames, fixed_frames;
+    std::span<const Reach<T>> reach;
+    Hulls<T> hulls{};                                 // of the shapes
+    Meshes<T> meshes{};                               // same
+    std::span<const std::uint32_t> mesh_triangles{};  // what PatchTriangles are stretches of
+  };
+  // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
+  // Fills pairs, contacts, points, deepest, dropped and the bits of the report.
+  void build(const Scene& scene, const StepSettings<T>& settings, T sub_step, T impulse_scale, StepReport<T>& report,
+             const Executor& executor = {}) noexcept;
+
+  // --- impulses from another world, used by the next build, then dropped. False: no room.
+  bool add_warm_start(const WarmStart<T>& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
+  std::span<const WarmStart<T>> warm_starts() const noexcept { return warm_starts_.span(); }
+
+  // Of the contacts whose A is one of these bodies, by slot.
+  void scale_impulses_of(std::span<const std::uint8_t> bodies, T factor) noexcept;
+
+  // --- membership changed: a slot was inserted below which all others moved up, or removed with all its contacts
+  void slot_inserted(std::uint32_t slot, bool fixed) noexcept;
+  void slot_removed(std::uint32_t slot, bool fixed) noexcept;
+  // Moving bodies: by slot, where each is now, or kNoSlot when it went with all its contacts.
+  void slots_moved(std::span<const std::uint32_t> to) noexcept;
+
+  // For restoring: empties the table and hands out its storage. As many references as contacts.
+  void clear() noexcept;
+  BoundedVector<Contact<T>>& stored_contacts() noexcept { return contacts_; }
+  BoundedVector<ContactReference<T>>& stored_references() noexcept { return references_; }
+  BoundedVector<WarmStart<T>>& stored_warm_starts() noexcept { return warm_starts_; }
+
+ private:
+  struct Pair {
+    PairKey key;
+    std::uint32_t a{0}, b{0};
+    PatchTriangles patch;
+    T gap{}, lever{};  // as of a manifold without points, less what the bodies moved since; 0: not known
+  };
+  // A pair that has a contact or may get one: what is carried over, or what is searched.
+  struct Visit {
+    std::uint32_t pair;
+    std::uint32_t old;     // the first contact of the last step whose key is not lower
+    std::uint32_t search;  // kCarryOver, or among the searches
+    T moved;               // m, of a contact carried over: the surfaces since its points were found, at most
+  };
+  static constexpr std::uint32_t kCarryOver = ~0u;
+  struct Search {
+    std::uint32_t pair;
+    bool known;                 // the last step had its contact
+    const WarmStart<T>* given;  // null: none
+    T margin;
+    LastFeatures last;
+    AxisCache axis_cache;
+  };
+  // What a build goes by and where it is in the lists that it merges, all sorted by key.
+  struct Walk;
+
+  void sort_pairs() noexcept;
+  void sort_warm_starts() noexcept;
+  void visit(Walk& walk, std::uint32_t index) noexcept;
+  std::uint32_t comparisons_in(const Scene& scene, const Search& search) const noexcept;
+  Manifold<T> compare(const Scene& scene, Search& search) const noexcept;
+  void keep(Walk& walk, const Visit& visit) noexcept;
+  void take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold<T>& manifold) noexcept;
+  Contact<T>* place(Walk& walk) noexcept;
+  void start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
+                      Contact<T>& contact) const noexcept;
+  void keep_deepest(StepReport<T>& report) noexcept;
+
+  BoundedVector<Pair> pairs_, last_pairs_;
+  bool pairs_are_heap_{false};
+  std::uint32_t pairs_dropped_{0};
+  BoundedVector<Visit> visits_;                                      // of a stretch of pairs
+  BoundedVector<Search> searches_;                                   // same
+  BoundedVector<Manifold<T>> manifolds_;                             // by search, where an executor shares them
+  BoundedVector<Contact<T>> contacts_, last_;                        // by key
+  BoundedVector<ContactReference<T>> references_, last_references_;  // of contacts_, of last_
+  BoundedVector<Contact<T>> beyond_;                                 // contacts beyond the capacity, by key
+  BoundedVector<std::uint32_t> order_;                               // of both, by depth
+  BoundedVector<WarmStart<T>> warm_starts_;                          // as they came
+  BoundedVector<std::uint32_t> warm_start_order_;                    // by key, then as they came
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,21 @@
+// Impulses of a contact that another world knew, so that a body that moves between worlds keeps its warm start.
+//
+// In newtons (impulse / sub-step): the two worlds' sub-steps differ. Frame: world. Thread: [any], a plain value.
+#pragma once
+
+#include "rt/base/ids.h"
+#include "rt/physics/collision/manifold.h"
+
+namespace tactus::physics {
+
+template <class T>
+struct WarmStart {
+  PairKey key;
+  AxisCache axis_cache;
+  std::uint32_t count{0};
+  std::array<std::uint32_t, kMaxManifoldPoints> features{};
+  std::array<T, kMaxManifoldPoints> normal_force{};          // N
+  std::array<Vec3<T>, kMaxManifoldPoints> friction_force{};  // N, on B, world
+};
+
+}  // namespace tactus::physics

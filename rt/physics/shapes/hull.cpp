@@ -1,0 +1,187 @@
+#include "rt/physics/shapes/hull.h"
+
+#include <algorithm>
+
+#include "rt/base/wide.h"
+
+namespace tactus::physics {
+namespace {
+
+// Below this share of the size the vertices of a face may miss its plane: those of files in single precision do.
+constexpr double kFlatShare = 1e-4;
+
+struct Moments {
+  double volume{0};        // m^3
+  Vec3d first;             // m^4
+  SymMat3<double> second;  // m^5: integral of x x^T
+};
+
+// Of the polyhedron, about `origin`: the tetrahedra from there to every triangle of every face, with sign.
+Moments moments_about(const Vec3d& origin, std::span<const Vec3d> vertices, const HullTopology& topology) noexcept {
+  Moments sum;
+  for (std::uint32_t face = 0; face < topology.faces; ++face) {
+    const auto loop = topology.loop(face);
+    const Vec3d a = vertices[loop[0]] - origin;
+    for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
+      const Vec3d b = vertices[loop[k]] - origin, c = vertices[loop[k + 1]] - origin, s = a + b + c;
+      const double volume = dot(a, cross(b, c)) / 6;
+      sum.volume += volume;
+      sum.first += s * (volume / 4);
+      const double w = volume / 20;
+      sum.second.xx += w * (a.x * a.x + b.x * b.x + c.x * c.x + s.x * s.x);
+      sum.second.yy += w * (a.y * a.y + b.y * b.y + c.y * c.y + s.y * s.y);
+      sum.second.zz += w * (a.z * a.z + b.z * b.z + c.z * c.z + s.z * s.z);
+      sum.second.xy += w * (a.x * a.y + b.x * b.y + c.x * c.y + s.x * s.y);
+      sum.second.xz += w * (a.x * a.z + b.x * b.z + c.x * c.z + s.x * s.z);
+      sum.second.yz += w * (a.y * a.z + b.y * b.z + c.y * c.z + s.y * s.z);
+    }
+  }
+  return sum;
+}
+
+struct Principal {
+  double moment[3];
+  Vec3d axis[3];  // right-handed
+};
+
+// Cyclic Jacobi, a fixed number of sweeps: it converges quadratically, six are enough for any 3 x 3 matrix. What is
+// off the diagonal by rounding alone stays: a cube keeps its axes.
+Principal principal_axes(const SymMat3<double>& m) noexcept {
+  double a[3][3] = {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}};
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const double noise = 1e-9 * (m.xx + m.yy + m.zz);
+  for (int sweep = 0; sweep < 8; ++sweep) {
+    for (int p = 0; p < 2; ++p) {
+      for (int q = p + 1; q < 3; ++q) {
+        if (!(std::abs(a[p][q]) > (sweep == 0 ? noise : 1e-9 * noise))) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (int k = 0; k < 3; ++k) {
+          const double kp = a[k][p], kq = a[k][q];
+          a[k][p] = c * kp - s * kq, a[k][q] = s * kp + c * kq;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double pk = a[p][k], qk = a[q][k];
+          a[p][k] = c * pk - s * qk, a[q][k] = s * pk + c * qk;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double kp = v[k][p], kq = v[k][q];
+          v[k][p] = c * kp - s * kq, v[k][q] = s * kp + c * kq;
+        }
+      }
+    }
+    if (sweep == 0 && v[0][0] == 1 && v[1][1] == 1 && v[2][2] == 1) break;
+  }
+  Principal out;
+  for (int k = 0; k < 3; ++k) out.moment[k] = a[k][k], out.axis[k] = {v[0][k], v[1][k], v[2][k]};
+  out.axis[2] = cross(out.axis[0], out.axis[1]);
+  return out;
+}
+
+// From the columns of a rotation; the largest of the four components first (Shepperd 1978).
+Quatd quat_from_axes(const Vec3d* axis) noexcept {
+  const Vec3d &x = axis[0], &y = axis[1], &z = axis[2];
+  const double four[4] = {1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z, 1 - x.x - y.y + z.z};
+  int largest = 0;
+  for (int k = 1; k < 4; ++k)
+    if (four[k] > four[largest]) largest = k;
+  switch (largest) {
+    case 0:
+      return normalized(Quatd{four[0], y.z - z.y, z.x - x.z, x.y - y.x});
+    case 1:
+      return normalized(Quatd{y.z - z.y, four[1], x.y + y.x, z.x + x.z});
+    case 2:
+      return normalized(Quatd{z.x - x.z, x.y + y.x, four[2], y.z + z.y});
+    default:
+      return normalized(Quatd{x.y - y.x, z.x + x.z, y.z + z.y, four[3]});
+  }
+}
+
+// Newell's normal: of the polygon that lies nearest to the loop.
+Vec3d normal_of(const Hull<double>& hull, std::uint32_t face) noexcept {
+  const auto loop = hull.topology.loop(face);
+  const Vec3d origin = hull.vertex(loop[0]);
+  Vec3d sum;
+  for (std::size_t k = 1; k + 1 < loop.size(); ++k)
+    sum += cross(hull.vertex(loop[k]) - origin, hull.vertex(loop[k + 1]) - origin);
+  return normalized_or(sum, Vec3d{});
+}
+
+void add_planes(Hull<double>& hull) noexcept {
+  const HullTopology& topology = hull.topology;
+  for (std::uint32_t face = 0; face < topology.faces; ++face) {
+    const Vec3d n = normal_of(hull, face);
+    double highest = dot(n, hull.vertex(0)), lowest = highest;
+    for (std::uint32_t i = 1; i < topology.vertices; ++i) {
+      highest = std::max(highest, dot(n, hull.vertex(i)));
+      lowest = std::min(lowest, dot(n, hull.vertex(i)));
+    }
+    hull.normals[face] = n;
+    hull.offsets[face] = highest;
+    hull.inner_radius = face == 0 ? highest : std::min(hull.inner_radius, highest);
+    hull.least_width = face == 0 ? highest - lowest : std::min(hull.least_width, highest - lowest);
+    for (const std::uint8_t i : topology.loop(face))
+      hull.flatness = std::max(hull.flatness, highest - dot(n, hull.vertex(i)));
+  }
+  for (std::uint32_t e = 0; e < topology.edges; ++e) {
+    const double cosine = dot(hull.normals[topology.edge[e].left], hull.normals[topology.edge[e].right]);
+    hull.edge_reach[e] = 1 / std::sqrt(std::max(0.5 * (1 + cosine), 1e-12));
+  }
+}
+
+}  // namespace
+
+HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull<double>& hull,
+                    Posed& given_from_body) noexcept {
+  hull = {};
+  hull.topology = topology;
+  hull.topology.vertices = static_cast<std::uint32_t>(vertices.size());
+  if (vertices.size() > kMaxHullVertices || vertices.size() < 4 || !hull.topology.close()) return HullFault::kNotClosed;
+  Vec3d middle;
+  for (const Vec3d& v : vertices) middle += v * (1.0 / static_cast<double>(vertices.size()));
+  if (!is_finite(middle)) return HullFault::kNotFinite;
+
+  const Moments rough = moments_about(middle, vertices, topology);
+  if (!(rough.volume > 0)) return HullFault::kFlat;
+  const Vec3d centre = middle + rough.first * (1 / rough.volume);
+  const Moments exact = moments_about(centre, vertices, topology);
+  const Principal principal = principal_axes(exact.second);
+  given_from_body = {centre, quat_from_axes(principal.axis)};
+  hull.volume = exact.volume;
+  const auto& p = principal.moment;
+  hull.inertia_per_kg = Vec3d{p[1] + p[2], p[0] + p[2], p[0] + p[1]} * (1 / exact.volume);
+
+  for (std::size_t i = 0; i < kMaxHullVertices; ++i) {
+    const std::size_t from = i < vertices.size() ? i : 0;
+    const Vec3d v = rotate_inverse(given_from_body.rotation, vertices[from] - centre);
+    hull.x[i] = v.x, hull.y[i] = v.y, hull.z[i] = v.z;
+    hull.bounding_radius = std::max(hull.bounding_radius, norm(v));
+    const Vec3d reach = abs(v);
+    hull.half_extents = {std::max(hull.half_extents.x, reach.x), std::max(hull.half_extents.y, reach.y),
+                         std::max(hull.half_extents.z, reach.z)};
+  }
+  add_planes(hull);
+  if (!(hull.inner_radius > 0)) return HullFault::kFlat;
+  if (!(hull.flatness <= kFlatShare * hull.bounding_radius)) return HullFault::kNotConvex;
+  return HullFault::kNone;
+}
+
+Hull<float> narrowed(const Hull<double>& hull) noexcept {
+  const auto f = [](double value) { return static_cast<float>(value); };
+  const auto v = [f](const Vec3d& value) { return Vec3<float>{f(value.x), f(value.y), f(value.z)}; };
+  Hull<float> out;
+  out.topology = hull.topology;
+  for (std::uint32_t i = 0; i < kMaxHullVertices; ++i)
+    out.x[i] = f(hull.x[i]), out.y[i] = f(hull.y[i]), out.z[i] = f(hull.z[i]);
+  for (std::uint32_t i = 0; i < hull.topology.faces; ++i)
+    out.normals[i] = v(hull.normals[i]), out.offsets[i] = f(hull.offsets[i]);
+  for (std::uint32_t i = 0; i < hull.topology.edges; ++i) out.edge_reach[i] = f(hull.edge_reach[i]);
+  out.inner_radius = f(hull.inner_radius), out.bounding_radius = f(hull.bounding_radius);
+  // Rounding moves the vertices by 6e-8 of their size against the planes.
+  out.flatness = f(hull.flatness + 1e-6 * hull.bounding_radius), out.least_width = f(hull.least_width);
+  out.half_extents = v(hull.half_extents), out.volume = f(hull.volume), out.inertia_per_kg = v(hull.inertia_per_kg);
+  return out;
+}
+
+}  // namespace tactus::physics

@@ -1,0 +1,97 @@
+// Inside narrow phase: a hull, or a box looked at as a hull, as its kernels see it. Thread: [any]; pure.
+// Frame: the body's. Units: m. Bound: a reach looks at every vertex once, a register at a time.
+#pragma once
+
+#include "rt/base/wide.h"
+#include "rt/physics/shapes/hull.h"
+
+namespace tactus::physics {
+
+template <class T>
+struct HullView {
+  const HullTopology* topology;
+  const T *x, *y, *z;    // vertices, filled up to whole registers, aligned to them
+  std::uint32_t padded;  // how many with the filling
+  const Vec3<T>* normals;
+  const T* offsets;
+  const T* edge_reach;
+  T inner_radius, flatness;
+
+  Vec3<T> vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
+
+  // The largest of d.v over the vertices.
+  T reach_along(const Vec3<T>& d) const noexcept {
+    using V = Register<T>;
+    const V dx(d.x), dy(d.y), dz(d.z);
+    const auto at = [&](std::uint32_t i) noexcept {
+      V vx, vy, vz;
+      load(vx, x + i), load(vy, y + i), load(vz, z + i);
+      return dx * vx + dy * vy + dz * vz;
+    };
+    V best = at(0);
+    for (std::uint32_t i = kLanes<V>; i < padded; i += kLanes<V>) best = larger(best, at(i));
+    T reach = best[0];
+    for (int lane = 1; lane < kLanes<V>; ++lane) reach = larger(reach, best[lane]);
+    return reach;
+  }
+
+  // The first vertex that has it; 0 where no number does.
+  std::uint32_t support(const Vec3<T>& d) const noexcept {
+    const T reach = reach_along(d);
+    for (std::uint32_t i = 0; i < topology->vertices; ++i)
+      if (d.x * x[i] + d.y * y[i] + d.z * z[i] == reach) return i;
+    return 0;
+  }
+};
+
+template <class T>
+HullView<T> view_of(const Hull<T>& hull) noexcept {
+  constexpr std::uint32_t lanes = kLanes<Register<T>>;
+  return {&hull.topology,
+          hull.x.data(),
+          hull.y.data(),
+          hull.z.data(),
+          (hull.topology.vertices + lanes - 1) / lanes * lanes,
+          hull.normals.data(),
+          hull.offsets.data(),
+          hull.edge_reach.data(),
+          hull.inner_radius,
+          hull.flatness};
+}
+
+// Corner k of a box has bit i of k set where its coordinate i is positive; face 2 i + s looks along axis i, outward to
+// + where s is 1.
+constexpr HullTopology make_box_topology() noexcept {
+  HullTopology t;
+  t.vertices = 8;
+  constexpr std::uint8_t loops[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                        {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  for (const auto& loop : loops) (void)t.add_face(loop);
+  (void)t.close();
+  return t;
+}
+inline constexpr HullTopology kBoxTopology = make_box_topology();
+static_assert(kBoxTopology.faces == 6 && kBoxTopology.edges == 12);
+
+// A box as a hull: the numbers that depend on its size. Lives as long as its view is used.
+template <class T>
+struct BoxHull {
+  alignas(32) T x[8], y[8], z[8];
+  T offsets[6];
+  T inner_radius;
+
+  explicit BoxHull(const Vec3<T>& h) noexcept : inner_radius(smaller(h.x, smaller(h.y, h.z))) {
+    for (unsigned k = 0; k < 8; ++k)
+      x[k] = (k & 1u) != 0 ? h.x : -h.x, y[k] = (k & 2u) != 0 ? h.y : -h.y, z[k] = (k & 4u) != 0 ? h.z : -h.z;
+    for (int f = 0; f < 6; ++f) offsets[f] = h[f / 2];
+  }
+  HullView<T> view() const noexcept {
+    static constexpr Vec3<T> normals[6] = {{T(-1), T(0), T(0)}, {T(1), T(0), T(0)},  {T(0), T(-1), T(0)},
+                                           {T(0), T(1), T(0)},  {T(0), T(0), T(-1)}, {T(0), T(0), T(1)}};
+    constexpr T k = T(1.41421356237309504880);
+    static constexpr T reach[12] = {k, k, k, k, k, k, k, k, k, k, k, k};
+    return {&kBoxTopology, x, y, z, 8, normals, offsets, reach, inner_radius, T(0)};
+  }
+};
+
+}  // namespace tactus::physics

@@ -1,0 +1,116 @@
+#include "rt/physics/shapes/mesh_query.h"
+
+#include <algorithm>
+#include <array>
+
+namespace tactus::physics {
+namespace {
+
+// Of a point from a box: 0 inside. m^2.
+template <class T>
+T squared_distance(const Aabb<T>& box, const Vec3<T>& p) noexcept {
+  T sum = T(0);
+  for (int i = 0; i < 3; ++i) {
+    const T beyond = larger(larger(box.lower[i] - p[i], p[i] - box.upper[i]), T(0));
+    sum += beyond * beyond;
+  }
+  return sum;
+}
+
+// The nearest triangles so far: a heap with the farthest on top once it is full.
+template <class T>
+class Nearest {
+ public:
+  bool is_full() const noexcept { return count_ == kMaxBodyTriangles; }
+  bool is_beaten_by(T distance, std::uint32_t index) const noexcept {
+    return !is_full() || Entry{distance, index} < entries_[0];
+  }
+  // False: one was left out.
+  bool offer(T distance, std::uint32_t index) noexcept {
+    if (!is_full()) {
+      entries_[count_++] = {distance, index};
+      if (is_full()) std::make_heap(entries_.begin(), entries_.end());
+      return true;
+    }
+    if (is_beaten_by(distance, index)) {
+      std::pop_heap(entries_.begin(), entries_.end());
+      entries_.back() = {distance, index};
+      std::push_heap(entries_.begin(), entries_.end());
+    }
+    return false;
+  }
+  void list(TriangleList& found) const noexcept {
+    found.triangles.clear();
+    for (std::uint32_t i = 0; i < count_; ++i) static_cast<void>(found.triangles.try_push(entries_[i].index));
+    std::sort(found.triangles.begin(), found.triangles.end());
+  }
+
+ private:
+  struct Entry {
+    T distance;
+    std::uint32_t index;
+    bool operator<(const Entry& o) const noexcept {
+      return distance != o.distance ? distance < o.distance : index < o.index;
+    }
+  };
+  std::uint32_t count_{0};
+  std::array<Entry, kMaxBodyTriangles> entries_;
+};
+
+}  // namespace
+
+template <class T>
+void find_triangles(const Mesh<T>& mesh, const Aabb<T>& box, TriangleList& found) noexcept {
+  found.triangles.clear(), found.left_out = 0;
+  if (mesh.nodes.empty()) return;
+  const Vec3<T> middle = T(0.5) * (box.lower + box.upper);
+  Nearest<T> nearest;
+  std::array<std::uint32_t, kMaxMeshDepth> stack;
+  std::uint32_t waiting = 0, visits = 0;
+  stack[waiting++] = 0;
+  while (waiting > 0) {
+    const std::uint32_t at = stack[--waiting];
+    const MeshNode<T>& node = mesh.nodes[at];
+    if (!node.box.overlaps(box)) continue;
+    if (visits++ >= kMaxMeshVisits || !nearest.is_beaten_by(squared_distance(node.box, middle), 0)) {
+      found.left_out += node.count;
+      continue;
+    }
+    if (node.second == 0) {
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        const Aabb<T> triangle = mesh.box_of(mesh.order[i]);
+        if (triangle.overlaps(box) && !nearest.offer(squared_distance(triangle, middle), mesh.order[i]))
+          ++found.left_out;
+      }
+      continue;
+    }
+    // The nearer child first: it comes off the stack before the other, so what is left out is far.
+    std::uint32_t near = at + 1, far = node.second;
+    if (squared_distance(mesh.nodes[far].box, middle) < squared_distance(mesh.nodes[near].box, middle))
+      std::swap(near, far);
+    if (waiting + 2 > kMaxMeshDepth) {
+      found.left_out += node.count;
+      continue;
+    }
+    stack[waiting++] = far, stack[waiting++] = near;
+  }
+  nearest.list(found);
+}
+
+template <class T>
+void choose_triangles(const Mesh<T>& mesh, const Aabb<T>& box, std::span<const std::uint32_t> among,
+                      TriangleList& found) noexcept {
+  found.triangles.clear(), found.left_out = 0;
+  for (const std::uint32_t triangle : among)
+    if (mesh.box_of(triangle).overlaps(box) && !found.triangles.try_push(triangle)) ++found.left_out;
+}
+
+#define TACTUS_INSTANTIATE(T)                                                                       \
+  template void find_triangles<T>(const Mesh<T>&, const Aabb<T>&, TriangleList&) noexcept;          \
+  template void choose_triangles<T>(const Mesh<T>&, const Aabb<T>&, std::span<const std::uint32_t>, \
+                                    TriangleList&) noexcept;
+TACTUS_INSTANTIATE(double)
+TACTUS_INSTANTIATE(float)
+#undef TACTUS_INSTANTIATE
+
+}  // namespace tactus::physics

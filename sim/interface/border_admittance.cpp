@@ -1,0 +1,326 @@
+#include "sim/interface/border_admittance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::sim {
+namespace {
+
+using physics::Body;
+using physics::Contact;
+using physics::Joint;
+using physics::JointKind;
+using physics::JointState;
+
+constexpr std::uint32_t kNone = physics::kNoSlot;
+// A contact that presses gives way to an impulse by a hundred thousandth of what the lighter body would: as good as
+// rigid over a cycle, and far from the limits of double where thirty follow each other.
+constexpr double kFirmness = 1e5;
+// A contact whose friction is further used up than this counts as sliding.
+constexpr double kSticks = 0.95;
+
+// K = L L^T in place, L below and on the diagonal; false where K is not positive.
+bool factorise(Matrix6& k) noexcept {
+  for (std::size_t j = 0; j < 6; ++j) {
+    for (std::size_t m = 0; m < j; ++m)
+      for (std::size_t i = j; i < 6; ++i) k[i][j] -= k[i][m] * k[j][m];
+    if (!(k[j][j] > 0)) return false;
+    k[j][j] = std::sqrt(k[j][j]);
+    const double scale = 1 / k[j][j];
+    for (std::size_t i = j + 1; i < 6; ++i) k[i][j] *= scale;
+  }
+  return true;
+}
+
+// x with L L^T x = b.
+void solve(const Matrix6& l, Vector6& b) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t m = 0; m < i; ++m) b[i] -= l[i][m] * b[m];
+    b[i] /= l[i][i];
+  }
+  for (std::size_t i = 6; i-- > 0;) {
+    for (std::size_t m = i + 1; m < 6; ++m) b[i] -= l[m][i] * b[m];
+    b[i] /= l[i][i];
+  }
+}
+
+// X with L X = B, all columns at once.
+void solve_lower(const Matrix6& l, Matrix6& b) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t m = 0; m < i; ++m)
+      for (std::size_t j = 0; j < 6; ++j) b[i][j] -= l[i][m] * b[m][j];
+    const double scale = 1 / l[i][i];
+    for (std::size_t j = 0; j < 6; ++j) b[i][j] *= scale;
+  }
+}
+
+void add(Matrix6& to, const Matrix6& by) noexcept {
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) to[i][j] += by[i][j];
+}
+
+// Of a free body, for twists of a point `d` before its centre: its velocity there is v + w x d.
+Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
+  const SymMat3<double> own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
+  const double m = body.mass, dd = norm_squared(d);
+  const Vec3d md = m * d;
+  const double xx = own.xx + m * (dd - d.x * d.x), yy = own.yy + m * (dd - d.y * d.y),
+               zz = own.zz + m * (dd - d.z * d.z);
+  const double xy = own.xy - m * d.x * d.y, xz = own.xz - m * d.x * d.z, yz = own.yz - m * d.y * d.z;
+  return {{{m, 0, 0, 0, md.z, -md.y},
+           {0, m, 0, -md.z, 0, md.x},
+           {0, 0, m, md.y, -md.x, 0},
+           {0, -md.z, md.y, xx, xy, xz},
+           {md.z, 0, -md.x, xy, yy, yz},
+           {-md.y, md.x, 0, xz, yz, zz}}};
+}
+
+// What is held along a direction at a place `r` from the centre: firm n n^T of that screw.
+void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noexcept {
+  const Vector6 row{along.x, along.y, along.z, turn.x, turn.y, turn.z};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double scaled = firm * row[k];
+    for (std::size_t l = 0; l < 6; ++l) sum[k][l] += scaled * row[l];
+  }
+}
+
+double inverse_mass_of(std::span<const Body<double>> bodies, std::uint32_t slot) noexcept {
+  return slot == kNone ? 0 : 1 / bodies[slot].mass;
+}
+double inverse_inertia_of(std::span<const Body<double>> bodies, std::uint32_t slot) noexcept {
+  if (slot == kNone) return 0;
+  const Vec3d& i = bodies[slot].inertia;
+  return 1 / std::min({i.x, i.y, i.z});
+}
+
+// What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds.
+Matrix6 firmness_of_contact(const Contact<double>& contact, std::span<const Body<double>> bodies,
+                            const Vec3d& centre) noexcept {
+  const Body<double>& a = bodies[contact.slot_a];
+  const double firm = kFirmness / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
+  Vec3d friction;
+  double pressed = 0;
+  for (std::uint32_t i = 0; i < contact.count; ++i)
+    friction += contact.points[i].total_friction, pressed += contact.points[i].total_normal_impulse;
+  const bool sticks = norm(friction) < kSticks * contact.friction * pressed;
+  const auto [t1, t2] = tangents_of(contact.normal);
+  const Vec3d directions[3] = {contact.normal, t1, t2};
+  Matrix6 sum{};
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    if (!(point.total_normal_impulse > 0)) continue;
+    const Vec3d r = a.motion.pose.position + point.from_a - centre;
+    for (int d = 0; d < (sticks ? 3 : 1); ++d) hold(sum, firm, directions[d], cross(r, directions[d]));
+  }
+  return sum;
+}
+
+// Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
+bool holds_coordinate(const Joint<double>& joint, const JointState<double>& state) noexcept {
+  if (joint.kind == JointKind::kDistance)
+    return joint.low == joint.high || state.effort.lower != 0 || state.effort.upper != 0;
+  if (joint.limited && (state.effort.lower != 0 || state.effort.upper != 0)) return true;
+  return joint.driven && std::abs(state.effort.drive) < kSticks * joint.motor_effort;
+}
+
+// The same of a joint between bodies at these slots, of which A may be the world.
+Matrix6 firmness_of_joint(const Joint<double>& joint, const JointState<double>& state, std::uint32_t slot_a,
+                          std::uint32_t slot_b, std::span<const Body<double>> bodies, const Vec3d& centre) noexcept {
+  const double firm = kFirmness / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
+  const double firm_turn = kFirmness / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
+  const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
+  const Posed at_b = bodies[slot_b].motion.pose * joint.b_from_joint;
+  const Vec3d r = at_b.position - centre;
+  const bool coordinate = holds_coordinate(joint, state);
+  Matrix6 sum{};
+  if (joint.kind == JointKind::kDistance) {
+    const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
+    if (coordinate) hold(sum, firm, n, cross(r, n));
+    return sum;
+  }
+  const bool slides = joint.kind == JointKind::kSlider && !coordinate;
+  const bool turns = joint.kind == JointKind::kHinge && !coordinate;
+  const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
+                         rotate(at_a.rotation, Vec3d{0, 0, 1})};
+  for (int k = 0; k < 3; ++k) {
+    if (k < 2 || !slides) hold(sum, firm, axes[k], cross(r, axes[k]));
+    if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
+  }
+  return sum;
+}
+
+// What is felt of `inertia` through a contact of that firmness: both in series, G - G (G + I)^-1 G. With G + I = L L^T
+// and Y = L^-1 G that is G - Y^T Y.
+Matrix6 felt_through(const Matrix6& firmness, const Matrix6& inertia) noexcept {
+  Matrix6 both = firmness, felt = firmness, y = firmness;
+  add(both, inertia);
+  if (!factorise(both)) return {};
+  solve_lower(both, y);
+  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = 0; j < 6; ++j) felt[i][j] -= y[k][i] * y[k][j];
+  return felt;
+}
+
+physics::Admittance<double> invert(Matrix6 inertia) noexcept {
+  if (!factorise(inertia)) return {};
+  Matrix6 w;
+  for (std::size_t j = 0; j < 6; ++j) {
+    Vector6 column{};
+    column[j] = 1;
+    solve(inertia, column);
+    for (std::size_t i = 0; i < 6; ++i) w[i][j] = column[i];
+  }
+  physics::Admittance<double> result;
+  result.linear = {w[0][0], w[1][1], w[2][2], w[1][0], w[2][0], w[2][1]};
+  result.angular = {w[3][3], w[4][4], w[5][5], w[4][3], w[5][3], w[5][4]};
+  for (std::size_t i = 0; i < 3; ++i) result.crossed[i] = {w[3][i], w[4][i], w[5][i]};
+  return result;
+}
+
+}  // namespace
+
+BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
+    : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
+  joints_.reserve(max_joints);
+  immovable_.reserve(max_bodies);
+  reached_.reserve(kMostBodies);
+}
+
+// Joints that are whole and have B here. One whose A is asleep holds on to nothing that could be asked.
+void BorderAdmittance::find_joints(const physics::World<double>& world) noexcept {
+  joints_.clear();
+  const auto* effect = world.effects().find<physics::Joints<double>>();
+  if (effect == nullptr) return;
+  for (std::size_t k = 0; k < effect->joints().size(); ++k) {
+    const Joint<double>& joint = effect->joints()[k];
+    const std::int32_t a = joint.a == kNoBody ? -1 : world.slot_of(joint.a), b = world.slot_of(joint.b);
+    if (effect->states()[k].broken != 0 || b < 0 || (joint.a != kNoBody && a < 0)) continue;
+    joints_.push_back(
+        {a < 0 ? kNone : static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), &joint, &effect->states()[k]});
+  }
+}
+
+template <class F>
+void BorderAdmittance::for_each_link(F&& f) const noexcept {
+  std::uint32_t link = 0;
+  for (const auto& contact : contacts_) f(link++, contact.slot_a, contact.b_fixed ? kNone : contact.slot_b);
+  for (const Held& held : joints_) f(link++, held.a, held.b);
+}
+
+void BorderAdmittance::index(const physics::World<double>& world) noexcept {
+  contacts_ = world.contacts(), bodies_ = world.bodies();
+  find_joints(world);
+  TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
+               bodies_.size(), contacts_.size() + joints_.size());
+  immovable_.assign(bodies_.size(), 0);
+  if (const auto* kinematics = world.effects().find<physics::Kinematics<double>>())
+    for (const auto& script : kinematics->scripts())
+      if (const std::int32_t slot = world.slot_of(script.id); slot >= 0)
+        immovable_[static_cast<std::uint32_t>(slot)] = 1;
+  std::fill(first_.begin(), first_.end(), 0u);
+  const auto count = [&](std::uint32_t slot) noexcept {
+    if (slot != kNone) ++first_[slot + 1];
+  };
+  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept { count(a), count(b); });
+  for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
+  // Filling moves each start to the next one's.
+  const auto add_link = [&](std::uint32_t slot, std::uint32_t link) noexcept {
+    if (slot != kNone) links_[first_[slot]++] = link;
+  };
+  for_each_link(
+      [&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept { add_link(a, link), add_link(b, link); });
+  std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
+  first_[0] = 0;
+}
+
+std::span<const std::uint32_t> BorderAdmittance::links_of(std::uint32_t slot) const noexcept {
+  return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
+}
+
+// kNone where that is nothing that moves.
+std::uint32_t BorderAdmittance::other_end(std::uint32_t link, std::uint32_t slot) const noexcept {
+  std::uint32_t a, b;
+  if (link < contacts_.size())
+    a = contacts_[link].slot_a, b = contacts_[link].b_fixed ? kNone : contacts_[link].slot_b;
+  else
+    a = joints_[link - contacts_.size()].a, b = joints_[link - contacts_.size()].b;
+  const std::uint32_t other = a == slot ? b : a;
+  return other != kNone && immovable_[other] != 0 ? kNone : other;
+}
+
+Matrix6 BorderAdmittance::firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
+  if (link < contacts_.size()) return firmness_of_contact(contacts_[link], bodies_, centre);
+  const Held& held = joints_[link - contacts_.size()];
+  return firmness_of_joint(*held.joint, *held.state, held.a, held.b, bodies_, centre);
+}
+
+void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
+                             const Vec3d& centre) noexcept {
+  found_[slot] = search_;
+  reached_.push_back(
+      {slot, parent, link, inertia_of(bodies_[slot], bodies_[slot].motion.pose.position - centre), {}, {}});
+}
+
+// The bodies that the asked one hangs together with, and the inertia that each shows to its parent's side.
+void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+  ++search_;
+  reached_.clear();
+  const Vec3d centre = bodies_[slot].motion.pose.position;
+  reach(slot, kNone, kNone, centre);
+  for (std::uint32_t head = 0; head < reached_.size(); ++head)
+    for (const std::uint32_t link : links_of(reached_[head].slot)) {
+      const std::uint32_t other = other_end(link, reached_[head].slot);
+      if (other == kNone)
+        add(reached_[head].inertia, firmness_of(link, centre));
+      else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
+               (link >= contacts_.size() || contacts_[link].touching()))
+        reach(other, head, link, centre);
+    }
+  for (std::size_t i = reached_.size(); i-- > 1;) {
+    Reached& from = reached_[i];
+    from.firmness = firmness_of(from.link, centre);
+    add(reached_[from.parent].inertia, felt_through(from.firmness, from.inertia));
+  }
+}
+
+physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+  if (immovable_[slot] != 0) return {};
+  collect(slot, members);
+  return invert(reached_[0].inertia);
+}
+
+// From the body outwards: what hangs on a contact of firmness G follows its parent by (G + I)^-1 G.
+double BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
+                               std::span<Body<double>> bodies) noexcept {
+  if (immovable_[slot] != 0) return 0;
+  collect(slot, members);
+  const Vec3d centre = bodies_[slot].motion.pose.position;
+  double gained_J = 0;
+  for (std::size_t i = 0; i < reached_.size(); ++i) {
+    Reached& to = reached_[i];
+    if (i == 0) {
+      to.change = {impulse.force.x,  impulse.force.y,  impulse.force.z,
+                   impulse.torque.x, impulse.torque.y, impulse.torque.z};
+    } else {
+      const Vector6 pushed = reached_[to.parent].change;
+      for (std::size_t k = 0; k < 6; ++k) {
+        to.change[k] = 0;
+        for (std::size_t l = 0; l < 6; ++l) to.change[k] += to.firmness[k][l] * pushed[l];
+      }
+      add(to.inertia, to.firmness);
+    }
+    if (!factorise(to.inertia)) break;
+    solve(to.inertia, to.change);
+    Body<double>& body = bodies[to.slot];
+    const Vec3d turn{to.change[3], to.change[4], to.change[5]};
+    gained_J -= kinetic_energy(body);
+    body.motion.velocity.linear +=
+        Vec3d{to.change[0], to.change[1], to.change[2]} + cross(turn, body.motion.pose.position - centre);
+    body.motion.velocity.angular += turn;
+    gained_J += kinetic_energy(body);
+  }
+  return gained_J;
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,229 @@
+#include "sim/interface/border_log.h"
+
+namespace tactus::sim {
+namespace {
+
+using haptics::BorderPoint;
+using haptics::BorderReturn;
+using haptics::OutsideBody;
+using physics::Body;
+using physics::Contact;
+
+// The body's share of a contact's inverse effective mass, along n at r from its centre.
+double own_inverse_mass(const Body<double>& body, const Quatd& rotation, const Vec3d& r, const Vec3d& n) noexcept {
+  const Vec3d turn = rotate_inverse(rotation, cross(r, n));
+  return 1 / body.mass + turn.x * turn.x / body.inertia.x + turn.y * turn.y / body.inertia.y +
+         turn.z * turn.z / body.inertia.z;
+}
+
+void give(Body<double>& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point,
+          physics::World<double>& world, HandBack& result) noexcept {
+  const double before = kinetic_energy(body);
+  world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
+  result.impulse_Ns += impulse;
+  result.magnitude_Ns += norm(impulse);
+  result.energy_J += kinetic_energy(body) - before;
+}
+
+// What the global step's own friction gave the outside body at this pair, taken back.
+void take_back(const Contact<double>& contact, std::uint32_t outside, physics::World<double>& world,
+               HandBack& result) noexcept {
+  Body<double>& body = world.bodies()[outside];
+  const bool outside_is_b = contact.slot_b == outside;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    const Vec3d on_outside = outside_is_b ? point.total_friction : -point.total_friction;
+    const Vec3d arm = outside_is_b ? point.from_b : point.from_a;
+    give(body, outside, -on_outside, body.motion.pose.position + arm, world, result);
+  }
+}
+
+// The impulse of a contact on one of its bodies, and its moment about the centre.
+Wrenchd impulse_on(std::uint32_t slot, const Contact<double>& contact) noexcept {
+  const double side = contact.slot_b == slot ? 1 : -1;
+  Wrenchd sum;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    const Vec3d impulse = side * (point.total_normal_impulse * contact.normal + point.total_friction);
+    sum.force += impulse;
+    sum.torque += cross(contact.slot_b == slot ? point.from_b : point.from_a, impulse);
+  }
+  return sum;
+}
+
+const Contact<double>* find_contact(std::span<const Contact<double>> contacts, BodyId a, BodyId b) noexcept {
+  const PairKey key = PairKey::of(a, b, false);
+  const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
+                                   [](const Contact<double>& c, const PairKey& k) { return c.key < k; });
+  return at != contacts.end() && at->key == key ? &*at : nullptr;
+}
+
+}  // namespace
+
+BorderPoint border_point(const Contact<double>& contact, const physics::ContactPoint<double>& point, bool member_is_a,
+                         const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept {
+  BorderPoint result;
+  result.member = member.body.id;
+  result.outside = outside.body.id;
+  result.feature = point.feature;
+  result.normal = member_is_a ? -contact.normal : contact.normal;
+  // Arms are of the start of the step: so is the rotation that takes them into the body.
+  result.member_anchor = rotate_inverse(member.start.rotation, member_is_a ? point.from_a : point.from_b);
+  const Vec3d anchor = rotate_inverse(outside.start.rotation, member_is_a ? point.from_b : point.from_a);
+  result.impulse_rate_N = point.total_normal_impulse / step_s;
+  result.friction = contact.friction;
+  result.outside_point = outside.body.motion.pose * anchor;
+  result.separation_m = point.separation;
+  // The mean over the step, not the velocity at its end: a body that is held trembles within a step, and a member that
+  // follows such an instant for a whole cycle is thrown.
+  result.outside_velocity = (result.outside_point - outside.start * anchor) * (1.0 / step_s);
+  return result;
+}
+
+BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
+    : admittance_(max_bodies, max_contacts, max_joints) {
+  points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
+  ids_.reserve(haptics::kMaxBorderPoints);
+  news_.reserve(max_bodies);
+  reported_.reserve(max_bodies);
+  order_.reserve(points_.capacity());
+}
+
+std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::span<const Body<double>> bodies,
+                              std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
+                              FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
+  border.clear();
+  points_.clear();
+  for (const auto& contact : contacts) {
+    if (contact.b_fixed || members[contact.slot_a] == members[contact.slot_b]) continue;
+    const bool a = members[contact.slot_a] != 0;
+    const std::uint32_t member = a ? contact.slot_a : contact.slot_b, outside = a ? contact.slot_b : contact.slot_a;
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      if (point.total_normal_impulse <= 0 && point.separation > 0) continue;  // it was only near
+      points_.push_back(
+          border_point(contact, point, a, {bodies[member], start[member]}, {bodies[outside], start[outside]}, step_s));
+      points_.back().friction_N = (a ? -1 / step_s : 1 / step_s) * point.total_friction;
+      points_.back().outside_inverse_mass =
+          own_inverse_mass(bodies[outside], start[outside].rotation, a ? point.from_b : point.from_a, contact.normal);
+    }
+  }
+  const auto fits = std::min<std::size_t>(points_.size(), haptics::kMaxBorderPoints);
+  order_.clear();
+  for (std::uint32_t i = 0; i < points_.size(); ++i) order_.push_back(i);
+  if (fits < points_.size()) {
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t i, std::uint32_t j) {
+      return points_[i].impulse_rate_N != points_[j].impulse_rate_N
+                 ? points_[i].impulse_rate_N > points_[j].impulse_rate_N
+                 : i < j;
+    });
+    std::sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(fits));
+  }
+  for (std::size_t i = 0; i < fits; ++i) (void)border.try_push(points_[order_[i]]);
+  return static_cast<std::uint32_t>(points_.size() - fits);
+}
+
+// Mean over the step, by those that were members.
+Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& world,
+                           std::span<const std::uint8_t> former, double step_s) const noexcept {
+  Wrenchd sum;
+  for (const std::uint32_t link : admittance_.links_of(slot)) {
+    if (link >= world.contacts().size()) continue;  // a joint
+    const Contact<double>& contact = world.contacts()[link];
+    if (contact.b_fixed || former[contact.slot_a == slot ? contact.slot_b : contact.slot_a] == 0) continue;
+    const Wrenchd impulse = impulse_on(slot, contact);
+    sum.force += impulse.force, sum.torque += impulse.torque;
+  }
+  return {sum.force * (1 / step_s), sum.torque * (1 / step_s)};
+}
+
+std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::span<const std::uint8_t> members,
+                                      std::span<const std::uint8_t> former, double step_s,
+                                      std::span<const BorderPoint> border,
+                                      FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
+  outside.clear();
+  ids_.clear();
+  for (const BorderPoint& point : border) ids_.push_back(point.outside);
+  std::sort(ids_.begin(), ids_.end());
+  ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+  admittance_.index(world);
+  for (const BodyId id : ids_) {
+    const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
+    OutsideBody body;
+    body.id = id;
+    body.centre = world.bodies()[slot].motion.pose.position;
+    body.velocity = world.bodies()[slot].motion.velocity;
+    body.admittance = admittance_.find(slot, members);
+    if (former[slot] == 0) body.load = load_on(slot, world, former, step_s);
+    if (!outside.try_push(body)) return static_cast<std::uint32_t>(ids_.size() - outside.size());
+  }
+  return 0;
+}
+
+HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
+                          physics::BorderMode mode, physics::World<double>& world) noexcept {
+  HandBack result;
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    const BorderReturn& entry = returns[i];
+    const std::int32_t found = world.slot_of(entry.outside);
+    if (found < 0 || !is_finite(entry.tangent_impulse) || !is_finite(entry.point)) continue;
+    const auto outside = static_cast<std::uint32_t>(found);
+    if (members[outside] != 0) {
+      ++result.skipped;
+      continue;
+    }
+    // Once for every pair: a pair's returns follow each other.
+    const bool first_of_pair =
+        i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
+    if (mode != physics::BorderMode::kReplay && first_of_pair) {
+      const Contact<double>* contact = find_contact(world.contacts(), entry.member, entry.outside);
+      if (contact != nullptr) take_back(*contact, outside, world, result);
+    }
+    give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);
+  }
+  return result;
+}
+
+void BorderLog::add_news(std::uint32_t slot, const Wrenchd& impulse) noexcept {
+  const auto known = std::find_if(news_.begin(), news_.end(), [slot](const News& n) { return n.slot == slot; });
+  News& news = known != news_.end() ? *known : news_.emplace_back(News{slot, {}});
+  news.impulse.force += impulse.force, news.impulse.torque += impulse.torque;
+}
+
+HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32_t step_ticks,
+                              std::span<const std::uint8_t> members, physics::World<double>& world) noexcept {
+  HandBack result;
+  if (report.ticks == 0) return result;  // no cycle yet
+  news_.clear();
+  reported_.assign(world.bodies().size(), 0);
+  for (const haptics::MemberMotion& member : report.members)
+    if (const std::int32_t slot = world.slot_of(member.id); slot >= 0) reported_[static_cast<std::size_t>(slot)] = 1;
+  for (const auto& contact : world.contacts()) {
+    if (contact.b_fixed || reported_[contact.slot_a] == reported_[contact.slot_b]) continue;
+    const std::uint32_t outside = reported_[contact.slot_a] != 0 ? contact.slot_b : contact.slot_a;
+    if (members[outside] != 0) continue;
+    const Wrenchd impulse = impulse_on(outside, contact);
+    add_news(outside, {-impulse.force, -impulse.torque});
+  }
+  const double share = report.ticks > step_ticks ? 1.0 * step_ticks / report.ticks : 1.0;
+  for (const BorderReturn& entry : report.border) {
+    const Vec3d impulse = -share * (entry.normal_impulse_Ns * entry.normal + entry.tangent_impulse);
+    const std::int32_t found = world.slot_of(entry.outside);
+    if (found < 0 || !is_finite(impulse) || !is_finite(entry.point)) continue;
+    const auto outside = static_cast<std::uint32_t>(found);
+    if (members[outside] != 0) {
+      ++result.skipped;
+      continue;
+    }
+    add_news(outside, {impulse, cross(entry.point - world.bodies()[outside].motion.pose.position, impulse)});
+  }
+  admittance_.index(world);
+  for (const News& news : news_) {
+    result.energy_J += admittance_.apply(news.slot, members, news.impulse, world.bodies());
+    result.impulse_Ns += news.impulse.force;
+    result.magnitude_Ns += norm(news.impulse.force);
+  }
+  return result;
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,62 @@
+#include "sim/loader/choice_names.h"
+
+#include <array>
+#include <utility>
+
+namespace tactus::sim {
+namespace {
+
+using haptics::CouplingScheme;
+using physics::BorderMode;
+using physics::SweepPrecision;
+
+template <class Choice, std::size_t kCount>
+using Names = std::array<std::pair<Choice, std::string_view>, kCount>;
+
+constexpr Names<CouplingScheme, 7> kCouplingSchemes{{{CouplingScheme::kSubWorld, "sub-world"},
+                                                     {CouplingScheme::kDirect, "direct"},
+                                                     {CouplingScheme::kInterpolation, "interpolation"},
+                                                     {CouplingScheme::kStatic, "static"},
+                                                     {CouplingScheme::kPlane, "plane"},
+                                                     {CouplingScheme::kPlanes, "planes"},
+                                                     {CouplingScheme::kLinearised, "linearised"}}};
+constexpr Names<BorderMode, 4> kBorderModes{{{BorderMode::kGhost, "ghost"},
+                                             {BorderMode::kCapped, "capped"},
+                                             {BorderMode::kReplay, "replay"},
+                                             {BorderMode::kFrozen, "frozen"}}};
+constexpr Names<CutOrder, 2> kCutOrders{
+    {{CutOrder::kBestFirst, "best-first"}, {CutOrder::kBreadthFirst, "breadth-first"}}};
+constexpr Names<SweepPrecision, 2> kPrecisions{{{SweepPrecision::kFull, "double"}, {SweepPrecision::kSingle, "mixed"}}};
+constexpr Names<Reach, 2> kReaches{{{Reach::kTwoCycles, "two-cycles"}, {Reach::kPaper, "paper"}}};
+
+template <class Choice, std::size_t kCount>
+std::string_view find_name(const Names<Choice, kCount>& names, Choice choice) noexcept {
+  for (const auto& [value, name] : names)
+    if (value == choice) return name;
+  return "unknown";
+}
+
+template <class Choice, std::size_t kCount>
+std::optional<Choice> find_choice(const Names<Choice, kCount>& names, std::string_view word) noexcept {
+  for (const auto& [value, name] : names)
+    if (name == word) return value;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string_view name_of(CouplingScheme scheme) noexcept { return find_name(kCouplingSchemes, scheme); }
+std::string_view name_of(BorderMode mode) noexcept { return find_name(kBorderModes, mode); }
+std::string_view name_of(CutOrder order) noexcept { return find_name(kCutOrders, order); }
+std::string_view name_of(Reach reach) noexcept { return find_name(kReaches, reach); }
+std::string_view name_of(SweepPrecision precision) noexcept { return find_name(kPrecisions, precision); }
+
+std::optional<CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept {
+  return find_choice(kCouplingSchemes, word);
+}
+std::optional<BorderMode> parse_border_mode(std::string_view word) noexcept { return find_choice(kBorderModes, word); }
+std::optional<CutOrder> parse_cut_order(std::string_view word) noexcept { return find_choice(kCutOrders, word); }
+std::optional<Reach> parse_reach(std::string_view word) noexcept { return find_choice(kReaches, word); }
+std::optional<SweepPrecision> parse_precision(std::string_view word) noexcept { return find_choice(kPrecisions, word); }
+
+}  // namespace tactus::sim

@@ -1,0 +1,34 @@
+#include "sim/loader/nearest_word.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace tactus::sim {
+
+std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known) {
+  if (word.size() > 64) return {};
+  std::string_view best;
+  std::size_t best_distance = word.size() / 2 + 1;  // further away it is another word
+  std::vector<std::size_t> row;
+  for (const auto candidate : known) {
+    // Levenshtein's distance, one row of the table at a time.
+    row.resize(candidate.size() + 1);
+    for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (std::size_t i = 0; i < word.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i + 1;
+      for (std::size_t j = 0; j < candidate.size(); ++j) {
+        const std::size_t changed = diagonal + (word[i] == candidate[j] ? 0 : 1);
+        diagonal = row[j + 1];
+        row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
+      }
+    }
+    // A key without its unit is a common slip: stiffness for stiffness_N_per_m.
+    const bool begins = word.size() >= 3 && candidate.starts_with(word);
+    const std::size_t distance = begins ? 1 : row.back();
+    if (distance < best_distance) best = candidate, best_distance = distance;
+  }
+  return best;
+}
+
+}  // namespace tactus::sim

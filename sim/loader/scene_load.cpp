@@ -1,0 +1,338 @@
+#include "sim/loader/scene_load.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <optional>
+
+#include "rt/haptics/snapshot.h"
+#include "sim/loader/scene_load_effects.h"
+#include "sim/loader/scene_load_parts.h"
+#include "sim/loader/scene_load_reader.h"
+
+namespace tactus::sim {
+namespace {
+
+constexpr double kNominalTick_s = 1e-3;
+constexpr Range kStiffness{"a stiffness", 0, 1e5};
+constexpr Range kDamping{"a damping", 0, 1e4};
+
+// Fills a scene from the document, table by table; the order of calls is that of body ids where it matters.
+class SceneReader {
+ public:
+  SceneReader(const TomlNode& root, Scene& scene, SceneDiagnostics& diagnostics,
+              const std::optional<std::filesystem::path>& folder)
+      : root_(&root, "", diagnostics),
+        scene_(scene),
+        diagnostics_(diagnostics),
+        hulls_(scene, diagnostics, folder),
+        meshes_(scene, diagnostics, folder),
+        effects_(scene, diagnostics) {}
+
+  void read() {
+    hulls_.read_kept(root_.array("hull_file", kMaxSceneHulls));
+    meshes_.read_kept(root_.array("mesh_file", kMaxSceneBodies));
+    scene_.title = root_.text("title", "", 200);
+    effects_.read_list(root_);
+    read_gravity();
+    effects_.read_tables(root_);
+    read_simulation();
+    read_sleeping();
+    read_device();
+    read_coupling();
+    read_proxy();
+    read_bodies();
+    read_generators();
+    effects_.read_joints(root_);
+    effects_.read_attraction(root_);
+    read_hand();
+    root_.finish();
+    effects_.finish(root_);
+    check_card_houses();
+  }
+  std::string kept_files() const { return hulls_.kept() + meshes_.kept(); }
+
+ private:
+  TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
+
+  void read_gravity() {
+    const Vec3d g = root_.vector("gravity_m_per_s2", scene_.gravity_m_per_s2, {"an acceleration", -1000, 1000});
+    if (root_.has("gravity_m_per_s2") && !scene_.effects.gravity)
+      root_.mistake("gravity_m_per_s2", "set, but the effect gravity is not declared",
+                    "\"gravity\" among the effects, or no gravity_m_per_s2");
+    scene_.gravity_m_per_s2 = scene_.effects.gravity ? g : Vec3d{};
+  }
+
+  void read_simulation() {
+    TableReader t = table("simulation");
+    SolverChoice& solver = scene_.solver;
+    scene_.ratio = t.count("ratio", scene_.ratio, {"a ratio", 1, 64});
+    scene_.members = t.count("members", scene_.members, {"a number of members", 1, haptics::kMaxMembers});
+    solver.sub_steps = t.count("sub_steps", solver.sub_steps, {"a number of sub-steps", 1, 64});
+    solver.relax_sweeps = t.count("relax_sweeps", solver.relax_sweeps, {"a number of sweeps", 1, 16});
+    solver.global_sub_steps_per_tick =
+        t.number("global_sub_steps_per_tick", solver.global_sub_steps_per_tick, {"a number of sub-steps", 0.1, 16});
+    solver.far_sub_steps_per_tick = t.number("far_sub_steps_per_tick", solver.global_sub_steps_per_tick,
+                                             {"a number of sub-steps", 0.1, solver.global_sub_steps_per_tick});
+    solver.contact_hertz = t.number("contact_hertz_Hz", solver.contact_hertz, {"a contact frequency", 1, 10000});
+    solver.contact_damping_ratio =
+        t.number("contact_damping_ratio", solver.contact_damping_ratio, {"a damping ratio", 0.1, 100});
+    const double highest = max_contact_hertz(solver, kNominalTick_s);
+    if (solver.contact_hertz > highest)
+      t.mistake("contact_hertz_Hz",
+                fmt::format("{:g} Hz is too stiff for {} haptic and {:g} global sub-steps in a tick of 1 ms",
+                            solver.contact_hertz, solver.sub_steps, solver.global_sub_steps_per_tick),
+                fmt::format("at most {:g} Hz: 250 Hz x the smallest number of sub-steps", highest));
+    t.finish();
+  }
+
+  void read_sleeping() {
+    if (!scene_.effects.sleeping)
+      root_.refuse("sleeping", "set, but the effect sleeping is not declared",
+                   "\"sleeping\" among the effects, or no table [sleeping]");
+    TableReader t = table("sleeping");
+    SleepingChoice& sleeping = scene_.sleeping;
+    sleeping.max_speed_m_per_s = t.number("max_speed_m_per_s", sleeping.max_speed_m_per_s, {"a speed", 1e-6, 10});
+    sleeping.after_s = t.number("after_s", sleeping.after_s, {"a time", 0.01, 3600});
+    sleeping.from_start = t.flag("from_start", sleeping.from_start);
+    t.finish();
+  }
+
+  void read_device() {
+    TableReader t = table("device");
+    scene_.device.profile = t.word("profile", scene_.device.profile, {"virtuose6d", "desk3d"});
+    scene_.device.world_from_device = t.pose();
+    scene_.device.motion_scale = t.number("motion_scale", scene_.device.motion_scale, {"a scale", 0.01, 100});
+    t.finish();
+  }
+
+  void read_coupling() {
+    TableReader t = table("coupling");
+    CouplingGains& gains = scene_.coupling;
+    gains.stiffness_N_per_m = t.number("stiffness_N_per_m", gains.stiffness_N_per_m, kStiffness);
+    gains.damping_Ns_per_m = t.number("damping_Ns_per_m", gains.damping_Ns_per_m, kDamping);
+    gains.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", gains.stiffness_Nm_per_rad, kStiffness);
+    gains.damping_Nms_per_rad = t.number("damping_Nms_per_rad", gains.damping_Nms_per_rad, kDamping);
+    t.finish();
+  }
+
+  void read_proxy() {
+    if (!root_.require("proxy", "a table [proxy]: the body that the device holds")) return;
+    TableReader t = table("proxy");
+    if (!t.there()) return;
+    scene_.proxy = 0;
+    const auto& body = add(read_body(t, BodyRole::kProxy, hulls_, meshes_));
+    check_friction(t, body.friction);
+    effects_.set_surface(body.id, effects_.read_surface(t));
+    effects_.set_name("proxy", body.id);
+    t.finish();
+  }
+
+  void read_bodies() {
+    unsigned number = 0;
+    for (const TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
+      TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
+      if (!t.there()) continue;
+      auto& body = add(read_body(t, BodyRole::kBody, hulls_, meshes_));
+      check_friction(t, body.friction);
+      effects_.set_surface(body.id, effects_.read_surface(t));
+      effects_.read_body(t, body);
+      t.finish();
+    }
+  }
+
+  void read_generators() {
+    unsigned number = 0;
+    for (const TomlNode& node : root_.array("generate", 1000)) {
+      TableReader t(&node, fmt::format("[generate.{}]", ++number), diagnostics_);
+      if (!t.there()) continue;
+      const auto surface = effects_.read_surface(t);
+      Generated made = read_generator(t, kMaxSceneBodies - static_cast<unsigned>(scene_.bodies.size()));
+      if (made.bodies.empty()) continue;
+      check_friction(t, made.part.friction);
+      made.part.first = static_cast<BodyId>(scene_.bodies.size());
+      for (const auto& body : made.bodies) effects_.set_surface(add(body).id, surface);
+      scene_.generated.push_back(std::move(made.part));
+    }
+  }
+
+  void read_hand() {
+    TableReader t = table("hand");
+    HandScript& hand = scene_.hand;
+    hand.repeat = t.flag("repeat", hand.repeat);
+    hand.stiffness_N_per_m = t.number("stiffness_N_per_m", hand.stiffness_N_per_m, kStiffness);
+    hand.damping_Ns_per_m = t.number("damping_Ns_per_m", hand.damping_Ns_per_m, kDamping);
+    hand.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", hand.stiffness_Nm_per_rad, kStiffness);
+    hand.damping_Nms_per_rad = t.number("damping_Nms_per_rad", hand.damping_Nms_per_rad, kDamping);
+    hand.mass_kg = t.number("mass_kg", hand.mass_kg, {"a mass of a hand", 0, 10});
+    unsigned number = 0;
+    for (const TomlNode& node : t.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
+    check_path(t);
+    t.finish();
+  }
+
+  void read_waypoint(const TomlNode& node, unsigned number) {
+    TableReader t(&node, fmt::format("[hand] path.{}", number), diagnostics_);
+    if (!t.there()) return;
+    HandWaypoint point;
+    t.require("time_s", "a number");
+    point.time_s = t.number("time_s", 0, {"a time", 0, 3600});
+    point.position_m = t.vector("position_m", {}, {"a place", -1e4, 1e4});
+    t.require("position_m", "[x, y, z]");
+    point.rotation_vector_rad = t.vector("rotation_vector_rad", {}, {"a rotation", -10, 10});
+    auto& path = scene_.hand.path;
+    if (path.empty() && point.time_s != 0)
+      t.mistake("time_s", fmt::format("the path begins at {} s", point.time_s), "0");
+    if (!path.empty() && point.time_s <= path.back().time_s)
+      t.mistake("time_s", fmt::format("{} s is not after {} s", point.time_s, path.back().time_s), "ascending times");
+    path.push_back(point);
+    t.finish();
+  }
+
+  void check_path(TableReader& t) {
+    auto& path = scene_.hand.path;
+    if (scene_.proxy == kNoBody) return;
+    const Vec3d proxy = scene_.bodies[scene_.proxy].motion.pose.position;
+    if (path.empty()) {
+      path.push_back({0, proxy, {}});  // without a path the hand rests where the proxy is
+      return;
+    }
+    const auto& first = path.front();
+    const auto& last = path.back();
+    if (scene_.hand.repeat &&
+        (first.position_m != last.position_m || first.rotation_vector_rad != last.rotation_vector_rad))
+      t.mistake("path", "repeats, and does not end where it begins", "a last pose like the first, or repeat = false");
+    if (norm(first.position_m - proxy) > 1e-3)
+      t.warning("path", fmt::format("begins {:.3g} m from the proxy", norm(first.position_m - proxy)),
+                "a first way point at the proxy's position_m");
+  }
+
+  physics::Body<double>& add(physics::Body<double> body) {
+    body.id = static_cast<BodyId>(scene_.bodies.size());
+    scene_.bodies.push_back(body);
+    return scene_.bodies.back();
+  }
+
+  void check_friction(TableReader& t, double friction) {
+    if (friction > 0 && !scene_.effects.friction)
+      t.mistake("friction", "set, but the effect friction is not declared", "\"friction\" among the effects, or 0");
+  }
+
+  void check_card_houses() {
+    double ground = 0;  // the roughest ground decides nothing: a house may stand on any, so take the best
+    for (const auto& body : scene_.bodies)
+      if (body.kind == physics::BodyKind::kFixed) ground = std::max(ground, body.friction);
+    for (const auto& part : scene_.generated) {
+      if (part.foot_friction.empty()) continue;
+      const double on_ground = std::sqrt(part.friction * ground);
+      if (part.friction < part.top_friction)
+        root_.warning("generate",
+                      fmt::format("the card house cannot stand: friction {:.3g} between cards", part.friction),
+                      fmt::format("at least {:.3g}", part.top_friction));
+      if (on_ground < part.foot_friction.front())
+        root_.warning("generate",
+                      fmt::format("the card house cannot stand: friction {:.3g} with the ground", on_ground),
+                      fmt::format("at least {:.3g}", part.foot_friction.front()));
+    }
+  }
+
+  TableReader root_;
+  Scene& scene_;
+  SceneDiagnostics& diagnostics_;
+  HullReader hulls_;
+  MeshReader meshes_;
+  EffectReader effects_;
+};
+
+std::string lines_of(const std::string& name, const std::vector<Mistake>& list, const char* label) {
+  std::string text;
+  for (const Mistake& m : list) {
+    const std::string place = m.line == 0 ? "" : fmt::format(":{}:{}", m.line, m.column);
+    std::string line = fmt::format("{}{}: {}{}: {}; accepted: {}", name, place, label, m.where, m.what, m.accepted);
+    // One line each, whatever a key or a file name holds.
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
+    text += (text.empty() ? "" : "\n") + line;
+  }
+  return text;
+}
+
+void sort_by_place(std::vector<Mistake>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const Mistake& a, const Mistake& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+}
+
+Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diagnostics) {
+  sort_by_place(found.mistakes);
+  sort_by_place(found.warnings);
+  const bool good = found.ok();
+  std::string message = found.message();
+  if (diagnostics != nullptr) *diagnostics = std::move(found);
+  if (!good) return Status::error(std::move(message));
+  return scene;
+}
+
+// `folder`: where the scene's files are; none: it has no files.
+Result<Scene> parse(std::string_view text, std::string_view name, const std::optional<std::filesystem::path>& folder,
+                    SceneDiagnostics* diagnostics) {
+  SceneDiagnostics found;
+  found.name = std::string(name);
+  Scene scene;
+  scene.name = std::filesystem::path(name).stem().string();
+  TomlNode root;
+  std::string kept;
+  if (read_toml(text, root, found)) {
+    SceneReader reader(root, scene, found, folder);
+    reader.read();
+    kept = reader.kept_files();
+  }
+  if (found.ok()) scene.source = std::string(text) + kept;
+  return finish(std::move(scene), std::move(found), diagnostics);
+}
+
+}  // namespace
+
+void SceneDiagnostics::add(Mistake mistake) {
+  if (full())
+    ++left_out;
+  else
+    mistakes.push_back(std::move(mistake));
+}
+
+std::string SceneDiagnostics::message() const {
+  std::string text = lines_of(name, mistakes, "");
+  if (left_out > 0) text += fmt::format("\n{}: and {} more", name, left_out);
+  return text;
+}
+
+std::string SceneDiagnostics::warning_message() const { return lines_of(name, warnings, "warning: "); }
+
+Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics) {
+  return parse(text, name, std::nullopt, diagnostics);
+}
+
+Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  if (file && !std::filesystem::is_directory(path)) {
+    text.resize(kMaxSceneBytes + 1);  // one byte more than is accepted says that there is more
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (!file.bad()) return parse(text, path.string(), path.parent_path(), diagnostics);
+  }
+  SceneDiagnostics found;
+  found.name = path.string();
+  found.add({0, 0, "the file", "cannot be read", "the path of a scene file, such as sim/scenes/card_house.toml"});
+  return finish({}, std::move(found), diagnostics);
+}
+
+double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept {
+  double fewest = std::min(double(solver.sub_steps), solver.global_sub_steps_per_tick);
+  if (solver.far_sub_steps_per_tick > 0) fewest = std::min(fewest, solver.far_sub_steps_per_tick);
+  return 0.25 * fewest / tick_s;
+}
+
+}  // namespace tactus::sim

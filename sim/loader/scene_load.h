@@ -1,0 +1,53 @@
+// Reading a scene from its TOML text, and saying everything that is wrong with it at once.
+//
+// Every mistake has its line and column, the key, what was found and what is accepted; a mistake never hides the next
+// one, but where the text is no TOML at all. Warnings (an effect declared and not used, a card house that cannot stand)
+// do not refuse a scene. Units: SI, in the key names. Frame: world, z up. Thread: [setup].
+// Bound: the limits below; beyond them the scene is refused by a mistake like any other.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rt/base/result.h"
+#include "sim/loader/scene.h"
+
+namespace tactus::sim {
+
+inline constexpr std::size_t kMaxSceneBytes = 4u << 20;
+inline constexpr unsigned kMaxSceneBodies = 100'000;
+inline constexpr unsigned kMaxWaypoints = 10'000;
+inline constexpr std::size_t kMaxReportedMistakes = 100;  // more are counted, not listed
+
+struct Mistake {
+  unsigned line{0}, column{0};  // from 1; 0 where there is no text to point at
+  std::string where;            // "[body.3] mass_kg": tables of an array count from 1, in the order of the file
+  std::string what;             // what was found
+  std::string accepted;         // what would do
+};
+
+struct SceneDiagnostics {
+  std::string name;               // as given: the file
+  std::vector<Mistake> mistakes;  // by line and column
+  std::vector<Mistake> warnings;  // same
+  std::size_t left_out{0};        // mistakes beyond kMaxReportedMistakes
+
+  bool ok() const noexcept { return mistakes.empty(); }
+  bool full() const noexcept { return mistakes.size() >= kMaxReportedMistakes; }
+  void add(Mistake mistake);  // counts it only, where full
+  // One line each: "scenes/x.toml:12:3: [body.3] mass_kg: -1 is not a mass; accepted: a number >= 1e-06 and <= 1e+06".
+  std::string message() const;
+  std::string warning_message() const;
+};
+
+// The scene, or an error whose message is that of the diagnostics. `diagnostics`, when given, is filled in any case.
+Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics = nullptr);
+Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics = nullptr);
+
+// The highest contact frequency that both worlds solve accurately: 0.25 / h for the longer of their sub-steps [Hz].
+// The global step of r ticks has r x global_sub_steps_per_tick sub-steps, so its sub-step does not depend on r.
+double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept;
+
+}  // namespace tactus::sim

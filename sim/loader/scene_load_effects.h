@@ -1,0 +1,57 @@
+// The keys of effects in a scene file: the list, the effects' own tables, the keys of a body, joints.
+//
+// A key or a table that needs an effect which is not declared is a mistake that names the effect; one that is declared
+// and used by nothing is a warning. Thread: [setup]. Mistakes go to the reader's diagnostics.
+#pragma once
+
+#include <map>
+
+#include "sim/loader/scene_load_reader.h"
+
+namespace tactus::sim {
+
+inline constexpr std::size_t kMaxSceneJoints = 10'000;
+inline constexpr std::size_t kMaxPathKeys = 1'000;
+
+class EffectReader {
+ public:
+  EffectReader(Scene& scene, SceneDiagnostics& diagnostics) : scene_(scene), diagnostics_(diagnostics) {}
+
+  void read_list(TableReader& root);    // before all others
+  void read_tables(TableReader& root);  // [damping], [drag]
+  // What a table says of the surfaces of the bodies that it makes.
+  struct Surface {
+    double restitution{0};
+    physics::ContactPatch<double> patch;
+    double attraction_weight{0};
+    physics::Grain<double> grain;
+    physics::Ringing<double> ringing;
+  };
+  Surface read_surface(TableReader& table);
+  void set_surface(BodyId id, const Surface& surface);
+  // A body's own: its name for joints, its script.
+  void read_body(TableReader& table, physics::Body<double>& body);
+  void set_name(const std::string& name, BodyId id) { ids_[name] = id; }
+  // After all bodies: what refers to them.
+  void read_joints(TableReader& root);
+  void read_attraction(TableReader& root);
+  // After everything: what follows from it, and what is declared for nothing.
+  void finish(TableReader& root);
+
+ private:
+  bool needs(TableReader& table, const char* key, bool declared, const char* effect);
+  void read_feel(TableReader& table, Surface& surface);
+  void read_script(TableReader& table, physics::Body<double>& body);
+  void read_joint(TableReader& table);
+  BodyId read_end(TableReader& table, const char* key);
+  void read_limits(TableReader& table, physics::Joint<double>& joint, double at_start);
+  void read_motor(TableReader& table, physics::Joint<double>& joint);
+  void find_drag();
+
+  Scene& scene_;
+  SceneDiagnostics& diagnostics_;
+  double density_kg_per_m3_{0}, drag_coefficient_{0};
+  std::map<std::string, BodyId> ids_;  // by name
+};
+
+}  // namespace tactus::sim

@@ -1,0 +1,125 @@
+#include "sim/loader/scene_load_hull.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/loader/scene_load_files.h"
+#include "sim/loader/shape_files.h"
+
+namespace tactus::sim {
+namespace {
+
+// False, and one mistake, where an entry is no place.
+bool read_points(std::span<const TomlNode> nodes, const std::string& where, SceneDiagnostics& diagnostics,
+                 std::vector<Vec3d>& points) {
+  const auto is_coordinate = [](const TomlNode& n) {
+    return (n.kind == TomlKind::kNumber || n.kind == TomlKind::kInteger) && std::isfinite(n.number);
+  };
+  for (const TomlNode& node : nodes) {
+    if (node.kind != TomlKind::kArray || node.items.size() != 3 ||
+        !std::all_of(node.items.begin(), node.items.end(), is_coordinate)) {
+      diagnostics.add({node.line, node.column, where, node.shown() + " is not a place", "[x, y, z], finite numbers"});
+      return false;
+    }
+    points.push_back({node.items[0].number, node.items[1].number, node.items[2].number});
+  }
+  return true;
+}
+
+std::string table_of(const std::string& file, double unit_m, const std::vector<Vec3d>& vertices) {
+  std::string text = fmt::format("\n[[hull_file]]\nname = {}\nfile_unit_m = {}\npoints_m = [\n", quoted(file), unit_m);
+  for (const Vec3d& v : vertices) text += fmt::format("  [{}, {}, {}],\n", v.x, v.y, v.z);  // every bit of them
+  return text + "]\n";
+}
+
+}  // namespace
+
+void HullReader::read_kept(std::span<const TomlNode> tables) {
+  unsigned number = 0;
+  for (const TomlNode& node : tables) {
+    TableReader t(&node, fmt::format("[hull_file.{}]", ++number), diagnostics_);
+    if (!t.there()) continue;
+    t.require("name", "the name of a file, as a body has it");
+    t.require("points_m", "[[x, y, z], ...]: the corners of the hull");
+    const FileKey key{t.text("name", "", kLongestFileName), t.number("file_unit_m", 1, kFileUnit)};
+    std::vector<Vec3d> points;
+    if (read_points(t.array("points_m", kMaxHullPoints), t.name_of("points_m"), diagnostics_, points))
+      given_[key] = std::move(points);
+    t.finish();
+  }
+}
+
+std::optional<HullOfBody> HullReader::read(TableReader& body) {
+  if (body.has("file")) {
+    body.refuse("points_m", "there is a file already", "points_m or file");
+    return read_file(body);
+  }
+  body.refuse("file_unit_m", "there is no file", "no such key");
+  if (!body.require("points_m", "points_m = [[x, y, z], ...], or file = \"name.obj\" or \"name.stl\""))
+    return std::nullopt;
+  const std::size_t mistakes = diagnostics_.mistakes.size() + diagnostics_.left_out;
+  const auto nodes = body.array("points_m", kMaxHullPoints);
+  std::vector<Vec3d> points;
+  if (!read_points(nodes, body.name_of("points_m"), diagnostics_, points)) return std::nullopt;
+  if (diagnostics_.mistakes.size() + diagnostics_.left_out != mistakes) return std::nullopt;
+  auto built = build(body, "points_m", points);
+  if (!built) return std::nullopt;
+  return add(*built);
+}
+
+std::optional<HullOfBody> HullReader::read_file(TableReader& body) {
+  const FileKey key{body.text("file", "", kLongestFileName), body.number("file_unit_m", 1, kFileUnit)};
+  if (key.first.empty()) {
+    body.mistake("file", "is no name of a file", "a name that ends in .obj or .stl");
+    return std::nullopt;
+  }
+  if (const auto known = of_file_.find(key); known != of_file_.end()) return known->second;
+  std::vector<Vec3d> points;
+  const auto given = given_.find(key);
+  if (given != given_.end()) {
+    points = given->second;
+  } else if (!folder_) {
+    body.mistake("file", "only a scene that is a file itself may name one", "points_m");
+    return std::nullopt;
+  } else {
+    auto corners = read_shape_file(*folder_ / key.first);
+    if (!corners.ok()) {
+      const auto [what, accepted] = halves_of(corners.message());
+      body.mistake("file", what, accepted);
+      return std::nullopt;
+    }
+    for (const Vec3d& corner : corners.value()) points.push_back(corner * key.second);
+  }
+  auto built = build(body, "file", points);
+  if (!built) return std::nullopt;
+  if (given == given_.end()) kept_ += table_of(key.first, key.second, built->vertices);
+  return of_file_[key] = add(*built);
+}
+
+std::optional<BuiltHull> HullReader::build(TableReader& body, const char* key, std::span<const Vec3d> points) {
+  if (scene_.hulls.size() >= kMaxSceneHulls) {
+    body.mistake(key, fmt::format("is one hull more than {}", kMaxSceneHulls),
+                 "fewer hulls, or bodies that share a file");
+    return std::nullopt;
+  }
+  for (const Vec3d& p : points) {
+    if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest_m) continue;
+    body.mistake(key, fmt::format("has a point at [{:g}, {:g}, {:g}] m", p.x, p.y, p.z),
+                 fmt::format("points within {:g} m: is file_unit_m right?", kFarthest_m));
+    return std::nullopt;
+  }
+  auto built = build_hull(points);
+  if (built.ok()) return std::move(built).value();
+  const auto [what, accepted] = halves_of(built.message());
+  body.mistake(key, what, accepted);
+  return std::nullopt;
+}
+
+HullOfBody HullReader::add(const BuiltHull& built) {
+  scene_.hulls.push_back(built.hull);
+  return {static_cast<std::uint32_t>(scene_.hulls.size() - 1), built.given_from_body};
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,56 @@
+// Hulls of a scene file: points in the text, or a file of corners beside it.
+//
+// A file's vertices are kept in the scene's source as [[hull_file]] tables at its end, so that a tape replays without
+// the file: a text that has them needs no file. Thread: [setup]. Mistakes go to the reader's diagnostics.
+// Bound: kMaxSceneHulls; two bodies of the same file and unit share a hull.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "sim/loader/hull_builder.h"
+#include "sim/loader/scene_load_reader.h"
+
+namespace tactus::sim {
+
+inline constexpr std::size_t kMaxSceneHulls = 1000;
+inline constexpr std::size_t kMaxHullPoints = 100'000;
+
+struct HullOfBody {
+  std::uint32_t index{0};  // in the scene's hulls
+  Posed given_from_body;
+};
+
+class HullReader {
+ public:
+  // `folder`: where the names of files start; none: no file is opened.
+  HullReader(Scene& scene, SceneDiagnostics& diagnostics, std::optional<std::filesystem::path> folder)
+      : scene_(scene), diagnostics_(diagnostics), folder_(std::move(folder)) {}
+
+  // The [[hull_file]] tables of the text.
+  void read_kept(std::span<const TomlNode> tables);
+
+  // From a body's points_m, or its file and file_unit_m. Nothing, and a mistake, where they make no hull.
+  std::optional<HullOfBody> read(TableReader& body);
+
+  const physics::Hull<double>& hull(std::uint32_t index) const { return scene_.hulls[index]; }
+  // What the source must have at its end so that it needs no file: the corners of the files that were opened.
+  const std::string& kept() const { return kept_; }
+
+ private:
+  using FileKey = std::pair<std::string, double>;  // name, unit in metres
+
+  std::optional<HullOfBody> read_file(TableReader& body);
+  std::optional<BuiltHull> build(TableReader& body, const char* key, std::span<const Vec3d> points);
+  HullOfBody add(const BuiltHull& built);
+
+  Scene& scene_;
+  SceneDiagnostics& diagnostics_;
+  std::optional<std::filesystem::path> folder_;
+  std::map<FileKey, std::vector<Vec3d>> given_;  // in m, from the text
+  std::map<FileKey, HullOfBody> of_file_;
+  std::string kept_;
+};
+
+}  // namespace tactus::sim

@@ -1,0 +1,252 @@
+#include "sim/loader/scene_load_parts.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace tactus::sim {
+namespace {
+
+using physics::Body;
+using physics::Shape;
+using physics::ShapeKind;
+
+// Lengths and masses whose squares and inverses stay far from the ends of a double, and of a float too.
+constexpr Range kLength{"a length", 1e-4, 1e3};
+constexpr Range kMass{"a mass", 1e-6, 1e6};
+constexpr Range kDensity{"a density", 1e-3, 1e5};
+constexpr Range kVelocity{"a velocity", -100, 100};
+constexpr Range kAngularVelocity{"an angular velocity", -1000, 1000};
+
+// A shape and its own frame in that of the body's keys: hulls and meshes are given in any frame.
+struct ReadShape {
+  Shape<double> shape;
+  Posed given_from_body{};
+  const physics::Hull<double>* hull{nullptr};
+
+  double volume() const { return hull != nullptr ? hull->volume : physics::volume_of(shape); }
+};
+
+// Nothing where the shape is not known: a mistake has been added, and the other keys cannot be judged.
+std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
+  const bool proxy = role == BodyRole::kProxy;
+  if (!table.require("shape", proxy ? "sphere, capsule, box" : "box, sphere, capsule, hull, plane, mesh"))
+    return std::nullopt;
+  const std::string word = proxy ? table.word("shape", "", {"sphere", "capsule", "box"})
+                                 : table.word("shape", "", {"box", "sphere", "capsule", "hull", "plane", "mesh"});
+  if (word.empty()) return std::nullopt;
+  if (word == "plane") return ReadShape{Shape<double>::plane()};
+  if (word == "hull") {
+    const auto made = hulls.read(table);
+    if (!made) return std::nullopt;
+    const auto& hull = hulls.hull(made->index);
+    return ReadShape{Shape<double>::convex(hull, made->index), made->given_from_body, &hull};
+  }
+  if (word == "mesh") {
+    const auto made = meshes.read(table);
+    if (!made) return std::nullopt;
+    return ReadShape{Shape<double>::mesh(meshes.mesh(made->index).half_extents, made->index), made->given_from_body};
+  }
+  if (word == "box") {
+    table.require("size_m", "[x, y, z]: the full lengths of the edges");
+    return ReadShape{Shape<double>::box(0.5 * table.vector("size_m", {0.1, 0.1, 0.1}, kLength))};
+  }
+  table.require("radius_m", "a number");
+  const double radius = table.number("radius_m", 0.05, kLength);
+  if (word == "sphere") return ReadShape{Shape<double>::sphere(radius)};
+  table.require("length_m", "a number: from the centre of one cap to that of the other");
+  return ReadShape{Shape<double>::capsule(radius, 0.5 * table.number("length_m", 0.1, kLength))};
+}
+
+double read_mass(TableReader& table, double volume_m3) {
+  const double mass = table.number("mass_kg", 1, kMass), density = table.number("density_kg_per_m3", 1000, kDensity);
+  if (table.has("mass_kg") && table.has("density_kg_per_m3"))
+    table.mistake("density_kg_per_m3", "there is a mass already", "mass_kg or density_kg_per_m3");
+  if (!table.has("density_kg_per_m3")) {
+    table.require("mass_kg", "mass_kg or density_kg_per_m3");
+    return mass;
+  }
+  const double from_density = density * volume_m3;
+  if (from_density >= kMass.low && from_density <= kMass.high) return from_density;
+  table.mistake("density_kg_per_m3", fmt::format("gives a mass of {:g} kg", from_density),
+                fmt::format("a mass >= {:g} and <= {:g}", kMass.low, kMass.high));
+  return 1;
+}
+
+Vec3d read_edges(TableReader& table, const char* key, const Vec3d& fallback) {
+  return table.vector(key, fallback, {"a size", kLength.low, kLength.high});
+}
+
+// --- the generators' own keys. Each fills the bodies when there is room for them.
+
+template <class Spec, class Make>
+void make_if_room(TableReader& table, const Spec& spec, Make make, unsigned room, Generated& made) {
+  const unsigned count = count_of(spec);
+  if (count > room) {
+    table.mistake("kind", fmt::format("makes {} bodies", count),
+                  fmt::format("{} more: a scene has at most {}", room, kMaxSceneBodies));
+    return;
+  }
+  made.bodies = make(spec);
+}
+
+void read_wall(TableReader& table, double friction, unsigned room, Generated& made) {
+  WallSpec spec;
+  spec.columns = table.count("columns", spec.columns, {"a number of bricks", 2, 1000});
+  spec.rows = table.count("rows", spec.rows, {"a number of courses", 1, 1000});
+  spec.brick_m = read_edges(table, "brick_m", spec.brick_m);
+  spec.gap_m = table.number("gap_m", spec.gap_m, {"a gap", 0, 1});
+  spec.mass_kg = table.number("mass_kg", spec.mass_kg, kMass);
+  spec.friction = friction;
+  if (spec.gap_m > 0.2 * spec.brick_m.x) {
+    table.mistake("gap_m", fmt::format("{} is too wide for bricks of {} m", spec.gap_m, spec.brick_m.x),
+                  "at most a fifth of a brick");
+    return;
+  }
+  make_if_room(table, spec, make_wall, room, made);
+}
+
+void read_pile(TableReader& table, double friction, unsigned room, Generated& made) {
+  PileSpec spec;
+  spec.count = table.count("count", spec.count, {"a number of cubes", 1, kMaxSceneBodies});
+  spec.layers = table.count("layers", spec.layers, {"a number of layers", 1, 100});
+  spec.cube_m = table.number("cube_m", spec.cube_m, kLength);
+  spec.gap_fraction = table.number("gap_fraction", spec.gap_fraction, {"a gap between cubes", 0, 0.2});
+  spec.mass_kg = table.number("mass_kg", spec.mass_kg, kMass);
+  spec.wall_height_m = table.number("wall_height_m", spec.cube_m * (spec.layers + 2), kLength);
+  spec.wall_thickness_m = table.number("wall_thickness_m", spec.cube_m, kLength);
+  spec.seed = table.seed("seed", spec.seed);
+  spec.friction = friction;
+  make_if_room(table, spec, make_pile, room, made);
+}
+
+void read_tower(TableReader& table, double friction, unsigned room, Generated& made) {
+  TowerSpec spec;
+  spec.layers = table.count("layers", spec.layers, {"a number of layers", 1, 1000});
+  spec.blocks_per_layer = table.count("blocks_per_layer", spec.blocks_per_layer, {"a number of blocks", 1, 100});
+  spec.block_m = read_edges(table, "block_m", spec.block_m);
+  spec.mass_kg = table.number("mass_kg", spec.mass_kg, kMass);
+  spec.friction = friction;
+  make_if_room(table, spec, make_tower, room, made);
+}
+
+void read_card_house(TableReader& table, double friction, unsigned room, Generated& made) {
+  CardHouseSpec spec;
+  spec.levels = table.count("levels", spec.levels, {"a number of levels", 1, 50});
+  spec.card_m = read_edges(table, "card_m", spec.card_m);
+  spec.angle_rad = table.number("angle_rad", spec.angle_rad, {"an angle from the vertical", 0.02, 0.7});
+  spec.gap_m = table.number("gap_m", spec.gap_m, {"a gap", 0, 0.1});
+  spec.mass_kg = table.number("mass_kg", spec.mass_kg, kMass);
+  spec.friction = friction;
+  const auto [s, c] = sin_cos(spec.angle_rad);
+  const double pair_width = 2 * (spec.card_m.y * s + spec.card_m.z * c), pitch = spec.card_m.x + spec.gap_m;
+  if (pair_width > pitch) {
+    table.mistake("angle_rad", fmt::format("a pair of cards is {:.4g} m wide there", pair_width),
+                  fmt::format("at most {:.4g} m: a smaller angle, or a wider card", pitch));
+    return;
+  }
+  if (spec.gap_m > spec.card_m.z * c) {
+    table.mistake("gap_m", fmt::format("flat cards {} m apart have nothing to rest on", spec.gap_m),
+                  fmt::format("at most {:.4g}: half the width of a pair's top", spec.card_m.z * c));
+    return;
+  }
+  auto needs = needs_of(spec);
+  made.part.foot_friction = std::move(needs.foot_friction);
+  made.part.top_friction = needs.top_friction;
+  make_if_room(table, spec, make_card_house, room, made);
+}
+
+void read_domino_row(TableReader& table, double friction, unsigned room, Generated& made) {
+  DominoRowSpec spec;
+  spec.count = table.count("count", spec.count, {"a number of dominoes", 1, kMaxSceneBodies});
+  spec.domino_m = read_edges(table, "domino_m", spec.domino_m);
+  spec.spacing_m = table.number("spacing_m", spec.spacing_m, kLength);
+  spec.mass_kg = table.number("mass_kg", spec.mass_kg, kMass);
+  spec.friction = friction;
+  if (spec.spacing_m < spec.domino_m.x) {
+    table.mistake("spacing_m", fmt::format("{} m is less than a domino's thickness", spec.spacing_m),
+                  fmt::format("a number >= {}", spec.domino_m.x));
+    return;
+  }
+  make_if_room(table, spec, make_domino_row, room, made);
+}
+
+// The part again and again, in a grid about its own place: row by row, each part's bodies together.
+void repeat(TableReader& table, unsigned room, Generated& made) {
+  const unsigned columns = table.count("copies_x", 1, {"a number of copies", 1, 1000});
+  const unsigned rows = table.count("copies_y", 1, {"a number of copies", 1, 1000});
+  const double pitch_m = table.number("copy_pitch_m", 1, kLength);
+  const std::size_t count = std::size_t{columns} * rows;
+  if (count == 1) return;
+  if (count * made.bodies.size() > room) {
+    table.mistake("copies_x", fmt::format("{} copies make {} bodies", count, count * made.bodies.size()),
+                  fmt::format("{} more: a scene has at most {}", room, kMaxSceneBodies));
+    made.bodies.clear();
+    return;
+  }
+  const Bodies one = std::move(made.bodies);
+  made.bodies.clear();
+  made.bodies.reserve(count * one.size());
+  for (unsigned j = 0; j < rows; ++j)
+    for (unsigned i = 0; i < columns; ++i)
+      for (auto body : one) {
+        body.motion.pose.position += pitch_m * Vec3d{i - 0.5 * (columns - 1), j - 0.5 * (rows - 1), 0};
+        made.bodies.push_back(body);
+      }
+}
+
+}  // namespace
+
+Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
+  const auto known_shape = read_shape(table, role, hulls, meshes);
+  if (!known_shape) {
+    table.ignore_the_rest();
+    return physics::make_dynamic_body(kNoBody, Shape<double>::sphere(0.05), 1.0, 0.0, Posed{});
+  }
+  const Shape<double>& shape = known_shape->shape;
+  const double friction = table.number("friction", 0, kFriction);
+  const Posed pose = table.pose() * known_shape->given_from_body;
+  const bool is_plane = shape.kind == ShapeKind::kPlane, is_mesh = shape.kind == ShapeKind::kMesh;
+  const bool fixed = role == BodyRole::kBody && table.flag("fixed", is_plane || is_mesh);
+  if (is_plane && !fixed) table.mistake("fixed", "a plane never moves", "true");
+  if (is_mesh && !fixed) table.mistake("fixed", "a mesh never moves", "true; what moves is a hull, or several bodies");
+  if (fixed || is_plane || is_mesh) {
+    for (const char* key : {"mass_kg", "density_kg_per_m3", "velocity_m_per_s", "angular_velocity_rad_per_s"})
+      table.refuse(key, "a fixed body has none", "no such key");
+    return physics::make_fixed_body(kNoBody, shape, friction, pose);
+  }
+  // What follows a script weighs nothing to anybody.
+  const bool weightless = role == BodyRole::kBody && table.flag("kinematic", false) && !table.has("mass_kg") &&
+                          !table.has("density_kg_per_m3");
+  const double mass_kg = weightless ? 1 : read_mass(table, known_shape->volume());
+  auto body = physics::make_dynamic_body(kNoBody, shape, mass_kg, friction, pose);
+  if (known_shape->hull != nullptr) body.inertia = known_shape->hull->inertia_per_kg * body.mass;
+  body.motion.velocity.linear = table.vector("velocity_m_per_s", {}, kVelocity);
+  body.motion.velocity.angular = table.vector("angular_velocity_rad_per_s", {}, kAngularVelocity);
+  if (role == BodyRole::kProxy) body.gravity_scale = 0;
+  return body;
+}
+
+Generated read_generator(TableReader& table, unsigned room) {
+  Generated made;
+  const auto kinds = {"wall", "pile", "tower", "card_house", "domino_row"};
+  if (!table.require("kind", "wall, pile, tower, card_house, domino_row")) return made;
+  const std::string kind = table.word("kind", "", kinds);
+  if (kind.empty()) return made;  // its keys are not judged: nobody knows which it has
+  const double friction = table.number("friction", 0, kFriction);
+  const Posed world_from_part = table.pose();
+  made.part.kind = kind;
+  made.part.friction = friction;
+  if (kind == "wall") read_wall(table, friction, room, made);
+  if (kind == "pile") read_pile(table, friction, room, made);
+  if (kind == "tower") read_tower(table, friction, room, made);
+  if (kind == "card_house") read_card_house(table, friction, room, made);
+  if (kind == "domino_row") read_domino_row(table, friction, room, made);
+  repeat(table, room, made);
+  for (auto& body : made.bodies) body.motion.pose = world_from_part * body.motion.pose;
+  made.part.count = static_cast<unsigned>(made.bodies.size());
+  table.finish();
+  return made;
+}
+
+}  // namespace tactus::sim

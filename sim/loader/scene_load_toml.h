@@ -1,0 +1,37 @@
+// A TOML document as plain values with places in the text: all that the rest of the program sees of the TOML library.
+//
+// Thread: [setup]. Bound: the text's size, nesting and number of values are limited before and while it is read, so
+// that no text can exhaust the stack or the memory; beyond them there is a mistake instead of a document.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/loader/scene_load.h"
+
+namespace tactus::sim {
+
+enum class TomlKind { kBoolean, kInteger, kNumber, kText, kArray, kTable, kDate };
+
+struct TomlNode {
+  TomlKind kind{TomlKind::kTable};
+  unsigned line{0}, column{0};
+  bool boolean{false};
+  std::int64_t integer{0};
+  double number{0};  // of an integer too
+  std::string text;
+  std::vector<TomlNode> items;  // of an array, in order; of a table, by key
+  std::string key;              // where it is in a table
+  unsigned key_line{0}, key_column{0};
+
+  const TomlNode* find(std::string_view key_sought) const noexcept;  // in a table; null where it is not
+  // For messages: the value as one would write it, or its kind where that is long.
+  std::string shown() const;
+};
+
+// Fills `root` and returns true, or adds one mistake and returns false.
+bool read_toml(std::string_view text, TomlNode& root, SceneDiagnostics& diagnostics);
+
+}  // namespace tactus::sim

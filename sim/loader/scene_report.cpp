@@ -1,0 +1,215 @@
+#include "sim/loader/scene_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rt/physics/collision/collide_mesh.h"
+#include "rt/physics/collision/manifold.h"
+#include "rt/physics/shapes/mesh_query.h"
+#include "rt/physics/step.h"
+#include "sim/loader/scene_effects.h"
+#include "sim/pair_grid.h"
+
+namespace tactus::sim {
+namespace {
+
+using physics::Body;
+using physics::BodyKind;
+using physics::ShapeKind;
+
+constexpr double kTwoPi = 6.28318530717958647692;
+
+BodyCounts count_bodies(const Scene& scene) {
+  BodyCounts counts;
+  for (const auto& body : scene.bodies) {
+    ++counts.total;
+    ++(body.kind == BodyKind::kFixed ? counts.fixed : counts.dynamic);
+    switch (body.shape.kind) {
+      case ShapeKind::kBox:
+        ++counts.boxes;
+        break;
+      case ShapeKind::kSphere:
+        ++counts.spheres;
+        break;
+      case ShapeKind::kCapsule:
+        ++counts.capsules;
+        break;
+      case ShapeKind::kPlane:
+        ++counts.planes;
+        break;
+      case ShapeKind::kHull:
+        ++counts.hulls;
+        break;
+      case ShapeKind::kMesh:
+        ++counts.meshes;
+        break;
+    }
+  }
+  return counts;
+}
+
+std::vector<EffectReport> report_effects(const Scene& scene) {
+  std::vector<EffectReport> reports;
+  for (const auto& effect : known_effects())
+    reports.push_back(
+        {std::string(effect.name), scene.effects.*effect.declared, is_in_use(scene, effect), std::string(effect.cost)});
+  return reports;
+}
+
+void count_contact(const physics::Manifold<double>& manifold, const Body<double>& a, const Body<double>& b,
+                   StartContacts& start) {
+  if (manifold.count == 0) return;
+  ++start.contacts;
+  start.points += manifold.count;
+  for (std::uint32_t i = 0; i < manifold.count; ++i) {
+    if (-manifold.points[i].separation <= start.deepest_m) continue;
+    start.deepest_m = -manifold.points[i].separation;
+    start.deepest_a = a.id, start.deepest_b = b.id;
+  }
+}
+
+// The contacts of one body with a mesh, patch by patch.
+void add_mesh_contacts(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
+                       StartContacts& start) {
+  const auto& mesh = scene.meshes[b.shape.index];
+  physics::TriangleList near;
+  physics::find_triangles(
+      mesh, physics::bounds_of(a.shape, physics::relative_pose(b.motion.pose, a.motion.pose), margin_m), near);
+  const auto triangles = near.triangles.span();
+  const auto patch_of = [&](std::size_t i) { return mesh.triangles[triangles[i]].patch; };
+  for (std::size_t first = 0, end = 0; first < triangles.size(); first = end) {
+    while (end < triangles.size() && patch_of(end) == patch_of(first)) ++end;
+    count_contact(physics::collide_patch(a.shape, a.motion.pose, b.motion.pose, mesh,
+                                         std::span<const std::uint32_t>(triangles.subspan(first, end - first)),
+                                         margin_m, scene.hulls),
+                  a, b, start);
+  }
+}
+
+// Counts the contacts of one pair, a before b by id.
+void add_contact(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
+                 StartContacts& start) {
+  if (b.shape.kind == ShapeKind::kMesh) return add_mesh_contacts(scene, a, b, margin_m, start);
+  physics::AxisCache cache;
+  count_contact(physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin_m, cache, scene.hulls), a, b,
+                start);
+}
+
+StartContacts find_start_contacts(const Scene& scene) {
+  const double margin_m = physics::StepSettings<double>{}.min_margin;
+  std::vector<const Body<double>*> dynamic, fixed;
+  std::vector<physics::Aabb<double>> bounds;
+  for (const auto& body : scene.bodies) {
+    (body.kind == BodyKind::kFixed ? fixed : dynamic).push_back(&body);
+    if (body.kind != BodyKind::kFixed) bounds.push_back(bounds_of(body.shape, body.motion.pose, 0.5 * margin_m));
+  }
+  StartContacts start;
+  if (dynamic.empty()) return start;
+  // 64 neighbours a body: more than convex bodies of like size can have; what does not fit is not counted.
+  BoundedVector<physics::SlotPair> pairs(static_cast<std::uint32_t>(64 * dynamic.size()));
+  PairGrid grid(static_cast<std::uint32_t>(dynamic.size()));
+  (void)grid.find(bounds, pairs);
+  std::sort(pairs.begin(), pairs.end(), [](const auto& p, const auto& q) {
+    return std::pair(std::min(p.a, p.b), std::max(p.a, p.b)) < std::pair(std::min(q.a, q.b), std::max(q.a, q.b));
+  });
+  for (const auto& pair : pairs)
+    add_contact(scene, *dynamic[std::min(pair.a, pair.b)], *dynamic[std::max(pair.a, pair.b)], margin_m, start);
+  for (const auto* f : fixed) {
+    const auto box = bounds_of(f->shape, f->motion.pose, 0.5 * margin_m);
+    for (std::size_t i = 0; i < dynamic.size(); ++i)
+      if (box.overlaps(bounds[i])) add_contact(scene, *dynamic[i], *f, margin_m, start);
+  }
+  return start;
+}
+
+HandReport report_hand(const Scene& scene, const haptics::DeviceProperties& device) {
+  HandReport report;
+  report.device_max_speed_m_per_s = device.max_speed_m_per_s;
+  report.workspace_radius_m = device.workspace_radius_m;
+  const auto& path = scene.hand.path;
+  if (path.empty()) return report;
+  report.duration_s = path.back().time_s;
+  const Vec3d middle = scene.device.world_from_device.position;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    report.farthest_m = std::max(report.farthest_m, norm(path[i].position_m - middle) / scene.device.motion_scale);
+    if (i == 0) continue;
+    const double way = norm(path[i].position_m - path[i - 1].position_m) / scene.device.motion_scale;
+    report.max_speed_m_per_s =
+        std::max(report.max_speed_m_per_s, 15.0 / 8.0 * way / (path[i].time_s - path[i - 1].time_s));
+  }
+  return report;
+}
+
+void find_problems(const Scene& scene, SceneReport& report) {
+  const auto problem = [&report](std::string text) { report.problems.push_back(std::move(text)); };
+  if (!report.coupling.accepted) {
+    const auto axis = [&](const char* name, const haptics::AxisVerdict& verdict, const char* unit) {
+      if (verdict.accepted) return;
+      problem(fmt::format(
+          "[coupling] {}: {:g} {} with damping {:g} at the hand; accepted: stiffness at most {:.4g}, "
+          "damping at most {:.4g}",
+          name, verdict.stiffness, unit, verdict.damping, verdict.stiffness_allowed, verdict.damping_limit));
+    };
+    axis("translation", report.coupling.translation, "N/m");
+    axis("rotation", report.coupling.rotation, "N m/rad");
+  }
+  if (report.start.deepest_m > 1e-4)
+    problem(fmt::format("bodies {} and {} overlap by {:.3g} m at the start; accepted: at most 0.0001 m",
+                        report.start.deepest_a, report.start.deepest_b, report.start.deepest_m));
+  if (report.hand.farthest_m > report.hand.workspace_radius_m)
+    problem(
+        fmt::format("[hand] path leaves the device's workspace: {:.3g} m from its middle; accepted: at most {:g} m "
+                    "(move [device], or raise motion_scale)",
+                    report.hand.farthest_m, report.hand.workspace_radius_m));
+  if (report.hand.max_speed_m_per_s > report.hand.device_max_speed_m_per_s)
+    problem(fmt::format("[hand] path asks for {:.3g} m/s; accepted: at most {:g} m/s, what the device can do",
+                        report.hand.max_speed_m_per_s, report.hand.device_max_speed_m_per_s));
+  if (scene.solver.contact_hertz > report.max_contact_hertz_Hz)
+    problem(fmt::format("contact_hertz_Hz: {:g} at this rate; accepted: at most {:g}", scene.solver.contact_hertz,
+                        report.max_contact_hertz_Hz));
+}
+
+}  // namespace
+
+SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& device, double tick_s) {
+  SceneReport report;
+  report.name = scene.name;
+  report.title = scene.title;
+  report.bodies = count_bodies(scene);
+  report.effects = report_effects(scene);
+  report.generated = scene.generated;
+  report.meshes = scene.mesh_accounts;
+  report.lightest_kg = std::numeric_limits<double>::infinity();
+  for (const auto& body : scene.bodies) {
+    if (body.kind == BodyKind::kFixed) continue;
+    report.lightest_kg = std::min(report.lightest_kg, body.mass);
+    report.heaviest_kg = std::max(report.heaviest_kg, body.mass);
+  }
+  report.mass_ratio = report.heaviest_kg / report.lightest_kg;
+
+  report.contact_hertz_Hz = scene.solver.contact_hertz;
+  report.max_contact_hertz_Hz = max_contact_hertz(scene.solver, tick_s);
+  const double omega = kTwoPi * scene.solver.contact_hertz;
+  report.penetration = {1 / (scene.bodies[scene.proxy].mass * omega * omega), 1 / (report.lightest_kg * omega * omega)};
+
+  const double s2 = scene.device.motion_scale * scene.device.motion_scale;
+  report.coupling =
+      haptics::check_coupling({s2 * scene.coupling.stiffness_N_per_m, s2 * scene.coupling.damping_Ns_per_m,
+                               scene.coupling.stiffness_Nm_per_rad, scene.coupling.damping_Nms_per_rad},
+                              device, tick_s);
+  report.hand = report_hand(scene, device);
+  report.start = find_start_contacts(scene);
+  report.capacity.member_cap = scene.members;
+  report.capacity.members_possible = std::min(scene.members, report.bodies.dynamic);
+  report.capacity.contacts_per_body = static_cast<double>(report.start.contacts) / std::max(1u, report.bodies.dynamic);
+  report.capacity.sub_world_contacts =
+      static_cast<unsigned>(std::ceil(report.capacity.contacts_per_body * report.capacity.members_possible));
+  report.capacity.global_sub_steps = scene.solver.global_sub_steps(scene.ratio);
+  find_problems(scene, report);
+  return report;
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,80 @@
+// What a scene asks of the machine, the device and the solver, before it runs: for `tactus scene check`.
+//
+// Everything here follows from the scene and the device's description by formulas; nothing is simulated.
+// Thread: [setup]. Units: SI, in the names.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rt/haptics/coupling_limits.h"
+#include "rt/haptics/device.h"
+#include "sim/loader/scene_load.h"
+
+namespace tactus::sim {
+
+struct BodyCounts {
+  unsigned total{0}, dynamic{0}, fixed{0};
+  unsigned boxes{0}, spheres{0}, capsules{0}, planes{0}, hulls{0}, meshes{0};
+};
+
+struct EffectReport {
+  std::string name;
+  bool declared{false}, used{false};
+  std::string cost;                // what it adds to a tick
+  double added_us{0}, tick_us{0};  // as measured on this machine, in a tick of all bodies; tick 0: not measured
+};
+
+// Contacts of the scene as it stands before the first tick.
+struct StartContacts {
+  unsigned contacts{0}, points{0};  // pairs of bodies no further apart than the solver's margin
+  double deepest_m{0};              // largest overlap, 0 where there is none
+  BodyId deepest_a{kNoBody}, deepest_b{kNoBody};
+};
+
+// A load F on a contact of effective mass m sinks F / (m w^2) deep, w = 2 pi x the contact frequency.
+struct PenetrationReport {
+  double proxy_m_per_N{0};     // of the proxy on fixed ground
+  double lightest_m_per_N{0};  // of the lightest body on fixed ground
+};
+
+struct HandReport {
+  double duration_s{0};
+  double max_speed_m_per_s{0};  // of the device's tool on the scripted path; 15/8 of the mean on a smooth step
+  double device_max_speed_m_per_s{0};
+  double farthest_m{0};  // of the path from the middle of the device's workspace, in the device's metres
+  double workspace_radius_m{0};
+};
+
+// What the haptic thread must have room for.
+struct CapacityReport {
+  unsigned member_cap{0}, members_possible{0};  // dynamic bodies; the cap where there are more
+  double contacts_per_body{0};                  // at the start
+  unsigned sub_world_contacts{0};               // members_possible x contacts_per_body, rounded up: an estimate
+  unsigned global_sub_steps{0};                 // of one global step
+};
+
+struct SceneReport {
+  std::string name, title;
+  BodyCounts bodies;
+  std::vector<EffectReport> effects;                     // all that there are, sim/loader/scene_effects.cpp
+  double lightest_kg{0}, heaviest_kg{0}, mass_ratio{1};  // dynamic bodies
+  double contact_hertz_Hz{0}, max_contact_hertz_Hz{0};
+  PenetrationReport penetration;
+  haptics::CouplingVerdict coupling;  // at the hand: stiffness and damping of translation x motion scale squared
+  std::vector<GeneratedPart> generated;
+  std::vector<MeshAccount> meshes;
+  StartContacts start;
+  HandReport hand;
+  CapacityReport capacity;
+  std::vector<std::string> problems;  // why the scene will not run well; empty: good
+
+  bool good() const noexcept { return problems.empty(); }
+};
+
+SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& device, double tick_s);
+
+// For people: a dozen lines.
+std::string to_text(const SceneReport& report);
+
+}  // namespace tactus::sim
