@@ -14,9 +14,12 @@ constexpr std::uint64_t kSmiCounter = 0x34;
 // A core that wakes slower than this costs a share of a millisecond that can be felt in the wake-up figures.
 constexpr long kQuickWake_us = 10;
 
-std::string boot_with(const Patient& p, const char* parameter) {
-  return fmt::format("add {}={} to GRUB_CMDLINE_LINUX in /etc/default/grub, then: update-grub && reboot", parameter,
-                     p.cpu);
+// A file of its own for each parameter: what is run twice is there once.
+std::string boot_with(const Patient& p, const char* parameter, const char* words = "") {
+  return fmt::format(
+      "mkdir -p /etc/default/grub.d && echo 'GRUB_CMDLINE_LINUX=\"$GRUB_CMDLINE_LINUX {0}={1}{2}\"' > "
+      "/etc/default/grub.d/61-tactus-{0}.cfg && update-grub   # then reboot",
+      parameter, words, p.cpu);
 }
 
 // A core in a set that the kernel shows in this file; null: it shows none, and the boot line decides.
@@ -61,7 +64,7 @@ Finding check_isolation(const Patient& p) {
   if (core_in(p, "/sys/devices/system/cpu/isolated", "isolcpus"))
     return green("isolation", fmt::format("cpu {} is kept free of other threads", p.cpu));
   return amber("isolation", fmt::format("cpu {} is shared: the scheduler may put any thread there", p.cpu),
-               fmt::format("boot with isolcpus={}", p.cpu), boot_with(p, "isolcpus"));
+               fmt::format("boot with isolcpus={}", p.cpu), boot_with(p, "isolcpus", "managed_irq,domain,"));
 }
 
 Finding check_timer_ticks(const Patient& p) {
@@ -105,11 +108,12 @@ Finding check_idle_states(const Patient& p) {
                  fmt::format("the core may take {} us to wake; /dev/cpu_dma_latency is writable, so a run "
                              "keeps it awake",
                              slowest_us));
-  return red(
-      "idle-states", fmt::format("the core may take {} us to wake, and this user may not keep it awake", slowest_us),
-      "make /dev/cpu_dma_latency writable for this user, or boot with processor.max_cstate=1",
-      "echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0660\", GROUP=\"realtime\"' > /etc/udev/rules.d/61-tactus.rules && "
-      "udevadm control --reload && udevadm trigger");
+  return red("idle-states",
+             fmt::format("the core may take {} us to wake, and this user may not keep it awake", slowest_us),
+             "make /dev/cpu_dma_latency writable for this user, or boot with processor.max_cstate=1",
+             fmt::format("echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0660\", OWNER=\"{}\"' > "
+                         "/etc/udev/rules.d/61-tactus-latency.rules && udevadm control --reload && udevadm trigger",
+                         p.system.process().user));
 }
 
 Finding check_sibling(const Patient& p) {
@@ -132,13 +136,14 @@ Finding check_sibling(const Patient& p) {
 Finding check_interrupts(const Patient& p) {
   std::string numbers, commands;
   int count = 0;
+  const std::vector<std::string> of_bus = bus_interrupt_lines(p);
   for (const std::string& number : p.system.list("/proc/irq")) {
     if (number.empty() || number.front() < '0' || number.front() > '9') continue;
+    if (std::find(of_bus.begin(), of_bus.end(), number) != of_bus.end()) continue;  // see bus-interrupt
     const std::string folder = "/proc/irq/" + number;
     // What was chosen for it last; until its next interrupt the line may still be where it was before.
     const auto allowed = parse_cpu_list(p.system.read(folder + "/smp_affinity_list").value_or(""));
-    const auto effective = p.system.read(folder + "/effective_affinity_list");
-    const auto now = effective && !effective->empty() ? parse_cpu_list(*effective) : allowed;
+    const auto now = interrupt_cores(p, number);
     // A number that no driver uses has only files in its folder.
     const auto entries = p.system.list(folder);
     const bool used = std::any_of(entries.begin(), entries.end(), [&](const std::string& e) {
@@ -154,10 +159,9 @@ Finding check_interrupts(const Patient& p) {
   return amber(
       "interrupts",
       fmt::format("{} devices' interrupts go to cpu {}: {}{}", count, p.cpu, numbers, count > 8 ? ", ..." : ""),
-      fmt::format(
-          "send them to another core (the device's own bus may stay), and switch irqbalance off; for those that "
-          "refuse boot with isolcpus=managed_irq,domain,{}",
-          p.cpu),
+      fmt::format("send them to another core, and switch irqbalance off; for those that refuse boot with "
+                  "isolcpus=managed_irq,domain,{}",
+                  p.cpu),
       commands);
 }
 

@@ -37,7 +37,7 @@ Finding check_kernel(const Patient& patient) {
   if (flag ? *flag == "1" : by_version) return green("kernel", release + " is a PREEMPT_RT kernel");
   Finding finding = red("kernel", release + " is not a PREEMPT_RT kernel: any wake-up may come milliseconds late",
                         "install and boot a PREEMPT_RT kernel (Debian: linux-image-rt-amd64)",
-                        "apt install linux-image-rt-amd64 && reboot");
+                        "apt install linux-image-rt-amd64   # then reboot");
   finding.distorts = true;
   return finding;
 }
@@ -85,7 +85,7 @@ Finding check_throttling(const Patient& patient) {
                            *runtime_us / 1000, *period_us / 1000, (*period_us - *runtime_us) / 1000),
                "lift the limit: sysctl kernel.sched_rt_runtime_us=-1",
                "sysctl -w kernel.sched_rt_runtime_us=-1\n"
-               "echo 'kernel.sched_rt_runtime_us = -1' > /etc/sysctl.d/60-tactus.conf");
+               "echo 'kernel.sched_rt_runtime_us = -1' > /etc/sysctl.d/61-tactus-throttling.conf");
 }
 
 Finding check_swap(const Patient& patient) {

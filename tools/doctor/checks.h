@@ -34,9 +34,14 @@ Finding check_smi(const Patient& patient);          // firmware interrupts, whic
 // --- what this user may do (check_rights.cpp)
 Finding check_priority_limit(const Patient& patient);
 Finding check_memory_limit(const Patient& patient);
-Finding check_usb(const Patient& patient);
 Finding check_gpio(const Patient& patient);
+
+// --- the device's link (check_link.cpp)
+Finding check_usb(const Patient& patient);
 Finding check_can(const Patient& patient);
+Finding check_bus_interrupt(const Patient& patient);  // where what the link's controller says comes to
+// The numbers of the lines of the controller that the device is on; none: it has none, or no link was asked about.
+std::vector<std::string> bus_interrupt_lines(const Patient& patient);
 
 // --- helpers of all three
 Finding green(const char* check, std::string found);
@@ -45,6 +50,8 @@ Finding red(const char* check, std::string found, std::string cure, std::string 
 // The value of `name=` in /proc/cmdline, or nothing.
 std::optional<std::string> boot_parameter(const SystemView& system, const std::string& name);
 bool contains(const std::vector<int>& cpus, int cpu);
+// Where an interrupt goes now: the effective cores, where the kernel tells them, else those that it may go to.
+std::optional<std::vector<int>> interrupt_cores(const Patient& patient, const std::string& number);
 std::string cpu_folder(int cpu);  // /sys/devices/system/cpu/cpuN
 
 }  // namespace tactus::doctor

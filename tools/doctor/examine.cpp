@@ -26,6 +26,7 @@ Report examine(const SystemView& system, const Request& request) {
   for (const Check check : kAlways) report.findings.push_back(check(patient));
   if (request.usb) report.findings.push_back(check_usb(patient));
   if (!request.can_interface.empty()) report.findings.push_back(check_can(patient));
+  if (request.usb || !request.can_interface.empty()) report.findings.push_back(check_bus_interrupt(patient));
   if (request.gpio) report.findings.push_back(check_gpio(patient));
   return report;
 }
@@ -68,6 +69,13 @@ std::optional<std::string> boot_parameter(const SystemView& system, const std::s
 }
 
 bool contains(const std::vector<int>& cpus, int cpu) { return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end(); }
+
+std::optional<std::vector<int>> interrupt_cores(const Patient& patient, const std::string& number) {
+  const std::string folder = "/proc/irq/" + number;
+  const auto effective = patient.system.read(folder + "/effective_affinity_list");
+  return parse_cpu_list(
+      effective && !effective->empty() ? *effective : patient.system.read(folder + "/smp_affinity_list").value_or(""));
+}
 
 std::string cpu_folder(int cpu) { return "/sys/devices/system/cpu/cpu" + std::to_string(cpu); }
 

@@ -73,7 +73,7 @@ std::string overruns_text(const TimingResult& r) {
                                  b.ticks, b.skipped, causes);
   text += fmt::format("haptic thread              {} page faults, {} involuntary context switches\n",
                       b.minor_faults + b.major_faults, b.involuntary_switches);
-  text += "latest ticks\n";
+  text += "latest ticks, overruns or not\n";
   for (const Spike& s : b.spikes)
     text += fmt::format("  tick {:>9}  done {:>7.0f} us after its deadline's start: {} ({})\n", s.times.tick,
                         static_cast<double>(s.times.wrote_ns - s.times.scheduled_ns) * 1e-3,

@@ -1,8 +1,10 @@
 // The doctor on recorded trees: a healthy PC, and the same PC with one thing wrong at a time.
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
 #include "tools/doctor/examine.h"
@@ -265,6 +267,88 @@ TEST_CASE("A device on USB must be there and usable") {
   CHECK(refused.commands.find("ATTR{idVendor}==\"1209\"") != std::string::npos);
   tree.write("dev/bus/usb/001/007", "");
   CHECK(of(tree.examine(request), "usb").verdict == Verdict::kGreen);
+}
+
+TEST_CASE("The interrupt of the device's bus is amber while it may come to many cores, and may come to the loop's") {
+  const Tree tree;
+  Request request;
+  request.can_interface = "can0";
+  CHECK(of(tree.examine(request), "bus-interrupt").verdict == Verdict::kGreen);  // the kernel shows none
+  tree.write("sys/class/net/can0/device/irq", "16\n");
+  tree.write("proc/irq/16/smp_affinity_list", "0-3\n");
+  tree.write("proc/irq/16/can0/none", "");
+  const Finding spread = of(tree.examine(request), "bus-interrupt");
+  CHECK(spread.verdict == Verdict::kAmber);
+  CHECK(spread.commands == "echo 3 > /proc/irq/16/smp_affinity_list");
+  tree.write("proc/irq/16/smp_affinity_list", "3\n");
+  CHECK(of(tree.examine(request), "bus-interrupt").verdict == Verdict::kGreen);
+  CHECK(of(tree.examine(request), "interrupts").verdict == Verdict::kGreen);
+  only(tree, "interrupts", Verdict::kAmber);  // of a link that nobody asked about
+}
+
+TEST_CASE("The interrupts of a device on USB are its controller's") {
+  const Tree tree;
+  Request request;
+  request.usb = true;
+  tree.write("sys/bus/usb/devices/1-2/idVendor", "1209\n");
+  tree.write("sys/bus/usb/devices/1-2/idProduct", "0001\n");
+  tree.write("sys/bus/usb/devices/1-2/busnum", "1\n");
+  tree.write("sys/devices/pci0/usb1/busnum", "1\n");
+  tree.write("sys/devices/pci0/irq", "16\n");
+  tree.write("sys/devices/pci0/msi_irqs/29", "msi\n");
+  std::filesystem::create_directory_symlink(tree.root / "sys/devices/pci0/usb1",
+                                            tree.root / "sys/bus/usb/devices/usb1");
+  tree.write("proc/irq/29/smp_affinity_list", "0-3\n");
+  tree.write("proc/irq/29/xhci_hcd/none", "");
+  CHECK(of(tree.examine(request), "bus-interrupt").commands == "echo 3 > /proc/irq/29/smp_affinity_list");
+  request.usb = false;
+  request.can_interface = "can0";  // an adapter on that bus
+  tree.write("sys/devices/pci0/usb1/1-3/busnum", "1\n");
+  std::filesystem::create_directories(tree.root / "sys/devices/pci0/usb1/1-3/1-3:1.0");
+  std::filesystem::create_directories(tree.root / "sys/class/net/can0");
+  std::filesystem::create_directory_symlink(tree.root / "sys/devices/pci0/usb1/1-3/1-3:1.0",
+                                            tree.root / "sys/class/net/can0/device");
+  CHECK(of(tree.examine(request), "bus-interrupt").verdict == Verdict::kAmber);
+}
+
+TEST_CASE("What cures the findings is a shell script, and nothing in it ends the machine's run half way") {
+  const Tree tree;
+  tree.write("process", "user ada\nrtprio_limit 0\nmemlock_limit_B 0\ncpus_allowed 4\nlast_allowed_cpu 3\n");
+  for (const char* file : {"sys/devices/system/cpu/isolated", "sys/devices/system/cpu/nohz_full", "proc/cmdline",
+                           "sys/devices/system/cpu/online", "sys/kernel/realtime"})
+    tree.write(file, "0\n");
+  tree.write("proc/sys/kernel/sched_rt_runtime_us", "950000\n");
+  tree.write("proc/swaps", "Filename Type Size Used Priority\n/dev/sda2 partition 8 0 -2\n");
+  tree.write("sys/kernel/mm/transparent_hugepage/enabled", "[always] madvise never\n");
+  tree.write("sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n");
+  tree.write("sys/devices/system/cpu/cpu3/cpufreq/scaling_governor", "powersave\n");
+  tree.write("sys/devices/system/cpu/cpu3/cpuidle/state3/latency", "133\n");
+  tree.write("sys/devices/system/cpu/cpu3/topology/thread_siblings_list", "1,3\n");
+  tree.write("proc/irq/31/smp_affinity_list", "0-3\n");
+  tree.write("proc/irq/31/eth0/none", "");
+  tree.remove("dev/cpu");
+  Request request;
+  request.usb = request.gpio = true;
+  tree.write("dev/gpiochip0", "");
+  std::filesystem::permissions(tree.root / "dev/gpiochip0", std::filesystem::perms::none);
+  tree.write("sys/bus/usb/devices/1-2/idVendor", "1209\n");
+  tree.write("sys/bus/usb/devices/1-2/idProduct", "0001\n");
+  int with_commands = 0;
+  for (const Finding& finding : tree.examine(request).findings) {
+    if (finding.commands.empty()) continue;
+    ++with_commands;
+    INFO(finding.check << ": " << finding.commands);
+    std::istringstream lines(finding.commands);
+    for (std::string line; std::getline(lines, line);) {
+      const std::string first = line.substr(0, line.find(' '));
+      const std::string known = " apt echo ip mkdir modprobe swapoff sysctl ";
+      CHECK(known.find(" " + first + " ") != std::string::npos);
+      CHECK(line.substr(0, line.find(" #")).find("reboot") == std::string::npos);
+    }
+    tree.write("cure.sh", finding.commands + "\n");
+    CHECK(std::system(("sh -n " + (tree.root / "cure.sh").string()).c_str()) == 0);
+  }
+  CHECK(with_commands >= 15);
 }
 
 TEST_CASE("GPIO lines must be there and usable") {
