@@ -149,19 +149,21 @@ sim::Scene press_scene(const Setting& setting, double stiffness) {
 
 Outcome bad_samples(const Setting& setting) {
   session::RunOptions options;
-  options.inject = "nan@1500+2,wild@2000+2,frozen@2500+5,lost/state@3000+5,corrupted/state@3500+5:3";
-  const Watched watched = watch(press_scene(setting, 1500), options, 4500);
+  options.inject =
+      "nan@1500+2,wild@2000+2,frozen@2500+5,lost/state@3000+5,corrupted/state@3500+5:3,"
+      "teleport@4000+2:0.1,teleport@4500+2:-0.05";
+  const Watched watched = watch(press_scene(setting, 1500), options, 5500);
   Outcome outcome;
   gate(watched, outcome);
   const double held = watched.mean(1300, 1500);
   double slowest = 0;
-  for (const std::size_t at : {1500u, 2000u, 2500u, 3000u, 3500u}) {
+  for (const std::size_t at : {1500u, 2000u, 2500u, 3000u, 3500u, 4000u, 4500u}) {
     std::size_t last_off = at;
     for (std::size_t k = at; k < at + 400; ++k)
       if (std::abs(norm(watched.force[k]) / norm(watched.force[at + 399]) - 1) > 0.05) last_off = k + 1;
     slowest = std::max(slowest, 1e-3 * static_cast<double>(last_off - at));
   }
-  outcome.holds("presses, and does so in the end", held > 1 && watched.mean(4400, 4500) > 0.5 * held);
+  outcome.holds("presses, and does so in the end", held > 1 && watched.mean(5400, 5500) > 0.5 * held);
   outcome.at_most("largest step of the force, N", watched.largest_step(), kMostSlew_N * (1 + 1e-9));
   outcome.at_most("whole again after, s", slowest, 0.1);
   return outcome;
@@ -183,20 +185,24 @@ Outcome stiff_wall(const Setting& setting) {
 
 Outcome late_world(const Setting& setting) {
   Outcome outcome;
-  double back = 0, most = 0;
+  double back = 0, most = 0, rise = 0;
   for (const unsigned ticks : {10u, 100u, 1000u}) {
     session::RunOptions options;
     options.inject = fmt::format("stall@1500+{}", ticks);
     const Watched watched = watch(press_scene(setting, 1500), options, 4000);
     gate(watched, outcome);
     most = std::max(most, watched.largest_step());
-    for (std::size_t k = 1500; k < watched.force.size(); ++k)
-      if ((watched.status[k - 1] & kWorldLate) != 0 && (watched.status[k] & kWorldLate) == 0)
-        back = std::max(back, norm(watched.force[k] - watched.force[k - 1]));
+    double least = norm(watched.force[1500]);
+    for (std::size_t k = 1500; k < watched.force.size(); ++k) {
+      const bool late = (watched.status[k] & kWorldLate) != 0, was_late = (watched.status[k - 1] & kWorldLate) != 0;
+      if (was_late && !late) back = std::max(back, norm(watched.force[k] - watched.force[k - 1]));
+      if (late) least = std::min(least, norm(watched.force[k])), rise = std::max(rise, norm(watched.force[k]) - least);
+    }
     outcome.holds(fmt::format("presses again after {} late ticks", ticks), watched.mean(3800, 4000) > 1);
   }
   outcome.at_most("largest step of the force, N", most, kMostSlew_N * (1 + 1e-9));
   outcome.at_most("step when the world is back, N", back, 0.1);
+  outcome.at_most("rise of the force while the world is late, N", rise, 1e-3);
   return outcome;
 }
 
@@ -229,6 +235,9 @@ Outcome chain_border(const Setting& setting) {
   const double edge = 0.03;
   const unsigned count = 16;
   const double end = edge * count;
+  // By then the hand has left the row and comes back at ten times the speed. The cubes have gaps of their own by now,
+  // in which blow follows blow: two runs whose gaps differ by a hair are compared as a whole, not tick by tick.
+  constexpr std::size_t kSecondBlow = 1400;
   const struct {
     const char* name;
     double wall_at;
@@ -250,10 +259,14 @@ Outcome chain_border(const Setting& setting) {
     const Watched reference = watch(make_scene(setting, 1500, path, bodies, 8, count + 1), direct, 2000);
     const Watched cut = watch(make_scene(setting, 1500, path, bodies, 8, 8), {}, 2000);
     gate(reference, outcome), gate(cut, outcome);
-    double off = 0, all = 0;
-    for (std::size_t k = 0; k < 2000; ++k)
-      off += norm_squared(cut.force[k] - reference.force[k]), all += norm_squared(reference.force[k]);
-    outcome.at_most(fmt::format("{}: force off the direct coupling's, share", kind.name), std::sqrt(off / all), 0.25);
+    const auto share_off = [&](std::size_t ticks) {
+      double off = 0, all = 0;
+      for (std::size_t k = 0; k < ticks; ++k)
+        off += norm_squared(cut.force[k] - reference.force[k]), all += norm_squared(reference.force[k]);
+      return std::sqrt(off / all);
+    };
+    outcome.at_most(fmt::format("{}: force off the direct coupling's, share", kind.name), share_off(kSecondBlow), 0.05);
+    outcome.at_most(fmt::format("{}: after a blow at 0.2 m/s too, share", kind.name), share_off(2000), 0.1);
     outcome.at_most(fmt::format("{}: largest kinetic energy, J", kind.name), cut.most_energy_J,
                     1.1 * reference.most_energy_J);
   }
