@@ -43,10 +43,14 @@ std::string heading(const Setting& setting) {
 }
 
 std::string cell(const Row* row) {
-  if (row == nullptr) return "";
+  if (row == nullptr) return "-";
   if (!row->one->runs()) return "not run";
   return fmt::format("{:.2f}{}", row->outcome.score(), row->outcome.passed() ? "" : " FAIL");
 }
+
+constexpr const char* kLegend =
+    "1: every metric within its tolerance; a half less for each factor of ten beyond; 0: a gate broke; -: only in 1 "
+    "ms.";
 
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
 
@@ -62,7 +66,7 @@ std::string report_table(const Report& report) {
     for (const Setting& setting : settings) text += fmt::format(" {:>15}", cell(row_at(report, one, setting)));
     text += one->runs() ? "\n" : fmt::format("  needs {}\n", one->needs);
   }
-  text += "\n1: every metric within its tolerance; a half less for each factor of ten beyond it; 0: a gate broke.\n";
+  text += fmt::format("\n{}\n", kLegend);
   if (report.peers.empty()) return text;
   text +=
       fmt::format("\n{:<32} {:<14} {:>8} {:>7} {:>10} {:>10}\n", "stack", "engine", "step ms", "", "sag mm", "side mm");
@@ -140,9 +144,9 @@ std::string report_csv(const Report& report) {
 std::string report_svg(const Report& report) {
   const auto settings = settings_in(report);
   const auto cases = cases_in(report);
-  constexpr double kCell = 86, kLine = 20, kLeft = 330, kTop = 40;
+  constexpr double kCell = 112, kLine = 20, kLeft = 330, kTop = 40, kFoot = 30;
   const double width = kLeft + kCell * static_cast<double>(settings.size()) + 10,
-               height = kTop + kLine * static_cast<double>(cases.size()) + 10;
+               height = kTop + kLine * static_cast<double>(cases.size()) + kFoot;
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" "
       "font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
@@ -165,9 +169,10 @@ std::string report_svg(const Report& report) {
       svg += fmt::format(
           "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\" stroke=\"white\"/>\n", x, y,
           kCell, kLine, colour);
-      if (row != nullptr) label(x + 0.5 * kCell, y + 14, "middle", ran ? fmt::format("{:.2f}", score) : "not run");
+      label(x + 0.5 * kCell, y + 14, "middle", cell(row));
     }
   }
+  label(kLeft, height - 10, "start", kLegend);
   return svg + "</svg>\n";
 }
 
