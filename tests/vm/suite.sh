@@ -13,6 +13,13 @@ declare -A scenarios_of=(
   [fd]='programs:can-fd faults:can-fd hostile:can-fd hil:can-fd'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
+# With --quick: each scenario once, on one of the links.
+declare -A quick_scenarios_of=(
+  [usb]='drivers user:usb programs:usb house:usb'
+  [can]='faults:can hil:can'
+  [fd]='hostile:can-fd'
+  [debian]='service'
+  [cores]='doctor:usb cores:usb timing:usb')
 guest_tools=(candump cansend cangen)
 
 # What the scenarios need of the build; the guest tests are taken as far as they exist.
@@ -101,6 +108,7 @@ check_scenarios() {
   rm -f "$logs"/vm-{debian,usb,can,fd,cores}.log
   build_guest_programs
   soak_frames=20000 limit_s=2400
+  if [[ -n $quick ]]; then soak_frames=5000; fi
   if [[ -n $long ]]; then soak_frames=1000000 limit_s=36000; fi
 
   for guest in "${side_by_side[@]}"; do
@@ -130,8 +138,9 @@ check_scenarios() {
 # choose GUEST: its scenarios that are asked for, into `scenarios`; false if none is.
 choose() {
   scenarios=()
-  local each
-  for each in ${scenarios_of[$1]}; do
+  local each all=${scenarios_of[$1]}
+  if [[ -n $quick ]]; then all=${quick_scenarios_of[$1]}; fi
+  for each in $all; do
     if [[ -z $only || $each == *"$only"* ]]; then scenarios+=("$each"); fi
   done
   ((${#scenarios[@]})) || return 1

@@ -101,7 +101,8 @@ Finding check_bus_interrupt(const Patient& patient) {
     spread = true;
     commands += fmt::format("{}echo {} > {}", commands.empty() ? "" : "\n", patient.cpu, file);
   }
-  if (where.empty()) return green("bus-interrupt", "the kernel shows no interrupt line of the link's");
+  if (where.empty())
+    return amber("bus-interrupt", "where the link's interrupt goes cannot be read", "see whether /proc is mounted");
   if (!spread) return green("bus-interrupt", "the link's " + where + " alone");
   return amber("bus-interrupt", "the link's " + where + ": a frame waits for what runs there",
                fmt::format("bind it to one core, best the loop's own, cpu {}, and switch irqbalance off", patient.cpu),

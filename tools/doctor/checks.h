@@ -39,7 +39,7 @@ Finding check_gpio(const Patient& patient);
 // --- the device's link (check_link.cpp)
 Finding check_usb(const Patient& patient);
 Finding check_can(const Patient& patient);
-Finding check_bus_interrupt(const Patient& patient);  // where what the link's controller says comes to
+Finding check_bus_interrupt(const Patient& patient);  // where that of its controller goes; only if it has one
 // The numbers of the lines of the controller that the device is on; none: it has none, or no link was asked about.
 std::vector<std::string> bus_interrupt_lines(const Patient& patient);
 

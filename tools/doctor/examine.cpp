@@ -26,7 +26,7 @@ Report examine(const SystemView& system, const Request& request) {
   for (const Check check : kAlways) report.findings.push_back(check(patient));
   if (request.usb) report.findings.push_back(check_usb(patient));
   if (!request.can_interface.empty()) report.findings.push_back(check_can(patient));
-  if (request.usb || !request.can_interface.empty()) report.findings.push_back(check_bus_interrupt(patient));
+  if (!bus_interrupt_lines(patient).empty()) report.findings.push_back(check_bus_interrupt(patient));
   if (request.gpio) report.findings.push_back(check_gpio(patient));
   return report;
 }

@@ -155,7 +155,9 @@ Result<std::string> ask_control(const std::filesystem::path& socket, const std::
   const File connection(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (connection.number() < 0) return fail(strerrordesc_np(errno));
   if (connect(connection.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return fail(strerrordesc_np(errno));
+    return fail(errno == ENOENT || errno == ECONNREFUSED ? "no run answers there"
+                : errno == EACCES                        ? "this user may not ask there; the group tactus may"
+                                                         : strerrordesc_np(errno));
   const std::string text = line + "\n";
   if (send(connection.number(), text.data(), text.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(text.size()))
     return fail(strerrordesc_np(errno));

@@ -58,6 +58,10 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
     log_.event(Level::kError, "fault",
                {{"code", number(fault)}, {"text", std::string(describe(static_cast<Fault>(fault)))}}, elapsed_s);
   if (fault != fault_ && fault == 0) log_.event(Level::kNotice, "re-armed", {{"code", number(fault_)}}, elapsed_s);
+  // What the loop does, not what it was asked to do; a fault that takes the force away has its own line.
+  const bool armed = started_ && (live.status.load(relaxed) & kNotArmed) == 0;
+  if (armed != armed_ && fault == 0) log_.event(Level::kNotice, armed ? "armed" : "disarmed", {}, elapsed_s);
+  armed_ = armed;
   if (started_ && !alive_) log_.event(Level::kError, "standstill", {{"ticks", number(ticks)}}, elapsed_s);
   ticks_ = ticks, overruns_ = overruns, late_cycles_ = late, fault_ = fault, last_s_ = elapsed_s;
 }

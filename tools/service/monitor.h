@@ -16,7 +16,8 @@ class Monitor {
  public:
   explicit Monitor(EventLog& log) : log_(log) {}
 
-  // Events for what has changed since the last call: the start, overruns, a late world, a fault and its end.
+  // Events for what has changed since the last call: the start, force on and off, overruns, a late world, a
+  // fault and its end.
   void look(const session::LiveStatus& live, double elapsed_s);
   // The loop has ticked since the last call: what a watchdog wants to know.
   bool alive() const { return alive_; }
@@ -24,7 +25,7 @@ class Monitor {
 
  private:
   EventLog& log_;
-  bool started_{false}, alive_{false};
+  bool started_{false}, alive_{false}, armed_{false};
   std::uint64_t ticks_{0}, overruns_{0}, late_cycles_{0};
   std::uint32_t fault_{0};
   double last_s_{0}, rate_Hz_{0};

@@ -44,12 +44,18 @@ Status RunService::reload(std::string& said) {
     return Status::error("nothing was changed: a restart is needed for " + keys);
   rearm_.store(after.run.rearm);
   log_interval_s_.store(after.log_interval_s);
+  reloaded_.store(true);
   said = fmt::format("rearm {}, log interval {:g} s", after.run.rearm, after.log_interval_s);
   return Status::good();
 }
 
 void RunService::look(const session::LiveStatus& live, double elapsed_s) {
   log_.set_interval(log_interval_s_.load());
+  if (reloaded_.exchange(false))
+    log_.event(
+        Level::kNotice, "reloaded",
+        {{"rearm", rearm_.load() ? "true" : "false"}, {"interval_s", fmt::format("{:g}", log_interval_s_.load())}},
+        elapsed_s);
   monitor_.look(live, elapsed_s);
   if (control_ != nullptr) control_->tell(state_json(live, elapsed_s, monitor_.rate_Hz()));
   if (monitor_.alive()) {

@@ -35,6 +35,7 @@ class RunService {
   std::atomic<std::uint32_t> requests_{0};
   std::atomic<bool> rearm_;
   std::atomic<double> log_interval_s_;
+  std::atomic<bool> reloaded_{false};  // to be logged
   EventLog log_;
   Monitor monitor_;
   bool ready_{false};

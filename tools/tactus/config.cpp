@@ -1,4 +1,5 @@
-// tactus config check FILE: is this deployment's configuration good? And the scene and the budget that it names.
+// tactus config check FILE: is this deployment's configuration good? And the scene, the device and the budget that it
+// names.
 #include <fmt/format.h>
 
 #include <memory>
@@ -6,7 +7,9 @@
 
 #include "sim/loader/scene_load.h"
 #include "tools/service/configuration.h"
+#include "tools/session/device_file.h"
 #include "tools/tactus/commands.h"
+#include "tools/timing/budget.h"
 
 namespace tactus::tools {
 namespace {
@@ -33,6 +36,12 @@ int check_file(const ConfigOptions& options) {
   const session::RunOptions& run = configuration.value().run;
   const auto scene = sim::load_scene(run.scene);
   if (!scene.ok()) return report(options, scene.message(), "");
+  if (!run.device_file.empty())
+    if (const auto device = session::load_device_file(run.device_file); !device.ok())
+      return report(options, device.message(), "");
+  if (const auto& file = configuration.value().budget; !file.empty())
+    if (const auto budget = timing::load_budget(file.string()); !budget.ok())
+      return report(options, budget.message(), "");
   return report(
       options, "",
       fmt::format("{}: good; {} on {} at {:g} Hz", options.file,
@@ -45,7 +54,8 @@ CLI::App* add_config_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<ConfigOptions>();
   CLI::App* config = program.add_subcommand("config", "The configuration file of an installed tactus.");
   config->footer("Example:\n  tactus config check /etc/tactus/tactus.toml");
-  CLI::App* check = config->add_subcommand("check", "Says everything that is wrong with the file and its scene.");
+  CLI::App* check = config->add_subcommand(
+      "check", "Says everything that is wrong with the file, and with the scene, device and budget that it names.");
   check->footer(
       "Tables: scene = PATH; [device] name, file, gpio; [rates] rate_Hz, ratio; [cores] haptic, priority, world,\n"
       "world_threads; [limits] members, budget; [control] socket, arm_at_start, rearm; [log] interval_s.\n"

@@ -15,19 +15,30 @@ struct ControlOptions {
   bool json{false};
 };
 
-void print_text(const nlohmann::json& answer) {
+std::string plain(const nlohmann::ordered_json& value) {
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  if (value.is_array()) {
+    std::string list;
+    for (const auto& each : value) list += (list.empty() ? "" : ", ") + plain(each);
+    return list.empty() ? "none" : list;
+  }
+  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  return text.empty() ? "none" : text;
+}
+
+void print_text(const nlohmann::ordered_json& answer) {
   if (answer.contains("said")) {
     fmt::print("{}\n", answer["said"].get<std::string>());
     return;
   }
   for (const auto& [key, value] : answer.items())
-    fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    if (key != "ok") fmt::print("{:<16} {}\n", key, plain(value));
 }
 
 int ask(const ControlOptions& options) {
   const auto answer = service::ask_control(options.socket, options.request);
   if (!answer.ok()) return complain("tactus control: " + answer.message(), kExitMachineCannot);
-  const auto parsed = nlohmann::json::parse(answer.value(), nullptr, /*allow_exceptions=*/false);
+  const auto parsed = nlohmann::ordered_json::parse(answer.value(), nullptr, /*allow_exceptions=*/false);
   if (!parsed.is_object()) return complain("tactus control: the answer is no JSON object", kExitMachineCannot);
   const bool good = parsed.value("ok", true);
   if (options.json)

@@ -4,6 +4,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <cstring>
@@ -17,6 +18,7 @@
 #include "tools/service/notify.h"
 
 using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 
 namespace tactus::service {
 namespace {
@@ -153,12 +155,33 @@ TEST_CASE("the monitor tells what changed, and that the loop is alive") {
     monitor.look(live, 1.0);
     CHECK_FALSE(monitor.alive());
   });
-  CHECK_THAT(lines, Contains("running rate_Hz=1000\noverruns count=3 total=3\nfault code=") && Contains("standstill"));
+  CHECK_THAT(lines,
+             Contains("running rate_Hz=1000\narmed\noverruns count=3 total=3\nfault code=") && Contains("standstill"));
   const auto state = nlohmann::json::parse(state_json(live, 1.0, 1000));
   CHECK(state["ticks"] == 600);
   CHECK(state["overruns"] == 3);
   CHECK(state["fault"] == static_cast<std::uint32_t>(Fault::kEmergencyStop));
   CHECK_FALSE(state["fault_text"].get<std::string>().empty());
+}
+
+TEST_CASE("the log says when force comes and goes, and not twice where a fault takes it") {
+  session::LiveStatus live;
+  const std::string lines = written([&](EventLog& log) {
+    Monitor monitor(log);
+    monitor.look(live, 0.2);
+    live.ticks = 200, live.status = kNotArmed;
+    monitor.look(live, 0.4);
+    live.ticks = 400, live.status = 0;
+    monitor.look(live, 0.6);
+    live.ticks = 600, live.status = kNotArmed;
+    monitor.look(live, 0.8);
+    live.ticks = 800, live.status = 0;
+    monitor.look(live, 2.0);
+    live.ticks = 1000, live.status = kNotArmed, live.fault = static_cast<std::uint32_t>(Fault::kEmergencyStop);
+    monitor.look(live, 4.0);
+  });
+  CHECK_THAT(lines, StartsWith("running rate_Hz=1000\narmed\ndisarmed\narmed\nfault code="));
+  CHECK(std::count(lines.begin(), lines.end(), '\n') == 5);
 }
 
 TEST_CASE("systemd is told over its socket, and nobody where there is none") {

@@ -28,6 +28,12 @@ grep -q '"representative": false' $found
 verdict "figures of an emulator are said not to be representative" "$(tail -n 3 $found)"
 doctor --cpu 1
 for check in isolation timer-ticks rcu; do expect $check amber "on core 1, which is not set apart"; done
+# This guest has no boot loader; one that reads what Debian's reads.
+printf '#!/bin/sh\n. /etc/default/grub.d/*isolcpus.cfg; . /etc/default/grub.d/*nohz_full.cfg; . /etc/default/grub.d/*rcu_nocbs.cfg; echo $GRUB_CMDLINE_LINUX >/tmp/boot-line\n' >/bin/update-grub
+chmod +x /bin/update-grub
+for check in isolation timer-ticks rcu; do cure $check --cpu 1; done
+[ "$(cat /tmp/boot-line)" = 'isolcpus=managed_irq,domain,1 nohz_full=1 rcu_nocbs=1' ]
+verdict "their cures give the boot loader one line" "$(cat /tmp/boot-line /tmp/cure.log)"
 
 echo 0 >/tmp/zero
 mount --bind /tmp/zero /sys/kernel/realtime
@@ -103,12 +109,18 @@ expect can red "while it is down"
 ip link set can0 type can bitrate 125000 && ip link set can0 up
 doctor --cpu 2 --device can:can0
 expect can red "at 125 kbit/s, too slow for 1 kHz"
-ip link set can0 down
 cure can --cpu 2 --device can:can0
 doctor --cpu 2 --device can:can0
 expect can green "after its cure"
+expect bus-interrupt amber "where that of the controller may come to any core"
+cure bus-interrupt --cpu 2 --device can:can0
+doctor --cpu 2 --device can:can0
+expect bus-interrupt green "after its cure"
+expect interrupts green "while only the device's own bus interrupts the core"
 doctor --cpu 2 --device can:vcan0
 expect can green "on a virtual bus"
+! grep -q bus-interrupt $found
+verdict "bus-interrupt is not looked for where there is none" "$(says bus-interrupt)"
 doctor --cpu 2 --gpio
 expect gpio green "for root"
 

@@ -19,6 +19,9 @@ ticks_go_on() { before=$(number ticks); sleep 0.25; [ "$(number ticks)" -gt "${b
 runs() { is ActiveState active && ticks_go_on; }
 # another_runs PROCESS: the service runs, and not as that process.
 another_runs() { [ "$(process)" != "$1" ] && runs; }
+reloaded() { journal | grep -q '^reloaded .*interval_s=7'; }
+disarmed() { state | grep -q '"armed":false' && journal | grep -q '^disarmed'; }
+armed() { state | grep -q '"armed":true'; }
 # All files that stay, but what apt, dpkg, the journal and systemd keep for themselves; and all users.
 listing() {
   find / -xdev \( -path /var/lib/dpkg -o -path /var/lib/apt -o -path /var/cache -o -path /var/log -o -path /tmp \
@@ -76,11 +79,23 @@ setpriv --reuid nobody --regid nogroup --groups tactus tactus control state --js
   grep -q '"ok":true' /tmp/visitor
 verdict "who is in its group may" "$(tail -n 1 /tmp/visitor)"
 
+# What follows is about processes: a world that costs an emulated core little.
+sed -i 's|^scene = .*|scene = "/usr/share/tactus/scenes/wall.toml"|' $configuration
+systemctl restart $unit
+wait_for another_runs "$first"
+verdict "systemctl restart: it runs another scene" "was $first, is $(process); $(why)"
+first=$(process)
+
 sed -i 's/^interval_s = 1 /interval_s = 7 /' $configuration
 systemctl reload $unit
+[ $? = 0 ] && wait_for reloaded
 verdict "systemctl reload: what is safe is changed" "$(why)"
 [ "$(process)" = "$first" ] && ticks_go_on && is NRestarts 0
 verdict "it goes on as it was" "was $first, is $(process)"
+tactus control disarm >/dev/null && wait_for disarmed && tactus control arm >/dev/null
+verdict "disarmed over its socket: the journal says so" "$(why)"
+wait_for armed
+verdict "armed again" "$(state)"
 sed -i 's/^rate_Hz = 1000/rate_Hz = 500/' $configuration
 ! systemctl reload $unit 2>/dev/null && journal | grep -q 'a restart is needed for'
 verdict "what needs a restart is refused by name" "$(why)"
@@ -120,7 +135,7 @@ journal | grep -q 'nowhere.toml'
 verdict "and the journal names what is bad" "$(why)"
 systemctl reset-failed $unit
 
-sed -i 's|^scene = .*|scene = "/usr/share/tactus/scenes/card_house.toml"|' $configuration
+sed -i 's|^scene = .*|scene = "/usr/share/tactus/scenes/wall.toml"|' $configuration
 systemctl enable --now $unit >/dev/null 2>&1
 wait_for runs
 verdict "it is enabled, and runs again" "$(why)"
