@@ -5,7 +5,8 @@
 // inwards (as an articulated body's inertia is found): exact where the graph is a tree. A body that can be reached in
 // two ways hangs on the nearest; what holds it counts all the same. A contact holds along its normal, and across it
 // where it sticks; a joint where its kind does, at its limits and where its motor holds. A kinematic body gives way to
-// nothing. Beyond kMostBodies the rest is left out: then the answer is too large, never too small.
+// nothing. Beyond kMostBodies the rest is left out: then the answer is too large, never too small; twice as many change
+// the force error of `experiment energy-loss` by 0.1 % of the force (2026-11-22).
 // Thread: the global world's; construction [setup]; allocates nothing. Frame: world. Units: SI. Work: index linear in
 // contacts, find in kMostBodies. Source: the study of borders (Schur complement of the outside contact system);
 // articulated-body inertia, Featherstone.
@@ -25,7 +26,7 @@ using Matrix6 = std::array<std::array<double, 6>, 6>;
 
 class BorderAdmittance {
  public:
-  static constexpr std::uint32_t kMostBodies = 32;
+  static constexpr std::uint32_t kMostBodies = 16;
 
   BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
