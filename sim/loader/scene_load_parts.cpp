@@ -30,9 +30,9 @@ struct ReadShape {
 // Nothing where the shape is not known: a mistake has been added, and the other keys cannot be judged.
 std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
   const bool proxy = role == BodyRole::kProxy;
-  if (!table.require("shape", proxy ? "sphere, capsule, box" : "box, sphere, capsule, hull, plane, mesh"))
+  if (!table.require("shape", proxy ? "sphere, capsule, box, hull" : "box, sphere, capsule, hull, plane, mesh"))
     return std::nullopt;
-  const std::string word = proxy ? table.word("shape", "", {"sphere", "capsule", "box"})
+  const std::string word = proxy ? table.word("shape", "", {"sphere", "capsule", "box", "hull"})
                                  : table.word("shape", "", {"box", "sphere", "capsule", "hull", "plane", "mesh"});
   if (word.empty()) return std::nullopt;
   if (word == "plane") return ReadShape{Shape<double>::plane()};
