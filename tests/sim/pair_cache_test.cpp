@@ -10,7 +10,6 @@ using namespace tactus;
 using namespace tactus::sim;
 using physics::Aabb;
 using namespace tactus::test;
-using Boxes = std::vector<Aabb<double>>;
 
 namespace {
 
