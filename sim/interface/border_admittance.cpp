@@ -14,7 +14,7 @@ using physics::JointState;
 
 constexpr std::uint32_t kNone = physics::kNoSlot;
 // A contact that presses gives way to an impulse by a hundred thousandth of what the lighter body would: as good as
-// rigid over a cycle, and far from the limits of double where thirty follow each other.
+// rigid over a cycle, and far from the limits of double where sixteen follow each other.
 constexpr double kFirmness = 1e5;
 // A contact whose friction is further used up than this counts as sliding.
 constexpr double kSticks = 0.95;
@@ -75,7 +75,7 @@ Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
            {-md.y, md.x, 0, xz, yz, zz}}};
 }
 
-// What is held along a direction at a place `r` from the centre: firm n n^T of that screw.
+// What is held along a direction, which turns about the centre by `turn`: firm s s^T of that screw.
 void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noexcept {
   const Vector6 row{along.x, along.y, along.z, turn.x, turn.y, turn.z};
   for (std::size_t k = 0; k < 6; ++k) {
@@ -149,7 +149,7 @@ Matrix6 firmness_of_joint(const Joint<double>& joint, const JointState<double>& 
   return sum;
 }
 
-// What is felt of `inertia` through a contact of that firmness: both in series, G - G (G + I)^-1 G. With G + I = L L^T
+// What is felt of `inertia` through a link of that firmness: both in series, G - G (G + I)^-1 G. With G + I = L L^T
 // and Y = L^-1 G that is G - Y^T Y.
 Matrix6 felt_through(const Matrix6& firmness, const Matrix6& inertia) noexcept {
   Matrix6 both = firmness, felt = firmness, y = firmness;
@@ -225,28 +225,18 @@ void BorderAdmittance::index(const physics::World<double>& world) noexcept {
   for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept { count(a), count(b); });
   for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
   // Filling moves each start to the next one's.
-  const auto add_link = [&](std::uint32_t slot, std::uint32_t link) noexcept {
+  const auto add_link = [&](std::uint32_t slot, const Link& link) noexcept {
     if (slot != kNone) links_[first_[slot]++] = link;
   };
-  for_each_link(
-      [&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept { add_link(a, link), add_link(b, link); });
+  for_each_link([&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept {
+    add_link(a, {link, b}), add_link(b, {link, a});
+  });
   std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
   first_[0] = 0;
 }
 
-std::span<const std::uint32_t> BorderAdmittance::links_of(std::uint32_t slot) const noexcept {
+std::span<const BorderAdmittance::Link> BorderAdmittance::links_of(std::uint32_t slot) const noexcept {
   return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
-}
-
-// kNone where that is nothing that moves.
-std::uint32_t BorderAdmittance::other_end(std::uint32_t link, std::uint32_t slot) const noexcept {
-  std::uint32_t a, b;
-  if (link < contacts_.size())
-    a = contacts_[link].slot_a, b = contacts_[link].b_fixed ? kNone : contacts_[link].slot_b;
-  else
-    a = joints_[link - contacts_.size()].a, b = joints_[link - contacts_.size()].b;
-  const std::uint32_t other = a == slot ? b : a;
-  return other != kNone && immovable_[other] != 0 ? kNone : other;
 }
 
 Matrix6 BorderAdmittance::firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
@@ -269,9 +259,8 @@ void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t>
   const Vec3d centre = bodies_[slot].motion.pose.position;
   reach(slot, kNone, kNone, centre);
   for (std::uint32_t head = 0; head < reached_.size(); ++head)
-    for (const std::uint32_t link : links_of(reached_[head].slot)) {
-      const std::uint32_t other = other_end(link, reached_[head].slot);
-      if (other == kNone)
+    for (const auto& [link, other] : links_of(reached_[head].slot)) {
+      if (other == kNone || immovable_[other] != 0)
         add(reached_[head].inertia, firmness_of(link, centre));
       else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
                (link >= contacts_.size() || contacts_[link].touching()))
@@ -290,7 +279,7 @@ physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span
   return invert(reached_[0].inertia);
 }
 
-// From the body outwards: what hangs on a contact of firmness G follows its parent by (G + I)^-1 G.
+// From the body outwards: what hangs on a link of firmness G follows its parent by (G + I)^-1 G.
 double BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
                                std::span<Body<double>> bodies) noexcept {
   if (immovable_[slot] != 0) return 0;

@@ -38,8 +38,13 @@ class BorderAdmittance {
   // change, that of the body by find() x impulse. Returns the kinetic energy that they gained [J].
   double apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
                std::span<physics::Body<double>> bodies) noexcept;
-  // The body's links in their order: indices of contacts, and beyond them of joints.
-  std::span<const std::uint32_t> links_of(std::uint32_t slot) const noexcept;
+  // What holds a body: the index of a contact, or of a joint beyond the contacts; and the slot at its other end,
+  // physics::kNoSlot where that is static.
+  struct Link {
+    std::uint32_t index, other;
+  };
+  // The body's, contacts first, in their order.
+  std::span<const Link> links_of(std::uint32_t slot) const noexcept;
 
  private:
   struct Held {  // a joint that is whole, and where its bodies are; A may be physics::kNoSlot: the world
@@ -57,18 +62,18 @@ class BorderAdmittance {
   void collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
   void reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
   void find_joints(const physics::World<double>& world) noexcept;
-  // f(link, slot_a, slot_b), slot_b or slot_a physics::kNoSlot where that side does not move: contacts, then joints.
+  // f(link, slot_a, slot_b), slot_b or slot_a physics::kNoSlot where that side is static: contacts, then joints.
   template <class F>
   void for_each_link(F&& f) const noexcept;
-  std::uint32_t other_end(std::uint32_t link, std::uint32_t slot) const noexcept;
   Matrix6 firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
 
   std::span<const physics::Contact<double>> contacts_;
   std::span<const physics::Body<double>> bodies_;
   std::vector<Held> joints_;
-  std::vector<std::uint8_t> immovable_;       // by slot
-  std::vector<std::uint32_t> first_, links_;  // by slot: its first link; links: contacts, then joints
-  std::vector<std::uint32_t> found_;          // by slot: the search that reached it
+  std::vector<std::uint8_t> immovable_;  // by slot
+  std::vector<std::uint32_t> first_;     // by slot: its first link
+  std::vector<Link> links_;
+  std::vector<std::uint32_t> found_;  // by slot: the search that reached it
   std::uint32_t search_{0};
   std::vector<Reached> reached_;
 };

@@ -127,11 +127,10 @@ std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::sp
 Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& world,
                            std::span<const std::uint8_t> former, double step_s) const noexcept {
   Wrenchd sum;
-  for (const std::uint32_t link : admittance_.links_of(slot)) {
-    if (link >= world.contacts().size()) continue;  // a joint
-    const Contact<double>& contact = world.contacts()[link];
-    if (contact.b_fixed || former[contact.slot_a == slot ? contact.slot_b : contact.slot_a] == 0) continue;
-    const Wrenchd impulse = impulse_on(slot, contact);
+  for (const auto& [link, other] : admittance_.links_of(slot)) {
+    if (link >= world.contacts().size()) break;  // joints
+    if (other == physics::kNoSlot || former[other] == 0) continue;
+    const Wrenchd impulse = impulse_on(slot, world.contacts()[link]);
     sum.force += impulse.force, sum.torque += impulse.torque;
   }
   return {sum.force * (1 / step_s), sum.torque * (1 / step_s)};
@@ -146,6 +145,7 @@ std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::
   for (const BorderPoint& point : border) ids_.push_back(point.outside);
   std::sort(ids_.begin(), ids_.end());
   ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+  if (ids_.empty()) return 0;
   admittance_.index(world);
   for (const BodyId id : ids_) {
     const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
@@ -217,6 +217,7 @@ HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32
     }
     add_news(outside, {impulse, cross(entry.point - world.bodies()[outside].motion.pose.position, impulse)});
   }
+  if (news_.empty()) return result;
   admittance_.index(world);
   for (const News& news : news_) {
     result.energy_J += admittance_.apply(news.slot, members, news.impulse, world.bodies());

@@ -143,7 +143,8 @@ Finding check_interrupts(const Patient& p) {
     const std::string folder = "/proc/irq/" + number;
     // What was chosen for it last; until its next interrupt the line may still be where it was before.
     const auto allowed = parse_cpu_list(p.system.read(folder + "/smp_affinity_list").value_or(""));
-    const auto now = interrupt_cores(p, number);
+    const auto effective = p.system.read(folder + "/effective_affinity_list");
+    const auto now = effective && !effective->empty() ? parse_cpu_list(*effective) : allowed;
     // A number that no driver uses has only files in its folder.
     const auto entries = p.system.list(folder);
     const bool used = std::any_of(entries.begin(), entries.end(), [&](const std::string& e) {

@@ -50,8 +50,6 @@ Finding red(const char* check, std::string found, std::string cure, std::string 
 // The value of `name=` in /proc/cmdline, or nothing.
 std::optional<std::string> boot_parameter(const SystemView& system, const std::string& name);
 bool contains(const std::vector<int>& cpus, int cpu);
-// Where an interrupt goes now: the effective cores, where the kernel tells them, else those that it may go to.
-std::optional<std::vector<int>> interrupt_cores(const Patient& patient, const std::string& number);
 std::string cpu_folder(int cpu);  // /sys/devices/system/cpu/cpuN
 
 }  // namespace tactus::doctor

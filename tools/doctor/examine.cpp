@@ -70,13 +70,6 @@ std::optional<std::string> boot_parameter(const SystemView& system, const std::s
 
 bool contains(const std::vector<int>& cpus, int cpu) { return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end(); }
 
-std::optional<std::vector<int>> interrupt_cores(const Patient& patient, const std::string& number) {
-  const std::string folder = "/proc/irq/" + number;
-  const auto effective = patient.system.read(folder + "/effective_affinity_list");
-  return parse_cpu_list(
-      effective && !effective->empty() ? *effective : patient.system.read(folder + "/smp_affinity_list").value_or(""));
-}
-
 std::string cpu_folder(int cpu) { return "/sys/devices/system/cpu/cpu" + std::to_string(cpu); }
 
 }  // namespace tactus::doctor
