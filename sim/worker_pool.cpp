@@ -1,6 +1,6 @@
 #include "sim/worker_pool.h"
 
-#include <immintrin.h>
+#include <xmmintrin.h>
 
 #include "rt/base/check.h"
 #include "rt/base/denormals.h"

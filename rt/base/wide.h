@@ -3,17 +3,14 @@
 // Wide<T, N> behaves as a number does, lane by lane, so that a kernel written for a type V works on one number (V = T)
 // and on N at once, with the same bits in each lane: every operation is IEEE's, none is fused, and min, max and select
 // are defined by one comparison. Comparisons give a Mask; branches become `select`. Built on the compilers' vector
-// types: no instruction set is named, a target without such registers gets pieces of them.
+// types: a target without such registers gets pieces of them. Two operations that those types lack are named by the
+// compilers' own names: the header of intrinsics would be a quarter of all that a file of tactus reads.
 // Thread: [any]. Bound: none allocates or loops beyond N.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
-
-#if defined(__AVX__)
-#include <immintrin.h>
-#endif
 
 namespace tactus {
 
@@ -56,8 +53,8 @@ struct Wide {
   TACTUS_INLINE friend Wide abs(Wide a) noexcept { return of((a.v < Native{} ? -a.v : a.v) + Native{}); }
   TACTUS_INLINE friend Wide sqrt(Wide a) noexcept {
 #if defined(__AVX__)
-    if constexpr (sizeof(Native) == 32 && sizeof(T) == 4) return of(_mm256_sqrt_ps(a.v));
-    if constexpr (sizeof(Native) == 32 && sizeof(T) == 8) return of(_mm256_sqrt_pd(a.v));
+    if constexpr (sizeof(Native) == 32 && sizeof(T) == 4) return of(__builtin_ia32_sqrtps256(a.v));
+    if constexpr (sizeof(Native) == 32 && sizeof(T) == 8) return of(__builtin_ia32_sqrtpd256(a.v));
 #endif
     for (int i = 0; i < N; ++i) a.v[i] = std::sqrt(a.v[i]);
     return a;
@@ -77,7 +74,10 @@ noexcept { return a & b; }
 template <class Mask>
 requires(sizeof(Mask) > sizeof(Mask{}[0])) TACTUS_INLINE bool any(Mask which) noexcept {
 #if defined(__AVX__)
-  if constexpr (sizeof(Mask) == 32) return _mm256_testz_si256((__m256i)which, (__m256i)which) == 0;
+  if constexpr (sizeof(Mask) == 32) {
+    typedef long long Bits __attribute__((vector_size(32)));
+    return __builtin_ia32_ptestz256((Bits)which, (Bits)which) == 0;
+  }
 #endif
   bool found = false;
   for (std::size_t i = 0; i < sizeof(Mask) / sizeof(which[0]); ++i) found |= which[i] != 0;

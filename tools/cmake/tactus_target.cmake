@@ -15,7 +15,7 @@ target_compile_features(tactus_flags INTERFACE cxx_std_20)
 target_include_directories(tactus_flags INTERFACE ${PROJECT_SOURCE_DIR})
 if(TACTUS_SANITIZE)
   # gcc 12 warns of strings that a sanitizer's own code makes (array bounds, uninitialised): there they are no errors.
-  target_compile_options(tactus_flags INTERFACE -Wno-error)
+  target_compile_options(tactus_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-error>)
   target_compile_options(tactus_flags INTERFACE
     -fsanitize=${TACTUS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE})
