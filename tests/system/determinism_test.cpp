@@ -152,7 +152,8 @@ TEST_CASE("a replay notices one changed bit of one input") {
   CHECK(report.value().first_different_tick == 900);
 }
 
-TEST_CASE("every build gives the same state hash: gcc and clang, optimised, for a debugger, sanitised", "[determinism]") {
+TEST_CASE("every build gives the same state hash: gcc and clang, optimised, for a debugger, sanitised",
+          "[determinism]") {
   const std::string scene = GENERATE("card_house.toml", "wall.toml", "free.toml", "pile700.toml");
   const std::string arguments = " " TACTUS_SOURCE_DIR "/sim/scenes/" + scene + " 1500";
   const std::string ours = program_output(TACTUS_HASH + arguments);
