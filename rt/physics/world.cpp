@@ -20,6 +20,15 @@ bool holds(const BoundedVector<Body<T>>& bodies, std::uint32_t slot, BodyId id) 
   return slot < bodies.size() && bodies[slot].id == id;
 }
 
+// May the box reach below the plane, the half space z <= 0 of its frame?
+template <class T>
+bool reaches_plane(const Aabb<T>& box, const BodyFrame<T>& plane) noexcept {
+  const Vec3<T>& normal = plane.axes.z;
+  const Vec3<T> lowest{normal.x > T(0) ? box.lower.x : box.upper.x, normal.y > T(0) ? box.lower.y : box.upper.y,
+                       normal.z > T(0) ? box.lower.z : box.upper.z};
+  return dot(normal, lowest - plane.position) <= T(0);
+}
+
 }  // namespace
 
 template <class T>
@@ -259,21 +268,22 @@ void World<T>::index_fixed_bodies() noexcept {
   fixed_is_indexed_ = true;
 }
 
-// In the order of fixed bodies: mostly that of the keys.
 template <class T>
-void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
-  const StepSettings<T>& settings = context.settings;
-  StepReport<T>& report = context.report;
-  mesh_triangles_.clear();
-  const auto add = [&](std::uint32_t f, std::uint32_t i) noexcept {
-    if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
-      add_mesh_pairs(i, f, margin_of(reach_[i], settings), report);
-    else
-      contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
-  };
+void World<T>::add_fixed_pair(const SlotPair& pair, const StepSettings<T>& settings, StepReport<T>& report) noexcept {
+  const auto [f, i] = pair;
+  if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
+    add_mesh_pairs(i, f, margin_of(reach_[i], settings), report);
+  else
+    contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
+}
+
+// Those of the tree: the fixed body's slot, the moving one's, in that order. What the list does not hold is added at
+// once: the contact table counts what it leaves out.
+template <class T>
+void World<T>::find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept {
   fixed_pairs_.clear();
-  const auto find = [&](std::uint32_t f, std::uint32_t i) noexcept {
-    if (!fixed_pairs_.try_push({f, i})) add(f, i);  // more than the table holds: it counts what it leaves out
+  const auto found = [&](std::uint32_t f, std::uint32_t i) noexcept {
+    if (!fixed_pairs_.try_push({f, i})) add_fixed_pair({f, i}, settings, report);
     return true;
   };
   // Bodies that are close together meet few fixed ones: then the tree is asked once for all of them.
@@ -287,32 +297,32 @@ void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
     if (frozen_[i] != 0) continue;
     if (!few) {
-      fixed_tree_.find(bounds_[i], [&](std::uint32_t f) noexcept { return find(f, i); });
+      fixed_tree_.find(bounds_[i], [&](std::uint32_t f) noexcept { return found(f, i); });
       continue;
     }
     for (const std::uint32_t f : near)
-      if (fixed_bounds_[f].overlaps(bounds_[i])) find(f, i);
+      if (fixed_bounds_[f].overlaps(bounds_[i])) found(f, i);
   }
   std::sort(fixed_pairs_.begin(), fixed_pairs_.end(),
             [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+}
+
+// In the order of the fixed bodies, mostly that of the keys: planes, which no tree holds, between the others.
+template <class T>
+void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
+  const auto add = [&](const SlotPair& pair) noexcept { add_fixed_pair(pair, context.settings, context.report); };
+  mesh_triangles_.clear();
+  find_fixed_pairs(context.settings, context.report);
   context.pairs = &fixed_pairs_;
   effects_.stages().run(Phase::kFixedPairs, context);
   std::uint32_t next = 0;
   const auto add_below = [&](std::uint32_t end) noexcept {
-    for (; next < fixed_pairs_.size() && fixed_pairs_[next].a < end; ++next)
-      add(fixed_pairs_[next].a, fixed_pairs_[next].b);
+    for (; next < fixed_pairs_.size() && fixed_pairs_[next].a < end; ++next) add(fixed_pairs_[next]);
   };
   for (const std::uint32_t f : fixed_tree_.unbounded()) {
     add_below(f);
-    const Vec3<T> normal = fixed_frames_[f].axes.z, origin = fixed_frames_[f].position;
-    // May the box reach below the plane (the half space z <= 0 of its frame)?
-    const auto reaches_plane = [&](const Aabb<T>& box) noexcept {
-      const Vec3<T> lowest{normal.x > T(0) ? box.lower.x : box.upper.x, normal.y > T(0) ? box.lower.y : box.upper.y,
-                           normal.z > T(0) ? box.lower.z : box.upper.z};
-      return dot(normal, lowest - origin) <= T(0);
-    };
     for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-      if (frozen_[i] == 0 && reaches_plane(bounds_[i])) add(f, i);
+      if (frozen_[i] == 0 && reaches_plane(bounds_[i], fixed_frames_[f])) add({f, i});
   }
   add_below(fixed_bodies_.size());
 }

@@ -129,6 +129,8 @@ class World {
   bool is_consistent() const noexcept;
   bool refuse(CapacityBit bit) noexcept;
   void add_pairs(StageContext<T>& context) noexcept;
+  void add_fixed_pair(const SlotPair& pair, const StepSettings<T>& settings, StepReport<T>& report) noexcept;
+  void find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept;
   void add_fixed_pairs(StageContext<T>& context) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept;
   void solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
