@@ -9,8 +9,21 @@
 
 namespace tactus::experiment {
 
+namespace {
+
+// In a log every call would fill pages.
+constexpr std::chrono::seconds kBetweenLines{30};
+
+}  // namespace
+
 Progress terminal_progress() {
-  if (isatty(STDERR_FILENO) == 0) return {};
+  if (isatty(STDERR_FILENO) == 0)
+    return [last = std::chrono::steady_clock::now()](const std::string& doing) mutable {
+      const auto now = std::chrono::steady_clock::now();
+      if (now - last < kBetweenLines) return;
+      last = now;
+      fmt::print(stderr, "{}\n", doing);
+    };
   const std::shared_ptr<void> cleaner(nullptr, [](void*) { fmt::print(stderr, "\r\033[K"); });
   return [cleaner](const std::string& doing) {
     fmt::print(stderr, "\r\033[K{}", doing);

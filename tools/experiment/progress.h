@@ -1,4 +1,4 @@
-// One line on a terminal that says how far an experiment is; nothing where stderr is none. Thread: one.
+// Says how far an experiment is: one line on a terminal, in a log a line every half minute. Thread: one.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,8 @@ namespace tactus::experiment {
 // Called with what is being done now; may be empty.
 using Progress = std::function<void(const std::string& doing)>;
 
-// A line on stderr that each call overwrites, and that goes with the last copy. Empty where stderr is no terminal.
+// A line on stderr that each call overwrites, and that goes with the last copy. Where stderr is no terminal, a line of
+// its own, not more often than every 30 s.
 Progress terminal_progress();
 
 // How long the rest takes where it goes on as it did: "scene pile, seed 3 of 20, about 40 s left".
