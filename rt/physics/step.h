@@ -31,7 +31,7 @@ struct StepSettings {
   T slop{T(1e-5)};            // m: overlap that is left alone
   T min_margin{T(5e-4)};      // m: points further apart than this + relative speed x dt are not found
   T max_margin{T(2e-2)};      // m
-  // Between boxes a contact is carried over until the surfaces have moved by this; 0: found anew in every step.
+  // Contacts of boxes and hulls are carried over until the surfaces have moved by this; 0: found anew in every step.
   T recycle_tolerance_m{T(5e-5)};
   Vec3<T> gravity{};      // m/s^2
   bool friction{true};    // effect: Coulomb friction

@@ -26,14 +26,15 @@ struct ContactReference {
   T separation[kPoints]{};                   // m, when they were found
 };
 
-// Which pairs are worth it: two boxes. All others are found in less time than it takes.
+// Which pairs are worth it: two polyhedra. All others are found in less time than it takes.
 template <class T>
 constexpr bool is_carried_over(const Shape<T>& a, const Shape<T>& b) noexcept {
-  return a.kind == ShapeKind::kBox && b.kind == ShapeKind::kBox;
+  const auto is_polyhedron = [](ShapeKind kind) { return kind == ShapeKind::kBox || kind == ShapeKind::kHull; };
+  return is_polyhedron(a.kind) && is_polyhedron(b.kind);
 }
 
-// What two boxes may move before their contact is found anew [m]: `most`, but no more than a hundredth of what the
-// thinner one is half as thick as. Spread over half of that by the pair's key, so that the contacts of bodies which
+// What two such bodies may move before their contact is found anew [m]: `most`, but no more than a hundredth of what
+// the thinner one is half as thick as. Spread over half of that by the pair's key, so that the contacts of bodies which
 // move together do not all end at the same tick.
 template <class T>
 T tolerance_of(PairKey key, const Shape<T>& a, const Shape<T>& b, T most) noexcept;

@@ -3,11 +3,11 @@
 // Per step: add_pair for every pair that may touch (any order), then build: sort by key, narrow phase, and the impulses
 // of the same pair and feature in the last step. Two things save most of the work where little moves. A pair of boxes
 // that was apart is not looked at again until its bodies have moved by the gap: a proof, so it never shows in a result
-// and is no part of the state. A contact of two boxes that have hardly moved is carried over (contact_reference.h):
-// that is state. Pairs without points leave no trace, so more pairs than needed give the same bits.
-// Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI.
-// Bound: `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties
-// by lower key); what did not fit is counted.
+// and is no part of the state. A contact of boxes or hulls that have hardly moved is carried over
+// (contact_reference.h): that is state. Pairs without points leave no trace, so more pairs than needed give the same
+// bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI. Bound:
+// `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties by lower
+// key); what did not fit is counted.
 #pragma once
 
 #include <span>
