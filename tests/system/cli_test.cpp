@@ -23,9 +23,10 @@ std::string temporary(const std::string& name) {
   return (std::filesystem::temp_directory_path() / ("tactus_cli_" + std::to_string(getpid()) + name)).string();
 }
 
-Output run(const std::string& arguments) {
+// by: a command that runs it, none if empty.
+Output run(const std::string& arguments, const std::string& by = "") {
   const std::string error_file = temporary(".err");
-  FILE* pipe = popen((std::string(TACTUS_PROGRAM) + " " + arguments + " 2>" + error_file).c_str(), "r");
+  FILE* pipe = popen((by + " " + TACTUS_PROGRAM + " " + arguments + " 2>" + error_file).c_str(), "r");
   REQUIRE(pipe != nullptr);
   Output output;
   char buffer[4096];
@@ -158,6 +159,21 @@ TEST_CASE("a device that is not there is one line and exit 3, for run and for hi
       CHECK(output.out.empty());
     }
   }
+}
+
+TEST_CASE("a service that is told to stop ends well, where a run with a latched fault does not") {
+  const std::string config = temporary(".toml");
+  std::ofstream(config) << "scene = \"" << kScenes << "stack20.toml\"\n[control]\nsocket = \"" << temporary(".sock")
+                        << "\"\n";
+  const std::string told = "timeout --preserve-status --signal TERM 2";
+  const Output service = run("run --inject unplugged@200 --config " + config, told);
+  INFO(service.err << service.out);
+  CHECK(service.exit_code == 0);
+  CHECK_THAT(service.out, Contains("unplugged") || Contains("fault"));
+  const Output by_hand = run("run --inject unplugged@200 " + kScenes + "stack20.toml", told);
+  INFO(by_hand.err << by_hand.out);
+  CHECK(by_hand.exit_code == 1);
+  std::filesystem::remove(config);
 }
 
 TEST_CASE("help teaches with an example") {

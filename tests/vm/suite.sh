@@ -107,7 +107,7 @@ check_scenarios() {
   mkdir -p "$results"
   rm -f "$logs"/vm-{debian,usb,can,fd,cores}.log
   build_guest_programs
-  soak_frames=20000 limit_s=2400
+  soak_frames=20000 limit_s=4800
   if [[ -n $quick ]]; then soak_frames=5000; fi
   if [[ -n $long ]]; then soak_frames=1000000 limit_s=36000; fi
 

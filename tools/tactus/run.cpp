@@ -223,6 +223,8 @@ int run_scene(const CLI::App& app, RunCommand& command) {
     fmt::print("{}\n", to_json(summary.value()).dump(2));
   else
     fmt::print("{}", to_text(summary.value()));
+  // A service that was told to stop has ended well, whatever it has seen: its log says that.
+  if (!command.config.empty() && g_stop.load(std::memory_order_relaxed)) return kExitGood;
   return summary.value().exit_code();
 }
 
@@ -286,8 +288,9 @@ CLI::App* add_run_command(CLI::App& program, int& exit_code) {
   run->footer(
       "While it runs, a status line shows rate, force, members, contacts, overruns; Ctrl-C ends it, Enter re-arms "
       "after\n"
-      "a fault. Exit status: 0 good; 1 a fault is latched at the end, or a tick was lost to the program's own work;\n"
-      "2 bad usage or scene; 3 the machine cannot do it.\n\n"
+      "a fault. Exit status: 0 good, or with --config told to stop; 1 a fault is latched at the end, or a tick was "
+      "lost\n"
+      "to the program's own work; 2 bad usage or scene; 3 the machine cannot do it.\n\n"
       "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"
       "  tactus run sim/scenes/pile700.toml --ratio 10 --json\n"
       "  tactus run sim/scenes/pile700.toml --cpu 3 --world-threads 2 --world-cpu 1-2\n"
