@@ -111,7 +111,8 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
 }
 
 GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
-    : options_(options),
+    : scene_(&scene),
+      options_(options),
       settings_(settings_for(scene, options)),
       bounds_settings_(settings_),
       world_(world_of(scene, options.precision)),
@@ -158,6 +159,7 @@ std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) no
 }
 
 void GlobalWorld::share_work(WorkerPool& pool) {
+  pool_ = &pool;
   world_.share_work(pool.executor());
   pair_cache_.share_work(pool.executor(), pool.threads());
 }
@@ -173,13 +175,34 @@ void GlobalWorld::set_state(std::span<const Body<double>> bodies,
 }
 
 void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noexcept {
-  find_touches_at_rest();
-  fill_snapshot(device, 0, haptics::kMaxMembers, first);
-  if (options_.coupling == CouplingScheme::kSubWorld) foresee_border(device, first);
+  fill_first(device, 0, haptics::kMaxMembers, first);
 }
 
-// Without impulses in G(0) what rests on outside bodies would fall for two cycles. So a few steps are tried, their
-// border is kept, and everything else is taken back.
+void GlobalWorld::fill_first(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
+                             WorldSnapshot& next) noexcept {
+  find_touches_at_rest();
+  fill_snapshot(device, cycle, budget, next);
+  if (options_.coupling == CouplingScheme::kSubWorld) foresee_border(device, next);
+}
+
+// The books go on, the world does not.
+void GlobalWorld::begin_anew(const Posed& world_from_proxy) {
+  GlobalStatistics statistics = statistics_;
+  WorkerPool* const pool = pool_;
+  *this = GlobalWorld(*scene_, options_);
+  statistics.awake = statistics_.awake, statistics.asleep = statistics_.asleep;
+  ++statistics.resets;
+  statistics_ = statistics;
+  if (pool != nullptr) share_work(*pool);
+  Device& device = devices_[0];
+  world_.bodies()[slot_of(device)].motion = {world_from_proxy, {}};
+  islands_.follow(world_);
+  device.reported_proxy = world_from_proxy;
+  wake_near(device);
+}
+
+// Without impulses in its first snapshot what rests on outside bodies would fall for two cycles. So a few steps are
+// tried, their border is kept, and everything else is taken back.
 void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noexcept {
   // Room for the world as it is: what it may hold is far more.
   std::vector<std::byte> bytes(1u << 20);
@@ -192,6 +215,7 @@ void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noe
   const IslandManager islands = islands_;
   const GlobalStatistics statistics = statistics_;
   const double time_s = time_s_;
+  const bool stepped = stepped_;
   for (unsigned step = 0; step < kForeseenSteps; ++step) advance();
   fill_border(devices_[device], first);
   devices_[device].has_border = !first.border.empty();
@@ -201,10 +225,16 @@ void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noe
   islands_ = islands;
   statistics_ = statistics;
   time_s_ = time_s;
+  stepped_ = stepped;
 }
 
 void GlobalWorld::step(const SubWorldReport& report, WorldSnapshot& next) noexcept {
-  impose(0, report);
+  if (report.wanted_epoch > epoch() && is_finite(report.proxy_start)) {
+    begin_anew(report.proxy_start);
+    fill_first(0, report.cycle + 1, report.member_budget, next);
+    return;
+  }
+  if (report.epoch == epoch()) impose(0, report);  // else it is of a world that has gone
   advance();
   fill_snapshot(0, report.cycle + 1, report.member_budget, next);
 }
@@ -295,6 +325,7 @@ void GlobalWorld::advance() noexcept {
   for (Device& device : devices_) device.held_by = {};
   const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
   time_s_ += settings_.dt;
+  stepped_ = true;
   islands_.follow(world_);
   sleep();
   find_touches();
@@ -386,6 +417,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
 
   next.cycle = cycle;
   next.global_time_s = time_s_;
+  next.epoch = epoch();
   next.component = device.extraction.statistics().component;
   next.dropped = 0;
   next.proxy = bodies[device.proxy].motion;
@@ -400,9 +432,9 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   if (options_.coupling == CouplingScheme::kSubWorld) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
-    if (cycle > 0) fill_border(device, next);
+    if (stepped_) fill_border(device, next);
   }
-  if (feels_planes(options_.coupling) && cycle > 0)
+  if (feels_planes(options_.coupling) && stepped_)
     fill_proxy_planes(world_, device.id, pass_s_,
                       options_.coupling == CouplingScheme::kPlane ? 1 : haptics::kMaxProxyPlanes, next.border);
   device.has_border = !next.border.empty();

@@ -54,6 +54,7 @@ struct GlobalStatistics {
   double stopped_energy_J{0};  // kinetic: of bodies that fell asleep
   double deepest_m{0};
   std::uint32_t broken_joints{0};  // by now
+  std::uint32_t resets{0};         // how often the scene has begun anew
 };
 
 // Can this scene be run so? Else one line that says why not.
@@ -73,7 +74,8 @@ class GlobalWorld {
 
   // G(0): members chosen where the bodies are, nothing stepped yet.
   void first_snapshot(haptics::WorldSnapshot& first, std::uint32_t device = 0) noexcept;
-  // One cycle: from H(n) to G(n+1).
+  // One cycle: from H(n) to G(n+1). Where the report wants another epoch, the scene begins anew instead: from its file,
+  // with the proxy where the report says. That allocates, and takes as long as a start.
   void step(const haptics::SubWorldReport& report, haptics::WorldSnapshot& next) noexcept;
 
   // The parts of `step`, by device.
@@ -82,6 +84,7 @@ class GlobalWorld {
   void fill_snapshot(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
                      haptics::WorldSnapshot& next) noexcept;
   std::uint32_t devices() const noexcept { return static_cast<std::uint32_t>(devices_.size()); }
+  std::uint32_t epoch() const noexcept { return statistics_.resets; }
 
   const physics::World<double>& world() const noexcept { return world_; }  // those awake
   // All moving bodies by id, those asleep included; as they were after the last step.
@@ -130,8 +133,15 @@ class GlobalWorld {
   void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
 
+  void begin_anew(const Posed& world_from_proxy);
+  void fill_first(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
+                  haptics::WorldSnapshot& next) noexcept;
+
+  const Scene* scene_;
   GlobalOptions options_;
-  double pass_s_{0};  // of the last pass of the last step: what the contacts' impulses are of
+  WorkerPool* pool_{nullptr};  // null: nobody shares the work
+  bool stepped_{false};        // since the scene began
+  double pass_s_{0};           // of the last pass of the last step: what the contacts' impulses are of
   physics::StepSettings<double> settings_, bounds_settings_;  // the latter: with the sub-steps of the far region
   physics::World<double> world_;
   physics::Hulls<double> hulls_;

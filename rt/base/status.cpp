@@ -67,6 +67,8 @@ std::string_view name_of(StatusBit bit) noexcept {
       return "proxy-contact";
     case kBorderSpent:
       return "border-spent";
+    case kSceneReset:
+      return "scene-reset";
   }
   return {};
 }

@@ -41,6 +41,7 @@ enum StatusBit : std::uint32_t {
   kNotArmed = 1u << 12,          // no force until armed
   kProxyContact = 1u << 13,      // the proxy touches something: not a limit, but it belongs in every record
   kBorderSpent = 1u << 14,       // the tank of the ghost border is empty: it only takes energy
+  kSceneReset = 1u << 15,        // the scene begins anew: the force fades, and stays off until it has
 };
 
 // One line for people: what it is and what to do. Never empty.

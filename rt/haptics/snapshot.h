@@ -55,6 +55,7 @@ struct WorldSnapshot {
   double global_time_s{0};                   // time of the state below, on the global clock
   std::uint32_t dropped{0};                  // entries that did not fit
   std::uint32_t component{0};                // bodies that the contact graph links to the proxy, capped or not
+  std::uint32_t epoch{0};                    // how often the scene has begun anew: with a new one, all comes anew
   FixedVector<BodyId, kMaxMembers> members;  // of cycle n, ascending; the proxy always
   FixedVector<physics::Body<double>, kMaxMembers> joiners;              // members that were none in cycle n - 1
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
@@ -88,6 +89,9 @@ struct SubWorldReport {
   std::uint64_t cycle{0};                          // n: the cycle that begins; what follows is of time t_n
   std::uint32_t ticks{0};                          // executed in the cycle that ended
   std::uint32_t member_budget{kMaxMembers};        // the governor's wish for cycle n + 1
+  std::uint32_t epoch{0};                          // of the world that what follows is of
+  std::uint32_t wanted_epoch{0};                   // later than that: the scene is to begin anew,
+  Posed proxy_start;                               // with the proxy there, at rest; world
   FixedVector<MemberMotion, kMaxMembers> members;  // of the cycle that ended, those that just left included
   FixedVector<BorderReturn, kMaxBorderPoints> border;
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left

@@ -68,6 +68,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   out.put(s.global_time_s);
   out.put(s.dropped);
   out.put(s.component);
+  out.put(s.epoch);
   out.put(s.proxy);
   write_list(out, s.members);
   write_list(out, s.joiners);
@@ -84,6 +85,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
   in.get(s.global_time_s);
   in.get(s.dropped);
   in.get(s.component);
+  in.get(s.epoch);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
          read_list(in, s.border) && read_list(in, s.outside) && read_list(in, s.near_regions) &&

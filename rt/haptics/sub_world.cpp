@@ -1,5 +1,7 @@
 #include "rt/haptics/sub_world.h"
 
+#include <array>
+
 #include "rt/base/hash.h"
 #include "rt/base/status.h"
 #include "rt/haptics/plane_coupling.h"
@@ -89,6 +91,7 @@ void SubWorld::set_members(std::span<const physics::Body<double>> bodies) noexce
 
 void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
   fill_report(snapshot, report);
+  if (snapshot.epoch != state_.epoch) forget_world(snapshot.epoch);
   read_effects(snapshot.effects, false, world_);
   change_members(snapshot);
   renew_border(snapshot);
@@ -105,6 +108,9 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
 void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
   report.cycle = snapshot.cycle;
   report.ticks = state_.ticks_in_cycle;
+  report.epoch = state_.epoch;
+  report.wanted_epoch = state_.wanted_epoch;
+  report.proxy_start = state_.proxy_start;
   report.members.clear();
   report.border.clear();
   report.warm_starts.clear();
@@ -156,6 +162,26 @@ void SubWorld::report_border(SubWorldReport& report) const noexcept {
                              contact.total_normal_impulse};
     if (!report.border.try_push(entry)) return;
   }
+}
+
+void SubWorld::ask_reset(const Posed& world_from_proxy) noexcept {
+  state_.wanted_epoch = state_.epoch + 1;
+  state_.proxy_start = world_from_proxy;
+}
+
+// Nothing of another epoch goes on: no body, no contact, no border, no effect, no energy in the tank.
+void SubWorld::forget_world(std::uint32_t epoch) noexcept {
+  std::array<std::uint8_t, kMaxMembers> all;
+  all.fill(1);
+  world_.remove(std::span<const std::uint8_t>(all).first(members()));
+  world_.effects().begin_anew();
+  state_.border_work_J = border_work_J();
+  world_.border_contacts().clear();
+  world_.border_ghosts().clear();
+  state_.epoch = epoch;
+  state_.wanted_epoch = std::max(epoch, state_.wanted_epoch);
+  state_.ticks_in_cycle = state_.has_snapshot = 0;
+  state_.tank_J = kTankAtStart_J, state_.owed_J = 0;
 }
 
 void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {

@@ -52,6 +52,12 @@ class SubWorld {
   // A synchronisation: fills H(n) with what was, then takes over G(n).
   void synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept;
 
+  // The scene shall begin anew, with the proxy there, at rest: the next reports say so. It has when a snapshot of that
+  // epoch is taken over, of which everything is new.
+  void ask_reset(const Posed& world_from_proxy) noexcept;
+  std::uint32_t epoch() const noexcept { return state_.epoch; }
+  bool awaits_reset() const noexcept { return state_.wanted_epoch > state_.epoch; }
+
   // One tick. `sub_steps` as the governor chose.
   SubWorldStep step(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut) noexcept;
 
@@ -81,7 +87,9 @@ class SubWorld {
     std::uint32_t ticks_in_cycle{0};
     std::uint32_t last_sub_steps{0};
     std::uint32_t has_snapshot{0};
+    std::uint32_t epoch{0}, wanted_epoch{0};
     std::uint32_t padding{0};
+    Posed proxy_start;                            // of the epoch wanted
     Wrenchd cycle_impulse;                        // N s, N m s: on the proxy by the coupling, this cycle
     physics::BodyMotion<double> global_proxy[2];  // interpolation: in G(n-1), in G(n)
     double border_work_J{0};
@@ -91,6 +99,7 @@ class SubWorld {
   void fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
   void report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
   void report_border(SubWorldReport& report) const noexcept;
+  void forget_world(std::uint32_t epoch) noexcept;
   void change_members(const WorldSnapshot& snapshot) noexcept;
   void renew_border(const WorldSnapshot& snapshot) noexcept;
   void renew_ghosts(const WorldSnapshot& snapshot) noexcept;

@@ -6,6 +6,9 @@ namespace {
 // After engaging, and after a lost world, the force comes in over this long: full force moves by 0.15 N a tick of
 // 1 ms. A ramp of the scale and not of the force, so that it never holds a force that the hand has already left.
 constexpr double kRecovery_s = 0.2;
+// A scene that begins anew: the force fades over this long, full force by 0.6 N a tick of 1 ms; and a proxy that begins
+// in a body has this long to be pushed out before it is coupled again.
+constexpr double kResetFade_s = 0.05, kResetRest_s = 0.1;
 
 haptics::CouplingGains gains_at_hand(const LoopConfig& config) noexcept {
   const double s2 = config.placement.motion_scale * config.placement.motion_scale;
@@ -75,10 +78,34 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
     state_.engaged = state_.rearm = 0;
   }
   if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;  // last: whatever else is asked for
+  if ((operator_bits & kReset) != 0 && state_.reset == Reset::kNone && sub_world_.exchanges()) {
+    state_.reset = Reset::kFading;
+    state_.reset_left_s = kResetFade_s;
+  }
+  if (state_.reset != Reset::kNone) {
+    out.status |= kSceneReset;
+    reset_scene();
+  }
   const bool ready = input_.valid && input_.device_state != haptics::DeviceState::kBrake;
-  const bool may_engage = state_.armed != 0 && state_.fault == Fault::kNone && ready;
+  const bool may_engage = state_.armed != 0 && state_.fault == Fault::kNone && state_.reset == Reset::kNone && ready;
   if (may_engage && state_.engaged == 0) engage();
   if (state_.engaged == 0 || state_.fault != Fault::kNone) out.status |= kNotArmed;
+}
+
+// The device stands again where the scene placed it, so that trials begin alike however often they do.
+void HapticLoop::reset_scene() noexcept {
+  state_.reset_left_s -= config_.period_s;
+  if (state_.reset == Reset::kFading && (state_.reset_left_s <= 0 || state_.engaged == 0)) {
+    state_.engaged = 0;
+    placement_.state = {};
+    sub_world_.ask_reset(placement_.world_from_target(input_.device_from_tool));
+    state_.reset = Reset::kAsked;
+  } else if (state_.reset == Reset::kAsked && !sub_world_.awaits_reset()) {
+    state_.reset = Reset::kResting;
+    state_.reset_left_s = kResetRest_s;
+  } else if (state_.reset == Reset::kResting && state_.reset_left_s <= 0) {
+    state_.reset = Reset::kNone;
+  }
 }
 
 // The spring starts unloaded: the device, wherever it is, now stands for the proxy where that is. At the first
@@ -132,7 +159,8 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   state_.recovery_left_s = std::max(0.0, state_.recovery_left_s - config_.period_s);
   const double recovered = std::min(1.0 - state_.recovery_left_s / kRecovery_s, stepped.force_scale);
   if ((stepped.status & kWorldFade) != 0) state_.recovery_left_s = kRecovery_s * (1.0 - recovered);
-  force_scale_ = std::min(input_.force_scale, recovered);
+  const double fading = state_.reset == Reset::kFading ? state_.reset_left_s / kResetFade_s : 1.0;
+  force_scale_ = std::min(input_.force_scale, recovered * fading);
 }
 
 haptics::StoredEnergy HapticLoop::stored_energy(const TickOutput& out) const noexcept {

@@ -36,6 +36,9 @@ enum OperatorBit : std::uint32_t {
   // The e-stop's status line beside the link is active: Fault kEmergencyStop, and no force from this tick on. The cut
   // itself is in the firmware or the hardware; nothing is left to fade.
   kStopLine = 1u << 3,
+  // The scene begins anew: the force fades, the global world starts again with the proxy where the device is (clutched
+  // to nothing), and when it has come to rest there the force comes back. Not with the direct coupling.
+  kReset = 1u << 4,
 };
 
 // Tells the other side that H(n) is written. Called between adoption and the rest of the tick.
@@ -101,6 +104,7 @@ class HapticLoop {
   std::size_t save_size_bound() const noexcept;
 
  private:
+  enum class Reset : std::uint32_t { kNone, kFading, kAsked, kResting };
   struct State {
     std::uint64_t tick{0};
     std::uint64_t next_cycle{0};
@@ -109,13 +113,17 @@ class HapticLoop {
     std::uint32_t engaged{0};   // the proxy is coupled to the device
     std::uint32_t rearm{0};     // tell the device to leave BRAKE, until it has
     double recovery_left_s{0};  // of the force's ramp after engaging or a lost world
-    Posed last_tool;            // device frame, of the tick before
+    Reset reset{Reset::kNone};
+    std::uint32_t padding{0};
+    double reset_left_s{0};  // of the fade or the rest
+    Posed last_tool;         // device frame, of the tick before
   };
 
   void guard(const haptics::DeviceInput& in, TickOutput& out) noexcept;
   void adopt(const TickInput& in) noexcept;
   void arm(std::uint32_t operator_bits, TickOutput& out) noexcept;
   void engage() noexcept;
+  void reset_scene() noexcept;
   haptics::DeviceTarget couple(TickOutput& out) noexcept;
   void step(const haptics::DeviceTarget& target, const TickInput& in, TickOutput& out) noexcept;
   void shape_force(TickOutput& out) noexcept;

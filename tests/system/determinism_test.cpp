@@ -80,6 +80,7 @@ TEST_CASE("a recorded virtual run replays with the same bits, whatever the coupl
   options.record = tape.path();
   options.members = 8;
   options.inject = "lost/state@700+4,stall@900+60";
+  if (options.coupling != haptics::CouplingScheme::kDirect) options.inject += ",reset@1400";
   auto session = make_session(scene_file("card_house.toml"), options);
   REQUIRE(session->record(options.record.string()).ok());
   const auto summary = run(*session, 2500);

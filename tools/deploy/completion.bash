@@ -24,7 +24,7 @@ _tactus() {
   elif [[ $word == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$(grep -oE '^ +(-h,)?--[a-z][a-z-]*' <<<"$help" | grep -oE -- '--.*' | sort -u)" -- "$word")
   elif [[ ${path[*]} == control ]]; then
-    mapfile -t COMPREPLY < <(compgen -W 'state arm rearm disarm reload stop' -- "$word")
+    mapfile -t COMPREPLY < <(compgen -W 'state arm rearm disarm reset reload stop' -- "$word")
   else
     mapfile -t COMPREPLY < <(compgen -W "$commands" -- "$word")
     if ((${#COMPREPLY[@]} == 0)); then mapfile -t COMPREPLY < <(compgen -f -- "$word"); fi

@@ -61,7 +61,7 @@ std::string bad(const std::string& said) { return nlohmann::json{{"ok", false}, 
 
 Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::filesystem::path& socket,
                                                            std::atomic<std::uint32_t>& requests,
-                                                           std::atomic<bool>& stop, Reload reload) {
+                                                           std::atomic<bool>& stop, Reload reload, bool can_reset) {
   const auto fail = [&](const std::string& what) {
     return Status::error(
         fmt::format("control socket {}: {}; accepted: a path in a folder that this user may write to, "
@@ -82,16 +82,17 @@ Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::filesystem
   if (!bound) return fail(strerrordesc_np(error));
   if (listen(listener.number(), 4) != 0) return fail(strerrordesc_np(errno));
   return std::unique_ptr<ControlServer>(
-      new ControlServer(listener.release(), socket, requests, stop, std::move(reload)));
+      new ControlServer(listener.release(), socket, requests, stop, std::move(reload), can_reset));
 }
 
 ControlServer::ControlServer(int listener, std::filesystem::path socket, std::atomic<std::uint32_t>& requests,
-                             std::atomic<bool>& stop, Reload reload)
+                             std::atomic<bool>& stop, Reload reload, bool can_reset)
     : listener_(listener),
       socket_(std::move(socket)),
       requests_(requests),
       stop_(stop),
       reload_(std::move(reload)),
+      can_reset_(can_reset),
       thread_([this] { serve(); }) {}
 
 ControlServer::~ControlServer() {
@@ -118,6 +119,10 @@ std::string ControlServer::answer(const std::string& line) {
   if (line == "arm") return ask(loop::kArm, "armed: force on, with the device where it is");
   if (line == "rearm") return ask(loop::kRearm, "re-armed: a latched fault is taken back");
   if (line == "disarm") return ask(loop::kDisarm, "disarmed: force off");
+  if (line == "reset") {
+    if (!can_reset_) return bad("the direct coupling has no global world that could begin anew");
+    return ask(loop::kReset, "reset: the scene begins anew; the force fades, and comes back with it");
+  }
   if (line == "stop") {
     stop_.store(true, std::memory_order_relaxed);
     return good("stopping");
@@ -128,7 +133,7 @@ std::string ControlServer::answer(const std::string& line) {
     const Status status = reload_(said);
     return status.ok() ? good(said) : bad(status.message());
   }
-  return bad(fmt::format("'{}' is no request; accepted: state, arm, rearm, disarm, reload, stop", line));
+  return bad(fmt::format("'{}' is no request; accepted: state, arm, rearm, disarm, reset, reload, stop", line));
 }
 
 void ControlServer::serve_one(int connection) {

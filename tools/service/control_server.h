@@ -2,7 +2,8 @@
 //
 //   state     what the loop does now        arm       force on, with the device where it is
 //   rearm     take a latched fault back     disarm    force off
-//   reload    read the configuration again  stop      end the run
+//   reload    read the configuration again  reset     the scene begins anew, the force off meanwhile
+//   stop      end the run
 // Who may write to the socket may do all of it: its mode is 0660, its folder the service's. Thread: construction and
 // destruction [setup]; it serves on a thread of its own, of normal priority; tell() by one normal thread.
 // Bound: one connection at a time, kLongestLine bytes in, answered within kPatience_ms or dropped.
@@ -28,10 +29,10 @@ class ControlServer {
   using Reload = std::function<Status(std::string& said)>;
 
   // `requests`: OperatorBit (rt/loop/haptic_loop.h) is set there, and taken by whoever gives it to the loop; `stop` is
-  // set by "stop"; `reload` gives a line, what was changed, or an error.
+  // set by "stop"; `reload` gives a line, what was changed, or an error; `can_reset`: there is a global world.
   static Result<std::unique_ptr<ControlServer>> open(const std::filesystem::path& socket,
                                                      std::atomic<std::uint32_t>& requests, std::atomic<bool>& stop,
-                                                     Reload reload);
+                                                     Reload reload, bool can_reset = true);
   ~ControlServer();
 
   // The answer to "state": one JSON object.
@@ -42,7 +43,7 @@ class ControlServer {
 
  private:
   ControlServer(int listener, std::filesystem::path socket, std::atomic<std::uint32_t>& requests,
-                std::atomic<bool>& stop, Reload reload);
+                std::atomic<bool>& stop, Reload reload, bool can_reset);
   void serve();
   void serve_one(int connection);
 
@@ -51,6 +52,7 @@ class ControlServer {
   std::atomic<std::uint32_t>& requests_;
   std::atomic<bool>& stop_;
   Reload reload_;
+  bool can_reset_;
   std::atomic<bool> closing_{false};
   std::mutex mutex_;
   std::string state_{"{}"};

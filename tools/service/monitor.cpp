@@ -33,6 +33,7 @@ std::string state_json(const session::LiveStatus& live, double elapsed_s, double
                                 {"border_contacts", live.border.load(relaxed)},
                                 {"overruns", live.overruns.load(relaxed)},
                                 {"late_cycles", live.late_cycles.load(relaxed)},
+                                {"resets", live.resets.load(relaxed)},
                                 {"conditions", conditions},
                                 {"fault", static_cast<std::uint32_t>(fault)},
                                 {"fault_text", fault == Fault::kNone ? "" : std::string(describe(fault))}}
@@ -58,6 +59,10 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
     log_.event(Level::kError, "fault",
                {{"code", number(fault)}, {"text", std::string(describe(static_cast<Fault>(fault)))}}, elapsed_s);
   if (fault != fault_ && fault == 0) log_.event(Level::kNotice, "re-armed", {{"code", number(fault_)}}, elapsed_s);
+  if (const std::uint32_t resets = live.resets.load(relaxed); resets != resets_) {
+    log_.event(Level::kNotice, "reset", {{"total", number(resets)}}, elapsed_s);
+    resets_ = resets;
+  }
   // What the loop does, not what it was asked to do; a fault that takes the force away has its own line.
   const bool armed = started_ && (live.status.load(relaxed) & kNotArmed) == 0;
   if (armed != armed_ && fault == 0) log_.event(Level::kNotice, armed ? "armed" : "disarmed", {}, elapsed_s);

@@ -27,7 +27,7 @@ class Monitor {
   EventLog& log_;
   bool started_{false}, alive_{false}, armed_{false};
   std::uint64_t ticks_{0}, overruns_{0}, late_cycles_{0};
-  std::uint32_t fault_{0};
+  std::uint32_t fault_{0}, resets_{0};
   double last_s_{0}, rate_Hz_{0};
 };
 

@@ -22,12 +22,13 @@ RunService::RunService(const Configuration& configuration, std::filesystem::path
       monitor_(log_) {}
 
 Result<std::unique_ptr<RunService>> RunService::open(const Configuration& configuration,
-                                                     const std::filesystem::path& file, std::atomic<bool>& stop) {
+                                                     const std::filesystem::path& file, std::atomic<bool>& stop,
+                                                     bool can_reset) {
   std::unique_ptr<RunService> service(new RunService(configuration, file));
   if (!configuration.socket.empty()) {
     ControlServer::Reload reload;
     if (!file.empty()) reload = [raw = service.get()](std::string& said) { return raw->reload(said); };
-    auto control = ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload));
+    auto control = ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload), can_reset);
     if (!control.ok()) return control.status();
     service->control_ = std::move(control).value();
   }

@@ -16,8 +16,9 @@ namespace tactus::service {
 class RunService {
  public:
   // `file` is the one that `configuration` came from: reload reads it again. Where it names no socket there is none.
+  // `can_reset`: the run has a global world.
   static Result<std::unique_ptr<RunService>> open(const Configuration& configuration, const std::filesystem::path& file,
-                                                  std::atomic<bool>& stop);
+                                                  std::atomic<bool>& stop, bool can_reset);
   ~RunService();
 
   // OperatorBit, for RealtimeHooks.

@@ -147,6 +147,7 @@ class RealtimeTick {
     live_.border.store(out.border, relaxed);
     live_.status.store(out.status, relaxed);
     live_.fault.store(static_cast<std::uint32_t>(out.fault), relaxed);
+    live_.resets.store(session_.loop->sub_world().epoch(), relaxed);
   }
 
   Session& session_;
@@ -193,7 +194,7 @@ void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& 
   while (thread.running() && !stop.load(std::memory_order_relaxed)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
-    if (hooks.rearm_requested && hooks.rearm_requested()) requests.fetch_or(loop::kRearm, std::memory_order_relaxed);
+    if (hooks.asked) requests.fetch_or(hooks.asked(), std::memory_order_relaxed);
     if (hooks.show && !hooks.show(live, elapsed.count())) return;
   }
 }

@@ -14,14 +14,14 @@ namespace tactus::session {
 struct LiveStatus {
   std::atomic<std::uint64_t> ticks{0}, overruns{0}, late_cycles{0};
   std::atomic<double> force_N{0};
-  std::atomic<std::uint32_t> members{0}, contacts{0}, border{0}, status{0}, fault{0};
+  std::atomic<std::uint32_t> members{0}, contacts{0}, border{0}, status{0}, fault{0}, resets{0};
 };
 
 struct RealtimeHooks {
   // Called about five times a second by the calling thread. Returns false to end the run.
   std::function<bool(const LiveStatus&, double elapsed_s)> show;
-  // Whether the operator asked for a re-arm since the last call.
-  std::function<bool()> rearm_requested;
+  // OperatorBit: what the operator asked for since the last call.
+  std::function<std::uint32_t()> asked;
   // OperatorBit: what others ask of the loop, set by them and taken once; null: nobody does.
   std::atomic<std::uint32_t>* requests{nullptr};
   // Looks into every tick, and may take windows for itself; null: nobody does.

@@ -9,7 +9,7 @@
 #include "sim/loader/choice_names.h"
 #include "sim/worker_pool.h"
 #include "tools/session/device_choice.h"
-#include "tools/session/stall_script.h"
+#include "tools/session/inject_script.h"
 
 namespace tactus::session {
 namespace {
@@ -108,7 +108,7 @@ Status check_options(const RunOptions& o) {
     return script.status();
   else if (!script.value().device.empty() && choice.value().is_real())
     return Status::error(fmt::format(
-        "--inject: faults of the device are for the simulated one, not for {}; accepted: stall, or --device sim",
+        "--inject: faults of the device are for the simulated one, not for {}; accepted: stall, reset, or --device sim",
         o.device));
   if (!o.device_file.empty() && !choice.value().is_real())
     return Status::error("--device-file: the simulated device is the scene's profile; accepted: with usb or can");

@@ -212,7 +212,9 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
 
   auto script = split_inject_script(options.inject);
   if (!script.ok()) return script.status();
-  session->stalls = script.value().stalls;
+  session->stalls = script.value().stalls, session->resets = script.value().resets;
+  if (!session->resets.empty() && options.coupling == haptics::CouplingScheme::kDirect)
+    return Status::error("--inject: reset: the direct coupling has no global world that could begin anew");
   auto faults = hal::parse_fault_script(script.value().device);
   if (!faults.ok()) return Status::error("--inject: " + faults.message());
   const bool simulated = hardware.device == nullptr;
@@ -283,12 +285,13 @@ void Session::count_tick() noexcept {
 }
 
 std::uint32_t Session::operator_bits() noexcept {
-  if (stats.ticks == 0) return options.arm_at_start ? loop::kArm : 0u;
+  std::uint32_t bits = stats.ticks == 0 && options.arm_at_start ? loop::kArm : 0u;
+  for (; next_reset_ < resets.size() && resets[next_reset_] <= stats.ticks; ++next_reset_) bits |= loop::kReset;
   if (options.rearm && latched_ticks_ >= kRearmAfter_s * options.rate_Hz) {
     latched_ticks_ = 0;
-    return loop::kRearm;
+    bits |= loop::kRearm;
   }
-  return 0;
+  return bits;
 }
 
 RunSummary Session::summary() const {

@@ -16,9 +16,9 @@
 #include "rt/loop/run_stats.h"
 #include "rt/loop/tape_drain.h"
 #include "sim/interface/snapshot_server.h"
+#include "tools/session/inject_script.h"
 #include "tools/session/open_device.h"
 #include "tools/session/run_options.h"
-#include "tools/session/stall_script.h"
 #include "tools/session/summary.h"
 
 namespace tactus::session {
@@ -61,11 +61,12 @@ class Session {
   std::unique_ptr<loop::TapeDrain> drain;
   std::unique_ptr<Driver> driver;
   std::vector<WorldStall> stalls;
+  std::vector<std::uint64_t> resets;  // ticks in which the operator's script has the scene begin anew
   loop::RunStats stats;
 
   // One tick of the driver, its figures into `stats`. Real time measures around the three stages itself.
   void count_tick() noexcept;
-  // Whether the operator, or --rearm after a second, takes a fault back in the coming tick.
+  // What the operator asks in the coming tick: to arm at the start, to take a fault back (--rearm), to begin anew.
   std::uint32_t operator_bits() noexcept;
 
   // The truth behind the simulated device's frames; null on a real device.
@@ -76,6 +77,7 @@ class Session {
 
  private:
   Session() = default;
+  std::size_t next_reset_{0};
   std::uint32_t latched_ticks_{0};
   std::uint32_t cycle_ticks_{0};
 };

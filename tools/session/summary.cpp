@@ -139,6 +139,7 @@ std::string global_text(const RunSummary& s) {
   if (s.global.asleep > 0 || s.global.fell_asleep > 0)
     text += fmt::format("  {:<22} {} bodies awake, at most {}; {} asleep; {} fell asleep, {} woke up\n", "sleeping",
                         s.global.awake, s.global.most_awake, s.global.asleep, s.global.fell_asleep, s.global.woke_up);
+  if (s.global.resets > 0) text += fmt::format("  {:<22} {} times anew\n", "scene begun", s.global.resets);
   text += fmt::format("  {:<22} component of the proxy at most {} bodies; {} joins, {} leaves\n", "contact graph",
                       s.stats.component_max, s.global.joins, s.global.leaves);
   return text;
@@ -309,6 +310,7 @@ json to_json(const RunSummary& s) {
                          {"stopped_energy_J", s.global.stopped_energy_J},
                          {"contacts_max", s.global.most_contacts},
                          {"component_max", s.stats.component_max},
+                         {"resets", s.global.resets},
                          {"joins", s.global.joins},
                          {"leaves", s.global.leaves},
                          {"deepest_overlap_m", s.global.deepest_m},

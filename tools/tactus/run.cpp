@@ -90,12 +90,14 @@ void show_live(const session::LiveStatus& live, double elapsed_s, std::uint64_t&
       live.overruns.load(std::memory_order_relaxed), notes);
 }
 
-// Enter on the keyboard; nothing where standard input is none.
-bool enter_pressed() {
+// Enter on the keyboard, or r and Enter; nothing where standard input is none.
+std::uint32_t asked_on_keyboard() {
   pollfd in{STDIN_FILENO, POLLIN, 0};
-  if (isatty(STDIN_FILENO) == 0 || poll(&in, 1, 0) <= 0 || (in.revents & POLLIN) == 0) return false;
+  if (isatty(STDIN_FILENO) == 0 || poll(&in, 1, 0) <= 0 || (in.revents & POLLIN) == 0) return 0;
   char line[256];
-  return read(STDIN_FILENO, line, sizeof line) > 0;
+  const ssize_t count = read(STDIN_FILENO, line, sizeof line);
+  if (count <= 0) return 0;
+  return line[0] == 'r' ? loop::kReset : loop::kRearm;
 }
 
 // With a configuration it is a service: events in a log instead of a status line.
@@ -105,7 +107,7 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   if (logged || !command.control.empty()) {
     service::Configuration configuration = command.configuration;
     if (!command.control.empty()) configuration.socket = command.control;
-    auto opened = service::RunService::open(configuration, command.config, g_stop);
+    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr);
     if (!opened.ok()) return opened.status();
     service = std::move(opened).value();
   }
@@ -128,7 +130,7 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
     }
     return true;
   };
-  hooks.rearm_requested = enter_pressed;
+  hooks.asked = asked_on_keyboard;
   auto summary = session::run_realtime(session, hooks, g_stop);
   if (terminal) fmt::print(stderr, "\r\033[K");
   return summary;
@@ -275,7 +277,7 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_flag("--rearm", o.rearm, "take a latched fault back by itself after a second; else Enter does");
   app.add_option("--inject", o.inject,
                  "faults, as KIND@TICK[+TICKS][:AMOUNT],...: lost, late, duplicated, corrupted, nan, wild,\n"
-                 "teleport, frozen, unplugged, estop; and of the world: stall");
+                 "teleport, frozen, unplugged, estop; of the world: stall; of the operator: reset@TICK");
   app.add_option("--seed", o.seed, "of what is random in injected faults")->capture_default_str();
   app.add_flag("--json", command.json, "one JSON object on stdout, units in the keys");
 }
@@ -288,7 +290,8 @@ CLI::App* add_run_command(CLI::App& program, int& exit_code) {
   run->footer(
       "While it runs, a status line shows rate, force, members, contacts, overruns; Ctrl-C ends it, Enter re-arms "
       "after\n"
-      "a fault. Exit status: 0 good, or with --config told to stop; 1 a fault is latched at the end, or a tick was "
+      "a fault, r and Enter have the scene begin anew. Exit status: 0 good, or with --config told to stop; 1 a fault "
+      "is latched at the end, or a tick was "
       "lost\n"
       "to the program's own work; 2 bad usage or scene; 3 the machine cannot do it.\n\n"
       "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"

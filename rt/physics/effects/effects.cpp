@@ -37,6 +37,11 @@ bool Effects<T>::only_gravity() const noexcept {
 }
 
 template <class T>
+void Effects<T>::begin_anew() noexcept {
+  for_each_room(rooms_, [](auto& room) noexcept { room.begin_anew(); });
+}
+
+template <class T>
 void Effects<T>::save(ByteWriter& out) const noexcept {
   for_each_room(rooms_, [&](const auto& room) noexcept { room.save(out); });
 }

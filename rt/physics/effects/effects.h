@@ -38,6 +38,9 @@ class Effects {
 
   bool only_gravity() const noexcept;  // or nothing
 
+  // Back to how they were made: nothing broken, no time gone.
+  void begin_anew() noexcept;
+
   // What the next step depends on. The reading world has the same effects.
   void save(ByteWriter& out) const noexcept;
   [[nodiscard]] bool restore(ByteReader& in) noexcept;

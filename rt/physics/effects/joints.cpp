@@ -222,6 +222,12 @@ void Joints<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
 }
 
 template <class T>
+void Joints<T>::begin_anew() noexcept {
+  std::fill(states_.begin(), states_.end(), JointState<T>{});
+  anchors_.clear();
+}
+
+template <class T>
 bool Joints<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept {
   std::uint32_t count = 0;
   in.get(count);

@@ -38,6 +38,7 @@ class Joints {
       }
   }
 
+  void begin_anew() noexcept;
   void save(ByteWriter& out) const noexcept;
   bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept;

@@ -38,6 +38,7 @@ class Kinematics {
   // Time on a body's path [s], by script.
   std::span<const T> times() const noexcept { return time_.span(); }
 
+  void begin_anew() noexcept { std::fill(time_.begin(), time_.end(), T(0)); }
   void save(ByteWriter& out) const noexcept;
   bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept { return time_.capacity() * sizeof(T); }

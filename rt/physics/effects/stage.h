@@ -93,6 +93,7 @@ void for_each_slot(const StageContext<T>& context, F&& f) noexcept {
 
 // A room without a state of its own between steps inherits these.
 struct Stateless {
+  void begin_anew() noexcept {}
   void save(ByteWriter&) const noexcept {}
   bool restore(ByteReader&) noexcept { return true; }
   std::size_t save_size_bound() const noexcept { return 0; }

@@ -41,5 +41,5 @@ TEST_CASE("every status bit has a short word of its own, and an unknown one has 
     CHECK(word.size() <= 20);
     if (!word.empty()) CHECK(words.insert(word).second);
   }
-  CHECK(std::bit_width(static_cast<std::uint32_t>(kBorderSpent)) == static_cast<int>(kBits));
+  CHECK(std::bit_width(static_cast<std::uint32_t>(kSceneReset)) == static_cast<int>(kBits));
 }

@@ -79,6 +79,8 @@ TEST_CASE("requests become operator bits, each once, and stop sets the flag") {
   CHECK(bench.ask("disarm")["ok"] == true);
   CHECK(bench.ask("rearm")["ok"] == true);
   CHECK(bench.requests.exchange(0) == (loop::kDisarm | loop::kRearm));
+  CHECK(bench.ask("reset")["ok"] == true);
+  CHECK(bench.requests.exchange(0) == loop::kReset);
   CHECK_FALSE(bench.stop.load());
   CHECK(bench.ask("stop")["said"] == "stopping");
   CHECK(bench.stop.load());

@@ -145,7 +145,7 @@ sim::Scene press_scene(const Setting& setting, double stiffness) {
                     cube({0, 0, 0.05}, 0.1, 1, 0.5));
 }
 
-// --- 18, 31, 37
+// --- 18, 31, 37, 38
 
 Outcome bad_samples(const Setting& setting) {
   session::RunOptions options;
@@ -203,6 +203,48 @@ Outcome late_world(const Setting& setting) {
   outcome.at_most("largest step of the force, N", most, kMostSlew_N * (1 + 1e-9));
   outcome.at_most("step when the world is back, N", back, 0.1);
   outcome.at_most("rise of the force while the world is late, N", rise, 1e-3);
+  return outcome;
+}
+
+// The scene begins anew at 1.5 s: with the hand on a cube, and with the hand where the cube began that it has pushed
+// away.
+Outcome begins_anew(const Setting& setting) {
+  const std::string pressed_cube = cube({0, 0, 0.05}, 0.1, 1, 0.5);
+  const std::vector<Waypoint> press{{0, {0, 0, 0.115}},   {0.5, {0, 0, 0.104}}, {2.2, {0, 0, 0.104}},
+                                    {2.5, {0, 0, 0.115}}, {3.0, {0, 0, 0.1}},   {3.1, {0, 0, 0.1}}};
+  const std::vector<Waypoint> push{{0, {-0.065, 0, 0.05}}, {0.1, {-0.065, 0, 0.05}}, {1.4, {0.01, 0, 0.05}}};
+  Outcome outcome;
+  double most = 0, back = 0, rise = 0, off = 0;
+  for (const bool presses : {true, false}) {
+    session::RunOptions options;
+    options.inject = "reset@1500";
+    bool begun = false;
+    const Watched watched = watch(
+        make_scene(setting, 1500, presses ? press : push, pressed_cube), options, 4000,
+        [&](const session::Session& session, const loop::TickOutput&) {
+          if (begun || session.loop->sub_world().epoch() == 0) return;
+          begun = true;
+          for (const auto& body : session.global->bodies())
+            if (body.id != session.scene.proxy)
+              off = std::max(off, norm(body.motion.pose.position - session.scene.bodies[body.id].motion.pose.position));
+        });
+    gate(watched, outcome);
+    outcome.holds("begins anew", begun);
+    most = std::max(most, watched.largest_step());
+    double least = norm(watched.force[1500]);
+    outcome.holds("the hand is in contact", least > 1);
+    for (std::size_t k = 1500; k < watched.force.size(); ++k) {
+      const bool resets = (watched.status[k] & kSceneReset) != 0, did = (watched.status[k - 1] & kSceneReset) != 0;
+      if (did && !resets) back = std::max(back, norm(watched.force[k] - watched.force[k - 1]));
+      if (resets)
+        least = std::min(least, norm(watched.force[k])), rise = std::max(rise, norm(watched.force[k]) - least);
+    }
+    if (presses) outcome.holds("presses again", watched.mean(3800, 4000) > 1);
+  }
+  outcome.at_most("largest step of the force, N", most, kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("step when the force comes back, N", back, 0.1);
+  outcome.at_most("rise of the force while the scene begins anew, N", rise, 1e-3);
+  outcome.at_most("off the scene's places, m", off, 1e-12);
   return outcome;
 }
 
@@ -427,6 +469,7 @@ std::vector<HardCase> session_cases() {
       {35, "members come and go", "", false, thrash},
       {36, "heap larger than the sub-world", "", false, full_sub_world},
       {37, "late global world", "", false, late_world},
+      {38, "scene begins anew in mid-contact", "", false, begins_anew},
       {41, "tap on a stack that sleeps", "", false, tap_on_sleepers},
   };
 }

@@ -5,7 +5,6 @@ namespace tactus::hard_cases {
 
 std::vector<HardCase> waiting_cases() {
   return {
-      {38, "global world begins anew in mid-contact", "a new scene in a running session", false, nullptr},
       {44, "two devices squeeze one body", "several devices in a session", false, nullptr},
   };
 }

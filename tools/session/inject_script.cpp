@@ -1,4 +1,4 @@
-#include "tools/session/stall_script.h"
+#include "tools/session/inject_script.h"
 
 #include <fmt/format.h>
 
@@ -32,6 +32,14 @@ Result<InjectScript> split_inject_script(const std::string& script) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
     const std::string_view item = rest.substr(0, comma);
     rest.remove_prefix(std::min(comma + 1, rest.size()));
+    if (item.starts_with("reset@")) {
+      std::string_view text = item.substr(6);
+      std::uint64_t tick = 0;
+      if (!read_number(text, tick) || !text.empty())
+        return Status::error(fmt::format("--inject: '{}' is no reset; accepted: reset@TICK", item));
+      result.resets.push_back(tick);
+      continue;
+    }
     if (!item.starts_with("stall@")) {
       if (!result.device.empty()) result.device.push_back(',');
       result.device.append(item);
@@ -44,6 +52,7 @@ Result<InjectScript> split_inject_script(const std::string& script) {
   }
   std::stable_sort(result.stalls.begin(), result.stalls.end(),
                    [](const WorldStall& a, const WorldStall& b) { return a.at_tick < b.at_tick; });
+  std::sort(result.resets.begin(), result.resets.end());
   return result;
 }
 

@@ -1,0 +1,67 @@
+// The scene begins anew while the loop runs: every body where the scene puts it, no force meanwhile, and trials alike.
+#include "tests/system/session_bench.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+// By id, those that the hand does not hold.
+std::vector<Vec3d> places(const session::Session& session) {
+  std::vector<Vec3d> result;
+  for (const auto& body : session.global->bodies())
+    if (body.id != session.scene.proxy) result.push_back(body.motion.pose.position);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a reset puts every body back, with the force off, whatever the coupling") {
+  session::RunOptions options = virtual_options();
+  options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kInterpolation,
+                              haptics::CouplingScheme::kStatic, haptics::CouplingScheme::kPlanes);
+  options.inject = "reset@1000,reset@2000,reset@2010";  // the last comes while one is under way: it is that one
+  auto session = make_session(scene_file("card_house.toml"), options);
+  const std::vector<Vec3d> start = places(*session);
+  std::uint32_t epoch = 0;
+  std::uint64_t resetting = 0, forced = 0;
+  const auto summary = run(*session, 3000, [&](const loop::TickOutput& out) {
+    const haptics::SubWorld& sub_world = session->loop->sub_world();
+    if (sub_world.epoch() != epoch) {
+      epoch = sub_world.epoch();
+      CHECK(places(*session) == start);
+      CHECK(out.command.wrench == Wrenchd{});
+      CHECK(norm(sub_world.proxy().pose.position - out.target.position) < 1e-2);  // where the device is
+    }
+    if ((out.status & kSceneReset) != 0 && sub_world.awaits_reset()) {
+      ++resetting;
+      if (out.command.wrench != Wrenchd{}) ++forced;
+    }
+    return true;
+  });
+  CHECK(epoch == 2);
+  CHECK(summary.global.resets == 2);
+  CHECK(resetting > 0);
+  CHECK(forced == 0);
+  CHECK((session->driver->output().status & (kSceneReset | kNotArmed)) == 0);
+  CHECK(session->driver->output().fault == Fault::kNone);
+}
+
+TEST_CASE("a reset does not take a fault back, nor arm what is not armed") {
+  session::RunOptions options = virtual_options();
+  options.inject = "unplugged@500,reset@1000";
+  auto session = make_session(scene_file("stack20.toml"), options);
+  run(*session, 1500);
+  CHECK(session->loop->sub_world().epoch() == 1);
+  CHECK(session->driver->output().fault != Fault::kNone);
+  CHECK(session->driver->output().command.wrench == Wrenchd{});
+}
+
+TEST_CASE("the direct coupling has nothing that could begin anew, and says so") {
+  session::RunOptions options = virtual_options();
+  options.coupling = haptics::CouplingScheme::kDirect;
+  options.inject = "reset@1000";
+  const auto session = session::Session::create(scene_file("stack20.toml"), options);
+  REQUIRE_FALSE(session.ok());
+  CHECK(session.message() == "--inject: reset: the direct coupling has no global world that could begin anew");
+}
