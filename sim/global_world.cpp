@@ -98,6 +98,9 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
     return Status::error("solver.global_sub_steps_per_tick is 0: give 0.1 or more");
   if (scene.proxy >= scene.bodies.size() || scene.bodies[scene.proxy].kind != BodyKind::kDynamic)
     return Status::error("the scene's proxy must be one of its dynamic bodies");
+  for (const BodyId proxy : options.more_proxies)
+    if (proxy >= scene.bodies.size() || proxy == scene.proxy || scene.bodies[proxy].kind != BodyKind::kDynamic)
+      return Status::error(fmt::format("body {} is no proxy for a further device: it must be dynamic", proxy));
   if (options.extraction.cap == 0 || options.extraction.cap > haptics::kMaxMembers)
     return Status::error(
         fmt::format("{} members asked for: 1 to {} are possible", options.extraction.cap, haptics::kMaxMembers));
@@ -129,12 +132,8 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
   former_slots_.reserve(capacities_for(scene).bodies);
-  const std::int32_t found = islands_.place_of(scene.proxy);
-  TACTUS_CHECK(found >= 0, scene.proxy, scene.bodies.size());
-  const auto proxy = static_cast<std::uint32_t>(found);
-  devices_.push_back({scene.proxy, proxy,
-                      Extraction(options.extraction, options.reach, islands_.bodies(), proxy, touches_for(scene)),
-                      islands_.bodies()[proxy].motion.pose});
+  add_device(scene, scene.proxy);
+  for (const BodyId proxy : options.more_proxies) add_device(scene, proxy);
   regions_.resize(devices_.size());
   if (scene.solver.far_sub_steps_per_tick > 0)
     bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
@@ -143,6 +142,15 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   if (scene.sleeping.from_start) sleep_from_start();
   statistics_.awake = statistics_.most_awake = static_cast<std::uint32_t>(islands_.awake().size());
   statistics_.asleep = islands_.asleep();
+}
+
+void GlobalWorld::add_device(const Scene& scene, BodyId id) {
+  const std::int32_t found = islands_.place_of(id);
+  TACTUS_CHECK(found >= 0, id, scene.bodies.size());
+  const auto proxy = static_cast<std::uint32_t>(found);
+  devices_.push_back({id, proxy,
+                      Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
+                      islands_.bodies()[proxy].motion.pose});
 }
 
 std::uint32_t GlobalWorld::slot_of(const Device& device) const noexcept {
@@ -155,6 +163,15 @@ std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) no
   member_slots_.clear();
   for (const std::uint32_t place : islands_.awake())
     member_slots_.push_back(device.extraction.is_member(place) ? 1 : 0);
+  return member_slots_;
+}
+
+// Of any device.
+std::span<const std::uint8_t> GlobalWorld::slots_of_all_members() noexcept {
+  member_slots_.clear();
+  for (const std::uint32_t place : islands_.awake())
+    member_slots_.push_back(std::any_of(devices_.begin(), devices_.end(),
+                                        [place](const Device& device) { return device.extraction.is_member(place); }));
   return member_slots_;
 }
 
@@ -256,8 +273,8 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
     const HandBack back =
         options_.border_mode == physics::BorderMode::kGhost
-            ? border_log_.hand_back(report, options_.reach.ratio, member_slots(device), world_)
-            : hand_back_border(report.border.span(), member_slots(device), options_.border_mode, world_);
+            ? border_log_.hand_back(report, options_.reach.ratio, slots_of_all_members(), world_)
+            : hand_back_border(report.border.span(), slots_of_all_members(), options_.border_mode, world_);
     statistics_.handed_back_impulse_Ns += back.magnitude_Ns;
     statistics_.handed_back_energy_J += back.energy_J;
     statistics_.handed_back_skipped += back.skipped;
@@ -408,9 +425,11 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
                                 WorldSnapshot& next) noexcept {
   Device& device = devices_[device_index];
   std::fill(free_.begin(), free_.end(), std::uint8_t{1});
-  for (const Device& other : devices_)
-    if (&other != &device)
-      for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
+  for (const Device& other : devices_) {
+    if (&other == &device) continue;
+    free_[other.proxy] = 0;
+    for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
+  }
   if (feels_proxy_alone(options_.coupling)) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());

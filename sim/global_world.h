@@ -5,8 +5,9 @@
 // down. What the coupling schemes change is in `impose` and `fill_snapshot`; the direct coupling has no global world.
 // With the effect sleeping, what rests is not in the world: island_manager.h. Proxies, members and what hangs together
 // with them are always awake, and so is what is in reach of a proxy.
-// A device is a proxy with its sub-world; a body is a member of one sub-world at most. A scene names one proxy today:
-// the three parts of a step are apart so that several reports can go in before it and several snapshots come out.
+// A device is a proxy with its sub-world; a body is a member of one sub-world at most. With several devices the three
+// parts of a step are called apart: all reports go in, one step, all snapshots come out. A scene names one proxy, so a
+// session has one device; a program of its own may have more (GlobalOptions::more_proxies).
 // Thread: construction [setup]; the rest: one owner, any priority; allocates nothing. Frame: world. Units: SI.
 // Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics.
 // Source: the paper, section 2.
@@ -29,7 +30,8 @@ struct GlobalOptions {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   physics::BorderMode border_mode{physics::BorderMode::kCapped};
   ExtractionOptions extraction;
-  ReachSettings reach;  // with the ratio and the tick period
+  std::vector<BodyId> more_proxies{};  // of the devices beyond the scene's own: dynamic bodies of the scene
+  ReachSettings reach;                 // with the ratio and the tick period
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
   double touch_tolerance_m{1e-4};  // before the first step, bodies this near count as touching
 };
@@ -114,6 +116,8 @@ class GlobalWorld {
 
   std::uint32_t slot_of(const Device& device) const noexcept;
   std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
+  std::span<const std::uint8_t> slots_of_all_members() noexcept;
+  void add_device(const Scene& scene, BodyId proxy);
   void fill_border(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void wake_for(const haptics::SubWorldReport& report) noexcept;
   void wake_near(const Device& device) noexcept;

@@ -34,7 +34,7 @@ class CaseInvoker final : public Catch::ITestInvoker {
 bool register_cases() {
   for (const HardCase& one : hard_cases())
     for (const double step_s : {1e-3, 1e-2}) {
-      if (!one.runs() || (step_s > 5e-3 && !one.global_step)) continue;
+      if (step_s > 5e-3 && !one.global_step) continue;
       const std::string name = std::to_string(one.number) + " " + std::string(one.name) +
                                (step_s > 5e-3 ? " in steps of 10 ms" : " in steps of 1 ms");
       // The sanitizers have enough with steps of 1 ms.
@@ -72,12 +72,11 @@ TEST_CASE("A case with a broken gate or without a metric has not passed") {
   CHECK(registered);
 }
 
-TEST_CASE("Every case of the list is in the table once, and one that waits for an effect says so") {
+TEST_CASE("Every case of the list is in the table once") {
   for (int number = 1; number <= 44; ++number) {
     int found = 0;
     for (const HardCase& one : hard_cases()) found += one.number == number;
     INFO("case " << number);
     CHECK(found == 1);
   }
-  for (const HardCase& one : hard_cases()) CHECK(one.runs() == (one.run != nullptr));
 }

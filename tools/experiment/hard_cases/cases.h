@@ -13,6 +13,6 @@ std::vector<HardCase> impact_cases();    // fast, deep, sudden
 std::vector<HardCase> coupling_cases();  // the device's spring
 std::vector<HardCase> session_cases();   // whole runs in virtual time: device, border, late world
 std::vector<HardCase> effect_cases();    // bounces, joints, torsional friction
-std::vector<HardCase> waiting_cases();   // those whose effect is not there yet
+std::vector<HardCase> device_cases();    // several devices on one world
 
 }  // namespace tactus::hard_cases

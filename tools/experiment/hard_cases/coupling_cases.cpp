@@ -197,10 +197,10 @@ Outcome coupling_limit(const Setting& setting) {
 
 std::vector<HardCase> coupling_cases() {
   return {
-      {13, "peg in a hole", "", true, peg_in_hole},
-      {16, "proxy pulled a metre into a corner", "", false, into_a_corner},
-      {23, "proxy between two blocks of 100 kg", "", true, between_blocks},
-      {30, "coupling at 0.9 and 1.1 of its limit", "", false, coupling_limit},
+      {13, "peg in a hole", true, peg_in_hole},
+      {16, "proxy pulled a metre into a corner", false, into_a_corner},
+      {23, "proxy between two blocks of 100 kg", true, between_blocks},
+      {30, "coupling at 0.9 and 1.1 of its limit", false, coupling_limit},
   };
 }
 

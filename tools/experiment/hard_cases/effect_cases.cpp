@@ -180,11 +180,11 @@ Outcome spinning_disk(const Setting& setting) {
 
 std::vector<HardCase> effect_cases() {
   return {
-      {25, "two balls meet, e = 1 and e = 0.5", "", true, head_on},
-      {26, "bouncing ball, e = 0.8", "", true, bouncing_ball},
-      {27, "Newton's cradle", "", true, newtons_cradle},
-      {29, "heavy top", "", true, heavy_top},
-      {109, "spinning disc, uniform pressure", "", true, spinning_disk},
+      {25, "two balls meet, e = 1 and e = 0.5", true, head_on},
+      {26, "bouncing ball, e = 0.8", true, bouncing_ball},
+      {27, "Newton's cradle", true, newtons_cradle},
+      {29, "heavy top", true, heavy_top},
+      {109, "spinning disc, uniform pressure", true, spinning_disk},
   };
 }
 

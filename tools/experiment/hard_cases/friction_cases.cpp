@@ -181,11 +181,11 @@ Outcome wedge(const Setting& setting) {
 
 std::vector<HardCase> friction_cases() {
   return {
-      {7, "slope at the friction threshold", "", true, slope_threshold},
-      {8, "tall box on a slope: tips or slides", "", true, tips_or_slides},
-      {9, "spinning box", "", true, spinning_box},
-      {14, "wedge at its locking angle", "", true, wedge},
-      {28, "sphere rolls down a slope", "", true, rolling_sphere},
+      {7, "slope at the friction threshold", true, slope_threshold},
+      {8, "tall box on a slope: tips or slides", true, tips_or_slides},
+      {9, "spinning box", true, spinning_box},
+      {14, "wedge at its locking angle", true, wedge},
+      {28, "sphere rolls down a slope", true, rolling_sphere},
   };
 }
 

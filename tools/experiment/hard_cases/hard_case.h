@@ -50,10 +50,9 @@ struct Outcome {
 };
 
 struct HardCase {
-  int number;              // in the list of the README; cases beyond it are numbered from 101
-  std::string_view name;   // "twenty cubes on each other"
-  std::string_view needs;  // the effect without which it cannot run; empty: it runs
-  bool global_step;        // also in steps of 10 ms
+  int number;             // in the list of the README; cases beyond it are numbered from 101
+  std::string_view name;  // "twenty cubes on each other"
+  bool global_step;       // also in steps of 10 ms
   Outcome (*run)(const Setting& setting);
   // Why it fails at the balanced accuracy in steps of 1 ms and of 10 ms; empty: it does not.
   std::string_view fails_because{}, fails_in_10_ms_because{};
@@ -61,7 +60,6 @@ struct HardCase {
   std::string_view why_it_fails(double step_s) const noexcept {
     return step_s > 5e-3 ? fails_in_10_ms_because : fails_because;
   }
-  bool runs() const noexcept { return needs.empty(); }
 };
 
 // All there are, by number.

@@ -117,9 +117,9 @@ Outcome floating_bodies(const Setting& setting) {
 
 std::vector<HardCase> motion_cases() {
   return {
-      {10, "body that tumbles about its middle axis", "", true, tumbling_body},
-      {11, "thin rod at 200 rad/s", "", true, thin_rod},
-      {24, "floating for a thousand seconds", "", true, floating_bodies},
+      {10, "body that tumbles about its middle axis", true, tumbling_body},
+      {11, "thin rod at 200 rad/s", true, thin_rod},
+      {24, "floating for a thousand seconds", true, floating_bodies},
   };
 }
 

@@ -44,7 +44,6 @@ std::string heading(const Setting& setting) {
 
 std::string cell(const Row* row) {
   if (row == nullptr) return "-";
-  if (!row->one->runs()) return "not run";
   return fmt::format("{:.2f}{}", row->outcome.score(), row->outcome.passed() ? "" : " FAIL");
 }
 
@@ -64,7 +63,7 @@ std::string report_table(const Report& report) {
   for (const HardCase* one : cases_in(report)) {
     text += fmt::format("{:>4} {:<44}", one->number, one->name);
     for (const Setting& setting : settings) text += fmt::format(" {:>15}", cell(row_at(report, one, setting)));
-    text += one->runs() ? "\n" : fmt::format("  needs {}\n", one->needs);
+    text += '\n';
   }
   text += fmt::format("\n{}\n", kLegend);
   if (report.peers.empty()) return text;
@@ -79,7 +78,7 @@ std::string report_table(const Report& report) {
 std::string failures_text(const Report& report) {
   std::string text;
   for (const Row& row : report.rows) {
-    if (!row.one->runs() || row.outcome.passed()) continue;
+    if (row.outcome.passed()) continue;
     text += fmt::format("{} {}, {}:\n", row.one->number, row.one->name, heading(row.setting));
     const std::string_view why = row.one->why_it_fails(row.setting.step_s);
     if (!why.empty() && row.setting.accuracy == Accuracy::kBalanced) text += fmt::format("    known: {}\n", why);
@@ -95,7 +94,6 @@ std::string failures_text(const Report& report) {
 std::string report_json(const Report& report) {
   ordered_json rows = ordered_json::array(), peers = ordered_json::array();
   for (const Row& row : report.rows) {
-    const bool ran = row.one->runs();
     ordered_json metrics = ordered_json::array();
     for (const Metric& m : row.outcome.metrics)
       metrics.push_back({{"name", m.name},
@@ -108,9 +106,8 @@ std::string report_json(const Report& report) {
                     {"number", row.one->number},
                     {"accuracy", name_of(row.setting.accuracy)},
                     {"step_ms", 1e3 * row.setting.step_s},
-                    {"score", ran ? ordered_json(row.outcome.score()) : ordered_json(nullptr)},
-                    {"passed", ran ? ordered_json(row.outcome.passed()) : ordered_json(nullptr)},
-                    {"needs", row.one->needs},
+                    {"score", row.outcome.score()},
+                    {"passed", row.outcome.passed()},
                     {"known_failure", row.one->why_it_fails(row.setting.step_s)},
                     {"broken_gates", row.outcome.broken_gates},
                     {"state_hash", fmt::format("{:016x}", row.outcome.hash)},
@@ -136,7 +133,6 @@ std::string report_csv(const Report& report) {
     for (const Metric& m : row.outcome.metrics)
       text += fmt::format("{},\"{}\",{},{},{},{},{:.3f},{}\n", start, m.name, m.observed, m.expected, m.error,
                           m.tolerance, m.score(), m.within());
-    if (!row.one->runs()) text += fmt::format("{},\"not run: needs {}\",,,,,,\n", start, row.one->needs);
   }
   return text;
 }
@@ -161,10 +157,9 @@ std::string report_svg(const Report& report) {
     label(kLeft - 8, y + 14, "end", fmt::format("{} {}", cases[j]->number, cases[j]->name));
     for (std::size_t k = 0; k < settings.size(); ++k) {
       const Row* row = row_at(report, cases[j], settings[k]);
-      const bool ran = row != nullptr && row->one->runs();
-      const double score = ran ? row->outcome.score() : 0;
-      // From red over yellow to green; grey: not run.
-      const std::string colour = ran ? fmt::format("hsl({:.0f},60%,70%)", 120 * score) : "#e5e5e5";
+      // From red over yellow to green; grey: only in 1 ms.
+      const double score = row != nullptr ? row->outcome.score() : 0;
+      const std::string colour = row != nullptr ? fmt::format("hsl({:.0f},60%,70%)", 120 * score) : "#e5e5e5";
       const double x = kLeft + kCell * static_cast<double>(k);
       svg += fmt::format(
           "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\" stroke=\"white\"/>\n", x, y,

@@ -22,7 +22,7 @@ struct Request {
 struct Row {
   const HardCase* one{nullptr};
   Setting setting;
-  Outcome outcome;  // empty where it does not run
+  Outcome outcome;
 };
 
 struct PeerRow {
@@ -35,7 +35,7 @@ struct Report {
   std::vector<Row> rows;
   std::vector<PeerRow> peers;
 
-  bool all_pass_at(Accuracy accuracy) const noexcept;  // of those that run
+  bool all_pass_at(Accuracy accuracy) const noexcept;
 };
 
 Report run(const Request& request, const experiment::Progress& progress);
@@ -43,7 +43,7 @@ Report run(const Request& request, const experiment::Progress& progress);
 std::string report_table(const Report& report);
 // What failed, metric by metric; empty where nothing did.
 std::string failures_text(const Report& report);
-// {"rows": [{"case", "accuracy", "step_ms", "score", "passed", ...}], "peers": [...]}; score and passed null: not run.
+// {"rows": [{"case", "accuracy", "step_ms", "score", "passed", ...}], "peers": [...]}.
 std::string report_json(const Report& report);
 std::string report_csv(const Report& report);  // one line per metric
 std::string report_svg(const Report& report);  // the scores: cases down, accuracies and steps across

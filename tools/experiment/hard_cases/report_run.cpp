@@ -29,9 +29,8 @@ PeerRow run_peer(const StackSpec& spec, const experiment::EngineKind& kind, doub
 }  // namespace
 
 bool Report::all_pass_at(Accuracy accuracy) const noexcept {
-  return std::all_of(rows.begin(), rows.end(), [accuracy](const Row& row) {
-    return row.setting.accuracy != accuracy || !row.one->runs() || row.outcome.passed();
-  });
+  return std::all_of(rows.begin(), rows.end(),
+                     [accuracy](const Row& row) { return row.setting.accuracy != accuracy || row.outcome.passed(); });
 }
 
 Report run(const Request& request, const experiment::Progress& progress) {
@@ -43,7 +42,7 @@ Report run(const Request& request, const experiment::Progress& progress) {
         if (progress)
           progress(fmt::format("{} {}, {}, {:g} ms", one->number, one->name, name_of(accuracy), 1e3 * step_s));
         Row row{one, {accuracy, step_s}, {}};
-        if (one->runs()) row.outcome = run_twice(*one, row.setting);
+        row.outcome = run_twice(*one, row.setting);
         report.rows.push_back(std::move(row));
       }
   for (const StackSpec& spec : request.peers.empty() ? std::vector<StackSpec>{} : compared_stacks()) {

@@ -197,15 +197,15 @@ StackState stack_in_tactus(const StackSpec& spec, double step_s) {
 
 std::vector<HardCase> stack_cases() {
   return {
-      {2, "stack of twenty cubes", "", true, twenty_cubes},
-      {3, "stack of forty cubes", "", true, forty_cubes, kSways, kSways},
-      {4, "100 kg on 0.1 kg", "", true, hundred_on_a_tenth},
-      {5, "100 kg on nine cubes of 0.1 kg", "", true, hundred_on_nine},
-      {6, "card house of five levels at its threshold", "", true, card_house_threshold, kSlips, kSlips},
-      {42, "stack of twenty cards, one taken out", "", true, cards_in_a_stack},
-      {101, "100 kg on five cubes of 1 kg", "", true, hundred_on_five},
-      {102, "1000 kg on five cubes of 1 kg", "", true, thousand_on_five},
-      {103, "card house of three levels", "", true, card_house_of_three},
+      {2, "stack of twenty cubes", true, twenty_cubes},
+      {3, "stack of forty cubes", true, forty_cubes, kSways, kSways},
+      {4, "100 kg on 0.1 kg", true, hundred_on_a_tenth},
+      {5, "100 kg on nine cubes of 0.1 kg", true, hundred_on_nine},
+      {6, "card house of five levels at its threshold", true, card_house_threshold, kSlips, kSlips},
+      {42, "stack of twenty cards, one taken out", true, cards_in_a_stack},
+      {101, "100 kg on five cubes of 1 kg", true, hundred_on_five},
+      {102, "1000 kg on five cubes of 1 kg", true, thousand_on_five},
+      {103, "card house of three levels", true, card_house_of_three},
   };
 }
 
