@@ -23,6 +23,9 @@ bool is_finite(float x) noexcept { return (std::bit_cast<std::uint32_t>(x) & 0x7
 // Far above any motor, far below where a square overflows.
 constexpr float kMaxPlausible = 1e6f;
 bool is_limit(float x) noexcept { return is_finite(x) && x >= 0.0f && x <= kMaxPlausible; }
+// N or N m: an effort below it is none. Squares of smaller ones underflow, and would pass any limit of a norm.
+constexpr float kLeastEffort = 1e-15f;
+
 float magnitude(float x) noexcept { return x < 0.0f ? -x : x; }
 void count_up(std::uint32_t& counter) noexcept { counter += counter != kSaturated ? 1u : 0u; }
 
@@ -222,6 +225,7 @@ AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValue
     }
     for (unsigned i = first; i < first + 3; ++i) {
       sum[i] = base[i] + extra[i] * scale;
+      if (magnitude(sum[i]) < kLeastEffort) sum[i] = 0.0f;
       norm_squared += sum[i] * sum[i];
     }
     if (norm_squared > max_norm * max_norm) {

@@ -414,6 +414,17 @@ TEST_CASE("no effort exceeds its motor or its norm, the direction is kept, and e
   }
 }
 
+TEST_CASE("a norm too small to be squared holds all the same") {
+  Config config = configuration();
+  config.max_force_N = 1e-39f;
+  Bench b(config);
+  b.command(State::kIdle);
+  for (const float effort : {1e-26f, 1e-14f, 1.0f}) {
+    b.command(State::kForce, {effort, -effort, 0, 0, 0, 0});
+    CHECK(std::hypot(static_cast<double>(b.outputs.effort[0]), static_cast<double>(b.outputs.effort[1])) <= 1e-30);
+  }
+}
+
 TEST_CASE("an axis without a motor gets no effort") {
   Config c = configuration();
   c.max_effort[3] = c.max_effort[4] = c.max_effort[5] = 0.0f;
