@@ -21,7 +21,7 @@ TEST_CASE("a reset puts every body back, with the force off, whatever the coupli
   options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kInterpolation,
                               haptics::CouplingScheme::kStatic, haptics::CouplingScheme::kPlanes);
   options.inject = "reset@1000,reset@2000,reset@2010";  // the last comes while one is under way: it is that one
-  auto session = make_session(scene_file("card_house.toml"), options);
+  auto session = make_session(scene_text(kPressScene), options);
   const std::vector<Vec3d> start = places(*session);
   std::uint32_t epoch = 0;
   std::uint64_t resetting = 0, forced = 0;

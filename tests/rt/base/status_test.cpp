@@ -10,7 +10,7 @@ using namespace tactus;
 namespace {
 
 // The enumerations have explicit numbers without gaps; the first unknown one is the end.
-constexpr std::uint32_t kFaults = 13, kBits = 15;
+constexpr std::uint32_t kFaults = 13, kBits = 16;
 
 }  // namespace
 

@@ -13,7 +13,7 @@ using namespace tactus::haptics;
 
 namespace {
 
-constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + sizeof(physics::BodyMotion<double>);
+constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + sizeof(physics::BodyMotion<double>);
 
 physics::BodyMotion<double> random_motion(test::Random& random) {
   return {{random.vector(10), quat_from_rotation_vector(random.vector(1))}, {random.vector(2), random.vector(5)}};
@@ -97,6 +97,7 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     CHECK(back->global_time_s == s->global_time_s);
     CHECK(back->dropped == s->dropped);
     CHECK(back->component == s->component);
+    CHECK(back->epoch == s->epoch);
     CHECK(back->proxy == s->proxy);
     REQUIRE(back->members.size() == counts.members);
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->members[i] == s->members[i]);

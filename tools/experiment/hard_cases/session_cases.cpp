@@ -211,7 +211,7 @@ Outcome late_world(const Setting& setting) {
 Outcome begins_anew(const Setting& setting) {
   const std::string pressed_cube = cube({0, 0, 0.05}, 0.1, 1, 0.5);
   const std::vector<Waypoint> press{{0, {0, 0, 0.115}},   {0.5, {0, 0, 0.104}}, {2.2, {0, 0, 0.104}},
-                                    {2.5, {0, 0, 0.115}}, {3.0, {0, 0, 0.1}},   {3.1, {0, 0, 0.1}}};
+                                    {2.5, {0, 0, 0.115}}, {3.0, {0, 0, 0.098}}, {3.1, {0, 0, 0.098}}};
   const std::vector<Waypoint> push{{0, {-0.065, 0, 0.05}}, {0.1, {-0.065, 0, 0.05}}, {1.4, {0.01, 0, 0.05}}};
   Outcome outcome;
   double most = 0, back = 0, rise = 0, off = 0;
