@@ -12,6 +12,7 @@ TEST_CASE("a hundred thousand ticks of the haptic thread allocate nothing, lock 
   if (!RtGuard::available()) return;  // the sanitizers have their own allocator
   session::RunOptions options = virtual_options();
   options.members = 4;  // so that members come and go and there is a border
+  options.inject = "reset@5000,reset@50000";
   auto session = make_session(scene_file("domino_row.toml"), options);
   REQUIRE(session->record("").ok());
   sim::SnapshotServer server(*session->global, *session->exchange);
