@@ -139,9 +139,9 @@ Bodies make_card_house(const CardHouseSpec& spec) {
 
 CardHouseNeeds needs_of(const CardHouseSpec& spec) {
   const auto [s, c] = sin_cos(spec.angle_rad);
-  const double tangent = s / c;
+  const double leg = spec.card_m.y, t = spec.card_m.z, aside = leg * s - t * c;
   CardHouseNeeds needs;
-  needs.top_friction = tangent;
+  if (spec.levels > 1) needs.top_friction = aside / (leg * c + t * s);
   // Loads in weights of one card. A flat card hands half of what it carries, and half of itself, to the top below each
   // of its ends; a leaning card hands what it carries and itself to its foot. `loads[i]` is what leaning card i of a
   // level carries: two for each pair, left to right. The flat card i rests on cards 2 i + 1 and 2 i + 2.
@@ -157,7 +157,7 @@ CardHouseNeeds needs_of(const CardHouseSpec& spec) {
   }
   for (const auto& level : loads) {
     const double p = *std::max_element(level.begin(), level.end());
-    needs.foot_friction.push_back((0.5 + p) / (1 + p) * tangent);
+    needs.foot_friction.push_back((0.5 + p) / (1 + p) * aside / (leg * c));
   }
   return needs;
 }

@@ -64,11 +64,13 @@ Bodies make_card_house(const CardHouseSpec& spec);
 
 // What a card house needs to stand, by level from the ground.
 struct CardHouseNeeds {
-  // Under the feet: a card of weight m g that carries P stands while mu > ((m g / 2 + P) / (m g + P)) tan(angle), by
-  // the balance of torques about its foot. P is that of the most loaded card of the level.
+  // Under the feet: a card of weight m g that carries P stands while mu > ((m g / 2 + P) / (m g + P)) a / (L cos), by
+  // the balance of torques about its foot, of the most loaded card of the level. a = L sin - t cos is how far beside
+  // the foot the corner is that carries, L the card's length, t its thickness.
   std::vector<double> foot_friction;
-  // Where two tops meet the contact's normal is that of a card's face, turned by the angle from the horizontal force
-  // that goes through; the same holds for the pull of the flat card on a top: mu >= tan(angle).
+  // Where a flat card lies on the outermost pairs it is what keeps the one card that it loads from falling outwards, by
+  // the friction on that card's top: mu > a / (L cos + t sin). What friction between the tops of the pair may add is
+  // not counted: 3 % with five levels. 0 for one level, whose pair holds itself.
   double top_friction{0};
 };
 CardHouseNeeds needs_of(const CardHouseSpec& spec);

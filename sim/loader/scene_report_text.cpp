@@ -28,7 +28,7 @@ std::string part_line(const GeneratedPart& part) {
   std::string text =
       fmt::format("  {:<12}{} bodies, ids {} to {}", part.kind, part.count, part.first, part.first + part.count - 1);
   if (!part.foot_friction.empty()) {
-    text += fmt::format("; stands with friction above {:.3g} where cards meet and, under the feet by level,",
+    text += fmt::format("; stands with friction above {:.3g} between tops and flat cards and, under the feet by level,",
                         part.top_friction);
     for (const double needed : part.foot_friction) text += fmt::format(" {:.3g}", needed);
   }

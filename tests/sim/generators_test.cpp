@@ -161,15 +161,20 @@ TEST_CASE("each card house is its own mirror image, so that it has no side to fa
 TEST_CASE("the friction that a card house needs is that of the torques about its feet") {
   CardHouseSpec spec;
   spec.angle_rad = 0.25;
-  const double tangent = std::tan(0.25);
+  // From the foot, a corner, to the corner that carries, and to the tops' contact: less than tan by the thickness.
+  const double aside = spec.card_m.y * std::sin(0.25) - spec.card_m.z * std::cos(0.25);
+  const double tangent = aside / (spec.card_m.y * std::cos(0.25));
   spec.levels = 1;  // a card alone: its weight acts half way up, mu = tan / 2
   REQUIRE(needs_of(spec).foot_friction.size() == 1);
   CHECK(needs_of(spec).foot_friction[0] == Approx(0.5 * tangent));
-  CHECK(needs_of(spec).top_friction == Approx(tangent));
+  CHECK(needs_of(spec).top_friction == 0);  // two cards alike press on each other level
   spec.levels = 2;  // below, the inner cards carry half of a flat card and of a pair: 1.5 weights
   REQUIRE(needs_of(spec).foot_friction.size() == 2);
   CHECK(needs_of(spec).foot_friction[0] == Approx((0.5 + 1.5) / (1 + 1.5) * tangent));
   CHECK(needs_of(spec).foot_friction[1] == Approx(0.5 * tangent));
+  // The flat card pulls at the corner that it lies on.
+  CHECK(needs_of(spec).top_friction ==
+        Approx(aside / (spec.card_m.y * std::cos(0.25) + spec.card_m.z * std::sin(0.25))));
   // A load that grows brings it to tan: never above, so tan is enough for any height.
   spec.levels = 20;
   for (const double needed : needs_of(spec).foot_friction) CHECK(needed < tangent);
@@ -180,7 +185,7 @@ TEST_CASE("the feet of a card house carry all of its weight") {
   // most loaded foot of three levels: half of (flat + pair + what the middle of that pair's inner card carries).
   CardHouseSpec spec;
   spec.levels = 3, spec.angle_rad = 0.2;
-  const double tangent = std::tan(0.2);
+  const double tangent = std::tan(0.2) - spec.card_m.z / spec.card_m.y;
   // Level 1: inner cards carry 1.5. Level 0: flat cards 1 and 2 each bear one pair with one loaded card: 1 + 2 + 1.5.
   const double p = 0.5 * (1 + 2 + 1.5);
   CHECK(needs_of(spec).foot_friction[0] == Approx((0.5 + p) / (1 + p) * tangent));
