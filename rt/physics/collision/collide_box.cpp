@@ -285,9 +285,9 @@ void add_face_contact(const BoxPair<T>& boxes, int code, T separation, T bound, 
   add_face_points(boxes, f, polygon, manifold);
 }
 
-// Edges count as rounded by so much, m: above the overlap that contacts keep, below what is felt.
+// Edges count as rounded by so much, m: more than the overlap that contacts keep, less than is felt.
 template <class T>
-constexpr T kRounding = T(2e-5);
+constexpr T kRounding = T(5e-5);
 
 // Two faces that lean to each other and meet at parallel edges: the contact is as much the one's as the other's. While
 // the two axes are about equally deep the normal goes over from one face's to the other's, as on rounded edges. Either

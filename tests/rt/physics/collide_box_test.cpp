@@ -29,9 +29,10 @@ Posed shaken(Random& random, const Posed& pose, double by_m, double by_rad) {
   return {pose.position + random.vec(by_m), quat_from_rotation_vector(random.vec(by_rad)) * pose.rotation};
 }
 
-// The points that carry the load keep their names, and the normal stays, while both bodies tremble. Gives the normal.
+// The points that carry the load keep their names, and the normal stays, while both bodies tremble by a micrometre.
+// Gives the normal.
 Vec3d require_steady(const Shape<double>& a, const Posed& pose_a, const Shape<double>& b, const Posed& pose_b,
-                     std::size_t expected_points) {
+                     std::size_t expected_points, double least_cosine = 1 - 1e-9) {
   Random random(11);
   AxisCache cache;
   const auto first = collide(a, pose_a, b, pose_b, 5e-4, cache);
@@ -40,7 +41,7 @@ Vec3d require_steady(const Shape<double>& a, const Posed& pose_a, const Shape<do
   for (int step = 0; step < 2000; ++step) {
     const auto m = collide(a, shaken(random, pose_a, 1e-6, 2e-6), b, shaken(random, pose_b, 1e-6, 2e-6), 5e-4, cache);
     REQUIRE(touching_features(m, 5e-5) == names);
-    REQUIRE(dot(m.normal, first.normal) > 1 - 1e-9);
+    REQUIRE(dot(m.normal, first.normal) > least_cosine);
   }
   return first.normal;
 }
@@ -154,9 +155,24 @@ TEST_CASE("Two cards that lean on each other keep two points along their upper e
     // A leans to the right, B to the left; their upper inner edges meet at x = 0.
     const double foot = 0.05 * std::cos(lean) + 0.00015 * std::sin(lean) - 2e-6, height = 0.05 * std::sin(lean);
     const Vec3d normal = require_steady(kCard, {{-foot, 0, height}, turn({0, 1, 0}, -lean)}, kCard,
-                                        {{foot, 0, height}, turn({0, 1, 0}, lean)}, 2);
-    // A broad face presses, of A or of B.
-    REQUIRE(normal.x == Approx(std::sin(lean)).margin(1e-9));
+                                        {{foot, 0, height}, turn({0, 1, 0}, lean)}, 2, 0.999);
+    REQUIRE(normal.x == Approx(1).margin(1e-9));  // neither card's face, but between them
+  }
+}
+
+TEST_CASE("Where two leaning cards slide past each other the normal goes over from one's face to the other's") {
+  const double lean = 1.2, foot = 0.05 * std::cos(lean) + 0.00015 * std::sin(lean) - 2e-6,
+               height = 0.05 * std::sin(lean);
+  double last = 1;
+  for (int step = -200; step <= 200; ++step) {  // B from below A's edge to above it, by a micrometre
+    const auto m = touch(kCard, {{-foot, 0, height}, turn({0, 1, 0}, -lean)}, kCard,
+                         {{foot, 0, height + 1e-6 * step}, turn({0, 1, 0}, lean)}, 5e-4);
+    REQUIRE(m.count >= 1);
+    REQUIRE(m.normal.x >= std::sin(lean) - 1e-9);
+    const double rise = m.normal.z;
+    if (step > -200) REQUIRE(std::abs(rise - last) < 0.02);
+    last = rise;
+    if (std::abs(step) == 200) REQUIRE(std::abs(rise) == Approx(std::cos(lean)).margin(1e-9));
   }
 }
 
