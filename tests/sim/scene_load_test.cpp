@@ -260,15 +260,15 @@ TEST_CASE("a generated part is copied in a grid about its place") {
 TEST_CASE("a card house on too smooth a ground, or of too smooth cards, is a warning") {
   const auto warn = [](double ground, double cards) {
     return diagnose(fmt::format("effects = [\"friction\"]\n[[body]]\nshape = \"plane\"\nfriction = {}\n[[generate]]\n"
-                                "kind = \"card_house\"\nangle_rad = 0.25\nlevels = 1\nfriction = {}{}",
+                                "kind = \"card_house\"\nangle_rad = 0.25\nlevels = 2\nfriction = {}{}",
                                 ground, cards, kProxy))
         .warning_message();
   };
-  // One level: mu > tan(0.25) / 2 = 0.1277 under the feet, tan(0.25) = 0.2553 at the top.
-  CHECK(warn(0.3, 0.26).empty());
-  CHECK_THAT(warn(0.3, 0.25), Contains("between cards"));
-  CHECK_THAT(warn(0.05, 0.26), Contains("with the ground"));  // sqrt(0.05 x 0.26) = 0.114
-  CHECK(warn(0.07, 0.26).empty());                            // sqrt(0.07 x 0.26) = 0.135
+  // Cards of 88.9 x 2 mm: mu > 0.8 (tan - 2 / 88.9) = 0.186 under the feet, 0.2315 between the tops and the flat card.
+  CHECK(warn(0.3, 0.24).empty());
+  CHECK_THAT(warn(0.3, 0.23), Contains("between cards"));
+  CHECK_THAT(warn(0.13, 0.26), Contains("with the ground"));  // sqrt(0.13 x 0.26) = 0.184
+  CHECK(warn(0.14, 0.26).empty());                            // sqrt(0.14 x 0.26) = 0.191
 }
 
 TEST_CASE("the hand's path begins at the proxy, or there is a warning, without a path the hand rests there") {
