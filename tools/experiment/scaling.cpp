@@ -84,11 +84,12 @@ std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores) {
   for (const unsigned sub_steps : {1u, 2u, 4u, 8u, 16u})
     cases.push_back({"sub-steps", {.cubes = 250, .step_s = 1e-2}, sub_steps});
   for (const double ratio : {1.0, 3.0, 10.0, 20.0})
-    cases.push_back({"sizes",
-                     {.cubes = quick ? 1000 : kMixedCubes,
-                      .step_s = 1e-2,
-                      .smallest_edge_m = 0.1 / std::sqrt(ratio),
-                      .largest_edge_m = 0.1 * std::sqrt(ratio)}});
+    cases.push_back({.sweep = "sizes",
+                     .pile = {.cubes = quick ? 1000 : kMixedCubes,
+                              .step_s = 1e-2,
+                              .smallest_edge_m = 0.1 / std::sqrt(ratio),
+                              .largest_edge_m = 0.1 * std::sqrt(ratio)},
+                     .settle_s = 8});  // small cubes trickle through large ones for longer
   constexpr std::size_t kMostThreads = 8;
   for (std::uint32_t threads = 1; threads <= std::min(cores, kMostThreads); ++threads)
     cases.push_back({.sweep = "threads", .pile = {.cubes = quick ? 1000u : 4000u, .step_s = 1e-2}, .threads = threads});
