@@ -9,7 +9,7 @@
 
 namespace tactus::timing {
 
-// A scene's TOML text for that many members.
-std::string capacity_scene(unsigned members, unsigned sub_steps, unsigned ratio);
+// A scene's TOML text for that many members. Coupling and contacts are as stiff as the rate bears.
+std::string capacity_scene(unsigned members, unsigned sub_steps, unsigned ratio, double rate_Hz);
 
 }  // namespace tactus::timing

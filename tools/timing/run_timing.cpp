@@ -106,7 +106,7 @@ class Watcher {
 
 std::optional<sim::Scene> scene_of(TimingOptions& o, std::string& text, TimingProblem& problem) {
   auto scene = o.run.scene.empty()
-                   ? sim::parse_scene(text = capacity_scene(o.members, o.sub_steps, o.ratio), "capacity")
+                   ? sim::parse_scene(text = capacity_scene(o.members, o.sub_steps, o.ratio, o.run.rate_Hz), "capacity")
                    : sim::load_scene(o.run.scene);
   if (!scene.ok()) {
     problem = {true, scene.message()};

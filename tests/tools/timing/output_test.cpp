@@ -4,6 +4,7 @@
 
 #include "sim/loader/scene_load.h"
 #include "tests/tools/timing/made_ticks.h"
+#include "tools/session/session.h"
 #include "tools/timing/capacity_scene.h"
 #include "tools/timing/plot.h"
 #include "tools/timing/report.h"
@@ -81,12 +82,24 @@ TEST_CASE("the report has percentiles by stage in us, overruns by cause and the 
 
 TEST_CASE("the worst case is a scene that loads, with more bodies than may be members") {
   for (const unsigned members : {2u, 64u, 256u}) {
-    const auto scene = sim::parse_scene(capacity_scene(members, 4, 10), "capacity");
+    const auto scene = sim::parse_scene(capacity_scene(members, 4, 10, 1000), "capacity");
     INFO(scene.message());
     REQUIRE(scene.ok());
     CHECK(scene.value().members == members);
     CHECK(scene.value().solver.sub_steps == 4);
     CHECK(scene.value().bodies.size() > 2 * members);
+  }
+}
+
+TEST_CASE("the worst case runs at any rate, with as few sub-steps as may be") {
+  for (const double rate_Hz : {100.0, 333.0, 1000.0, 4000.0}) {
+    session::RunOptions options;
+    options.virtual_time = true, options.rate_Hz = rate_Hz;
+    auto scene = sim::parse_scene(capacity_scene(2, 1, 10, rate_Hz), "capacity");
+    REQUIRE(scene.ok());
+    const auto session = session::Session::create(std::move(scene).value(), options);
+    INFO(rate_Hz << " Hz: " << session.message());
+    CHECK(session.ok());
   }
 }
 
