@@ -24,6 +24,9 @@ using physics::BodyKind;
 
 // Enough for impulses to come through a stack of some twenty bodies.
 constexpr unsigned kForeseenSteps = 5;
+// Of the change of the device's force from cycle to cycle, what the next one is expected to bring. All of it would be
+// right for a force that changes evenly; a hand's trembles.
+constexpr double kGoesOn = 0.5;
 // Bodies awake: a step of more is taken in one pass.
 constexpr std::size_t kMostInPasses = 500;
 
@@ -279,8 +282,14 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
     statistics_.handed_back_energy_J += back.energy_J;
     statistics_.handed_back_skipped += back.skipped;
   }
-  // The device goes on holding the proxy as it did on the mean of the last cycle; the next report corrects it.
-  device.held_by = is_finite(report.mean_device_wrench) ? report.mean_device_wrench : Wrenchd{};
+  // The device goes on holding the proxy as it did on the mean of the last cycle, and changing that; the next report
+  // corrects it.
+  const Wrenchd& mean = report.mean_device_wrench;
+  if (!is_finite(mean)) return;
+  const Wrenchd& before = device.held_before == Wrenchd{} ? mean : device.held_before;
+  device.held_by = {mean.force + kGoesOn * (mean.force - before.force),
+                    mean.torque + kGoesOn * (mean.torque - before.torque)};
+  device.held_before = mean;
 }
 
 // Pose and velocity of the members as they are, bit by bit; with the static coupling only the proxy's, since the
@@ -469,7 +478,8 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
   former_slots_.clear();
   for (const std::uint32_t place : islands_.awake())
     former_slots_.push_back(device.extraction.was_member(place) ? 1 : 0);
-  next.dropped += border_log_.fill_outside(world_, members, former_slots_, pass_s_, next.border.span(), next.outside);
+  next.dropped +=
+      border_log_.fill_outside(world_, members, former_slots_, pass_s_, sub_step_s(), next.border.span(), next.outside);
 }
 
 // Whole bodies, bit by bit. Frozen members (static coupling) come anew every time, but for the proxy, which is the

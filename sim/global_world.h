@@ -111,6 +111,7 @@ class GlobalWorld {
     Extraction extraction;
     Posed reported_proxy;    // where the device's own world had it at t_n
     Wrenchd held_by{};       // N, N m: on the proxy over the next step
+    Wrenchd held_before{};   // mean of the last cycle
     bool has_border{false};  // its last snapshot
   };
 

@@ -46,6 +46,7 @@ struct OutsideBody {
   std::uint32_t padding{0};
   Vec3d centre;                            // m, world
   Twistd velocity;                         // of the centre, at the end of the step
+  Vec3d acceleration;                      // m/s^2, of the centre: as it was in the step, where that will go on; else 0
   Wrenchd load;                            // N, N m about the centre: mean of the step, by those that were members
   physics::Admittance<double> admittance;  // of the centre, with all that moves with it
 };

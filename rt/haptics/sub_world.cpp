@@ -31,8 +31,8 @@ Ghost* find_ghost(std::span<Ghost> ghosts, BodyId outside) noexcept {
   return at != ghosts.end() && at->outside == outside ? &*at : nullptr;
 }
 
-// The ghost that the contact presses on: its index. What the contact did to it in the global step, the outside body
-// stood: from now on its other forces do the opposite.
+// The ghost that the contact presses on: its index. What the contact did to it in the global step, the outside body's
+// other forces stood up to: they do the opposite from now on, beside what accelerates it.
 std::uint32_t load_ghost(const BorderPoint& point, const physics::BorderContact<double>& contact,
                          BoundedVector<physics::BorderGhost<double>>& ghosts) noexcept {
   auto* ghost = find_ghost(ghosts.span(), point.outside);
@@ -261,6 +261,7 @@ void SubWorld::renew_ghosts(const WorldSnapshot& snapshot) noexcept {
     ghost.centre = body.centre;
     ghost.velocity = body.velocity;
     ghost.admittance = body.admittance;
+    ghost.drive.linear = body.acceleration;
     if (state_.ticks_in_cycle > 0) {
       Wrenchd news{-step_s * body.load.force, -step_s * body.load.torque};
       if (const auto* before = find_ghost(replaced_ghosts_.span(), body.id))

@@ -38,6 +38,22 @@ void take_back(const Contact<double>& contact, std::uint32_t outside, physics::W
   }
 }
 
+// What accelerated a body evenly over the step goes on: it slides to rest, or is pushed along. Where its velocity
+// changed by more than this share in the step it trembles, or met something, and the next step says nothing of it.
+constexpr double kEven = 0.5;
+
+// At most what stops it within another step.
+Vec3d acceleration_to_come(const Body<double>& body, const Posed& start, double step_s, double sub_step_s) noexcept {
+  const double late_s = 0.5 * (step_s - sub_step_s);  // the mean velocity is that of a sub-step in the middle
+  if (!(late_s > 0)) return {};
+  const Vec3d& end = body.motion.velocity.linear;
+  const Vec3d mean = (body.motion.pose.position - start.position) * (1 / step_s);
+  const Vec3d acceleration = (end - mean) * (1 / late_s);
+  const double change = step_s * norm(acceleration), speed = norm(end);
+  if (!(change > 0) || !(change <= kEven * std::max(speed, norm(end - step_s * acceleration)))) return {};
+  return acceleration * (dot(acceleration, end) < 0 ? std::min(1.0, speed / change) : 1.0);
+}
+
 // The impulse of a contact on one of its bodies, and its moment about the centre.
 Wrenchd impulse_on(std::uint32_t slot, const Contact<double>& contact) noexcept {
   const double side = contact.slot_b == slot ? 1 : -1;
@@ -137,7 +153,7 @@ Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& wor
 }
 
 std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::span<const std::uint8_t> members,
-                                      std::span<const std::uint8_t> former, double step_s,
+                                      std::span<const std::uint8_t> former, double step_s, double sub_step_s,
                                       std::span<const BorderPoint> border,
                                       FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
   outside.clear();
@@ -153,6 +169,7 @@ std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::
     body.id = id;
     body.centre = world.bodies()[slot].motion.pose.position;
     body.velocity = world.bodies()[slot].motion.velocity;
+    body.acceleration = acceleration_to_come(world.bodies()[slot], world.last_poses()[slot], step_s, sub_step_s);
     body.admittance = admittance_.find(slot, members);
     if (former[slot] == 0) body.load = load_on(slot, world, former, step_s);
     if (!outside.try_push(body)) return static_cast<std::uint32_t>(ids_.size() - outside.size());

@@ -47,10 +47,10 @@ class BorderLog {
   std::uint32_t fill(std::span<const physics::Contact<double>> contacts, std::span<const physics::Body<double>> bodies,
                      std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
                      FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& border) noexcept;
-  // The outside bodies of these border points, by id, after a step of `step_s`. `members`: of the cycle that comes;
-  // `former`: of the step's own. Returns how many did not fit: their points stay without a ghost.
+  // The outside bodies of these border points, by id, after a step of `step_s` in sub-steps. `members`: of the cycle
+  // that comes; `former`: of the step's own. Returns how many did not fit: their points stay without a ghost.
   std::uint32_t fill_outside(const physics::World<double>& world, std::span<const std::uint8_t> members,
-                             std::span<const std::uint8_t> former, double step_s,
+                             std::span<const std::uint8_t> former, double step_s, double sub_step_s,
                              std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
   // Of the ghost border, before the next step: what the sub-world did to the outside bodies, normal part too, less what

@@ -253,6 +253,28 @@ TEST_CASE("To ghosts the whole difference is handed back: what the members did, 
   }
 }
 
+TEST_CASE("An outside body that slides to rest is told with its deceleration, one that trembles or stops without") {
+  auto world = card_on_slab();
+  BorderLog log(4, 16, 0);
+  auto border = std::make_unique<Border>();
+  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
+  const std::vector<std::uint8_t> slab_is_member{1, 0};
+  const auto told = [&] {
+    step(*world);
+    log.fill(world->contacts(), world->bodies(), world->last_poses(), slab_is_member, kStep_s, *border);
+    REQUIRE(log.fill_outside(*world, slab_is_member, slab_is_member, kStep_s, kStep_s / 10, border->span(), outside) ==
+            0);
+    REQUIRE(outside.size() == 1);
+    return outside[0].acceleration;
+  };
+  const Vec3d sliding = told(), direction = normalized_or(Vec3d{0.5, 0.2, 0}, Vec3d{1, 0, 0});
+  CHECK(dot(sliding, direction) == Approx(-0.4 * kPress_N).epsilon(0.02));
+  CHECK(sliding.z == Approx(kPress_N - 9.81).margin(0.1));   // both fall
+  world->bodies()[1].motion.velocity.linear = {0.05, 0, 0};  // four fifths of it go in a step
+  const Vec3d stopping = told();
+  CHECK(stopping == Vec3d{});
+}
+
 TEST_CASE("An outside body is told as it moved, with the load that it bore of those that were members") {
   auto world = card_on_slab();
   step(*world);
@@ -262,7 +284,7 @@ TEST_CASE("An outside body is told as it moved, with the load that it bore of th
   FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
   const bool was_member = GENERATE(true, false);
   const std::vector<std::uint8_t> former{0, static_cast<std::uint8_t>(was_member)};
-  REQUIRE(log.fill_outside(*world, kCardIsMember, former, kStep_s, border->span(), outside) == 0);
+  REQUIRE(log.fill_outside(*world, kCardIsMember, former, kStep_s, kStep_s / 10, border->span(), outside) == 0);
   REQUIRE(outside.size() == 1);
   CHECK(outside[0].id == 0);
   CHECK(outside[0].centre == world->bodies()[0].motion.pose.position);
