@@ -86,6 +86,11 @@ physics::World<double> world_of(const Scene& scene, physics::SweepPrecision prec
   return world;
 }
 
+Vec3d at_most(const Vec3d& v, double length) noexcept {
+  const double own = norm(v);
+  return own > length ? v * (length / own) : v;
+}
+
 double energy_of(const Body<double>& body, const Vec3d& gravity) noexcept {
   return kinetic_energy(body) - body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
 }
@@ -282,13 +287,13 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
     statistics_.handed_back_energy_J += back.energy_J;
     statistics_.handed_back_skipped += back.skipped;
   }
-  // The device goes on holding the proxy as it did on the mean of the last cycle, and changing that; the next report
-  // corrects it.
+  // The device goes on holding the proxy as it did on the mean of the last cycle, and changing that, but by no more
+  // than it is: a hand that lets go does not pull. The next report corrects it.
   const Wrenchd& mean = report.mean_device_wrench;
   if (!is_finite(mean)) return;
   const Wrenchd& before = device.held_before == Wrenchd{} ? mean : device.held_before;
-  device.held_by = {mean.force + kGoesOn * (mean.force - before.force),
-                    mean.torque + kGoesOn * (mean.torque - before.torque)};
+  device.held_by = {mean.force + at_most(kGoesOn * (mean.force - before.force), norm(mean.force)),
+                    mean.torque + at_most(kGoesOn * (mean.torque - before.torque), norm(mean.torque))};
   device.held_before = mean;
 }
 

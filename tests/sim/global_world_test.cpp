@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 namespace {
 
@@ -138,6 +139,20 @@ TEST_CASE("The device's mean wrench holds the proxy over the step, once") {
   bench.step();
   CHECK(bench.body(0).motion.velocity.linear.x == Approx(4 * 0.01 / 2.0));
   CHECK(bench.body(1).motion.velocity.linear == Vec3d{});
+}
+
+TEST_CASE("A device's wrench that changes is expected to change on by half as much, and never to turn round") {
+  Bench bench(floating(2), slow_device());
+  double last = 0;
+  const auto given = [&](double force_N) {
+    bench.report->mean_device_wrench.force = {force_N, 0, 0};
+    bench.step();
+    const double now = bench.body(0).motion.velocity.linear.x;
+    return (now - std::exchange(last, now)) * 2.0 / 0.01;
+  };
+  CHECK(given(4) == Approx(4));
+  CHECK(given(6) == Approx(7));
+  CHECK(given(1) == Approx(0).margin(1e-9));  // not 1 - 2.5
 }
 
 TEST_CASE("The global clock and the cycle number go on by one step each") {
