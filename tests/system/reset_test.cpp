@@ -48,6 +48,28 @@ TEST_CASE("a reset puts every body back, with the force off, whatever the coupli
   CHECK(session->driver->output().fault == Fault::kNone);
 }
 
+TEST_CASE("a reset mends what broke, and sends back what is moved by a script, in both worlds") {
+  auto session = make_session(scene_file("workshop.toml"), virtual_options());
+  bool broke = false, begun = false;
+  run(*session, 8000, [&](const loop::TickOutput& out) {
+    const auto& inside = session->loop->sub_world();
+    const physics::World<double>* const worlds[] = {&inside.world(), &session->global->world()};
+    if (!broke && session->global->statistics().broken_joints > 0) {
+      broke = true;
+      session->resets.push_back(out.tick + 5);
+    }
+    if (inside.epoch() == 0) return true;
+    begun = true;
+    for (const auto* world : worlds) {
+      for (const auto& state : world->effects().find<physics::Joints<double>>()->states()) CHECK(state.broken == 0);
+      for (const double time_s : world->effects().find<physics::Kinematics<double>>()->times()) CHECK(time_s <= 2e-3);
+    }
+    return false;
+  });
+  CHECK(broke);
+  CHECK(begun);
+}
+
 TEST_CASE("a reset does not take a fault back, nor arm what is not armed") {
   session::RunOptions options = virtual_options();
   options.inject = "unplugged@500,reset@1000";
