@@ -99,7 +99,7 @@ struct GeneratedPart {
   unsigned count{0};
   double friction{0};                 // of its bodies
   std::vector<double> foot_friction;  // card house, by level from the ground: least coefficient under its cards' feet
-  double top_friction{0};             // card house: least coefficient between a top and the flat card on it; 0 otherwise
+  double top_friction{0};  // card house: least coefficient between a top and the flat card on it; 0 otherwise
 };
 
 // What became of the triangles of a file.

@@ -59,7 +59,9 @@ CLI::App* add_control_command(CLI::App& program, int& exit_code) {
       "A run has a socket where its configuration ([control] socket) or --control names one. Who may write to the\n"
       "socket may do all of this. Exit status: 0 done; 1 refused; 3 nobody answers.\n\n"
       "Examples:\n  tactus control state --json\n  tactus control rearm --socket /run/tactus/control");
-  control->add_option("REQUEST", options->request, "state, arm, rearm, disarm, reset (the scene begins anew), reload, stop")
+  control
+      ->add_option("REQUEST", options->request,
+                   "state, arm, rearm, disarm, reset (the scene begins anew), reload, stop")
       ->required()
       ->check(CLI::IsMember({"state", "arm", "rearm", "disarm", "reset", "reload", "stop"}));
   control->add_option("--socket", options->socket, "of the run")->capture_default_str();

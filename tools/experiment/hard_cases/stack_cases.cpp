@@ -12,7 +12,6 @@ namespace {
 
 constexpr BodyId kGround = 1000;
 
-
 class StackWorld : public CaseWorld {
  public:
   StackWorld(const StackSpec& spec, const Setting& setting) : CaseWorld(setting), spec_(spec) {

@@ -1,0 +1,163 @@
+// What the global world tells a sub-world after a step: touches, members, joiners, the border.
+#include <utility>
+
+#include "rt/haptics/plane_coupling.h"
+#include "rt/haptics/snapshot_bytes.h"
+#include "sim/global_world.h"
+#include "sim/interface/mesh_neighbourhood.h"
+#include "sim/interface/proxy_planes.h"
+
+namespace tactus::sim {
+
+using haptics::CouplingScheme;
+using haptics::WorldSnapshot;
+using physics::Body;
+
+void GlobalWorld::find_touches() noexcept {
+  touches_.clear();
+  const auto place = islands_.awake();
+  for (const auto& contact : world_.contacts()) {
+    if (contact.b_fixed || !contact.touching()) continue;
+    Touch touch = touch_of(contact, world_.bodies());
+    touch.a = place[touch.a], touch.b = place[touch.b];
+    touches_.push_back(touch);
+  }
+  add_joined();
+  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+}
+
+void GlobalWorld::add_joined() noexcept {
+  const auto* joints = world_.effects().find<physics::Joints<double>>();
+  if (joints == nullptr) return;
+  const auto place = islands_.awake();
+  const auto bodies = std::as_const(world_).bodies();
+  joints->for_each_link(bodies, [&](std::uint32_t a, std::uint32_t b, std::uint32_t joint) noexcept {
+    const Posed &at_a = bodies[a].motion.pose, &at_b = bodies[b].motion.pose;
+    if (touches_.size() < touches_.capacity())
+      touches_.push_back({place[a], place[b], at_b * joints->joints()[joint].b_from_joint.position,
+                          normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1}), true});
+  });
+  const auto states = joints->states();
+  statistics_.broken_joints = static_cast<std::uint32_t>(
+      std::count_if(states.begin(), states.end(), [](const auto& s) { return s.broken != 0; }));
+}
+
+// Before the first step nothing has pressed yet: what is within the tolerance counts as touching.
+void GlobalWorld::find_touches_at_rest() noexcept {
+  const std::span<const Body<double>> bodies = world_.bodies();
+  const auto place = islands_.awake();
+  for (std::size_t slot = 0; slot < bodies.size(); ++slot)
+    bounds_[slot] = physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, options_.touch_tolerance_m);
+  auto& pairs = world_.dynamic_pairs();
+  pairs.clear();
+  if (!pair_cache_.find(std::span(std::as_const(bounds_)).first(bodies.size()), pairs))
+    statistics_.capacity_bits |= physics::kPairsFull;
+  std::sort(pairs.begin(), pairs.end(), [](const physics::SlotPair& p, const physics::SlotPair& q) {
+    const auto low = [](const physics::SlotPair& x) { return std::min(x.a, x.b); };
+    const auto high = [](const physics::SlotPair& x) { return std::max(x.a, x.b); };
+    return low(p) != low(q) ? low(p) < low(q) : high(p) < high(q);
+  });
+  touches_.clear();
+  for (const auto& pair : pairs) {
+    const std::uint32_t a = std::min(pair.a, pair.b), b = std::max(pair.a, pair.b);
+    physics::AxisCache cache;
+    const auto manifold = physics::collide(bodies[a].shape, bodies[a].motion.pose, bodies[b].shape,
+                                           bodies[b].motion.pose, options_.touch_tolerance_m, cache, hulls_);
+    if (manifold.count == 0 || touches_.size() == touches_.capacity()) continue;
+    Vec3d from_a;
+    for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;
+    touches_.push_back(
+        {place[a], place[b], bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal, false});
+  }
+  pairs.clear();
+  add_joined();
+  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+}
+
+void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
+                                WorldSnapshot& next) noexcept {
+  Device& device = devices_[device_index];
+  std::fill(free_.begin(), free_.end(), std::uint8_t{1});
+  for (const Device& other : devices_) {
+    if (&other == &device) continue;
+    free_[other.proxy] = 0;
+    for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
+  }
+  if (feels_proxy_alone(options_.coupling)) budget = 1;
+  const auto bodies = islands_.bodies();
+  const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
+
+  next.cycle = cycle;
+  next.global_time_s = time_s_;
+  next.epoch = epoch();
+  next.component = device.extraction.statistics().component;
+  next.dropped = 0;
+  next.proxy = bodies[device.proxy].motion;
+  next.members.clear();
+  for (const std::uint32_t place : members) TACTUS_CHECK(next.members.try_push(bodies[place].id), place, 0);
+  next.border.clear();
+  next.outside.clear();
+  next.warm_starts.clear();
+  next.effects.clear();
+  fill_joiners(device, next);
+  fill_near_triangles(bodies, world_.fixed_bodies(), meshes_, members, device.proxy, options_.reach, next);
+  if (options_.coupling == CouplingScheme::kSubWorld) {
+    fill_warm_starts(device, next);
+    if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
+    if (stepped_) fill_border(device, next);
+  }
+  if (feels_planes(options_.coupling) && stepped_)
+    fill_proxy_planes(world_, device.id, pass_s_,
+                      options_.coupling == CouplingScheme::kPlane ? 1 : haptics::kMaxProxyPlanes, next.border);
+  device.has_border = !next.border.empty();
+  count(device, next);
+}
+
+// Of the last step.
+void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
+  const auto members = member_slots(device);
+  next.dropped +=
+      border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
+  if (options_.border_mode != physics::BorderMode::kGhost) return;
+  former_slots_.clear();
+  for (const std::uint32_t place : islands_.awake())
+    former_slots_.push_back(device.extraction.was_member(place) ? 1 : 0);
+  next.dropped +=
+      border_log_.fill_outside(world_, members, former_slots_, pass_s_, sub_step_s(), next.border.span(), next.outside);
+}
+
+// Whole bodies, bit by bit. Frozen members (static coupling) come anew every time, but for the proxy, which is the
+// sub-world's.
+void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexcept {
+  next.joiners.clear();
+  const bool renew = options_.coupling == CouplingScheme::kStatic;
+  for (const std::uint32_t place : device.extraction.members())
+    if (device.extraction.is_joiner(place) || (renew && place != device.proxy))
+      TACTUS_CHECK(next.joiners.try_push(islands_.bodies()[place]), place, 0);
+}
+
+// Of joiners' contacts with members and with static geometry: those go on in the sub-world as they were here.
+void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
+  const auto& e = device.extraction;
+  const auto place = islands_.awake();
+  for (const auto& contact : world_.contacts()) {
+    const std::uint32_t a = place[contact.slot_a], b = contact.b_fixed ? a : place[contact.slot_b];
+    const bool joins = e.is_member(a) && e.is_member(b) && (e.is_joiner(a) || e.is_joiner(b));
+    if (joins && !next.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s())))
+      ++next.dropped;
+  }
+}
+
+void GlobalWorld::count(const Device& device, const WorldSnapshot& next) noexcept {
+  auto& s = statistics_;
+  const auto& e = device.extraction.statistics();
+  s.most_members = std::max(s.most_members, next.members.size());
+  s.most_component = std::max(s.most_component, e.component);
+  s.most_border_points = std::max(s.most_border_points, next.border.size());
+  s.most_close_left_out = std::max(s.most_close_left_out, e.close_left_out);
+  s.joins += e.joins;
+  s.leaves += e.leaves;
+  s.dropped_entries += next.dropped;
+}
+
+}  // namespace tactus::sim
