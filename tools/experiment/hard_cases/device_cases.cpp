@@ -139,12 +139,12 @@ Outcome squeeze(const Setting& setting) {
       for (std::uint32_t d = 0; d < 2; ++d)
         world.fill_snapshot(d, hands[d].report->cycle + 1, hands[d].report->member_budget, *hands[d].snapshot);
     }
-    for (int d = 0; d < 2; ++d) {
+    for (std::size_t d = 0; d < 2; ++d) {
       finite = finite && is_finite(hands[d].out.command.wrench);
       faulted = faulted || hands[d].out.fault != Fault::kNone;
       most_step = std::max(most_step, std::abs(hands[d].force() - last[d]));
       last[d] = hands[d].force();
-      for (int when = 0; when < 2; ++when) {
+      for (std::size_t when = 0; when < 2; ++when) {
         const int from = when == 0 ? kPressed : kCarried + 1000;
         if (tick >= from && tick < from + kMeasured) force[when][d] += hands[d].force() / kMeasured;
       }
