@@ -1,9 +1,11 @@
 // A six-degree-of-freedom spring and damper between a body and a moving target, solved implicitly with the contacts.
 //
-// Per sub-step h, rows J of the body's twist: lambda = -(M^-1 + g I)^-1 (v - v_target + b e + g lambda_0), with
-// g = 1 / (h (B + h K)), b = K / (B + h K): stable on the body's side for any K, B, h. What the body gets the target
-// loses: the sum of the impulses over a step is the force on the device. Source: study 3.1; Colgate 1995 (virtual
-// coupling). Frame: world. Units: SI. Thread: the owner of the World.
+// Per sub-step h, with G = h (B + h K) and e the error at its start: the impulse is P = -h K e - G (v - v_target), v
+// after the sub-step. So the body moves by (M + G) v = M v_0 + G v_target - h K e + all other impulses: as one of mass
+// M + G, which is how contacts and joints see it. No sweep solves the spring against them, and it is stable on the
+// body's side for any K, B, h. What the body gets the target loses: the sum of the impulses over a step is the force on
+// the device. Source: study 3.1; Colgate 1995 (virtual coupling). Frame: world. Units: SI. Thread: the owner of the
+// World.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +23,7 @@ struct PoseSpring {
   Pose<T> target;            // where the target is at the start of the step
   Twist<T> target_velocity;  // held over the step: at sub-step j the target is at start + velocity (j + 1) h
 
-  Wrench<T> impulse;       // N s, N m s: of the last sub-step, on the body (warm start)
-  Wrench<T> step_impulse;  // sum over the step, on the body
+  Wrench<T> step_impulse;  // N s, N m s: sum over the step, on the body
 };
 
 }  // namespace tactus::physics

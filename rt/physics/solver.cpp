@@ -1,7 +1,5 @@
 #include "rt/physics/solver.h"
 
-#include <algorithm>
-
 #include "rt/physics/integrate.h"
 
 namespace tactus::physics {
@@ -45,13 +43,15 @@ void Solver<T, S>::prepare(const SolverInput<T>& input, StageContext<T>& context
     inverse_inertia_[i] = number_cast<S>(rotate_diagonal(
         body.motion.pose.rotation, Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z}));
   });
+  if constexpr (kIsWhole) {
+    const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
+    spring_.prepare(input.spring, spring_start, motion_.span(), inverse_inertia_.span(), context.h);
+  }
   run_stages(input, Phase::kPrepare, context);
   contacts_.prepare(std::span<const Contact<T>>(input.contacts), state(), input.executor);
   if constexpr (kIsWhole) {
     border_.prepare(input.border, input.ghosts, input.border_mode, input.bodies, state(), context.h,
                     input.impulse_scale, settings.friction, input.border_may_give);
-    const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
-    spring_.prepare(input.spring, spring_start, state(), context.h, input.impulse_scale);
   }
 }
 
@@ -78,43 +78,35 @@ void Solver<T, S>::apply_wrenches(const SolverInput<T>& input, T h) noexcept {
   }
 }
 
-// Warm start for a sub-step that no sweep will correct. With d the change of velocity that the impulses make, kinetic
-// energy changes by v.M.d + d.M.d / 2; where that is positive the impulses are scaled to where it is smallest.
+// Warm start for a sub-step that no sweep will correct: where all of it together would raise the kinetic energy it is
+// scaled to where that is smallest.
 template <class T, class S>
 void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input, StageContext<T>& context) noexcept {
   before_.resize(motion_.size());
   for (std::uint32_t i = 0; i < motion_.size(); ++i) before_[i] = {motion_[i].v, motion_[i].w};
   border_.warm_start(state());
-  contacts_.warm_start(state());
+  contacts_.warm_start_freely(state());
   run_stages(input, Phase::kWarmStart, context);
-  S linear = S(0), quadratic = S(0);
-  for (std::uint32_t i = 0; i < motion_.size(); ++i) {
-    if (motion_[i].inverse_mass == S(0)) continue;
-    const Body<T>& body = input.bodies[i];
-    const Quat<S> q = number_cast<S>(body.motion.pose.rotation);
-    const S mass = static_cast<S>(body.mass);
-    const Vec3<S> dv = motion_[i].v - before_[i].linear;
-    const Vec3<S> dw = rotate_inverse(q, motion_[i].w - before_[i].angular);
-    const Vec3<S> momentum = scale(number_cast<S>(body.inertia), dw);
-    linear += mass * dot(before_[i].linear, dv) + dot(rotate_inverse(q, before_[i].angular), momentum);
-    quadratic += mass * norm_squared(dv) + dot(dw, momentum);
-  }
-  if (linear + S(0.5) * quadratic <= S(0)) return;
-  const S factor = quadratic > S(0) ? std::clamp(-linear / quadratic, S(0), S(1)) : S(0);
-  contacts_.scale_impulses(factor);
-  border_.scale_impulses(factor);
-  context.factor = static_cast<T>(factor);
+  EnergyChange<S> change;
+  for (std::uint32_t i = 0; i < motion_.size(); ++i)
+    if (motion_[i].inverse_mass > S(0))
+      change.add(motion_[i], inverse_inertia_[i],
+                 {motion_[i].v - before_[i].linear, motion_[i].w - before_[i].angular});
+  const S share = change.best_share();
+  if (share == S(1)) return;
+  contacts_.scale_impulses(share);
+  border_.scale_impulses(share);
+  context.factor = static_cast<T>(share);
   run_stages(input, Phase::kScale, context);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
-    motion_[i].v = before_[i].linear + factor * (motion_[i].v - before_[i].linear);
-    motion_[i].w = before_[i].angular + factor * (motion_[i].w - before_[i].angular);
+    motion_[i].v = before_[i].linear + share * (motion_[i].v - before_[i].linear);
+    motion_[i].w = before_[i].angular + share * (motion_[i].w - before_[i].angular);
   }
 }
 
 template <class T, class S>
 void Solver<T, S>::sweep_relax(const SolverInput<T>& input, const SweepRule<S>& rule, StageContext<T>& context,
                                bool last) noexcept {
-  spring_.solve(state());
   run_stages(input, Phase::kRelax, context);
   border_.solve(state(), rule, false);
   contacts_.relax(state(), rule, context.settings.friction, last);
@@ -162,28 +154,29 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
   prepare(input, context);
   for (std::uint32_t j = 0; j < settings.sub_steps; ++j) {
     context.sub_step = j;
+    spring_.release();
     border_.begin_sub_step(j, state());
     run_stages(input, Phase::kBeginSubStep, context);
     run_stages(input, Phase::kForces, context);
     apply_wrenches(input, h);
     border_.apply_replay(state());
-    spring_.begin_sub_step(j, state());
+    spring_.hold(j);
     if (go_on()) {
       border_.warm_start(state());
-      contacts_.warm_start(state());
       run_stages(input, Phase::kWarmStart, context);
-      spring_.solve(state());
+      contacts_.warm_start(state(), rule);
       run_stages(input, Phase::kBiased, context);
       border_.solve(state(), rule, true);
       contacts_.solve_biased(state(), rule, settings.friction && settings.relax_sweeps > 1);
     } else {
-      spring_.solve(state());
       warm_start_without_gain(input, context);
     }
+    spring_.note_turning();
     input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies(motion_.span().subspan(begin, end - begin),
                   std::span<const Body<T>>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });
+    spring_.resist_turning();
     border_.move_ghosts();
     run_stages(input, Phase::kMoved, context);
     bool counted = false;

@@ -1,17 +1,17 @@
 // One step of the soft-step solver: sub-steps of forces, warm start, biased sweep, integration, relax sweeps.
 //
-// Order in every sweep: the device's spring, the stages of effects, the border contacts, the contacts by key. A cut is
-// asked for before each sweep; once it fires no sweep follows but one relax sweep at the very end. The sub-steps that
-// are left still integrate: their warm start is held back as far as it would raise the kinetic energy (an impulse that
-// once stopped an impact must not be given again), and the spring, whose cost is that of one contact, is still solved.
-// The last relax sweep then corrects n sub-steps at once: the next warm start gets 1/n of its correction, because it
-// will be given n times; with all of it, steps that are cut again and again would shake themselves loose. Frame: world.
-// Units: SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
+// The device's spring is part of its body (pose_spring.h). Order in every sweep: the stages of effects, the border
+// contacts, the contacts by colours. A cut is asked for before each sweep; once it fires no sweep follows but one relax
+// sweep at the very end. The sub-steps that are left still integrate: their warm start is held back as far as it would
+// raise the kinetic energy (an impulse that once stopped an impact must not be given again). The last relax sweep then
+// corrects n sub-steps at once: the next warm start gets 1/n of its correction, because it will be given n times; with
+// all of it, steps that are cut again and again would shake themselves loose. Frame: world. Units: SI. Thread:
+// construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
 //
 // The numbers of the sweeps, S, may be narrower than the world's, T: within a step bodies move and contacts are given
 // relative to where they were at its start, so a large world far from its origin loses no place. What a step adds to
-// poses and velocities is then as exact as S is. Such a solver takes no spring, no
-// border contacts and no effect with a stage but gravity.
+// poses and velocities is then as exact as S is. Such a solver takes no spring, no border contacts and no effect with a
+// stage but gravity.
 #pragma once
 
 #include "rt/physics/border/border_solver.h"
@@ -35,7 +35,7 @@ struct SolverInput {
   std::span<BorderGhost<T>> ghosts;
   BorderMode border_mode;
   bool border_may_give;         // see BorderSolver
-  T impulse_scale;              // this sub-step / that of the stored impulses of spring and border
+  T impulse_scale;              // this sub-step / that of the stored impulses of the border
   const StageTable<T>& stages;  // of effects
   std::span<const Body<T>> fixed_bodies{};
   Executor executor{};

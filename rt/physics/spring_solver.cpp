@@ -3,62 +3,65 @@
 namespace tactus::physics {
 
 template <class T>
-void SpringSolver<T>::prepare(PoseSpring<T>& spring, const Pose<T>& start, SolverBodies<T> bodies, T h,
-                              T impulse_scale) noexcept {
-  spring_ = spring.enabled ? &spring : nullptr;
+void SpringSolver<T>::prepare(PoseSpring<T>& spring, const Pose<T>& start, std::span<SolverBody<T>> motion,
+                              std::span<SymMat3<T>> inverse_inertia, T h) noexcept {
+  spring_ = nullptr;
   spring.step_impulse = {};
-  if (spring_ == nullptr) return;
-  start_ = start;
-  h_ = h;
-  if (impulse_scale != T(1)) spring.impulse.force *= impulse_scale, spring.impulse.torque *= impulse_scale;
-  const T linear = spring.damping_Ns_per_m + h * spring.stiffness_N_per_m;
-  const T angular = spring.damping_Nms_per_rad + h * spring.stiffness_Nm_per_rad;
-  linear_gain_ = invert_or_zero(h * linear), angular_gain_ = invert_or_zero(h * angular);
-  linear_rate_ = linear > T(0) ? spring.stiffness_N_per_m / linear : T(0);
-  angular_rate_ = angular > T(0) ? spring.stiffness_Nm_per_rad / angular : T(0);
-  if (linear_gain_ == T(0)) spring.impulse.force = {};
-  if (angular_gain_ == T(0)) spring.impulse.torque = {};
-  linear_mass_ = linear_gain_ > T(0) ? T(1) / (bodies.motion[spring.slot].inverse_mass + linear_gain_) : T(0);
-  angular_mass_ = angular_gain_ > T(0)
-                      ? inverse(bodies.inverse_inertia[spring.slot] + SymMat3<T>::identity(angular_gain_))
-                      : SymMat3<T>{};
+  if (!spring.enabled) return;
+  spring_ = &spring, body_ = &motion[spring.slot], inverse_inertia_ = &inverse_inertia[spring.slot];
+  start_ = start, h_ = h;
+  linear_gain_ = h * (spring.damping_Ns_per_m + h * spring.stiffness_N_per_m);
+  angular_gain_ = h * (spring.damping_Nms_per_rad + h * spring.stiffness_Nm_per_rad);
+  own_ = held_ = {body_->inverse_mass, *inverse_inertia_};
+  if (own_.inverse_mass == T(0)) return;
+  mass_ = T(1) / own_.inverse_mass, inertia_ = inverse(own_.inverse_inertia);
+  if (linear_gain_ > T(0)) held_.inverse_mass = T(1) / (mass_ + linear_gain_);
+  if (angular_gain_ > T(0)) held_.inverse_inertia = inverse(inertia_ + SymMat3<T>::identity(angular_gain_));
+  give(held_);
 }
 
 template <class T>
-void SpringSolver<T>::begin_sub_step(std::uint32_t j, SolverBodies<T> bodies) noexcept {
+void SpringSolver<T>::release() noexcept {
+  if (spring_ != nullptr) give(own_);
+}
+
+template <class T>
+void SpringSolver<T>::hold(std::uint32_t j) noexcept {
   if (spring_ == nullptr) return;
-  SolverBody<T>& body = bodies.motion[spring_->slot];
+  // The gain moves body and target on by h: the error is that of the start of the sub-step.
   const T elapsed = static_cast<T>(j) * h_;
-  // The rows' velocity term moves body and target on by h: the error is that of the start of the sub-step.
-  linear_error_ =
-      start_.position + body.delta_position - (spring_->target.position + elapsed * spring_->target_velocity.linear);
+  const Vec3<T> error =
+      start_.position + body_->delta_position - (spring_->target.position + elapsed * spring_->target_velocity.linear);
   const Quat<T> target =
       quat_from_rotation_vector(elapsed * spring_->target_velocity.angular) * spring_->target.rotation;
-  angular_error_ = small_rotation_vector(body.delta_rotation * start_.rotation * conjugate(target));
-  body.v += body.inverse_mass * spring_->impulse.force;
-  body.w += bodies.inverse_inertia[spring_->slot] * spring_->impulse.torque;
+  const Vec3<T> turned = small_rotation_vector(body_->delta_rotation * start_.rotation * conjugate(target));
+  linear_pull_ = -(h_ * spring_->stiffness_N_per_m) * error;
+  angular_pull_ = -(h_ * spring_->stiffness_Nm_per_rad) * turned;
+  if (own_.inverse_mass == T(0)) return;
+  give(held_);
+  const Twist<T>& target_velocity = spring_->target_velocity;
+  if (linear_gain_ > T(0))
+    body_->v = held_.inverse_mass * (mass_ * body_->v + linear_gain_ * target_velocity.linear + linear_pull_);
+  if (angular_gain_ > T(0))
+    body_->w = held_.inverse_inertia * (inertia_ * body_->w + angular_gain_ * target_velocity.angular + angular_pull_);
 }
 
 template <class T>
-void SpringSolver<T>::solve(SolverBodies<T> bodies) noexcept {
-  if (spring_ == nullptr) return;
-  SolverBody<T>& body = bodies.motion[spring_->slot];
-  Wrench<T>& sum = spring_->impulse;
-  const Vec3<T> linear = -linear_mass_ * (body.v - spring_->target_velocity.linear + linear_rate_ * linear_error_ +
-                                          linear_gain_ * sum.force);
-  sum.force += linear;
-  body.v += body.inverse_mass * linear;
-  const Vec3<T> angular = -(angular_mass_ * (body.w - spring_->target_velocity.angular +
-                                             angular_rate_ * angular_error_ + angular_gain_ * sum.torque));
-  sum.torque += angular;
-  body.w += bodies.inverse_inertia[spring_->slot] * angular;
+void SpringSolver<T>::note_turning() noexcept {
+  if (spring_ != nullptr) turning_ = body_->w;
+}
+
+template <class T>
+void SpringSolver<T>::resist_turning() noexcept {
+  if (spring_ == nullptr || body_->w == turning_ || angular_gain_ == T(0)) return;
+  body_->w = turning_ + held_.inverse_inertia * (inertia_ * (body_->w - turning_));
 }
 
 template <class T>
 void SpringSolver<T>::end_sub_step() noexcept {
   if (spring_ == nullptr) return;
-  spring_->step_impulse.force += spring_->impulse.force;
-  spring_->step_impulse.torque += spring_->impulse.torque;
+  spring_->step_impulse.force += linear_pull_ - linear_gain_ * (body_->v - spring_->target_velocity.linear);
+  spring_->step_impulse.torque += angular_pull_ - angular_gain_ * (body_->w - spring_->target_velocity.angular);
 }
 
 template class SpringSolver<double>;

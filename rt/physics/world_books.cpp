@@ -78,7 +78,7 @@ void each_field(Io& io, PoseSpring<T>& s) noexcept {
   io(s.enabled), io(s.slot);
   io(s.stiffness_N_per_m), io(s.damping_Ns_per_m), io(s.stiffness_Nm_per_rad), io(s.damping_Nms_per_rad);
   each_field(io, s.target), each_field(io, s.target_velocity);
-  each_field(io, s.impulse), each_field(io, s.step_impulse);
+  each_field(io, s.step_impulse);
 }
 
 template <class Io, class T>

@@ -87,18 +87,9 @@ void check_all_cuts(const Scenario& scenario, double hertz) {
 }  // namespace
 
 TEST_CASE("cut after every sweep of every tick, no run gains energy") {
-  check_all_cuts({"a ball falls on a stack", stack_and_ball}, 1000);
-  const auto scenario = GENERATE(values<Scenario>(
-      {{"100 kg on 0.1 kg", heavy_on_light}, {"a heap", heap}, {"boxes slide and turn", sliding_boxes}}));
+  const auto scenario = GENERATE(values<Scenario>({{"a ball falls on a stack", stack_and_ball},
+                                                   {"100 kg on 0.1 kg", heavy_on_light},
+                                                   {"a heap", heap},
+                                                   {"boxes slide and turn", sliding_boxes}}));
   for (const double hertz : {250.0, 1000.0}) check_all_cuts(scenario, hertz);
-}
-
-// Fails, cut or not: the impulses that stop the ball are the next sub-step's warm start, the stack gets them once more
-// while it still compresses, and 2 % of the impact's energy comes back as a jump. Rejected: to hold back the warm start
-// of contacts whose impulse has more than doubled. That cures most cuts of this run, but impulses of neighbours no
-// longer balance: of 250 random worlds 31 break a gate instead of 2. To hold back the whole world's warm start where it
-// would raise the kinetic energy, only in the sub-step after a blow: 12 of 3,000 instead of 16, and this run still
-// fails.
-TEST_CASE("cut after every sweep, a fast ball on a stack of contacts at 250 Hz gains no energy", "[!shouldfail]") {
-  check_all_cuts({"a ball falls on a stack", stack_and_ball}, 250);
 }

@@ -1,5 +1,4 @@
 // Worlds that nobody would build: thousands of seeds, each within the gates; a seed that fails shrinks to a scene file.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -12,15 +11,11 @@ using namespace tactus::hard_cases;
 
 namespace {
 
-constexpr std::uint64_t kSeeds = 2000, kLongSeeds = 100'000;
+constexpr std::uint64_t kSeeds = 8000, kLongSeeds = 100'000;
 
-// An impact's impulses are given again as the next sub-step's warm start, see anytime_test.cpp: a few in a thousand
-// worlds gain energy by it.
-constexpr double kMostGaining = 0.006;
-
-// Gains without bound: boxes of 0.2 kg and 10 m that overlap heavy bodies by metres, with a friction of 4, so that the
-// points of contact jump by metres from step to step. To be cured; here so that it is not forgotten, nor hides others.
-constexpr std::uint64_t kKnownToFail[] = {751};
+// Of the hundred thousand: rows keep the inertia that a body had when the step began, so a rod or a plate that a blow
+// spins by a good part of a turn in a step is turned by a wrong one.
+constexpr double kMostSpun = 5e-4;
 
 // What is left of a failing world, where the next person finds it.
 std::string written(const RandomWorld& world, const std::string& gate) {
@@ -33,27 +28,17 @@ std::string written(const RandomWorld& world, const std::string& gate) {
   return path;
 }
 
-void check_seeds(std::uint64_t first, std::uint64_t last) {
-  std::uint64_t gaining = 0;
+// `allowed`: so many may break a gate.
+void check_seeds(std::uint64_t first, std::uint64_t last, std::uint64_t allowed = 0) {
+  std::uint64_t broken = 0;
   for (std::uint64_t seed = first; seed < last; ++seed) {
     const RandomWorld world = make_random_world(seed);
     const RandomRun run = run_twice(world);
-    const bool known = std::find(std::begin(kKnownToFail), std::end(kKnownToFail), seed) != std::end(kKnownToFail);
-    if (known) {
-      INFO("seed " << seed << " no longer fails: take it out of the list");
-      CHECK_FALSE(run.broken_gate.empty());
-      continue;
-    }
-    if (run.broken_gate.empty()) continue;
-    if (run.broken_gate.starts_with("energy")) {
-      ++gaining;
-    } else {
-      FAIL_CHECK("seed " << seed << ": gate broken: " << run.broken_gate << "; see "
-                         << written(world, run.broken_gate));
-    }
+    if (run.broken_gate.empty() || ++broken <= allowed) continue;
+    FAIL_CHECK("seed " << seed << ": gate broken: " << run.broken_gate << "; see " << written(world, run.broken_gate));
   }
-  const auto worlds = static_cast<double>(last - first);
-  CHECK(static_cast<double>(gaining) <= kMostGaining * worlds + 1);
+  INFO(broken << " of " << last - first << " worlds break a gate, " << allowed << " may");
+  CHECK(broken <= allowed);
 }
 
 }  // namespace
@@ -64,7 +49,9 @@ TEST_CASE("random worlds: the third quarter of the seeds", "[no-asan]") { check_
 TEST_CASE("random worlds: the last quarter of the seeds", "[no-asan]") { check_seeds(3 * kSeeds / 4, kSeeds); }
 TEST_CASE("random worlds: a few seeds") { check_seeds(kSeeds, kSeeds + 20); }
 
-TEST_CASE("random worlds: a hundred thousand seeds", "[.long]") { check_seeds(kSeeds, kSeeds + kLongSeeds); }
+TEST_CASE("random worlds: a hundred thousand seeds", "[.long]") {
+  check_seeds(kSeeds, kSeeds + kLongSeeds, static_cast<std::uint64_t>(kMostSpun * kLongSeeds));
+}
 
 // More than half a radian in a sub-step is more than the gyroscopic term's iteration can follow.
 TEST_CASE("a small rod that a blow spins at thirty thousand radians a second stays finite") {

@@ -11,11 +11,22 @@ constexpr std::uint32_t kFewestRows = 8;
 // goes on with the bodies of the contacts that it has.
 constexpr std::uint32_t kFewestBodies = 128;
 
+// A blow: in one sub-step the impulses change a body's velocity by more than this part of the push speed. Below it what
+// they give too much is little, and to look for it costs more than a sweep would.
+constexpr double kBlow = 0.1;
+
+template <class V>
+void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
+  const auto scale = [&](V& x) noexcept { set_lane(x, lane, factor * lane_of(x, lane)); };
+  for (std::uint32_t i = 0; i < row.points; ++i)
+    scale(row.normal_impulse[i]), scale(row.tangent_impulse[0][i]), scale(row.tangent_impulse[1][i]);
+}
+
 }  // namespace
 
 template <class T, int kWidth>
 ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities)
-    : colours_(capacities), before_(capacities.bodies), given_(capacities.bodies) {
+    : colours_(capacities), before_(capacities.bodies), given_(capacities.bodies), gate_(capacities.bodies) {
   // Every colour may leave one row that is not full.
   rows_.all = BoundedVector<ContactRow<V>>(
       std::min(capacities.contacts, capacities.contacts / kWidth + 2 * ContactColours::kColours));
@@ -48,6 +59,7 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>> contacts, Sol
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
   before_.resize(count), given_.resize(count);
   for_each_body([&](std::uint32_t i) noexcept { given_[i] = {}; });
+  gate_.begin_step();
   given_is_known_ = backwards_ = next_backwards_ = false;
   colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
   rows_.first_fixed = place_colours(colours_.moving(), 0, moving_);
@@ -130,7 +142,7 @@ void ContactSolver<T, kWidth>::add_change(SolverBodies<T> bodies) noexcept {
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies) noexcept {
+void ContactSolver<T, kWidth>::warm_start_freely(SolverBodies<T> bodies) noexcept {
   if (given_is_known_) {
     for_each_body([&](std::uint32_t i) noexcept {
       bodies.motion[i].v += given_[i].linear, bodies.motion[i].w += given_[i].angular;
@@ -149,6 +161,38 @@ void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies) noexcept {
     physics::warm_start<true>(singles_.all[k], bodies);
   add_change(bodies);
   given_is_known_ = true;
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
+  warm_start_freely(bodies);
+  if (holds_blow(static_cast<T>(kBlow) * rule.max_push_speed)) hold_back_gain(bodies);
+}
+
+template <class T, int kWidth>
+bool ContactSolver<T, kWidth>::holds_blow(T change_m_per_s) const noexcept {
+  T most(0);
+  for (const Twist<T>& given : given_) most = std::max(most, norm_squared(given.linear));
+  return most > change_m_per_s * change_m_per_s;
+}
+
+template <class T, int kWidth>
+void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies) noexcept {
+  if (!gate_.knows_islands()) {
+    gate_.begin_islands(given_.size());
+    const auto link = [&](const auto& row) noexcept {
+      for (std::uint32_t lane = 0; lane < row.used; ++lane) gate_.link(bodies, row.a[lane], row.b[lane]);
+    };
+    for (std::uint32_t k = 0; k < rows_.first_fixed; ++k) link(rows_.all[k]);
+    for (std::uint32_t k = 0; k < singles_.first_fixed; ++k) link(singles_.all[k]);
+  }
+  if (!gate_.hold_back(bodies, given_.span())) return;
+  for_each_row([&](auto& row) noexcept {
+    for (std::uint32_t lane = 0; lane < row.used; ++lane) {
+      const T share = gate_.share(bodies, row.a[lane], row.b[lane]);
+      if (share != T(1)) scale_lane(row, static_cast<int>(lane), share);
+    }
+  });
 }
 
 template <class T, int kWidth>

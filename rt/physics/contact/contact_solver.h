@@ -14,6 +14,7 @@
 
 #include "rt/physics/contact/contact_colours.h"
 #include "rt/physics/contact/contact_row.h"
+#include "rt/physics/contact/energy_gate.h"
 #include "rt/physics/executor.h"
 
 namespace tactus::physics {
@@ -26,7 +27,10 @@ class ContactSolver {
   // `executor`: for all that follows, up to the next prepare. The contacts' numbers may be wider than the solver's.
   template <class U>
   void prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
-  void warm_start(SolverBodies<T> bodies) noexcept;
+  // Held back where it would give energy: see EnergyGate.
+  void warm_start(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
+  // The same, whatever it gives.
+  void warm_start_freely(SolverBodies<T> bodies) noexcept;
   void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction) noexcept;
   // `last`: also adds the impulses to the totals of the step.
   void relax(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction, bool last) noexcept;
@@ -62,6 +66,8 @@ class ContactSolver {
   void for_each_body(F&& f) noexcept;
   template <bool kTotals, class U>
   void store_rows(std::span<Contact<U>> contacts, U share) const noexcept;
+  bool holds_blow(T change_m_per_s) const noexcept;
+  void hold_back_gain(SolverBodies<T> bodies) noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;
   void add_change(SolverBodies<T> bodies) noexcept;
   template <bool kBias, bool kFriction, bool kTotals>
@@ -76,6 +82,7 @@ class ContactSolver {
   Executor executor_;
   BoundedVector<Twist<T>> before_, given_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
   bool given_is_known_{false};
+  EnergyGate<T> gate_;
   // Which way round the next sweep takes the points of a contact, and the first of the next sub-step. To and fro, in
   // turns also from sub-step to sub-step, is symmetric; always the same way round drives what sways in circles.
   bool backwards_{false}, next_backwards_{false};

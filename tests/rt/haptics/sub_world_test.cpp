@@ -281,7 +281,7 @@ TEST_CASE("the proxy touches what pushes it: a member, or an outside body") {
   SECTION("a member") {
     bench.next_with({ball(kProxy, {}), ball(1, {2 * kRadius - 1e-4, 0, 0})});
     bench.synchronise();
-    bench.step();
+    bench.step(1, target_at({0.01, 0, 0}));
     CHECK((bench.last.status & kProxyContact) != 0);
   }
   SECTION("an outside body") {

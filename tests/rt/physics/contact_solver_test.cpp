@@ -68,7 +68,7 @@ void solve_steps(Heap<T>& heap) {
   const SweepRule<T> rule{Softness<T>::make(T(250), T(10), T(2.5e-4)), T(4000), T(1e-5), T(0.25)};
   solver.prepare(std::span<const Contact<T>>(heap.contacts), heap.bodies());
   for (int sub_step = 0; sub_step < 3; ++sub_step) {
-    solver.warm_start(heap.bodies());
+    solver.warm_start(heap.bodies(), rule);
     solver.solve_biased(heap.bodies(), rule, sub_step > 0);
     solver.relax(heap.bodies(), rule, true, sub_step < 2);
     if (sub_step == 2) solver.add_to_totals();

@@ -244,7 +244,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
   bench->run(80);
   // Everything that a step depends on is set.
   bench->world.set_frozen(3, true);
-  bench->world.device_spring() = {true, 2, 500, 2, 1, 0.01, {{0, 0, 0.1}, {}}, {{0.1, 0, 0}, {}}, {}, {}};
+  bench->world.device_spring() = {true, 2, 500, 2, 1, 0.01, {{0, 0, 0.1}, {}}, {{0.1, 0, 0}, {}}, {}};
   bench->world.border_mode = BorderMode::kReplay;
   BorderContact<double> border;
   border.member = 10, border.outside = 99, border.normal = {0, 0, 1}, border.impulse_rate = 1, border.friction = 0.5;

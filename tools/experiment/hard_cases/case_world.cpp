@@ -75,10 +75,11 @@ double CaseWorld::stored_J(double ahead_s) {
   if (!spring.enabled) return energy;
   const Posed& pose = world.bodies()[spring.slot].motion.pose;
   const Vec3d stretch = pose.position - spring.target.position - ahead_s * spring.target_velocity.linear;
-  const Vec3d turn = small_rotation_vector(pose.rotation * conjugate(spring.target.rotation)) -
-                     ahead_s * spring.target_velocity.angular;
-  return energy + 0.5 * spring.stiffness_N_per_m * norm_squared(stretch) +
-         0.5 * spring.stiffness_Nm_per_rad * norm_squared(turn);
+  const Quatd target = quat_from_rotation_vector(ahead_s * spring.target_velocity.angular) * spring.target.rotation;
+  const Quatd turn = pose.rotation * conjugate(target);
+  // The torque of an angle a is 2 K sin(a / 2): 4 K (1 - cos(a / 2)) are stored.
+  const double stored = 4 * (turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) / (1 + std::abs(turn.w));
+  return energy + 0.5 * spring.stiffness_N_per_m * norm_squared(stretch) + spring.stiffness_Nm_per_rad * stored;
 }
 
 // Of the wrenches, along the bodies' way; and of the device's target, which gives the force that it exerts.

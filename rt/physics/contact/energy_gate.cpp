@@ -1,0 +1,39 @@
+#include "rt/physics/contact/energy_gate.h"
+
+namespace tactus::physics {
+
+template <class T>
+void EnergyGate<T>::begin_islands(std::uint32_t bodies) noexcept {
+  parent_.resize(bodies), change_.resize(bodies), share_.resize(bodies);
+  for (std::uint32_t slot = 0; slot < bodies; ++slot) parent_[slot] = slot;
+  knows_islands_ = true;
+}
+
+template <class T>
+void EnergyGate<T>::link(const SolverBodies<T>& bodies, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+  if (bodies.motion[slot_a].inverse_mass == T(0) || bodies.motion[slot_b].inverse_mass == T(0)) return;
+  const std::uint32_t a = island_of(slot_a), b = island_of(slot_b);
+  parent_[std::max(a, b)] = std::min(a, b);
+}
+
+template <class T>
+bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given) noexcept {
+  for (EnergyChange<T>& change : change_) change = {};
+  for (std::uint32_t i = 0; i < given.size(); ++i)
+    if (bodies.motion[i].inverse_mass > T(0))
+      change_[island_of(i)].add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
+  bool held_back = false;
+  for (std::uint32_t i = 0; i < given.size(); ++i) {
+    const T share = share_[i] = change_[island_of(i)].best_share();
+    if (share == T(1)) continue;
+    held_back = true;
+    bodies.motion[i].v -= (T(1) - share) * given[i].linear, bodies.motion[i].w -= (T(1) - share) * given[i].angular;
+    given[i].linear *= share, given[i].angular *= share;
+  }
+  return held_back;
+}
+
+template class EnergyGate<double>;
+template class EnergyGate<float>;
+
+}  // namespace tactus::physics
