@@ -1,7 +1,9 @@
 // What narrow phase remembers: a pair that waits because it was apart, and a contact that is carried over.
 #include "rt/physics/contact/contact_table.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <memory>
 
 #include "tests/support/physics_bench.h"
