@@ -166,18 +166,19 @@ void ContactSolver<T, kWidth>::warm_start_freely(SolverBodies<T> bodies) noexcep
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
   warm_start_freely(bodies);
-  if (holds_blow(static_cast<T>(kBlow) * rule.max_push_speed)) hold_back_gain(bodies);
+  const T blow = static_cast<T>(kBlow) * rule.max_push_speed;
+  if (holds_blow(blow)) hold_back_gain(bodies, blow);
 }
 
 template <class T, int kWidth>
-bool ContactSolver<T, kWidth>::holds_blow(T change_m_per_s) const noexcept {
+bool ContactSolver<T, kWidth>::holds_blow(T blow_m_per_s) const noexcept {
   T most(0);
   for (const Twist<T>& given : given_) most = std::max(most, norm_squared(given.linear));
-  return most > change_m_per_s * change_m_per_s;
+  return most > blow_m_per_s * blow_m_per_s;
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies) noexcept {
+void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies, T blow_m_per_s) noexcept {
   if (!gate_.knows_islands()) {
     gate_.begin_islands(given_.size());
     const auto link = [&](const auto& row) noexcept {
@@ -186,7 +187,7 @@ void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies) noexcept {
     for (std::uint32_t k = 0; k < rows_.first_fixed; ++k) link(rows_.all[k]);
     for (std::uint32_t k = 0; k < singles_.first_fixed; ++k) link(singles_.all[k]);
   }
-  if (!gate_.hold_back(bodies, given_.span())) return;
+  if (!gate_.hold_back(bodies, given_.span(), blow_m_per_s)) return;
   for_each_row([&](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane) {
       const T share = gate_.share(bodies, row.a[lane], row.b[lane]);

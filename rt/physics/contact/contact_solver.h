@@ -66,8 +66,8 @@ class ContactSolver {
   void for_each_body(F&& f) noexcept;
   template <bool kTotals, class U>
   void store_rows(std::span<Contact<U>> contacts, U share) const noexcept;
-  bool holds_blow(T change_m_per_s) const noexcept;
-  void hold_back_gain(SolverBodies<T> bodies) noexcept;
+  bool holds_blow(T blow_m_per_s) const noexcept;
+  void hold_back_gain(SolverBodies<T> bodies, T blow_m_per_s) noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;
   void add_change(SolverBodies<T> bodies) noexcept;
   template <bool kBias, bool kFriction, bool kTotals>

@@ -4,7 +4,7 @@ namespace tactus::physics {
 
 template <class T>
 void EnergyGate<T>::begin_islands(std::uint32_t bodies) noexcept {
-  parent_.resize(bodies), change_.resize(bodies), share_.resize(bodies);
+  parent_.resize(bodies), islands_.resize(bodies), share_.resize(bodies);
   for (std::uint32_t slot = 0; slot < bodies; ++slot) parent_[slot] = slot;
   knows_islands_ = true;
 }
@@ -17,14 +17,19 @@ void EnergyGate<T>::link(const SolverBodies<T>& bodies, std::uint32_t slot_a, st
 }
 
 template <class T>
-bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given) noexcept {
-  for (EnergyChange<T>& change : change_) change = {};
-  for (std::uint32_t i = 0; i < given.size(); ++i)
-    if (bodies.motion[i].inverse_mass > T(0))
-      change_[island_of(i)].add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
+bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T blow_m_per_s) noexcept {
+  for (Island& island : islands_) island = {};
+  for (std::uint32_t i = 0; i < given.size(); ++i) {
+    if (bodies.motion[i].inverse_mass == T(0)) continue;
+    Island& island = islands_[island_of(i)];
+    const T added = island.change.add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
+    if (norm_squared(given[i].linear) > blow_m_per_s * blow_m_per_s) island.blow += added;
+  }
   bool held_back = false;
   for (std::uint32_t i = 0; i < given.size(); ++i) {
-    const T share = share_[i] = change_[island_of(i)].best_share();
+    const Island& island = islands_[island_of(i)];
+    const bool blow = island.blow > T(0.5) * island.change.quadratic;
+    const T share = share_[i] = blow ? island.change.best_share() : T(1);
     if (share == T(1)) continue;
     held_back = true;
     bodies.motion[i].v -= (T(1) - share) * given[i].linear, bodies.motion[i].w -= (T(1) - share) * given[i].angular;

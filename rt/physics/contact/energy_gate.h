@@ -3,10 +3,11 @@
 // A blow: the impulses that stop a body in one sub-step are the warm start of the next, and sweeps take them back only
 // as fast as they travel through a stack; what they have not taken back by then pushes the bodies apart. With d the
 // change of velocity that an island's impulses make, its energy changes by v.M.d + d.M.d / 2, v before it. Where that
-// is positive the island's impulses are scaled to where it is smallest. At rest it never is: they undo what gravity
-// did. Sweeps follow, so where a warm start may rightly give energy (a moving kinematic body) no more than warmth is
-// lost. An island: bodies that rows between moving bodies link; made anew in each step that needs it. Frame: world.
-// Units: SI. Thread: construction [setup]; the rest [rt]. Bound: linear in bodies and rows.
+// is positive, and most of d.M.d belongs to bodies in a blow, the island's impulses are scaled to where it is smallest.
+// So a large heap that one body falls on keeps its warm start, on which it rests. Sweeps follow: where a warm start may
+// rightly give energy (a moving kinematic body) no more than warmth is lost. An island: bodies that rows between moving
+// bodies link; made anew in each step that needs it. Frame: world. Units: SI. Thread: construction [setup]; the rest
+// [rt]. Bound: linear in bodies and rows.
 #pragma once
 
 #include <algorithm>
@@ -23,11 +24,13 @@ template <class T>
 struct EnergyChange {
   T linear{}, quadratic{};
 
-  void add(const SolverBody<T>& body, const SymMat3<T>& inverse_inertia, const Twist<T>& change) noexcept {
+  // Returns what it adds to the quadratic part.
+  T add(const SolverBody<T>& body, const SymMat3<T>& inverse_inertia, const Twist<T>& change) noexcept {
     const Vec3<T> momentum = (T(1) / body.inverse_mass) * change.linear,
                   turning = inverse(inverse_inertia) * change.angular;
     const T by_change = dot(momentum, change.linear) + dot(turning, change.angular);
     linear += dot(momentum, body.v) + dot(turning, body.w) - by_change, quadratic += by_change;
+    return by_change;
   }
   bool gains() const noexcept { return linear + T(0.5) * quadratic > T(0); }
   // Of the change: with that much of it the energy is smallest.
@@ -37,7 +40,7 @@ struct EnergyChange {
 template <class T>
 class EnergyGate {
  public:
-  explicit EnergyGate(std::uint32_t bodies) : parent_(bodies), change_(bodies), share_(bodies) {}  // [setup]
+  explicit EnergyGate(std::uint32_t bodies) : parent_(bodies), islands_(bodies), share_(bodies) {}  // [setup]
 
   // Islands: first all bodies alone, then a link for every row. `knows_islands`: they are those of this step.
   void begin_step() noexcept { knows_islands_ = false; }
@@ -45,8 +48,9 @@ class EnergyGate {
   void begin_islands(std::uint32_t bodies) noexcept;
   void link(const SolverBodies<T>& bodies, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
 
-  // `given`: what the warm start has just changed, by slot. Holds it back in the bodies and in `given`; false: nowhere.
-  bool hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given) noexcept;
+  // `given`: what the warm start has just changed, by slot; a blow: by more than `blow_m_per_s`. Holds it back in the
+  // bodies and in `given`; false: nowhere.
+  bool hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T blow_m_per_s) noexcept;
   // What is left of the impulses of a row.
   T share(const SolverBodies<T>& bodies, std::uint32_t slot_a, std::uint32_t slot_b) const noexcept {
     return share_[bodies.motion[slot_a].inverse_mass > T(0) ? slot_a : slot_b];
@@ -58,9 +62,13 @@ class EnergyGate {
     return slot;
   }
 
-  BoundedVector<std::uint32_t> parent_;    // by slot; an island is named by its lowest
-  BoundedVector<EnergyChange<T>> change_;  // by island
-  BoundedVector<T> share_;                 // by slot
+  BoundedVector<std::uint32_t> parent_;  // by slot; an island is named by its lowest
+  struct Island {
+    EnergyChange<T> change;
+    T blow{};  // J, of the quadratic part
+  };
+  BoundedVector<Island> islands_;
+  BoundedVector<T> share_;  // by slot
   bool knows_islands_{false};
 };
 
