@@ -23,7 +23,7 @@ using physics::BodyKind;
 constexpr unsigned kForeseenSteps = 5;
 // Of the change of the device's force from cycle to cycle, what the next one is expected to bring. All of it would be
 // right for a force that changes evenly; a hand's trembles.
-constexpr double kGoesOn = 0.5;
+constexpr double kGoesOn = 0.8;
 // Bodies awake: a step of more is taken in one pass.
 constexpr std::size_t kMostInPasses = 500;
 

@@ -280,12 +280,12 @@ physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span
 }
 
 // From the body outwards: what hangs on a link of firmness G follows its parent by (G + I)^-1 G.
-double BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
-                               std::span<Body<double>> bodies) noexcept {
-  if (immovable_[slot] != 0) return 0;
+BorderAdmittance::Applied BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members,
+                                                  const Wrenchd& impulse, std::span<Body<double>> bodies) noexcept {
+  Applied result{0, impulse.force};
+  if (immovable_[slot] != 0) return result;
   collect(slot, members);
   const Vec3d centre = bodies_[slot].motion.pose.position;
-  double gained_J = 0;
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     Reached& to = reached_[i];
     if (i == 0) {
@@ -303,13 +303,14 @@ double BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t>
     solve(to.inertia, to.change);
     Body<double>& body = bodies[to.slot];
     const Vec3d turn{to.change[3], to.change[4], to.change[5]};
-    gained_J -= kinetic_energy(body);
-    body.motion.velocity.linear +=
-        Vec3d{to.change[0], to.change[1], to.change[2]} + cross(turn, body.motion.pose.position - centre);
-    body.motion.velocity.angular += turn;
-    gained_J += kinetic_energy(body);
+    const Vec3d arm = body.motion.pose.position - centre;
+    const Vec3d change = Vec3d{to.change[0], to.change[1], to.change[2]} + cross(turn, arm);
+    result.gained_J -= kinetic_energy(body);
+    body.motion.velocity.linear += change, body.motion.velocity.angular += turn;
+    result.gained_J += kinetic_energy(body);
+    result.held_Ns -= body.mass * change;
   }
-  return gained_J;
+  return result;
 }
 
 }  // namespace tactus::sim

@@ -54,6 +54,9 @@ Vec3d acceleration_to_come(const Body<double>& body, const Posed& start, double 
   return acceleration * (dot(acceleration, end) < 0 ? std::min(1.0, speed / change) : 1.0);
 }
 
+// Of a contact's disk of friction: more than this is sliding.
+constexpr double kSlides = 0.99;
+
 // The impulse of a contact on one of its bodies, and its moment about the centre.
 Wrenchd impulse_on(std::uint32_t slot, const Contact<double>& contact) noexcept {
   const double side = contact.slot_b == slot ? 1 : -1;
@@ -207,6 +210,28 @@ void BorderLog::add_news(std::uint32_t slot, const Wrenchd& impulse) noexcept {
   news.impulse.force += impulse.force, news.impulse.torque += impulse.torque;
 }
 
+// Of a body that slides on static geometry: its friction changes as its load, by what that geometry took of an impulse.
+Wrenchd BorderLog::friction_with(const Vec3d& held_Ns, std::uint32_t slot,
+                                 const physics::World<double>& world) const noexcept {
+  Wrenchd sum;
+  for (const auto& [link, other] : admittance_.links_of(slot)) {
+    if (link >= world.contacts().size()) break;  // joints
+    const Contact<double>& contact = world.contacts()[link];
+    if (!contact.b_fixed) continue;
+    double pressed = 0;
+    Wrenchd friction;
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      pressed += point.total_normal_impulse;
+      friction.force -= point.total_friction, friction.torque -= cross(point.from_a, point.total_friction);
+    }
+    if (!(pressed > 0) || norm(friction.force) < kSlides * contact.friction * pressed) continue;
+    const double share = std::clamp(dot(held_Ns, contact.normal) / pressed, -1.0, 1.0);
+    sum.force += share * friction.force, sum.torque += share * friction.torque;
+  }
+  return sum;
+}
+
 HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32_t step_ticks,
                               std::span<const std::uint8_t> members, physics::World<double>& world) noexcept {
   HandBack result;
@@ -237,7 +262,11 @@ HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32
   if (news_.empty()) return result;
   admittance_.index(world);
   for (const News& news : news_) {
-    result.energy_J += admittance_.apply(news.slot, members, news.impulse, world.bodies());
+    const auto applied = admittance_.apply(news.slot, members, news.impulse, world.bodies());
+    result.energy_J += applied.gained_J;
+    const Wrenchd rubbed = friction_with(applied.held_Ns, news.slot, world);
+    if (rubbed.force != Vec3d{})
+      result.energy_J += admittance_.apply(news.slot, members, rubbed, world.bodies()).gained_J;
     result.impulse_Ns += news.impulse.force;
     result.magnitude_Ns += norm(news.impulse.force);
   }

@@ -54,8 +54,10 @@ class BorderLog {
                              std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
   // Of the ghost border, before the next step: what the sub-world did to the outside bodies, normal part too, less what
-  // the members' images did in the last step, given to each and to what moves with it, as the ghosts took it. A late
-  // cycle, longer than the global step of `step_ticks`, counts as its mean. `members`: of the cycle that begins.
+  // the members' images did in the last step, given to each and to what moves with it, as the ghosts took it. Where a
+  // body slides on static geometry, what that takes changes its friction too: else a row whose first outside body is
+  // lifted a little by its neighbour's image brakes too late. A late cycle, longer than the global step of
+  // `step_ticks`, counts as its mean. `members`: of the cycle that begins.
   HandBack hand_back(const haptics::SubWorldReport& report, std::uint32_t step_ticks,
                      std::span<const std::uint8_t> members, physics::World<double>& world) noexcept;
 
@@ -67,6 +69,7 @@ class BorderLog {
 
   Wrenchd load_on(std::uint32_t slot, const physics::World<double>& world, std::span<const std::uint8_t> former,
                   double step_s) const noexcept;
+  Wrenchd friction_with(const Vec3d& held_Ns, std::uint32_t slot, const physics::World<double>& world) const noexcept;
   void add_news(std::uint32_t slot, const Wrenchd& impulse) noexcept;
 
   std::vector<haptics::BorderPoint> points_;

@@ -123,8 +123,9 @@ TEST_CASE("An impulse goes to all that moves with the body, and none of it is lo
   std::vector<std::uint8_t> members(64, 0);
   members[0] = 1;
   const Vec3d impulse{0.3, 0.02, -0.01};
-  const double gained = admittance.apply(1, members, {impulse, {}}, bench.world.bodies());
-  CHECK(gained == Approx(bench.world.kinetic_energy() - energy).epsilon(1e-9));
+  const auto applied = admittance.apply(1, members, {impulse, {}}, bench.world.bodies());
+  CHECK(norm(applied.held_Ns) < 1e-9);
+  CHECK(applied.gained_J == Approx(bench.world.kinetic_energy() - energy).epsilon(1e-9));
   Vec3d sum;
   for (std::uint32_t k = 0; k < 6; ++k) {
     const Vec3d change = bench.world.bodies()[k].motion.velocity.linear - before[k];
@@ -142,7 +143,8 @@ TEST_CASE("An impulse on what stands firmly goes into the ground") {
   BorderAdmittance admittance(64, 256, 4);
   admittance.index(bench.world);
   const std::vector<std::uint8_t> members(64, 0);
-  (void)admittance.apply(2, members, {{0.1, 0, -1}, {}}, bench.world.bodies());
+  const Vec3d held = admittance.apply(2, members, {{0.1, 0, -1}, {}}, bench.world.bodies()).held_Ns;
+  CHECK(norm(held - Vec3d{0.1, 0, -1}) < 1e-3);
   for (const auto& body : bench.world.bodies()) CHECK(norm(body.motion.velocity.linear) < 1e-3 / kMass);
 }
 
@@ -226,6 +228,6 @@ TEST_CASE("A kinematic body answers to nothing, and is a wall to what presses on
   BorderAdmittance admittance(64, 256, 4);
   admittance.index(bench.world);
   const Twistd before = bench.world.bodies()[1].motion.velocity;
-  CHECK(admittance.apply(1, std::vector<std::uint8_t>(64, 0), {{1, 0, 0}, {}}, bench.world.bodies()) == 0);
+  CHECK(admittance.apply(1, std::vector<std::uint8_t>(64, 0), {{1, 0, 0}, {}}, bench.world.bodies()).gained_J == 0);
   CHECK(bench.world.bodies()[1].motion.velocity == before);
 }

@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
+#include "tests/support/physics_bench.h"
+
 namespace {
 
 using namespace tactus;
@@ -251,6 +253,31 @@ TEST_CASE("To ghosts the whole difference is handed back: what the members did, 
     log.hand_back(*report, 10, kCardIsMember, *world);
     CHECK(norm(momentum_of(*world, 0) - before + global) < 1e-3 * kPress_N * kStep_s);
   }
+}
+
+TEST_CASE("A body that slides on the ground rubs more where the members press it down, one at rest does not") {
+  const double speed = GENERATE(0.3, 0.0);
+  test::PhysicsBench<> bench;
+  bench.settings.dt = kStep_s, bench.settings.sub_steps = 10, bench.settings.gravity = {0, 0, -9.81};
+  bench.add_ground(9, 0.4);
+  bench.add_box(0, {0.05, 0.05, 0.05}, 0.5, 0.4, {{0, 0, 0.05}, {}});
+  bench.run_seconds(1);
+  bench.velocity(0).linear.x = speed;
+  bench.step();
+  BorderLog log(4, 16, 0);
+  auto report = std::make_unique<haptics::SubWorldReport>();
+  *report = {};
+  report->ticks = 10;
+  haptics::BorderReturn pressed;
+  pressed.member = 1, pressed.outside = 0, pressed.normal = {0, 0, 1}, pressed.point = bench.position(0);
+  pressed.normal_impulse_Ns = 0.01;
+  REQUIRE(report->border.try_push(pressed));
+  const Vec3d before = bench.velocity(0).linear;
+  const HandBack back = log.hand_back(*report, 10, std::vector<std::uint8_t>{0}, bench.world);
+  const Vec3d change = 0.5 * (bench.velocity(0).linear - before);
+  CHECK(std::abs(change.z) < 1e-5);
+  CHECK(change.x == Approx(speed > 0 ? -0.4 * 0.01 : 0.0).epsilon(1e-2).margin(1e-9));
+  CHECK(back.impulse_Ns.z == Approx(-0.01));
 }
 
 TEST_CASE("An outside body that slides to rest is told with its deceleration, one that trembles or stops without") {
