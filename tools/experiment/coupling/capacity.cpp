@@ -20,20 +20,23 @@ using haptics::CouplingScheme;
 
 constexpr unsigned kLeastBodies = 25;
 constexpr unsigned kLeastSteps = 40;
-constexpr double kSettle_s = 0.3;
+constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
 constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
 
-// A heap as wide as high, in its box, under a proxy.
-Result<sim::Scene> make_heap(unsigned bodies, double rate_Hz) {
-  const auto layers = std::max(1u, static_cast<unsigned>(std::lround(std::cbrt(bodies / 2.0))));
+// A heap as wide as high, in its box, under a proxy: of `least` bodies, or a few more, so that the layer under the
+// proxy is full. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
+Result<sim::Scene> make_heap(unsigned least, double rate_Hz) {
+  const auto layers = std::max(1u, static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))));
+  const unsigned bodies = (least + layers - 1) / layers * layers;
   const double top_m = 0.05 * layers + 0.0205;
   const auto sub_steps = std::max(1u, static_cast<unsigned>(std::lround(1 / (rate_Hz * kSubStep_s))));
   return sim::parse_scene(fmt::format(R"(
 title = "A heap"
 effects = ["gravity", "friction"]
 [simulation]
-contact_hertz_Hz = 250
+contact_hertz_Hz = 100
 sub_steps = {}
+global_sub_steps_per_tick = 0.5
 [device]
 position_m = [0, -0.03, {}]
 [proxy]
@@ -76,6 +79,18 @@ haptics::DeviceTarget stir(const Vec3d& start, double time_s) {
   return target;
 }
 
+// How high the settled heap is where the proxy will come down.
+double top_below(const CoupledWorlds& worlds, const Vec3d& proxy) {
+  double top_m = 0;
+  const auto bodies = worlds.global() != nullptr ? worlds.global()->bodies() : worlds.sub_world().world().bodies();
+  for (const auto& body : bodies) {
+    const Vec3d off = body.motion.pose.position - proxy;
+    const bool below = body.shape.kind == physics::ShapeKind::kBox && std::hypot(off.x, off.y) < kCube_m;
+    if (below) top_m = std::max(top_m, body.motion.pose.position.z + 0.5 * kCube_m);
+  }
+  return top_m;
+}
+
 Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint point) {
   auto scene = make_heap(point.bodies, point.rate_Hz);
   if (!scene.ok()) return scene.status();
@@ -88,13 +103,16 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   options.members = request.members;
   CoupledWorlds worlds(scene.value(), options, profile.value().properties);
   worlds.start_at_rest();
-  const Vec3d start = scene.value().bodies[scene.value().proxy].motion.pose.position;
-  const auto settle = static_cast<unsigned>(std::lround(kSettle_s * point.rate_Hz));
+  Vec3d start = scene.value().bodies[scene.value().proxy].motion.pose.position;
+  const auto rest = static_cast<unsigned>(std::lround(kSettle_s * point.rate_Hz));
+  const auto settle = rest + static_cast<unsigned>(std::lround(kPress_s * point.rate_Hz));
   const bool direct = point.coupling == CouplingScheme::kDirect;
   const unsigned timed = direct ? request.ticks : std::max(request.ticks, kLeastSteps * point.ratio);
   std::vector<double> ticks_us, steps_us;
   for (unsigned k = 0; k < settle + timed; ++k) {
-    const auto target = stir(start, k / point.rate_Hz);
+    if (k == rest) start.z = top_below(worlds, start) + kProxyRadius_m;
+    haptics::DeviceTarget target{true, {start, {}}, {}};
+    if (k >= rest) target = stir(start, (k - rest) / point.rate_Hz);
     const TickTimes times = timed_tick(worlds, target);
     if (k >= settle && times.global_us) steps_us.push_back(*times.global_us);
     if (k >= settle) ticks_us.push_back(times.haptic_us);
