@@ -41,7 +41,7 @@ TEST_CASE("what undoes a motion passes the energy gate to the last bit") {
   bench.add({0, 0, -0.3}, {{0, 0, 0.55}, {}});  // thrown back, with less than it came with
   const auto before = bench.motion;
   CHECK_FALSE(bench.hold_back({{0, 1}}));
-  for (int i = 0; i < 2; ++i) CHECK(bench.motion[i].v == before[i].v);
+  for (std::size_t i = 0; i < 2; ++i) CHECK(bench.motion[i].v == before[i].v);
   CHECK(bench.gate.share(bench.bodies(), 0, 1) == 1);
 }
 
