@@ -55,7 +55,8 @@ void add_capacity(CLI::App& experiment, int& exit_code) {
   CLI::App* command =
       experiment.add_subcommand("capacity", "How many bodies each coupling sustains, by rate and ratio.");
   command->footer(
-      "A heap of cubes, all awake, that the proxy stirs. Sustained: 99 of 100 ticks compute for less than the tick, "
+      "A heap of cubes, up to eight layers, all awake, that the proxy stirs. Sustained: 99 of 100 ticks compute for "
+      "less than the tick, "
       "and\n"
       "9 of 10 global steps for less than their r ticks (the global world has a core of its own). CPU time of one\n"
       "thread. The heap doubles until something is too slow; then the number is narrowed down to an eighth of an\n"

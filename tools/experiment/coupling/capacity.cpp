@@ -20,13 +20,15 @@ using haptics::CouplingScheme;
 
 constexpr unsigned kLeastBodies = 25;
 constexpr unsigned kLeastSteps = 40;
+// Five sub-steps in 10 ms bring columns of eight cubes to rest (3e-5 m/s), of twelve not (1e-3 m/s).
+constexpr unsigned kMostLayers = 8;
 constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
 constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
 
-// A heap as wide as high, in its box, under a proxy: of `least` bodies, or a few more, so that the layer under the
-// proxy is full. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
+// A heap as wide as high, up to eight layers, in its box, under a proxy: of `least` bodies, or a few more, so that the
+// layer under the proxy is full. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
 Result<sim::Scene> make_heap(unsigned least, double rate_Hz) {
-  const auto layers = std::max(1u, static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))));
+  const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMostLayers);
   const unsigned bodies = (least + layers - 1) / layers * layers;
   const double top_m = 0.05 * layers + 0.0205;
   const auto sub_steps = std::max(1u, static_cast<unsigned>(std::lround(1 / (rate_Hz * kSubStep_s))));
