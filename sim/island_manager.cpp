@@ -91,7 +91,8 @@ bool IslandManager::wake_marked(World& world) noexcept {
 
 // What overlapping bounds and joints link.
 void IslandManager::find_islands(World& world) noexcept {
-  islands_.build(static_cast<std::uint32_t>(awake_.size()), world.dynamic_pairs());
+  islands_.begin(static_cast<std::uint32_t>(awake_.size()));
+  for (const auto& pair : world.dynamic_pairs()) islands_.link(pair.a, pair.b);
   if (const auto* joints = world.effects().find<physics::Joints<double>>())
     joints->for_each_link(std::as_const(world).bodies(),
                           [this](std::uint32_t a, std::uint32_t b, std::uint32_t) noexcept { islands_.link(a, b); });

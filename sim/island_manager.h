@@ -10,9 +10,9 @@
 // bodies as given; impulses of contacts that do not fit are left out (a colder start).
 #pragma once
 
+#include "rt/physics/islands.h"
 #include "rt/physics/world.h"
 #include "sim/box_grid.h"
-#include "sim/islands.h"
 
 namespace tactus::sim {
 
@@ -95,7 +95,7 @@ class IslandManager {
   std::uint32_t free_parked_{kNone};
   BoxGrid grid_;
 
-  Islands islands_;
+  physics::Islands islands_;
   std::vector<std::uint8_t> stays_, apart_;            // by slot: of an island, by its lowest slot; scratch
   std::vector<std::uint32_t> marked_, woken_, merge_;  // islands to wake; places; scratch
   std::vector<physics::Body<double>> returning_;

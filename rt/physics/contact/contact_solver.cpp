@@ -172,9 +172,8 @@ void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies, const SweepRul
 
 template <class T, int kWidth>
 bool ContactSolver<T, kWidth>::holds_blow(T blow_m_per_s) const noexcept {
-  T most(0);
-  for (const Twist<T>& given : given_) most = std::max(most, norm_squared(given.linear));
-  return most > blow_m_per_s * blow_m_per_s;
+  return std::any_of(given_.begin(), given_.end(),
+                     [blow_m_per_s](const Twist<T>& given) noexcept { return is_blow(given, blow_m_per_s); });
 }
 
 template <class T, int kWidth>

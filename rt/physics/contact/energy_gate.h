@@ -14,6 +14,7 @@
 #include <span>
 
 #include "rt/base/bounded_vector.h"
+#include "rt/physics/islands.h"
 #include "rt/physics/solver_body.h"
 
 namespace tactus::physics {
@@ -37,10 +38,16 @@ struct EnergyChange {
   T best_share() const noexcept { return gains() ? std::clamp(-linear / quadratic, T(0), T(1)) : T(1); }
 };
 
+// Do the impulses change the velocity by so much that it is a blow?
+template <class T>
+bool is_blow(const Twist<T>& change, T blow_m_per_s) noexcept {
+  return norm_squared(change.linear) > blow_m_per_s * blow_m_per_s;
+}
+
 template <class T>
 class EnergyGate {
  public:
-  explicit EnergyGate(std::uint32_t bodies) : parent_(bodies), islands_(bodies), share_(bodies) {}  // [setup]
+  explicit EnergyGate(std::uint32_t bodies) : islands_(bodies), change_(bodies), share_(bodies) {}  // [setup]
 
   // Islands: first all bodies alone, then a link for every row. `knows_islands`: they are those of this step.
   void begin_step() noexcept { knows_islands_ = false; }
@@ -57,18 +64,14 @@ class EnergyGate {
   }
 
  private:
-  std::uint32_t island_of(std::uint32_t slot) noexcept {
-    while (parent_[slot] != slot) slot = parent_[slot] = parent_[parent_[slot]];
-    return slot;
-  }
-
-  BoundedVector<std::uint32_t> parent_;  // by slot; an island is named by its lowest
-  struct Island {
-    EnergyChange<T> change;
+  struct IslandChange {
+    EnergyChange<T> all;
     T blow{};  // J, of the quadratic part
   };
-  BoundedVector<Island> islands_;
-  BoundedVector<T> share_;  // by slot
+
+  Islands islands_;
+  BoundedVector<IslandChange> change_;  // by island
+  BoundedVector<T> share_;              // by slot
   bool knows_islands_{false};
 };
 

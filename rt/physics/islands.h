@@ -1,25 +1,25 @@
 // Bodies that hang together: the components of a graph whose edges come in any order.
 //
 // Union-find by the lowest slot, so labels depend on the edges alone. Thread: construction [setup]; the rest: the
-// owner, never allocates. Bound: as many bodies as given at construction. Work: all but linear in bodies + edges.
+// owner [rt], never allocates. Bound: as many bodies as given at construction. Work: all but linear in bodies + edges.
 #pragma once
 
-#include <span>
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
-#include "rt/base/bounded_vector.h"
-#include "rt/physics/collision/pair_finder.h"
+#include "rt/base/check.h"
 
-namespace tactus::sim {
+namespace tactus::physics {
 
 class Islands {
  public:
-  explicit Islands(std::uint32_t max_bodies) : parent_(max_bodies) {}
+  explicit Islands(std::uint32_t max_bodies) : parent_(max_bodies) {}  // [setup]
 
-  void build(std::uint32_t bodies, const BoundedVector<physics::SlotPair>& edges) noexcept {
+  // Every body alone.
+  void begin(std::uint32_t bodies) noexcept {
     TACTUS_CHECK(bodies <= parent_.size(), bodies, parent_.size());
     for (std::uint32_t slot = 0; slot < bodies; ++slot) parent_[slot] = slot;
-    for (const auto& edge : edges) link(edge.a, edge.b);
   }
   void link(std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
     const std::uint32_t a = of(slot_a), b = of(slot_b);
@@ -36,4 +36,4 @@ class Islands {
   std::vector<std::uint32_t> parent_;  // by slot
 };
 
-}  // namespace tactus::sim
+}  // namespace tactus::physics
