@@ -2,8 +2,8 @@
 //
 // From `hold` to `release` the body is as heavy as it feels, M + h (B + h K), to everything that pushes it: contacts,
 // joints and border contacts are solved with the spring, not against it. Around what acts over the whole sub-step
-// (gravity, wrenches) the body has its own mass. Its error is that of the start of the sub-step in every sweep of that
-// sub-step. Frame: world. Units: SI. Thread: [rt].
+// (gravity, wrenches) the body has its own mass. The error is that of the start of the sub-step. Frame: world. Units:
+// SI. Thread: [rt].
 #pragma once
 
 #include "rt/physics/pose_spring.h"

@@ -34,12 +34,12 @@ class BorderAdmittance {
   void index(const physics::World<double>& world) noexcept;
   // Of a body's centre. `members` by slot: 1 for those that the sub-world moves.
   physics::Admittance<double> find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
-  // Gives the body an impulse [N s, N m s about its centre], and with it all that moves with it: their velocities
-  // change, that of the body by find() x impulse.
   struct Applied {
-    double gained_J{0};  // kinetic energy, by all of them
+    double gained_J{0};  // kinetic energy, by all that moved
     Vec3d held_Ns;       // what moved nobody: static geometry took it
   };
+  // Gives the body an impulse [N s, N m s about its centre], and with it all that moves with it: their velocities
+  // change, that of the body by find() x impulse.
   Applied apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
                 std::span<physics::Body<double>> bodies) noexcept;
   // What holds a body: the index of a contact, or of a joint beyond the contacts; and the slot at its other end,

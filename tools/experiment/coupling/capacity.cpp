@@ -30,9 +30,10 @@ constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
 Result<sim::Scene> make_heap(unsigned least, double rate_Hz) {
   const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMostLayers);
   const unsigned bodies = (least + layers - 1) / layers * layers;
-  const double top_m = 0.05 * layers + 0.0205;
+  const double top_m = kCube_m * layers + kProxyRadius_m + 5e-4;
   const auto sub_steps = std::max(1u, static_cast<unsigned>(std::lround(1 / (rate_Hz * kSubStep_s))));
-  return sim::parse_scene(fmt::format(R"(
+  return sim::parse_scene(
+      fmt::format(R"(
 title = "A heap"
 effects = ["gravity", "friction"]
 [simulation]
@@ -43,7 +44,7 @@ global_sub_steps_per_tick = 0.5
 position_m = [0, -0.03, {}]
 [proxy]
 shape = "sphere"
-radius_m = 0.02
+radius_m = {}
 mass_kg = 0.2
 friction = 1.0
 position_m = [0, -0.03, {}]
@@ -54,7 +55,7 @@ friction = 0.5
 kind = "pile"
 count = {}
 layers = {}
-cube_m = 0.05
+cube_m = {}
 gap_fraction = 0.04
 mass_kg = 0.075
 friction = 0.5
@@ -64,8 +65,8 @@ wall_thickness_m = 0.05
 repeat = false
 path = [{{time_s = 0.0, position_m = [0, -0.03, {}]}}]
 )",
-                                      sub_steps, top_m, top_m, bodies, layers, top_m + 0.05, top_m),
-                          "heap");
+                  sub_steps, top_m, kProxyRadius_m, top_m, bodies, layers, kCube_m, top_m + kCube_m, top_m),
+      "heap");
 }
 
 // Down by 12 mm in a tenth of a second, then round and round.

@@ -78,8 +78,8 @@ double CaseWorld::stored_J(double ahead_s) {
   const Quatd target = quat_from_rotation_vector(ahead_s * spring.target_velocity.angular) * spring.target.rotation;
   const Quatd turn = pose.rotation * conjugate(target);
   // The torque of an angle a is 2 K sin(a / 2): 4 K (1 - cos(a / 2)) are stored.
-  const double stored = 4 * (turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) / (1 + std::abs(turn.w));
-  return energy + 0.5 * spring.stiffness_N_per_m * norm_squared(stretch) + spring.stiffness_Nm_per_rad * stored;
+  return energy + 0.5 * spring.stiffness_N_per_m * norm_squared(stretch) +
+         spring.stiffness_Nm_per_rad * norm_squared(small_rotation_vector(turn)) / (1 + std::abs(turn.w));
 }
 
 // Of the wrenches, along the bodies' way; and of the device's target, which gives the force that it exerts.
