@@ -59,20 +59,29 @@ void add(Matrix6& to, const Matrix6& by) noexcept {
     for (std::size_t j = 0; j < 6; ++j) to[i][j] += by[i][j];
 }
 
+// Of a mass whose first moment about a point is `moment`, and its second `turning`: for twists of that point.
+Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3<double>& turning) noexcept {
+  const auto& [x, y, z] = moment;
+  const SymMat3<double>& t = turning;
+  return {{{mass, 0, 0, 0, z, -y},
+           {0, mass, 0, -z, 0, x},
+           {0, 0, mass, y, -x, 0},
+           {0, -z, y, t.xx, t.xy, t.xz},
+           {z, 0, -x, t.xy, t.yy, t.yz},
+           {-y, x, 0, t.xz, t.yz, t.zz}}};
+}
+
+// Of a mass at r: mass (|r|^2 - r r^T).
+SymMat3<double> turning_at(double mass, const Vec3d& r) noexcept {
+  const Vec3d m = mass * r;
+  const double rr = dot(m, r);
+  return {rr - m.x * r.x, rr - m.y * r.y, rr - m.z * r.z, -m.x * r.y, -m.x * r.z, -m.y * r.z};
+}
+
 // Of a free body, for twists of a point `d` before its centre: its velocity there is v + w x d.
 Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
   const SymMat3<double> own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
-  const double m = body.mass, dd = norm_squared(d);
-  const Vec3d md = m * d;
-  const double xx = own.xx + m * (dd - d.x * d.x), yy = own.yy + m * (dd - d.y * d.y),
-               zz = own.zz + m * (dd - d.z * d.z);
-  const double xy = own.xy - m * d.x * d.y, xz = own.xz - m * d.x * d.z, yz = own.yz - m * d.y * d.z;
-  return {{{m, 0, 0, 0, md.z, -md.y},
-           {0, m, 0, -md.z, 0, md.x},
-           {0, 0, m, md.y, -md.x, 0},
-           {0, -md.z, md.y, xx, xy, xz},
-           {md.z, 0, -md.x, xy, yy, yz},
-           {-md.y, md.x, 0, xz, yz, zz}}};
+  return inertia_of(body.mass, body.mass * d, own + turning_at(body.mass, d));
 }
 
 // What is held along a direction, which turns about the centre by `turn`: firm s s^T of that screw.
@@ -103,16 +112,21 @@ Matrix6 firmness_of_contact(const Contact<double>& contact, std::span<const Body
   for (std::uint32_t i = 0; i < contact.count; ++i)
     friction += contact.points[i].total_friction, pressed += contact.points[i].total_normal_impulse;
   const bool sticks = norm(friction) < kSticks * contact.friction * pressed;
-  const auto [t1, t2] = tangents_of(contact.normal);
-  const Vec3d directions[3] = {contact.normal, t1, t2};
-  Matrix6 sum{};
+  Matrix6 along_normal{};
+  Vec3d moment;
+  SymMat3<double> turning;
+  double held = 0;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
     const Vec3d r = a.motion.pose.position + point.from_a - centre;
-    for (int d = 0; d < (sticks ? 3 : 1); ++d) hold(sum, firm, directions[d], cross(r, directions[d]));
+    if (sticks)
+      held += firm, moment += firm * r, turning = turning + turning_at(firm, r);
+    else
+      hold(along_normal, firm, contact.normal, cross(r, contact.normal));
   }
-  return sum;
+  // A point that is held in all three directions is as a mass there.
+  return sticks ? inertia_of(held, moment, turning) : along_normal;
 }
 
 // Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
@@ -279,14 +293,25 @@ physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span
   return invert(reached_[0].inertia);
 }
 
-// From the body outwards: what hangs on a link of firmness G follows its parent by (G + I)^-1 G.
 BorderAdmittance::Applied BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members,
                                                   const Wrenchd& impulse, std::span<Body<double>> bodies) noexcept {
+  answering_ = 0;
+  if (immovable_[slot] == 0) {
+    collect(slot, members);
+    for (Reached& reached : reached_) {
+      if (answering_ > 0) add(reached.inertia, reached.firmness);
+      if (!factorise(reached.inertia)) break;
+      ++answering_;
+    }
+  }
+  return apply_again(impulse, bodies);
+}
+
+// From the body outwards: what hangs on a link of firmness G follows its parent by (G + I)^-1 G.
+BorderAdmittance::Applied BorderAdmittance::apply_again(const Wrenchd& impulse,
+                                                        std::span<Body<double>> bodies) noexcept {
   Applied result{0, impulse.force};
-  if (immovable_[slot] != 0) return result;
-  collect(slot, members);
-  const Vec3d centre = bodies_[slot].motion.pose.position;
-  for (std::size_t i = 0; i < reached_.size(); ++i) {
+  for (std::size_t i = 0; i < answering_; ++i) {
     Reached& to = reached_[i];
     if (i == 0) {
       to.change = {impulse.force.x,  impulse.force.y,  impulse.force.z,
@@ -297,13 +322,11 @@ BorderAdmittance::Applied BorderAdmittance::apply(std::uint32_t slot, std::span<
         to.change[k] = 0;
         for (std::size_t l = 0; l < 6; ++l) to.change[k] += to.firmness[k][l] * pushed[l];
       }
-      add(to.inertia, to.firmness);
     }
-    if (!factorise(to.inertia)) break;
     solve(to.inertia, to.change);
     Body<double>& body = bodies[to.slot];
     const Vec3d turn{to.change[3], to.change[4], to.change[5]};
-    const Vec3d arm = body.motion.pose.position - centre;
+    const Vec3d arm = body.motion.pose.position - bodies[reached_[0].slot].motion.pose.position;
     const Vec3d change = Vec3d{to.change[0], to.change[1], to.change[2]} + cross(turn, arm);
     result.gained_J -= kinetic_energy(body);
     body.motion.velocity.linear += change, body.motion.velocity.angular += turn;

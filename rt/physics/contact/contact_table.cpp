@@ -53,7 +53,7 @@ constexpr std::uint32_t kVerticesPerComparison = 16, kTrianglesPerComparison = 4
 }  // namespace
 
 // The contacts of this step are written over those of the last: in the usual step the same pairs touch, and each stays
-// where it is. Where a new one comes between, those that were not read yet move to last_ first.
+// where it is. Where a new one comes between, those written so far move to last_, and the others follow.
 template <class T>
 struct ContactTable<T>::Walk {
   const Scene& scene;
@@ -62,8 +62,9 @@ struct ContactTable<T>::Walk {
   const Contact<T>* old;  // contacts of the last step
   const ContactReference<T>* old_references;
   std::uint32_t old_count, old_next{0};  // of them, the next to be read
-  bool in_place{true};                   // old is in contacts_
-  std::uint32_t written{0};              // contacts of this step
+  Contact<T>* contacts;                  // of this step: where the old ones are, or in last_
+  ContactReference<T>* references;
+  std::uint32_t written{0};
   std::uint32_t last_pair{0}, old_seen{0}, given{0};
   std::uint32_t visits{0}, searches{0};       // of the stretch of pairs
   std::uint32_t searched{0}, comparisons{0};  // as in StepReport
@@ -216,7 +217,7 @@ void ContactTable<T>::keep(Walk& walk, const Visit& visit) noexcept {
   const ContactReference<T>* last_reference = &walk.old_references[visit.old];
   walk.old_next = visit.old + 1;
   Contact<T>* contact = place(walk);  // there is room: it was there before
-  ContactReference<T>& reference = references_[walk.written - 1];
+  ContactReference<T>& reference = walk.references[walk.written - 1];
   if (contact != last) *contact = *last, reference = *last_reference;
   reference.moved = visit.moved;
   contact->slot_a = pair.a, contact->slot_b = pair.b;
@@ -229,14 +230,12 @@ void ContactTable<T>::keep(Walk& walk, const Visit& visit) noexcept {
 // Where the next contact of this step goes.
 template <class T>
 Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
-  if (walk.in_place && walk.written == walk.old_next && walk.old_next < walk.old_count) {
-    std::copy(walk.old + walk.old_next, walk.old + walk.old_count, last_.begin() + walk.old_next);
-    std::copy(walk.old_references + walk.old_next, walk.old_references + walk.old_count,
-              last_references_.begin() + walk.old_next);
-    walk.old = last_.begin(), walk.old_references = last_references_.begin();
-    walk.in_place = false;
+  if (walk.contacts == walk.old && walk.written == walk.old_next && walk.old_next < walk.old_count) {
+    std::copy(walk.contacts, walk.contacts + walk.written, last_.begin());
+    std::copy(walk.references, walk.references + walk.written, last_references_.begin());
+    walk.contacts = last_.begin(), walk.references = last_references_.begin();
   }
-  if (walk.written < contacts_.capacity()) return &contacts_[walk.written++];
+  if (walk.written < contacts_.capacity()) return &walk.contacts[walk.written++];
   beyond_.resize(beyond_.size() + 1);  // there are no more contacts than pairs
   return &beyond_[beyond_.size() - 1];
 }
@@ -271,8 +270,8 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& s
     point.feature = made.feature;
   }
   start_impulses(walk, search.known ? &walk.replaced : nullptr, search.given, contact);
-  if (walk.written == 0 || &contact != &contacts_[walk.written - 1]) return;  // beyond the capacity
-  ContactReference<T>& reference = references_[walk.written - 1];
+  if (walk.written == 0 || &contact != &walk.contacts[walk.written - 1]) return;  // beyond the capacity
+  ContactReference<T>& reference = walk.references[walk.written - 1];
   reference.tolerance = T(0);
   if (!(walk.settings.recycle_tolerance_m > T(0)) || !is_carried_over(a.shape, b.shape)) return;
   const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
@@ -348,7 +347,15 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
   report.dropped += pairs_dropped_;
   report.pairs = pairs_.size();
 
-  Walk walk{scene, settings, sub_step, impulse_scale, contacts_.begin(), references_.begin(), contacts_.size()};
+  Walk walk{.scene = scene,
+            .settings = settings,
+            .sub_step = sub_step,
+            .impulse_scale = impulse_scale,
+            .old = contacts_.begin(),
+            .old_references = references_.begin(),
+            .old_count = contacts_.size(),
+            .contacts = contacts_.begin(),
+            .references = references_.begin()};
   beyond_.clear();
   for (std::uint32_t next = 0; next < pairs_.size();) {
     walk.visits = walk.searches = 0;
@@ -369,6 +376,7 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
         take_found(walk, visit, search, compare(scene, search));
     }
   }
+  if (walk.contacts != contacts_.begin()) contacts_.swap(last_), references_.swap(last_references_);
   contacts_.resize(walk.written), references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
 

@@ -16,17 +16,27 @@ void EnergyGate<T>::link(const SolverBodies<T>& bodies, std::uint32_t slot_a, st
 
 template <class T>
 bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T blow_m_per_s) noexcept {
+  // Whether there is a blow at all is mostly seen without the inertia of the other bodies, at a tenth of the work.
   for (IslandChange& change : change_) change = {};
+  const auto moves = [&](std::uint32_t i) noexcept { return bodies.motion[i].inverse_mass > T(0); };
   for (std::uint32_t i = 0; i < given.size(); ++i) {
-    if (bodies.motion[i].inverse_mass == T(0)) continue;
+    if (!moves(i)) continue;
     IslandChange& change = change_[islands_.of(i)];
-    const T added = change.all.add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
-    if (is_blow(given[i], blow_m_per_s)) change.blow += added;
+    change.shift += dot((T(1) / bodies.motion[i].inverse_mass) * given[i].linear, given[i].linear);
+    if (!is_blow(given[i], blow_m_per_s)) continue;
+    EnergyChange<T> own;
+    own.add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
+    change.blow += own.quadratic;
   }
+  if (std::none_of(change_.begin(), change_.end(), [](const IslandChange& c) noexcept { return c.may_be_blow(); }))
+    return false;
+  for (std::uint32_t i = 0; i < given.size(); ++i)
+    if (IslandChange& change = change_[islands_.of(i)]; moves(i) && change.may_be_blow())
+      change.all.add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
   bool held_back = false;
   for (std::uint32_t i = 0; i < given.size(); ++i) {
     const IslandChange& change = change_[islands_.of(i)];
-    const bool blow = change.blow > T(0.5) * change.all.quadratic;
+    const bool blow = change.may_be_blow() && change.is_blow();
     const T share = share_[i] = blow ? change.all.best_share() : T(1);
     if (share == T(1)) continue;
     held_back = true;

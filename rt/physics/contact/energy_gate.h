@@ -25,13 +25,11 @@ template <class T>
 struct EnergyChange {
   T linear{}, quadratic{};
 
-  // Returns what it adds to the quadratic part.
-  T add(const SolverBody<T>& body, const SymMat3<T>& inverse_inertia, const Twist<T>& change) noexcept {
+  void add(const SolverBody<T>& body, const SymMat3<T>& inverse_inertia, const Twist<T>& change) noexcept {
     const Vec3<T> momentum = (T(1) / body.inverse_mass) * change.linear,
                   turning = inverse(inverse_inertia) * change.angular;
     const T by_change = dot(momentum, change.linear) + dot(turning, change.angular);
     linear += dot(momentum, body.v) + dot(turning, body.w) - by_change, quadratic += by_change;
-    return by_change;
   }
   bool gains() const noexcept { return linear + T(0.5) * quadratic > T(0); }
   // Of the change: with that much of it the energy is smallest.
@@ -65,8 +63,10 @@ class EnergyGate {
 
  private:
   struct IslandChange {
-    EnergyChange<T> all;
-    T blow{};  // J, of the quadratic part
+    EnergyChange<T> all;  // only where there may be a blow
+    T blow{}, shift{};    // J, of the quadratic part: of the bodies in a blow; of all, without their spin
+    bool may_be_blow() const noexcept { return blow > T(0.5) * shift; }
+    bool is_blow() const noexcept { return blow > T(0.5) * all.quadratic; }
   };
 
   Islands islands_;
