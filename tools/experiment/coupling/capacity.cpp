@@ -22,6 +22,8 @@ constexpr unsigned kLeastBodies = 25;
 constexpr unsigned kLeastSteps = 40;
 // Five sub-steps in 10 ms bring columns of eight cubes to rest (3e-5 m/s), of twelve not (1e-3 m/s).
 constexpr unsigned kMostLayers = 8;
+// A heap is too slow if it is each time: what slows it once may be the machine's.
+constexpr int kTries = 3;
 constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
 constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
 
@@ -171,12 +173,15 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
                    done);
           CapacityPoint point;
           point.coupling = coupling, point.rate_Hz = rate_Hz, point.ratio = ratio, point.bodies = bodies;
-          auto timed = time_heap(request, point);
-          if (!timed.ok()) failed = timed.status();
-          if (!timed.ok()) return false;
-          report.points.push_back(timed.value());
-          if (!timed.value().fits()) row.breaks = timed.value().step_fits ? "tick" : "global step";
-          return timed.value().fits();
+          for (int tried = 0; tried < kTries; ++tried) {
+            auto timed = time_heap(request, point);
+            if (!timed.ok()) failed = timed.status();
+            if (!timed.ok()) return false;
+            report.points.push_back(timed.value());
+            if (timed.value().fits()) return true;
+            row.breaks = timed.value().step_fits ? "tick" : "global step";
+          }
+          return false;
         };
         const Bracket bracket = find_capacity(kLeastBodies, request.most_bodies, fits);
         if (!failed.ok()) return failed;
