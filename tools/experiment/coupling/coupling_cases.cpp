@@ -26,7 +26,7 @@ std::span<const CouplingCase> coupling_cases() {
   static const std::array<CouplingCase, 7> cases{{
       {"stack", "stack20.toml", 10, {0, 0, -0.006}, {0.0004, 0, -0.003}},
       {"card-house", "card_house.toml", 12, {0, 0, -0.004}, {0.001, 0, -0.001}},
-      {"pile", "pile250.toml", 40, {0, 0, -0.010}, {0.03, 0, -0.004}},
+      {"pile", "pile250.toml", 64, {0, 0, -0.010}, {0.03, 0, -0.004}},
       {"press", "press.toml", 16, {0, 0, -0.008}, {0.03, 0, -0.004}},
       {"peg", "peg_in_shaft.toml", 8, {0, 0, -0.006}, {0.003, 0.002, -0.002}},
       {"chain", "chain.toml", 8, {0.018, 0, 0}, {0.04, 0, 0}},
