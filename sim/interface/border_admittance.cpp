@@ -293,25 +293,14 @@ physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span
   return invert(reached_[0].inertia);
 }
 
+// From the body outwards: what hangs on a link of firmness G follows its parent by (G + I)^-1 G.
 BorderAdmittance::Applied BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members,
                                                   const Wrenchd& impulse, std::span<Body<double>> bodies) noexcept {
-  answering_ = 0;
-  if (immovable_[slot] == 0) {
-    collect(slot, members);
-    for (Reached& reached : reached_) {
-      if (answering_ > 0) add(reached.inertia, reached.firmness);
-      if (!factorise(reached.inertia)) break;
-      ++answering_;
-    }
-  }
-  return apply_again(impulse, bodies);
-}
-
-// From the body outwards: what hangs on a link of firmness G follows its parent by (G + I)^-1 G.
-BorderAdmittance::Applied BorderAdmittance::apply_again(const Wrenchd& impulse,
-                                                        std::span<Body<double>> bodies) noexcept {
   Applied result{0, impulse.force};
-  for (std::size_t i = 0; i < answering_; ++i) {
+  if (immovable_[slot] != 0) return result;
+  collect(slot, members);
+  const Vec3d centre = bodies_[slot].motion.pose.position;
+  for (std::size_t i = 0; i < reached_.size(); ++i) {
     Reached& to = reached_[i];
     if (i == 0) {
       to.change = {impulse.force.x,  impulse.force.y,  impulse.force.z,
@@ -322,11 +311,13 @@ BorderAdmittance::Applied BorderAdmittance::apply_again(const Wrenchd& impulse,
         to.change[k] = 0;
         for (std::size_t l = 0; l < 6; ++l) to.change[k] += to.firmness[k][l] * pushed[l];
       }
+      add(to.inertia, to.firmness);
     }
+    if (!factorise(to.inertia)) break;
     solve(to.inertia, to.change);
     Body<double>& body = bodies[to.slot];
     const Vec3d turn{to.change[3], to.change[4], to.change[5]};
-    const Vec3d arm = body.motion.pose.position - bodies[reached_[0].slot].motion.pose.position;
+    const Vec3d arm = body.motion.pose.position - centre;
     const Vec3d change = Vec3d{to.change[0], to.change[1], to.change[2]} + cross(turn, arm);
     result.gained_J -= kinetic_energy(body);
     body.motion.velocity.linear += change, body.motion.velocity.angular += turn;

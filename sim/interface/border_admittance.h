@@ -42,8 +42,6 @@ class BorderAdmittance {
   // change, that of the body by find() x impulse.
   Applied apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
                 std::span<physics::Body<double>> bodies) noexcept;
-  // Another impulse for the body of the last `apply`.
-  Applied apply_again(const Wrenchd& impulse, std::span<physics::Body<double>> bodies) noexcept;
   // What holds a body: the index of a contact, or of a joint beyond the contacts; and the slot at its other end,
   // physics::kNoSlot where that is static.
   struct Link {
@@ -60,7 +58,7 @@ class BorderAdmittance {
   };
   struct Reached {
     std::uint32_t slot, parent, link;  // parent: index among the reached
-    Matrix6 inertia;                   // about the asked body's centre, with all that hangs on it, or its factor
+    Matrix6 inertia;                   // about the asked body's centre, with all that hangs on it
     Matrix6 firmness;                  // of the link to the parent
     Vector6 change;                    // of its twist, at the asked body's centre
   };
@@ -82,7 +80,6 @@ class BorderAdmittance {
   std::vector<std::uint32_t> found_;  // by slot: the search that reached it
   std::uint32_t search_{0};
   std::vector<Reached> reached_;
-  std::size_t answering_{0};  // the first of them, in `apply`
 };
 
 }  // namespace tactus::sim
