@@ -21,7 +21,7 @@ IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uin
       is_marked_(bodies_.size(), 0),
       max_parked_(rule.enabled ? max_contacts : 0),
       grid_(static_cast<std::uint32_t>(rule.enabled ? bodies_.size() : 0)),
-      islands_(static_cast<std::uint32_t>(bodies_.size())) {
+      parents_(bodies_.size()) {
   for (std::uint32_t place = 0; place < bodies_.size(); ++place) awake_[place] = place;
   stays_.reserve(bodies_.size()), apart_.reserve(bodies_.size());
   if (!rule.enabled) return;
@@ -90,26 +90,27 @@ bool IslandManager::wake_marked(World& world) noexcept {
 }
 
 // What overlapping bounds and joints link.
-void IslandManager::find_islands(World& world) noexcept {
-  islands_.begin(static_cast<std::uint32_t>(awake_.size()));
-  for (const auto& pair : world.dynamic_pairs()) islands_.link(pair.a, pair.b);
+physics::Islands IslandManager::find_islands(World& world) noexcept {
+  physics::Islands islands({parents_.data(), awake_.size()});
+  for (const auto& pair : world.dynamic_pairs()) islands.link(pair.a, pair.b);
   if (const auto* joints = world.effects().find<physics::Joints<double>>())
     joints->for_each_link(std::as_const(world).bodies(),
-                          [this](std::uint32_t a, std::uint32_t b, std::uint32_t) noexcept { islands_.link(a, b); });
+                          [&islands](std::uint32_t a, std::uint32_t b, std::uint32_t) noexcept { islands.link(a, b); });
+  return islands;
 }
 
 std::span<const std::uint8_t> IslandManager::find_far(std::span<const std::uint8_t> held,
                                                       std::span<const Aabb<double>> regions, World& world) noexcept {
   const auto count = static_cast<std::uint32_t>(awake_.size());
   const auto bounds = world.bounds();
-  find_islands(world);
+  physics::Islands islands = find_islands(world);
   stays_.assign(count, 0);
   for (std::uint32_t slot = 0; slot < count; ++slot)
     if (held[awake_[slot]] != 0 ||
         std::any_of(regions.begin(), regions.end(), [&](const auto& region) { return region.overlaps(bounds[slot]); }))
-      stays_[islands_.of(slot)] = 1;
+      stays_[islands.of(slot)] = 1;
   apart_.assign(count, 0);
-  for (std::uint32_t slot = 0; slot < count; ++slot) apart_[slot] = stays_[islands_.of(slot)] == 0 ? 1 : 0;
+  for (std::uint32_t slot = 0; slot < count; ++slot) apart_[slot] = stays_[islands.of(slot)] == 0 ? 1 : 0;
   return apart_;
 }
 
@@ -145,10 +146,10 @@ void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const
   const auto slow = [this](std::uint32_t place) noexcept { return slow_steps_[place] >= rule_.steps; };
   if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
   const auto count = static_cast<std::uint32_t>(awake_.size());
-  find_islands(world);
+  physics::Islands islands = find_islands(world);
   stays_.assign(count, 0);  // of an island: by its lowest slot
   for (std::uint32_t slot = 0; slot < count; ++slot) {
-    std::uint8_t& stays = stays_[islands_.of(slot)];
+    std::uint8_t& stays = stays_[islands.of(slot)];
     const std::uint32_t place = awake_[slot];
     if (stays != 0) continue;
     if (!slow(place) || held[place] != 0) {
@@ -162,7 +163,7 @@ void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const
   apart_.assign(count, 0);
   bool some = false;
   for (std::uint32_t slot = 0; slot < count; ++slot) {  // an island's lowest slot comes first
-    const std::uint32_t root = islands_.of(slot);
+    const std::uint32_t root = islands.of(slot);
     if (stays_[root] != 0) continue;
     apart_[slot] = 1, some = true;
     lay_down_body(slot, awake_[root], settings);

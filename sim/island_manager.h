@@ -74,7 +74,7 @@ class IslandManager {
   };
 
   physics::Aabb<double> bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept;
-  void find_islands(World& world) noexcept;
+  physics::Islands find_islands(World& world) noexcept;
   bool mark(std::uint32_t place) noexcept;
   bool wake_marked(World& world) noexcept;
   void lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept;
@@ -95,7 +95,7 @@ class IslandManager {
   std::uint32_t free_parked_{kNone};
   BoxGrid grid_;
 
-  physics::Islands islands_;
+  std::vector<std::uint32_t> parents_;                 // what the islands of a step are kept in
   std::vector<std::uint8_t> stays_, apart_;            // by slot: of an island, by its lowest slot; scratch
   std::vector<std::uint32_t> marked_, woken_, merge_;  // islands to wake; places; scratch
   std::vector<physics::Body<double>> returning_;

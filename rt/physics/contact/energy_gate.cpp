@@ -4,7 +4,8 @@ namespace tactus::physics {
 
 template <class T>
 void EnergyGate<T>::begin_islands(std::uint32_t bodies) noexcept {
-  islands_.begin(bodies), change_.resize(bodies), share_.resize(bodies);
+  parents_.resize(bodies), change_.resize(bodies), share_.resize(bodies);
+  islands_ = Islands(parents_.span());
   knows_islands_ = true;
 }
 

@@ -45,7 +45,7 @@ bool is_blow(const Twist<T>& change, T blow_m_per_s) noexcept {
 template <class T>
 class EnergyGate {
  public:
-  explicit EnergyGate(std::uint32_t bodies) : islands_(bodies), change_(bodies), share_(bodies) {}  // [setup]
+  explicit EnergyGate(std::uint32_t bodies) : parents_(bodies), change_(bodies), share_(bodies) {}  // [setup]
 
   // Islands: first all bodies alone, then a link for every row. `knows_islands`: they are those of this step.
   void begin_step() noexcept { knows_islands_ = false; }
@@ -69,6 +69,7 @@ class EnergyGate {
     bool is_blow() const noexcept { return blow > T(0.5) * all.quadratic; }
   };
 
+  BoundedVector<std::uint32_t> parents_;  // what the islands are kept in
   Islands islands_;
   BoundedVector<IslandChange> change_;  // by island
   BoundedVector<T> share_;              // by slot
