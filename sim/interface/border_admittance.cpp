@@ -112,21 +112,17 @@ Matrix6 firmness_of_contact(const Contact<double>& contact, std::span<const Body
   for (std::uint32_t i = 0; i < contact.count; ++i)
     friction += contact.points[i].total_friction, pressed += contact.points[i].total_normal_impulse;
   const bool sticks = norm(friction) < kSticks * contact.friction * pressed;
-  Matrix6 along_normal{};
-  Vec3d moment;
-  SymMat3<double> turning;
-  double held = 0;
+  Matrix6 sum{};
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
     const Vec3d r = a.motion.pose.position + point.from_a - centre;
-    if (sticks)
-      held += firm, moment += firm * r, turning = turning + turning_at(firm, r);
+    if (sticks)  // in all three directions: as a mass there
+      add(sum, inertia_of(firm, firm * r, turning_at(firm, r)));
     else
-      hold(along_normal, firm, contact.normal, cross(r, contact.normal));
+      hold(sum, firm, contact.normal, cross(r, contact.normal));
   }
-  // A point that is held in all three directions is as a mass there.
-  return sticks ? inertia_of(held, moment, turning) : along_normal;
+  return sum;
 }
 
 // Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
