@@ -35,7 +35,9 @@ MapRow measure(const MapRequest& request, const char* factor, const LoopTiming& 
   row.formula_N_per_m = verdict.stiffness_limit, row.allowed_N_per_m = verdict.stiffness_allowed;
   row.line_N_per_m =
       haptics::little_damping_limit(haptics::translation_of(device, period_s, late_s), row.damping_Ns_per_m);
-  row.measured_N_per_m = measured_limit(request.description, timing, row.damping_Ns_per_m, 0.1 * row.line_N_per_m,
+  // Where the damper alone is all but unstable the boundary is far below the line.
+  const double least_N_per_m = std::min(0.1 * row.line_N_per_m, std::max(0.25 * row.formula_N_per_m, 1.0));
+  row.measured_N_per_m = measured_limit(request.description, timing, row.damping_Ns_per_m, least_N_per_m,
                                         4 * row.line_N_per_m, request.quick ? 1.04 : 1.02);
   return row;
 }

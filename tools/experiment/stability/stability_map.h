@@ -38,10 +38,11 @@ struct MapRow {
   LoopTiming timing;
   double delay_s{0};           // transport
   double damping_Ns_per_m{0};  // the coupling's
-  double measured_N_per_m{0};  // where it begins to ring on; 0: it does with a tenth of the line's stiffness
-  double formula_N_per_m{0};   // the limit by which `tactus run` goes
-  double line_N_per_m{0};      // (b + B) / (T/2 + t_d), the same
-  double allowed_N_per_m{0};   // what `tactus run` accepts
+  double measured_N_per_m{
+      0};  // where it begins to ring on; 0: it does with a tenth of the line's and a quarter of the formula's
+  double formula_N_per_m{0};  // the limit by which `tactus run` goes
+  double line_N_per_m{0};     // (b + B) / (T/2 + t_d), the same
+  double allowed_N_per_m{0};  // what `tactus run` accepts
 };
 
 struct MapReport {
