@@ -59,6 +59,7 @@ physics::StepSettings<double> settings_for(const Scene& scene, const GlobalOptio
   settings.contact_hertz = scene.solver.contact_hertz;
   settings.relax_sweeps = std::max(
       scene.solver.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
+  settings.friction_sweeps = scene.solver.friction_sweeps;
   settings.contact_damping_ratio = scene.solver.contact_damping_ratio;
   choose_effects(scene, settings);
   return settings;

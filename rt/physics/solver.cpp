@@ -143,6 +143,8 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
                           report,       input.executor};
   context.h = h, context.rule = SweepRule<T>::of(settings, h);
   const SweepRule<S> rule = SweepRule<S>::of(settings, static_cast<S>(h));
+  const bool friction_when_biased =
+      settings.friction && resolve(settings.friction_sweeps, settings.relax_sweeps) == FrictionSweeps::kEvery;
   std::uint32_t sweep = 0, uncorrected = 0;  // sub-steps since the last relax sweep
   const auto go_on = [&]() noexcept {
     if (report.cut_sweep == kNeverCut && cut(sweep)) report.cut_sweep = sweep;
@@ -167,7 +169,7 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
       contacts_.warm_start(state(), rule);
       run_stages(input, Phase::kBiased, context);
       border_.solve(state(), rule, true);
-      contacts_.solve_biased(state(), rule, settings.friction && settings.relax_sweeps > 1);
+      contacts_.solve_biased(state(), rule, friction_when_biased);
     } else {
       warm_start_without_gain(input, context);
     }

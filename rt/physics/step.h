@@ -19,6 +19,15 @@ struct CutPredicate {
 
 inline constexpr std::uint32_t kNeverCut = 0xffffffffu;
 
+// Which sweeps of a sub-step solve friction. In the biased sweep too, what that moves does not creep: a wedge at its
+// locking friction holds. kAuto: there where contacts are so stiff that they have a second relax sweep.
+enum class FrictionSweeps : std::uint8_t { kAuto, kRelax, kEvery };
+
+constexpr FrictionSweeps resolve(FrictionSweeps asked, std::uint32_t relax_sweeps) noexcept {
+  if (asked != FrictionSweeps::kAuto) return asked;
+  return relax_sweeps > 1 ? FrictionSweeps::kEvery : FrictionSweeps::kRelax;
+}
+
 // Fixed for a run but for sub_steps, which the governor chooses before each tick.
 template <class T>
 struct StepSettings {
@@ -33,8 +42,9 @@ struct StepSettings {
   T max_margin{T(2e-2)};      // m
   // Contacts of boxes and hulls are carried over until the surfaces have moved by this; 0: found anew in every step.
   T recycle_tolerance_m{T(5e-5)};
-  Vec3<T> gravity{};      // m/s^2
-  bool friction{true};    // effect: Coulomb friction
+  Vec3<T> gravity{};    // m/s^2
+  bool friction{true};  // effect: Coulomb friction
+  FrictionSweeps friction_sweeps{FrictionSweeps::kAuto};
   bool gyroscopic{true};  // effect: the gyroscopic term
 };
 

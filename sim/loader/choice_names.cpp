@@ -8,6 +8,7 @@ namespace {
 
 using haptics::CouplingScheme;
 using physics::BorderMode;
+using physics::FrictionSweeps;
 using physics::SweepPrecision;
 
 template <class Choice, std::size_t kCount>
@@ -27,6 +28,8 @@ constexpr Names<BorderMode, 4> kBorderModes{{{BorderMode::kGhost, "ghost"},
 constexpr Names<CutOrder, 2> kCutOrders{
     {{CutOrder::kBestFirst, "best-first"}, {CutOrder::kBreadthFirst, "breadth-first"}}};
 constexpr Names<SweepPrecision, 2> kPrecisions{{{SweepPrecision::kFull, "double"}, {SweepPrecision::kSingle, "mixed"}}};
+constexpr Names<FrictionSweeps, 3> kFrictionSweeps{
+    {{FrictionSweeps::kAuto, "auto"}, {FrictionSweeps::kRelax, "relax"}, {FrictionSweeps::kEvery, "every"}}};
 constexpr Names<Reach, 2> kReaches{{{Reach::kTwoCycles, "two-cycles"}, {Reach::kPaper, "paper"}}};
 
 template <class Choice, std::size_t kCount>
@@ -50,6 +53,7 @@ std::string_view name_of(BorderMode mode) noexcept { return find_name(kBorderMod
 std::string_view name_of(CutOrder order) noexcept { return find_name(kCutOrders, order); }
 std::string_view name_of(Reach reach) noexcept { return find_name(kReaches, reach); }
 std::string_view name_of(SweepPrecision precision) noexcept { return find_name(kPrecisions, precision); }
+std::string_view name_of(FrictionSweeps sweeps) noexcept { return find_name(kFrictionSweeps, sweeps); }
 
 std::optional<CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept {
   return find_choice(kCouplingSchemes, word);
@@ -58,5 +62,8 @@ std::optional<BorderMode> parse_border_mode(std::string_view word) noexcept { re
 std::optional<CutOrder> parse_cut_order(std::string_view word) noexcept { return find_choice(kCutOrders, word); }
 std::optional<Reach> parse_reach(std::string_view word) noexcept { return find_choice(kReaches, word); }
 std::optional<SweepPrecision> parse_precision(std::string_view word) noexcept { return find_choice(kPrecisions, word); }
+std::optional<FrictionSweeps> parse_friction_sweeps(std::string_view word) noexcept {
+  return find_choice(kFrictionSweeps, word);
+}
 
 }  // namespace tactus::sim

@@ -6,6 +6,7 @@
 
 #include "rt/haptics/coupling_scheme.h"
 #include "rt/physics/border/border_contact.h"
+#include "rt/physics/step.h"
 #include "rt/physics/sweep_precision.h"
 #include "sim/interface/extraction.h"
 
@@ -16,6 +17,7 @@ std::string_view name_of(physics::BorderMode mode) noexcept;           // ghost,
 std::string_view name_of(CutOrder order) noexcept;                     // best-first, breadth-first
 std::string_view name_of(Reach reach) noexcept;                        // two-cycles, paper
 std::string_view name_of(physics::SweepPrecision precision) noexcept;  // double, mixed
+std::string_view name_of(physics::FrictionSweeps sweeps) noexcept;     // auto, relax, every
 
 // Empty for a word that names nothing.
 std::optional<haptics::CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept;
@@ -23,5 +25,6 @@ std::optional<physics::BorderMode> parse_border_mode(std::string_view word) noex
 std::optional<CutOrder> parse_cut_order(std::string_view word) noexcept;
 std::optional<Reach> parse_reach(std::string_view word) noexcept;
 std::optional<physics::SweepPrecision> parse_precision(std::string_view word) noexcept;
+std::optional<physics::FrictionSweeps> parse_friction_sweeps(std::string_view word) noexcept;
 
 }  // namespace tactus::sim

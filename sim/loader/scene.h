@@ -12,6 +12,7 @@
 #include "rt/physics/body.h"
 #include "rt/physics/effects/effects.h"
 #include "rt/physics/shapes/mesh.h"
+#include "rt/physics/step.h"
 
 namespace tactus::sim {
 
@@ -78,8 +79,9 @@ struct HandScript {
 struct SolverChoice {
   double contact_hertz{250}, contact_damping_ratio{10};
   unsigned sub_steps{4}, relax_sweeps{1};  // haptic side
-  double global_sub_steps_per_tick{1};     // global side: sub-steps of a global step = this x ratio, rounded up
-  double far_sub_steps_per_tick{0};        // same, of what does not hang together with a sub-world; 0: as many
+  physics::FrictionSweeps friction_sweeps{physics::FrictionSweeps::kAuto};
+  double global_sub_steps_per_tick{1};  // global side: sub-steps of a global step = this x ratio, rounded up
+  double far_sub_steps_per_tick{0};     // same, of what does not hang together with a sub-world; 0: as many
 
   // Of a global step of `ratio` ticks.
   unsigned global_sub_steps(unsigned ratio) const noexcept { return sub_steps_in(global_sub_steps_per_tick, ratio); }

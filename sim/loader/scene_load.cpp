@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "rt/haptics/snapshot.h"
+#include "sim/loader/choice_names.h"
 #include "sim/loader/scene_load_effects.h"
 #include "sim/loader/scene_load_parts.h"
 #include "sim/loader/scene_load_reader.h"
@@ -72,6 +73,7 @@ class SceneReader {
     scene_.members = t.count("members", scene_.members, {"a number of members", 1, haptics::kMaxMembers});
     solver.sub_steps = t.count("sub_steps", solver.sub_steps, {"a number of sub-steps", 1, 64});
     solver.relax_sweeps = t.count("relax_sweeps", solver.relax_sweeps, {"a number of sweeps", 1, 16});
+    solver.friction_sweeps = *parse_friction_sweeps(t.word("friction_sweeps", "auto", {"auto", "relax", "every"}));
     solver.global_sub_steps_per_tick =
         t.number("global_sub_steps_per_tick", solver.global_sub_steps_per_tick, {"a number of sub-steps", 0.1, 16});
     solver.far_sub_steps_per_tick = t.number("far_sub_steps_per_tick", solver.global_sub_steps_per_tick,

@@ -17,6 +17,9 @@ TEST_CASE("Every choice has a name, and its name gives it back") {
     CHECK(sim::parse_reach(sim::name_of(reach)) == reach);
   for (const auto precision : {physics::SweepPrecision::kFull, physics::SweepPrecision::kSingle})
     CHECK(sim::parse_precision(sim::name_of(precision)) == precision);
+  for (const auto sweeps :
+       {physics::FrictionSweeps::kAuto, physics::FrictionSweeps::kRelax, physics::FrictionSweeps::kEvery})
+    CHECK(sim::parse_friction_sweeps(sim::name_of(sweeps)) == sweeps);
 }
 
 TEST_CASE("Names are the words of the command line") {
@@ -31,4 +34,5 @@ TEST_CASE("Other words name nothing") {
   CHECK_FALSE(sim::parse_cut_order("best"));
   CHECK_FALSE(sim::parse_reach("Paper"));
   CHECK_FALSE(sim::parse_precision("float"));
+  CHECK_FALSE(sim::parse_friction_sweeps("all"));
 }

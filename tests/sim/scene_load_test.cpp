@@ -63,6 +63,8 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {"[simulation]\ncontact_hertz_Hz = 251", 2, 20, "[simulation] contact_hertz_Hz", "too stiff", "at most 250 Hz"},
       {"[simulation]\nglobal_sub_steps_per_tick = 8\nsub_steps = 2\ncontact_hertz_Hz = 501", 4, 20,
        "[simulation] contact_hertz_Hz", "too stiff for 2 haptic and 8 global", "at most 500 Hz"},
+      {"[simulation]\nfriction_sweeps = \"evry\"", 2, 19, "[simulation] friction_sweeps", "did you mean every?",
+       "auto, relax, every"},
       {"[device]\nprofile = \"desk3\"", 2, 11, "[device] profile", "did you mean desk3d?", "virtuose6d, desk3d"},
       {"[device]\nmotion_scale = 0", 2, 16, "[device] motion_scale", "0 is not a scale", ">= 0.01"},
       {"[coupling]\nstiffness = 3", 2, 1, "[coupling] stiffness", "did you mean stiffness_N_per_m?",
@@ -239,6 +241,12 @@ TEST_CASE("the far region has as many sub-steps as the near one, or fewer, but e
   CHECK_THAT(diagnose("[simulation]\nglobal_sub_steps_per_tick = 0" + kProxy).message(), Contains(">= 0.1"));
   CHECK_THAT(diagnose(near + "far_sub_steps_per_tick = 1\ncontact_hertz_Hz = 500" + kProxy).message(),
              Contains("at most 250 Hz"));
+}
+
+TEST_CASE("a scene says in which sweeps friction is solved") {
+  CHECK(good(kProxy).solver.friction_sweeps == physics::FrictionSweeps::kAuto);
+  CHECK(good("[simulation]\nfriction_sweeps = \"every\"" + kProxy).solver.friction_sweeps ==
+        physics::FrictionSweeps::kEvery);
 }
 
 TEST_CASE("a generated part is copied in a grid about its place") {

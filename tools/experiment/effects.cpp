@@ -31,6 +31,7 @@ class TickedWorld {
     settings_.dt = kTick_s, settings_.sub_steps = scene.solver.sub_steps;
     settings_.relax_sweeps = scene.solver.relax_sweeps;
     settings_.contact_hertz = scene.solver.contact_hertz;
+    settings_.friction_sweeps = scene.solver.friction_sweeps;
     settings_.contact_damping_ratio = scene.solver.contact_damping_ratio;
     sim::choose_effects(scene, settings_);
     for (const auto& body : scene.bodies) TACTUS_CHECK(world_.insert(body), body.id, scene.bodies.size());

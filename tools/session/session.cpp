@@ -65,6 +65,7 @@ physics::StepSettings<double> step_settings(const sim::Scene& scene, const RunOp
   step.sub_steps = sub_steps_of(scene, options);
   step.relax_sweeps = scene.solver.relax_sweeps;
   step.contact_hertz = scene.solver.contact_hertz;
+  step.friction_sweeps = scene.solver.friction_sweeps;
   step.contact_damping_ratio = scene.solver.contact_damping_ratio;
   sim::choose_effects(scene, step);
   return step;

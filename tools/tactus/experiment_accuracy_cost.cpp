@@ -66,14 +66,13 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
   CLI::App* command =
       experiment.add_subcommand("accuracy-cost", "What accuracy costs: error of the force against a tick's time.");
   command->footer(
-      "Sub-steps, relax sweeps, contact frequency, members, ratio, border and extraction, against a run of all bodies "
-      "at\n"
-      "1 kHz with 16 sub-steps and two relax sweeps, on the windows of `energy-loss`: so the error is the solver's "
-      "and\n"
-      "the coupling's. A setting is on the front when no other is as accurate and cheaper in the median. Accuracy is "
-      "of\n"
-      "virtual time, the same everywhere; times are CPU time on this machine. Instructions are of the front and the\n"
-      "default, where valgrind is installed; not with --quick.\n\n"
+      "Sub-steps, relax sweeps, friction, contact frequency, members, ratio, border, extraction and the global "
+      "world's\n"
+      "precision, against a run of all bodies at 1 kHz with 16 sub-steps and two relax sweeps, on the windows of\n"
+      "`energy-loss`: so the error is the solver's and the coupling's. A setting is on the front when no other is\n"
+      "as accurate and cheaper in the median. Accuracy is of virtual time, the same everywhere; times are CPU\n"
+      "time on this machine. Instructions are of the front and the default, where valgrind is installed; not with\n"
+      "--quick. Whole it takes some twenty minutes.\n\n"
       "Example:\n  tactus experiment accuracy-cost --quick\n"
       "  tactus experiment accuracy-cost --scenes pile,wall --page cost.html");
   command->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")

@@ -136,10 +136,12 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
   const sim::Scene& scene = request.scene;
   Setting setting;
   setting.sub_steps = scene.solver.sub_steps, setting.relax_sweeps = scene.solver.relax_sweeps;
+  setting.friction = scene.solver.friction_sweeps;
   setting.contact_Hz = scene.solver.contact_hertz;
   setting.members = std::min(request.run.members != 0 ? request.run.members : scene.members, bodies);
   setting.ratio = request.run.ratio != 0 ? request.run.ratio : scene.ratio;
   setting.border = request.run.border, setting.order = request.run.order;
+  setting.precision = request.run.world_precision;
   return setting;
 }
 

@@ -10,12 +10,12 @@
 // Points are taken at their place in the plane: for the normal rows that changes nothing, friction acts at most as far
 // off as the points are from being coplanar. Gaps within the step follow from the bodies' motion since its start: no
 // collision between sub-steps. Bodies move before the relax sweep, so it works them out and the biased sweep of the
-// next sub-step finds them. Friction acts in the relax sweep, so that the bias never widens Coulomb's disk. Contacts so
-// stiff that they need two relax sweeps have it in the biased sweep too, before the normal rows, within the disks that
-// the last relax sweep left: else what the bias moves creeps, and a wedge at 1.02 of its locking friction works itself
-// loose. V is one number or a Wide: each lane has the bits that one number would have. Lanes beyond `used` have no mass
-// and are not written back. Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto,
-// soft-step (TGS-soft) solver; rows of contacts without a common body, Tonge 2012.
+// next sub-step finds them. Friction acts in the relax sweep, so that the bias never widens Coulomb's disk. With
+// FrictionSweeps::kEvery it acts in the biased sweep too, before the normal rows, within the disks that the last relax
+// sweep left: else what the bias moves creeps, and a wedge at 1.02 of its locking friction works itself loose. V is one
+// number or a Wide: each lane has the bits that one number would have. Lanes beyond `used` have no mass and are not
+// written back. Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto, soft-step
+// (TGS-soft) solver; rows of contacts without a common body, Tonge 2012.
 #pragma once
 
 #include <array>

@@ -132,6 +132,40 @@ TEST_CASE("Two equal spheres that meet head on go on together: contacts do not b
   CHECK(bench.velocity(2).linear.x == Approx(0.5).epsilon(0.01));
 }
 
+TEST_CASE("With friction in every sweep a wedge at its locking angle comes back less") {
+  // A box on its edge in a groove of two planes at 45 degrees: friction just above 1 holds it when it is let go.
+  const auto moved_back = [](unsigned relax_sweeps, FrictionSweeps sweeps) {
+    const double half = 0.02, friction = 1.02, force_N = 20;
+    PhysicsBench<> bench;
+    bench.settings.gravity = {}, bench.settings.contact_hertz = 1000;
+    bench.settings.relax_sweeps = relax_sweeps, bench.settings.friction_sweeps = sweeps;
+    for (const int side : {-1, 1})
+      bench.world.insert(
+          make_fixed_body<double>(static_cast<BodyId>(side + 1), Shape<double>::plane(), friction,
+                                  {{}, quat_from_rotation_vector(Vec3d{0, side * tactus::test::kPi / 4, 0})}));
+    bench.add_box(1, {half, half, half}, 0.2, friction,
+                  {{0, 0, half * std::sqrt(2.0)}, quat_from_rotation_vector(Vec3d{0, tactus::test::kPi / 4, 0})});
+    const int ramp = 500;
+    for (int k = 1; k <= ramp; ++k) {
+      bench.world.apply_wrench(bench.slot(1), {{0, 0, -force_N * k / ramp}, {}});
+      bench.step();
+    }
+    const double pressed_m = bench.position(1).z;
+    for (int k = ramp; k >= 0; --k) {
+      bench.world.apply_wrench(bench.slot(1), {{0, 0, -force_N * k / ramp}, {}});
+      bench.step();
+    }
+    bench.run_seconds(0.5);
+    return bench.position(1).z - pressed_m;
+  };
+  const double relax = moved_back(1, FrictionSweeps::kRelax), every = moved_back(1, FrictionSweeps::kEvery);
+  INFO(relax << " " << every);
+  CHECK(every < 0.5 * relax);
+  CHECK(moved_back(2, FrictionSweeps::kEvery) < moved_back(2, FrictionSweeps::kRelax));
+  CHECK(moved_back(1, FrictionSweeps::kAuto) == relax);
+  CHECK(moved_back(2, FrictionSweeps::kAuto) == moved_back(2, FrictionSweeps::kEvery));
+}
+
 TEST_CASE("Bodies that only meet each other keep their momentum and never gain energy") {
   for (const unsigned relax_sweeps : {1u, 2u})
     for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) {

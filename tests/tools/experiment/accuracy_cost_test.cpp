@@ -61,8 +61,9 @@ TEST_CASE("Accuracy has a price: more sub-steps cost more, and all that was meas
   const auto json = nlohmann::json::parse(cost_json(report.value()));
   REQUIRE(json["points"].size() == settings_for(load_coupling_case(request.cases[0], 0).value(), 8, true).size());
   CHECK(json["points"][0]["is_default"] == true);
-  for (const char* key : {"sub_steps", "relax_sweeps", "contact_Hz", "members", "ratio", "border", "extraction",
-                          "force_error_rms", "tick_us_p50", "tick_us_p99", "instructions", "on_front"})
+  for (const char* key :
+       {"sub_steps", "relax_sweeps", "friction_sweeps", "contact_Hz", "members", "ratio", "border", "extraction",
+        "world_precision", "force_error_rms", "tick_us_p50", "tick_us_p99", "instructions", "on_front"})
     CHECK(json["points"][0].contains(key));
   CHECK(std::any_of(json["points"].begin(), json["points"].end(), [](const auto& p) { return p["on_front"] == true; }));
   // All bodies members: no border, so that what is left is the solver's own error, below that of a border that keeps

@@ -18,6 +18,8 @@ constexpr unsigned kCountedTicks = 16;  // two cycles at the default ratio, one 
 
 using haptics::CouplingScheme;
 using physics::BorderMode;
+using physics::FrictionSweeps;
+using physics::SweepPrecision;
 using sim::CutOrder;
 
 constexpr unsigned kDefaultRatio = 8;
@@ -53,7 +55,12 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
   for (const unsigned n : {2u, 4u, 8u, 16u})
     if (n >= least_sub_steps(base.contact_Hz))
       add("sub-steps", base.sub_steps, n, [n](Setting& s) { s.sub_steps = n; });
-  for (const unsigned n : {1u, 2u}) add("relax sweeps", base.relax_sweeps, n, [n](Setting& s) { s.relax_sweeps = n; });
+  for (const unsigned n : {1u, 2u})
+    add("relax sweeps", base.relax_sweeps, n,
+        [n](Setting& s) { s.relax_sweeps = n, s.friction = physics::resolve(FrictionSweeps::kAuto, n); });
+  for (const FrictionSweeps sweeps : {FrictionSweeps::kRelax, FrictionSweeps::kEvery})
+    add("friction in sweeps", sim::name_of(base.friction), sim::name_of(sweeps),
+        [sweeps](Setting& s) { s.friction = sweeps; });
   for (const double hertz : {250.0, 500.0, 1000.0})
     if (base.sub_steps >= least_sub_steps(hertz))
       add("contact frequency [Hz]", base.contact_Hz, hertz, [hertz](Setting& s) { s.contact_Hz = hertz; });
@@ -64,12 +71,18 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
     add("border", sim::name_of(base.border), sim::name_of(border), [border](Setting& s) { s.border = border; });
   for (const CutOrder order : {CutOrder::kBestFirst, CutOrder::kBreadthFirst})
     add("extraction", sim::name_of(base.order), sim::name_of(order), [order](Setting& s) { s.order = order; });
+  add("world precision", sim::name_of(base.precision), sim::name_of(SweepPrecision::kFull),
+      [](Setting& s) { s.precision = SweepPrecision::kFull; });
   return changes;
 }
 
 Setting default_setting(const sim::Scene& scene, unsigned members) {
-  return {scene.solver.sub_steps, scene.solver.relax_sweeps, scene.solver.contact_hertz, members,
-          kDefaultRatio,          BorderMode::kGhost,        CutOrder::kBestFirst};
+  Setting setting;
+  setting.sub_steps = scene.solver.sub_steps, setting.relax_sweeps = scene.solver.relax_sweeps;
+  setting.friction = physics::resolve(scene.solver.friction_sweeps, setting.relax_sweeps);
+  setting.contact_Hz = scene.solver.contact_hertz;
+  setting.members = members, setting.ratio = kDefaultRatio;
+  return setting;
 }
 
 // How long a case takes, a seed: its bodies count in every setting.
@@ -112,7 +125,7 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
     const auto at = std::find(settings.begin(), settings.end(), change.setting) - settings.begin();
     const CostPoint& to = report.points[first + static_cast<std::size_t>(at)];
     report.notches.push_back({one.name, change.factor, change.from, change.to, base.force_error, to.force_error,
-                              base.tick_us_p50, to.tick_us_p50});
+                              base.tick_us_p50, to.tick_us_p50, base.global_us_per_tick, to.global_us_per_tick});
   }
   report.points[first].is_default = true;
   return Status::good();
@@ -184,9 +197,14 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
     for (const unsigned relax_sweeps : {1u, 2u})
       for (const unsigned cap : {members / 2, members, 2 * members})
         for (const unsigned ratio : {4u, 8u, 16u})
-          for (const BorderMode border : {BorderMode::kGhost, BorderMode::kCapped})
-            if (sub_steps >= least_sub_steps(base.contact_Hz) && cap > 0 && cap / 2 < bodies)
-              add({sub_steps, relax_sweeps, base.contact_Hz, cap, ratio, border, base.order});
+          for (const BorderMode border : {BorderMode::kGhost, BorderMode::kCapped}) {
+            if (sub_steps < least_sub_steps(base.contact_Hz) || cap == 0 || cap / 2 >= bodies) continue;
+            Setting setting = base;
+            setting.sub_steps = sub_steps, setting.relax_sweeps = relax_sweeps;
+            setting.friction = physics::resolve(FrictionSweeps::kAuto, relax_sweeps);
+            setting.members = cap, setting.ratio = ratio, setting.border = border;
+            add(setting);
+          }
   return settings;
 }
 

@@ -31,6 +31,7 @@ struct CostPoint {
 struct Notch {
   std::string scene, factor, from, to;
   double error_before{0}, error_after{0}, tick_us_before{0}, tick_us_after{0};
+  double global_us_before{0}, global_us_after{0};  // per tick
 };
 
 struct CostRequest {

@@ -11,11 +11,13 @@ namespace {
 
 // "one more sub-step buys X % for Y us", of the factor's notch.
 std::string sentence_of(const Notch& notch) {
+  const auto word = [](double change, const char* more) { return change <= 0 ? "saves" : more; };
   const double error = 100 * (notch.error_after - notch.error_before);
   const double time_us = notch.tick_us_after - notch.tick_us_before;
-  return fmt::format("{} {} -> {}: {} {:.2f} % of error, {} {:.0f} us a tick", notch.factor, notch.from, notch.to,
-                     error <= 0 ? "saves" : "adds", std::abs(error), time_us <= 0 ? "saves" : "costs",
-                     std::abs(time_us));
+  const double global_us = notch.global_us_after - notch.global_us_before;
+  return fmt::format("{} {} -> {}: {} {:.2f} % of error, {} {:.0f} us a tick and {} {:.0f} us of the global world's",
+                     notch.factor, notch.from, notch.to, word(error, "adds"), std::abs(error), word(time_us, "costs"),
+                     std::abs(time_us), word(global_us, "costs"), std::abs(global_us));
 }
 
 }  // namespace
@@ -26,17 +28,19 @@ std::string cost_table(const CostReport& report) {
   for (const CostPoint& p : report.points) {
     if (p.scene != scene) {
       scene = p.scene;
-      text += fmt::format("{}{}\n  {:>9} {:>5} {:>8} {:>7} {:>5} {:<7} {:<13} {:>10} {:>10} {:>9} {:>9} {:>8}\n",
-                          text.empty() ? "" : "\n", scene, "sub-steps", "relax", "contact", "members", "ratio",
-                          "border", "extraction", "error %", "vibr. N", "p50 us", "p99 us", "");
+      text += fmt::format(
+          "{}{}\n  {:>9} {:>5} {:<8} {:>8} {:>7} {:>5} {:<7} {:<13} {:<9} {:>10} {:>10} {:>9} {:>9} {:>8}\n",
+          text.empty() ? "" : "\n", scene, "sub-steps", "relax", "friction", "contact", "members", "ratio", "border",
+          "extraction", "precision", "error %", "vibr. N", "p50 us", "p99 us", "");
     }
     // All of a full sweep would fill pages: the front and the default; --csv and --json have the rest.
     if (!p.on_front && !p.is_default) continue;
     const Setting& s = p.setting;
     text += fmt::format(
-        "  {:>9} {:>5} {:>5g} Hz {:>7} {:>5} {:<7} {:<13} {:>10.3f} {:>10.5f} {:>9.1f} {:>9.1f} {:>8}\n", s.sub_steps,
-        s.relax_sweeps, s.contact_Hz, s.members, s.ratio, sim::name_of(s.border), sim::name_of(s.order),
-        100 * p.force_error, p.hold_vibration_N, p.tick_us_p50, p.tick_us_p99, p.is_default ? "default" : "");
+        "  {:>9} {:>5} {:<8} {:>5g} Hz {:>7} {:>5} {:<7} {:<13} {:<9} {:>10.3f} {:>10.5f} {:>9.1f} {:>9.1f} {:>8}\n",
+        s.sub_steps, s.relax_sweeps, sim::name_of(s.friction), s.contact_Hz, s.members, s.ratio, sim::name_of(s.border),
+        sim::name_of(s.order), sim::name_of(s.precision), 100 * p.force_error, p.hold_vibration_N, p.tick_us_p50,
+        p.tick_us_p99, p.is_default ? "default" : "");
   }
   text += "\nFrom the default, one notch at a time:\n";
   for (const Notch& notch : report.notches) text += fmt::format("  {:<11} {}\n", notch.scene, sentence_of(notch));
@@ -54,11 +58,13 @@ std::string cost_json(const CostReport& report) {
     points.push_back({{"scene", p.scene},
                       {"sub_steps", p.setting.sub_steps},
                       {"relax_sweeps", p.setting.relax_sweeps},
+                      {"friction_sweeps", sim::name_of(p.setting.friction)},
                       {"contact_Hz", p.setting.contact_Hz},
                       {"members", p.setting.members},
                       {"ratio", p.setting.ratio},
                       {"border", sim::name_of(p.setting.border)},
                       {"extraction", sim::name_of(p.setting.order)},
+                      {"world_precision", sim::name_of(p.setting.precision)},
                       {"force_error_rms", p.force_error},
                       {"hold_vibration_N", p.hold_vibration_N},
                       {"sync_step_N", p.sync_step_N},
@@ -80,22 +86,26 @@ std::string cost_json(const CostReport& report) {
                        {"error_after", n.error_after},
                        {"tick_us_before", n.tick_us_before},
                        {"tick_us_after", n.tick_us_after},
+                       {"global_us_before", n.global_us_before},
+                       {"global_us_after", n.global_us_after},
                        {"sentence", sentence_of(n)}});
   return ordered_json{{"points", points}, {"notches", notches}, {"seeds", report.seeds}}.dump(2);
 }
 
 std::string cost_csv(const CostReport& report) {
   std::string text =
-      "scene,sub_steps [1],relax_sweeps [1],contact_frequency [Hz],members [1],ratio [1],border,extraction,"
-      "force_error_rms [1],hold_vibration [N],sync_step [N],loss [1],gain [1],tick_p50 [us],tick_p99 [us],"
-      "tick_max [us],global_per_tick [us],instructions [1],on_front,is_default\n";
+      "scene,sub_steps [1],relax_sweeps [1],friction_sweeps,contact_frequency [Hz],members [1],ratio "
+      "[1],border,extraction,"
+      "world_precision,force_error_rms [1],hold_vibration [N],sync_step [N],loss [1],gain [1],tick_p50 [us],"
+      "tick_p99 [us],tick_max [us],global_per_tick [us],instructions [1],on_front,is_default\n";
   for (const CostPoint& p : report.points) {
     const Setting& s = p.setting;
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", p.scene, s.sub_steps,
-                        s.relax_sweeps, s.contact_Hz, s.members, s.ratio, sim::name_of(s.border), sim::name_of(s.order),
-                        p.force_error, p.hold_vibration_N, p.sync_step_N, p.loss, p.gain, p.tick_us_p50, p.tick_us_p99,
-                        p.tick_us_max, p.global_us_per_tick,
-                        p.instructions > 0 ? fmt::format("{:.0f}", p.instructions) : "", p.on_front, p.is_default);
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", p.scene, s.sub_steps,
+                    s.relax_sweeps, sim::name_of(s.friction), s.contact_Hz, s.members, s.ratio, sim::name_of(s.border),
+                    sim::name_of(s.order), sim::name_of(s.precision), p.force_error, p.hold_vibration_N, p.sync_step_N,
+                    p.loss, p.gain, p.tick_us_p50, p.tick_us_p99, p.tick_us_max, p.global_us_per_tick,
+                    p.instructions > 0 ? fmt::format("{:.0f}", p.instructions) : "", p.on_front, p.is_default);
   }
   return text;
 }

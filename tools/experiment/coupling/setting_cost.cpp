@@ -39,6 +39,7 @@ unsigned least_sub_steps(double contact_Hz) {
 sim::Scene with(sim::Scene scene, const Setting& setting) {
   scene.solver.sub_steps = setting.sub_steps;
   scene.solver.relax_sweeps = setting.relax_sweeps;
+  scene.solver.friction_sweeps = setting.friction;
   scene.solver.contact_hertz = setting.contact_Hz;
   scene.solver.global_sub_steps_per_tick =
       std::max<double>(scene.solver.global_sub_steps_per_tick, least_sub_steps(setting.contact_Hz));
@@ -50,6 +51,7 @@ session::RunOptions options_of(const Setting& setting, haptics::CouplingScheme c
   options.coupling = coupling;
   options.border = setting.border;
   options.order = setting.order;
+  options.world_precision = setting.precision;
   options.ratio = setting.ratio;
   options.members = setting.members;
   options.rate_Hz = kHapticRate_Hz;

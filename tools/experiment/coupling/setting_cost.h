@@ -12,6 +12,8 @@
 #include "hal/profiles.h"
 #include "rt/haptics/coupling_scheme.h"
 #include "rt/physics/border/border_contact.h"
+#include "rt/physics/step.h"
+#include "rt/physics/sweep_precision.h"
 #include "sim/interface/extraction.h"
 #include "tools/experiment/coupling/force_measures.h"
 #include "tools/experiment/coupling/reference_run.h"
@@ -20,10 +22,12 @@ namespace tactus::experiment {
 
 struct Setting {
   unsigned sub_steps{4}, relax_sweeps{1};
+  physics::FrictionSweeps friction{physics::FrictionSweeps::kAuto};
   double contact_Hz{250};
   unsigned members{64}, ratio{8};
   physics::BorderMode border{physics::BorderMode::kGhost};
   sim::CutOrder order{sim::CutOrder::kBestFirst};
+  physics::SweepPrecision precision{physics::SweepPrecision::kSingle};  // of the global world
   friend bool operator==(const Setting&, const Setting&) = default;
 };
 
