@@ -22,8 +22,9 @@ using physics::BodyKind;
 // Enough for impulses to come through a stack of some twenty bodies.
 constexpr unsigned kForeseenSteps = 5;
 // Of the change of the device's force from cycle to cycle, what the next one is expected to bring. All of it would be
-// right for a force that changes evenly; a hand's trembles. Of the pushed row of `experiment energy-loss`, 20 seeds, for
-// 0.8, 0.9 and 1 (2026-11-23): it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 % at 16.
+// right for a force that changes evenly; a hand's trembles. Of the pushed row of `experiment energy-loss`, 20 seeds,
+// for 0.8, 0.9 and 1 (2026-11-23): it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 %
+// at 16.
 constexpr double kGoesOn = 0.9;
 // Bodies awake: a step of more is taken in one pass.
 constexpr std::size_t kMostInPasses = 500;

@@ -15,9 +15,10 @@ std::string sentence_of(const Notch& notch) {
   const double error = 100 * (notch.error_after - notch.error_before);
   const double time_us = notch.tick_us_after - notch.tick_us_before;
   const double global_us = notch.global_us_after - notch.global_us_before;
-  return fmt::format("{} {} -> {}: {} {:.2f} % of error, {} {:.0f} us a tick and {} {:.0f} us of the global world's",
-                     notch.factor, notch.from, notch.to, word(error, "adds"), std::abs(error), word(time_us, "costs"),
-                     std::abs(time_us), word(global_us, "costs"), std::abs(global_us));
+  return fmt::format(
+      "{} {} -> {}: {} {:.2f} % of error, {} {:.0f} us a tick and {} {:.0f} us of the global world's time",
+      notch.factor, notch.from, notch.to, word(error, "adds"), std::abs(error), word(time_us, "costs"),
+      std::abs(time_us), word(global_us, "costs"), std::abs(global_us));
 }
 
 }  // namespace
@@ -94,9 +95,8 @@ std::string cost_json(const CostReport& report) {
 
 std::string cost_csv(const CostReport& report) {
   std::string text =
-      "scene,sub_steps [1],relax_sweeps [1],friction_sweeps,contact_frequency [Hz],members [1],ratio "
-      "[1],border,extraction,"
-      "world_precision,force_error_rms [1],hold_vibration [N],sync_step [N],loss [1],gain [1],tick_p50 [us],"
+      "scene,sub_steps [1],relax_sweeps [1],friction_sweeps,contact_frequency [Hz],members [1],ratio [1],border,"
+      "extraction,world_precision,force_error_rms [1],hold_vibration [N],sync_step [N],loss [1],gain [1],tick_p50 [us],"
       "tick_p99 [us],tick_max [us],global_per_tick [us],instructions [1],on_front,is_default\n";
   for (const CostPoint& p : report.points) {
     const Setting& s = p.setting;
