@@ -151,7 +151,7 @@ TEST_CASE("A device's wrench that changes is expected to change on by most of it
     return (now - std::exchange(last, now)) * 2.0 / 0.01;
   };
   CHECK(given(4) == Approx(4));
-  CHECK(given(6) == Approx(6 + 0.8 * 2));
+  CHECK(given(6) == Approx(6 + 0.9 * 2));
   CHECK(given(1) == Approx(0).margin(1e-9));  // not 1 - 4
 }
 
