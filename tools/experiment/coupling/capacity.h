@@ -2,8 +2,8 @@
 //
 // A heap of cubes with a proxy that presses and stirs, every cube awake. Sustained: 99 of 100 ticks compute for less
 // than the tick, and 9 of 10 global steps for less than their r ticks: the global world has a core of its own. CPU time
-// of one thread, and three tries, so that what else the machine does counts little; the heap doubles until something is
-// too slow, then the number is narrowed down. Thread: one.
+// of one thread, the least of up to three identical runs, so that what else the machine does counts little; the heap
+// doubles until something is too slow, then the number is narrowed down. Thread: one.
 #pragma once
 
 #include <functional>
