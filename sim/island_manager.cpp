@@ -137,7 +137,8 @@ void IslandManager::count_resting_as_slow() noexcept {
 // Its bounds as begin_step would have them: what wakes it in the next step would also keep it from falling asleep.
 Aabb<double> IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept {
   const Body<double>& body = bodies_[place];
-  const physics::Reach<double> reach{0, std::abs(body.gravity_scale) * physics::fall_in_step(settings)};
+  physics::Reach<double> reach;
+  reach.fallen = std::abs(body.gravity_scale) * physics::fall_in_step(settings);
   return physics::bounds_of(body.shape, body.motion.pose, physics::margin_of(reach, settings));
 }
 

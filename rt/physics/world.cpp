@@ -231,7 +231,8 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     const Twist<T>& velocity = body.motion.velocity;
     T speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
     if (spring_.enabled && spring_.slot == i) speed = std::max(speed, norm(spring_.target_velocity.linear));
-    reach_[i] = frozen_[i] != 0 ? Reach<T>{} : Reach<T>{speed * settings.dt, std::abs(body.gravity_scale) * fall};
+    reach_[i] = {};
+    if (frozen_[i] == 0) reach_[i].moved = speed * settings.dt, reach_[i].fallen = std::abs(body.gravity_scale) * fall;
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap<T>, reach_[i]);
     frames_[i] = BodyFrame<T>::of(body.motion.pose);
     // The bounds of two bodies grow by at least the margin of their pair.

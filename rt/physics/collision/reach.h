@@ -1,5 +1,5 @@
-// How far a body's surface may move in a step, and how far it has moved since the last one: what tells narrow phase
-// that a pair is still as it was. Units: SI. Thread: [any].
+// How far a body's surface may move in a step, and how it has moved since the last one: what tells narrow phase that a
+// pair is still as it was. Units: SI. Thread: [any].
 #pragma once
 
 #include <algorithm>
@@ -12,12 +12,18 @@ namespace tactus::physics {
 
 template <class T>
 struct Reach {
-  T moved{}, fallen{};    // m, in this step at most: by its velocity, by gravity
-  T shifted{}, turned{};  // m and rad since the last step, at most; infinite where the last step did not know the body
-
-  // No point of the surface within `lever` of the centre is further from where it was than this.
-  constexpr T since(T lever) const noexcept { return shifted + lever * turned; }
+  T moved{}, fallen{};  // m, in this step at most: by its velocity, by gravity
+  Vec3<T> shift;        // m, of the centre since the last step
+  T turned{};           // rad since the last step, at most
+  T slack{};  // m, what rounding may have taken from `shift`; infinite where the last step did not know the body
 };
+
+// How far two bodies' surfaces, up to `lever` [m] from the centres, have moved against each other since the last step
+// [m, at most]. Bodies that move side by side have not.
+template <class T>
+T moved_against(const Reach<T>& a, const Reach<T>& b, T lever) noexcept {
+  return norm(b.shift - a.shift) + lever * (a.turned + b.turned) + (a.slack + b.slack);
+}
 
 // How far a body falls in a step that begins at rest [m]. Semi-implicit: s sub-steps fall (1 + 1 / s) times the
 // parabola.
@@ -41,22 +47,27 @@ constexpr Pose<T> unknown_pose() noexcept {
   return {{nan, nan, nan}, {nan, nan, nan, nan}};
 }
 
-// Fills `shifted` and `turned`. They are subtracted from distances of at most `far` [m], over many steps: what is not
-// zero is raised by what such a difference may lose to rounding.
+// Fills `shift`, `turned` and `slack`. What comes of them is subtracted from distances of at most `far` [m], over many
+// steps: the slack of what has moved covers what such a difference may lose to rounding too.
 template <class T>
 void measure_motion(const Pose<T>& before, const Pose<T>& now, T far, Reach<T>& reach) noexcept {
   // Unit quaternions: |q - p| = 2 sin(angle / 4), and no axis turns by more than twice that. Of a quaternion and its
   // negative, the same rotation, this says much too much, which only costs time.
   const Quat<T>&p = before.rotation, &q = now.rotation;
   const T dw = q.w - p.w, dx = q.x - p.x, dy = q.y - p.y, dz = q.z - p.z;
-  const T shifted = norm(now.position - before.position);
+  const Vec3<T> shift = now.position - before.position;
+  const T shifted = norm(shift);
   const T turned = T(2) * std::sqrt(dw * dw + dx * dx + dy * dy + dz * dz);
   constexpr T unknown = std::numeric_limits<T>::infinity(), rounding = T(2) * std::numeric_limits<T>::epsilon();
-  reach.shifted = reach.turned = T(0);
+  reach.shift = {}, reach.turned = reach.slack = T(0);
   if (shifted == T(0) && turned == T(0)) return;
-  const bool known = shifted < unknown && turned < unknown;  // false for a NaN too
-  reach.shifted = known ? shifted * (T(1) + T(4) * rounding) + rounding * far : unknown;
-  reach.turned = known ? turned * (T(1) + T(8) * rounding) : unknown;
+  if (!(shifted < unknown && turned < unknown)) {  // a NaN too
+    reach.slack = unknown;
+    return;
+  }
+  reach.shift = shift;
+  reach.turned = turned * (T(1) + T(8) * rounding);
+  reach.slack = T(4) * rounding * shifted + rounding * far;
 }
 
 }  // namespace tactus::physics

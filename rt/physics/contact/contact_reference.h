@@ -1,5 +1,6 @@
-// A contact's points, fixed to its two bodies: as long as the bodies have hardly moved since they were found, the
-// contact is brought up to date from them instead of being found anew.
+// A contact's points, fixed to its two bodies: as long as the bodies have hardly moved against each other since they
+// were found, the contact is brought up to date from them instead of being found anew. Neither turns by more than that
+// either, so that the normal may stay.
 //
 // Both bodies carry each point along; the gap has changed by how far they carried it apart along the normal, which
 // stays as it was in the world. To first order that is exact; what it neglects is of the order of motion^2 / size.
@@ -19,7 +20,7 @@ struct ContactReference {
   static constexpr std::uint32_t kPoints = kMaxManifoldPoints;
 
   T tolerance{};                             // m: what the surfaces may move, in all; 0: to be found anew
-  T moved{};                                 // m, the surfaces since the points were found, at most
+  T moved{};                                 // m, against each other since the points were found, at most
   T margin{};                                // m, with which they were found
   T lever{};                                 // m, the larger of the two bodies' radii
   T on_a[3][kPoints]{}, on_b[3][kPoints]{};  // m, body axes, from the centres of A and B

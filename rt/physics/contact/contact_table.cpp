@@ -156,7 +156,7 @@ void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
     const Pair& last = last_pairs_[walk.last_pair];
-    pair.gap = last.gap - (a.since(last.lever) + b.since(last.lever)), pair.lever = last.lever;
+    pair.gap = last.gap - moved_against(a, b, last.lever), pair.lever = last.lever;
     if (pair.gap > margin) return;
   }
   pair.gap = pair.lever = T(0);
@@ -173,7 +173,7 @@ void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
   visit.pair = index, visit.old = walk.old_seen;
   if (known && walk.settings.recycle_tolerance_m > T(0)) {
     const ContactReference<T>& reference = walk.old_references[walk.old_seen];
-    visit.moved = reference.moved + (a.since(reference.lever) + b.since(reference.lever));
+    visit.moved = reference.moved + moved_against(a, b, reference.lever);
     visit.search = kCarryOver;
     if (may_carry_over(reference, visit.moved, closing)) return;
   }

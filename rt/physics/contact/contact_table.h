@@ -2,8 +2,8 @@
 //
 // Per step: add_pair for every pair that may touch (any order), then build: sort by key, narrow phase, and the impulses
 // of the same pair and feature in the last step. Two things save most of the work where little moves. A pair of boxes
-// that was apart is not looked at again until its bodies have moved by the gap: a proof, so it never shows in a result
-// and is no part of the state. A contact of boxes or hulls that have hardly moved is carried over
+// that was apart is not looked at again until its bodies have moved against each other by the gap: a proof, so it never
+// shows in a result and is no part of the state. A contact of boxes or hulls that hardly have is carried over
 // (contact_reference.h): that is state. Pairs without points leave no trace, so more pairs than needed give the same
 // bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI. Bound:
 // `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties by lower
@@ -83,14 +83,14 @@ class ContactTable {
     PairKey key;
     std::uint32_t a{0}, b{0};
     PatchTriangles patch;
-    T gap{}, lever{};  // as of a manifold without points, less what the bodies moved since; 0: not known
+    T gap{}, lever{};  // as of a manifold without points, less the motion against each other since; 0: not known
   };
   // A pair that has a contact or may get one: what is carried over, or what is searched.
   struct Visit {
     std::uint32_t pair;
     std::uint32_t old;     // the first contact of the last step whose key is not lower
     std::uint32_t search;  // kCarryOver, or among the searches
-    T moved;               // m, of a contact carried over: the surfaces since its points were found, at most
+    T moved;               // m, of a contact carried over: see ContactReference
   };
   static constexpr std::uint32_t kCarryOver = ~0u;
   struct Search {

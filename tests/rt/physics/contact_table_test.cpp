@@ -88,24 +88,38 @@ TEST_CASE("A pair that waits because it was apart has no contact, however its bo
   CHECK(edges > 300);
 }
 
-TEST_CASE("A body's motion is never said to be less than any point of its surface moved") {
+TEST_CASE("Two bodies' motion against each other is never said to be less than any points of their surfaces moved") {
   test::Random random(2);
   for (int n = 0; n < 5000; ++n) {
     const double radius = random(0.01, 0.5), size = std::pow(10, random(-9, 0));
-    const Posed before{random.vector(10), quat_from_rotation_vector(random.vector(3))};
-    const Posed now = moved(before, random(0, size), random(0, size), random);
-    Reach<double> reach;
-    measure_motion(before, now, 0.02, reach);
-    const Vec3d point = radius * normalized_or(random.vector(1), Vec3d{0, 0, 1});
-    const double moved_by = norm(now * point - before * point);
-    REQUIRE(reach.since(radius) >= moved_by - 1e-15 * 20);  // the check's own rounding at 10 m
-    REQUIRE(reach.since(radius) <= 2.1 * (norm(now.position - before.position) + size * radius) + 1e-15);
+    const Posed before_a{random.vector(10), quat_from_rotation_vector(random.vector(3))};
+    const Posed before_b{random.vector(10), quat_from_rotation_vector(random.vector(3))};
+    const Posed now_a = moved(before_a, random(0, size), random(0, size), random);
+    // Every second time B goes along with A, but for a thousandth.
+    Posed now_b = moved(before_b, random(0, size), random(0, size), random);
+    if (n % 2 == 0) {
+      now_b = moved(before_b, random(0, 1e-3 * size), random(0, size), random);
+      now_b.position += now_a.position - before_a.position;
+    }
+    Reach<double> a, b;
+    measure_motion(before_a, now_a, 0.02, a), measure_motion(before_b, now_b, 0.02, b);
+    const Vec3d on_a = radius * normalized_or(random.vector(1), Vec3d{0, 0, 1});
+    const Vec3d on_b = radius * normalized_or(random.vector(1), Vec3d{0, 0, 1});
+    const Vec3d apart = (now_b * on_b - before_b * on_b) - (now_a * on_a - before_a * on_a);
+    REQUIRE(moved_against(a, b, radius) >= norm(apart) - 1e-15 * 40);  // the check's own rounding at 10 m
+    const double between = norm((now_b.position - now_a.position) - (before_b.position - before_a.position));
+    REQUIRE(moved_against(a, b, radius) <= 1.01 * between + 2.1 * 2 * size * radius + 1e-13);
   }
-  Reach<double> same, unknown;
+  const Reach<double> fixed;
+  Reach<double> same, along, unknown;
   measure_motion<double>({}, {}, 0.02, same);
-  CHECK(same.since(1) == 0);
+  CHECK(moved_against(same, fixed, 1.0) == 0);
+  measure_motion<double>({{}, {}}, {{0.5, 0, 0}, {}}, 0.02, along);
+  CHECK(moved_against(along, fixed, 1.0) >= 0.5);
+  CHECK(moved_against(along, along, 1.0) <= 2e-15);
   measure_motion<double>(unknown_pose<double>(), {}, 0.02, unknown);
-  CHECK(unknown.since(1) == std::numeric_limits<double>::infinity());
+  CHECK(moved_against(unknown, fixed, 1.0) == std::numeric_limits<double>::infinity());
+  CHECK(moved_against(unknown, unknown, 1.0) == std::numeric_limits<double>::infinity());
 }
 
 TEST_CASE("A contact that is carried over is as deep as the two faces say, but for motion times turn") {
