@@ -73,6 +73,7 @@ template <class T, class S>
 void Solver<T, S>::apply_wrenches(const SolverInput<T>& input, T h) noexcept {
   for (std::uint32_t i = 0; i < input.wrenches.size(); ++i) {
     const Wrench<T>& wrench = input.wrenches[i];
+    if (wrench == Wrench<T>{}) continue;
     motion_[i].v += (static_cast<S>(h) * motion_[i].inverse_mass) * number_cast<S>(wrench.force);
     motion_[i].w += inverse_inertia_[i] * number_cast<S>(h * wrench.torque);
   }

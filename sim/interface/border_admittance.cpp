@@ -21,12 +21,16 @@ constexpr double kSticks = 0.95;
 
 // K = L L^T in place, L below and on the diagonal; false where K is not positive.
 bool factorise(Matrix6& k) noexcept {
+#pragma GCC unroll 6
   for (std::size_t j = 0; j < 6; ++j) {
+#pragma GCC unroll 6
     for (std::size_t m = 0; m < j; ++m)
+#pragma GCC unroll 6
       for (std::size_t i = j; i < 6; ++i) k[i][j] -= k[i][m] * k[j][m];
     if (!(k[j][j] > 0)) return false;
     k[j][j] = std::sqrt(k[j][j]);
     const double scale = 1 / k[j][j];
+#pragma GCC unroll 6
     for (std::size_t i = j + 1; i < 6; ++i) k[i][j] *= scale;
   }
   return true;
@@ -46,7 +50,9 @@ void solve(const Matrix6& l, Vector6& b) noexcept {
 
 // X with L X = B, all columns at once.
 void solve_lower(const Matrix6& l, Matrix6& b) noexcept {
+#pragma GCC unroll 6
   for (std::size_t i = 0; i < 6; ++i) {
+#pragma GCC unroll 6
     for (std::size_t m = 0; m < i; ++m)
       for (std::size_t j = 0; j < 6; ++j) b[i][j] -= l[i][m] * b[m][j];
     const double scale = 1 / l[i][i];
@@ -112,17 +118,21 @@ Matrix6 firmness_of_contact(const Contact<double>& contact, std::span<const Body
   for (std::uint32_t i = 0; i < contact.count; ++i)
     friction += contact.points[i].total_friction, pressed += contact.points[i].total_normal_impulse;
   const bool sticks = norm(friction) < kSticks * contact.friction * pressed;
+  // A point that sticks holds in all three directions: as a mass there.
+  double mass = 0;
+  Vec3d moment;
+  SymMat3<double> turning;
   Matrix6 sum{};
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
     const Vec3d r = a.motion.pose.position + point.from_a - centre;
-    if (sticks)  // in all three directions: as a mass there
-      add(sum, inertia_of(firm, firm * r, turning_at(firm, r)));
+    if (sticks)
+      mass += firm, moment += firm * r, turning = turning + turning_at(firm, r);
     else
       hold(sum, firm, contact.normal, cross(r, contact.normal));
   }
-  return sum;
+  return sticks ? inertia_of(mass, moment, turning) : sum;
 }
 
 // Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
