@@ -23,6 +23,7 @@ Solver<T, S>::Solver(const Capacities& capacities)
     : motion_(capacities.bodies),
       inverse_inertia_(capacities.bodies),
       before_(capacities.bodies),
+      pushed_(capacities.bodies),
       contacts_(capacities),
       border_(capacities.border_contacts) {}
 
@@ -43,6 +44,9 @@ void Solver<T, S>::prepare(const SolverInput<T>& input, StageContext<T>& context
     inverse_inertia_[i] = number_cast<S>(rotate_diagonal(
         body.motion.pose.rotation, Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z}));
   });
+  pushed_.clear();
+  for (std::uint32_t i = 0; i < input.wrenches.size(); ++i)
+    if (input.wrenches[i] != Wrench<T>{}) static_cast<void>(pushed_.try_push(i));
   if constexpr (kIsWhole) {
     const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
     spring_.prepare(input.spring, spring_start, motion_.span(), inverse_inertia_.span(), context.h);
@@ -71,9 +75,8 @@ void Solver<T, S>::run_stages(const SolverInput<T>& input, Phase phase, StageCon
 
 template <class T, class S>
 void Solver<T, S>::apply_wrenches(const SolverInput<T>& input, T h) noexcept {
-  for (std::uint32_t i = 0; i < input.wrenches.size(); ++i) {
+  for (const std::uint32_t i : pushed_) {
     const Wrench<T>& wrench = input.wrenches[i];
-    if (wrench == Wrench<T>{}) continue;
     motion_[i].v += (static_cast<S>(h) * motion_[i].inverse_mass) * number_cast<S>(wrench.force);
     motion_[i].w += inverse_inertia_[i] * number_cast<S>(h * wrench.torque);
   }

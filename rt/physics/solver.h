@@ -62,7 +62,8 @@ class Solver {
 
   BoundedVector<SolverBody<S>> motion_;
   BoundedVector<SymMat3<S>> inverse_inertia_;
-  BoundedVector<Twist<S>> before_;  // velocities before a warm start that may be held back
+  BoundedVector<Twist<S>> before_;       // velocities before a warm start that may be held back
+  BoundedVector<std::uint32_t> pushed_;  // slots of the bodies with a wrench
   ContactSolver<S> contacts_;
   BorderSolver<S> border_;
   SpringSolver<S> spring_;

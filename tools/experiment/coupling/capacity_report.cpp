@@ -17,7 +17,7 @@ std::string capacity_table(const CapacityReport& report) {
                         row.breaks.empty() ? "-" : row.breaks);
   return text + fmt::format(
                     "\nCubes in a heap, all awake, stirred by the proxy; sub-world of {} members. CPU time of one "
-                    "thread, the least of up to\nthree identical runs: 99 of 100 ticks within the tick, 9 of 10 global "
+                    "thread, the least of up to\nfive identical runs: 99 of 100 ticks within the tick, 9 of 10 global "
                     "steps within their r ticks. The paper's rule:\ntimes direct is the ratio (50 cubes directly, 500 "
                     "at ratio 10, at 1 kHz).\n",
                     report.members);
