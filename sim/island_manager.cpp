@@ -137,9 +137,10 @@ void IslandManager::count_resting_as_slow() noexcept {
 // Its bounds as begin_step would have them: what wakes it in the next step would also keep it from falling asleep.
 Aabb<double> IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept {
   const Body<double>& body = bodies_[place];
+  const double fall = physics::fall_in_step(settings);
   physics::Reach<double> reach;
-  reach.fallen = std::abs(body.gravity_scale) * physics::fall_in_step(settings);
-  return physics::bounds_of(body.shape, body.motion.pose, physics::margin_of(reach, settings));
+  reach.fallen = std::abs(body.gravity_scale) * fall;
+  return physics::bounds_of(body.shape, body.motion.pose, physics::growth_of(reach, fall, settings));
 }
 
 void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const Aabb<double>> regions,

@@ -38,7 +38,7 @@ struct StepSettings {
   T contact_damping_ratio{T(10)};
   T max_push_speed{T(0.25)};  // m/s: an overlap is pushed out no faster
   T slop{T(1e-5)};            // m: overlap that is left alone
-  T min_margin{T(5e-4)};      // m: points further apart than this + relative speed x dt are not found
+  T min_margin{T(5e-4)};      // m: points further apart than this, and than dt may close, are not found
   T max_margin{T(2e-2)};      // m
   // Contacts of boxes and hulls are carried over until the surfaces have moved by this; 0: found anew in every step.
   T recycle_tolerance_m{T(5e-5)};

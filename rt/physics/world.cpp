@@ -235,8 +235,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     if (frozen_[i] == 0) reach_[i].moved = speed * settings.dt, reach_[i].fallen = std::abs(body.gravity_scale) * fall;
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap<T>, reach_[i]);
     frames_[i] = BodyFrame<T>::of(body.motion.pose);
-    // The bounds of two bodies grow by at least the margin of their pair.
-    bounds_[i] = bounds_of(body.shape, body.motion.pose, margin_of(reach_[i], settings));
+    bounds_[i] = bounds_of(body.shape, body.motion.pose, growth_of(reach_[i], fall, settings));
   };
   executor_.for_each_range(count, kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
     for (; i < end; ++i) measure(i);
@@ -273,7 +272,7 @@ template <class T>
 void World<T>::add_fixed_pair(const SlotPair& pair, const StepSettings<T>& settings, StepReport<T>& report) noexcept {
   const auto [f, i] = pair;
   if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
-    add_mesh_pairs(i, f, margin_of(reach_[i], settings), report);
+    add_mesh_pairs(i, f, margin_to_fixed(reach_[i], settings), report);
   else
     contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
 }
@@ -287,22 +286,24 @@ void World<T>::find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& 
     if (!fixed_pairs_.try_push({f, i})) add_fixed_pair({f, i}, settings, report);
     return true;
   };
+  const T more = growth_to_fixed(fall_in_step(settings), settings);
   // Bodies that are close together meet few fixed ones: then the tree is asked once for all of them.
   FixedVector<std::uint32_t, 16> near;
   bool few = true;
   if (!bodies_.empty()) {
     Aabb<T> all = bounds_[0];
     for (const Aabb<T>& box : bounds_) all = join(all, box);
-    fixed_tree_.find(all, [&](std::uint32_t f) noexcept { return few = near.try_push(f); });
+    fixed_tree_.find(all.grown(more), [&](std::uint32_t f) noexcept { return few = near.try_push(f); });
   }
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
     if (frozen_[i] != 0) continue;
+    const Aabb<T> box = bounds_[i].grown(more);
     if (!few) {
-      fixed_tree_.find(bounds_[i], [&](std::uint32_t f) noexcept { return found(f, i); });
+      fixed_tree_.find(box, [&](std::uint32_t f) noexcept { return found(f, i); });
       continue;
     }
     for (const std::uint32_t f : near)
-      if (fixed_bounds_[f].overlaps(bounds_[i])) found(f, i);
+      if (fixed_bounds_[f].overlaps(box)) found(f, i);
   }
   std::sort(fixed_pairs_.begin(), fixed_pairs_.end(),
             [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
@@ -312,6 +313,7 @@ void World<T>::find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& 
 template <class T>
 void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
   const auto add = [&](const SlotPair& pair) noexcept { add_fixed_pair(pair, context.settings, context.report); };
+  const T more = growth_to_fixed(fall_in_step(context.settings), context.settings);
   mesh_triangles_.clear();
   find_fixed_pairs(context.settings, context.report);
   context.pairs = &fixed_pairs_;
@@ -323,7 +325,7 @@ void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
   for (const std::uint32_t f : fixed_tree_.unbounded()) {
     add_below(f);
     for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-      if (frozen_[i] == 0 && reaches_plane(bounds_[i], fixed_frames_[f])) add({f, i});
+      if (frozen_[i] == 0 && reaches_plane(bounds_[i].grown(more), fixed_frames_[f])) add({f, i});
   }
   add_below(fixed_bodies_.size());
 }

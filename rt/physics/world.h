@@ -67,9 +67,10 @@ class World {
 
   // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them. With a
   // far region, begin_step is told the fewer of the sub-steps: bounds grow by how far a body may fall.
-  void begin_step(const StepSettings<T>& settings) noexcept;  // bounds of all bodies, grown by what they move in dt
-  std::span<const Aabb<T>> bounds() const noexcept;           // by slot, dynamic bodies
-  std::span<const Aabb<T>> fixed_bounds() const noexcept;     // by fixed slot
+  void begin_step(
+      const StepSettings<T>& settings) noexcept;           // bounds of all bodies: of two that may touch, overlapping
+  std::span<const Aabb<T>> bounds() const noexcept;        // by slot, dynamic bodies
+  std::span<const Aabb<T>> fixed_bounds() const noexcept;  // by fixed slot
   // For the pair finder; cleared by begin_step. After the step, all pairs of bounds that overlapped, by key.
   BoundedVector<SlotPair>& dynamic_pairs() noexcept;
   // `far`: not in a world with a spring or border contacts.

@@ -33,11 +33,26 @@ T fall_in_step(const StepSettings<T>& settings) noexcept {
          settings.dt;
 }
 
-// By how much a body's bounds grow: the bounds of two grow by at least the margin of their pair.
+// How near a body must be to a fixed one to be compared with it [m].
 template <class T>
-T margin_of(const Reach<T>& reach, const StepSettings<T>& settings) noexcept {
-  const T closing = reach.moved + reach.fallen + room_to_carry_over(settings);
-  return std::min(std::max(settings.min_margin, closing), settings.max_margin);
+T margin_to_fixed(const Reach<T>& reach, const StepSettings<T>& settings) noexcept {
+  const T closing = std::min(reach.moved + reach.fallen, settings.max_margin);
+  return std::max(settings.min_margin, closing + room_to_carry_over(settings));
+}
+
+// By how much a body's bounds grow [m]: those of two grow by at least the margin of their pair. Two bodies fall side by
+// side, or one of them is held, so each takes half of the fall, and half of the room. `fall`: fall_in_step.
+template <class T>
+T growth_of(const Reach<T>& reach, T fall, const StepSettings<T>& settings) noexcept {
+  const T heavier = std::max(reach.fallen - fall, T(0));
+  const T closing = std::min(reach.moved + T(0.5) * fall + heavier, settings.max_margin);
+  return T(0.5) * room_to_carry_over(settings) + std::max(T(0.5) * settings.min_margin, closing);
+}
+
+// By how much bounds that have grown so are short of margin_to_fixed [m, at most].
+template <class T>
+T growth_to_fixed(T fall, const StepSettings<T>& settings) noexcept {
+  return std::max(T(0.5) * settings.min_margin, T(0.5) * (fall + room_to_carry_over(settings)));
 }
 
 // A pose that is no pose: of a body that the last step did not know.

@@ -69,6 +69,11 @@ struct Aabb {
     return lower.x <= o.lower.x && o.upper.x <= upper.x && lower.y <= o.lower.y && o.upper.y <= upper.y &&
            lower.z <= o.lower.z && o.upper.z <= upper.z;
   }
+  // On every side.
+  constexpr Aabb grown(T by) const noexcept {
+    const Vec3<T> all{by, by, by};
+    return {lower - all, upper + all};
+  }
 };
 
 // The shape's box at `world_from_body`, grown by `margin` on every side. A plane's is unbounded; a hull's or

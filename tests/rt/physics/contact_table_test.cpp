@@ -204,7 +204,7 @@ TEST_CASE("A body that is put elsewhere from outside is found there at once") {
     bench.add_box(2, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.1 - 1e-5}, {}});
     bench.run(3);
     REQUIRE(bench.report.points == 4);
-    bench.position(2) = {0, 0, 0.1008};  // the bounds overlap, the margin is half a millimetre
+    bench.position(2) = {0.10045, 0, 0.10045};  // the bounds overlap, the edges are 0.64 mm apart
     bench.run(2);
     REQUIRE(bench.report.pairs == 1);
     REQUIRE(bench.report.points == 0);
@@ -212,7 +212,7 @@ TEST_CASE("A body that is put elsewhere from outside is found there at once") {
     bench.step();
     REQUIRE(bench.report.points == 4);
     // Another body of that id, elsewhere.
-    bench.position(2) = {0, 0, 0.1008};
+    bench.position(2) = {0.10045, 0, 0.10045};
     bench.run(2);
     REQUIRE(bench.world.remove(2));
     bench.add_box(2, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.1 - 1e-5}, {}});
