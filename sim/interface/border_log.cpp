@@ -262,11 +262,11 @@ HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32
   if (news_.empty()) return result;
   admittance_.index(world);
   for (const News& news : news_) {
-    const auto applied = admittance_.apply(news.slot, members, news.impulse, world.bodies());
+    const auto applied = admittance_.apply(news.slot, reported_, news.impulse, world.bodies());
     result.energy_J += applied.gained_J;
     const Wrenchd rubbed = friction_with(applied.held_Ns, news.slot, world);
     if (rubbed.force != Vec3d{})
-      result.energy_J += admittance_.apply(news.slot, members, rubbed, world.bodies()).gained_J;
+      result.energy_J += admittance_.apply(news.slot, reported_, rubbed, world.bodies()).gained_J;
     result.impulse_Ns += news.impulse.force;
     result.magnitude_Ns += norm(news.impulse.force);
   }

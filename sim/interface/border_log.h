@@ -54,10 +54,11 @@ class BorderLog {
                              std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
   // Of the ghost border, before the next step: what the sub-world did to the outside bodies, normal part too, less what
-  // the members' images did in the last step, given to each and to what moves with it, as the ghosts took it. Where a
-  // body slides on static geometry, what that takes changes its friction too: else a row whose first outside body is
-  // lifted a little by its neighbour's image brakes too late. A late cycle, longer than the global step of
-  // `step_ticks`, counts as its mean. `members`: of the cycle that begins.
+  // the members' images did in the last step, given to each and to what moved with it in that cycle, as the ghosts took
+  // it: one that has become a member since goes along, or else what it stands on is thrown against it. Where a body
+  // slides on static geometry, what that takes changes its friction too: else a row whose first outside body is lifted
+  // a little by its neighbour's image brakes too late. A late cycle, longer than the global step of `step_ticks`,
+  // counts as its mean. `members`: of the cycle that begins.
   HandBack hand_back(const haptics::SubWorldReport& report, std::uint32_t step_ticks,
                      std::span<const std::uint8_t> members, physics::World<double>& world) noexcept;
 

@@ -255,6 +255,24 @@ TEST_CASE("To ghosts the whole difference is handed back: what the members did, 
   }
 }
 
+TEST_CASE("What an outside body bore in the cycle goes along with it, a member by now or not") {
+  const bool is_member_now = GENERATE(true, false);
+  auto world = card_on_slab();
+  BorderLog log(4, 16, 0);
+  auto report = std::make_unique<haptics::SubWorldReport>();
+  *report = {};
+  report->ticks = 10;
+  haptics::BorderReturn lifted;
+  lifted.member = 2, lifted.outside = 0, lifted.normal = {0, 0, -1},
+  lifted.point = world->bodies()[0].motion.pose.position;
+  lifted.normal_impulse_Ns = 0.7;
+  REQUIRE(report->border.try_push(lifted));
+  const Vec3d slab = momentum_of(*world, 0), card = momentum_of(*world, 1);
+  log.hand_back(*report, 10, std::vector<std::uint8_t>{0, is_member_now}, *world);
+  CHECK((momentum_of(*world, 0) - slab).z == Approx(0.7 * 20 / 21).epsilon(1e-2));
+  CHECK((momentum_of(*world, 1) - card).z == Approx(0.7 * 1 / 21).epsilon(1e-1));
+}
+
 TEST_CASE("A body that slides on the ground rubs more where the members press it down, one at rest does not") {
   const double speed = GENERATE(0.3, 0.0);
   test::PhysicsBench<> bench;
