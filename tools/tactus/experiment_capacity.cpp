@@ -33,7 +33,7 @@ int run_capacity(const CapacityOptions& options) {
   for (const std::string& word : options.couplings) request.couplings.push_back(*sim::parse_coupling_scheme(word));
   request.members = options.members;
   request.most_bodies = options.most;
-  if (options.quick) request.ticks = 200;
+  if (options.quick) request.ticks = 200, request.runs = 3;
   const auto report = experiment::run_capacity(request, experiment::terminal_progress());
   if (!report.ok()) return complain("tactus experiment capacity: " + report.message(), kExitBadInput);
   const std::string json = experiment::capacity_json(report.value());
@@ -57,10 +57,10 @@ void add_capacity(CLI::App& experiment, int& exit_code) {
   command->footer(
       "A heap of cubes, up to eight layers, all awake, that the proxy stirs. Sustained: 99 of 100 ticks compute for\n"
       "less than the tick, and 9 of 10 global steps for less than their r ticks (the global world has a core of its\n"
-      "own). CPU time of one thread; a heap that is too slow is run again, up to five times in all, and the least\n"
-      "time of each tick and step counts. The heap doubles until something is too slow; then the number is narrowed\n"
-      "down to an eighth of an octave. The haptic side has sub-steps of 0.25 ms at every rate, the global world one\n"
-      "every two ticks, as pile5000.\n\n"
+      "own). CPU time of one thread; a heap that is too slow is run again, up to five times in all (three with\n"
+      "--quick), and the least time of each tick and step counts. The heap doubles until something is too slow; then\n"
+      "the number is narrowed down to an eighth of an octave. The haptic side has sub-steps of 0.25 ms at every rate,\n"
+      "the global world one every two ticks, as pile5000.\n\n"
       "Example:\n  tactus experiment capacity --quick\n  tactus experiment capacity --rates 1000 --ratios 10 --page "
       "capacity.html");
   command->add_option("--rates", options->rates_Hz, "Hz, separated by commas; default 1000,2000,4000")

@@ -22,9 +22,6 @@ constexpr unsigned kLeastBodies = 25;
 constexpr unsigned kLeastSteps = 40;
 // Five sub-steps in 10 ms bring columns of eight cubes to rest (3e-5 m/s), of twelve not (1e-3 m/s).
 constexpr unsigned kMostLayers = 8;
-// A heap that is too slow is run again, at most so often: the same bits each time, so what a step takes longer is the
-// machine's, and its least time counts.
-constexpr std::size_t kRuns = 5;
 // What takes more than that many times its period no run will bring down.
 constexpr double kHopeless = 2;
 constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
@@ -164,7 +161,7 @@ Bracket find_capacity(unsigned least, unsigned most, const std::function<bool(un
 Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress) {
   settle_on_core();
   CapacityReport report;
-  report.members = request.members;
+  report.members = request.members, report.runs = request.runs;
   // A search is as long as any other, nearly: most of it goes into its largest heaps.
   double work = 0, done = 0;
   for (const CouplingScheme coupling : request.couplings)
@@ -185,7 +182,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
           CapacityPoint point;
           point.coupling = coupling, point.rate_Hz = rate_Hz, point.ratio = ratio, point.bodies = bodies;
           HeapTimes times;
-          while (times.ticks_us.size() < kRuns) {
+          while (times.ticks_us.size() < request.runs) {
             const auto timed = time_heap(request, point, times);
             if (!timed.ok()) failed = timed.status();
             if (!timed.ok()) return false;
