@@ -226,6 +226,7 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
   const auto count = bodies_.size();
   bounds_.resize(count), reach_.resize(count), frames_.resize(count);
   const T fall = fall_in_step(settings);
+  growth_to_fixed_ = growth_to_fixed(fall, settings);
   const auto measure = [&](std::uint32_t i) noexcept {
     const Body<T>& body = bodies_[i];
     const Twist<T>& velocity = body.motion.velocity;
@@ -286,18 +287,17 @@ void World<T>::find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& 
     if (!fixed_pairs_.try_push({f, i})) add_fixed_pair({f, i}, settings, report);
     return true;
   };
-  const T more = growth_to_fixed(fall_in_step(settings), settings);
   // Bodies that are close together meet few fixed ones: then the tree is asked once for all of them.
   FixedVector<std::uint32_t, 16> near;
   bool few = true;
   if (!bodies_.empty()) {
     Aabb<T> all = bounds_[0];
     for (const Aabb<T>& box : bounds_) all = join(all, box);
-    fixed_tree_.find(all.grown(more), [&](std::uint32_t f) noexcept { return few = near.try_push(f); });
+    fixed_tree_.find(all.grown(growth_to_fixed_), [&](std::uint32_t f) noexcept { return few = near.try_push(f); });
   }
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
     if (frozen_[i] != 0) continue;
-    const Aabb<T> box = bounds_[i].grown(more);
+    const Aabb<T> box = bounds_[i].grown(growth_to_fixed_);
     if (!few) {
       fixed_tree_.find(box, [&](std::uint32_t f) noexcept { return found(f, i); });
       continue;
@@ -313,7 +313,6 @@ void World<T>::find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& 
 template <class T>
 void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
   const auto add = [&](const SlotPair& pair) noexcept { add_fixed_pair(pair, context.settings, context.report); };
-  const T more = growth_to_fixed(fall_in_step(context.settings), context.settings);
   mesh_triangles_.clear();
   find_fixed_pairs(context.settings, context.report);
   context.pairs = &fixed_pairs_;
@@ -325,7 +324,7 @@ void World<T>::add_fixed_pairs(StageContext<T>& context) noexcept {
   for (const std::uint32_t f : fixed_tree_.unbounded()) {
     add_below(f);
     for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-      if (frozen_[i] == 0 && reaches_plane(bounds_[i].grown(more), fixed_frames_[f])) add({f, i});
+      if (frozen_[i] == 0 && reaches_plane(bounds_[i].grown(growth_to_fixed_), fixed_frames_[f])) add({f, i});
   }
   add_below(fixed_bodies_.size());
 }

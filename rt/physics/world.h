@@ -67,8 +67,8 @@ class World {
 
   // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them. With a
   // far region, begin_step is told the fewer of the sub-steps: bounds grow by how far a body may fall.
-  void begin_step(
-      const StepSettings<T>& settings) noexcept;           // bounds of all bodies: of two that may touch, overlapping
+  // Bounds of all bodies: those of two that may touch overlap.
+  void begin_step(const StepSettings<T>& settings) noexcept;
   std::span<const Aabb<T>> bounds() const noexcept;        // by slot, dynamic bodies
   std::span<const Aabb<T>> fixed_bounds() const noexcept;  // by fixed slot
   // For the pair finder; cleared by begin_step. After the step, all pairs of bounds that overlapped, by key.
@@ -152,6 +152,7 @@ class World {
   BoundedVector<Aabb<T>> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame<T>> frames_, fixed_frames_;
   BoundedVector<Reach<T>> reach_;          // by slot
+  T growth_to_fixed_{};                    // m, of bounds beside a fixed body, in this step
   BoundedVector<Pose<T>> last_poses_;      // by slot: at the start of the last step; unknown_pose() of newcomers
   BoundedVector<std::uint32_t> moved_to_;  // scratch of insert and remove
   FixedTree<T> fixed_tree_;

@@ -434,6 +434,17 @@ TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of 
   }
 }
 
+TEST_CASE("What a body with the fewer sub-steps falls on is found, though the others take more") {
+  PhysicsBench<> bench;
+  bench.settings.dt = 1e-2, bench.settings.sub_steps = 1;
+  const double gap = 0.999 * fall_in_step(bench.settings);
+  bench.add_ground(9, 0.5);
+  bench.add_box(1, {0.05, 0.05, 0.05}, 0.2, 0.5, {{0, 0, 0.05 + gap + 0.999 * room_to_carry_over(bench.settings)}, {}});
+  bench.world.begin_step(bench.settings);
+  bench.settings.sub_steps = 5;
+  CHECK(bench.world.finish_step(bench.settings).pairs == 1);
+}
+
 TEST_CASE("The bounds of a step hold what a body moves in it, and no more than the largest margin, however fast") {
   PhysicsBench<> bench;
   bench.add_box(1, {0.05, 0.02, 0.01}, 0.2, 0.5, {{0, 0, 1}, quat_from_rotation_vector(Vec3d{1, 2, 3})},
