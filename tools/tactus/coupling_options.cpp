@@ -25,7 +25,9 @@ std::string command_of(const CouplingOptions& o, const experiment::StudyRequest&
   if (!o.borders.empty()) text += fmt::format(" --borders {}", fmt::join(o.borders, ","));
   if (!o.ratios.empty()) text += fmt::format(" --ratios {}", fmt::join(o.ratios, ","));
   text += fmt::format(" --seeds {}", request.seeds);
-  if (o.members > 0) text += fmt::format(" --members {}", o.members);
+  for (const std::string& file : o.scene_files) text += " --scene " + file;
+  if (o.whole_s > 0) text += fmt::format(" --whole {:g}", o.whole_s);
+  if (!o.members.empty()) text += fmt::format(" --members {}", fmt::join(o.members, ","));
   if (o.order != "best-first") text += " --order " + o.order;
   return text + (o.quick ? " --quick" : "") + " --page " + o.page;
 }
@@ -37,6 +39,12 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   command.add_option("--scenes", options.scenes, "scenes, separated by commas; all by default")
       ->delimiter(',')
       ->check(CLI::IsMember(case_names()));
+  command.add_option("--scene", options.scene_files, "any scene file instead, with its own hand; may be given again")
+      ->check(CLI::ExistingFile);
+  command
+      .add_option("--whole", options.whole_s,
+                  "also whole runs of so many seconds, from rest, with the hand of the scene's own script")
+      ->check(CLI::Range(1.0, 600.0));
   command.add_option("--borders", options.borders, "borders, separated by commas; all that are compared by default")
       ->delimiter(',')
       ->check(CLI::IsMember({"ghost", "capped", "replay", "frozen"}));
@@ -44,9 +52,12 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
       ->delimiter(',')
       ->check(CLI::Range(1, 100));
   command.add_option("--seeds", options.seeds, "hands that press and slide a little differently")
-      ->check(CLI::Range(1, 1000))
+      ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  command.add_option("--members", options.members, "cap of the sub-world; default: what the scene's case says")
+  command
+      .add_option("--members", options.members,
+                  "caps of the sub-world, separated by commas; default: what the scene's case says")
+      ->delimiter(',')
       ->check(CLI::Range(1, 256));
   command.add_option("--order", options.order, "in which the contact graph is cut: best-first or breadth-first")
       ->check(CLI::IsMember({"best-first", "breadth-first"}))
@@ -57,41 +68,107 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   command.add_flag("--json", options.json, "one JSON object on stdout");
 }
 
-int run_coupling_experiment(const CouplingOptions& options, const std::vector<experiment::Scheme>& schemes) {
-  experiment::StudyRequest request;
+namespace {
+
+Result<std::vector<experiment::CouplingCase>> cases_of(const CouplingOptions& options) {
+  std::vector<experiment::CouplingCase> cases;
+  for (const std::string& file : options.scene_files) {
+    auto one = experiment::case_of_file(file);
+    if (!one.ok()) return one.status();
+    cases.push_back(std::move(one).value());
+  }
+  if (!cases.empty() && options.scenes.empty()) return cases;
   for (const auto& one : experiment::coupling_cases())
     if (options.scenes.empty() ||
         std::find(options.scenes.begin(), options.scenes.end(), one.name) != options.scenes.end())
-      request.cases.push_back(one);
+      cases.push_back(one);
+  return cases;
+}
+
+std::vector<experiment::Scheme> schemes_of(const CouplingOptions& options,
+                                           const std::vector<experiment::Scheme>& schemes) {
   std::vector<unsigned> ratios = options.ratios;
   if (ratios.empty()) ratios = options.quick ? std::vector<unsigned>{2, 8, 16} : std::vector<unsigned>{1, 2, 4, 8, 16};
-  const auto asked_for = [&](const experiment::Scheme& scheme) {
-    const auto& borders = options.borders;
-    return borders.empty() || scheme.coupling != haptics::CouplingScheme::kSubWorld ||
-           std::find(borders.begin(), borders.end(), sim::name_of(scheme.border)) != borders.end();
-  };
+  const auto& borders = options.borders;
+  std::vector<experiment::Scheme> chosen;
   for (experiment::Scheme scheme : schemes) {
-    if (!asked_for(scheme)) continue;
+    if (!borders.empty() && scheme.coupling == haptics::CouplingScheme::kSubWorld &&
+        std::find(borders.begin(), borders.end(), sim::name_of(scheme.border)) == borders.end())
+      continue;
     if (scheme.coupling == haptics::CouplingScheme::kDirect) {
       scheme.ratio = 1;
-      request.schemes.push_back(scheme);
+      chosen.push_back(scheme);
       continue;
     }
     for (const unsigned ratio : ratios) {
       scheme.ratio = ratio;
-      request.schemes.push_back(scheme);
+      chosen.push_back(scheme);
     }
   }
+  return chosen;
+}
+
+// Windows for each cap on members, one after the other; the account of a scene is of the last.
+Result<experiment::StudyReport> run_windows(const CouplingOptions& options, experiment::StudyRequest request) {
+  experiment::StudyReport all;
+  for (const unsigned members : options.members.empty() ? std::vector<unsigned>{0} : options.members) {
+    request.members = members;
+    auto report = experiment::run_coupling_study(request, experiment::terminal_progress());
+    if (!report.ok()) return report;
+    auto rows = std::move(all.rows);
+    rows.insert(rows.end(), report.value().rows.begin(), report.value().rows.end());
+    all = std::move(report).value();
+    all.rows = std::move(rows);
+  }
+  return all;
+}
+
+Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOptions& options,
+                                                            const experiment::StudyRequest& study) {
+  experiment::WholeRunRequest request;
+  for (const auto& one : study.cases) {
+    auto scene = experiment::load_case_scene(one);
+    if (!scene.ok()) return scene.status();
+    request.scenes.push_back(std::move(scene).value());
+    request.scenes.back().members = one.members;
+  }
+  for (const auto& scheme : study.schemes)
+    if (scheme.coupling != haptics::CouplingScheme::kDirect) request.schemes.push_back(scheme);
+  if (!options.members.empty()) request.members = options.members;
+  request.seconds = options.whole_s;
+  request.hand_of_direct = true;
+  request.order = study.order;
+  return experiment::run_whole(request, experiment::terminal_progress());
+}
+
+}  // namespace
+
+int run_coupling_experiment(const CouplingOptions& options, const std::vector<experiment::Scheme>& schemes) {
+  const auto failed = [&](const Status& status) {
+    return complain(fmt::format("tactus experiment {}: {}", options.name, status.message()), kExitBadInput);
+  };
+  experiment::StudyRequest request;
+  auto cases = cases_of(options);
+  if (!cases.ok()) return failed(cases.status());
+  request.cases = std::move(cases).value();
+  request.schemes = schemes_of(options, schemes);
   request.seeds = options.quick ? std::min(2u, options.seeds) : options.seeds;
-  request.members = options.members;
   request.order = *sim::parse_cut_order(options.order);
   request.quick = options.quick;
-  const auto report = experiment::run_coupling_study(request, experiment::terminal_progress());
-  if (!report.ok())
-    return complain(fmt::format("tactus experiment {}: {}", options.name, report.message()), kExitBadInput);
-  const std::string json = experiment::study_json(report.value());
-  fmt::print("{}\n", options.json ? json : experiment::study_table(report.value()));
-  const int exit_code = write_file(options.csv, experiment::study_csv(report.value()));
+  experiment::StudyReport report;
+  if (request.seeds > 0) {
+    auto windows = run_windows(options, request);
+    if (!windows.ok()) return failed(windows.status());
+    report = std::move(windows).value();
+  }
+  if (options.whole_s > 0) {
+    auto whole = run_whole_rows(options, request);
+    if (!whole.ok()) return failed(whole.status());
+    report.whole = std::move(whole).value();
+  }
+  const std::string json = experiment::study_json(report);
+  fmt::print("{}\n", options.json ? json : experiment::study_table(report));
+  const int exit_code = write_file(options.csv, experiment::study_csv(report));
   if (options.page.empty()) return exit_code;
   const Status status = experiment::write_page(options.name, json, command_of(options, request), options.page);
   return status.ok()

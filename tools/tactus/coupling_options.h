@@ -15,9 +15,10 @@ namespace tactus::tools {
 
 struct CouplingOptions {
   std::string name;  // of the experiment
-  std::vector<std::string> scenes, borders;
-  std::vector<unsigned> ratios;
-  unsigned seeds{20}, members{0};
+  std::vector<std::string> scenes, scene_files, borders;
+  std::vector<unsigned> ratios, members;
+  unsigned seeds{20};
+  double whole_s{0};  // length of whole runs; 0: none
   std::string order{"best-first"}, csv, page;
   bool quick{false}, json{false};
 };

@@ -136,6 +136,22 @@ Motion CoupledWorlds::motion() const noexcept {
   return sum;
 }
 
+// Members as the haptic side has them, the others as the global world has them.
+void CoupledWorlds::bodies(std::vector<physics::Body<double>>& all) const {
+  const auto& inner = sub_world_->world();
+  all.clear();
+  if (!exchanges()) {
+    all.assign(inner.bodies().begin(), inner.bodies().end());
+    return;
+  }
+  for (const auto& body : global_->bodies()) {
+    const std::int32_t slot =
+        config_.scheme == CouplingScheme::kSubWorld || body.id == config_.proxy ? inner.slot_of(body.id) : -1;
+    all.push_back(slot >= 0 ? inner.bodies()[static_cast<std::size_t>(slot)] : body);
+    if (slot < 0 && body.id == config_.proxy && !first_) all.back().motion = sub_world_->proxy();
+  }
+}
+
 Moment CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
   Moment moment;
   moment.tick = tick;

@@ -51,8 +51,9 @@ class CoupledWorlds {
 
   // Does the next tick begin with a synchronisation? Then all bodies are at the same time.
   bool at_synchronisation() const noexcept;
-  Motion motion() const noexcept;                           // at a synchronisation
-  Moment moment(std::uint64_t tick, bool every_bit) const;  // of the direct coupling; without every bit: no `state`
+  Motion motion() const noexcept;                              // at a synchronisation
+  void bodies(std::vector<physics::Body<double>>& all) const;  // that move, by id; at a synchronisation
+  Moment moment(std::uint64_t tick, bool every_bit) const;     // of the direct coupling; without every bit: no `state`
 
   const haptics::SubWorld& sub_world() const noexcept { return *sub_world_; }
   const sim::GlobalWorld* global() const noexcept { return global_.get(); }

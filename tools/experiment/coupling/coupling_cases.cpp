@@ -35,9 +35,21 @@ std::span<const CouplingCase> coupling_cases() {
   return cases;
 }
 
+Result<CouplingCase> case_of_file(const std::string& path) {
+  auto loaded = sim::load_scene(path);
+  if (!loaded.ok()) return loaded.status();
+  CouplingCase one;
+  one.name = loaded.value().name, one.file = path, one.members = loaded.value().members, one.own_hand = true;
+  return one;
+}
+
+Result<sim::Scene> load_case_scene(const CouplingCase& one) {
+  return sim::load_scene(one.own_hand ? one.file : std::string(TACTUS_SCENES "/") + one.file);
+}
+
 Result<sim::Scene> load_coupling_case(const CouplingCase& one, std::uint64_t seed) {
-  auto loaded = sim::load_scene(std::string(TACTUS_SCENES "/") + one.file);
-  if (!loaded.ok()) return loaded;
+  auto loaded = load_case_scene(one);
+  if (!loaded.ok() || one.own_hand) return loaded;
   sim::Scene scene = std::move(loaded).value();
   Vec3d press = one.press_m, slide = one.slide_m;
   if (seed > 0) {

@@ -19,6 +19,7 @@ ordered_json to_json(const StudyRow& row) {
           {"coupling", sim::name_of(row.scheme.coupling)},
           {"border", border_of(row.scheme)},
           {"ratio", row.scheme.ratio},
+          {"members", row.members},
           {"loss", row.energy.loss},
           {"gain", row.energy.gain},
           {"force_error_rms", row.force_error},
@@ -57,9 +58,34 @@ ordered_json to_json(const StudyScene& scene) {
           {"loop_hold_N", scene.loop.hold_N}};
 }
 
-}  // namespace
+ordered_json to_json(const WholeRunRow& row) {
+  return {{"scene", row.scene},
+          {"coupling", sim::name_of(row.scheme.coupling)},
+          {"border", border_of(row.scheme)},
+          {"ratio", row.scheme.ratio},
+          {"members", row.members},
+          {"seconds", row.seconds},
+          {"hand", row.closed_hand ? "closed" : "direct"},
+          {"force_error", row.force_error},
+          {"force_error_by_quarter", row.force_error_quarter},
+          {"force_rms_N", row.force_rms_N},
+          {"pose_off_m", row.pose_off_m},
+          {"pose_off_most_m", row.pose_off_most_m},
+          {"pose_off_share_of_size", row.pose_off_share},
+          {"drift_m", row.drift_m},
+          {"deepest_m", row.deepest_m},
+          {"direct_deepest_m", row.direct_deepest_m},
+          {"kinetic_J", row.kinetic_J},
+          {"kinetic_over_work", row.kinetic_over_work},
+          {"energy_gain_J", row.energy_gain_J},
+          {"direct_energy_gain_J", row.direct_energy_gain_J},
+          {"energy_at_play_J", row.energy_at_play_J},
+          {"border_work_J", row.border_work_J},
+          {"fallen", row.fallen},
+          {"stands", row.stands}};
+}
 
-std::string study_table(const StudyReport& report) {
+std::string windows_table(const StudyReport& report) {
   std::string text = fmt::format("{:<11} {:>6} {:>9} {:>7} {:>7} {:>8} {:>8} {:>14}\n", "scene", "bodies", "component",
                                  "members", "points", "contact", "force N", "1 um apart");
   for (const StudyScene& s : report.scenes)
@@ -81,12 +107,23 @@ std::string study_table(const StudyReport& report) {
                     report.seeds, report.windows, report.window_s);
 }
 
+}  // namespace
+
+std::string study_table(const StudyReport& report) {
+  return fmt::format("{}{}{}", report.seeds > 0 ? windows_table(report) : std::string(),
+                     report.seeds > 0 && !report.whole.empty() ? "\n" : "",
+                     report.whole.empty() ? std::string() : whole_table(report.whole));
+}
+
 std::string study_json(const StudyReport& report) {
+  ordered_json whole = ordered_json::array();
+  for (const WholeRunRow& row : report.whole) whole.push_back(to_json(row));
   ordered_json rows = ordered_json::array(), scenes = ordered_json::array();
   for (const StudyRow& row : report.rows) rows.push_back(to_json(row));
   for (const StudyScene& scene : report.scenes) scenes.push_back(to_json(scene));
   return ordered_json{{"rows", rows},
                       {"scenes", scenes},
+                      {"whole", whole},
                       {"seeds", report.seeds},
                       {"windows_per_seed", report.windows},
                       {"window_s", report.window_s},

@@ -209,6 +209,7 @@ void SceneStudy::add_to(StudyReport& report) const {
     StudyRow row;
     row.scene = case_.name;
     row.scheme = request_.schemes[i];
+    row.members = account.members;
     row.at_rest = sums.energy.at_rest();
     row.energy = sums.energy.kinetic();
     row.worst_instant = sums.energy.worst_instant();

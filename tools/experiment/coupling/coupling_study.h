@@ -9,20 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "rt/haptics/coupling_scheme.h"
-#include "rt/physics/border/border_contact.h"
 #include "sim/interface/extraction.h"
 #include "tools/experiment/coupling/coupling_cases.h"
 #include "tools/experiment/coupling/energy_measures.h"
+#include "tools/experiment/coupling/scheme.h"
+#include "tools/experiment/coupling/whole_run.h"
 #include "tools/experiment/progress.h"
 
 namespace tactus::experiment {
-
-struct Scheme {
-  haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border{physics::BorderMode::kGhost};
-  unsigned ratio{8};
-};
 
 struct StudyRequest {
   std::vector<CouplingCase> cases;
@@ -44,6 +38,7 @@ struct HandInLoop {
 struct StudyRow {
   std::string scene;
   Scheme scheme;
+  unsigned members{0};                             // cap
   Deviation energy, worst_instant, speed_squared;  // L1, L2, L3, of the windows in which the hand moves
   bool at_rest{false};                             // L1 and L2 are shares of the energy at play, see energy_measures.h
   double force_error{0};                           // RMS(F - F_direct) / RMS(F_direct), over all windows
@@ -72,7 +67,8 @@ struct StudyScene {
 struct StudyReport {
   std::vector<StudyRow> rows;
   std::vector<StudyScene> scenes;
-  unsigned seeds{0}, windows{0};  // a seed
+  std::vector<WholeRunRow> whole;  // beside the windows, see whole_run.h
+  unsigned seeds{0}, windows{0};   // a seed
   double window_s{0}, line_Hz{0};
 };
 

@@ -1,0 +1,288 @@
+#include "tools/experiment/coupling/whole_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rt/base/denormals.h"
+#include "sim/loader/choice_names.h"
+#include "tools/experiment/coupling/force_measures.h"
+#include "tools/experiment/coupling/reference_run.h"
+#include "tools/session/open_link.h"
+#include "tools/session/session.h"
+
+namespace tactus::experiment {
+namespace {
+
+using haptics::CouplingScheme;
+using physics::Body;
+
+// Poses are compared at a multiple of every ratio that is accepted for this, so that each run is at a synchronisation.
+constexpr unsigned kCompareEvery = 16 * 5;
+// A work below this is none: the energy at play is then the weight alone.
+constexpr double kLeastWork_J = 1e-6;
+// A force no device gives: the run has left all bounds and ends there.
+constexpr double kLostForce_N = 1e4;
+
+double smallest_extent(const physics::Shape<double>& shape) {
+  switch (shape.kind) {
+    case physics::ShapeKind::kSphere:
+    case physics::ShapeKind::kCapsule:
+      return 2 * shape.radius;
+    default:
+      return 2 * std::min({shape.half_extents.x, shape.half_extents.y, shape.half_extents.z});
+  }
+}
+
+double turned(const Body<double>& a, const Body<double>& b) {
+  return norm(small_rotation_vector(a.motion.pose.rotation * conjugate(b.motion.pose.rotation)));
+}
+
+double off(const Body<double>& a, const Body<double>& b) {
+  return norm(a.motion.pose.position - b.motion.pose.position);
+}
+
+// One run, tick by tick: what the comparison and the direct run both need.
+struct Trace {
+  std::vector<Vec3d> force;
+  std::vector<haptics::DeviceTarget> target;
+  std::vector<std::vector<Body<double>>> poses;  // every kCompareEvery ticks
+  std::vector<Body<double>> end;
+  double deepest_m{0}, kinetic_J{0}, kinetic_over_work{0}, gain_J{0}, work_J{0}, border_work_J{0};
+  bool lost{false};
+};
+
+double potential_J(std::span<const Body<double>> bodies, const Vec3d& gravity) {
+  double sum = 0;
+  for (const auto& body : bodies) sum -= body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
+  return sum;
+}
+
+double kinetic_J(std::span<const Body<double>> bodies) {
+  double sum = 0;
+  for (const auto& body : bodies) sum += kinetic_energy(body);
+  return sum;
+}
+
+class WholeRun {
+ public:
+  WholeRun(const sim::Scene& scene, const hal::DeviceProfile& profile, double seconds, sim::CutOrder order)
+      : scene_(scene), profile_(profile), seconds_(seconds), order_(order) {
+    double fall = 0;
+    for (const auto& body : scene.bodies)
+      if (body.kind == physics::BodyKind::kDynamic)
+        fall += body.mass * body.gravity_scale * norm(scene.gravity_m_per_s2) * smallest_extent(body.shape);
+    weight_J_ = fall;
+  }
+
+  double weight_J() const { return weight_J_; }
+
+  session::RunOptions options(const Scheme& scheme, unsigned members) const {
+    session::RunOptions options;
+    options.coupling = scheme.coupling;
+    options.border = scheme.border;
+    options.ratio = scheme.ratio;
+    options.members = members > 0 ? members : scene_.members;
+    options.order = order_;
+    options.rate_Hz = kHapticRate_Hz;
+    options.virtual_time = true;
+    return options;
+  }
+
+  // `targets`: of another run's hand; empty: the run's own arm in the loop.
+  Trace run(const Scheme& scheme, unsigned members, std::span<const haptics::DeviceTarget> targets) const {
+    const auto chosen = options(scheme, members);
+    CoupledWorlds worlds(scene_, chosen, profile_.properties);
+    const auto config = session::loop_config(scene_, chosen, profile_.properties);
+    ScriptedArm arm(profile_, session::make_hand(scene_), config.placement, config.period_s);
+    worlds.start_at_rest();
+    Trace trace;
+    std::vector<Body<double>> bodies;
+    worlds.bodies(bodies);
+    const double start_J = potential_J(bodies, scene_.gravity_m_per_s2) + kinetic_J(bodies);
+    const double start_potential_J = potential_J(bodies, scene_.gravity_m_per_s2);
+    double work_J = 0, work_size_J = 0;
+    Twistd before = worlds.sub_world().proxy().velocity;
+    const std::size_t ticks = tick_at(seconds_);
+    for (std::size_t k = 0; k < ticks; ++k) {
+      if (k > 0 && targets.empty()) arm.advance(on_device_);
+      trace.target.push_back(targets.empty() ? arm.encoded() : targets[k]);
+      const bool all_at_one_time = worlds.at_synchronisation();
+      if (all_at_one_time) {
+        worlds.bodies(bodies);
+        const double kinetic = kinetic_J(bodies), potential = potential_J(bodies, scene_.gravity_m_per_s2);
+        const double released = std::max(0.0, start_potential_J - potential);
+        trace.kinetic_J = std::max(trace.kinetic_J, kinetic);
+        trace.kinetic_over_work =
+            std::max(trace.kinetic_over_work, kinetic / std::max(kLeastWork_J, work_size_J + released));
+        trace.gain_J = std::max(trace.gain_J, kinetic + potential - start_J - work_J);
+        if (k % kCompareEvery == 0) trace.poses.push_back(bodies);
+      }
+      const haptics::SubWorldStep& step = worlds.tick(trace.target.back());
+      on_device_ = step.on_device;
+      trace.force.push_back(step.on_device.force);
+      trace.deepest_m = std::max(trace.deepest_m, step.report.deepest_m);
+      if (!is_finite(on_device_) || norm(on_device_.force) > kLostForce_N) {
+        trace.lost = true;
+        break;
+      }
+      const Twistd& now = worlds.sub_world().proxy().velocity;
+      const Vec3d mean = 0.5 * (before.linear + now.linear), turn = 0.5 * (before.angular + now.angular);
+      const double work = -(dot(on_device_.force, mean) + dot(on_device_.torque, turn)) / kHapticRate_Hz;
+      work_J += work, work_size_J += std::abs(work);
+      before = now;
+    }
+    on_device_ = {};
+    worlds.bodies(trace.end);
+    if (worlds.global() != nullptr)
+      trace.deepest_m = std::max(trace.deepest_m, worlds.global()->statistics().deepest_m);
+    trace.work_J = work_size_J;
+    trace.border_work_J = worlds.sub_world().border_work_J();
+    return trace;
+  }
+
+ private:
+  const sim::Scene& scene_;
+  const hal::DeviceProfile& profile_;
+  double seconds_;
+  sim::CutOrder order_;
+  double weight_J_{0};
+  mutable Wrenchd on_device_;
+};
+
+void compare_force(const Trace& run, const Trace& direct, WholeRunRow& row) {
+  const std::size_t n = direct.force.size();
+  std::vector<Vec3d> force = run.force;
+  force.resize(n);  // a run that was lost gives nothing from there on
+  ForceError whole;
+  for (std::size_t q = 0; q < 4; ++q) {
+    const std::size_t from = q * n / 4, to = (q + 1) * n / 4;
+    ForceError quarter;
+    quarter.add(std::span(force).subspan(from, to - from), std::span(direct.force).subspan(from, to - from));
+    row.force_error_quarter[q] = quarter.relative();
+    whole.add(quarter);
+  }
+  row.force_error = whole.relative();
+  row.force_rms_N = std::sqrt(whole.reference_squared / static_cast<double>(n));
+}
+
+double farthest(std::span<const Body<double>> a, std::span<const Body<double>> b) {
+  double most = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) most = std::max(most, off(a[i], b[i]));
+  return most;
+}
+
+void compare_poses(const Trace& run, const Trace& direct, WholeRunRow& row) {
+  row.pose_off_m = farthest(run.end, direct.end);
+  row.pose_off_most_m = row.pose_off_m;
+  const std::size_t compared = std::min(run.poses.size(), direct.poses.size());
+  for (std::size_t i = 0; i < compared; ++i)
+    row.pose_off_most_m = std::max(row.pose_off_most_m, farthest(run.poses[i], direct.poses[i]));
+  if (compared > 0) {
+    const std::size_t at = compared * 3 / 4;
+    row.drift_m = row.pose_off_m - farthest(run.poses[at], direct.poses[at]);
+  }
+  for (std::size_t i = 0; i < std::min(run.end.size(), direct.end.size()); ++i) {
+    if (norm(direct.end[i].motion.velocity.linear) > StandingRule::kAtRest_m_per_s) continue;
+    const double extent = smallest_extent(direct.end[i].shape), distance = off(run.end[i], direct.end[i]);
+    row.pose_off_share = std::max(row.pose_off_share, distance / extent);
+    const bool stands = distance <= StandingRule::kShareOfExtent * extent &&
+                        (direct.end[i].shape.kind == physics::ShapeKind::kSphere ||
+                         turned(run.end[i], direct.end[i]) < StandingRule::kTurnedOver_rad);
+    if (!stands) ++row.fallen;
+  }
+  row.stands = row.fallen == 0 && !run.lost;
+}
+
+WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct) {
+  WholeRunRow row;
+  compare_force(run, direct, row);
+  compare_poses(run, direct, row);
+  row.deepest_m = run.deepest_m, row.direct_deepest_m = direct.deepest_m;
+  row.kinetic_J = run.kinetic_J, row.kinetic_over_work = run.kinetic_over_work;
+  row.energy_gain_J = run.gain_J, row.direct_energy_gain_J = direct.gain_J;
+  row.energy_at_play_J = direct.work_J + whole.weight_J();
+  row.border_work_J = run.border_work_J;
+  return row;
+}
+
+}  // namespace
+
+Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const Progress& progress) {
+  set_denormals_flush();
+  constexpr Scheme kDirect{CouplingScheme::kDirect, physics::BorderMode::kCapped, 1};
+  std::vector<WholeRunRow> rows;
+  double work = 0, done = 0;
+  for (const sim::Scene& scene : request.scenes)
+    work += static_cast<double>(scene.bodies.size() * (1 + request.schemes.size() * request.members.size()));
+  const Pace pace(progress, work);
+  for (const sim::Scene& scene : request.scenes) {
+    const auto profile = session::find_description(scene.device.profile, {});
+    if (!profile.ok()) return profile.status();
+    const WholeRun whole(scene, profile.value(), request.seconds, request.order);
+    pace.say(fmt::format("scene {}, direct", scene.name), done);
+    const Trace direct = whole.run(kDirect, 0, {});
+    done += static_cast<double>(scene.bodies.size());
+    for (const unsigned members : request.members)
+      for (const Scheme& scheme : request.schemes) {
+        pace.say(fmt::format("scene {}, ratio {}", scene.name, scheme.ratio), done);
+        if (scheme.coupling != CouplingScheme::kDirect) {
+          const Status status = sim::check_global_options(
+              scene, session::global_options(scene, whole.options(scheme, members), profile.value().properties));
+          if (!status.ok()) return status;
+        }
+        for (const bool closed : {true, false}) {
+          if (!closed && !request.hand_of_direct) continue;
+          const Trace run =
+              whole.run(scheme, members, closed ? std::span<const haptics::DeviceTarget>() : std::span(direct.target));
+          WholeRunRow row = row_of(whole, run, direct);
+          row.scene = scene.name, row.scheme = scheme, row.seconds = request.seconds, row.closed_hand = closed;
+          row.members = members > 0 ? members : scene.members;
+          rows.push_back(std::move(row));
+        }
+        done += static_cast<double>(scene.bodies.size());
+      }
+  }
+  return rows;
+}
+
+std::string whole_table(std::span<const WholeRunRow> rows) {
+  std::string text = fmt::format(
+      "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n", "scene",
+      "coupling", "border", "ratio", "members", "hand", "force err%", "by quarter %", "off mm", "most mm", "of size%",
+      "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
+  for (const WholeRunRow& r : rows) {
+    std::string quarters;
+    for (const double q : r.force_error_quarter) quarters += fmt::format(" {:>6.2f}", 100 * q);
+    text += fmt::format(
+        "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} {:>9.3f} "
+        "{:>9.3f} {:>7}\n",
+        r.scene, sim::name_of(r.scheme.coupling), sim::name_of(r.scheme.border), r.scheme.ratio, r.members,
+        r.closed_hand ? "closed" : "direct", 100 * r.force_error, quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m,
+        100 * r.pose_off_share, 1e3 * r.drift_m, 1e3 * r.deepest_m, r.kinetic_over_work,
+        100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
+        r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
+  }
+  return text;
+}
+
+std::string whole_csv(std::span<const WholeRunRow> rows) {
+  std::string text =
+      "scene,coupling,border,ratio [1],members [1],seconds [s],hand,force_error [1],force_error_q1 [1],force_error_q2 "
+      "[1],"
+      "force_error_q3 [1],force_error_q4 [1],force_rms [N],pose_off [m],pose_off_most [m],pose_off_share [1],drift [m],"
+      "deepest [m],direct_deepest [m],kinetic [J],kinetic_over_work [1],energy_gain [J],direct_energy_gain [J],"
+      "energy_at_play [J],border_work [J],fallen [1],stands\n";
+  for (const WholeRunRow& r : rows)
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
+                        sim::name_of(r.scheme.coupling), sim::name_of(r.scheme.border), r.scheme.ratio, r.members,
+                        r.seconds, r.closed_hand ? "closed" : "direct", r.force_error, r.force_error_quarter[0],
+                        r.force_error_quarter[1], r.force_error_quarter[2], r.force_error_quarter[3], r.force_rms_N,
+                        r.pose_off_m, r.pose_off_most_m, r.pose_off_share, r.drift_m, r.deepest_m, r.direct_deepest_m,
+                        r.kinetic_J, r.kinetic_over_work, r.energy_gain_J, r.direct_energy_gain_J, r.energy_at_play_J,
+                        r.border_work_J, r.fallen, r.stands);
+  return text;
+}
+
+}  // namespace tactus::experiment

@@ -1,0 +1,69 @@
+// Whole runs of a coupling beside the direct one, from rest to the end, with the hand of the scene's own script.
+//
+// Windows of 200 ms start from the direct run's state, so they cannot see a border that tears a scene down in two
+// seconds. A whole run can: force, poses and energy are compared over its full length. Two hands: `closed`, the arm
+// in the loop of the run itself, and `direct`, the arm's motion of the direct run. Thread: one. Virtual time: the same
+// request, the same bits. Frame: world. Units: SI.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rt/base/result.h"
+#include "sim/interface/extraction.h"
+#include "sim/loader/scene.h"
+#include "tools/experiment/coupling/scheme.h"
+#include "tools/experiment/progress.h"
+
+namespace tactus::experiment {
+
+struct WholeRunRequest {
+  std::vector<sim::Scene> scenes;
+  std::vector<Scheme> schemes;       // beside the direct coupling
+  std::vector<unsigned> members{0};  // caps; 0: the scene's
+  double seconds{10};
+  bool hand_of_direct{false};  // also with the direct run's hand
+  sim::CutOrder order{sim::CutOrder::kBestFirst};
+};
+
+// A body stands where, at the end, its centre is within half of its smallest extent of where the direct run has it,
+// and it is turned by less than kTurnedOver against it. Bodies that the direct run itself does not leave at rest
+// (faster than kAtRest at its end) do not count.
+struct StandingRule {
+  static constexpr double kShareOfExtent = 0.5;
+  static constexpr double kTurnedOver_rad = 0.5;
+  static constexpr double kAtRest_m_per_s = 0.01;
+};
+
+struct WholeRunRow {
+  std::string scene;
+  Scheme scheme;
+  unsigned members{0};
+  double seconds{0};
+  bool closed_hand{true};
+  double force_error{0};  // RMS(F - F_direct) / RMS(F_direct), over the whole run
+  std::array<double, 4> force_error_quarter{};
+  double force_rms_N{0};                     // of the direct run
+  double pose_off_m{0}, pose_off_most_m{0};  // farthest body from the direct run's: at the end, at any synchronisation
+  double pose_off_share{0};  // at the end, of bodies that the direct run leaves at rest: of their smallest extent
+  double drift_m{0};         // farthest body from the direct run's at the end, less the same at three quarters
+  double deepest_m{0}, direct_deepest_m{0};  // overlap of two bodies, at any tick of the haptic side or global step
+  double kinetic_J{0};                       // largest kinetic energy of all bodies
+  double kinetic_over_work{0};               // that, over the hand's work and the potential energy released till then
+  double energy_gain_J{0};                   // largest excess of kinetic + potential energy over start + hand's work
+  double direct_energy_gain_J{0};            // same, of the direct run
+  double energy_at_play_J{0};                // hand's work without sign + weight of each body times its extent
+  unsigned fallen{0};                        // bodies
+  bool stands{true};
+  double border_work_J{0};  // done on members by the border
+};
+
+// One line where a scene does not go with the schemes.
+Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const Progress& progress);
+
+std::string whole_table(std::span<const WholeRunRow> rows);
+std::string whole_csv(std::span<const WholeRunRow> rows);  // units in the header
+
+}  // namespace tactus::experiment
