@@ -78,7 +78,9 @@ std::uint32_t touches_for(const Scene& scene) noexcept {
 }
 
 // The scene's moving and fixed bodies, all at once.
-physics::World<double> world_of(const Scene& scene, physics::SweepPrecision precision) {
+physics::World<double> world_of(const Scene& scene, const GlobalOptions& options) {
+  const bool has_spring = options.coupling == CouplingScheme::kInterpolation;
+  const physics::SweepPrecision precision = has_spring ? physics::SweepPrecision::kFull : options.precision;
   physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, global_effect_setups(scene),
                                precision);
   for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
@@ -106,6 +108,8 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
     return Status::error("solver.global_sub_steps_per_tick is 0: give 0.1 or more");
   if (scene.proxy >= scene.bodies.size() || scene.bodies[scene.proxy].kind != BodyKind::kDynamic)
     return Status::error("the scene's proxy must be one of its dynamic bodies");
+  if (options.coupling == CouplingScheme::kInterpolation && !options.more_proxies.empty())
+    return Status::error("the interpolation coupling holds one proxy: use sub-world with several devices");
   for (const BodyId proxy : options.more_proxies)
     if (proxy >= scene.bodies.size() || proxy == scene.proxy || scene.bodies[proxy].kind != BodyKind::kDynamic)
       return Status::error(fmt::format("body {} is no proxy for a further device: it must be dynamic", proxy));
@@ -126,7 +130,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       options_(options),
       settings_(settings_for(scene, options)),
       bounds_settings_(settings_),
-      world_(world_of(scene, options.precision)),
+      world_(world_of(scene, options)),
       hulls_(scene.hulls),
       meshes_(scene.meshes),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
@@ -267,8 +271,8 @@ void GlobalWorld::step(const SubWorldReport& report, WorldSnapshot& next) noexce
 void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& report) noexcept {
   Device& device = devices_[device_index];
   if (options_.coupling == CouplingScheme::kInterpolation) {
-    // The effort that the device stored over the cycle, all at once.
-    if (is_finite(report.stored_effort)) world_.apply_impulse(slot_of(device), report.stored_effort);
+    const bool sane = is_finite(report.device.pose) && is_finite(report.device.velocity);
+    device.target = sane ? report.device : haptics::DeviceTarget{};
     device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
     wake_near(device);
     return;
@@ -297,6 +301,28 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   device.held_before = mean;
 }
 
+// Interpolation: the coupling's spring and damper between the proxy and the device, for a pass that begins `elapsed_s`
+// after the step. A device that does not hold the proxy brings it to rest.
+void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
+  if (options_.coupling != CouplingScheme::kInterpolation) return;
+  const Device& device = devices_[0];
+  const haptics::DeviceTarget& target = device.target;
+  physics::PoseSpring<double> spring;
+  spring.enabled = true;
+  spring.slot = slot_of(device);
+  spring.damping_Ns_per_m = options_.gains.damping_Ns_per_m;
+  spring.damping_Nms_per_rad = options_.gains.damping_Nms_per_rad;
+  spring.target = world_.bodies()[spring.slot].motion.pose;
+  if (target.engaged) {
+    spring.stiffness_N_per_m = options_.gains.stiffness_N_per_m;
+    spring.stiffness_Nm_per_rad = options_.gains.stiffness_Nm_per_rad;
+    spring.target = {target.pose.position + elapsed_s * target.velocity.linear,
+                     quat_from_rotation_vector(elapsed_s * target.velocity.angular) * target.pose.rotation};
+    spring.target_velocity = target.velocity;
+  }
+  world_.device_spring() = spring;
+}
+
 // Pose and velocity of the members as they are, bit by bit; with the static coupling only the proxy's, since the
 // others were frozen.
 void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) noexcept {
@@ -319,8 +345,9 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
   device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
 }
 
-physics::StepReport<double> GlobalWorld::take_pass(std::uint32_t passes) noexcept {
+physics::StepReport<double> GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t passes) noexcept {
   const auto settings = physics::settings_of_pass(settings_, passes);
+  hold_proxy(pass * settings.dt);
   const auto bounds_settings = physics::settings_of_pass(bounds_settings_, passes);
   for (const Device& device : devices_)
     if (device.held_by != Wrenchd{}) world_.apply_wrench(slot_of(device), device.held_by);
@@ -339,8 +366,9 @@ std::uint32_t GlobalWorld::passes_of_step() noexcept {
   if (islands_.awake().size() > kMostInPasses) return 1;
   for (const Device& device : devices_)
     if (device.has_border) return 1;
+  const bool moved_here = options_.coupling == CouplingScheme::kInterpolation;  // the proxy too
   const std::span<const std::uint8_t> members =
-      devices_.size() == 1 ? member_slots(devices_[0]) : std::span<const std::uint8_t>();
+      devices_.size() == 1 && !moved_here ? member_slots(devices_[0]) : std::span<const std::uint8_t>();
   return std::gcd(physics::passes_of(world_, bounds_settings_, members), settings_.sub_steps);
 }
 
@@ -350,7 +378,7 @@ void GlobalWorld::advance() noexcept {
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
     const std::uint32_t bits = report.capacity_bits;
     const double deepest_m = report.deepest_m;
-    report = take_pass(passes);
+    report = take_pass(pass, passes);
     report.capacity_bits |= bits, report.deepest_m = std::max(report.deepest_m, deepest_m);
   }
   for (Device& device : devices_) device.held_by = {};

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "rt/base/result.h"
+#include "rt/haptics/coupling_limits.h"
 #include "rt/haptics/coupling_scheme.h"
 #include "sim/interface/border_log.h"
 #include "sim/interface/extraction.h"
@@ -32,7 +33,9 @@ struct GlobalOptions {
   ExtractionOptions extraction;
   std::vector<BodyId> more_proxies{};  // of the devices beyond the scene's own: dynamic bodies of the scene
   ReachSettings reach;                 // with the ratio and the tick period
+  // Of the sweeps; with the interpolation coupling always full: its spring is solved in them.
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
+  haptics::CouplingGains gains;  // of the interpolation coupling, world units: the other couplings' are the haptic side's
   double touch_tolerance_m{1e-4};  // before the first step, bodies this near count as touching
 };
 
@@ -112,6 +115,7 @@ class GlobalWorld {
     Posed reported_proxy;    // where the device's own world had it at t_n
     Wrenchd held_by{};       // N, N m: on the proxy over the next step
     Wrenchd held_before{};   // mean of the last cycle
+    haptics::DeviceTarget target{};  // interpolation: where the proxy is wanted as the next step begins
     bool has_border{false};  // its last snapshot
   };
 
@@ -126,9 +130,10 @@ class GlobalWorld {
   void sleep() noexcept;
   physics::FarRegion far_region() noexcept;
   std::uint32_t passes_of_step() noexcept;
-  physics::StepReport<double> take_pass(std::uint32_t passes) noexcept;
+  physics::StepReport<double> take_pass(std::uint32_t pass, std::uint32_t passes) noexcept;
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
+  void hold_proxy(double elapsed_s) noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
   void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;

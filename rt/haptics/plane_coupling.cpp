@@ -1,69 +1,80 @@
 #include "rt/haptics/plane_coupling.h"
 
-#include <algorithm>
-#include <array>
-#include <limits>
-
 namespace tactus::haptics {
-namespace {
 
-using Pulls = std::array<double, kMaxProxyPlanes>;  // along each normal; m or m/s
-
-// The nearest point to `wanted`, by one plane after the other: each pulls as far as it must, and no less than `least`.
-Vec3d nearest(std::span<const ProxyPlane> planes, const Vec3d& wanted, double least, Pulls& pulls) noexcept {
-  Vec3d at = wanted;
-  pulls.fill(0);
-  for (unsigned sweep = 0; sweep < kPlaneSweeps; ++sweep)
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-      const double pull = std::max(least, pulls[i] + planes[i].offset - dot(planes[i].normal, at));
-      at += (pull - pulls[i]) * planes[i].normal;
-      pulls[i] = pull;
-    }
-  return at;
-}
-
-// The planes that hold, through the origin: what the velocity sees of them.
-ProxyPlanes holding(std::span<const ProxyPlane> planes, const Pulls& pulls) noexcept {
-  ProxyPlanes held;
-  for (std::size_t i = 0; i < planes.size(); ++i)
-    if (pulls[i] != 0) (void)held.try_push({planes[i].normal, 0});
-  return held;
-}
-
-}  // namespace
-
-ProxyPlanes planes_of(std::span<const physics::BorderContact<double>> contacts, const Quatd& rotation,
-                      CouplingScheme scheme) noexcept {
-  ProxyPlanes planes;
+void PlaneCoupling::adopt(std::span<const physics::BorderContact<double>> contacts, bool first) noexcept {
+  before_ = now_;
+  if (first) before_.planes.clear();
+  now_.planes.clear();
+  now_.held = held_;
   for (const auto& contact : contacts) {
-    if (scheme == CouplingScheme::kLinearised && contact.impulse_rate <= 0) continue;
     // The contact point of a proxy at x is x + arm; at line_point it was `gap` above the surface.
-    const Vec3d arm = rotate(rotation, contact.member_anchor);
-    if (!planes.try_push({contact.normal, dot(contact.normal, contact.line_point - arm) - contact.gap})) break;
+    const double height = dot(contact.normal, contact.line_point) - contact.gap;
+    if (!now_.planes.try_push({contact.normal, contact.member_anchor, height, contact.friction, contact.impulse_rate,
+                               contact.outside_velocity}))
+      return;
   }
-  return planes;
 }
 
-HeldProxy keep_above(std::span<const ProxyPlane> planes, const Vec3d& wanted, const Vec3d& velocity) noexcept {
-  Pulls pulls;
-  HeldProxy held;
-  held.position = nearest(planes, wanted, 0, pulls);
-  const ProxyPlanes touched = holding(planes, pulls);
-  held.touches = touched.size() > 0;
-  held.velocity = nearest(touched.span(), velocity, 0, pulls);
+// The planes are asked for x + lead v with position alone: K times what they take is then spring and damper together,
+// K (x - p) + B (v - v_p), which makes the friction cone that of the whole force. A proxy that is free is at x.
+HeldProxy PlaneCoupling::follow(const DeviceTarget& target, const Tick& tick) noexcept {
+  if (follows_ == 0)
+    held_ = now_.held = before_.held = target.pose.position + tick.lead_s * target.velocity.linear;
+  follows_ = 1;
+  HeldProxy held = keep(now_, target, tick);
+  if (tick.in_cycle + 1 < tick.ratio) {
+    const double share = static_cast<double>(tick.in_cycle + 1) / tick.ratio;
+    const HeldProxy old = keep(before_, target, tick);
+    held.position = old.position + share * (held.position - old.position);
+    held.velocity = old.velocity + share * (held.velocity - old.velocity);
+    held.touches = held.touches || old.touches;
+    held.slides = held.slides || old.slides;
+  }
+  held_ = held.position;
+  held.position -= tick.lead_s * held.velocity;
   return held;
 }
 
-HeldProxy keep_on(std::span<const ProxyPlane> planes, const Vec3d& wanted, const Vec3d& velocity) noexcept {
-  constexpr double kEitherWay = -std::numeric_limits<double>::infinity();
-  Pulls pulls;
-  HeldProxy held;
-  held.position = nearest(planes, wanted, kEitherWay, pulls);
-  held.touches = !planes.empty();
-  ProxyPlanes through_origin;
-  for (const ProxyPlane& plane : planes) (void)through_origin.try_push({plane.normal, 0});
-  held.velocity = nearest(through_origin.span(), velocity, kEitherWay, pulls);
+HeldProxy PlaneCoupling::keep(PlaneSet& set, const DeviceTarget& target, const Tick& tick) noexcept {
+  const bool linearised = tick.scheme == CouplingScheme::kLinearised;
+  const double surface_moves_s = tick.in_cycle < tick.ratio ? tick.period_s : 0.0;
+  ProxyPlanes planes;
+  for (const ContactPlane& contact : set.planes) {
+    if (linearised && contact.press_N <= 0) continue;
+    const Vec3d arm = rotate(target.pose.rotation, contact.anchor);
+    (void)planes.try_push({contact.normal, contact.height - dot(contact.normal, arm), contact.friction,
+                           set.held + surface_moves_s * contact.surface_velocity, contact.surface_velocity});
+  }
+  const Vec3d wanted = target.pose.position + tick.lead_s * target.velocity.linear;
+  const HeldProxy held = linearised ? keep_on(planes.span(), wanted, target.velocity.linear)
+                                    : keep_above(planes.span(), wanted, target.velocity.linear);
+  set.held = held.position;
   return held;
+}
+
+void PlaneCoupling::save(ByteWriter& out) const noexcept {
+  for (const PlaneSet* set : {&now_, &before_}) {
+    out.put(set->planes.size());
+    out.put_all(set->planes.span());
+    out.put(set->held);
+  }
+  out.put(held_);
+  out.put(follows_);
+}
+
+bool PlaneCoupling::restore(ByteReader& in) noexcept {
+  for (PlaneSet* set : {&now_, &before_}) {
+    std::uint32_t count = 0;
+    in.get(count);
+    if (!in.ok() || count > kMaxProxyPlanes) return false;
+    set->planes.count = count;
+    in.get_all(set->planes.span());
+    in.get(set->held);
+  }
+  in.get(held_);
+  in.get(follows_);
+  return in.ok();
 }
 
 }  // namespace tactus::haptics

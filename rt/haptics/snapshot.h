@@ -69,6 +69,13 @@ struct WorldSnapshot {
   EffectBytes effects;                                                     // of the members
 };
 
+// Where the device wants the proxy to be. Not engaged: the proxy is not held and comes to rest where it is.
+struct DeviceTarget {
+  bool engaged{false};
+  Posed pose;       // world
+  Twistd velocity;  // world
+};
+
 struct MemberMotion {
   BodyId id{kNoBody};
   std::uint32_t padding{0};
@@ -97,7 +104,7 @@ struct SubWorldReport {
   FixedVector<BorderReturn, kMaxBorderPoints> border;
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left
   Wrenchd mean_device_wrench;  // N, N m, on the proxy, over the cycle that ended
-  Wrenchd stored_effort;       // N s, N m s: the effort of the cycle (interpolation coupling)
+  DeviceTarget device;         // at t_n, with its mean velocity over the cycle that ended (interpolation coupling)
   EffectBytes effects;         // of the members of the cycle that ended
 };
 

@@ -4,7 +4,6 @@
 
 #include "rt/base/hash.h"
 #include "rt/base/status.h"
-#include "rt/haptics/plane_coupling.h"
 #include "rt/haptics/snapshot_bytes.h"
 
 namespace tactus::haptics {
@@ -51,15 +50,6 @@ void slow_down(std::span<physics::BorderGhost<double>> ghosts, double share) noe
   }
 }
 
-// From a (share 0) to b (share 1) the short way round. The chord and not the arc: it ends on b exactly, and the turn of
-// one cycle is so small that its speed is even to a share of turn^2 / 8.
-Quatd between(const Quatd& a, const Quatd& b, double share) noexcept {
-  const double way = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0 ? -share : share;
-  const double rest = 1.0 - share;
-  return normalized(
-      Quatd{rest * a.w + way * b.w, rest * a.x + way * b.x, rest * a.y + way * b.y, rest * a.z + way * b.z});
-}
-
 }  // namespace
 
 SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
@@ -98,8 +88,8 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   take_near_triangles(snapshot.near_regions.span(), snapshot.near_triangles.span());
   if (config_.scheme == CouplingScheme::kStatic) freeze_all_but_proxy();
   if (config_.scheme == CouplingScheme::kInterpolation && state_.has_snapshot == 0) proxy_ = snapshot.proxy;
-  state_.global_proxy[0] = state_.has_snapshot != 0 ? state_.global_proxy[1] : snapshot.proxy;
-  state_.global_proxy[1] = snapshot.proxy;
+  state_.interpolation.adopt(snapshot.proxy, state_.has_snapshot == 0);
+  if (feels_planes(config_.scheme)) planes_.adopt(world_.border_contacts().span(), state_.has_snapshot == 0);
   state_.has_snapshot = 1;
   state_.ticks_in_cycle = 0;
   state_.cycle_impulse = {};
@@ -116,9 +106,9 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   report.warm_starts.clear();
   report.effects.clear();
   report.mean_device_wrench = {};
-  report.stored_effort = {};
+  report.device = {};
   if (config_.scheme == CouplingScheme::kInterpolation) {
-    report.stored_effort = state_.cycle_impulse;
+    report.device = state_.interpolation.report(state_.ticks_in_cycle, config_.step.dt);
     return;
   }
   if (state_.ticks_in_cycle > 0) {
@@ -381,18 +371,10 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
   if (result.report.cut_sweep != physics::kNeverCut) result.status |= kSolverCut;
 }
 
-// The proxy as the device feels it goes from where it was in G(n-1) to where it is in G(n), one cycle behind; the
-// effort on it is only stored.
+// The proxy as the device feels it is that of the global world, one cycle behind.
 void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept {
-  const auto& from = state_.global_proxy[0].pose;
-  const auto& to = state_.global_proxy[1].pose;
-  const bool late = state_.ticks_in_cycle >= config_.ratio;
-  const double u = late ? 1.0 : static_cast<double>(state_.ticks_in_cycle + 1) / config_.ratio;
-  const double cycle_s = config_.ratio * config_.step.dt;
-  const Vec3d turn = small_rotation_vector(to.rotation * conjugate(from.rotation));
-  proxy_.pose.position = from.position + u * (to.position - from.position);
-  proxy_.pose.rotation = between(from.rotation, to.rotation, u);
-  proxy_.velocity = late ? Twistd{} : Twistd{(to.position - from.position) * (1 / cycle_s), turn * (1 / cycle_s)};
+  proxy_ = state_.interpolation.proxy_in(state_.ticks_in_cycle, config_.ratio, config_.step.dt);
+  state_.interpolation.note(target, config_.step.dt);
   if (target.engaged) feel_proxy(target, result);
 }
 
@@ -402,13 +384,16 @@ void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) 
   if (slot < 0) return;
   proxy_.velocity = {};
   if (target.engaged) {
-    const auto planes = planes_of(world_.border_contacts().span(), target.pose.rotation, config_.scheme);
-    const bool linearised = config_.scheme == CouplingScheme::kLinearised;
-    const HeldProxy held = linearised ? keep_on(planes.span(), target.pose.position, target.velocity.linear)
-                                      : keep_above(planes.span(), target.pose.position, target.velocity.linear);
+    const PlaneCoupling::Tick tick{config_.scheme, config_.step.dt, state_.ticks_in_cycle, config_.ratio,
+                                   config_.stiffness_N_per_m > 0
+                                       ? config_.damping_Ns_per_m / config_.stiffness_N_per_m
+                                       : 0.0};
+    const HeldProxy held = planes_.follow(target, tick);
     proxy_ = {{held.position, target.pose.rotation}, {held.velocity, target.velocity.angular}};
     if (held.touches) result.status |= kProxyContact;
     feel_proxy(target, result);
+  } else {
+    planes_.let_go();
   }
   world_.bodies()[static_cast<std::uint32_t>(slot)].motion = proxy_;
 }
@@ -456,6 +441,7 @@ void SubWorld::save(ByteWriter& out) const noexcept {
   out.put_all(outside_velocity_.span());
   out.put(proxy_);
   out.put(state_);
+  planes_.save(out);
 }
 
 bool SubWorld::restore(ByteReader& in) noexcept {
@@ -467,6 +453,7 @@ bool SubWorld::restore(ByteReader& in) noexcept {
   in.get_all(outside_velocity_.span());
   in.get(proxy_);
   in.get(state_);
+  if (!planes_.restore(in)) return false;
   border_count_ = world_.border_contacts().size();
   world_.near_triangles = {};
   return in.ok() && state_.last_sub_steps > 0;
@@ -474,7 +461,7 @@ bool SubWorld::restore(ByteReader& in) noexcept {
 
 std::size_t SubWorld::save_size_bound() const noexcept {
   return world_.save_size_bound() + sizeof(std::uint32_t) + outside_velocity_.capacity() * sizeof(Vec3d) +
-         sizeof(proxy_) + sizeof(state_);
+         sizeof(proxy_) + sizeof(state_) + PlaneCoupling::kMostBytes;
 }
 
 }  // namespace tactus::haptics

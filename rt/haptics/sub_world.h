@@ -9,6 +9,8 @@
 #pragma once
 
 #include "rt/haptics/coupling_scheme.h"
+#include "rt/haptics/interpolation_coupling.h"
+#include "rt/haptics/plane_coupling.h"
 #include "rt/haptics/snapshot.h"
 #include "rt/physics/world.h"
 
@@ -26,13 +28,6 @@ struct SubWorldConfig {
   physics::Hulls<double> hulls;           // of the bodies' shapes; they must outlive the sub-world
   physics::Meshes<double> meshes;         // same
   physics::EffectSetups<double> effects;  // same, what they look into
-};
-
-// Where the device wants the proxy to be. Not engaged: the proxy is not held and comes to rest where it is.
-struct DeviceTarget {
-  bool engaged{false};
-  Posed pose;       // world
-  Twistd velocity;  // world
 };
 
 struct SubWorldStep {
@@ -91,7 +86,7 @@ class SubWorld {
     std::uint32_t padding{0};
     Posed proxy_start;                            // of the epoch wanted
     Wrenchd cycle_impulse;                        // N s, N m s: on the proxy by the coupling, this cycle
-    physics::BodyMotion<double> global_proxy[2];  // interpolation: in G(n-1), in G(n)
+    InterpolationCoupling interpolation;
     double border_work_J{0};
     double tank_J{kTankAtStart_J}, owed_J{0};
   };
@@ -126,6 +121,7 @@ class SubWorld {
   BoundedVector<physics::NearRegion<double>> near_regions_;
   BoundedVector<std::uint32_t> near_triangles_;
   physics::BodyMotion<double> proxy_;
+  PlaneCoupling planes_;  // empty but with the couplings that feel planes
   std::uint32_t border_count_{0};
   State state_;
 };

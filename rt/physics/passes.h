@@ -5,7 +5,8 @@
 // fast is not seen coming (max_margin). A haptic tick is short enough and always one pass; a global step of many ticks
 // is taken in as many passes as its fastest body needs, each with its own begin_step and finish_step of the pass's
 // settings. Sub-steps stay as long as they are, so warm starts go on as within one step, and a world at rest, or slow,
-// has one pass and pays nothing. Not for a world with a spring or border contacts: those are given for a whole step.
+// has one pass and pays nothing. Not for a world with border contacts: those are given for a whole step. A spring's
+// target is given anew for each pass.
 // Thread: the owner of the World. Units: SI. Bound: linear in bodies and contacts; as many passes as milliseconds or
 // sub-steps.
 #pragma once

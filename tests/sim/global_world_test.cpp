@@ -272,21 +272,56 @@ TEST_CASE("Friction of the sub-world reaches the outside body, in replay as it i
   CHECK(bench.world.statistics().handed_back_impulse_Ns == Approx(norm(entry.tangent_impulse)));
 }
 
-TEST_CASE("Interpolation: the proxy alone is a member, the stored effort acts at once, nothing is imposed") {
+TEST_CASE("Interpolation: the proxy alone is a member, the coupling's spring holds it in the step, nothing is imposed") {
   GlobalOptions options = slow_device();
   options.coupling = CouplingScheme::kInterpolation;
+  options.gains = {300, 4, 1, 0.01};
   Bench bench(stack(3), options);
   CHECK(ids(*bench.snapshot) == std::vector<BodyId>{2});
   Bench loose(floating(2), options);
+  const auto start = loose.body(0).motion;
   REQUIRE(loose.report->members.try_push(motion(0, {9, 9, 9}, {9, 9, 9})));
-  loose.report->stored_effort.force = {0, 0.5, 0};
   loose.report->mean_device_wrench.force = {100, 0, 0};
-  loose.world.impose(0, *loose.report);
-  CHECK(loose.body(0).motion.velocity.linear == Vec3d{0, 0.25, 0});
-  CHECK(loose.body(0).motion.pose == loose.scene.bodies[0].motion.pose);
+  loose.report->device = {true, {start.pose.position + Vec3d{0, 1e-3, 0}, start.pose.rotation}, {{0, 0.02, 0}, {}}};
   loose.step();
+  // Implicit Euler of a mass on a spring and damper to a moving target, however many passes the step is taken in.
+  const double mass = loose.scene.bodies[0].mass;
+  const auto& reach = options.reach;
+  const std::uint32_t sub_steps = loose.scene.solver.global_sub_steps(reach.ratio);
+  const double h = reach.ratio * reach.tick_period_s / sub_steps, gain = h * (4 + h * 300);
+  double x = 0, v = 0;
+  for (std::uint32_t j = 0; j < sub_steps; ++j) {
+    v = (mass * v + gain * 0.02 - h * 300 * (x - (1e-3 + j * h * 0.02))) / (mass + gain);
+    x += h * v;
+  }
+  CHECK(loose.body(0).motion.velocity.linear.y == Approx(v).epsilon(1e-9));
+  CHECK(loose.body(0).motion.pose.position.y - start.pose.position.y == Approx(x).epsilon(1e-9));
+  CHECK(std::abs(loose.body(0).motion.pose.position.x - start.pose.position.x) < 1e-15);
   CHECK(same_bits(loose.snapshot->proxy, loose.body(0).motion));
   CHECK(loose.snapshot->joiners.empty());
+  // What is no number holds nothing, nor does a device that lets go: the damper brings the proxy to rest.
+  for (const bool engaged : {true, false}) {
+    loose.report->device = {engaged, {{0, std::nan(""), 0}, {}}, {}};
+    const double before = norm(loose.body(0).motion.velocity.linear);
+    loose.step();
+    CHECK(norm(loose.body(0).motion.velocity.linear) < before);
+  }
+}
+
+TEST_CASE("Interpolation: a device that moves on is followed, pass by pass, and the spring does not throw the proxy") {
+  GlobalOptions options = slow_device();
+  options.coupling = CouplingScheme::kInterpolation;
+  options.gains = {2000, 100, 1, 0.01};
+  Bench bench(floating(1), options);
+  const auto start = bench.body(0).motion.pose;
+  const Vec3d velocity{0, 0.5, 0};  // so fast that a step is several passes
+  const double step_s = bench.world.step_s();
+  for (int i = 0; i < 100; ++i) {
+    bench.report->device = {true, {start.position + (i * step_s) * velocity, start.rotation}, {velocity, {}}};
+    bench.step();
+  }
+  CHECK(norm(bench.body(0).motion.pose.position - start.position - (100 * step_s) * velocity) < 1e-6);
+  CHECK(norm(bench.body(0).motion.velocity.linear - velocity) < 1e-4);
 }
 
 TEST_CASE("Static: only the proxy is imposed, the other members come anew each time, without a border") {
@@ -329,6 +364,9 @@ TEST_CASE("Scenes and options that cannot run are refused in one line") {
   CHECK(message(floating(3), options).empty());
   options.coupling = CouplingScheme::kDirect;
   CHECK(message(floating(3), options).find("direct") != std::string::npos);
+  options.coupling = CouplingScheme::kInterpolation;
+  options.more_proxies = {1};
+  CHECK(message(floating(3), options).find("holds one proxy") != std::string::npos);
   options = {};
   options.extraction.cap = 257;
   CHECK(message(floating(3), options).find("257") != std::string::npos);

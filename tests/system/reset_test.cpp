@@ -43,7 +43,6 @@ TEST_CASE("a reset puts every body back, with the force off, whatever the coupli
   CHECK(summary.global.resets == 2);
   CHECK(resetting > 0);
   CHECK(forced == 0);
-  if (options.coupling == haptics::CouplingScheme::kInterpolation) return;  // faults here by itself, reset or not
   CHECK((session->driver->output().status & (kSceneReset | kNotArmed)) == 0);
   CHECK(session->driver->output().fault == Fault::kNone);
 }

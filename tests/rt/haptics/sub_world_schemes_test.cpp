@@ -58,35 +58,44 @@ TEST_CASE("interpolation: the proxy goes evenly from one global state to the nex
   }
 }
 
-TEST_CASE("interpolation: the effort of a cycle is stored, reported once, and nothing is imposed") {
+TEST_CASE("interpolation: the spring is felt, and where the device is goes up with its mean velocity over the cycle") {
   const SubWorldConfig config = make_config(CouplingScheme::kInterpolation);
   Bench bench(config);
   bench.next_with({ball(kProxy, {})});
   bench.synchronise();
+  CHECK_FALSE(bench.report->device.engaged);
   bench.next({kProxy});
   bench.snapshot->proxy.pose.position = {0.01, 0, 0};
   bench.synchronise();
   const Vec3d rotated{0, 0, 0.02}, at{0.02, 0, 0}, velocity{0, 0.1, 0};
   const DeviceTarget target{true, {at, quat_from_rotation_vector(rotated)}, {velocity, {}}};
-  Vec3d force_sum;
   for (std::uint32_t i = 1; i <= config.ratio; ++i) {
     bench.step(1, target);
     const Vec3d proxy{0.01 * i / config.ratio, 0, 0}, proxy_velocity{0.01 / (config.ratio * kTick_s), 0, 0};
     const Vec3d force = config.stiffness_N_per_m * (at - proxy) + config.damping_Ns_per_m * (velocity - proxy_velocity);
-    force_sum += force;
     check_close(bench.last.on_device.force, -force, 1e-9);
     check_close(bench.last.on_device.torque, -config.stiffness_Nm_per_rad * rotated, 1e-5);
   }
+  // At the end of the last tick. It did not hold the proxy when the cycle began: its own velocity counts.
   bench.synchronise();
-  check_close(bench.report->stored_effort.force, kTick_s * force_sum, 1e-12);
-  check_close(bench.report->stored_effort.torque, (config.ratio * kTick_s * config.stiffness_Nm_per_rad) * rotated,
-              1e-6);
+  CHECK(bench.report->device.engaged);
+  check_close(bench.report->device.pose.position, at + kTick_s * velocity, 1e-15);
+  check_close(small_rotation_vector(bench.report->device.pose.rotation), rotated, 1e-5);
+  CHECK(bench.report->device.velocity == target.velocity);
   CHECK(bench.report->members.empty());
   CHECK(bench.report->border.empty());
   CHECK(bench.report->mean_device_wrench == Wrenchd{});
-  bench.step(2);  // not engaged: no effort
+  // From there in one cycle, with a last tick at rest.
+  const Vec3d to{0.03, 0.02, 0};
+  const Vec3d turned{0, 0.01, 0.02};
+  bench.step(config.ratio, {true, {to, quat_from_rotation_vector(turned)}, {}});
   bench.synchronise();
-  CHECK(bench.report->stored_effort == Wrenchd{});
+  const double cycle_s = config.ratio * kTick_s;
+  check_close(bench.report->device.velocity.linear, (to - at - kTick_s * velocity) * (1 / cycle_s), 1e-12);
+  check_close(bench.report->device.velocity.angular, (turned - rotated) * (1 / cycle_s), 3e-2);
+  bench.step(2);  // not engaged: the proxy is not held
+  bench.synchronise();
+  CHECK_FALSE(bench.report->device.engaged);
 }
 
 TEST_CASE("static: only the proxy moves, the others keep their bits though pushed, and only the proxy is reported") {

@@ -49,9 +49,8 @@ void CoupledWorlds::start_from(const Moment& before, const Moment& now, const Wr
   on_proxy_before_ = on_proxy;
   global_->set_state(before.bodies, before.contacts);
   *report_ = {};
-  const double cycle_s = config_.ratio * config_.step.dt;
   report_->mean_device_wrench = on_proxy;
-  report_->stored_effort = {on_proxy.force * cycle_s, on_proxy.torque * cycle_s};
+  report_->device = device_that_holds(before, on_proxy);
   global_->impose(0, *report_);
   haptics::WorldSnapshot& first = *snapshots_[0];
   if (config_.scheme == CouplingScheme::kInterpolation) {  // which moves from where the proxy was a cycle ago
@@ -64,6 +63,20 @@ void CoupledWorlds::start_from(const Moment& before, const Moment& now, const Wr
   global_->fill_snapshot(0, 1, haptics::kMaxMembers, first);
   first.cycle = 0;
   first.warm_starts.clear();  // the members are there already, with what their contacts hold
+  device_before_ = device_that_holds(now, on_proxy);
+  if (feels_planes(config_.scheme)) sub_world_->synchronise(first, *report_);  // planes that were there before
+}
+
+// Where a device is that moves with the proxy and pulls at it so.
+haptics::DeviceTarget CoupledWorlds::device_that_holds(const Moment& moment, const Wrenchd& on_proxy) const {
+  for (const auto& body : moment.bodies) {
+    if (body.id != config_.proxy) continue;
+    const auto& [pose, velocity] = body.motion;
+    const Vec3d stretch = on_proxy.force * (1 / config_.stiffness_N_per_m);
+    const Vec3d twist = on_proxy.torque * (1 / config_.stiffness_Nm_per_rad);
+    return {true, {pose.position + stretch, quat_from_rotation_vector(twist) * pose.rotation}, velocity};
+  }
+  return {};
 }
 
 // By leaving and joining again, elsewhere and with the contacts that it had.
@@ -98,9 +111,8 @@ bool CoupledWorlds::synchronise() {
   sub_world_->synchronise(snapshot, *report_);
   report_->member_budget = haptics::kMaxMembers;
   if (!first_) return true;
-  const double cycle_s = config_.ratio * config_.step.dt;
   report_->mean_device_wrench = on_proxy_before_;
-  report_->stored_effort = {on_proxy_before_.force * cycle_s, on_proxy_before_.torque * cycle_s};
+  report_->device = device_before_;
   first_ = false;
   return true;
 }

@@ -63,6 +63,7 @@ class CoupledWorlds {
  private:
   bool exchanges() const noexcept { return global_ != nullptr; }
   void shift_proxy(const Moment& now, const Vec3d& shift);
+  haptics::DeviceTarget device_that_holds(const Moment& moment, const Wrenchd& on_proxy) const;
 
   haptics::SubWorldConfig config_;
   std::unique_ptr<haptics::SubWorld> sub_world_;
@@ -72,7 +73,8 @@ class CoupledWorlds {
   std::unique_ptr<haptics::SubWorldReport> report_;
   std::uint64_t cycle_{0};
   bool first_{true};
-  Wrenchd on_proxy_before_;  // mean of the cycle before the start
+  Wrenchd on_proxy_before_;              // mean of the cycle before the start
+  haptics::DeviceTarget device_before_;  // that pulls so at the start
   std::uint32_t component_{0};
   haptics::SubWorldStep step_;
 };
