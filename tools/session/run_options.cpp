@@ -126,6 +126,7 @@ std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& d
   text["accuracy"] = name_of(o.accuracy);
   text["all_members"] = o.all_members;
   text["rate_Hz"] = o.rate_Hz;
+  text["late_s"] = o.late_s;
   text["ratio"] = o.ratio;
   text["members"] = o.members;
   text["inject"] = o.inject;
@@ -156,7 +157,8 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   const auto accuracy = parse_accuracy(word("accuracy"));
   if (!coupling || !border || !order || !reach || !accuracy)
     return bad("names no coupling, border, order, reach or accuracy of this program");
-  if (!parsed.contains("rate_Hz") || !parsed["rate_Hz"].is_number()) return bad("has no number 'rate_Hz'");
+  for (const char* key : {"rate_Hz", "late_s"})
+    if (!parsed.contains(key) || !parsed[key].is_number()) return bad(fmt::format("has no number '{}'", key));
   for (const char* key : {"ratio", "members", "seed"}) {
     if (!parsed.contains(key) || !parsed[key].is_number_unsigned()) return bad(fmt::format("has no number '{}'", key));
   }
@@ -169,6 +171,7 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   o.all_members = parsed["all_members"].get<bool>();
   o.virtual_time = parsed["virtual_time"].get<bool>();
   o.rate_Hz = parsed["rate_Hz"].get<double>();
+  o.late_s = parsed["late_s"].get<double>();
   // Narrowed only where it fits; what does not is out of range below.
   const auto small = [&](const char* key) {
     return static_cast<unsigned>(std::min<std::uint64_t>(parsed[key].get<std::uint64_t>(), 0xffffffffu));

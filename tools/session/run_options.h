@@ -46,6 +46,7 @@ struct RunOptions {
   physics::SweepPrecision world_precision{physics::SweepPrecision::kSingle};
   std::vector<int> world_cpus;  // one for each of them; empty: any
   int priority{80};             // SCHED_FIFO
+  bool keep_gains{false};       // the scene's gains, or refuse: none is lowered for the coupling
   double late_s{0};             // how late this machine wakes the loop; the coupling's gains must bear it
   bool virtual_time{false};
   bool arm_at_start{true};  // force from the first good sample on; else when an operator asks for it

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "firmware/faults.h"
-#include "rt/haptics/coupling_limits.h"
 #include "sim/loader/choice_names.h"
 #include "sim/loader/scene_effects.h"
 #include "sim/loader/scene_load.h"
 #include "tools/session/open_link.h"
+#include "tools/session/scheme_gains.h"
 
 namespace tactus::session {
 namespace {
@@ -30,11 +30,6 @@ std::vector<physics::Body<double>> fixed_bodies_of(const sim::Scene& scene) {
 
 std::uint32_t dynamic_bodies_of(const sim::Scene& scene) {
   return static_cast<std::uint32_t>(scene.bodies.size() - fixed_bodies_of(scene).size());
-}
-
-unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
-  if (options.coupling == haptics::CouplingScheme::kDirect) return 1;
-  return options.ratio != 0 ? options.ratio : scene.ratio;
 }
 
 unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
@@ -90,33 +85,6 @@ haptics::DevicePlacement::Config placement_of(const sim::Scene& scene, const hap
   return {scene.device.world_from_device, scene.device.motion_scale, device.has_rotation};
 }
 
-// Stiffness and damping of translation are the world's; at the hand they are motion_scale^2 of that.
-Status check_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
-  const double s2 = scene.device.motion_scale * scene.device.motion_scale;
-  const sim::CouplingGains& gains = scene.coupling;
-  const auto verdict = haptics::check_coupling({s2 * gains.stiffness_N_per_m, s2 * gains.damping_Ns_per_m,
-                                                gains.stiffness_Nm_per_rad, gains.damping_Nms_per_rad},
-                                               device, options.period_s(), options.late_s);
-  if (verdict.accepted) return Status::good();
-  const haptics::CouplingGains use = haptics::suggest_gains(device, options.period_s(), options.late_s);
-  const std::string late =
-      options.late_s > 0 ? fmt::format(" that wakes up to {:.0f} us late", 1e6 * options.late_s) : "";
-  const auto line = [&](const char* what, const haptics::AxisVerdict& v, const char* stiff, const char* damp,
-                        const std::string& instead) {
-    return Status::error(fmt::format(
-        "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable at {:g} Hz on this device{}; accepted: "
-        "stiffness up to {:.4g} {} ({:g} of the limit {:.4g}) with that damping, damping up to {:.4g} {}; use {}",
-        scene.name, what, v.stiffness, stiff, v.damping, damp, options.rate_Hz, late, v.stiffness_allowed, stiff,
-        haptics::kAllowedStiffnessShare, v.stiffness_limit, v.damping_limit, damp, instead));
-  };
-  return verdict.translation.accepted ? line("rotational", verdict.rotation, "N m/rad", "N m s/rad",
-                                             fmt::format("stiffness_Nm_per_rad = {:.3g}, damping_Nms_per_rad = {:.3g}",
-                                                         use.stiffness_Nm_per_rad, use.damping_Nms_per_rad))
-                                      : line("translational", verdict.translation, "N/m", "N s/m",
-                                             fmt::format("stiffness_N_per_m = {:.4g}, damping_Ns_per_m = {:.3g}",
-                                                         use.stiffness_N_per_m / s2, use.damping_Ns_per_m / s2));
-}
-
 // One contact frequency in both worlds, and both worlds must resolve it: at most a quarter of the sub-step rate.
 Status check_frequency(const sim::Scene& scene, const RunOptions& options) {
   const double haptic_Hz = 0.25 * scene.solver.sub_steps * options.rate_Hz;
@@ -132,6 +100,11 @@ Status check_frequency(const sim::Scene& scene, const RunOptions& options) {
 }
 
 }  // namespace
+
+unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
+  if (options.coupling == haptics::CouplingScheme::kDirect) return 1;
+  return options.ratio != 0 ? options.ratio : scene.ratio;
+}
 
 // The scene says where the hand goes in the world; the device wants it in its own frame.
 hal::HandModel make_hand(const sim::Scene& scene) {
@@ -159,6 +132,7 @@ sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& opt
   global.coupling = options.coupling;
   global.border_mode = options.border;
   global.precision = options.world_precision;
+  global.gains = gains_of(scene, options, device).gains;
   global.extraction.cap = members_of(scene, options);
   global.extraction.order = options.order;
   global.extraction.all_members = options.all_members;
@@ -183,10 +157,11 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.ratio = ratio_of(scene, options);
   sub.proxy = scene.proxy;
   sub.step = step_settings(scene, options);
-  sub.stiffness_N_per_m = scene.coupling.stiffness_N_per_m;
-  sub.damping_Ns_per_m = scene.coupling.damping_Ns_per_m;
-  sub.stiffness_Nm_per_rad = scene.coupling.stiffness_Nm_per_rad;
-  sub.damping_Nms_per_rad = scene.coupling.damping_Nms_per_rad;
+  const haptics::CouplingGains gains = gains_of(scene, options, device).gains;
+  sub.stiffness_N_per_m = gains.stiffness_N_per_m;
+  sub.damping_Ns_per_m = gains.damping_Ns_per_m;
+  sub.stiffness_Nm_per_rad = gains.stiffness_Nm_per_rad;
+  sub.damping_Nms_per_rad = gains.damping_Nms_per_rad;
   sub.hulls = scene.hulls;
   sub.meshes = scene.meshes;
   sub.effects = sim::effect_setups(scene);
@@ -301,6 +276,7 @@ RunSummary Session::summary() const {
   summary.scene_name = scene.name;
   summary.scene_title = scene.title;
   summary.ratio = ratio;
+  summary.gains = gains_of(scene, options, device->properties());
   summary.members_cap = members;
   summary.sub_steps = loop->config().sub_world.step.sub_steps;
   summary.bodies = dynamic_bodies_of(scene);

@@ -25,6 +25,9 @@ namespace tactus::session {
 
 using Driver = loop::HapticDriver<hal::AnyDevice>;
 
+// Ticks per global step: 1 with the direct coupling, else the option's, or the scene's.
+unsigned ratio_of(const sim::Scene& scene, const RunOptions& options);
+
 // What the haptic thread of this scene is made of. Also what a replay builds its loop from.
 loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
                              const haptics::DeviceProperties& device);

@@ -223,6 +223,9 @@ std::string to_text(const RunSummary& s) {
   text += fmt::format("run                    {} ticks at {:g} Hz, ratio {}, {} coupling, border {}, device {}\n",
                       s.stats.ticks, s.options.rate_Hz, s.ratio, sim::name_of(s.options.coupling),
                       sim::name_of(s.options.border), s.options.device);
+  if (s.gains.lowered())
+    text += fmt::format("coupling               {}: the most that {} bears at this ratio\n", lowered_text(s.gains),
+                        sim::name_of(s.options.coupling));
   text += link_text(s);
   text += timing_text(s);
   text +=
@@ -271,6 +274,11 @@ json to_json(const RunSummary& s) {
               {"border", sim::name_of(s.options.border)},
               {"device", s.options.device},
               {"bodies", s.bodies}};
+  j["coupling_gains"] = {{"stiffness_N_per_m", s.gains.gains.stiffness_N_per_m},
+                         {"damping_Ns_per_m", s.gains.gains.damping_Ns_per_m},
+                         {"stiffness_Nm_per_rad", s.gains.gains.stiffness_Nm_per_rad},
+                         {"damping_Nms_per_rad", s.gains.gains.damping_Nms_per_rad},
+                         {"lowered", s.gains.lowered()}};
   if (s.real_time) {
     const auto& t = s.timing;
     j["timing"] = {{"wake_up", times_json(t.wake_latency)},

@@ -13,6 +13,7 @@
 #include "rt/loop/timing.h"
 #include "sim/global_world.h"
 #include "tools/session/run_options.h"
+#include "tools/session/scheme_gains.h"
 
 namespace tactus::session {
 
@@ -20,6 +21,7 @@ struct RunSummary {
   RunOptions options;
   std::string scene_name, scene_title;
   unsigned ratio{0}, members_cap{0}, sub_steps{0};
+  SchemeGains gains;
   std::uint32_t bodies{0};
   double wall_s{0};  // of the loop; 0 in virtual time
   loop::RunStats stats;

@@ -242,8 +242,11 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
   app.add_option("--coupling", command.words.coupling,
-                 "sub-world, direct, interpolation, static, plane, planes or linearised")
+                 "sub-world, direct, interpolation, static, plane, planes or linearised. interpolation delays the\n"
+                 "proxy by a global step: where the scene's stiffness is too much for that, it is lowered and said")
       ->capture_default_str();
+  app.add_flag("--keep-gains", o.keep_gains, "the scene's gains or none: refuse them, with the limit, where the coupling is\n"
+               "not stable with them");
   app.add_option("--border", command.words.border, "of the sub-world: ghost, capped, replay (the paper's) or frozen")
       ->capture_default_str();
   app.add_option("--order", command.words.order, "in which the contact graph is cut: best-first or breadth-first")

@@ -1,0 +1,137 @@
+#include "tools/session/scheme_gains.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rt/haptics/interpolation_limit.h"
+#include "sim/loader/choice_names.h"
+#include "tools/session/session.h"
+
+namespace tactus::session {
+namespace {
+
+using haptics::CouplingScheme;
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+double square(double x) { return x * x; }
+
+haptics::CouplingGains of_scene(const sim::Scene& scene) {
+  const sim::CouplingGains& c = scene.coupling;
+  return {c.stiffness_N_per_m, c.damping_Ns_per_m, c.stiffness_Nm_per_rad, c.damping_Nms_per_rad};
+}
+
+// Three digits, downwards: a figure that a person can write into a scene, and that no last bit changes.
+double rounded_down(double value) {
+  if (!(value > 0) || !std::isfinite(value)) return std::max(0.0, value);
+  double unit = 1;
+  while (value / unit >= 1000) unit *= 10;
+  while (value / unit < 100) unit /= 10;
+  return std::floor(value / unit) * unit;
+}
+
+// What the scheme allows of a stiffness with this limit.
+double allowed(double limit) { return limit == kNone ? kNone : haptics::kAllowedStiffnessShare * limit; }
+
+double lowered(double asked, double limit) {
+  return asked <= allowed(limit) ? asked : rounded_down(allowed(limit));
+}
+
+Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device,
+                           const haptics::CouplingVerdict& verdict) {
+  const double s2 = square(scene.device.motion_scale);
+  const haptics::CouplingGains use = haptics::suggest_gains(device, options.period_s(), options.late_s);
+  const std::string late =
+      options.late_s > 0 ? fmt::format(" that wakes up to {:.0f} us late", 1e6 * options.late_s) : "";
+  const auto line = [&](const char* what, const haptics::AxisVerdict& v, const char* stiff, const char* damp,
+                        const std::string& instead) {
+    return Status::error(fmt::format(
+        "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable at {:g} Hz on this device{}; accepted: "
+        "stiffness up to {:.4g} {} ({:g} of the limit {:.4g}) with that damping, damping up to {:.4g} {}; use {}",
+        scene.name, what, v.stiffness, stiff, v.damping, damp, options.rate_Hz, late, v.stiffness_allowed, stiff,
+        haptics::kAllowedStiffnessShare, v.stiffness_limit, v.damping_limit, damp, instead));
+  };
+  return verdict.translation.accepted ? line("rotational", verdict.rotation, "N m/rad", "N m s/rad",
+                                             fmt::format("stiffness_Nm_per_rad = {:.3g}, damping_Nms_per_rad = {:.3g}",
+                                                         use.stiffness_Nm_per_rad, use.damping_Nms_per_rad))
+                                      : line("translational", verdict.translation, "N/m", "N s/m",
+                                             fmt::format("stiffness_N_per_m = {:.4g}, damping_Ns_per_m = {:.3g}",
+                                                         use.stiffness_N_per_m / s2, use.damping_Ns_per_m / s2));
+}
+
+// Of the scheme alone, one axis.
+Status refuse_scheme_gains(const sim::Scene& scene, const RunOptions& options, double asked, double damping,
+                           double limit, const char* what, const char* stiff, const char* damp, const char* key) {
+  const std::string instead =
+      limit > 0 ? fmt::format("use {} = {:g}, a lower --ratio, or the scene without --keep-gains", key,
+                              rounded_down(allowed(limit)))
+                : std::string("no stiffness is stable with that damping: use a lower --ratio or less damping");
+  return Status::error(fmt::format(
+      "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable with --coupling {} at ratio {}, which "
+      "delays the proxy by {:g} ms; accepted: up to {:.4g} {} ({:g} of the limit {:.4g}); {}",
+      scene.name, what, asked, stiff, damping, damp, sim::name_of(options.coupling), ratio_of(scene, options),
+      1e3 * ratio_of(scene, options) * options.period_s(), allowed(limit), stiff, haptics::kAllowedStiffnessShare,
+      limit, instead));
+}
+
+}  // namespace
+
+SchemeGains gains_of(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
+  SchemeGains result;
+  result.gains = result.asked = of_scene(scene);
+  result.stiffness_limit_N_per_m = result.stiffness_limit_Nm_per_rad = kNone;
+  if (options.coupling != CouplingScheme::kInterpolation) return result;
+  const double s2 = square(scene.device.motion_scale);
+  const physics::Body<double>& proxy = scene.bodies[scene.proxy];
+  const unsigned ratio = ratio_of(scene, options);
+  haptics::InterpolatedProxy moved{s2 * proxy.mass, ratio, scene.solver.global_sub_steps(ratio)};
+  const auto linear = haptics::translation_of(device, options.period_s(), options.late_s);
+  result.stiffness_limit_N_per_m =
+      haptics::interpolation_stiffness_limit(linear, moved, s2 * result.asked.damping_Ns_per_m) / s2;
+  result.gains.stiffness_N_per_m = lowered(result.asked.stiffness_N_per_m, result.stiffness_limit_N_per_m);
+  if (!device.has_rotation) return result;
+  moved.mass = std::min({proxy.inertia.x, proxy.inertia.y, proxy.inertia.z});
+  const auto angular = haptics::rotation_of(device, options.period_s(), options.late_s);
+  result.stiffness_limit_Nm_per_rad =
+      haptics::interpolation_stiffness_limit(angular, moved, result.asked.damping_Nms_per_rad);
+  result.gains.stiffness_Nm_per_rad = lowered(result.asked.stiffness_Nm_per_rad, result.stiffness_limit_Nm_per_rad);
+  return result;
+}
+
+Status check_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
+  const double s2 = square(scene.device.motion_scale);
+  const haptics::CouplingGains asked = of_scene(scene);
+  const auto verdict = haptics::check_coupling({s2 * asked.stiffness_N_per_m, s2 * asked.damping_Ns_per_m,
+                                                asked.stiffness_Nm_per_rad, asked.damping_Nms_per_rad},
+                                               device, options.period_s(), options.late_s);
+  if (!verdict.accepted) return refuse_device_gains(scene, options, device, verdict);
+  const SchemeGains found = gains_of(scene, options, device);
+  const auto refused = [&](double stiffness, double used, double limit) {
+    return used < stiffness && (options.keep_gains || limit <= 0);
+  };
+  if (refused(asked.stiffness_N_per_m, found.gains.stiffness_N_per_m, found.stiffness_limit_N_per_m))
+    return refuse_scheme_gains(scene, options, asked.stiffness_N_per_m, asked.damping_Ns_per_m,
+                               found.stiffness_limit_N_per_m, "translational", "N/m", "N s/m", "stiffness_N_per_m");
+  if (refused(asked.stiffness_Nm_per_rad, found.gains.stiffness_Nm_per_rad, found.stiffness_limit_Nm_per_rad))
+    return refuse_scheme_gains(scene, options, asked.stiffness_Nm_per_rad, asked.damping_Nms_per_rad,
+                               found.stiffness_limit_Nm_per_rad, "rotational", "N m/rad", "N m s/rad",
+                               "stiffness_Nm_per_rad");
+  return Status::good();
+}
+
+std::string lowered_text(const SchemeGains& found) {
+  std::string text;
+  const auto add = [&](double asked, double used, double limit, const char* unit) {
+    if (used < asked)
+      text += fmt::format("{}stiffness {:g} -> {:g} {} (limit {:.4g})", text.empty() ? "" : ", ", asked, used, unit,
+                          limit);
+  };
+  add(found.asked.stiffness_N_per_m, found.gains.stiffness_N_per_m, found.stiffness_limit_N_per_m, "N/m");
+  add(found.asked.stiffness_Nm_per_rad, found.gains.stiffness_Nm_per_rad, found.stiffness_limit_Nm_per_rad, "N m/rad");
+  return text;
+}
+
+}  // namespace tactus::session
