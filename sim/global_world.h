@@ -35,7 +35,8 @@ struct GlobalOptions {
   ReachSettings reach;                 // with the ratio and the tick period
   // Of the sweeps; with the interpolation coupling always full: its spring is solved in them.
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
-  haptics::CouplingGains gains;  // of the interpolation coupling, world units: the other couplings' are the haptic side's
+  haptics::CouplingGains
+      gains;  // of the interpolation coupling, world units: the other couplings' are the haptic side's
   double touch_tolerance_m{1e-4};  // before the first step, bodies this near count as touching
 };
 
@@ -112,11 +113,11 @@ class GlobalWorld {
     BodyId id;            // of the proxy
     std::uint32_t proxy;  // its place
     Extraction extraction;
-    Posed reported_proxy;    // where the device's own world had it at t_n
-    Wrenchd held_by{};       // N, N m: on the proxy over the next step
-    Wrenchd held_before{};   // mean of the last cycle
+    Posed reported_proxy;            // where the device's own world had it at t_n
+    Wrenchd held_by{};               // N, N m: on the proxy over the next step
+    Wrenchd held_before{};           // mean of the last cycle
     haptics::DeviceTarget target{};  // interpolation: where the proxy is wanted as the next step begins
-    bool has_border{false};  // its last snapshot
+    bool has_border{false};          // its last snapshot
   };
 
   std::uint32_t slot_of(const Device& device) const noexcept;

@@ -131,7 +131,7 @@ bool Loop::is_stable() const noexcept {
 }
 
 bool all_masses_are_stable(const AxisLimits& axis, const InterpolatedProxy& proxy, double stiffness,
-                        double damping) noexcept {
+                           double damping) noexcept {
   InterpolatedProxy pushes = proxy;
   for (unsigned i = 0; i < kMasses; ++i, pushes.mass *= 2)
     if (!Loop(axis, pushes, stiffness, damping).is_stable()) return false;

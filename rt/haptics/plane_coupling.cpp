@@ -19,8 +19,7 @@ void PlaneCoupling::adopt(std::span<const physics::BorderContact<double>> contac
 // The planes are asked for x + lead v with position alone: K times what they take is then spring and damper together,
 // K (x - p) + B (v - v_p), which makes the friction cone that of the whole force. A proxy that is free is at x.
 HeldProxy PlaneCoupling::follow(const DeviceTarget& target, const Tick& tick) noexcept {
-  if (follows_ == 0)
-    held_ = now_.held = before_.held = target.pose.position + tick.lead_s * target.velocity.linear;
+  if (follows_ == 0) held_ = now_.held = before_.held = target.pose.position + tick.lead_s * target.velocity.linear;
   follows_ = 1;
   HeldProxy held = keep(now_, target, tick);
   if (tick.in_cycle + 1 < tick.ratio) {

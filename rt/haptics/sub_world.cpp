@@ -384,10 +384,9 @@ void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) 
   if (slot < 0) return;
   proxy_.velocity = {};
   if (target.engaged) {
-    const PlaneCoupling::Tick tick{config_.scheme, config_.step.dt, state_.ticks_in_cycle, config_.ratio,
-                                   config_.stiffness_N_per_m > 0
-                                       ? config_.damping_Ns_per_m / config_.stiffness_N_per_m
-                                       : 0.0};
+    const PlaneCoupling::Tick tick{
+        config_.scheme, config_.step.dt, state_.ticks_in_cycle, config_.ratio,
+        config_.stiffness_N_per_m > 0 ? config_.damping_Ns_per_m / config_.stiffness_N_per_m : 0.0};
     const HeldProxy held = planes_.follow(target, tick);
     proxy_ = {{held.position, target.pose.rotation}, {held.velocity, target.velocity.angular}};
     if (held.touches) result.status |= kProxyContact;

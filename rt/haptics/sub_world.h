@@ -84,8 +84,8 @@ class SubWorld {
     std::uint32_t has_snapshot{0};
     std::uint32_t epoch{0}, wanted_epoch{0};
     std::uint32_t padding{0};
-    Posed proxy_start;                            // of the epoch wanted
-    Wrenchd cycle_impulse;                        // N s, N m s: on the proxy by the coupling, this cycle
+    Posed proxy_start;      // of the epoch wanted
+    Wrenchd cycle_impulse;  // N s, N m s: on the proxy by the coupling, this cycle
     InterpolationCoupling interpolation;
     double border_work_J{0};
     double tank_J{kTankAtStart_J}, owed_J{0};

@@ -272,7 +272,8 @@ TEST_CASE("Friction of the sub-world reaches the outside body, in replay as it i
   CHECK(bench.world.statistics().handed_back_impulse_Ns == Approx(norm(entry.tangent_impulse)));
 }
 
-TEST_CASE("Interpolation: the proxy alone is a member, the coupling's spring holds it in the step, nothing is imposed") {
+TEST_CASE(
+    "Interpolation: the proxy alone is a member, the coupling's spring holds it in the step, nothing is imposed") {
   GlobalOptions options = slow_device();
   options.coupling = CouplingScheme::kInterpolation;
   options.gains = {300, 4, 1, 0.01};

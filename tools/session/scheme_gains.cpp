@@ -36,9 +36,7 @@ double rounded_down(double value) {
 // What the scheme allows of a stiffness with this limit.
 double allowed(double limit) { return limit == kNone ? kNone : haptics::kAllowedStiffnessShare * limit; }
 
-double lowered(double asked, double limit) {
-  return asked <= allowed(limit) ? asked : rounded_down(allowed(limit));
-}
+double lowered(double asked, double limit) { return asked <= allowed(limit) ? asked : rounded_down(allowed(limit)); }
 
 Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device,
                            const haptics::CouplingVerdict& verdict) {
@@ -126,8 +124,8 @@ std::string lowered_text(const SchemeGains& found) {
   std::string text;
   const auto add = [&](double asked, double used, double limit, const char* unit) {
     if (used < asked)
-      text += fmt::format("{}stiffness {:g} -> {:g} {} (limit {:.4g})", text.empty() ? "" : ", ", asked, used, unit,
-                          limit);
+      text +=
+          fmt::format("{}stiffness {:g} -> {:g} {} (limit {:.4g})", text.empty() ? "" : ", ", asked, used, unit, limit);
   };
   add(found.asked.stiffness_N_per_m, found.gains.stiffness_N_per_m, found.stiffness_limit_N_per_m, "N/m");
   add(found.asked.stiffness_Nm_per_rad, found.gains.stiffness_Nm_per_rad, found.stiffness_limit_Nm_per_rad, "N m/rad");

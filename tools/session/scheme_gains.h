@@ -2,10 +2,9 @@
 //
 // Every scheme has the limit of the device itself (rt/haptics/coupling_limits.h); gains beyond what it allows are an
 // error of the scene and refused. The interpolation coupling has a lower one, which falls with the ratio
-// (rt/haptics/interpolation_limit.h): scenes are written for the sub-world, so there the stiffness is lowered to what is
-// allowed, and the run says so. Who wants the scene's own or none gives --keep-gains, and is told the limit.
-// Thread: normal. Units: SI; gains of the scene are world units, those at the hand are motion_scale^2 of them for
-// translation.
+// (rt/haptics/interpolation_limit.h): scenes are written for the sub-world, so there the stiffness is lowered to what
+// is allowed, and the run says so. Who wants the scene's own or none gives --keep-gains, and is told the limit. Thread:
+// normal. Units: SI; gains of the scene are world units, those at the hand are motion_scale^2 of them for translation.
 #pragma once
 
 #include <string>

@@ -245,7 +245,8 @@ void add_options(CLI::App& app, RunCommand& command) {
                  "sub-world, direct, interpolation, static, plane, planes or linearised. interpolation delays the\n"
                  "proxy by a global step: where the scene's stiffness is too much for that, it is lowered and said")
       ->capture_default_str();
-  app.add_flag("--keep-gains", o.keep_gains, "the scene's gains or none: refuse them, with the limit, where the coupling is\n"
+  app.add_flag("--keep-gains", o.keep_gains,
+               "the scene's gains or none: refuse them, with the limit, where the coupling is\n"
                "not stable with them");
   app.add_option("--border", command.words.border, "of the sub-world: ghost, capped, replay (the paper's) or frozen")
       ->capture_default_str();

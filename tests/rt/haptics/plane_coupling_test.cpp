@@ -199,7 +199,8 @@ TEST_CASE("planes: what friction holds goes along with the surface, and stands s
   CHECK(bench.last.on_device.force.x == Approx(carried_N));
 }
 
-TEST_CASE("planes: new planes come in over a cycle, no tick changes the force by more than its share of the difference") {
+TEST_CASE(
+    "planes: new planes come in over a cycle, no tick changes the force by more than its share of the difference") {
   const auto scheme = GENERATE(CouplingScheme::kPlane, CouplingScheme::kPlanes, CouplingScheme::kLinearised);
   const SubWorldConfig config = make_config(scheme);
   std::mt19937_64 random(GENERATE(range(1u, 21u)));
