@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "sim/loader/choice_names.h"
@@ -20,6 +21,9 @@ ordered_json to_json(const StudyRow& row) {
           {"border", border_of(row.scheme)},
           {"ratio", row.scheme.ratio},
           {"members", row.members},
+          {"stiffness_N_per_m", row.gains.stiffness_N_per_m},
+          {"stiffness_Nm_per_rad", row.gains.stiffness_Nm_per_rad},
+          {"stiffness_lowered", row.lowered},
           {"loss", row.energy.loss},
           {"gain", row.energy.gain},
           {"force_error_rms", row.force_error},
@@ -64,6 +68,8 @@ ordered_json to_json(const WholeRunRow& row) {
           {"border", border_of(row.scheme)},
           {"ratio", row.scheme.ratio},
           {"members", row.members},
+          {"stiffness_N_per_m", row.gains.stiffness_N_per_m},
+          {"stiffness_Nm_per_rad", row.gains.stiffness_Nm_per_rad},
           {"seconds", row.seconds},
           {"hand", row.closed_hand ? "closed" : "direct"},
           {"force_error", row.force_error},
@@ -92,14 +98,21 @@ std::string windows_table(const StudyReport& report) {
     text +=
         fmt::format("{:<11} {:>6} {:>9} {:>7} {:>7} {:>6.0f} % {:>8.2f} {:>12.2f} %\n", s.name, s.bodies, s.component,
                     s.members, s.contact_points, 100 * s.contact_share, s.force_rms_N, 100 * s.apart_force_error);
-  text +=
-      fmt::format("\n{:<11} {:<13} {:<7} {:>5} {:>8} {:>8} {:>10} {:>9} {:>10} {:>10} {:>7}\n", "scene", "coupling",
-                  "border", "ratio", "loss %", "gain %", "force err%", "sync N", "hold vib N", "encoder N", "stable");
+  text += fmt::format("\n{:<11} {:<13} {:<7} {:>5} {:>7} {:>8} {:>8} {:>10} {:>9} {:>10} {:>10} {:>7}\n", "scene",
+                      "coupling", "border", "ratio", "K N/m", "loss %", "gain %", "force err%", "sync N", "hold vib N",
+                      "encoder N", "stable");
   for (const StudyRow& r : report.rows)
-    text += fmt::format("{:<11} {:<13} {:<7} {:>5} {:>8.2f} {:>7.2f}{} {:>10.2f} {:>9.4f} {:>10.5f} {:>10.5f} {:>7}\n",
-                        r.scene, sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio,
-                        100 * r.energy.loss, 100 * r.energy.gain, r.at_rest ? "*" : " ", 100 * r.force_error,
-                        r.sync_step_N, r.hold_vibration_N, r.hold_vibration_encoder_N, r.stable ? "yes" : "NO");
+    text += fmt::format(
+        "{:<11} {:<13} {:<7} {:>5} {:>6.0f}{} {:>8.2f} {:>7.2f}{} {:>10.2f} {:>9.4f} {:>10.5f} {:>10.5f} "
+        "{:>7}\n",
+        r.scene, sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio, r.gains.stiffness_N_per_m,
+        r.lowered ? "!" : " ", 100 * r.energy.loss, 100 * r.energy.gain, r.at_rest ? "*" : " ", 100 * r.force_error,
+        r.sync_step_N, r.hold_vibration_N, r.hold_vibration_encoder_N, r.stable ? "yes" : "NO");
+  const bool lowered = std::any_of(report.rows.begin(), report.rows.end(), [](const StudyRow& r) { return r.lowered; });
+  if (lowered)
+    text +=
+        "\n!: the most stiffness that this coupling bears at this ratio; its row is against a direct run with the "
+        "same.\n";
   return text + fmt::format(
                     "\n{} seeds, {} windows of {:g} s each, all from the state of a run with direct coupling. loss, "
                     "gain: kinetic energy,\nby window. sync: 95 % of the steps of F - F_direct. vibration: std of F - "
@@ -133,14 +146,14 @@ std::string study_json(const StudyReport& report) {
 
 std::string study_csv(const StudyReport& report) {
   std::string text =
-      "scene,coupling,border,ratio [1],loss [1],gain [1],loss_worst_instant [1],gain_worst_instant [1],"
+      "scene,coupling,border,ratio [1],stiffness [N/m],loss [1],gain [1],loss_worst_instant [1],gain_worst_instant [1],"
       "loss_speed_squared [1],gain_speed_squared [1],force_error_rms [1],force_error_hold [1],force_error_moving [1],"
       "force_error_worst_window [1],sync_step [N],hold_vibration [N],hold_vibration_worst [N],"
       "hold_vibration_encoder [N],energy_basis,loop_peak [N],loop_shake [N],loop_hold [N],stable\n";
   for (const StudyRow& r : report.rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
-                        sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio, r.energy.loss,
-                        r.energy.gain, r.worst_instant.loss, r.worst_instant.gain, r.speed_squared.loss,
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
+                        sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio, r.gains.stiffness_N_per_m,
+                        r.energy.loss, r.energy.gain, r.worst_instant.loss, r.worst_instant.gain, r.speed_squared.loss,
                         r.speed_squared.gain, r.force_error, r.force_error_hold, r.force_error_moving,
                         r.force_error_worst, r.sync_step_N, r.hold_vibration_N, r.hold_vibration_worst_N,
                         r.hold_vibration_encoder_N, r.at_rest ? "kinetic and spring" : "kinetic", r.loop.peak_N,

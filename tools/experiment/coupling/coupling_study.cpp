@@ -10,6 +10,7 @@
 #include "tools/experiment/coupling/reference_run.h"
 #include "tools/experiment/statistics.h"
 #include "tools/session/open_link.h"
+#include "tools/session/scheme_gains.h"
 #include "tools/session/session.h"
 
 namespace tactus::experiment {
@@ -28,6 +29,11 @@ std::vector<unsigned> ratios_of(const StudyRequest& request) {
   return ratios;
 }
 
+void use_gains(const haptics::CouplingGains& gains, sim::Scene& scene) {
+  scene.coupling = {gains.stiffness_N_per_m, gains.damping_Ns_per_m, gains.stiffness_Nm_per_rad,
+                    gains.damping_Nms_per_rad};
+}
+
 // What a row is made of, over windows and seeds.
 struct RowSums {
   ForceError hold, moving;
@@ -36,6 +42,13 @@ struct RowSums {
   std::vector<double> steps, vibration, encoder_vibration;
   std::vector<double> spectrum;
   std::size_t spectra{0};
+};
+
+// The schemes that run with the same gains, and the scene with these for its own.
+struct GainsGroup {
+  haptics::CouplingGains gains;
+  std::vector<std::size_t> schemes;  // in the request's order
+  HandInLoop direct_loop;
 };
 
 // One scene while it is measured.
@@ -49,6 +62,8 @@ class SceneStudy {
   void add_to(StudyReport& report) const;
 
  private:
+  void group_schemes(const sim::Scene& scene);
+  void measure_group(const GainsGroup& group, bool scenes_own);
   session::RunOptions options(const Scheme& scheme) const;
   CoupledWorlds worlds(const Scheme& scheme) const { return {scene_, options(scheme), profile_.properties}; }
   ScriptedArm arm() const {
@@ -68,10 +83,11 @@ class SceneStudy {
   const CouplingCase& case_;
   const hal::DeviceProfile& profile_;
   std::vector<unsigned> ratios_;
-  sim::Scene scene_;  // with the hand of the last seed
+  sim::Scene scene_;                  // with the hand of the last seed, and the gains of the group in question
+  haptics::CouplingGains own_gains_;  // the scene's
+  std::vector<GainsGroup> groups_;    // the scene's own gains first
   std::vector<RowSums> sums_;
   std::vector<HandInLoop> loops_;
-  HandInLoop direct_loop_;
   StudyScene account_;
   ForceError apart_;
   EnergyBook apart_energy_;
@@ -90,18 +106,41 @@ session::RunOptions SceneStudy::options(const Scheme& scheme) const {
   return options;
 }
 
+void SceneStudy::group_schemes(const sim::Scene& scene) {
+  const auto gains = [&](const Scheme& scheme) {
+    return session::gains_of(scene, options(scheme), profile_.properties).gains;
+  };
+  own_gains_ = gains(kDirect);
+  groups_ = {{own_gains_, {}, {}}};
+  for (std::size_t i = 0; i < request_.schemes.size(); ++i) {
+    const haptics::CouplingGains wanted = gains(request_.schemes[i]);
+    auto at = std::find_if(groups_.begin(), groups_.end(), [&](const GainsGroup& g) { return g.gains == wanted; });
+    if (at == groups_.end()) at = groups_.insert(at, {wanted, {}, {}});
+    at->schemes.push_back(i);
+  }
+}
+
 Status SceneStudy::measure(std::uint64_t seed) {
   auto loaded = load_coupling_case(case_, seed);
   if (!loaded.ok()) return loaded.status();
   scene_ = std::move(loaded).value();
+  if (groups_.empty()) group_schemes(scene_);
+  for (const GainsGroup& group : groups_) {
+    use_gains(group.gains, scene_);
+    measure_group(group, &group == &groups_.front());
+  }
+  return Status::good();
+}
+
+void SceneStudy::measure_group(const GainsGroup& group, bool scenes_own) {
   CoupledWorlds direct = worlds(kDirect);
   ScriptedArm hand = arm();
   const auto at = window_places(request_.quick);
   const ReferenceRun reference = record_reference(direct, hand, tick_at(HandTimes::kEnd), at, ratios_);
   account_.bodies = static_cast<unsigned>(direct.sub_world().members());
-  account_.contact_points = std::max(account_.contact_points, reference.most_points);
+  if (scenes_own) account_.contact_points = std::max(account_.contact_points, reference.most_points);
   for (const Window& window : reference.windows) {
-    for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
+    for (std::size_t k = window.start; scenes_own && k < window.start + kWindowTicks; ++k) {
       touching_ += reference.touches[k];
       ticks_ += 1;
       force_squared_ += norm_squared(reference.force[k]);
@@ -111,10 +150,9 @@ Status SceneStudy::measure(std::uint64_t seed) {
       start(direct, kDirect, reference, window);
       encoded = run_window(direct, reference.encoded, reference, window, nullptr);
     }
-    measure_apart(reference, window);
-    for (std::size_t i = 0; i < request_.schemes.size(); ++i) measure_scheme(i, reference, window, encoded);
+    if (scenes_own) measure_apart(reference, window);
+    for (const std::size_t i : group.schemes) measure_scheme(i, reference, window, encoded);
   }
-  return Status::good();
 }
 
 void SceneStudy::start(CoupledWorlds& worlds, const Scheme& scheme, const ReferenceRun& reference,
@@ -190,8 +228,12 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
 }
 
 void SceneStudy::judge_stability() {
-  direct_loop_ = close_loop(kDirect);
-  for (const Scheme& scheme : request_.schemes) loops_.push_back(close_loop(scheme));
+  loops_.resize(request_.schemes.size());
+  for (GainsGroup& group : groups_) {
+    use_gains(group.gains, scene_);
+    group.direct_loop = close_loop(kDirect);
+    for (const std::size_t i : group.schemes) loops_[i] = close_loop(request_.schemes[i]);
+  }
 }
 
 void SceneStudy::add_to(StudyReport& report) const {
@@ -202,11 +244,16 @@ void SceneStudy::add_to(StudyReport& report) const {
   account.force_rms_N = std::sqrt(force_squared_ / ticks_);
   account.apart_force_error = apart_.relative();
   account.apart_energy = apart_energy_.kinetic();
-  account.loop = direct_loop_;
+  account.loop = groups_.front().direct_loop;
   report.scenes.push_back(account);
   for (std::size_t i = 0; i < request_.schemes.size(); ++i) {
     const RowSums& sums = sums_[i];
+    const auto group = std::find_if(groups_.begin(), groups_.end(), [i](const GainsGroup& g) {
+      return std::find(g.schemes.begin(), g.schemes.end(), i) != g.schemes.end();
+    });
     StudyRow row;
+    row.gains = group->gains;
+    row.lowered = !(group->gains == own_gains_);
     row.scene = case_.name;
     row.scheme = request_.schemes[i];
     row.members = account.members;
@@ -224,7 +271,7 @@ void SceneStudy::add_to(StudyReport& report) const {
     row.hold_vibration_worst_N = quantile(sums.vibration, 1);
     row.hold_vibration_encoder_N = median(sums.encoder_vibration);
     row.loop = loops_[i];
-    row.stable = is_stable(loops_[i], direct_loop_);
+    row.stable = is_stable(loops_[i], group->direct_loop);
     for (const double power : sums.spectrum) row.spectrum.push_back(power / static_cast<double>(sums.spectra));
     report.rows.push_back(std::move(row));
   }

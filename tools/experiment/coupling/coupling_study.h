@@ -2,13 +2,16 @@
 //
 // For each scene and seed a run with direct coupling, the hand in the loop. Then, for each coupling, border and ratio,
 // windows of 200 ms that start from that run's state, contact impulses included, with that run's hand motion. Stability
-// is judged apart: from rest, the hand in the loop, the device's own encoder and delay. Thread: one. Virtual time: the
-// same request, the same bits.
+// is judged apart: from rest, the hand in the loop, the device's own encoder and delay. A coupling that is not stable
+// with the scene's stiffness has the most that it bears (tools/session/scheme_gains.h), and is held against a direct
+// run with the same: its error is then the coupling's, and the stiffness in its row what else it costs. Thread: one.
+// Virtual time: the same request, the same bits.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "rt/haptics/coupling_limits.h"
 #include "sim/interface/extraction.h"
 #include "tools/experiment/coupling/coupling_cases.h"
 #include "tools/experiment/coupling/energy_measures.h"
@@ -39,6 +42,8 @@ struct StudyRow {
   std::string scene;
   Scheme scheme;
   unsigned members{0};                             // cap
+  haptics::CouplingGains gains;                    // world units, also of the direct run that it is held against
+  bool lowered{false};                             // they are less stiff than the scene's
   Deviation energy, worst_instant, speed_squared;  // L1, L2, L3, of the windows in which the hand moves
   bool at_rest{false};                             // L1 and L2 are shares of the energy at play, see energy_measures.h
   double force_error{0};                           // RMS(F - F_direct) / RMS(F_direct), over all windows

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "rt/base/denormals.h"
 #include "sim/loader/choice_names.h"
 #include "tools/experiment/coupling/force_measures.h"
 #include "tools/experiment/coupling/reference_run.h"
 #include "tools/session/open_link.h"
+#include "tools/session/scheme_gains.h"
 #include "tools/session/session.h"
 
 namespace tactus::experiment {
@@ -207,11 +209,44 @@ WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct)
   return row;
 }
 
+haptics::CouplingGains gains_of_scene(const sim::Scene& scene) {
+  const sim::CouplingGains& c = scene.coupling;
+  return {c.stiffness_N_per_m, c.damping_Ns_per_m, c.stiffness_Nm_per_rad, c.damping_Nms_per_rad};
+}
+
+sim::Scene with_gains(sim::Scene scene, const haptics::CouplingGains& gains) {
+  scene.coupling = {gains.stiffness_N_per_m, gains.damping_Ns_per_m, gains.stiffness_Nm_per_rad,
+                    gains.damping_Nms_per_rad};
+  return scene;
+}
+
+// What a scheme is held against: the direct coupling with the same gains.
+class DirectRun {
+ public:
+  DirectRun(const sim::Scene& scene, const haptics::CouplingGains& gains, const hal::DeviceProfile& profile,
+            const WholeRunRequest& request)
+      : gains_(gains),
+        scene_(with_gains(scene, gains)),
+        whole_(scene_, profile, request.seconds, request.order),
+        trace_(whole_.run({CouplingScheme::kDirect, physics::BorderMode::kCapped, 1}, 0, {})) {}
+  DirectRun(const DirectRun&) = delete;  // whole_ refers to scene_
+  DirectRun& operator=(const DirectRun&) = delete;
+
+  const haptics::CouplingGains& gains() const { return gains_; }
+  const WholeRun& whole() const { return whole_; }
+  const Trace& trace() const { return trace_; }
+
+ private:
+  haptics::CouplingGains gains_;
+  sim::Scene scene_;
+  WholeRun whole_;
+  Trace trace_;
+};
+
 }  // namespace
 
 Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const Progress& progress) {
   set_denormals_flush();
-  constexpr Scheme kDirect{CouplingScheme::kDirect, physics::BorderMode::kCapped, 1};
   std::vector<WholeRunRow> rows;
   double work = 0, done = 0;
   for (const sim::Scene& scene : request.scenes)
@@ -220,25 +255,29 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
   for (const sim::Scene& scene : request.scenes) {
     const auto profile = session::find_description(scene.device.profile, {});
     if (!profile.ok()) return profile.status();
-    const WholeRun whole(scene, profile.value(), request.seconds, request.order);
     pace.say(fmt::format("scene {}, direct", scene.name), done);
-    const Trace direct = whole.run(kDirect, 0, {});
+    const DirectRun own(scene, gains_of_scene(scene), profile.value(), request);
     done += static_cast<double>(scene.bodies.size());
     for (const unsigned members : request.members)
       for (const Scheme& scheme : request.schemes) {
         pace.say(fmt::format("scene {}, ratio {}", scene.name, scheme.ratio), done);
+        const session::RunOptions options = own.whole().options(scheme, members);
+        const haptics::DeviceProperties& device = profile.value().properties;
         if (scheme.coupling != CouplingScheme::kDirect) {
-          const Status status = sim::check_global_options(
-              scene, session::global_options(scene, whole.options(scheme, members), profile.value().properties));
+          const Status status = sim::check_global_options(scene, session::global_options(scene, options, device));
           if (!status.ok()) return status;
         }
+        const haptics::CouplingGains gains = session::gains_of(scene, options, device).gains;
+        std::optional<DirectRun> softer;
+        if (!(gains == own.gains())) softer.emplace(scene, gains, profile.value(), request);
+        const DirectRun& direct = softer ? *softer : own;
         for (const bool closed : {true, false}) {
           if (!closed && !request.hand_of_direct) continue;
-          const Trace run =
-              whole.run(scheme, members, closed ? std::span<const haptics::DeviceTarget>() : std::span(direct.target));
-          WholeRunRow row = row_of(whole, run, direct);
+          const auto targets = closed ? std::span<const haptics::DeviceTarget>() : std::span(direct.trace().target);
+          WholeRunRow row = row_of(direct.whole(), direct.whole().run(scheme, members, targets), direct.trace());
           row.scene = scene.name, row.scheme = scheme, row.seconds = request.seconds, row.closed_hand = closed;
           row.members = members > 0 ? members : scene.members;
+          row.gains = gains;
           rows.push_back(std::move(row));
         }
         done += static_cast<double>(scene.bodies.size());
@@ -249,19 +288,20 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
 
 std::string whole_table(std::span<const WholeRunRow> rows) {
   std::string text = fmt::format(
-      "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n", "scene",
-      "coupling", "border", "ratio", "members", "hand", "force err%", "by quarter %", "off mm", "most mm", "of size%",
-      "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
+      "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n",
+      "scene", "coupling", "border", "ratio", "members", "K N/m", "hand", "force err%", "by quarter %", "off mm",
+      "most mm", "of size%", "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
   for (const WholeRunRow& r : rows) {
     std::string quarters;
     for (const double q : r.force_error_quarter) quarters += fmt::format(" {:>6.2f}", 100 * q);
     text += fmt::format(
-        "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} {:>9.3f} "
+        "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
+        "{:>9.3f} "
         "{:>9.3f} {:>7}\n",
         r.scene, sim::name_of(r.scheme.coupling), sim::name_of(r.scheme.border), r.scheme.ratio, r.members,
-        r.closed_hand ? "closed" : "direct", 100 * r.force_error, quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m,
-        100 * r.pose_off_share, 1e3 * r.drift_m, 1e3 * r.deepest_m, r.kinetic_over_work,
-        100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
+        r.gains.stiffness_N_per_m, r.closed_hand ? "closed" : "direct", 100 * r.force_error, quarters,
+        1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m, 100 * r.pose_off_share, 1e3 * r.drift_m, 1e3 * r.deepest_m,
+        r.kinetic_over_work, 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
         r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
   }
   return text;
@@ -269,19 +309,20 @@ std::string whole_table(std::span<const WholeRunRow> rows) {
 
 std::string whole_csv(std::span<const WholeRunRow> rows) {
   std::string text =
-      "scene,coupling,border,ratio [1],members [1],seconds [s],hand,force_error [1],force_error_q1 [1],force_error_q2 "
+      "scene,coupling,border,ratio [1],members [1],stiffness [N/m],seconds [s],hand,force_error [1],force_error_q1 "
+      "[1],force_error_q2 "
       "[1],"
       "force_error_q3 [1],force_error_q4 [1],force_rms [N],pose_off [m],pose_off_most [m],pose_off_share [1],drift [m],"
       "deepest [m],direct_deepest [m],kinetic [J],kinetic_over_work [1],energy_gain [J],direct_energy_gain [J],"
       "energy_at_play [J],border_work [J],fallen [1],stands\n";
   for (const WholeRunRow& r : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
-                        sim::name_of(r.scheme.coupling), sim::name_of(r.scheme.border), r.scheme.ratio, r.members,
-                        r.seconds, r.closed_hand ? "closed" : "direct", r.force_error, r.force_error_quarter[0],
-                        r.force_error_quarter[1], r.force_error_quarter[2], r.force_error_quarter[3], r.force_rms_N,
-                        r.pose_off_m, r.pose_off_most_m, r.pose_off_share, r.drift_m, r.deepest_m, r.direct_deepest_m,
-                        r.kinetic_J, r.kinetic_over_work, r.energy_gain_J, r.direct_energy_gain_J, r.energy_at_play_J,
-                        r.border_work_J, r.fallen, r.stands);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+                        r.scene, sim::name_of(r.scheme.coupling), sim::name_of(r.scheme.border), r.scheme.ratio,
+                        r.members, r.gains.stiffness_N_per_m, r.seconds, r.closed_hand ? "closed" : "direct",
+                        r.force_error, r.force_error_quarter[0], r.force_error_quarter[1], r.force_error_quarter[2],
+                        r.force_error_quarter[3], r.force_rms_N, r.pose_off_m, r.pose_off_most_m, r.pose_off_share,
+                        r.drift_m, r.deepest_m, r.direct_deepest_m, r.kinetic_J, r.kinetic_over_work, r.energy_gain_J,
+                        r.direct_energy_gain_J, r.energy_at_play_J, r.border_work_J, r.fallen, r.stands);
   return text;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rt/base/result.h"
+#include "rt/haptics/coupling_limits.h"
 #include "sim/interface/extraction.h"
 #include "sim/loader/scene.h"
 #include "tools/experiment/coupling/scheme.h"
@@ -41,6 +42,7 @@ struct WholeRunRow {
   std::string scene;
   Scheme scheme;
   unsigned members{0};
+  haptics::CouplingGains gains;  // world units: the most that the coupling bears of the scene's; the direct run's too
   double seconds{0};
   bool closed_hand{true};
   double force_error{0};  // RMS(F - F_direct) / RMS(F_direct), over the whole run
