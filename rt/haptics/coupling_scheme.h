@@ -9,8 +9,8 @@ namespace tactus::haptics {
 enum class CouplingScheme : std::uint32_t {
   kSubWorld = 0,       // members run at the device's rate; the worlds exchange once a cycle
   kDirect = 1,         // the whole world runs at the device's rate; no global world
-  kInterpolation = 2,  // the device feels the proxy's positions interpolated between global states; its effort of a
-                       // cycle is stored and applied as one impulse at the synchronisation
+  kInterpolation = 2,  // the device feels the proxy's positions interpolated between global states; the global step
+                       // holds the proxy to the device, see interpolation_coupling.h
   kStatic = 3,         // the proxy moves at the device's rate among members that are frozen; its state is imposed on
                        // the global world at the synchronisation
   // The device feels what the global world makes of the proxy's contacts, see plane_coupling.h; the bodies move in the

@@ -2,9 +2,8 @@
 
 namespace tactus::haptics {
 
-void PlaneCoupling::adopt(std::span<const physics::BorderContact<double>> contacts, bool first) noexcept {
+void PlaneCoupling::adopt(std::span<const physics::BorderContact<double>> contacts) noexcept {
   before_ = now_;
-  if (first) before_.planes.clear();
   now_.planes.clear();
   now_.held = held_;
   for (const auto& contact : contacts) {
@@ -14,6 +13,12 @@ void PlaneCoupling::adopt(std::span<const physics::BorderContact<double>> contac
                                contact.outside_velocity}))
       return;
   }
+}
+
+void PlaneCoupling::start(const Vec3d& proxy) noexcept {
+  now_.planes.clear();
+  held_ = now_.held = proxy;
+  follows_ = 1;
 }
 
 // The planes are asked for x + lead v with position alone: K times what they take is then spring and damper together,

@@ -37,8 +37,10 @@ class PlaneCoupling {
     double lead_s{0};                     // the coupling's damping / stiffness
   };
 
-  // At a synchronisation: the proxy's contacts as the snapshot has them. With `first` nothing came before.
-  void adopt(std::span<const physics::BorderContact<double>> contacts, bool first) noexcept;
+  // At a synchronisation: the proxy's contacts as the snapshot has them.
+  void adopt(std::span<const physics::BorderContact<double>> contacts) noexcept;
+  // Before the first of them, and of a new epoch: nothing came before, and friction holds the proxy where it is (m).
+  void start(const Vec3d& proxy) noexcept;
   // Once a tick, while the device holds the proxy: where it is. The spring and damper between it and the device are
   // then the force.
   HeldProxy follow(const DeviceTarget& target, const Tick& tick) noexcept;

@@ -89,7 +89,10 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   if (config_.scheme == CouplingScheme::kStatic) freeze_all_but_proxy();
   if (config_.scheme == CouplingScheme::kInterpolation && state_.has_snapshot == 0) proxy_ = snapshot.proxy;
   state_.interpolation.adopt(snapshot.proxy, state_.has_snapshot == 0);
-  if (feels_planes(config_.scheme)) planes_.adopt(world_.border_contacts().span(), state_.has_snapshot == 0);
+  if (feels_planes(config_.scheme)) {
+    if (state_.has_snapshot == 0) planes_.start(proxy_.pose.position);
+    planes_.adopt(world_.border_contacts().span());
+  }
   state_.has_snapshot = 1;
   state_.ticks_in_cycle = 0;
   state_.cycle_impulse = {};

@@ -14,10 +14,13 @@ void add_couplings(CLI::App& experiment, int& exit_code) {
   CLI::App* command = experiment.add_subcommand("couplings", "The coupling schemes on the same hand motion.");
   command->footer(
       "direct: all bodies at the haptic rate. sub-world: the paper's method. static: the proxy moves among frozen\n"
-      "members. interpolation: the device feels interpolated positions, its effort comes late and at once. plane, "
-      "planes:\n"
-      "a plane for the contact that presses most, or for each contact point, until the next synchronisation.\n"
-      "linearised: the force and its Jacobian. Errors are\n"
+      "members. interpolation: the device feels the global world's proxy, interpolated, and holds it there by a "
+      "spring\n"
+      "that the global step solves; K is the most that it bears at the ratio, where the scene's is more (marked !), "
+      "and\n"
+      "the direct run beside it has the same. plane, planes: a plane with friction for the contact that presses most,\n"
+      "or for each contact point, new ones blended in over a cycle. linearised: the force and its Jacobian. Errors "
+      "are\n"
       "against the direct coupling, over windows of 200 ms that start from its state. stable is judged with the hand\n"
       "in the loop, the device's own encoder and delay: no force beyond 1.5 times the direct coupling's peak and 1 N\n"
       "more; while the hand holds, no more than 0.2 N of shaking beyond its own, and at least half its force (nothing "

@@ -218,6 +218,10 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   if (!hardware.ok()) return complain("tactus run: " + hardware.message(), kExitMachineCannot);
   auto session = session::Session::create(std::move(scene).value(), command.options, std::move(hardware).value());
   if (!session.ok()) return complain("tactus run: " + session.message(), kExitBadInput);
+  const std::string lowered = lowered_text(session.value()->summary().gains);
+  if (!lowered.empty())
+    fmt::print(stderr, "tactus run: {}: the most that --coupling {} bears at ratio {}\n", lowered,
+               command.words.coupling, session.value()->ratio);
   auto summary = command.options.virtual_time ? run_in_virtual_time(*session.value())
                                               : run_in_real_time(*session.value(), command);
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
