@@ -26,4 +26,7 @@ struct PoseSpring {
   Wrench<T> step_impulse;  // N s, N m s: sum over the step, on the body
 };
 
+// A world holds at most so many bodies by springs: one a device.
+inline constexpr std::uint32_t kMaxSprings = 4;
+
 }  // namespace tactus::physics

@@ -47,9 +47,10 @@ void Solver<T, S>::prepare(const SolverInput<T>& input, StageContext<T>& context
   pushed_.clear();
   for (std::uint32_t i = 0; i < input.wrenches.size(); ++i)
     if (input.wrenches[i] != Wrench<T>{}) static_cast<void>(pushed_.try_push(i));
-  if constexpr (kIsWhole) {
-    const Pose<T> spring_start = input.spring.enabled ? input.bodies[input.spring.slot].motion.pose : Pose<T>{};
-    spring_.prepare(input.spring, spring_start, motion_.span(), inverse_inertia_.span(), context.h);
+  for (std::uint32_t i = 0; i < kMaxSprings; ++i) {
+    const PoseSpring<T> spring = i < input.springs.size() ? input.springs[i] : PoseSpring<T>{};
+    const Pose<T> start = spring.enabled ? input.bodies[spring.slot].motion.pose : Pose<T>{};
+    springs_[i].prepare(spring, start, motion_.span(), inverse_inertia_.span(), static_cast<S>(context.h));
   }
   run_stages(input, Phase::kPrepare, context);
   contacts_.prepare(std::span<const Contact<T>>(input.contacts), state(), input.executor);
@@ -160,13 +161,13 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
   prepare(input, context);
   for (std::uint32_t j = 0; j < settings.sub_steps; ++j) {
     context.sub_step = j;
-    spring_.release();
+    for (auto& spring : springs_) spring.release();
     border_.begin_sub_step(j, state());
     run_stages(input, Phase::kBeginSubStep, context);
     run_stages(input, Phase::kForces, context);
     apply_wrenches(input, h);
     border_.apply_replay(state());
-    spring_.hold(j);
+    for (auto& spring : springs_) spring.hold(j);
     if (go_on()) {
       border_.warm_start(state());
       run_stages(input, Phase::kWarmStart, context);
@@ -177,12 +178,12 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
     } else {
       warm_start_without_gain(input, context);
     }
-    spring_.note_turning();
+    for (auto& spring : springs_) spring.note_turning();
     input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies(motion_.span().subspan(begin, end - begin),
                   std::span<const Body<T>>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });
-    spring_.resist_turning();
+    for (auto& spring : springs_) spring.resist_turning();
     border_.move_ghosts();
     run_stages(input, Phase::kMoved, context);
     bool counted = false;
@@ -201,8 +202,11 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
     }
     if (!counted) contacts_.add_to_totals();
     border_.end_sub_step(state());
-    spring_.end_sub_step();
+    for (auto& spring : springs_) spring.end_sub_step();
   }
+  for (std::uint32_t i = 0; i < input.springs.size(); ++i)
+    input.springs[i].step_impulse = {number_cast<T>(springs_[i].impulse().force),
+                                     number_cast<T>(springs_[i].impulse().torque)};
   store(input, context, uncorrected);
 }
 

@@ -1,6 +1,6 @@
 // One step of the soft-step solver: sub-steps of forces, warm start, biased sweep, integration, relax sweeps.
 //
-// The device's spring is part of its body (pose_spring.h). Order in every sweep: the stages of effects, the border
+// A device's spring is part of its body (pose_spring.h). Order in every sweep: the stages of effects, the border
 // contacts, the contacts by colours. A cut is asked for before each sweep; once it fires no sweep follows but one relax
 // sweep at the very end. The sub-steps that are left still integrate: their warm start is held back as far as it would
 // raise the kinetic energy (an impulse that once stopped an impact must not be given again). The last relax sweep then
@@ -10,9 +10,11 @@
 //
 // The numbers of the sweeps, S, may be narrower than the world's, T: within a step bodies move and contacts are given
 // relative to where they were at its start, so a large world far from its origin loses no place. What a step adds to
-// poses and velocities is then as exact as S is. Such a solver takes no spring, no border contacts and no effect with a
-// stage but gravity.
+// poses and velocities is then as exact as S is. Such a solver takes no border contacts and no effect with a stage but
+// gravity.
 #pragma once
+
+#include <array>
 
 #include "rt/physics/border/border_solver.h"
 #include "rt/physics/capacity.h"
@@ -30,7 +32,7 @@ struct SolverInput {
   std::span<const std::uint8_t> frozen;
   std::span<const Wrench<T>> wrenches;  // N, N m; empty where no body has one
   std::span<Contact<T>> contacts;       // by key
-  PoseSpring<T>& spring;
+  std::span<PoseSpring<T>> springs;     // kMaxSprings at most
   std::span<BorderContact<T>> border;
   std::span<BorderGhost<T>> ghosts;
   BorderMode border_mode;
@@ -50,7 +52,7 @@ class Solver {
             StepReport<T>& report) noexcept;
 
  private:
-  static constexpr bool kIsWhole = std::is_same_v<S, T>;  // takes a spring, border contacts, the stages of effects
+  static constexpr bool kIsWhole = std::is_same_v<S, T>;  // takes border contacts, the stages of effects
 
   void prepare(const SolverInput<T>& input, StageContext<T>& context) noexcept;
   void run_stages(const SolverInput<T>& input, Phase phase, StageContext<T>& context) noexcept;
@@ -66,7 +68,7 @@ class Solver {
   BoundedVector<std::uint32_t> pushed_;  // slots of the bodies with a wrench
   ContactSolver<S> contacts_;
   BorderSolver<S> border_;
-  SpringSolver<S> spring_;
+  std::array<SpringSolver<S>, kMaxSprings> springs_;
 };
 
 }  // namespace tactus::physics

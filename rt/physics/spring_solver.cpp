@@ -2,69 +2,78 @@
 
 namespace tactus::physics {
 
+template <class S>
 template <class T>
-void SpringSolver<T>::prepare(PoseSpring<T>& spring, const Pose<T>& start, std::span<SolverBody<T>> motion,
-                              std::span<SymMat3<T>> inverse_inertia, T h) noexcept {
-  spring_ = nullptr;
-  spring.step_impulse = {};
+void SpringSolver<S>::prepare(const PoseSpring<T>& spring, const Pose<T>& start, std::span<SolverBody<S>> motion,
+                              std::span<SymMat3<S>> inverse_inertia, S h) noexcept {
+  body_ = nullptr;
+  impulse_ = {};
   if (!spring.enabled) return;
-  spring_ = &spring, body_ = &motion[spring.slot], inverse_inertia_ = &inverse_inertia[spring.slot];
-  start_ = start, h_ = h;
-  linear_gain_ = h * (spring.damping_Ns_per_m + h * spring.stiffness_N_per_m);
-  angular_gain_ = h * (spring.damping_Nms_per_rad + h * spring.stiffness_Nm_per_rad);
+  body_ = &motion[spring.slot], inverse_inertia_ = &inverse_inertia[spring.slot];
+  h_ = h;
+  error_ = number_cast<S>(start.position - spring.target.position);
+  start_rotation_ = number_cast<S>(start.rotation), target_rotation_ = number_cast<S>(spring.target.rotation);
+  target_velocity_ = {number_cast<S>(spring.target_velocity.linear), number_cast<S>(spring.target_velocity.angular)};
+  stiffness_N_per_m_ = static_cast<S>(spring.stiffness_N_per_m);
+  stiffness_Nm_per_rad_ = static_cast<S>(spring.stiffness_Nm_per_rad);
+  linear_gain_ = h * (static_cast<S>(spring.damping_Ns_per_m) + h * stiffness_N_per_m_);
+  angular_gain_ = h * (static_cast<S>(spring.damping_Nms_per_rad) + h * stiffness_Nm_per_rad_);
   own_ = held_ = {body_->inverse_mass, *inverse_inertia_};
-  if (own_.inverse_mass == T(0)) return;
-  mass_ = T(1) / own_.inverse_mass, inertia_ = inverse(own_.inverse_inertia);
-  if (linear_gain_ > T(0)) held_.inverse_mass = T(1) / (mass_ + linear_gain_);
-  if (angular_gain_ > T(0)) held_.inverse_inertia = inverse(inertia_ + SymMat3<T>::identity(angular_gain_));
+  if (own_.inverse_mass == S(0)) return;
+  mass_ = S(1) / own_.inverse_mass, inertia_ = inverse(own_.inverse_inertia);
+  if (linear_gain_ > S(0)) held_.inverse_mass = S(1) / (mass_ + linear_gain_);
+  if (angular_gain_ > S(0)) held_.inverse_inertia = inverse(inertia_ + SymMat3<S>::identity(angular_gain_));
   give(held_);
 }
 
-template <class T>
-void SpringSolver<T>::release() noexcept {
-  if (spring_ != nullptr) give(own_);
+template <class S>
+void SpringSolver<S>::release() noexcept {
+  if (on()) give(own_);
 }
 
-template <class T>
-void SpringSolver<T>::hold(std::uint32_t j) noexcept {
-  if (spring_ == nullptr) return;
+template <class S>
+void SpringSolver<S>::hold(std::uint32_t j) noexcept {
+  if (!on()) return;
   // The gain moves body and target on by h: the error is that of the start of the sub-step.
-  const T elapsed = static_cast<T>(j) * h_;
-  const Vec3<T> error =
-      start_.position + body_->delta_position - (spring_->target.position + elapsed * spring_->target_velocity.linear);
-  const Quat<T> target =
-      quat_from_rotation_vector(elapsed * spring_->target_velocity.angular) * spring_->target.rotation;
-  const Vec3<T> turned = small_rotation_vector(body_->delta_rotation * start_.rotation * conjugate(target));
-  linear_pull_ = -(h_ * spring_->stiffness_N_per_m) * error;
-  angular_pull_ = -(h_ * spring_->stiffness_Nm_per_rad) * turned;
-  if (own_.inverse_mass == T(0)) return;
+  const S elapsed = static_cast<S>(j) * h_;
+  const Vec3<S> error = error_ + body_->delta_position - elapsed * target_velocity_.linear;
+  const Quat<S> target = quat_from_rotation_vector(elapsed * target_velocity_.angular) * target_rotation_;
+  const Vec3<S> turned = small_rotation_vector(body_->delta_rotation * start_rotation_ * conjugate(target));
+  linear_pull_ = -(h_ * stiffness_N_per_m_) * error;
+  angular_pull_ = -(h_ * stiffness_Nm_per_rad_) * turned;
+  if (own_.inverse_mass == S(0)) return;
   give(held_);
-  const Twist<T>& target_velocity = spring_->target_velocity;
-  if (linear_gain_ > T(0))
-    body_->v = held_.inverse_mass * (mass_ * body_->v + linear_gain_ * target_velocity.linear + linear_pull_);
-  if (angular_gain_ > T(0))
-    body_->w = held_.inverse_inertia * (inertia_ * body_->w + angular_gain_ * target_velocity.angular + angular_pull_);
+  if (linear_gain_ > S(0))
+    body_->v = held_.inverse_mass * (mass_ * body_->v + linear_gain_ * target_velocity_.linear + linear_pull_);
+  if (angular_gain_ > S(0))
+    body_->w = held_.inverse_inertia * (inertia_ * body_->w + angular_gain_ * target_velocity_.angular + angular_pull_);
 }
 
-template <class T>
-void SpringSolver<T>::note_turning() noexcept {
-  if (spring_ != nullptr) turning_ = body_->w;
+template <class S>
+void SpringSolver<S>::note_turning() noexcept {
+  if (on()) turning_ = body_->w;
 }
 
-template <class T>
-void SpringSolver<T>::resist_turning() noexcept {
-  if (spring_ == nullptr || body_->w == turning_ || angular_gain_ == T(0)) return;
+template <class S>
+void SpringSolver<S>::resist_turning() noexcept {
+  if (!on() || body_->w == turning_ || angular_gain_ == S(0)) return;
   body_->w = turning_ + held_.inverse_inertia * (inertia_ * (body_->w - turning_));
 }
 
-template <class T>
-void SpringSolver<T>::end_sub_step() noexcept {
-  if (spring_ == nullptr) return;
-  spring_->step_impulse.force += linear_pull_ - linear_gain_ * (body_->v - spring_->target_velocity.linear);
-  spring_->step_impulse.torque += angular_pull_ - angular_gain_ * (body_->w - spring_->target_velocity.angular);
+template <class S>
+void SpringSolver<S>::end_sub_step() noexcept {
+  if (!on()) return;
+  impulse_.force += linear_pull_ - linear_gain_ * (body_->v - target_velocity_.linear);
+  impulse_.torque += angular_pull_ - angular_gain_ * (body_->w - target_velocity_.angular);
 }
 
 template class SpringSolver<double>;
 template class SpringSolver<float>;
+template void SpringSolver<double>::prepare(const PoseSpring<double>&, const Pose<double>&,
+                                            std::span<SolverBody<double>>, std::span<SymMat3<double>>, double) noexcept;
+template void SpringSolver<float>::prepare(const PoseSpring<double>&, const Pose<double>&, std::span<SolverBody<float>>,
+                                           std::span<SymMat3<float>>, float) noexcept;
+template void SpringSolver<float>::prepare(const PoseSpring<float>&, const Pose<float>&, std::span<SolverBody<float>>,
+                                           std::span<SymMat3<float>>, float) noexcept;
 
 }  // namespace tactus::physics

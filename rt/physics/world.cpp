@@ -99,7 +99,8 @@ bool World<T>::insert(const Body<T>& body) noexcept {
   static_cast<void>(wrenches_.try_insert(slot, {}));
   static_cast<void>(last_poses_.try_insert(slot, unknown_pose<T>()));
   contacts_.slot_inserted(slot, false);
-  if (spring_.enabled && spring_.slot >= slot) ++spring_.slot;
+  for (auto& spring : springs_)
+    if (spring.enabled && spring.slot >= slot) ++spring.slot;
   return true;
 }
 
@@ -109,8 +110,10 @@ bool World<T>::remove(BodyId id) noexcept {
   if (holds(bodies_, slot, id)) {
     bodies_.erase(slot), frozen_.erase(slot), wrenches_.erase(slot), last_poses_.erase(slot);
     contacts_.slot_removed(slot, false);
-    if (spring_.enabled && spring_.slot == slot) spring_.enabled = false;
-    if (spring_.enabled && spring_.slot > slot) --spring_.slot;
+    for (auto& spring : springs_) {
+      if (spring.enabled && spring.slot == slot) spring.enabled = false;
+      if (spring.enabled && spring.slot > slot) --spring.slot;
+    }
     return true;
   }
   if (!holds(fixed_bodies_, fixed_slot, id)) return false;
@@ -153,10 +156,6 @@ BoundedVector<SlotPair>& World<T>::dynamic_pairs() noexcept {
 template <class T>
 std::span<const Contact<T>> World<T>::contacts() const noexcept {
   return contacts_.contacts();
-}
-template <class T>
-PoseSpring<T>& World<T>::device_spring() noexcept {
-  return spring_;
 }
 template <class T>
 BoundedVector<BorderContact<T>>& World<T>::border_contacts() noexcept {
@@ -231,7 +230,8 @@ void World<T>::begin_step(const StepSettings<T>& settings) noexcept {
     const Body<T>& body = bodies_[i];
     const Twist<T>& velocity = body.motion.velocity;
     T speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
-    if (spring_.enabled && spring_.slot == i) speed = std::max(speed, norm(spring_.target_velocity.linear));
+    for (const auto& spring : springs_)
+      if (spring.enabled && spring.slot == i) speed = std::max(speed, norm(spring.target_velocity.linear));
     reach_[i] = {};
     if (frozen_[i] == 0) reach_[i].moved = speed * settings.dt, reach_[i].fallen = std::abs(body.gravity_scale) * fall;
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap<T>, reach_[i]);
@@ -379,11 +379,11 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
                   settings, h, impulse_scale, report, executor_);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   if (far.bodies.empty()) {
-    solve(frozen_.span(), settings, impulse_scale, cut, report);
+    solve(frozen_.span(), springs_, settings, impulse_scale, cut, report);
   } else {
     held_.resize(bodies_.size());
     for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | far.bodies[i];
-    solve(held_.span(), settings, impulse_scale, cut, report);
+    solve(held_.span(), springs_, settings, impulse_scale, cut, report);
     solve_far(far, settings, cut, report);
   }
   if (wrench_applied_)
@@ -394,15 +394,16 @@ StepReport<T> World<T>::finish_step(const StepSettings<T>& settings, const CutPr
 
 // Bodies that are held neither move nor feel impulses.
 template <class T>
-void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
-                     const CutPredicate& cut, StepReport<T>& report) noexcept {
+void World<T>::solve(std::span<const std::uint8_t> held, std::span<PoseSpring<T>> springs,
+                     const StepSettings<T>& settings, T impulse_scale, const CutPredicate& cut,
+                     StepReport<T>& report) noexcept {
   const std::span<const Wrench<T>> wrenches =
       wrench_applied_ ? std::span<const Wrench<T>>(wrenches_.span()) : std::span<const Wrench<T>>();
   const SolverInput<T> input{bodies_.span(),
                              held,
                              wrenches,
                              contacts_.contacts(),
-                             spring_,
+                             springs,
                              border_contacts_.span(),
                              border_ghosts_.span(),
                              border_mode,
@@ -412,7 +413,7 @@ void World<T>::solve(std::span<const std::uint8_t> held, const StepSettings<T>& 
                              fixed_bodies_.span(),
                              executor_};
   if (solver_) return solver_->step(input, settings, cut, report);
-  TACTUS_CHECK(!spring_.enabled && border_contacts_.empty(), spring_.slot, border_contacts_.size());
+  TACTUS_CHECK(border_contacts_.empty(), bodies_.size(), border_contacts_.size());
   single_solver_->step(input, settings, cut, report);
 }
 
@@ -421,13 +422,13 @@ template <class T>
 void World<T>::solve_far(const FarRegion& far, const StepSettings<T>& settings, const CutPredicate& cut,
                          StepReport<T>& report) noexcept {
   TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);
-  TACTUS_CHECK(!spring_.enabled && border_contacts_.empty(), spring_.slot, border_contacts_.size());
+  TACTUS_CHECK(border_contacts_.empty(), bodies_.size(), border_contacts_.size());
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | (far.bodies[i] ^ 1);
   StepSettings<T> fewer = settings;
   fewer.sub_steps = far.sub_steps;
   const T longer = static_cast<T>(settings.sub_steps) / static_cast<T>(far.sub_steps);
   contacts_.scale_impulses_of(far.bodies, longer);
-  solve(held_.span(), fewer, T(1), cut, report);
+  solve(held_.span(), {}, fewer, T(1), cut, report);
   contacts_.scale_impulses_of(far.bodies, T(1) / longer);
 }
 

@@ -8,6 +8,7 @@
 // Source: soft-step solver (Catto, Solver2D); implicit-midpoint gyroscopic term.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "rt/base/bounded_vector.h"
@@ -73,7 +74,7 @@ class World {
   std::span<const Aabb<T>> fixed_bounds() const noexcept;  // by fixed slot
   // For the pair finder; cleared by begin_step. After the step, all pairs of bounds that overlapped, by key.
   BoundedVector<SlotPair>& dynamic_pairs() noexcept;
-  // `far`: not in a world with a spring or border contacts.
+  // `far`: not in a world with border contacts; a body on a spring is not far.
   StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {},
                             const FarRegion& far = {}) noexcept;
 
@@ -88,7 +89,7 @@ class World {
   static WarmStart<T> warm_start_of(const Contact<T>& contact, T sub_step_s) noexcept;
 
   // --- constraints from outside the world
-  PoseSpring<T>& device_spring() noexcept;
+  PoseSpring<T>& device_spring(std::uint32_t device = 0) noexcept { return springs_[device]; }
   // Adds one; false (and kBorderContactsFull in the next report) when there is no room.
   bool add_border_contact(const BorderContact<T>& contact) noexcept;
   BoundedVector<BorderContact<T>>& border_contacts() noexcept;
@@ -134,8 +135,8 @@ class World {
   void find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept;
   void add_fixed_pairs(StageContext<T>& context) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept;
-  void solve(std::span<const std::uint8_t> held, const StepSettings<T>& settings, T impulse_scale,
-             const CutPredicate& cut, StepReport<T>& report) noexcept;
+  void solve(std::span<const std::uint8_t> held, std::span<PoseSpring<T>> springs, const StepSettings<T>& settings,
+             T impulse_scale, const CutPredicate& cut, StepReport<T>& report) noexcept;
   void solve_far(const FarRegion& far, const StepSettings<T>& settings, const CutPredicate& cut,
                  StepReport<T>& report) noexcept;
   void move_body(std::uint32_t from, std::uint32_t to) noexcept;
@@ -165,7 +166,7 @@ class World {
   Effects<T> effects_;
   std::optional<Solver<T>> solver_;  // one of the two
   std::optional<Solver<T, float>> single_solver_;
-  PoseSpring<T> spring_;
+  std::array<PoseSpring<T>, kMaxSprings> springs_;
   BoundedVector<BorderContact<T>> border_contacts_;
   BoundedVector<BorderGhost<T>> border_ghosts_;
   T last_sub_step_{};                           // s, of the stored impulses; 0 before the first step

@@ -210,8 +210,7 @@ void World<T>::save(ByteWriter& out) const noexcept {
   write_all(out, contacts_.contacts());
   write_all(out, contacts_.references());
   write_all(out, contacts_.warm_starts());
-  PoseSpring<T> spring = spring_;
-  each_field(io, spring);
+  for (PoseSpring<T> spring : springs_) each_field(io, spring);
   write_all(out, border_contacts_.span());
   write_all(out, border_ghosts_.span());
   io(static_cast<std::uint32_t>(border_mode)), io(border_may_give);
@@ -224,7 +223,7 @@ std::size_t World<T>::save_size_bound() const noexcept {
   const Capacities& c = capacities_;
   return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + sizeof(Pose<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
          c.contacts * (sizeof(Contact<T>) + sizeof(ContactReference<T>) + sizeof(WarmStart<T>)) +
-         c.border_contacts * (sizeof(BorderContact<T>) + sizeof(BorderGhost<T>)) + sizeof(PoseSpring<T>) +
+         c.border_contacts * (sizeof(BorderContact<T>) + sizeof(BorderGhost<T>)) + sizeof(springs_) +
          effects_.save_size_bound() + 64;  // 64: counts and the last line of save
 }
 
@@ -236,7 +235,7 @@ void World<T>::clear() noexcept {
   contacts_.clear();
   border_contacts_.clear(), border_ghosts_.clear();
   fixed_is_indexed_ = false;
-  spring_ = {};
+  springs_ = {};
   border_mode = BorderMode::kCapped, border_may_give = true;
   wrench_applied_ = false;
   last_sub_step_ = T(0);
@@ -269,7 +268,8 @@ bool World<T>::is_consistent() const noexcept {
       return false;
   for (const WarmStart<T>& w : contacts_.warm_starts())
     if (w.count > kMaxManifoldPoints) return false;
-  if (spring_.enabled && spring_.slot >= bodies_.size()) return false;
+  for (const auto& spring : springs_)
+    if (spring.enabled && spring.slot >= bodies_.size()) return false;
   return border_mode >= BorderMode::kCapped && border_mode <= BorderMode::kGhost;
 }
 
@@ -291,7 +291,7 @@ bool World<T>::restore(ByteReader& in) noexcept {
     for (Pose<T>& pose : last_poses_) each_field(io, pose);
     if (!read_all(in, contacts_.stored_contacts()) || !read_all(in, contacts_.stored_references())) return false;
     if (!read_all(in, contacts_.stored_warm_starts())) return false;
-    each_field(io, spring_);
+    for (auto& spring : springs_) each_field(io, spring);
     if (!read_all(in, border_contacts_) || !read_all(in, border_ghosts_)) return false;
     std::uint32_t mode = 0;
     io(mode), io(border_may_give), io(last_sub_step_), io(refused_bits_), io(refused_);

@@ -53,12 +53,14 @@ void World<T>::move_body(std::uint32_t from, std::uint32_t to) noexcept {
 template <class T>
 void World<T>::follow_moves() noexcept {
   contacts_.slots_moved(moved_to_.span());
-  if (!spring_.enabled) return;
-  const std::uint32_t to = moved_to_[spring_.slot];
-  if (to == kNoSlot)
-    spring_.enabled = false;
-  else
-    spring_.slot = to;
+  for (auto& spring : springs_) {
+    if (!spring.enabled) continue;
+    const std::uint32_t to = moved_to_[spring.slot];
+    if (to == kNoSlot)
+      spring.enabled = false;
+    else
+      spring.slot = to;
+  }
 }
 
 template bool World<double>::insert(std::span<const Body<double>>) noexcept;

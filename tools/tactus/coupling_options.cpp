@@ -136,7 +136,7 @@ Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOption
     if (scheme.coupling != haptics::CouplingScheme::kDirect) request.schemes.push_back(scheme);
   if (!options.members.empty()) request.members = options.members;
   request.seconds = options.whole_s;
-  request.hand_of_direct = true;
+  request.hand_of_direct = !options.quick;
   request.order = study.order;
   return experiment::run_whole(request, experiment::terminal_progress());
 }
