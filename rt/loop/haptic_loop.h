@@ -70,7 +70,7 @@ struct TickOutput {
   Posed target;  // world: where the device wants the proxy
   physics::BodyMotion<double> proxy;
   Wrenchd wanted;             // N, N m, device frame, before the output path
-  double device_energy_J{0};  // into the virtual side at the device port, so far (observed with what was sent)
+  double device_energy_J{0};  // into the virtual side at the device port, so far: what the device felt, when it did
   double damped_energy_J{0};  // taken by the passivity controller, so far
   double border_work_J{0};    // done on members by the border, so far
 };
