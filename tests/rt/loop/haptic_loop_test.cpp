@@ -119,6 +119,46 @@ TEST_CASE("what a disarmed loop owes the passivity book is not braked for") {
   }
 }
 
+TEST_CASE("the work of the coupling on the proxy is the proxy's own energy, where nothing else touches it") {
+  LoopConfig config = make_config();
+  config.sub_world.step.gravity = {};
+  const double mass = 0.2;
+  const auto ball = physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.01), mass, 0.5, {});
+  Bench bench(config, ball);
+  bench.run(3);
+  bench.tick(kArm);
+  double most_J = 0;
+  for (int k = 0; k < 300; ++k) {
+    bench.tool.position.x = 0.02 * (1 - std::cos(2 * test::kPi * 3 * 1e-3 * k));
+    bench.tick();
+    const double kinetic_J = 0.5 * mass * norm_squared(bench.out.proxy.velocity.linear);
+    most_J = std::max(most_J, kinetic_J);
+    // Never less: where a sub-step ends the velocity is the new one, so that its way is a little longer than its
+    // mean's.
+    REQUIRE(bench.loop.sub_world().proxy_work_J() == Approx(kinetic_J).epsilon(0.05).margin(2e-4));
+    REQUIRE(bench.loop.sub_world().proxy_work_J() > kinetic_J - 1e-9);
+  }
+  CHECK(most_J > 5e-3);
+}
+
+TEST_CASE(
+    "an overlap is told by its share of the thinner body, in the ticks in which it is a good part of the thinnest") {
+  LoopConfig config = make_config();
+  config.sub_world.step.gravity = {};
+  config.thinnest_m = GENERATE(0.02, 1.0, 0.0);  // of the ball, of another; not asked for
+  const auto ground = physics::make_fixed_body<double>(9, Shape<double>::plane(), 0.5, {});
+  loop::HapticLoop loop(config, {&ground, 1});
+  const auto ball =
+      physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.01), 0.2, 0.5, {{0, 0, 0.006}, {}});
+  loop.set_members({&ball, 1});
+  TickInput in;
+  TickOutput out;
+  in.device.sample.state = DeviceState::kIdle;
+  loop.tick(in, out);
+  CHECK(out.deepest_m == Approx(0.004).epsilon(1e-6));
+  CHECK(out.deepest_share == (config.thinnest_m == 0.02 ? Approx(0.2).epsilon(1e-6) : Approx(0)));
+}
+
 // A device of the mass, damping and quantum that the loop is told, on a loop whose gains no validator has seen.
 TEST_CASE("at 2 and 2.5 times the accepted gain the passivity controller holds a device that feels its force late") {
   const int late = GENERATE(1, 2);
