@@ -124,7 +124,7 @@ TEST_CASE("just within its limits a run is good") {
   CHECK(judge(s).line() == "good");
 }
 
-TEST_CASE("one late tick of a short run is not deadlines in numbers; two are") {
+TEST_CASE("one late tick of a short run is not deadlines in numbers, two are") {
   CHECK(most_lost_of_10000(100'000) == 1);
   CHECK(most_lost_of_10000(2'000) == 5);
   RunSummary s = good_run();
@@ -226,7 +226,7 @@ const Ruling& ruling_of(const Verdict& verdict, const std::string& rule) {
 
 }  // namespace
 
-TEST_CASE("what `scene check` calls bad is bad when it runs, in the same words; two balls 2 cm deep") {
+TEST_CASE("what `scene check` calls bad is bad when it runs, in the same words: two balls 2 cm deep") {
   const auto coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect);
   const Judged run = run_text(two_balls(0.021), coupling);
   const Verdict verdict = judge(run.summary), of_scene = judge(run.report);

@@ -29,7 +29,7 @@ World<double> two_overlaps(double ball_m, double plate_m) {
 
 }  // namespace
 
-TEST_CASE("a body's thickness is across its thinnest side; a plane has none of its own") {
+TEST_CASE("a body's thickness is across its thinnest side, and a plane has none of its own") {
   CHECK(thickness(Shape<double>::sphere(0.02)) == Approx(0.04));
   CHECK(thickness(Shape<double>::capsule(0.01, 0.5)) == Approx(0.02));
   CHECK(thickness(Shape<double>::box({0.1, 0.001, 0.05})) == Approx(0.002));
