@@ -151,7 +151,12 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
+  statistics_.energy.complete =
+      options.coupling == CouplingScheme::kSubWorld && devices_.size() == 1 && energy_can_be_booked(scene);
+  thinnest_m_ = physics::thinnest<double>(scene.bodies);
   if (scene.sleeping.from_start) sleep_from_start();
+  asleep_J_ = islands_.potential_energy(settings_.gravity);
+  asleep_of_ = islands_.fell_asleep() + islands_.woke_up();
   statistics_.awake = statistics_.most_awake = static_cast<std::uint32_t>(islands_.awake().size());
   statistics_.asleep = islands_.asleep();
 }
@@ -219,6 +224,7 @@ void GlobalWorld::begin_anew(const Posed& world_from_proxy) {
   GlobalStatistics statistics = statistics_;
   WorkerPool* const pool = pool_;
   *this = GlobalWorld(*scene_, options_);
+  statistics.energy.begin_anew();
   statistics.awake = statistics_.awake, statistics.asleep = statistics_.asleep;
   ++statistics.resets;
   statistics_ = statistics;
@@ -279,6 +285,7 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   }
   wake_for(report);
   impose_motion(device, report);
+  keep_energy_book(report);
   wake_near(device);
   if (options_.coupling == CouplingScheme::kSubWorld) {
     haptics::read_effects(report.effects, true, world_);
@@ -372,6 +379,25 @@ std::uint32_t GlobalWorld::passes_of_step() noexcept {
   return std::gcd(physics::passes_of(world_, bounds_settings_, members), settings_.sub_steps);
 }
 
+// An overlap that is no larger share of the thinnest body than what was seen is none of its own either.
+void GlobalWorld::look_at_overlaps(double deepest_m) noexcept {
+  if (!(deepest_m > statistics_.overlap.share * thinnest_m_)) return;
+  const physics::Overlap<double> deepest = physics::deepest_overlap(world_);
+  if (deepest.share > statistics_.overlap.share) statistics_.overlap = deepest;
+}
+
+// Of time t_n, with the members as their own world has them. Not after what is handed back: an impulse that contacts
+// have not answered yet is no motion.
+void GlobalWorld::keep_energy_book(const SubWorldReport& report) noexcept {
+  if (!statistics_.energy.due()) return;
+  // Who sleeps stays where it is: thousands are not summed up anew in every step.
+  const std::uint64_t changes = islands_.fell_asleep() + islands_.woke_up();
+  if (changes != asleep_of_) asleep_J_ = islands_.potential_energy(settings_.gravity);
+  asleep_of_ = changes;
+  statistics_.energy.add(kinetic_energy_J(), world_.potential_energy(settings_.gravity) + asleep_J_,
+                         contact_springs_J(world_, settings_.contact_hertz, settings_.slop), report.proxy_work_J);
+}
+
 void GlobalWorld::advance() noexcept {
   const std::uint32_t passes = passes_of_step();
   physics::StepReport<double> report;
@@ -379,6 +405,7 @@ void GlobalWorld::advance() noexcept {
     const std::uint32_t bits = report.capacity_bits;
     const double deepest_m = report.deepest_m;
     report = take_pass(pass, passes);
+    look_at_overlaps(report.deepest_m);
     report.capacity_bits |= bits, report.deepest_m = std::max(report.deepest_m, deepest_m);
   }
   for (Device& device : devices_) device.held_by = {};

@@ -18,6 +18,8 @@
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_limits.h"
 #include "rt/haptics/coupling_scheme.h"
+#include "rt/physics/overlap.h"
+#include "sim/energy_book.h"
 #include "sim/interface/border_log.h"
 #include "sim/interface/extraction.h"
 #include "sim/island_manager.h"
@@ -59,6 +61,8 @@ struct GlobalStatistics {
   std::uint64_t handed_back_skipped{0};
   double stopped_energy_J{0};  // kinetic: of bodies that fell asleep
   double deepest_m{0};
+  physics::Overlap<double> overlap;  // of all contacts so far the one that is deepest for how thick its bodies are
+  EnergyBook energy;
   std::uint32_t broken_joints{0};  // by now
   std::uint32_t resets{0};         // how often the scene has begun anew
 };
@@ -135,6 +139,8 @@ class GlobalWorld {
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
   void hold_proxy(double elapsed_s) noexcept;
+  void keep_energy_book(const haptics::SubWorldReport& report) noexcept;
+  void look_at_overlaps(double deepest_m) noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
   void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
@@ -169,6 +175,9 @@ class GlobalWorld {
   std::vector<std::uint8_t> member_slots_;      // by slot: member of the sub-world in question
   std::vector<std::uint8_t> former_slots_;      // by slot: was one before the last choice
   std::vector<physics::Aabb<double>> regions_;  // by device: where nothing falls asleep
+  double thinnest_m_{0};                        // of all bodies
+  double asleep_J_{0};                          // potential energy of those that sleep,
+  std::uint64_t asleep_of_{0};                  // as many having fallen asleep or woken up by then
   double time_s_{0};
   GlobalStatistics statistics_;
 };

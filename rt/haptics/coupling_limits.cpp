@@ -79,7 +79,8 @@ AxisLimits translation_of(const DeviceProperties& device, double period_s, doubl
           device.mass_kg,
           device.damping_Ns_per_m,
           device.coulomb_friction_N,
-          device.position_quantum_m};
+          device.position_quantum_m,
+          0};
 }
 
 AxisLimits rotation_of(const DeviceProperties& device, double period_s, double late_s) noexcept {
@@ -88,24 +89,30 @@ AxisLimits rotation_of(const DeviceProperties& device, double period_s, double l
           device.inertia_kg_m2,
           device.damping_Nms_per_rad,
           device.coulomb_friction_Nm,
-          device.rotation_quantum_rad};
+          device.rotation_quantum_rad,
+          0};
 }
 
 // Damping grows with the angle up to where the stiffness is back at 0, at most pi / (2 (t_d/T + 1)) but for the
-// device's own damping: by halves between none and a fifth more.
+// device's own damping: by halves between none and a fifth more. A lead is so much damping for each N/m.
 double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept {
   if (!(axis.mass > 0) || !(coupling_damping + axis.damping > 0)) return 0;
   double least = 0, most = 1.2 * (0.5 * std::numbers::pi) / (axis.delay_s / axis.period_s + 1);
-  if (!(on_boundary(axis, most).damping > coupling_damping)) return 0;
+  const auto damping_at = [&axis](double angle) {
+    const Gains gains = on_boundary(axis, angle);
+    return gains.damping - axis.lead_s * gains.stiffness;
+  };
+  if (!(damping_at(most) > coupling_damping)) return 0;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (least + most);
-    (on_boundary(axis, middle).damping < coupling_damping ? least : most) = middle;
+    (damping_at(middle) < coupling_damping ? least : most) = middle;
   }
   return std::max(0.0, on_boundary(axis, most).stiffness);
 }
 
 double little_damping_limit(const AxisLimits& axis, double coupling_damping) noexcept {
-  return (axis.damping + coupling_damping) / (0.5 * axis.period_s + axis.delay_s);
+  const double late_s = 0.5 * axis.period_s + axis.delay_s - axis.lead_s;
+  return late_s > 0 ? (axis.damping + coupling_damping) / late_s : std::numeric_limits<double>::infinity();
 }
 
 double damping_limit(const AxisLimits& axis) noexcept { return 0.5 * axis.mass / axis.period_s; }

@@ -17,8 +17,12 @@
 //                                              c = B T/m: stable for c < 2 (sqrt 2 - 1) = 0.83. 0.5 is a margin of 1.66
 //   certificate  K < 2 (b - |B|) / T           passive for every passive hand: Colgate, Schenkel 1997, b > K T/2 + |B|
 //   quantised    K <= min(2 b / T, 2 f_c / q)  no limit cycle from the encoder: Abbott, Okamura 2005
-// Only the first two refuse, and a damper that makes 0.06 N of one quantum: the certificate holds for none that is
-// worth having (it needs B < b), which is why a passivity controller stands behind the coupling.
+// The loop's own coupling moves its target on while a tick is solved, at the speed of the sample: its force is
+// `lead_s`, half a tick and half a sub-step, ahead, which is K lead_s more damping than the scene's. set-up leaves that
+// as a margin and judges with lead_s = 0; with it the first formula says where that loop rings, and its line is (b + B)
+// / (T/2 + t_d - lead). Hard case 30 measures both. Only the first two refuse, and a damper that makes 0.06 N of one
+// quantum: the certificate holds for none that is worth having (it needs B < b), which is why a passivity controller
+// stands behind the coupling.
 #pragma once
 
 #include "rt/haptics/device.h"
@@ -39,6 +43,7 @@ inline constexpr double kAllowedStiffnessShare = 0.56;
 struct AxisLimits {
   double period_s{1e-3}, delay_s{0};
   double mass{0}, damping{0}, coulomb_friction{0}, quantum{0};
+  double lead_s{0};  // by which the coupling's target runs ahead of the sample, on average over the tick
 };
 
 // Of the axes of a device whose ticks are late by up to `late_s`: a delay of half of it, the mean.
@@ -47,7 +52,7 @@ AxisLimits rotation_of(const DeviceProperties& device, double period_s, double l
 
 // The stiffness above which a push grows; 0 where the damping alone is too much, and for a device without mass.
 double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept;
-// Its line for a little damping, (b + B) / (T/2 + t_d).
+// Its line for a little damping, (b + B) / (T/2 + t_d - lead); infinite where the lead is all of the delay.
 double little_damping_limit(const AxisLimits& axis, double coupling_damping) noexcept;
 double damping_limit(const AxisLimits& axis) noexcept;
 double passive_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept;  // <= 0: none is passive

@@ -5,17 +5,53 @@
 namespace tactus::haptics {
 namespace {
 
-void observe(Passivity::Port& port, const Passivity::PortConfig& config, double period_s, const Vec3d& velocity,
-             double stored_J) noexcept {
-  const double into_virtual_J = -period_s * dot(port.sent, velocity);
+constexpr std::uint32_t kSlots = kMaxFeltLateTicks + 2;
+
+// The ring as one port's book reads it: by age, 1 what was sent last tick. And the delay, whole ticks and the rest.
+struct Flight {
+  const Passivity::Port& port;
+  std::uint32_t newest, whole;
+  double rest;
+
+  Flight(const Passivity::Port& of, std::uint32_t at, double felt_late_ticks) noexcept
+      : port(of), newest(at), whole(0), rest(0) {
+    const double ticks = std::clamp(felt_late_ticks, 0.0, double{kMaxFeltLateTicks});
+    whole = std::min(static_cast<std::uint32_t>(ticks), kMaxFeltLateTicks - 1);
+    rest = ticks - whole;
+  }
+  const Passivity::Sent& aged(std::uint32_t age) const noexcept {
+    return port.sent[(newest + kSlots - (age - 1)) % kSlots];
+  }
+  // Held by the device over the interval just ended.
+  Vec3d felt(Vec3d Passivity::Sent::*what) const noexcept {
+    const Vec3d& now = aged(whole + 1).*what;
+    return rest > 0 ? (1 - rest) * now + rest * aged(whole + 2).*what : now;
+  }
+  // Of damping that is sent and not yet felt.
+  Vec3d damping_under_way() const noexcept {
+    Vec3d sum;
+    for (std::uint32_t age = 1; age <= whole; ++age) sum += aged(age).damping;
+    if (rest > 0) sum += rest * aged(whole + 1).damping;
+    return sum;
+  }
+  // What the hand can still get back of the springs: as they stood when that was sent which it feels next.
+  double stored_J() const noexcept {
+    const double later = whole > 0 ? aged(whole).stored_J : port.stored_J;
+    return rest > 0 ? std::max(later, aged(whole + 1).stored_J) : later;
+  }
+};
+
+void observe(Passivity::Port& port, const Passivity::PortConfig& config, const Flight& flight, double period_s,
+             const Vec3d& velocity) noexcept {
+  const double into_virtual_J = -period_s * dot(flight.felt(&Passivity::Sent::wrench), velocity);
   if (into_virtual_J > 0) {
     port.in_J += into_virtual_J;
   } else {
     port.out_J -= into_virtual_J;
   }
-  port.dissipated_J -= period_s * dot(port.damping, velocity);
+  port.dissipated_J -= period_s * dot(flight.felt(&Passivity::Sent::damping), velocity);
   port.energy_J += into_virtual_J;
-  const double ceiling_J = config.energy_cap_J + std::max(0.0, stored_J);
+  const double ceiling_J = config.energy_cap_J + std::max(0.0, flight.stored_J());
   if (port.energy_J > ceiling_J) {
     port.dropped_J += port.energy_J - ceiling_J;
     port.energy_J = ceiling_J;
@@ -26,20 +62,22 @@ void observe(Passivity::Port& port, const Passivity::PortConfig& config, double 
 }
 
 // The damping force that is due on the hand; zero, and alpha zero, when nothing is owed.
-Vec3d due_damping(Passivity::Port& port, const Passivity::PortConfig& config, double period_s,
+Vec3d due_damping(Passivity::Port& port, const Passivity::PortConfig& config, const Flight& flight, double period_s,
                   const Vec3d& velocity) noexcept {
   const double speed_squared = norm_squared(velocity);
+  const double owed_J = period_s * dot(flight.damping_under_way(), velocity) - port.energy_J;
   port.alpha = 0;
-  if (port.energy_J < 0 && speed_squared > config.min_speed * config.min_speed) {
-    port.alpha = std::min(config.max_damping, -port.energy_J / (period_s * speed_squared));
-  }
+  if (owed_J > 0 && speed_squared > config.min_speed * config.min_speed)
+    port.alpha = std::min(config.max_damping, owed_J / (period_s * speed_squared));
   return velocity * -port.alpha;
 }
 
-Vec3d control_port(Passivity::Port& port, const Passivity::PortConfig& config, double period_s, const Vec3d& wanted,
-                   const Vec3d& velocity, double stored_J) noexcept {
-  observe(port, config, period_s, velocity, stored_J);
-  port.damping = due_damping(port, config, period_s, velocity);
+Vec3d control_port(Passivity::Port& port, const Passivity::PortConfig& port_config, const Passivity::Config& config,
+                   std::uint32_t newest, const Vec3d& wanted, const Vec3d& velocity, double stored_J) noexcept {
+  const Flight flight(port, newest, config.felt_late_ticks);
+  port.stored_J = stored_J;
+  observe(port, port_config, flight, config.period_s, velocity);
+  port.damping = due_damping(port, port_config, flight, config.period_s, velocity);
   return port.alpha > 0 ? wanted + port.damping : wanted;  // untouched, also in the sign of a zero
 }
 
@@ -49,6 +87,7 @@ Passivity::Config Passivity::Config::of(const DeviceProperties& device, const Co
                                         double period_s) noexcept {
   Config config;
   config.period_s = period_s;
+  config.felt_late_ticks = device.delay_s / period_s;
   config.translation.max_damping = device.damping_Ns_per_m + gains.damping_Ns_per_m;
   config.rotation.max_damping = device.damping_Nms_per_rad + gains.damping_Nms_per_rad;
   // A tenth of a quantum per period: slower than the device can tell from rest over the velocity window.
@@ -63,15 +102,20 @@ Wrenchd Passivity::control(const Wrenchd& wanted, const Twistd& tool_velocity, c
     state.translation.damping = state.rotation.damping = {};
     return wanted;
   }
-  return {control_port(state.translation, config.translation, config.period_s, wanted.force, tool_velocity.linear,
+  return {control_port(state.translation, config.translation, config, state.newest, wanted.force, tool_velocity.linear,
                        stored.translation_J),
-          control_port(state.rotation, config.rotation, config.period_s, wanted.torque, tool_velocity.angular,
+          control_port(state.rotation, config.rotation, config, state.newest, wanted.torque, tool_velocity.angular,
                        stored.rotation_J)};
 }
 
 void Passivity::book(const Wrenchd& sent) noexcept {
-  state.translation.sent = sent.force;
-  state.rotation.sent = sent.torque;
+  state.newest = (state.newest + 1) % kSlots;
+  const auto put = [this](Port& port, const Vec3d& wrench) {
+    const bool none = norm_squared(wrench) == 0;  // disarmed: no damping is under way either
+    port.sent[state.newest] = {wrench, none ? Vec3d{} : port.damping, port.stored_J};
+  };
+  put(state.translation, sent.force);
+  put(state.rotation, sent.torque);
 }
 
 }  // namespace tactus::haptics

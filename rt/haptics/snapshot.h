@@ -106,6 +106,7 @@ struct SubWorldReport {
   Wrenchd mean_device_wrench;  // N, N m, on the proxy, over the cycle that ended
   DeviceTarget device;         // at t_n, with its mean velocity over the cycle that ended (interpolation coupling)
   EffectBytes effects;         // of the members of the cycle that ended
+  double proxy_work_J{0};      // done on the proxy by the coupling, since the start
 };
 
 static_assert(std::is_trivially_copyable_v<WorldSnapshot> && std::is_trivially_copyable_v<SubWorldReport>);

@@ -103,6 +103,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   report.ticks = state_.ticks_in_cycle;
   report.epoch = state_.epoch;
   report.wanted_epoch = state_.wanted_epoch;
+  report.proxy_work_J = state_.proxy_work_J;
   report.proxy_start = state_.proxy_start;
   report.members.clear();
   report.border.clear();
@@ -352,6 +353,8 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
   physics::StepSettings<double> settings = config_.step;
   settings.sub_steps = sub_steps;
   aim_spring(target);
+  const Posed held_at =
+      world_.device_spring().enabled ? world_.bodies()[world_.device_spring().slot].motion.pose : Posed{};
   const double border_before_J = border_work_J();
   world_.begin_step(settings);
   (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
@@ -368,7 +371,13 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
   const double rate = -1.0 / settings.dt;
   const Wrenchd& felt = result.report.felt;  // of effects that are the hand's alone
   if (target.engaged) result.on_device = {impulse.force * rate + felt.force, impulse.torque * rate + felt.torque};
-  if (world_.device_spring().enabled) proxy_ = world_.bodies()[world_.device_spring().slot].motion;
+  if (world_.device_spring().enabled) {
+    proxy_ = world_.bodies()[world_.device_spring().slot].motion;
+    // The mean wrench along the way of the tick.
+    const Vec3d turn = small_rotation_vector(proxy_.pose.rotation * conjugate(held_at.rotation));
+    state_.proxy_work_J -=
+        rate * (dot(impulse.force, proxy_.pose.position - held_at.position) + dot(impulse.torque, turn));
+  }
   if (proxy_touches()) result.status |= kProxyContact;
   if (result.report.capacity_bits != 0) result.status |= kCapacityExceeded;
   if (result.report.cut_sweep != physics::kNeverCut) result.status |= kSolverCut;

@@ -61,9 +61,10 @@ class SubWorld {
   std::uint32_t border_contacts() const noexcept { return border_count_; }
   std::uint32_t ticks_in_cycle() const noexcept { return state_.ticks_in_cycle; }
   bool exchanges() const noexcept { return config_.scheme != CouplingScheme::kDirect; }
-  double border_work_J() const noexcept;                           // done on members by the border, so far
-  double border_tank_J() const noexcept { return state_.tank_J; }  // what the ghost border may still do, 0 or more
-  double border_owed_J() const noexcept { return state_.owed_J; }  // what it did beyond that, 0 or more
+  double proxy_work_J() const noexcept { return state_.proxy_work_J; }  // done on the proxy by the coupling, so far
+  double border_work_J() const noexcept;                                // done on members by the border, so far
+  double border_tank_J() const noexcept { return state_.tank_J; }       // what the ghost border may still do, 0 or more
+  double border_owed_J() const noexcept { return state_.owed_J; }       // what it did beyond that, 0 or more
   const physics::World<double>& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;
@@ -88,6 +89,7 @@ class SubWorld {
     Wrenchd cycle_impulse;  // N s, N m s: on the proxy by the coupling, this cycle
     InterpolationCoupling interpolation;
     double border_work_J{0};
+    double proxy_work_J{0};
     double tank_J{kTankAtStart_J}, owed_J{0};
   };
 

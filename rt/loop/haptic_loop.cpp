@@ -1,5 +1,7 @@
 #include "rt/loop/haptic_loop.h"
 
+#include "rt/physics/overlap.h"
+
 namespace tactus::loop {
 namespace {
 
@@ -9,6 +11,8 @@ constexpr double kRecovery_s = 0.2;
 // A scene that begins anew: the force fades over this long, full force by 0.6 N a tick of 1 ms; and a proxy that begins
 // in a body has this long to be pushed out before it is coupled again.
 constexpr double kResetFade_s = 0.05, kResetRest_s = 0.1;
+// An overlap of less than this part of the scene's thinnest body is not asked for its share: most ticks look no closer.
+constexpr double kSharesFrom = 0.05;
 
 haptics::CouplingGains gains_at_hand(const LoopConfig& config) noexcept {
   const double s2 = config.placement.motion_scale * config.placement.motion_scale;
@@ -153,6 +157,8 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   out.pairs = report.pairs, out.contacts = report.contacts, out.points = report.points;
   out.capacity_bits = report.capacity_bits, out.dropped = report.dropped;
   out.cut_sweep = report.cut_sweep, out.deepest_m = report.deepest_m;
+  if (report.deepest_m > kSharesFrom * config_.thinnest_m && config_.thinnest_m > 0)
+    out.deepest_share = physics::deepest_overlap(sub_world_.world()).share;
   out.border_work_J = sub_world_.border_work_J();
   report_ = report;
   // A lost world takes the ramp back with it: the force comes in again from where it had faded to.

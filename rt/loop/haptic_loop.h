@@ -25,6 +25,7 @@ struct LoopConfig {
   haptics::SubWorldConfig sub_world;
   haptics::DeviceProperties device;
   haptics::DevicePlacement::Config placement;
+  double thinnest_m{0};                   // of all bodies: what overlaps by a part of it is looked at; 0: nothing is
   std::uint32_t emergency_stop_fault{0};  // the number by which the firmware reports its e-stop
 };
 
@@ -67,15 +68,16 @@ struct TickOutput {
   std::uint32_t members{0}, border{0}, pairs{0}, contacts{0}, points{0}, capacity_bits{0}, dropped{0};
   std::uint32_t cut_sweep{physics::kNeverCut};
   double deepest_m{0};
-  Posed target;  // world: where the device wants the proxy
+  double deepest_share{0};  // of the thinner body's thickness; 0: less than a twentieth of the thinnest of all
+  Posed target;             // world: where the device wants the proxy
   physics::BodyMotion<double> proxy;
   Wrenchd wanted;             // N, N m, device frame, before the output path
-  double device_energy_J{0};  // into the virtual side at the device port, so far (observed with what was sent)
+  double device_energy_J{0};  // into the virtual side at the device port, so far: what the device felt, when it did
   double damped_energy_J{0};  // taken by the passivity controller, so far
   double border_work_J{0};    // done on members by the border, so far
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
-static_assert(sizeof(TickOutput) == 8 + sizeof(haptics::DeviceCommand) + 10 * 4 + 8 + sizeof(Posed) +
+static_assert(sizeof(TickOutput) == 8 + sizeof(haptics::DeviceCommand) + 10 * 4 + 2 * 8 + sizeof(Posed) +
                                         sizeof(physics::BodyMotion<double>) + sizeof(Wrenchd) + 3 * 8);
 
 class HapticLoop {

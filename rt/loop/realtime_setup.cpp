@@ -175,6 +175,12 @@ bool SetupReport::degraded() const noexcept {
   return false;
 }
 
+bool SetupReport::failed() const noexcept {
+  for (const SetupStep& step : steps)
+    if (!step.ok) return true;
+  return degraded();
+}
+
 const SetupStep* SetupReport::find(std::string_view name) const noexcept {
   for (const SetupStep& step : steps) {
     if (name == step.name) return &step;

@@ -44,6 +44,8 @@ struct SetupReport {
 
   // A real-time privilege is missing: refused, or not even asked for. (A core of its own need not be asked for.)
   bool degraded() const noexcept;
+  // A step failed, privilege or not: the kernel is not a real-time one, for example.
+  bool failed() const noexcept;
   // The step of that name, or null.
   const SetupStep* find(std::string_view name) const noexcept;
 };

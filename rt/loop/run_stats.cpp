@@ -42,6 +42,7 @@ void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t
   if (ticks > 1) force_step_max_N = std::max(force_step_max_N, norm(force - last_force_));
   last_force_ = force;
   deepest_m = std::max(deepest_m, out.deepest_m);
+  deepest_share = std::max(deepest_share, out.deepest_share);
   device_energy_J = out.device_energy_J;
   damped_energy_J = out.damped_energy_J;
   border_work_J = out.border_work_J;

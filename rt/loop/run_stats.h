@@ -41,6 +41,7 @@ struct RunStats {
   std::uint64_t cycles{0}, late_cycles{0}, cycle_ticks_max{0};
   double force_max_N{0}, torque_max_Nm{0}, force_sum_N{0}, force_step_max_N{0};
   double deepest_m{0};
+  double deepest_share{0};  // of the thinner body's thickness
   double device_energy_J{0}, damped_energy_J{0}, border_work_J{0};
   std::uint64_t sub_steps_sum{0};
   std::uint64_t restrained_cycles{0};  // that the governor wished fewer members for than it was given

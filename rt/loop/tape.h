@@ -26,7 +26,7 @@ namespace tactus::loop {
 
 static_assert(std::endian::native == std::endian::little, "the tape's numbers are written as they are in memory");
 
-inline constexpr std::uint32_t kTapeVersion = 8;            // 8: what the plane and interpolation couplings keep
+inline constexpr std::uint32_t kTapeVersion = 8;            // 8: the border's buffer, couplings, wrenches on their way
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 

@@ -20,6 +20,7 @@ using physics::Body;
 using physics::BodyKind;
 using physics::ShapeKind;
 
+constexpr double kMostOverlapAtStart_m = 1e-4;
 constexpr double kTwoPi = 6.28318530717958647692;
 
 BodyCounts count_bodies(const Scene& scene) {
@@ -156,9 +157,9 @@ void find_problems(const Scene& scene, SceneReport& report) {
     axis("translation", report.coupling.translation, "N/m");
     axis("rotation", report.coupling.rotation, "N m/rad");
   }
-  if (report.start.deepest_m > 1e-4)
-    problem(fmt::format("bodies {} and {} overlap by {:.3g} m at the start; accepted: at most 0.0001 m",
-                        report.start.deepest_a, report.start.deepest_b, report.start.deepest_m));
+  if (report.start.deepest_m > kMostOverlapAtStart_m)
+    problem(fmt::format("bodies {} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
+                        report.start.deepest_a, report.start.deepest_b, report.start.deepest_m, kMostOverlapAtStart_m));
   if (report.hand.farthest_m > report.hand.workspace_radius_m)
     problem(
         fmt::format("[hand] path leaves the device's workspace: {:.3g} m from its middle; accepted: at most {:g} m "
@@ -174,7 +175,7 @@ void find_problems(const Scene& scene, SceneReport& report) {
 
 }  // namespace
 
-SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& device, double tick_s) {
+SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& device, double tick_s, bool scripted) {
   SceneReport report;
   report.name = scene.name;
   report.title = scene.title;
@@ -200,7 +201,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
       haptics::check_coupling({s2 * scene.coupling.stiffness_N_per_m, s2 * scene.coupling.damping_Ns_per_m,
                                scene.coupling.stiffness_Nm_per_rad, scene.coupling.damping_Nms_per_rad},
                               device, tick_s);
-  report.hand = report_hand(scene, device);
+  if (scripted) report.hand = report_hand(scene, device);
   report.start = find_start_contacts(scene);
   report.capacity.member_cap = scene.members;
   report.capacity.members_possible = std::min(scene.members, report.bodies.dynamic);

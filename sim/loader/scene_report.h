@@ -69,10 +69,12 @@ struct SceneReport {
   CapacityReport capacity;
   std::vector<std::string> problems;  // why the scene will not run well; empty: good
 
+  // One of the rules of tools/session/verdict.h, which every verdict is by.
   bool good() const noexcept { return problems.empty(); }
 };
 
-SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& device, double tick_s);
+// `scripted`: the scene's hand moves the device; else a person does, and its path is not judged.
+SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& device, double tick_s, bool scripted = true);
 
 // For people: a dozen lines.
 std::string to_text(const SceneReport& report);

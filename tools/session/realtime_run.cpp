@@ -262,7 +262,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   summary.tape = options.record.string();
   summary.tape_bytes = session.drain->counts().bytes;
   summary.tape_dropped = session.drain->counts().lost;
-  if (summary.exit_code() != 0) {
+  if (summary.fault_latched() || summary.overruns_own_work > 0) {
     const std::string path = "tactus-fault.tape";
     const Status dumped = session.drain->dump(
         path, to_tape_text(options, session.device->properties(), session.scene.name, session.scene.source));

@@ -150,6 +150,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   config.period_s = options.period_s();
   config.device = device;
   config.placement = placement_of(scene, device);
+  config.thinnest_m = physics::thinnest<double>(scene.bodies);
   config.emergency_stop_fault = static_cast<std::uint32_t>(firmware::Fault::kEmergencyStop);
   haptics::SubWorldConfig& sub = config.sub_world;
   sub.scheme = options.coupling;
@@ -280,6 +281,8 @@ RunSummary Session::summary() const {
   summary.members_cap = members;
   summary.sub_steps = loop->config().sub_world.step.sub_steps;
   summary.bodies = dynamic_bodies_of(scene);
+  summary.scene_problems =
+      sim::report_on(scene, device->properties(), options.period_s(), simulated() != nullptr).problems;
   summary.stats = stats;
   summary.has_global = global != nullptr;
   if (global != nullptr) summary.global = global->statistics();

@@ -22,14 +22,6 @@ double mean_force_N(const RunSummary& s) {
 double mean_sub_steps(const RunSummary& s) {
   return s.stats.ticks == 0 ? 0.0 : static_cast<double>(s.stats.sub_steps_sum) / static_cast<double>(s.stats.ticks);
 }
-// What the global clock lost to the haptic clock.
-double dilation_ms(const RunSummary& s) {
-  if (!s.has_global) return 0;
-  const double haptic_ms = static_cast<double>(s.stats.ticks) * s.options.period_s() * 1e3;
-  const double global_ms = static_cast<double>(s.stats.cycles) * s.ratio * s.options.period_s() * 1e3;
-  return std::max(0.0, haptic_ms - global_ms);
-}
-
 std::string times_line(const char* name, const Histogram& h) {
   return fmt::format("  {:<22} p50 {:>7.1f}   p99 {:>7.1f}   p99.99 {:>7.1f}   max {:>8.1f} µs\n", name,
                      us(h.percentile_ns(50)), us(h.percentile_ns(99)), us(h.percentile_ns(99.99)), us(h.max_ns()));
@@ -42,14 +34,6 @@ json times_json(const Histogram& h) {
           {"p99_us", us(h.percentile_ns(99))},
           {"p99_99_us", us(h.percentile_ns(99.99))},
           {"max_us", us(h.max_ns())}};
-}
-
-std::string verdict(const RunSummary& s) {
-  if (!s.stats.faults.empty() && s.exit_code() == 1 && s.stats.faults.items[s.stats.faults.size() - 1].cleared == 0)
-    return "BAD: a fault is latched";
-  if (s.overruns_own_work > 0) return "BAD: ticks were lost to the program's own work";
-  if (s.degraded()) return "good, DEGRADED: without real-time privileges, see set-up";
-  return "good";
 }
 
 std::string core_name(int cpu) { return cpu < 0 ? "all cores" : fmt::format("core {}", cpu); }
@@ -132,9 +116,14 @@ std::string global_text(const RunSummary& s) {
   if (s.global_step.count() > 0) text += times_line("step", s.global_step);
   text +=
       fmt::format("  {:<22} {} cycles of {} ticks; {} late, the longest {} ticks; clock dilated by {:.0f} ms\n",
-                  "exchange", s.stats.cycles, s.ratio, s.stats.late_cycles, s.stats.cycle_ticks_max, dilation_ms(s));
+                  "exchange", s.stats.cycles, s.ratio, s.stats.late_cycles, s.stats.cycle_ticks_max, s.dilation_ms());
   text += fmt::format("  {:<22} {} bodies, at most {} contacts; deepest overlap {:.3f} mm\n", "size", s.global.bodies,
                       s.global.most_contacts, 1e3 * s.global.deepest_m);
+  const sim::EnergyBook& book = s.global.energy;
+  text += book.complete
+              ? fmt::format("  {:<22} at most {:.4f} J of motion; {:.4f} J put in by the hand; {:.4f} J unexplained\n",
+                            "energy", book.most_kinetic_J, book.work_in_J, book.unexplained_J)
+              : fmt::format("  {:<22} not judged: more than gravity and the hand does work here\n", "energy");
   if (s.global.broken_joints > 0) text += fmt::format("  {:<22} {} broken\n", "joints", s.global.broken_joints);
   if (s.global.asleep > 0 || s.global.fell_asleep > 0)
     text += fmt::format("  {:<22} {} bodies awake, at most {}; {} asleep; {} fell asleep, {} woke up\n", "sleeping",
@@ -212,14 +201,22 @@ std::string setup_text(const RunSummary& s) {
 
 }  // namespace
 
-int RunSummary::exit_code() const noexcept {
-  const bool latched = !stats.faults.empty() && stats.faults.items[stats.faults.size() - 1].cleared == 0;
-  return latched || overruns_own_work > 0 ? 1 : 0;
+bool RunSummary::fault_latched() const noexcept {
+  return !stats.faults.empty() && stats.faults.items[stats.faults.size() - 1].cleared == 0;
+}
+
+double RunSummary::dilation_ms() const noexcept {
+  if (!has_global) return 0;
+  const double haptic_ms = static_cast<double>(stats.ticks) * options.period_s() * 1e3;
+  const double global_ms = static_cast<double>(stats.cycles) * ratio * options.period_s() * 1e3;
+  return std::max(0.0, haptic_ms - global_ms);
 }
 
 std::string to_text(const RunSummary& s) {
+  const Verdict verdict = judge(s);
   std::string text =
-      fmt::format("\ntactus run: {} ({})\n", s.scene_title.empty() ? s.scene_name : s.scene_title, verdict(s));
+      fmt::format("\ntactus run: {} ({})\n", s.scene_title.empty() ? s.scene_name : s.scene_title, verdict.line());
+  text += verdict.text();
   text += fmt::format("run                    {} ticks at {:g} Hz, ratio {}, {} coupling, border {}, device {}\n",
                       s.stats.ticks, s.options.rate_Hz, s.ratio, sim::name_of(s.options.coupling),
                       sim::name_of(s.options.border), s.options.device);
@@ -261,8 +258,11 @@ std::string to_text(const RunSummary& s) {
 json to_json(const RunSummary& s) {
   json j;
   j["scene"] = s.scene_name;
-  j["verdict"] = verdict(s);
-  j["exit_code"] = s.exit_code();
+  const Verdict verdict = judge(s);
+  j["verdict"] = verdict.line();
+  j["level"] = name_of(verdict.level());
+  j["rules"] = to_json(verdict);
+  j["exit_code"] = verdict.exit_code();
   j["degraded"] = s.degraded();
   j["real_time"] = s.real_time;
   j["run"] = {{"rate_Hz", s.options.rate_Hz},
@@ -298,17 +298,23 @@ json to_json(const RunSummary& s) {
     for (const auto& step : s.setup.steps)
       j["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
   }
-  j["sub_world"] = {{"members_max", s.stats.members_max},     {"members_cap", s.members_cap},
-                    {"contacts_max", s.stats.contacts_max},   {"points_max", s.stats.points_max},
-                    {"pairs_max", s.stats.pairs_max},         {"border_contacts_max", s.stats.border_max},
-                    {"sub_steps_mean", mean_sub_steps(s)},    {"deepest_overlap_m", s.stats.deepest_m},
-                    {"capacity_bits", s.stats.capacity_bits}, {"dropped_entries", s.stats.dropped}};
+  j["sub_world"] = {{"members_max", s.stats.members_max},
+                    {"members_cap", s.members_cap},
+                    {"contacts_max", s.stats.contacts_max},
+                    {"points_max", s.stats.points_max},
+                    {"pairs_max", s.stats.pairs_max},
+                    {"border_contacts_max", s.stats.border_max},
+                    {"sub_steps_mean", mean_sub_steps(s)},
+                    {"deepest_overlap_m", s.stats.deepest_m},
+                    {"deepest_overlap_share", s.stats.deepest_share},
+                    {"capacity_bits", s.stats.capacity_bits},
+                    {"dropped_entries", s.stats.dropped}};
   j["governor"] = governor_json(s);
   if (s.has_global) {
     j["global_world"] = {{"cycles", s.stats.cycles},
                          {"late_cycles", s.stats.late_cycles},
                          {"longest_cycle_ticks", s.stats.cycle_ticks_max},
-                         {"dilation_ms", dilation_ms(s)},
+                         {"dilation_ms", s.dilation_ms()},
                          {"bodies_awake", s.global.awake},
                          {"bodies_awake_max", s.global.most_awake},
                          {"joints_broken", s.global.broken_joints},
@@ -325,6 +331,16 @@ json to_json(const RunSummary& s) {
                          {"imposed_energy_J", s.global.imposed_energy_J},
                          {"capacity_bits", s.global.capacity_bits},
                          {"dropped_entries", s.global.dropped_entries}};
+    const sim::EnergyBook& book = s.global.energy;
+    j["global_world"]["energy_book"] = {{"complete", book.complete},
+                                        {"kinetic_max_J", book.most_kinetic_J},
+                                        {"work_on_proxy_J", book.proxy_work_J},
+                                        {"work_put_in_J", book.work_in_J},
+                                        {"unexplained_J", book.unexplained_J}};
+    j["global_world"]["deepest_overlap_share"] = s.global.overlap.share;
+    j["global_world"]["deepest_share_m"] = s.global.overlap.depth;
+    if (s.global.overlap.share > 0)
+      j["global_world"]["deepest_share_bodies"] = {s.global.overlap.a, s.global.overlap.b};
     if (s.global_step.count() > 0) j["global_world"]["step"] = times_json(s.global_step);
   }
   j["hand"] = {

@@ -14,12 +14,14 @@
 #include "sim/global_world.h"
 #include "tools/session/run_options.h"
 #include "tools/session/scheme_gains.h"
+#include "tools/session/verdict.h"
 
 namespace tactus::session {
 
 struct RunSummary {
   RunOptions options;
   std::string scene_name, scene_title;
+  std::vector<std::string> scene_problems;  // of `tactus scene check`, for this device and rate
   unsigned ratio{0}, members_cap{0}, sub_steps{0};
   SchemeGains gains;
   std::uint32_t bodies{0};
@@ -52,9 +54,12 @@ struct RunSummary {
   std::uint64_t tape_bytes{0}, tape_dropped{0};
   std::string fault_tape;  // flight recorder dump, empty if none
 
-  // 0 good, 1 a fault is latched at the end or a tick was lost to the program's own work.
-  int exit_code() const noexcept;
-  bool degraded() const noexcept { return real_time && setup.degraded(); }
+  // verdict.h: 0 good or degraded, 1 bad.
+  int exit_code() const { return judge(*this).exit_code(); }
+  bool fault_latched() const noexcept;  // at the end
+  // A line of the set-up says FAIL.
+  bool degraded() const noexcept { return real_time && setup.failed(); }
+  double dilation_ms() const noexcept;  // what the global clock lost to the haptic clock
   bool simulated() const noexcept { return options.device == "sim"; }
 };
 

@@ -9,6 +9,7 @@
 #include "sim/loader/scene_load.h"
 #include "sim/loader/scene_report.h"
 #include "tools/experiment/effects.h"
+#include "tools/session/verdict.h"
 #include "tools/tactus/commands.h"
 
 namespace tactus::tools {
@@ -133,16 +134,19 @@ int check_scene(const CheckOptions& options) {
     for (auto& effect : report.effects)
       if (effect.name == time.effect) effect.added_us = time.added_us, effect.tick_us = time.tick_us;
   if (!diagnostics.warnings.empty()) fmt::print(stderr, "{}\n", diagnostics.warning_message());
+  const session::Verdict verdict = session::judge(report);
   if (options.json) {
     object["name"] = report.name;
     object["title"] = report.title;
-    object["good"] = report.good();
+    object["good"] = verdict.level() == session::Level::kGood;
+    object["verdict"] = name_of(verdict.level());
+    object["rules"] = session::to_json(verdict);
     object["report"] = to_json(report);
     fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
-    fmt::print("{}", sim::to_text(report));
+    fmt::print("{}verdict: {}\n", sim::to_text(report), name_of(verdict.level()));
   }
-  return report.good() ? kExitGood : kExitVerdictBad;
+  return verdict.exit_code();
 }
 
 }  // namespace

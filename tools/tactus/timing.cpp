@@ -111,8 +111,10 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
       "Stages: wake (from the deadline to the thread's running), read (the device, simulated here), adopt (guard,\n"
       "snapshot, report), couple, collide (up to the first sweep), solve, write (passivity, limits, the device).\n"
       "Windows of the loop and of a bare timer take turns, so that the loop's own share of a late wake-up is seen.\n"
-      "Exit status: 0 the program lost no tick to its own work; 1 it did, or faulted a page; with --strict also where\n"
-      "the machine did not keep up; 2 bad usage or scene; 3 the machine cannot do it.\n\n"
+      "Exit status: 0 the program lost no tick to its own work; 1 it did, faulted a page, or the simulation went wrong "
+      "by\n"
+      "the rules of `tactus run`; with --strict also where the machine did not keep up or the run is degraded; 2 bad "
+      "usage or scene; 3 the machine cannot do it.\n\n"
       "Examples:\n  tactus timing --cpu 3 --duration 600 --load stress-ng --svg timing.svg --trace timing.json\n"
       "  tactus timing --cpu 3 --against cyclictest --duration 600\n"
       "  tactus timing --cpu 3 --members 100 --duration 3600 --load memory --certify budget.json");

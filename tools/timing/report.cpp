@@ -28,18 +28,20 @@ ordered_json times_json(const Histogram& h) {
           {"max_us", us(h.max_ns())}};
 }
 
+// What the clock's rows say before what the rules of a run found.
 std::string verdict_line(const TimingResult& r) {
-  const char* const degraded = r.summary.degraded() ? ", DEGRADED: without real-time privileges, see set-up" : "";
-  switch (r.verdict()) {
-    case TimingVerdict::kGood:
-      return fmt::format("good{}", degraded);
-    case TimingVerdict::kMachine:
-      return fmt::format("THE MACHINE: the program lost no tick to its own work, the machine did not keep up{}",
-                         degraded);
-    case TimingVerdict::kBad:
-      return fmt::format("BAD: the program did not keep its own promise{}", degraded);
+  const TimingVerdict verdict = r.verdict();
+  if (verdict == TimingVerdict::kGood) return "good";
+  const bool bad = verdict == TimingVerdict::kBad;
+  std::string found;
+  for (const VerdictRow& row : r.rows) {
+    if (row.good() || row.ours != bad) continue;
+    if (row.found.empty())
+      return bad ? "BAD: the program did not keep its own promise"
+                 : "THE MACHINE: the program lost no tick to its own work, the machine did not keep up";
+    if (found.empty()) found = row.found;
   }
-  return "";
+  return (bad ? "BAD: " : "DEGRADED: ") + found;
 }
 
 std::string stages_text(const TimingResult& r) {
@@ -82,12 +84,15 @@ std::string overruns_text(const TimingResult& r) {
 }
 
 std::string verdict_text(const TimingResult& r) {
-  std::string text = fmt::format("{:<28} {:>10} {:>10}\n", "verdict", "measured", "limit");
+  std::string text = fmt::format("{:<38} {:>10} {:>10}\n", "verdict", "measured", "limit");
   for (const VerdictRow& row : r.rows)
-    text += fmt::format("  {:<26} {:>10.1f} {:>10.1f} {:<9} {}\n", row.figure, row.measured, row.limit, row.unit,
-                        row.good() ? "ok"
-                        : row.ours ? "BAD"
-                                   : "the machine");
+    text += fmt::format("  {:<36} {:>10.1f} {:>10.1f} {:<9} {}\n", row.figure, row.measured, row.limit, row.unit,
+                        row.good()          ? "ok"
+                        : row.ours          ? "BAD"
+                        : row.found.empty() ? "the machine"
+                                            : "degraded");
+  for (const VerdictRow& row : r.rows)
+    if (!row.found.empty()) text += fmt::format("{}\n", row.found);
   return text;
 }
 

@@ -183,6 +183,8 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   if (!watcher.status().ok()) return fail(false, watcher.status().message());
   result.summary = std::move(summary).value();
   result.rows = judge(result.books);
+  const std::vector<VerdictRow> simulated = rows_of(session::judge_simulation(result.summary));
+  result.rows.insert(result.rows.end(), simulated.begin(), simulated.end());
   // The governor gives members up where the core is too slow for them: then the capacity is not what was measured.
   if (options.run.scene.empty())
     result.rows.push_back({"members short of capacity", "",

@@ -1,5 +1,7 @@
 #include "tools/timing/verdict.h"
 
+#include <algorithm>
+
 namespace tactus::timing {
 namespace {
 
@@ -24,10 +26,21 @@ std::vector<VerdictRow> judge(const Books& b) {
       {"computing, p99", "us", us(b.compute.percentile_ns(99)), 0.6 * period_us, false},
       {"computing, p99.99", "us", us(b.compute.percentile_ns(99.99)), 0.85 * period_us, false},
       {"the loop's own part, p50", "us", us(b.overhead.percentile_ns(50)), 0.01 * period_us, false},
-      {"after their deadline", "of 10000", 1e4 * static_cast<double>(b.overruns) / ticks, 1, false},
+      {"after their deadline", "of 10000", 1e4 * static_cast<double>(b.overruns) / ticks,
+       session::most_lost_of_10000(b.ticks), false},
       {"force age, p99.99", "us", us(b.oldest_age.percentile_ns(99.99)), 2 * period_us, false},
       {"context switches", "", static_cast<double>(b.involuntary_switches), 0, false},
   };
+}
+
+std::vector<VerdictRow> rows_of(const std::vector<session::Ruling>& rulings) {
+  std::vector<VerdictRow> rows;
+  for (const session::Ruling& r : rulings) {
+    const bool bad = r.level() == session::Level::kBad;
+    rows.push_back({r.figure, r.unit, r.measured, std::min(r.degraded_above, r.bad_above), bad,
+                    r.level() == session::Level::kGood ? "" : r.found});
+  }
+  return rows;
 }
 
 TimingVerdict verdict_of(const std::vector<VerdictRow>& rows) {

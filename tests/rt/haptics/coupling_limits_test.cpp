@@ -21,7 +21,8 @@ bool is_stable(const AxisLimits& axis, double stiffness, double damping, int del
   const int ticks = static_cast<int>(20.0 / T);
   for (int k = 0; k < ticks; ++k) {
     for (int i = 3; i > 0; --i) pipeline[i] = pipeline[i - 1];
-    pipeline[0] = -stiffness * x - damping * (x - last_x) / T;
+    const double speed = (x - last_x) / T;
+    pipeline[0] = -stiffness * (x + axis.lead_s * speed) - damping * speed;
     last_x = x;
     const double f = pipeline[delay_ticks];
     // m dv/dt = f - b v over T, with f constant.
@@ -60,9 +61,10 @@ TEST_CASE("the uncoupled limit separates the stable from the unstable in a simul
   const double period = GENERATE(1e-3, 0.25e-3);
   const double own_damping = GENERATE(0.0, 0.5);
   const int delay_ticks = GENERATE(0, 1, 3);
-  const AxisLimits axis{period, delay_ticks * period, 0.3, own_damping, 0, 0};
+  const double lead_ticks = GENERATE(0.0, 0.5, 0.625, 0.75);
+  const AxisLimits axis{period, delay_ticks * period, 0.3, own_damping, 0, 0, lead_ticks * period};
   const double limit = uncoupled_stiffness_limit(axis, damping);
-  CAPTURE(damping, period, delay_ticks, limit);
+  CAPTURE(damping, period, delay_ticks, lead_ticks, limit);
   CHECK(is_stable(axis, 0.98 * limit, damping, delay_ticks));
   CHECK_FALSE(is_stable(axis, 1.02 * limit, damping, delay_ticks));
 }

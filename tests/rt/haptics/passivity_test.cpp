@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <vector>
 
 using namespace tactus;
 using namespace tactus::haptics;
@@ -14,8 +15,10 @@ namespace {
 
 constexpr double kT = 1e-3, kMass = 0.3;
 
-Passivity make_port() {  // alpha_max 5.5 N s/m
-  return {Passivity::Config::of({}, {}, kT), {}};
+Passivity make_port(double delay_ticks = 0) {  // alpha_max 5.5 N s/m
+  DeviceProperties device;
+  device.delay_s = delay_ticks * kT;
+  return {Passivity::Config::of(device, {}, kT), {}};
 }
 
 // A hand's mass without any damping of its own, moved exactly by forces that are held over a tick.
@@ -222,4 +225,89 @@ TEST_CASE("what is not finite is not booked and not damped: the limiter judges i
   CHECK(port.control({{3, 0, 0}, {}}, {{nan, 0, 0}, {}}).force.x == 3);
   CHECK(port.state.translation.energy_J == -1e-3);
   CHECK(port.status() == 0);
+}
+
+TEST_CASE("a wrench is booked with the motion under which the device holds it, the delay after it was sent") {
+  const double delay_ticks = GENERATE(0.0, 1.0, 2.0, 32.0);
+  const int late = static_cast<int>(delay_ticks);
+  Passivity port = make_port(delay_ticks);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> u(-1, 1);
+  std::vector<Vec3d> sent, motion;
+  double exchanged_J = 0;
+  for (int k = 0; k < 500; ++k) {
+    const Vec3d v{u(random), u(random), u(random)};
+    port.control({}, {v, {}});
+    const int held = k - 1 - late;
+    if (held >= 0) exchanged_J -= kT * dot(sent[static_cast<std::size_t>(held)], v);
+    REQUIRE(port.state.translation.in_J - port.state.translation.out_J == Approx(exchanged_J).margin(1e-12));
+    sent.push_back({u(random), u(random), u(random)});
+    port.book({sent.back(), {}});
+  }
+  CHECK(std::abs(exchanged_J) > 1e-3);
+}
+
+TEST_CASE("of a delay between two ticks both wrenches are booked, each for its part of the tick") {
+  Passivity port = make_port(0.25);
+  port.book({{8, 0, 0}, {}});
+  port.book({{4, 0, 0}, {}});
+  port.control({}, {{1, 0, 0}, {}});
+  CHECK(port.state.translation.out_J == Approx(kT * (0.75 * 4 + 0.25 * 8)));
+}
+
+TEST_CASE("damping that is under way is not asked for again") {
+  Passivity port = make_port(2);
+  const Twistd v{{0.4, 0, 0}, {}};
+  port.book({{1, 0, 0}, {}});
+  for (int k = 0; k < 2; ++k) {
+    CHECK(port.control({}, v).force.x == 0);
+    port.book({});
+  }
+  double asked_J = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Wrenchd out = port.control({}, v);
+    asked_J -= kT * dot(out.force, v.linear);
+    port.book(out);
+  }
+  CHECK(asked_J == Approx(0.4e-3));  // what 1 N gave along 0.4 mm, once
+  CHECK(port.state.translation.energy_J == Approx(0).margin(1e-15));
+}
+
+TEST_CASE(
+    "a late spring with damping that is passive by its own book alone is held, at 2 and 2.5 of what is accepted") {
+  const int late = GENERATE(0, 1, 2);
+  const double share = GENERATE(2.0, 2.5);
+  DeviceProperties device;
+  device.delay_s = late * kT;
+  CouplingGains gains;
+  const double accepted = check_coupling(gains, device, kT).translation.stiffness_allowed;
+  gains.stiffness_N_per_m = share * accepted;
+  struct Run {
+    double given_J{0};
+    int active_ticks{0};
+  };
+  const auto run = [&](bool controlled) {
+    Run result;
+    Passivity port{Passivity::Config::of(device, gains, kT), {}};
+    Hand hand;
+    hand.v = {0.1, 0, 0};
+    std::vector<Vec3d> sent(static_cast<std::size_t>(late) + 1);
+    for (int k = 0; k < 5000; ++k) {
+      Wrenchd wanted{hand.x * -gains.stiffness_N_per_m - hand.mean_velocity * gains.damping_Ns_per_m, {}};
+      const double stored_J = 0.5 * gains.stiffness_N_per_m * norm_squared(hand.x);
+      if (controlled) wanted = port.control(wanted, {hand.mean_velocity, {}}, {stored_J, 0});
+      port.book(wanted);
+      sent.insert(sent.begin(), wanted.force);
+      sent.pop_back();
+      hand.move(sent.back() - hand.v * device.damping_Ns_per_m);
+      result.given_J = std::max(result.given_J, hand.kinetic_J());
+      if (port.status() != 0) ++result.active_ticks;
+    }
+    return result;
+  };
+  const double start_J = 0.5 * kMass * 0.1 * 0.1;
+  CHECK(run(false).given_J > 1);
+  const Run with = run(true);
+  CHECK(with.active_ticks > 0);
+  CHECK(with.given_J < start_J + 0.05);
 }

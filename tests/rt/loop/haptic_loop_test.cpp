@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "rt/haptics/coupling_limits.h"
 #include "tests/rt/loop/haptic_loop_bench.h"
 #include "tests/support/physics_bench.h"
 #include "tests/support/rt_guard.h"
@@ -116,6 +117,86 @@ TEST_CASE("what a disarmed loop owes the passivity book is not braked for") {
     REQUIRE(bench.out.command.wrench == Wrenchd{});
     REQUIRE((bench.out.status & kPassivityActive) == 0);
   }
+}
+
+TEST_CASE("the work of the coupling on the proxy is the proxy's own energy, where nothing else touches it") {
+  LoopConfig config = make_config();
+  config.sub_world.step.gravity = {};
+  const double mass = 0.2;
+  const auto ball = physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.01), mass, 0.5, {});
+  Bench bench(config, ball);
+  bench.run(3);
+  bench.tick(kArm);
+  double most_J = 0;
+  for (int k = 0; k < 300; ++k) {
+    bench.tool.position.x = 0.02 * (1 - std::cos(2 * test::kPi * 3 * 1e-3 * k));
+    bench.tick();
+    const double kinetic_J = 0.5 * mass * norm_squared(bench.out.proxy.velocity.linear);
+    most_J = std::max(most_J, kinetic_J);
+    // Never less: where a sub-step ends the velocity is the new one, so that its way is a little longer than its
+    // mean's.
+    REQUIRE(bench.loop.sub_world().proxy_work_J() == Approx(kinetic_J).epsilon(0.05).margin(2e-4));
+    REQUIRE(bench.loop.sub_world().proxy_work_J() > kinetic_J - 1e-9);
+  }
+  CHECK(most_J > 5e-3);
+}
+
+TEST_CASE(
+    "an overlap is told by its share of the thinner body, in the ticks in which it is a good part of the thinnest") {
+  LoopConfig config = make_config();
+  config.sub_world.step.gravity = {};
+  config.thinnest_m = GENERATE(0.02, 1.0, 0.0);  // of the ball, of another; not asked for
+  const auto ground = physics::make_fixed_body<double>(9, Shape<double>::plane(), 0.5, {});
+  loop::HapticLoop loop(config, {&ground, 1});
+  const auto ball =
+      physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.01), 0.2, 0.5, {{0, 0, 0.006}, {}});
+  loop.set_members({&ball, 1});
+  TickInput in;
+  TickOutput out;
+  in.device.sample.state = DeviceState::kIdle;
+  loop.tick(in, out);
+  CHECK(out.deepest_m == Approx(0.004).epsilon(1e-6));
+  CHECK(out.deepest_share == (config.thinnest_m == 0.02 ? Approx(0.2).epsilon(1e-6) : Approx(0)));
+}
+
+// A device of the mass, damping and quantum that the loop is told, on a loop whose gains no validator has seen.
+TEST_CASE("at 2 and 2.5 times the accepted gain the passivity controller holds a device that feels its force late") {
+  const int late = GENERATE(1, 2);
+  const double share = GENERATE(2.0, 2.5, 3.0);
+  LoopConfig config = make_config();
+  haptics::DeviceProperties& device = config.device;
+  device.delay_s = late * config.period_s;
+  device.max_force_N = device.continuous_force_N = 1e6;  // nothing but the controller bounds the energy
+  device.max_speed_m_per_s = 1e4, device.workspace_radius_m = 1e3;
+  const auto accepted = haptics::check_coupling({}, device, config.period_s).translation.stiffness_allowed;
+  config.sub_world.stiffness_N_per_m = share * accepted;
+  Bench bench(config);
+  bench.run(3);
+  bench.tick(kArm);
+  bench.run(250);
+  double x = 0, v = 0.1, work_J = 0, most_J = 0;
+  int active = 0;
+  std::vector<double> sent(static_cast<std::size_t>(late) + 1);
+  const double m = device.mass_kg, b = device.damping_Ns_per_m, T = config.period_s, decay = std::exp(-b / m * T);
+  for (int k = 0; k < 5000; ++k) {
+    bench.tool.position.x = std::round(x / device.position_quantum_m) * device.position_quantum_m;
+    bench.tick();
+    REQUIRE(bench.out.fault == Fault::kNone);
+    sent.insert(sent.begin(), bench.out.command.wrench.force.x);
+    sent.pop_back();
+    const double end = sent.back() / b, before = x;
+    x += end * T + (v - end) * (m / b) * (1 - decay);
+    v = end + (v - end) * decay;
+    work_J += sent.back() * (x - before);
+    most_J = std::max(most_J, work_J);
+    REQUIRE(std::abs(x) < 0.1);
+    // What the loop has booked is what the device got, but for what is on its way and for what is left of a quantum.
+    if (k % 500 == 499) CHECK(bench.out.device_energy_J == Approx(-work_J).margin(1e-3));
+    if ((bench.out.status & kPassivityActive) != 0) ++active;
+  }
+  CAPTURE(late, share);
+  CHECK(most_J < 0.05);
+  if (share > 2.4) CHECK(active > 0);  // at 2 the target that runs ahead of the sample still keeps it stable
 }
 
 TEST_CASE("with a turned and scaled placement the wrench is in the device's frame and the power is the same") {

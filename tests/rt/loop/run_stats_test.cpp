@@ -44,10 +44,10 @@ TEST_CASE("ticks are counted by what they were: in contact, armed, with each sta
 TEST_CASE("the largest counts of a run are kept, each for itself") {
   Run run;
   run.out.members = 5, run.out.border = 9, run.out.contacts = 1, run.out.points = 4, run.out.pairs = 7;
-  run.out.capacity_bits = 2, run.out.dropped = 3, run.out.deepest_m = 1e-3;
+  run.out.capacity_bits = 2, run.out.dropped = 3, run.out.deepest_m = 1e-3, run.out.deepest_share = 0.2;
   run.add(4, 100);
   run.out.members = 6, run.out.border = 2, run.out.contacts = 2, run.out.points = 3, run.out.pairs = 8;
-  run.out.capacity_bits = 8, run.out.dropped = 4, run.out.deepest_m = 1e-4;
+  run.out.capacity_bits = 8, run.out.dropped = 4, run.out.deepest_m = 1e-4, run.out.deepest_share = 0.1;
   run.add(4, 50);
   CHECK(run.stats.members_max == 6);
   CHECK(run.stats.border_max == 9);
@@ -58,6 +58,7 @@ TEST_CASE("the largest counts of a run are kept, each for itself") {
   CHECK(run.stats.capacity_bits == 10);
   CHECK(run.stats.dropped == 7);
   CHECK(run.stats.deepest_m == 1e-3);
+  CHECK(run.stats.deepest_share == 0.2);
 }
 
 TEST_CASE("a cycle is late when it took more ticks than the ratio") {

@@ -1,6 +1,10 @@
 // The device's spring at its limits, and tight places.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "rt/base/hash.h"
 #include "rt/haptics/coupling_limits.h"
@@ -13,6 +17,7 @@ namespace tactus::hard_cases {
 namespace {
 
 constexpr BodyId kGround = 1000;
+constexpr unsigned kMostDelayTicks = 2;
 
 void couple(CaseWorld& world, BodyId proxy, double stiffness, double damping) {
   auto& spring = world.world.device_spring();
@@ -133,13 +138,28 @@ Outcome between_blocks(const Setting& setting) {
 
 // --- the coupling at its limit: a device of 0.3 kg with 0.5 N s/m on a proxy that does not move
 
-struct DeviceOnSpring {
-  double early_m_per_s{0}, late_m_per_s{0}, given_J{0};  // fastest in the first and last tenth; work done on the device
+// The loop that the study's line is of holds the sample for the whole tick. The one that ships moves the target on at
+// the sample's speed while it solves the tick, and so rings later.
+struct DeviceLoop {
+  unsigned delay_ticks;  // transport, beyond the sample-and-hold
+  bool held;             // the study's
 };
 
-DeviceOnSpring push_device(double stiffness, double damping, bool controlled, const Setting& setting,
-                           Outcome& outcome) {
-  const haptics::DeviceProperties device;
+// The mean of (j + 1) h over the sub-steps.
+double lead_s(const Setting& setting) { return 0.5 * setting.step_s * (1 + 1.0 / sub_steps_of(setting)); }
+
+struct DeviceOnSpring {
+  double early_m_per_s{0}, late_m_per_s{0};  // fastest in the second and last tenth
+  double given_J{0};                         // most work done on the device
+  int active_ticks{0};                       // of the controller
+  bool left{false};                          // the workspace of a metre
+  bool grows() const { return left || late_m_per_s > early_m_per_s; }
+};
+
+DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, double damping, bool controlled,
+                           const Setting& setting, Outcome& outcome, double seconds = 5) {
+  haptics::DeviceProperties device;
+  device.delay_s = loop.delay_ticks * setting.step_s;
   const double T = setting.step_s, m = device.mass_kg, b = device.damping_Ns_per_m, decay = std::exp(-b / m * T);
   CaseWorld world(setting);
   world.settings.gravity = {};
@@ -149,27 +169,30 @@ DeviceOnSpring push_device(double stiffness, double damping, bool controlled, co
   gains.stiffness_N_per_m = stiffness, gains.damping_Ns_per_m = damping;
   haptics::Passivity passivity{haptics::Passivity::Config::of(device, gains, T), {}};
   double x = 0, v = 0.1, last = 0, work = 0;
-  Vec3d late_force;                // of the tick before: the transport delay
-  world.energy_is_booked = false;  // the device goes its own way, not its velocity's
+  std::array<Vec3d, kMostDelayTicks + 1> sent{};  // newest first
+  world.energy_is_booked = false;                 // the device goes its own way, not its velocity's
   DeviceOnSpring result;
   auto& spring = world.world.device_spring();
-  const int ticks = 5000;
+  const int ticks = world.steps_in(seconds);
   for (int k = 0; k < ticks; ++k) {
-    spring.target.position.x = x;
-    spring.target_velocity.linear.x = (x - last) / T;
+    const double speed = (x - last) / T;
+    spring.target.position.x = loop.held ? x - lead_s(setting) * speed : x;
+    spring.target_velocity.linear.x = speed;
     world.step();
     Wrenchd wanted{force_on_device(world), {}};
     if (controlled) wanted = passivity.control(wanted, spring.target_velocity, {0.5 * stiffness * x * x, 0});
     passivity.book(wanted);
-    const double end = late_force.x / b, before = x;
-    late_force = wanted.force;
+    if (passivity.status() != 0) ++result.active_ticks;
+    std::copy_backward(sent.begin(), sent.end() - 1, sent.end());
+    sent[0] = wanted.force;
+    const double end = sent[loop.delay_ticks].x / b, before = x;
     last = x;
     x += end * T + (v - end) * (m / b) * (1 - decay);
     v = end + (v - end) * decay;
     work += end * b * (x - before);
     result.given_J = std::max(result.given_J, work);
-    if (!(std::abs(x) < 1)) x = std::clamp(x, -1.0, 1.0), v = 0;  // the workspace
-    if (k < ticks / 10) result.early_m_per_s = std::max(result.early_m_per_s, std::abs(v));
+    if (!(std::abs(x) < 1)) x = std::clamp(x, -1.0, 1.0), v = 0, result.left = true;
+    if (k >= ticks / 10 && k < ticks / 5) result.early_m_per_s = std::max(result.early_m_per_s, std::abs(v));
     if (k >= ticks - ticks / 10) result.late_m_per_s = std::max(result.late_m_per_s, std::abs(v));
   }
   const std::uint64_t hash = outcome.hash;
@@ -180,16 +203,50 @@ DeviceOnSpring push_device(double stiffness, double damping, bool controlled, co
   return result;
 }
 
+// Where a push neither grows nor dies out, within 1 %, between half and twice of `near`.
+double where_it_rings(const DeviceLoop& loop, double near, double damping, const Setting& setting, Outcome& outcome) {
+  double least = 0.5 * near, most = 2 * near;
+  while (most > 1.01 * least) {
+    const double middle = std::sqrt(least * most);
+    (push_device(loop, middle, damping, false, setting, outcome).grows() ? most : least) = middle;
+  }
+  return std::sqrt(least * most);
+}
+
+// Beyond the limit the loop rings by itself, and with the controller it gives no more than 0.05 J and rings down.
+void hold_beyond(const DeviceLoop& loop, const std::string& what, double stiffness, double damping,
+                 const Setting& setting, Outcome& outcome) {
+  const bool rings = push_device(loop, stiffness, damping, false, setting, outcome).grows();
+  const DeviceOnSpring with = push_device(loop, stiffness, damping, true, setting, outcome);
+  outcome.at_most("given to the hand at " + what + ", J", with.given_J, 0.05);
+  if (!rings) return;
+  outcome.holds("the controller acts at " + what, with.active_ticks > 0);
+  outcome.holds("it does not grow at " + what, !with.grows() || with.late_m_per_s < 0.05);
+}
+
 Outcome coupling_limit(const Setting& setting) {
-  const haptics::DeviceProperties device;
   const double damping = 5;
-  const haptics::AxisLimits axis{setting.step_s, device.delay_s, device.mass_kg, device.damping_Ns_per_m, 0, 0};
-  const double limit = haptics::uncoupled_stiffness_limit(axis, damping);
   Outcome outcome;
-  const DeviceOnSpring below = push_device(0.9 * limit, damping, false, setting, outcome);
-  outcome.at_most("speed left at 0.9 of the limit, share", below.late_m_per_s / below.early_m_per_s, 0.01);
-  const DeviceOnSpring above = push_device(1.1 * limit, damping, true, setting, outcome);
-  outcome.at_most("given to the hand at 1.1 of the limit, J", above.given_J, 0.05);
+  for (const bool held : {true, false})
+    for (unsigned delay_ticks = 0; delay_ticks <= kMostDelayTicks; ++delay_ticks) {
+      const DeviceLoop loop{delay_ticks, held};
+      const std::string of = fmt::format("{}, delay {}", held ? "held" : "as it ships", delay_ticks);
+      haptics::DeviceProperties device;
+      device.delay_s = delay_ticks * setting.step_s;
+      haptics::AxisLimits axis = haptics::translation_of(device, setting.step_s);
+      const double accepted = haptics::kAllowedStiffnessShare * haptics::uncoupled_stiffness_limit(axis, damping);
+      if (!held) axis.lead_s = lead_s(setting);
+      const double limit = held ? haptics::little_damping_limit(axis, damping)  // the study's line
+                                : haptics::uncoupled_stiffness_limit(axis, damping);
+      const double rings_at = where_it_rings(loop, limit, damping, setting, outcome);
+      outcome.relative("rings from, N/m: " + of, rings_at, limit, 0.15);
+      const DeviceOnSpring below = push_device(loop, 0.9 * limit, damping, false, setting, outcome, 10);
+      outcome.at_most("speed left at 0.9 of the limit, share: " + of, below.late_m_per_s / 0.1, 0.01);
+      hold_beyond(loop, "1.1 of the limit: " + of, 1.1 * limit, damping, setting, outcome);
+      for (const double share : {2.0, 2.5})
+        hold_beyond(loop, fmt::format("{:g} of what is accepted: {}", share, of), share * accepted, damping, setting,
+                    outcome);
+    }
   return outcome;
 }
 

@@ -1,0 +1,99 @@
+// The book of a world's energy: what nothing explains is seen, and what friction takes does not hide it.
+#include "sim/energy_book.h"
+
+#include <catch2/catch.hpp>
+
+#include "rt/physics/collision/pair_finder.h"
+#include "sim/loader/scene_load.h"
+
+using namespace tactus;
+using namespace tactus::sim;
+
+TEST_CASE("a fall, a push of the hand and a loss are explained") {
+  EnergyBook book;
+  book.add(0, 10, 0, 0);
+  book.add(4, 6, 0, 0);    // falls
+  book.add(5, 6, 0, 1);    // pushed by 1 J
+  book.add(0, 6, 0.5, 1);  // lost; half a joule is in contacts,
+  book.add(0.4, 6, 0.1, 1);
+  CHECK(book.unexplained_J == 0);  // and comes back
+  CHECK(book.most_kinetic_J == 5);
+  CHECK(book.work_in_J == 1);
+  CHECK(book.in_play_J() == 5);
+}
+
+TEST_CASE("energy from nowhere is seen, also after more than that was lost") {
+  EnergyBook book;
+  book.add(5, 0, 0, 0);
+  book.add(1, 0, 0, 0);
+  book.add(3, 0, 0, 0);
+  CHECK(book.unexplained_J == 2);
+  book.add(0, 0, 0, 0);
+  book.add(1, 0, 0, 0);
+  CHECK(book.unexplained_J == 2);  // the most
+}
+
+TEST_CASE("what a deep overlap could give is no motion, and what the hand takes out is none that went in") {
+  EnergyBook book;
+  book.add(1, 0, 0, 0);
+  book.add(1, 0, 50, 0);
+  CHECK(book.unexplained_J == 0);
+  book.add(0.5, 0, 0, -0.5);
+  CHECK(book.unexplained_J == 0);
+  CHECK(book.work_in_J == 0);
+}
+
+TEST_CASE("a scene that begins anew has its energy again") {
+  EnergyBook book;
+  book.complete = true;
+  book.add(0, 10, 0, 0);
+  book.add(0, 2, 0, 0);
+  book.begin_anew();
+  CHECK(book.due());
+  CHECK_FALSE(book.due());
+  book.add(0, 10, 0, 0);
+  CHECK(book.unexplained_J == 0);
+}
+
+TEST_CASE("a pressed contact's spring is m w^2 e^2 / 2 of what it overlaps beyond the slop, where its body is now") {
+  physics::World<double> world({.bodies = 2, .fixed_bodies = 1, .pairs = 8, .contacts = 8});
+  physics::StepSettings<double> settings;
+  settings.gravity = {};
+  REQUIRE(world.insert(physics::make_fixed_body<double>(1, physics::Shape<double>::plane(), 0, {})));
+  const double radius = 0.02, mass = 0.5, deep = 1e-3;
+  REQUIRE(world.insert(physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(radius), mass, 0,
+                                                          {{0, 0, radius - deep}, {}})));
+  world.begin_step(settings);
+  (void)physics::find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+  (void)world.finish_step(settings);
+  const double omega = 2 * 3.14159265358979 * settings.contact_hertz;
+  const double left = radius - world.bodies()[0].motion.pose.position.z - settings.slop;
+  REQUIRE(left > 0.5 * deep);
+  CHECK(contact_springs_J(world, settings.contact_hertz, settings.slop) ==
+        Approx(0.5 * mass * omega * omega * left * left));
+}
+
+TEST_CASE("a scene in which more than gravity and the hand does work has no complete book") {
+  const std::string scene = R"(
+effects = ["gravity", "friction"EFFECT]
+[simulation]
+ratio = 10
+members = 4
+[proxy]
+shape = "sphere"
+radius_m = 0.01
+mass_kg = 0.2
+friction = 0.5
+RESTITUTIONposition_m = [0, 0, 0.3]
+)";
+  const auto with = [&](std::string text, const std::string& effect, const std::string& line) {
+    text.replace(text.find("EFFECT"), 6, effect);
+    text.replace(text.find("RESTITUTION"), 11, line);
+    auto parsed = parse_scene(text, "test");
+    INFO(parsed.message());
+    REQUIRE(parsed.ok());
+    return energy_can_be_booked(parsed.value());
+  };
+  CHECK(with(scene, "", ""));
+  CHECK_FALSE(with(scene, ", \"restitution\"", "restitution = 0.5\n"));
+}

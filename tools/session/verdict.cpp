@@ -1,0 +1,258 @@
+#include "tools/session/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tools/session/summary.h"
+
+namespace tactus::session {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+// Less is the noise of a book that is kept in cycles, and what a hand's contacts store.
+constexpr double kLeastDegraded_J = 5e-3, kLeastBad_J = 20e-3;
+constexpr unsigned kLateCycles = 4;
+
+double share_of(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+Ruling fault_of(const RunSummary& s) {
+  const auto& faults = s.stats.faults;
+  const bool latched = s.fault_latched();
+  return {"fault",
+          "faults latched at the end",
+          "",
+          latched ? 1.0 : 0.0,
+          kInfinite,
+          0,
+          latched ? fmt::format("a fault is latched: {}", describe(faults.items[faults.size() - 1].fault)) : "",
+          "see the faults below; Enter or --rearm takes one back"};
+}
+
+Ruling own_work_of(const RunSummary& s) {
+  return {"own-work",
+          "ticks lost to own work",
+          "",
+          static_cast<double>(s.overruns_own_work),
+          kInfinite,
+          0,
+          fmt::format("{} ticks were lost to the program's own work", s.overruns_own_work),
+          "fewer --members, a lower --rate, or --budget"};
+}
+
+Ruling scene_of(const std::vector<std::string>& problems) {
+  std::string found;
+  for (const std::string& problem : problems) found += (found.empty() ? "" : "; ") + problem;
+  return {"scene",   "problems of the scene",
+          "",        static_cast<double>(problems.size()),
+          kInfinite, 0,
+          found,     "mend the scene: `tactus scene check` says the same"};
+}
+
+Ruling overlap_of(const RunSummary& s) {
+  const physics::Overlap<double>& deepest = s.global.overlap;
+  const bool known = s.has_global && deepest.share >= s.stats.deepest_share;
+  const double share = std::max(s.stats.deepest_share, s.has_global ? deepest.share : 0.0);
+  const std::string who =
+      known ? fmt::format("bodies {} and {} overlapped by {:.2f} mm", deepest.a, deepest.b, 1e3 * deepest.depth)
+            : std::string("two bodies overlapped");
+  return {"overlap",
+          "deepest overlap of the thinner body",
+          "%",
+          100 * share,
+          10,
+          50,
+          fmt::format("{}, {:.0f} % of the thinner one's thickness", who, 100 * share),
+          "more sub-steps with a higher contact_hertz_Hz, more --members, a lower --ratio, or a slower hand"};
+}
+
+// A book that is not complete says nothing.
+void add_energy(const RunSummary& s, std::vector<Ruling>& rulings) {
+  const sim::EnergyBook& book = s.global.energy;
+  if (!s.has_global || !book.complete) return;
+  const double in_play_J = book.in_play_J(), found_J = book.unexplained_J;
+  // Of nothing in play every share is large: what is small by itself is none.
+  const auto share_above = [&](double least_J) { return found_J > least_J ? 100 * found_J / in_play_J : 0.0; };
+  const double shown = std::min(1e6, share_above(kLeastDegraded_J));
+  rulings.push_back(
+      {"energy", "energy that nothing explains", "%", shown, 10, found_J > kLeastBad_J ? 25 : kInfinite,
+       fmt::format("the bodies had {:.3g} J more than gravity and the hand explain, {:.0f} % of the {:.3g} J "
+                   "in play",
+                   found_J, shown, in_play_J),
+       "more --members or a lower --ratio: the border between the worlds makes it; more sub-steps where "
+       "there is no border"});
+}
+
+Ruling border_of(const RunSummary& s) {
+  const auto bit = static_cast<unsigned>(std::countr_zero(static_cast<std::uint32_t>(kBorderSpent)));
+  const std::uint64_t ticks = s.stats.status_ticks[bit];
+  return {"border",
+          "ticks with the border spent",
+          "%",
+          100 * share_of(ticks, s.stats.ticks),
+          1,
+          10,
+          fmt::format("the border had nothing left to give in {} of {} ticks", ticks, s.stats.ticks),
+          "more --members, a lower --ratio, or --border capped"};
+}
+
+Ruling capacity_of(const RunSummary& s) {
+  const std::uint32_t bits = s.stats.capacity_bits | (s.has_global ? s.global.capacity_bits : 0u);
+  const std::uint64_t dropped = s.stats.dropped + (s.has_global ? s.global.dropped_entries : 0u);
+  return {"capacity",
+          "entries left out",
+          "",
+          bits != 0 ? std::max(1.0, static_cast<double>(dropped)) : 0.0,
+          0,
+          kInfinite,
+          fmt::format("a capacity was exceeded (bits {:#x}): {} entries were left out", bits, dropped),
+          "fewer --members, or a scene with fewer contacts in one place"};
+}
+
+Ruling deadlines_of(const RunSummary& s) {
+  const std::uint64_t late = s.overruns_late_wake + s.overruns_interrupted, lost = late + s.timing.skipped_ticks;
+  const std::uint64_t all = s.timing.ticks + s.timing.skipped_ticks;
+  return {"deadlines",
+          "deadlines lost to the machine",
+          "of 10000",
+          1e4 * share_of(lost, all),
+          most_lost_of_10000(all),
+          kInfinite,
+          fmt::format("the machine lost {} deadlines: {} ticks late, {} skipped", lost, late, s.timing.skipped_ticks),
+          "`tactus doctor` says what takes the core",
+          true};
+}
+
+Ruling clock_of(const RunSummary& s) {
+  const double run_ms = static_cast<double>(s.stats.ticks) * s.options.period_s() * 1e3;
+  const double cycles_ms = kLateCycles * s.ratio * s.options.period_s() * 1e3, late_ms = s.dilation_ms();
+  return {"clock",
+          "global clock behind the haptic one",
+          "%",
+          run_ms > 0 ? 100 * late_ms / run_ms : 0.0,
+          run_ms > 0 ? std::max(1.0, 100 * cycles_ms / run_ms) : 1.0,
+          kInfinite,
+          fmt::format("the global world was late: its clock lost {:.0f} of {:.0f} ms", late_ms, run_ms),
+          "a higher --ratio, --world-threads, or a lighter scene",
+          true};
+}
+
+Ruling setup_of(const RunSummary& s) {
+  std::string names;
+  unsigned failed = 0;
+  for (const auto& step : s.setup.steps)
+    if (!step.ok) ++failed, names += fmt::format("{}{}", names.empty() ? "" : ", ", step.name);
+  return {"set-up",
+          "set-up steps that failed",
+          "",
+          static_cast<double>(failed),
+          0,
+          kInfinite,
+          fmt::format("without {} as asked for: its timing says more about the machine than about tactus", names),
+          "see set-up: each line has its cure",
+          true};
+}
+
+// A limit is finite where the rule knows that level.
+std::string limit_text(const Ruling& r) {
+  const double limit = r.level() == Level::kBad ? r.bad_above : r.degraded_above;
+  return limit > 0 ? fmt::format(" ({:.3g} {}; good up to {:.3g})", r.measured, r.unit,
+                                 std::min(r.degraded_above, r.bad_above))
+                   : "";
+}
+
+nlohmann::json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+}  // namespace
+
+const char* name_of(Level level) noexcept {
+  switch (level) {
+    case Level::kGood:
+      return "good";
+    case Level::kDegraded:
+      return "degraded";
+    case Level::kBad:
+      return "bad";
+  }
+  return "";
+}
+
+// What is no number is not good.
+Level Ruling::level() const noexcept {
+  if (!(measured <= bad_above)) return Level::kBad;
+  return measured <= degraded_above ? Level::kGood : Level::kDegraded;
+}
+
+Level Verdict::level() const noexcept {
+  Level worst = Level::kGood;
+  for (const Ruling& ruling : rulings) worst = std::max(worst, ruling.level());
+  return worst;
+}
+
+std::string Verdict::line() const {
+  const Level worst = level();
+  if (worst == Level::kGood) return "good";
+  const auto first =
+      std::find_if(rulings.begin(), rulings.end(), [worst](const Ruling& r) { return r.level() == worst; });
+  return fmt::format("{}: {}", worst == Level::kBad ? "BAD" : "DEGRADED", first->found);
+}
+
+std::string Verdict::text() const {
+  std::string text;
+  for (const Level level : {Level::kBad, Level::kDegraded})
+    for (const Ruling& r : rulings)
+      if (r.level() == level)
+        text += fmt::format("  {:<8} {:<13} {}{}\n  {:<22} {}\n", name_of(level), r.rule, r.found, limit_text(r), "",
+                            r.cure);
+  return text.empty() ? text : "why not good\n" + text;
+}
+
+double most_lost_of_10000(std::uint64_t ticks) noexcept {
+  return ticks == 0 ? 1.0 : std::max(1.0, 1e4 / static_cast<double>(ticks));
+}
+
+std::vector<Ruling> judge_simulation(const RunSummary& s) {
+  std::vector<Ruling> rulings{fault_of(s), scene_of(s.scene_problems), overlap_of(s)};
+  add_energy(s, rulings);
+  rulings.push_back(border_of(s));
+  rulings.push_back(capacity_of(s));
+  if (s.has_global) rulings.push_back(clock_of(s));
+  if (s.real_time) rulings.push_back(setup_of(s));
+  return rulings;
+}
+
+Verdict judge(const RunSummary& s) {
+  Verdict verdict{judge_simulation(s)};
+  if (!s.real_time) return verdict;
+  verdict.rulings.insert(verdict.rulings.begin() + 1, own_work_of(s));
+  verdict.rulings.push_back(deadlines_of(s));
+  return verdict;
+}
+
+Verdict judge(const sim::SceneReport& report) { return {{scene_of(report.problems)}}; }
+
+nlohmann::json to_json(const Verdict& verdict) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Ruling& r : verdict.rulings) {
+    nlohmann::json one{{"rule", r.rule},
+                       {"level", name_of(r.level())},
+                       {"figure", r.figure},
+                       {"unit", r.unit},
+                       {"measured", finite_or_null(r.measured)},
+                       {"degraded_above", finite_or_null(r.degraded_above)},
+                       {"bad_above", finite_or_null(r.bad_above)},
+                       {"whose", r.machine ? "machine" : "program"}};
+    if (r.level() != Level::kGood) one["found"] = r.found, one["cure"] = r.cure;
+    list.push_back(one);
+  }
+  return list;
+}
+
+}  // namespace tactus::session

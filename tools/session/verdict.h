@@ -1,0 +1,72 @@
+// Is a run good? One table of rules for `tactus run`, `tactus timing` and `tactus scene check`, and the words for it.
+//
+// A run is `bad` where the program or the simulation is at fault: what the hand felt is not what the scene says, or the
+// program lost ticks to its own work. It is `degraded` where it is worth less than it was meant to be: the machine did
+// not keep up, or something was spent or left out. Exit status 1 is that of `bad` alone: the machine's gaps are
+// reported, not judged.
+//
+//   rule        degraded above      bad above           figure; why there
+//   fault       -                   0                   a fault is latched at the end
+//   own-work    -                   0                   ticks lost to the program's own work
+//   scene       -                   0                   problems that `tactus scene check` names
+//   overlap     10 %                50 %                deepest overlap of the thinner body's thickness. A soft contact
+//                                                       bears less; beyond a half the nearest way out is the far side
+//   energy      10 % and 5 mJ       25 % and 20 mJ      energy that nothing explains, of the largest kinetic energy or
+//                                                       the hand's work. A border may give a tenth (hard case 33); only
+//                                                       where the book is complete (sim/energy_book.h)
+//   border      1 % of the ticks    10 % of the ticks   the ghost border had nothing left to give (border-spent): the
+//                                                       members are braked for it
+//   capacity    0                   -                   entries left out: contacts, pairs, border points
+//   deadlines   1 in 10 000, and 1  -                   ticks late for the machine's sake, and deadlines skipped
+//   clock       1 % and 4 cycles    -                   what the global clock lost to the haptic one
+//   set-up      0                   -                   real-time privileges and kernel: lines with FAIL
+// Thread: normal, after the run. Pure.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "sim/loader/scene_report.h"
+
+namespace tactus::session {
+
+struct RunSummary;
+
+enum class Level : std::uint32_t { kGood = 0, kDegraded = 1, kBad = 2 };
+const char* name_of(Level level) noexcept;  // one word: good, degraded, bad
+
+// One rule as it came out. Good up to `degraded_above` and, where that is infinite, up to `bad_above`.
+struct Ruling {
+  std::string rule, figure, unit;
+  double measured{0};
+  double degraded_above{std::numeric_limits<double>::infinity()}, bad_above{std::numeric_limits<double>::infinity()};
+  std::string found, cure;  // what to say where it is not good
+  bool machine{false};      // the machine's, not the program's
+
+  Level level() const noexcept;
+};
+
+struct Verdict {
+  std::vector<Ruling> rulings;  // all that apply, good ones too, in the order of the table
+
+  Level level() const noexcept;  // the worst
+  int exit_code() const noexcept { return level() == Level::kBad ? 1 : 0; }
+  std::string line() const;  // good; DEGRADED: the first reason; BAD: the same
+  std::string text() const;  // a line for each reason, with figure, limit and cure; empty where it is good
+};
+
+Verdict judge(const RunSummary& summary);
+// The rule `scene` alone: a scene by itself.
+Verdict judge(const sim::SceneReport& report);
+// All but what a clock says: for `tactus timing`, which has its own rows for the deadlines and the program's own work.
+std::vector<Ruling> judge_simulation(const RunSummary& summary);
+
+// Late ticks and skipped deadlines of 10 000 that are not yet too many: one, and one in a short run.
+double most_lost_of_10000(std::uint64_t ticks) noexcept;
+
+nlohmann::json to_json(const Verdict& verdict);  // an array: one object for each rule, its figure and its limits
+
+}  // namespace tactus::session
