@@ -79,10 +79,8 @@ std::uint32_t touches_for(const Scene& scene) noexcept {
 
 // The scene's moving and fixed bodies, all at once.
 physics::World<double> world_of(const Scene& scene, const GlobalOptions& options) {
-  const bool has_spring = options.coupling == CouplingScheme::kInterpolation;
-  const physics::SweepPrecision precision = has_spring ? physics::SweepPrecision::kFull : options.precision;
   physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, global_effect_setups(scene),
-                               precision);
+                               options.precision);
   for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
   world.index_fixed_bodies();
   return world;
@@ -110,6 +108,9 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
     return Status::error("the scene's proxy must be one of its dynamic bodies");
   if (options.coupling == CouplingScheme::kInterpolation && !options.more_proxies.empty())
     return Status::error("the interpolation coupling holds one proxy: use sub-world with several devices");
+  if (options.more_proxies.size() >= physics::kMaxSprings)
+    return Status::error(fmt::format("{} devices asked for: 1 to {} are possible", options.more_proxies.size() + 1,
+                                     physics::kMaxSprings));
   for (const BodyId proxy : options.more_proxies)
     if (proxy >= scene.bodies.size() || proxy == scene.proxy || scene.bodies[proxy].kind != BodyKind::kDynamic)
       return Status::error(fmt::format("body {} is no proxy for a further device: it must be dynamic", proxy));
@@ -143,7 +144,6 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       held_(capacities_for(scene).bodies) {
   touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
-  former_slots_.reserve(capacities_for(scene).bodies);
   add_device(scene, scene.proxy);
   for (const BodyId proxy : options.more_proxies) add_device(scene, proxy);
   regions_.resize(devices_.size());
@@ -168,6 +168,7 @@ void GlobalWorld::add_device(const Scene& scene, BodyId id) {
   devices_.push_back({id, proxy,
                       Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
                       islands_.bodies()[proxy].motion.pose});
+  devices_.back().buffer.assign(islands_.bodies().size(), 0);
 }
 
 std::uint32_t GlobalWorld::slot_of(const Device& device) const noexcept {
@@ -277,8 +278,7 @@ void GlobalWorld::step(const SubWorldReport& report, WorldSnapshot& next) noexce
 void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& report) noexcept {
   Device& device = devices_[device_index];
   if (options_.coupling == CouplingScheme::kInterpolation) {
-    const bool sane = is_finite(report.device.pose) && is_finite(report.device.velocity);
-    device.target = sane ? report.device : haptics::DeviceTarget{};
+    take_target(device, report);
     device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
     wake_near(device);
     return;
@@ -290,13 +290,18 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   if (options_.coupling == CouplingScheme::kSubWorld) {
     haptics::read_effects(report.effects, true, world_);
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
+    // With ghosts nothing: the global world keeps what the border moves (border_buffer.h).
     const HandBack back =
         options_.border_mode == physics::BorderMode::kGhost
-            ? border_log_.hand_back(report, options_.reach.ratio, slots_of_all_members(), world_)
+            ? HandBack{}
             : hand_back_border(report.border.span(), slots_of_all_members(), options_.border_mode, world_);
     statistics_.handed_back_impulse_Ns += back.magnitude_Ns;
     statistics_.handed_back_energy_J += back.energy_J;
     statistics_.handed_back_skipped += back.skipped;
+  }
+  if (options_.coupling == CouplingScheme::kSubWorld) {
+    take_target(device, report);
+    return;
   }
   // The device goes on holding the proxy as it did on the mean of the last cycle, and changing that, but by no more
   // than it is: a hand that lets go does not pull. The next report corrects it.
@@ -308,29 +313,37 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   device.held_before = mean;
 }
 
-// Interpolation: the coupling's spring and damper between the proxy and the device, for a pass that begins `elapsed_s`
-// after the step. A device that does not hold the proxy brings it to rest.
-void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
-  if (options_.coupling != CouplingScheme::kInterpolation) return;
-  const Device& device = devices_[0];
-  const haptics::DeviceTarget& target = device.target;
-  physics::PoseSpring<double> spring;
-  spring.enabled = true;
-  spring.slot = slot_of(device);
-  spring.damping_Ns_per_m = options_.gains.damping_Ns_per_m;
-  spring.damping_Nms_per_rad = options_.gains.damping_Nms_per_rad;
-  spring.target = world_.bodies()[spring.slot].motion.pose;
-  if (target.engaged) {
-    spring.stiffness_N_per_m = options_.gains.stiffness_N_per_m;
-    spring.stiffness_Nm_per_rad = options_.gains.stiffness_Nm_per_rad;
-    spring.target = {target.pose.position + elapsed_s * target.velocity.linear,
-                     quat_from_rotation_vector(elapsed_s * target.velocity.angular) * target.pose.rotation};
-    spring.target_velocity = target.velocity;
-  }
-  world_.device_spring() = spring;
+void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noexcept {
+  const bool sane = is_finite(report.device.pose) && is_finite(report.device.velocity);
+  device.target = sane ? report.device : haptics::DeviceTarget{};
 }
 
-// Pose and velocity of the members as they are, bit by bit; with the static coupling only the proxy's, since the
+// The coupling's spring and damper between each proxy and its device, for a pass that begins `elapsed_s` after the
+// step: the device goes on at its velocity. With the sub-world coupling the proxy's image then pushes what it touches
+// as the proxy itself will, to second order in the step; a force held over the step would drive it apart from that.
+// A device that does not hold the proxy brings it to rest. The other couplings hold a wrench (impose).
+void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
+  if (options_.coupling != CouplingScheme::kInterpolation && options_.coupling != CouplingScheme::kSubWorld) return;
+  for (std::uint32_t d = 0; d < devices_.size(); ++d) {
+    const haptics::DeviceTarget& target = devices_[d].target;
+    physics::PoseSpring<double> spring;
+    spring.enabled = true;
+    spring.slot = slot_of(devices_[d]);
+    spring.damping_Ns_per_m = options_.gains.damping_Ns_per_m;
+    spring.damping_Nms_per_rad = options_.gains.damping_Nms_per_rad;
+    spring.target = world_.bodies()[spring.slot].motion.pose;
+    if (target.engaged) {
+      spring.stiffness_N_per_m = options_.gains.stiffness_N_per_m;
+      spring.stiffness_Nm_per_rad = options_.gains.stiffness_Nm_per_rad;
+      spring.target = {target.pose.position + elapsed_s * target.velocity.linear,
+                       quat_from_rotation_vector(elapsed_s * target.velocity.angular) * target.pose.rotation};
+      spring.target_velocity = target.velocity;
+    }
+    world_.device_spring(d) = spring;
+  }
+}
+
+// Pose and velocity of the inner members as they are, bit by bit; with the static coupling only the proxy's, since the
 // others were frozen.
 void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) noexcept {
   double before = 0, after = 0;
@@ -338,7 +351,7 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
     const std::int32_t found = world_.slot_of(member.id);
     if (found < 0) continue;
     const auto slot = static_cast<std::uint32_t>(found);
-    if (options_.coupling == CouplingScheme::kStatic && member.id != device.id) continue;
+    if (member.in_buffer != 0 || (options_.coupling == CouplingScheme::kStatic && member.id != device.id)) continue;
     if (!is_finite(member.motion.pose) || !is_finite(member.motion.velocity)) {
       ++statistics_.rejected_states;
       continue;

@@ -35,10 +35,8 @@ struct GlobalOptions {
   ExtractionOptions extraction;
   std::vector<BodyId> more_proxies{};  // of the devices beyond the scene's own: dynamic bodies of the scene
   ReachSettings reach;                 // with the ratio and the tick period
-  // Of the sweeps; with the interpolation coupling always full: its spring is solved in them.
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
-  haptics::CouplingGains
-      gains;  // of the interpolation coupling, world units: the other couplings' are the haptic side's
+  haptics::CouplingGains gains;    // of the coupling of device and proxy, world units, as the haptic side's
   double touch_tolerance_m{1e-4};  // before the first step, bodies this near count as touching
 };
 
@@ -117,17 +115,19 @@ class GlobalWorld {
     BodyId id;            // of the proxy
     std::uint32_t proxy;  // its place
     Extraction extraction;
-    Posed reported_proxy;            // where the device's own world had it at t_n
-    Wrenchd held_by{};               // N, N m: on the proxy over the next step
-    Wrenchd held_before{};           // mean of the last cycle
-    haptics::DeviceTarget target{};  // interpolation: where the proxy is wanted as the next step begins
-    bool has_border{false};          // its last snapshot
+    Posed reported_proxy;                // where the device's own world had it at t_n
+    Wrenchd held_by{};                   // N, N m: on the proxy over the next step
+    Wrenchd held_before{};               // mean of the last cycle
+    haptics::DeviceTarget target{};      // where the proxy is wanted as the next step begins; its spring: hold_proxy
+    bool has_border{false};              // its last snapshot
+    std::vector<std::uint8_t> buffer{};  // by place: in the buffer of its sub-world (border_buffer.h)
   };
 
   std::uint32_t slot_of(const Device& device) const noexcept;
   std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
   std::span<const std::uint8_t> slots_of_all_members() noexcept;
   void add_device(const Scene& scene, BodyId proxy);
+  void choose_buffer(Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_border(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void wake_for(const haptics::SubWorldReport& report) noexcept;
   void wake_near(const Device& device) noexcept;
@@ -138,6 +138,7 @@ class GlobalWorld {
   physics::StepReport<double> take_pass(std::uint32_t pass, std::uint32_t passes) noexcept;
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
+  void take_target(Device& device, const haptics::SubWorldReport& report) noexcept;
   void hold_proxy(double elapsed_s) noexcept;
   void keep_energy_book(const haptics::SubWorldReport& report) noexcept;
   void look_at_overlaps(double deepest_m) noexcept;
@@ -173,7 +174,6 @@ class GlobalWorld {
   std::vector<std::uint8_t> free_;              // by place: member of no other device's sub-world
   std::vector<std::uint8_t> held_;              // by place: member of a sub-world
   std::vector<std::uint8_t> member_slots_;      // by slot: member of the sub-world in question
-  std::vector<std::uint8_t> former_slots_;      // by slot: was one before the last choice
   std::vector<physics::Aabb<double>> regions_;  // by device: where nothing falls asleep
   double thinnest_m_{0};                        // of all bodies
   double asleep_J_{0};                          // potential energy of those that sleep,

@@ -48,10 +48,8 @@ void GlobalWorld::sleep() noexcept {
 }
 
 // Islands without a member, away from every proxy: they are independent of the others, so they may have sub-steps of
-// their own. Their contacts' stiffness stays. None with the interpolation coupling: a world with a spring is solved as
-// a whole.
+// their own. Their contacts' stiffness stays.
 physics::FarRegion GlobalWorld::far_region() noexcept {
-  if (options_.coupling == haptics::CouplingScheme::kInterpolation) return {};
   if (bounds_settings_.sub_steps == settings_.sub_steps) return {};
   mark_held();
   return {islands_.find_far(held_, regions_, world_), bounds_settings_.sub_steps};

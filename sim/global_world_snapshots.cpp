@@ -95,6 +95,8 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.proxy = bodies[device.proxy].motion;
   next.members.clear();
   for (const std::uint32_t place : members) TACTUS_CHECK(next.members.try_push(bodies[place].id), place, 0);
+  next.buffer.clear();
+  next.renewed.clear();
   next.border.clear();
   next.outside.clear();
   next.warm_starts.clear();
@@ -104,6 +106,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   if (options_.coupling == CouplingScheme::kSubWorld) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
+    if (options_.border_mode == physics::BorderMode::kGhost) choose_buffer(device, next);
     if (stepped_) fill_border(device, next);
   }
   if (feels_planes(options_.coupling) && stepped_)
@@ -113,17 +116,30 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   count(device, next);
 }
 
+// The last buffer's bodies get the state found here. The new one has the members that an outside body touches or a
+// joint holds; never the proxy, which the device holds.
+void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
+  const auto bodies = islands_.bodies();
+  for (const std::uint32_t place : device.extraction.members())
+    if (device.buffer[place] != 0)
+      (void)next.renewed.try_push({bodies[place].id, 0, bodies[place].motion});  // as many as members, at most
+  std::fill(device.buffer.begin(), device.buffer.end(), std::uint8_t{0});
+  for (const Touch& touch : graph_.touches()) {
+    const bool a = device.extraction.is_member(touch.a);
+    if (a != device.extraction.is_member(touch.b)) device.buffer[a ? touch.a : touch.b] = 1;
+  }
+  device.buffer[device.proxy] = 0;
+  for (const std::uint32_t place : device.extraction.members())
+    if (device.buffer[place] != 0) (void)next.buffer.try_push(bodies[place].id);
+}
+
 // Of the last step.
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
   const auto members = member_slots(device);
   next.dropped +=
       border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
   if (options_.border_mode != physics::BorderMode::kGhost) return;
-  former_slots_.clear();
-  for (const std::uint32_t place : islands_.awake())
-    former_slots_.push_back(device.extraction.was_member(place) ? 1 : 0);
-  next.dropped +=
-      border_log_.fill_outside(world_, members, former_slots_, pass_s_, sub_step_s(), next.border.span(), next.outside);
+  next.dropped += border_log_.fill_outside(world_, members, pass_s_, sub_step_s(), next.border.span(), next.outside);
 }
 
 // Whole bodies, bit by bit. Frozen members (static coupling) come anew every time, but for the proxy, which is the

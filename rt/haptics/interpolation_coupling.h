@@ -30,6 +30,10 @@ struct InterpolationCoupling {
   void adopt(const physics::BodyMotion<double>& proxy, bool first) noexcept;
   // At a synchronisation, before adopt: what the report says of the device after a cycle of `ticks`.
   DeviceTarget report(std::uint32_t ticks, double period_s) const noexcept;
+  // Where the device is now, and how fast in the last tick.
+  DeviceTarget latest() const noexcept {
+    return engaged_ticks == 0 ? DeviceTarget{} : DeviceTarget{true, device, device_velocity};
+  }
   // In tick `tick` of the cycle, 0 first: the proxy that the device feels. After the cycle it waits at its end.
   physics::BodyMotion<double> proxy_in(std::uint32_t tick, std::uint32_t ratio, double period_s) const noexcept;
   // Once a tick: what the device did in it.

@@ -47,8 +47,13 @@ struct OutsideBody {
   Vec3d centre;                            // m, world
   Twistd velocity;                         // of the centre, at the end of the step
   Vec3d acceleration;                      // m/s^2, of the centre: as it was in the step, where that will go on; else 0
-  Wrenchd load;                            // N, N m about the centre: mean of the step, by those that were members
   physics::Admittance<double> admittance;  // of the centre, with all that moves with it
+};
+
+struct MemberMotion {
+  BodyId id{kNoBody};
+  std::uint32_t in_buffer{0};  // of a report, 1: the global world keeps its own state of it
+  physics::BodyMotion<double> motion;
 };
 
 struct WorldSnapshot {
@@ -60,6 +65,8 @@ struct WorldSnapshot {
   FixedVector<BodyId, kMaxMembers> members;  // of cycle n, ascending; the proxy always
   FixedVector<physics::Body<double>, kMaxMembers> joiners;              // members that were none in cycle n - 1
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
+  FixedVector<BodyId, kMaxMembers> buffer;         // members of cycle n that touch outside bodies, ascending
+  FixedVector<MemberMotion, kMaxMembers> renewed;  // members in the buffer of cycle n - 1, as the global step left them
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // of the border points, ascending; with the ghost border
   physics::BodyMotion<double> proxy;                    // the proxy in the global world (interpolation coupling)
@@ -74,12 +81,6 @@ struct DeviceTarget {
   bool engaged{false};
   Posed pose;       // world
   Twistd velocity;  // world
-};
-
-struct MemberMotion {
-  BodyId id{kNoBody};
-  std::uint32_t padding{0};
-  physics::BodyMotion<double> motion;
 };
 
 // What the sub-world did to a border contact over the cycle.
@@ -104,7 +105,7 @@ struct SubWorldReport {
   FixedVector<BorderReturn, kMaxBorderPoints> border;
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left
   Wrenchd mean_device_wrench;  // N, N m, on the proxy, over the cycle that ended
-  DeviceTarget device;         // at t_n, with its mean velocity over the cycle that ended (interpolation coupling)
+  DeviceTarget device;         // at t_n; interpolation: with its mean velocity over the cycle that ended
   EffectBytes effects;         // of the members of the cycle that ended
   double proxy_work_J{0};      // done on the proxy by the coupling, since the start
 };

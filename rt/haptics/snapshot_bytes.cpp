@@ -58,6 +58,12 @@ bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes<double>
     if (!is_body(joiner, hulls)) return false;
   for (const auto& warm_start : s.warm_starts)
     if (warm_start.count > physics::kMaxManifoldPoints) return false;
+  for (std::uint32_t i = 0; i < s.buffer.size(); ++i)
+    if ((i > 0 && s.buffer[i - 1] >= s.buffer[i]) ||
+        !std::binary_search(s.members.begin(), s.members.end(), s.buffer[i]))
+      return false;
+  for (const MemberMotion& body : s.renewed)
+    if (!is_finite(body.motion.pose) || !is_finite(body.motion.velocity)) return false;
   return are_near_triangles(s, meshes);
 }
 
@@ -73,6 +79,8 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   write_list(out, s.members);
   write_list(out, s.joiners);
   write_list(out, s.warm_starts);
+  write_list(out, s.buffer);
+  write_list(out, s.renewed);
   write_list(out, s.border);
   write_list(out, s.outside);
   write_list(out, s.near_regions);
@@ -88,8 +96,9 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
   in.get(s.epoch);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
-         read_list(in, s.border) && read_list(in, s.outside) && read_list(in, s.near_regions) &&
-         read_list(in, s.near_triangles) && read_list(in, s.effects) && is_sound(s, hulls, meshes);
+         read_list(in, s.buffer) && read_list(in, s.renewed) && read_list(in, s.border) && read_list(in, s.outside) &&
+         read_list(in, s.near_regions) && read_list(in, s.near_triangles) && read_list(in, s.effects) &&
+         is_sound(s, hulls, meshes);
 }
 
 bool write_effects(const physics::World<double>& world, std::span<const std::uint8_t> inside,

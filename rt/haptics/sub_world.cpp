@@ -57,7 +57,6 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<d
       world_(config.capacities, config.hulls, config.meshes, config.effects),
       outside_velocity_(config.capacities.border_contacts),
       replaced_(config.capacities.border_contacts),
-      replaced_ghosts_(config.capacities.border_contacts),
       near_regions_(config.meshes.empty() ? 0 : kMaxNearRegions),
       near_triangles_(config.meshes.empty() ? 0 : kMaxNearTriangles) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
@@ -84,6 +83,7 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   if (snapshot.epoch != state_.epoch) forget_world(snapshot.epoch);
   read_effects(snapshot.effects, false, world_);
   change_members(snapshot);
+  state_.buffer_gain_J += buffer_.adopt(snapshot, world_);
   renew_border(snapshot);
   take_near_triangles(snapshot.near_regions.span(), snapshot.near_triangles.span());
   if (config_.scheme == CouplingScheme::kStatic) freeze_all_but_proxy();
@@ -110,7 +110,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   report.warm_starts.clear();
   report.effects.clear();
   report.mean_device_wrench = {};
-  report.device = {};
+  report.device = state_.interpolation.latest();
   if (config_.scheme == CouplingScheme::kInterpolation) {
     report.device = state_.interpolation.report(state_.ticks_in_cycle, config_.step.dt);
     return;
@@ -122,7 +122,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   for (const auto& body : world_.bodies()) {
     if (config_.scheme == CouplingScheme::kStatic && body.id != config_.proxy) continue;
     // At most kMaxMembers are ever members of a sub-world that exchanges: joins are bounded by the same capacity.
-    if (!report.members.try_push({body.id, 0, body.motion})) break;
+    if (!report.members.try_push({body.id, buffer_.holds(body.id) ? 1u : 0u, body.motion})) break;
   }
   report_leavers(snapshot, report);
   report_border(report);
@@ -172,6 +172,7 @@ void SubWorld::forget_world(std::uint32_t epoch) noexcept {
   state_.border_work_J = border_work_J();
   world_.border_contacts().clear();
   world_.border_ghosts().clear();
+  buffer_.clear();
   state_.epoch = epoch;
   state_.wanted_epoch = std::max(epoch, state_.wanted_epoch);
   state_.ticks_in_cycle = state_.has_snapshot = 0;
@@ -240,15 +241,10 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
   if (config_.border_mode == physics::BorderMode::kGhost) put_in_tank(work_in_global_step_J());
 }
 
-// A ghost for each outside body, moving as the global step says, and as it would have said, had its members pressed as
-// these here did over the cycle.
+// A ghost for each outside body, moving as the global step left it.
 void SubWorld::renew_ghosts(const WorldSnapshot& snapshot) noexcept {
   auto& ghosts = world_.border_ghosts();
-  replaced_ghosts_.swap(ghosts);
   ghosts.clear();
-  const double step_s = config_.ratio * config_.step.dt;
-  // A late cycle is longer than the global step: its mean counts.
-  const double share = state_.ticks_in_cycle > config_.ratio ? 1.0 * config_.ratio / state_.ticks_in_cycle : 1.0;
   for (const OutsideBody& body : snapshot.outside) {
     physics::BorderGhost<double> ghost;
     ghost.outside = body.id;
@@ -256,13 +252,6 @@ void SubWorld::renew_ghosts(const WorldSnapshot& snapshot) noexcept {
     ghost.velocity = body.velocity;
     ghost.admittance = body.admittance;
     ghost.drive.linear = body.acceleration;
-    if (state_.ticks_in_cycle > 0) {
-      Wrenchd news{-step_s * body.load.force, -step_s * body.load.torque};
-      if (const auto* before = find_ghost(replaced_ghosts_.span(), body.id))
-        news.force += share * before->total_impulse.force, news.torque += share * before->total_impulse.torque;
-      const Twistd change = body.admittance * news;
-      ghost.velocity.linear += change.linear, ghost.velocity.angular += change.angular;
-    }
     if (!ghosts.try_push(ghost)) return;
   }
 }
@@ -308,6 +297,7 @@ SubWorldStep SubWorld::step(const DeviceTarget& target, std::uint32_t sub_steps,
     step_on_planes(target, result);
   else
     step_world(target, sub_steps, cut, result);
+  state_.interpolation.note(target, config_.step.dt);
   ++state_.ticks_in_cycle;
   return result;
 }
@@ -386,7 +376,6 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
 // The proxy as the device feels it is that of the global world, one cycle behind.
 void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept {
   proxy_ = state_.interpolation.proxy_in(state_.ticks_in_cycle, config_.ratio, config_.step.dt);
-  state_.interpolation.note(target, config_.step.dt);
   if (target.engaged) feel_proxy(target, result);
 }
 
@@ -452,6 +441,7 @@ void SubWorld::save(ByteWriter& out) const noexcept {
   out.put_all(outside_velocity_.span());
   out.put(proxy_);
   out.put(state_);
+  buffer_.save(out);
   planes_.save(out);
 }
 
@@ -464,7 +454,7 @@ bool SubWorld::restore(ByteReader& in) noexcept {
   in.get_all(outside_velocity_.span());
   in.get(proxy_);
   in.get(state_);
-  if (!planes_.restore(in)) return false;
+  if (!buffer_.restore(in, world_) || !planes_.restore(in)) return false;
   border_count_ = world_.border_contacts().size();
   world_.near_triangles = {};
   return in.ok() && state_.last_sub_steps > 0;
@@ -472,7 +462,7 @@ bool SubWorld::restore(ByteReader& in) noexcept {
 
 std::size_t SubWorld::save_size_bound() const noexcept {
   return world_.save_size_bound() + sizeof(std::uint32_t) + outside_velocity_.capacity() * sizeof(Vec3d) +
-         sizeof(proxy_) + sizeof(state_) + PlaneCoupling::kMostBytes;
+         sizeof(proxy_) + sizeof(state_) + BorderBuffer::kMostBytes + PlaneCoupling::kMostBytes;
 }
 
 }  // namespace tactus::haptics

@@ -8,6 +8,7 @@
 // Source: the paper, sections 2 and 3.3.
 #pragma once
 
+#include "rt/haptics/border_buffer.h"
 #include "rt/haptics/coupling_scheme.h"
 #include "rt/haptics/interpolation_coupling.h"
 #include "rt/haptics/plane_coupling.h"
@@ -59,12 +60,15 @@ class SubWorld {
   const physics::BodyMotion<double>& proxy() const noexcept { return proxy_; }
   std::uint32_t members() const noexcept { return static_cast<std::uint32_t>(world_.bodies().size()); }
   std::uint32_t border_contacts() const noexcept { return border_count_; }
+  std::uint32_t buffer_bodies() const noexcept { return buffer_.size(); }
   std::uint32_t ticks_in_cycle() const noexcept { return state_.ticks_in_cycle; }
   bool exchanges() const noexcept { return config_.scheme != CouplingScheme::kDirect; }
   double proxy_work_J() const noexcept { return state_.proxy_work_J; }  // done on the proxy by the coupling, so far
   double border_work_J() const noexcept;                                // done on members by the border, so far
-  double border_tank_J() const noexcept { return state_.tank_J; }       // what the ghost border may still do, 0 or more
-  double border_owed_J() const noexcept { return state_.owed_J; }       // what it did beyond that, 0 or more
+  // Kinetic energy that the members gained when the buffer took the global world's state, so far; with sign.
+  double buffer_gain_J() const noexcept { return state_.buffer_gain_J; }
+  double border_tank_J() const noexcept { return state_.tank_J; }  // what the ghost border may still do, 0 or more
+  double border_owed_J() const noexcept { return state_.owed_J; }  // what it did beyond that, 0 or more
   const physics::World<double>& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;
@@ -89,6 +93,7 @@ class SubWorld {
     Wrenchd cycle_impulse;  // N s, N m s: on the proxy by the coupling, this cycle
     InterpolationCoupling interpolation;
     double border_work_J{0};
+    double buffer_gain_J{0};
     double proxy_work_J{0};
     double tank_J{kTankAtStart_J}, owed_J{0};
   };
@@ -117,12 +122,12 @@ class SubWorld {
   SubWorldConfig config_;
   physics::World<double> world_;
   BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
-  BoundedVector<physics::BorderContact<double>> replaced_;       // scratch of renew_border
-  BoundedVector<physics::BorderGhost<double>> replaced_ghosts_;  // same
+  BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew_border
   // As adopted; none without meshes. They never show in a result (near_triangles.h), so they are no part of the state.
   BoundedVector<physics::NearRegion<double>> near_regions_;
   BoundedVector<std::uint32_t> near_triangles_;
   physics::BodyMotion<double> proxy_;
+  BorderBuffer buffer_;   // empty but with the ghost border
   PlaneCoupling planes_;  // empty but with the couplings that feel planes
   std::uint32_t border_count_{0};
   State state_;

@@ -268,8 +268,7 @@ Matrix6 BorderAdmittance::firmness_of(std::uint32_t link, const Vec3d& centre) c
 void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
                              const Vec3d& centre) noexcept {
   found_[slot] = search_;
-  reached_.push_back(
-      {slot, parent, link, inertia_of(bodies_[slot], bodies_[slot].motion.pose.position - centre), {}, {}});
+  reached_.push_back({slot, parent, link, inertia_of(bodies_[slot], bodies_[slot].motion.pose.position - centre), {}});
 }
 
 // The bodies that the asked one hangs together with, and the inertia that each shows to its parent's side.
@@ -297,40 +296,6 @@ physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span
   if (immovable_[slot] != 0) return {};
   collect(slot, members);
   return invert(reached_[0].inertia);
-}
-
-// From the body outwards: what hangs on a link of firmness G follows its parent by (G + I)^-1 G.
-BorderAdmittance::Applied BorderAdmittance::apply(std::uint32_t slot, std::span<const std::uint8_t> members,
-                                                  const Wrenchd& impulse, std::span<Body<double>> bodies) noexcept {
-  Applied result{0, impulse.force};
-  if (immovable_[slot] != 0) return result;
-  collect(slot, members);
-  const Vec3d centre = bodies_[slot].motion.pose.position;
-  for (std::size_t i = 0; i < reached_.size(); ++i) {
-    Reached& to = reached_[i];
-    if (i == 0) {
-      to.change = {impulse.force.x,  impulse.force.y,  impulse.force.z,
-                   impulse.torque.x, impulse.torque.y, impulse.torque.z};
-    } else {
-      const Vector6 pushed = reached_[to.parent].change;
-      for (std::size_t k = 0; k < 6; ++k) {
-        to.change[k] = 0;
-        for (std::size_t l = 0; l < 6; ++l) to.change[k] += to.firmness[k][l] * pushed[l];
-      }
-      add(to.inertia, to.firmness);
-    }
-    if (!factorise(to.inertia)) break;
-    solve(to.inertia, to.change);
-    Body<double>& body = bodies[to.slot];
-    const Vec3d turn{to.change[3], to.change[4], to.change[5]};
-    const Vec3d arm = body.motion.pose.position - centre;
-    const Vec3d change = Vec3d{to.change[0], to.change[1], to.change[2]} + cross(turn, arm);
-    result.gained_J -= kinetic_energy(body);
-    body.motion.velocity.linear += change, body.motion.velocity.angular += turn;
-    result.gained_J += kinetic_energy(body);
-    result.held_Ns -= body.mass * change;
-  }
-  return result;
 }
 
 }  // namespace tactus::sim

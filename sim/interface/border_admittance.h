@@ -34,14 +34,6 @@ class BorderAdmittance {
   void index(const physics::World<double>& world) noexcept;
   // Of a body's centre. `members` by slot: 1 for those that the sub-world moves.
   physics::Admittance<double> find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
-  struct Applied {
-    double gained_J{0};  // kinetic energy, by all that moved
-    Vec3d held_Ns;       // what moved nobody: static geometry took it
-  };
-  // Gives the body an impulse [N s, N m s about its centre], and with it all that moves with it: their velocities
-  // change, that of the body by find() x impulse.
-  Applied apply(std::uint32_t slot, std::span<const std::uint8_t> members, const Wrenchd& impulse,
-                std::span<physics::Body<double>> bodies) noexcept;
   // What holds a body: the index of a contact, or of a joint beyond the contacts; and the slot at its other end,
   // physics::kNoSlot where that is static.
   struct Link {
@@ -60,7 +52,6 @@ class BorderAdmittance {
     std::uint32_t slot, parent, link;  // parent: index among the reached
     Matrix6 inertia;                   // about the asked body's centre, with all that hangs on it
     Matrix6 firmness;                  // of the link to the parent
-    Vector6 change;                    // of its twist, at the asked body's centre
   };
 
   void collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;

@@ -54,22 +54,6 @@ Vec3d acceleration_to_come(const Body<double>& body, const Posed& start, double 
   return acceleration * (dot(acceleration, end) < 0 ? std::min(1.0, speed / change) : 1.0);
 }
 
-// Of a contact's disk of friction: more than this is sliding.
-constexpr double kSlides = 0.99;
-
-// The impulse of a contact on one of its bodies, and its moment about the centre.
-Wrenchd impulse_on(std::uint32_t slot, const Contact<double>& contact) noexcept {
-  const double side = contact.slot_b == slot ? 1 : -1;
-  Wrenchd sum;
-  for (std::uint32_t i = 0; i < contact.count; ++i) {
-    const auto& point = contact.points[i];
-    const Vec3d impulse = side * (point.total_normal_impulse * contact.normal + point.total_friction);
-    sum.force += impulse;
-    sum.torque += cross(contact.slot_b == slot ? point.from_b : point.from_a, impulse);
-  }
-  return sum;
-}
-
 const Contact<double>* find_contact(std::span<const Contact<double>> contacts, BodyId a, BodyId b) noexcept {
   const PairKey key = PairKey::of(a, b, false);
   const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
@@ -103,8 +87,6 @@ BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::
     : admittance_(max_bodies, max_contacts, max_joints) {
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
   ids_.reserve(haptics::kMaxBorderPoints);
-  news_.reserve(max_bodies);
-  reported_.reserve(max_bodies);
   order_.reserve(points_.capacity());
 }
 
@@ -142,22 +124,8 @@ std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::sp
   return static_cast<std::uint32_t>(points_.size() - fits);
 }
 
-// Mean over the step, by those that were members.
-Wrenchd BorderLog::load_on(std::uint32_t slot, const physics::World<double>& world,
-                           std::span<const std::uint8_t> former, double step_s) const noexcept {
-  Wrenchd sum;
-  for (const auto& [link, other] : admittance_.links_of(slot)) {
-    if (link >= world.contacts().size()) break;  // joints
-    if (other == physics::kNoSlot || former[other] == 0) continue;
-    const Wrenchd impulse = impulse_on(slot, world.contacts()[link]);
-    sum.force += impulse.force, sum.torque += impulse.torque;
-  }
-  return {sum.force * (1 / step_s), sum.torque * (1 / step_s)};
-}
-
 std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::span<const std::uint8_t> members,
-                                      std::span<const std::uint8_t> former, double step_s, double sub_step_s,
-                                      std::span<const BorderPoint> border,
+                                      double step_s, double sub_step_s, std::span<const BorderPoint> border,
                                       FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
   outside.clear();
   ids_.clear();
@@ -174,7 +142,6 @@ std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::
     body.velocity = world.bodies()[slot].motion.velocity;
     body.acceleration = acceleration_to_come(world.bodies()[slot], world.last_poses()[slot], step_s, sub_step_s);
     body.admittance = admittance_.find(slot, members);
-    if (former[slot] == 0) body.load = load_on(slot, world, former, step_s);
     if (!outside.try_push(body)) return static_cast<std::uint32_t>(ids_.size() - outside.size());
   }
   return 0;
@@ -200,75 +167,6 @@ HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const
       if (contact != nullptr) take_back(*contact, outside, world, result);
     }
     give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);
-  }
-  return result;
-}
-
-void BorderLog::add_news(std::uint32_t slot, const Wrenchd& impulse) noexcept {
-  const auto known = std::find_if(news_.begin(), news_.end(), [slot](const News& n) { return n.slot == slot; });
-  News& news = known != news_.end() ? *known : news_.emplace_back(News{slot, {}});
-  news.impulse.force += impulse.force, news.impulse.torque += impulse.torque;
-}
-
-// Of a body that slides on static geometry: its friction changes as its load, by what that geometry took of an impulse.
-Wrenchd BorderLog::friction_with(const Vec3d& held_Ns, std::uint32_t slot,
-                                 const physics::World<double>& world) const noexcept {
-  Wrenchd sum;
-  for (const auto& [link, other] : admittance_.links_of(slot)) {
-    if (link >= world.contacts().size()) break;  // joints
-    const Contact<double>& contact = world.contacts()[link];
-    if (!contact.b_fixed) continue;
-    double pressed = 0;
-    Wrenchd friction;
-    for (std::uint32_t i = 0; i < contact.count; ++i) {
-      const auto& point = contact.points[i];
-      pressed += point.total_normal_impulse;
-      friction.force -= point.total_friction, friction.torque -= cross(point.from_a, point.total_friction);
-    }
-    if (!(pressed > 0) || norm(friction.force) < kSlides * contact.friction * pressed) continue;
-    const double share = std::clamp(dot(held_Ns, contact.normal) / pressed, -1.0, 1.0);
-    sum.force += share * friction.force, sum.torque += share * friction.torque;
-  }
-  return sum;
-}
-
-HandBack BorderLog::hand_back(const haptics::SubWorldReport& report, std::uint32_t step_ticks,
-                              std::span<const std::uint8_t> members, physics::World<double>& world) noexcept {
-  HandBack result;
-  if (report.ticks == 0) return result;  // no cycle yet
-  news_.clear();
-  reported_.assign(world.bodies().size(), 0);
-  for (const haptics::MemberMotion& member : report.members)
-    if (const std::int32_t slot = world.slot_of(member.id); slot >= 0) reported_[static_cast<std::size_t>(slot)] = 1;
-  for (const auto& contact : world.contacts()) {
-    if (contact.b_fixed || reported_[contact.slot_a] == reported_[contact.slot_b]) continue;
-    const std::uint32_t outside = reported_[contact.slot_a] != 0 ? contact.slot_b : contact.slot_a;
-    if (members[outside] != 0) continue;
-    const Wrenchd impulse = impulse_on(outside, contact);
-    add_news(outside, {-impulse.force, -impulse.torque});
-  }
-  const double share = report.ticks > step_ticks ? 1.0 * step_ticks / report.ticks : 1.0;
-  for (const BorderReturn& entry : report.border) {
-    const Vec3d impulse = -share * (entry.normal_impulse_Ns * entry.normal + entry.tangent_impulse);
-    const std::int32_t found = world.slot_of(entry.outside);
-    if (found < 0 || !is_finite(impulse) || !is_finite(entry.point)) continue;
-    const auto outside = static_cast<std::uint32_t>(found);
-    if (members[outside] != 0) {
-      ++result.skipped;
-      continue;
-    }
-    add_news(outside, {impulse, cross(entry.point - world.bodies()[outside].motion.pose.position, impulse)});
-  }
-  if (news_.empty()) return result;
-  admittance_.index(world);
-  for (const News& news : news_) {
-    const auto applied = admittance_.apply(news.slot, reported_, news.impulse, world.bodies());
-    result.energy_J += applied.gained_J;
-    const Wrenchd rubbed = friction_with(applied.held_Ns, news.slot, world);
-    if (rubbed.force != Vec3d{})
-      result.energy_J += admittance_.apply(news.slot, reported_, rubbed, world.bodies()).gained_J;
-    result.impulse_Ns += news.impulse.force;
-    result.magnitude_Ns += norm(news.impulse.force);
   }
   return result;
 }

@@ -31,6 +31,10 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
   s->dropped = 3, s->component = 400;
   s->proxy = random_motion(random);
   for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->members.try_push(2 * i + 1));
+  for (std::uint32_t i = 0; i < counts.members; i += 3) {
+    REQUIRE(s->buffer.try_push(2 * i + 1));
+    REQUIRE(s->renewed.try_push({2 * i + 1, 0, random_motion(random)}));
+  }
   for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->effects.try_push(static_cast<std::byte>(i)));
   for (std::uint32_t i = 0; i < counts.joiners; ++i) {
     auto body = physics::make_dynamic_body<double>(i, physics::Shape<double>::sphere(random(0.01, 1)), random(0.1, 9),
@@ -58,7 +62,7 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
     REQUIRE(s->border.try_push(point));
     OutsideBody body;
     body.id = point.outside, body.centre = random.vector(1), body.velocity = {random.vector(1), random.vector(1)};
-    body.load.force = random.vector(50), body.admittance.crossed[1] = random.vector(3);
+    body.admittance.crossed[1] = random.vector(3);
     if (i < kMaxOutsideBodies) REQUIRE(s->outside.try_push(body));
   }
   return s;
@@ -88,7 +92,8 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     const Counts counts{some(), some(), some(), some()};
     const auto s = random_snapshot(seed, counts);
     const auto bytes = bytes_of(*s);
-    CHECK(bytes.size() == kHeader + 8 * 4 + counts.members * (sizeof(BodyId) + 1) +
+    CHECK(bytes.size() == kHeader + 10 * 4 + counts.members * (sizeof(BodyId) + 1) +
+                              s->buffer.size() * (sizeof(BodyId) + sizeof(MemberMotion)) +
                               counts.joiners * sizeof(physics::Body<double>) +
                               counts.warm_starts * sizeof(physics::WarmStart<double>) +
                               counts.border * (sizeof(BorderPoint) + sizeof(OutsideBody)));
@@ -103,6 +108,12 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->members[i] == s->members[i]);
     REQUIRE(back->effects.size() == counts.members);
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->effects[i] == s->effects[i]);
+    REQUIRE(back->renewed.size() == s->buffer.size());
+    REQUIRE(back->buffer.size() == s->buffer.size());
+    for (std::uint32_t i = 0; i < s->buffer.size(); ++i) {
+      CHECK(back->buffer[i] == s->buffer[i]);
+      CHECK(back->renewed[i].motion == s->renewed[i].motion);
+    }
     REQUIRE(back->outside.size() == counts.border);
     for (std::uint32_t i = 0; i < counts.border; ++i)
       CHECK(std::memcmp(&back->outside[i], &s->outside[i], sizeof(OutsideBody)) == 0);
@@ -176,4 +187,21 @@ TEST_CASE("what would trip the sub-world is refused") {
   SECTION("a joiner with an id that no pair can hold") { s->joiners[0].id = kNoBody; }
   SECTION("more contact points than a manifold has") { s->warm_starts[2].count = 5; }
   CHECK_FALSE(read(bytes_of(*s), *back));
+}
+
+TEST_CASE("a buffer of bodies that are no members, or not in order, is refused") {
+  const auto back = std::make_unique<WorldSnapshot>();
+  const auto s = random_snapshot(4, {6, 2, 3, 2});
+  REQUIRE(read(bytes_of(*s), *back));
+  REQUIRE(s->buffer.size() == 2);
+  const auto refused = [&](BodyId first, BodyId second) {
+    s->buffer[0] = first, s->buffer[1] = second;
+    return !read(bytes_of(*s), *back);
+  };
+  CHECK(refused(1, 2));  // 2 is no member
+  CHECK(refused(7, 1));  // not in order
+  CHECK(refused(1, 1));  // twice
+  CHECK_FALSE(refused(1, 3));
+  s->renewed[0].motion.velocity.linear.x = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refused(1, 7));
 }

@@ -75,7 +75,7 @@ struct Bench {
   // Clears what the snapshot says but for the members.
   WorldSnapshot& next(std::vector<BodyId> members) {
     snapshot->members.clear(), snapshot->joiners.clear(), snapshot->warm_starts.clear(), snapshot->border.clear(),
-        snapshot->outside.clear();
+        snapshot->outside.clear(), snapshot->buffer.clear(), snapshot->renewed.clear();
     for (const BodyId id : members) REQUIRE(snapshot->members.try_push(id));
     return *snapshot;
   }

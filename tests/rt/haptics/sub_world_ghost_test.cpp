@@ -52,26 +52,20 @@ TEST_CASE("What a cycle reports of a ghost is the momentum that its member lost,
   CHECK(given.tangent_impulse.x < 0);
 }
 
-TEST_CASE("A ghost starts a cycle as the global step left it, and with the impulse that the step did not know of") {
+TEST_CASE("A ghost starts a cycle as the global step left it, driven against the load that it bore") {
   Bench bench(ghost_config());
   const double mass = 3, load_N = 20;
   bench.next_with({ball(1, {}, {{0, 0, -0.2}, {}})});
   REQUIRE(bench.snapshot->outside.try_push(outside(1 / mass)));
   REQUIRE(bench.snapshot->border.try_push(touch(0, 1 / mass)));
   bench.synchronise();
-  const auto ticks = GENERATE(5u, 8u);  // in time, late
-  bench.step(ticks);
-  const Vec3d pushed = ghost_of(bench).total_impulse.force;
-  REQUIRE(pushed.z < 0);
+  bench.step(5);
+  REQUIRE(ghost_of(bench).total_impulse.force.z < 0);
   bench.next({1});
-  OutsideBody body = outside(1 / mass, {0, 0, -0.01});
-  body.load.force = {0, 0, -load_N};
-  REQUIRE(bench.snapshot->outside.try_push(body));
+  REQUIRE(bench.snapshot->outside.try_push(outside(1 / mass, {0, 0, -0.01})));
   REQUIRE(bench.snapshot->border.try_push(touch(load_N, 1 / mass)));
   bench.synchronise();
-  const double step_s = 5 * kTick_s;
-  const double known = pushed.z * 5 / ticks + load_N * step_s;  // a late cycle counts as its mean
-  CHECK(ghost_of(bench).velocity.linear.z == Approx(-0.01 + known / mass).epsilon(1e-12));
+  CHECK(ghost_of(bench).velocity.linear == Vec3d{0, 0, -0.01});
   CHECK(ghost_of(bench).drive.linear.z == Approx(load_N / mass).epsilon(1e-12));
   CHECK(ghost_of(bench).total_impulse.force == Vec3d{});
 }
@@ -84,9 +78,7 @@ TEST_CASE("A member in balance with an outside body stays there: the force is th
   const double weight_N = kMass * 9.81;
   bench.next_with({ball(1, {})});
   for (int cycle = 0; cycle < 60; ++cycle) {
-    OutsideBody body = outside(inverse_mass);
-    body.load.force = {0, 0, -weight_N};
-    REQUIRE(bench.snapshot->outside.try_push(body));
+    REQUIRE(bench.snapshot->outside.try_push(outside(inverse_mass)));
     REQUIRE(bench.snapshot->border.try_push(touch(weight_N, 2)));
     bench.synchronise();
     for (int k = 0; k < 5; ++k) {

@@ -175,6 +175,15 @@ double farthest(std::span<const Body<double>> a, std::span<const Body<double>> b
   return most;
 }
 
+bool turned_over(const Body<double>& a, const Body<double>& b) {
+  return a.shape.kind != physics::ShapeKind::kSphere && turned(a, b) >= StandingRule::kTurnedOver_rad;
+}
+
+bool has_fallen(const Body<double>& start, const Body<double>& end, double extent) {
+  const double sunk = start.motion.pose.position.z - end.motion.pose.position.z;
+  return sunk > StandingRule::kShareOfExtent * extent || turned_over(start, end);
+}
+
 void compare_poses(const Trace& run, const Trace& direct, WholeRunRow& row) {
   row.pose_off_m = farthest(run.end, direct.end);
   row.pose_off_most_m = row.pose_off_m;
@@ -187,12 +196,11 @@ void compare_poses(const Trace& run, const Trace& direct, WholeRunRow& row) {
   }
   for (std::size_t i = 0; i < std::min(run.end.size(), direct.end.size()); ++i) {
     if (norm(direct.end[i].motion.velocity.linear) > StandingRule::kAtRest_m_per_s) continue;
-    const double extent = smallest_extent(direct.end[i].shape), distance = off(run.end[i], direct.end[i]);
+    const double extent = smallest_extent(direct.end[i].shape);
+    if (has_fallen(direct.poses.front()[i], direct.end[i], extent)) continue;
+    const double distance = off(run.end[i], direct.end[i]);
     row.pose_off_share = std::max(row.pose_off_share, distance / extent);
-    const bool stands = distance <= StandingRule::kShareOfExtent * extent &&
-                        (direct.end[i].shape.kind == physics::ShapeKind::kSphere ||
-                         turned(run.end[i], direct.end[i]) < StandingRule::kTurnedOver_rad);
-    if (!stands) ++row.fallen;
+    if (distance > StandingRule::kShareOfExtent * extent || turned_over(run.end[i], direct.end[i])) ++row.fallen;
   }
   row.stands = row.fallen == 0 && !run.lost;
 }

@@ -30,8 +30,9 @@ struct WholeRunRequest {
 };
 
 // A body stands where, at the end, its centre is within half of its smallest extent of where the direct run has it,
-// and it is turned by less than kTurnedOver against it. Bodies that the direct run itself does not leave at rest
-// (faster than kAtRest at its end) do not count.
+// and it is turned by less than kTurnedOver against it (a ball may roll). Not counted are bodies that the direct run
+// itself does not leave at rest (faster than kAtRest at its end), or that fall there: turned by kTurnedOver, or sunk by
+// half of their smallest extent since the start.
 struct StandingRule {
   static constexpr double kShareOfExtent = 0.5;
   static constexpr double kTurnedOver_rad = 0.5;

@@ -1,0 +1,70 @@
+// Whole runs beside the direct coupling: what rests on members, is pushed by them or rolls on them stands. The scenes
+// are in tests/border; its README says what each is for, and what no border holds yet.
+#include "tools/experiment/coupling/whole_run.h"
+
+#include <catch2/catch.hpp>
+
+#include "sim/loader/scene_load.h"
+
+using namespace tactus;
+using namespace tactus::experiment;
+
+namespace {
+
+std::vector<WholeRunRow> runs_of(const std::string& name, const std::vector<unsigned>& ratios,
+                                 const std::vector<unsigned>& members, double seconds,
+                                 physics::BorderMode border = physics::BorderMode::kGhost) {
+  auto scene = sim::load_scene(TACTUS_SOURCE_DIR "/tests/border/" + name + ".toml");
+  REQUIRE(scene.ok());
+  WholeRunRequest request;
+  request.scenes.push_back(std::move(scene).value());
+  for (const unsigned ratio : ratios) request.schemes.push_back({haptics::CouplingScheme::kSubWorld, border, ratio});
+  request.members = members;
+  request.seconds = seconds;
+  auto rows = run_whole(request, {});
+  REQUIRE(rows.ok());
+  REQUIRE(rows.value().size() == ratios.size() * members.size());
+  return std::move(rows).value();
+}
+
+// The goal of every scene: within 2 % of the smallest body's size of where the direct run has it.
+constexpr double kGoal = 0.02;
+
+}  // namespace
+
+TEST_CASE("What rests on members stands as in the direct run, nobody touching it or a hand pulling below") {
+  const std::string scene = GENERATE("two_cubes", "stack20_foot", "pull_bottom", "table");
+  for (const WholeRunRow& row : runs_of(scene, {2, 8, 16}, {0, 3, 2}, 4)) {
+    INFO(scene << ", ratio " << row.scheme.ratio << ", " << row.members << " members: off by " << 1e3 * row.pose_off_m
+               << " mm, " << row.fallen << " fell");
+    CHECK(row.stands);
+    CHECK(row.pose_off_share < kGoal);
+    CHECK(row.energy_gain_J - row.direct_energy_gain_J < 1e-3 * row.energy_at_play_J);
+  }
+}
+
+TEST_CASE("See-saw, crib and plate on balls stand at the border, at every ratio and with few members") {
+  const std::string scene = GENERATE("seesaw", "crib", "plate_on_balls");
+  for (const WholeRunRow& row : runs_of(scene, {2, 8, 16}, {0, 4}, 3)) {
+    INFO(scene << ", ratio " << row.scheme.ratio << ", " << row.members << " members: off by " << 1e3 * row.pose_off_m
+               << " mm, " << row.fallen << " fell");
+    CHECK(row.stands);
+  }
+}
+
+TEST_CASE("The judge sees a scene fall: an upper cube that a border of frozen bodies lets slide off") {
+  const auto rows = runs_of("two_cubes", {8}, {0}, 10, physics::BorderMode::kFrozen);
+  CHECK_FALSE(rows[0].stands);
+  CHECK(rows[0].fallen == 1);
+}
+
+// 1000 kg between a member and the ground, on cubes of 1 kg: no border holds it yet (tests/border/README.md).
+TEST_CASE("A tonne on light cubes stands with the border below it", "[!shouldfail]") {
+  for (const WholeRunRow& row : runs_of("thousand", {8}, {0}, 3)) CHECK(row.stands);
+}
+
+TEST_CASE("A run is the same bit by bit when it is run again, in either hand") {
+  const auto first = runs_of("table", {8}, {4}, 1), again = runs_of("table", {8}, {4}, 1);
+  CHECK(first[0].force_error == again[0].force_error);
+  CHECK(first[0].pose_off_m == again[0].pose_off_m);
+}
