@@ -137,6 +137,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
       pair_cache_(capacities_for(scene).bodies, capacities_for(scene).pairs),
       graph_(capacities_for(scene).bodies, touches_for(scene)),
+      approach_(capacities_for(scene).bodies),
       border_log_(capacities_for(scene).bodies, capacities_for(scene).contacts,
                   static_cast<std::uint32_t>(scene.effect_data.joints.size())),
       bounds_(capacities_for(scene).bodies),

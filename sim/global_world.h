@@ -20,6 +20,7 @@
 #include "rt/haptics/coupling_scheme.h"
 #include "rt/physics/overlap.h"
 #include "sim/energy_book.h"
+#include "sim/interface/approach.h"
 #include "sim/interface/border_log.h"
 #include "sim/interface/extraction.h"
 #include "sim/island_manager.h"
@@ -147,6 +148,7 @@ class GlobalWorld {
   void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
   void find_touches() noexcept;
   void add_joined() noexcept;
+  void add_approaching() noexcept;
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
@@ -167,6 +169,7 @@ class GlobalWorld {
   IslandManager islands_;
   PairCache pair_cache_;
   ContactGraph graph_;
+  Approach approach_;
   BorderLog border_log_;
   std::vector<Device> devices_;
   std::vector<Touch> touches_;

@@ -22,8 +22,18 @@ void GlobalWorld::find_touches() noexcept {
     touch.a = place[touch.a], touch.b = place[touch.b];
     touches_.push_back(touch);
   }
+  if (options_.coupling == CouplingScheme::kSubWorld) add_approaching();
   add_joined();
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+}
+
+// Whom a member will touch before the members are chosen anew and known to the sub-world.
+void GlobalWorld::add_approaching() noexcept {
+  const auto place = islands_.awake();
+  const std::size_t found = touches_.size();
+  approach_.find(world_, hulls_, slots_of_all_members(), 2 * settings_.dt, touches_);
+  for (std::size_t i = found; i < touches_.size(); ++i)
+    touches_[i].a = place[touches_[i].a], touches_[i].b = place[touches_[i].b];
 }
 
 void GlobalWorld::add_joined() noexcept {

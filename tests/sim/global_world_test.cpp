@@ -130,8 +130,15 @@ TEST_CASE("A state that is not a number is not imposed") {
   CHECK(same_bits(bench.body(0).motion, bench.scene.bodies[0].motion));
 }
 
+// Of the couplings that hold the proxy by a wrench: all but the sub-world's and interpolation.
+GlobalOptions held_by_wrench() {
+  GlobalOptions options = slow_device();
+  options.coupling = CouplingScheme::kStatic;
+  return options;
+}
+
 TEST_CASE("The device's mean wrench holds the proxy over the step, once") {
-  Bench bench(floating(2), slow_device());
+  Bench bench(floating(2), held_by_wrench());
   bench.report->mean_device_wrench.force = {4, 0, 0};
   bench.step();
   CHECK(bench.body(0).motion.velocity.linear.x == Approx(4 * 0.01 / 2.0));
@@ -142,7 +149,7 @@ TEST_CASE("The device's mean wrench holds the proxy over the step, once") {
 }
 
 TEST_CASE("A device's wrench that changes is expected to change on by most of it, and never to turn round") {
-  Bench bench(floating(2), slow_device());
+  Bench bench(floating(2), held_by_wrench());
   double last = 0;
   const auto given = [&](double force_N) {
     bench.report->mean_device_wrench.force = {force_N, 0, 0};
@@ -272,9 +279,52 @@ TEST_CASE("Friction of the sub-world reaches the outside body, in replay as it i
   CHECK(bench.world.statistics().handed_back_impulse_Ns == Approx(norm(entry.tangent_impulse)));
 }
 
+TEST_CASE("Sub-world: the coupling's spring holds the proxy in the step, in sweeps of either precision") {
+  GlobalOptions options = slow_device();
+  options.gains = {300, 4, 1, 0.01};
+  options.precision = GENERATE(physics::SweepPrecision::kFull, physics::SweepPrecision::kSingle);
+  Bench bench(floating(2), options);
+  const auto start = bench.body(0).motion;
+  bench.report->device = {true, {start.pose.position + Vec3d{0, 1e-3, 0}, start.pose.rotation}, {{0, 0.02, 0}, {}}};
+  bench.step();
+  const double mass = bench.scene.bodies[0].mass;
+  const std::uint32_t sub_steps = bench.scene.solver.global_sub_steps(options.reach.ratio);
+  const double h = options.reach.ratio * options.reach.tick_period_s / sub_steps, gain = h * (4 + h * 300);
+  double x = 0, v = 0;
+  for (std::uint32_t j = 0; j < sub_steps; ++j) {
+    v = (mass * v + gain * 0.02 - h * 300 * (x - (1e-3 + j * h * 0.02))) / (mass + gain);
+    x += h * v;
+  }
+  const double epsilon = options.precision == physics::SweepPrecision::kFull ? 1e-9 : 1e-6;
+  CHECK(bench.body(0).motion.velocity.linear.y == Approx(v).epsilon(epsilon));
+  CHECK(bench.body(0).motion.pose.position.y - start.pose.position.y == Approx(x).epsilon(epsilon));
+  bench.report->device = {};  // not engaged: it comes to rest
+  for (int i = 0; i < 200; ++i) bench.step();
+  CHECK(norm(bench.body(0).motion.velocity.linear) < 0.3 * v);
+}
+
+TEST_CASE("The buffer is what touches an outside body, its state goes down and is not imposed") {
+  GlobalOptions options = slow_device();
+  options.border_mode = physics::BorderMode::kGhost;
+  options.extraction.cap = 2;
+  Bench bench(stack(3), options);  // the proxy on top
+  REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{1, 2});
+  REQUIRE(bench.snapshot->buffer.size() == 1);  // never the proxy
+  CHECK(bench.snapshot->buffer[0] == 1);
+  auto kept = motion(1, {5, 5, 5}, {1, 0, 0});
+  kept.in_buffer = 1;
+  REQUIRE(bench.report->members.try_push(kept));
+  bench.step();
+  REQUIRE(bench.snapshot->renewed.size() == 1);
+  CHECK(bench.snapshot->renewed[0].id == 1);
+  CHECK(same_bits(bench.snapshot->renewed[0].motion, bench.body(1).motion));
+  CHECK(norm(bench.body(1).motion.pose.position - bench.scene.bodies[1].motion.pose.position) < 1e-3);
+}
+
 TEST_CASE(
     "Interpolation: the proxy alone is a member, the coupling's spring holds it in the step, nothing is imposed") {
   GlobalOptions options = slow_device();
+  options.precision = physics::SweepPrecision::kFull;
   options.coupling = CouplingScheme::kInterpolation;
   options.gains = {300, 4, 1, 0.01};
   Bench bench(stack(3), options);

@@ -64,7 +64,7 @@ TEST_CASE("A buffer body that turns inner goes on from the global world's state 
   CHECK(bench.report->members[1].in_buffer == 0);
 }
 
-TEST_CASE("A saved sub-world has its buffer again; bytes that are no buffer of these bodies are refused") {
+TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodies are refused") {
   Bench bench = bench_with_buffer();
   haptics::BorderBuffer buffer;
   auto snapshot = std::make_unique<haptics::WorldSnapshot>();
