@@ -19,10 +19,23 @@ void add_energy_loss(CLI::App& experiment, int& exit_code) {
       "bodies\n"
       "(--json and --csv have the two other readings); positive both, and a window that won does not hide one that "
       "lost.\n"
+      "--whole SECONDS also compares whole runs, from rest, with the scene's own hand: closed, its arm in the loop of\n"
+      "the run itself, and direct, the arm's motion of the direct run (not with --quick). off: the body farthest from\n"
+      "where the direct run has it, at the end and at any time. A body stands where it ends within half of its "
+      "smallest\n"
+      "extent of where the direct run has it, turned by less than 0.5 rad against it; what the direct run itself "
+      "drops,\n"
+      "turns over or leaves faster than 1 cm/s does not count. gain: kinetic and potential energy beyond the start "
+      "and\n"
+      "the hand's work, less the direct run's, of the energy at play (the hand's work and each body's weight times "
+      "its\n"
+      "extent). --seeds 0 leaves the windows out.\n"
       "'1 um apart' is how far two direct runs go apart that start so: less cannot be told from chance. Virtual time:\n"
       "the same options, the same figures, on any machine.\n\n"
       "Example:\n  tactus experiment energy-loss --quick\n"
-      "  tactus experiment energy-loss --scenes pile,stack --ratios 8,16 --page energy.html");
+      "  tactus experiment energy-loss --scenes pile,stack --ratios 8,16 --page energy.html\n"
+      "  tactus experiment energy-loss --seeds 0 --whole 10 --scene my.toml --members 8,16 --ratios 8,16 --borders "
+      "ghost");
   add_coupling_options(*command, *options);
   command->callback([options, &exit_code] {
     using haptics::CouplingScheme;
