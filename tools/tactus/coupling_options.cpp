@@ -147,6 +147,10 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
   const auto failed = [&](const Status& status) {
     return complain(fmt::format("tactus experiment {}: {}", options.name, status.message()), kExitBadInput);
   };
+  if (options.seeds == 0 && options.whole_s <= 0)
+    return failed(Status::error("--seeds 0 leaves nothing to run; give --whole SECONDS too"));
+  if (options.seeds == 0 && !options.page.empty())
+    return failed(Status::error("--page draws the windows, which --seeds 0 leaves out; accepted: --seeds 1 or more"));
   experiment::StudyRequest request;
   auto cases = cases_of(options);
   if (!cases.ok()) return failed(cases.status());
@@ -168,7 +172,11 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
   }
   const std::string json = experiment::study_json(report);
   fmt::print("{}\n", options.json ? json : experiment::study_table(report));
-  const int exit_code = write_file(options.csv, experiment::study_csv(report));
+  // The table of windows, then that of whole runs, an empty line between them.
+  const int exit_code =
+      write_file(options.csv, fmt::format("{}{}{}", request.seeds > 0 ? experiment::study_csv(report) : std::string(),
+                                          request.seeds > 0 && !report.whole.empty() ? "\n" : "",
+                                          report.whole.empty() ? std::string() : experiment::whole_csv(report.whole)));
   if (options.page.empty()) return exit_code;
   const Status status = experiment::write_page(options.name, json, command_of(options, request), options.page);
   return status.ok()

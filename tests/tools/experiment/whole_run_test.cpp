@@ -2,6 +2,7 @@
 // are in tests/border; its README says what each is for, and what no border holds yet.
 #include "tools/experiment/coupling/whole_run.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "sim/loader/scene_load.h"
@@ -33,7 +34,8 @@ constexpr double kGoal = 0.02;
 }  // namespace
 
 TEST_CASE("What rests on members stands as in the direct run, nobody touching it or a hand pulling below") {
-  const std::string scene = GENERATE("two_cubes", "stack20_foot", "pull_bottom", "table");
+  const std::string scene =
+      GENERATE("two_cubes", "stack20_foot", "pull_bottom", "table", "portal", "heavy", "block_row");
   for (const WholeRunRow& row : runs_of(scene, {2, 8, 16}, {0, 3, 2}, 4)) {
     INFO(scene << ", ratio " << row.scheme.ratio << ", " << row.members << " members: off by " << 1e3 * row.pose_off_m
                << " mm, " << row.fallen << " fell");
@@ -43,8 +45,8 @@ TEST_CASE("What rests on members stands as in the direct run, nobody touching it
   }
 }
 
-TEST_CASE("See-saw, crib and plate on balls stand at the border, at every ratio and with few members") {
-  const std::string scene = GENERATE("seesaw", "crib", "plate_on_balls");
+TEST_CASE("What tips, rolls, hangs across the border or is hit stands too, at every ratio and with few members") {
+  const std::string scene = GENERATE("seesaw", "crib", "plate_on_balls", "hanging", "hit", "pyramid_top");
   for (const WholeRunRow& row : runs_of(scene, {2, 8, 16}, {0, 4}, 3)) {
     INFO(scene << ", ratio " << row.scheme.ratio << ", " << row.members << " members: off by " << 1e3 * row.pose_off_m
                << " mm, " << row.fallen << " fell");
@@ -67,4 +69,17 @@ TEST_CASE("A run is the same bit by bit when it is run again, in either hand") {
   const auto first = runs_of("table", {8}, {4}, 1), again = runs_of("table", {8}, {4}, 1);
   CHECK(first[0].force_error == again[0].force_error);
   CHECK(first[0].pose_off_m == again[0].pose_off_m);
+}
+
+TEST_CASE("The table of whole runs as CSV has a value for each column") {
+  const std::string csv = whole_csv(runs_of("two_cubes", {2, 8}, {0}, 0.2));
+  std::vector<long> columns;
+  for (std::size_t from = 0; from < csv.size();) {
+    const std::size_t to = csv.find('\n', from);
+    columns.push_back(std::count(csv.begin() + static_cast<long>(from), csv.begin() + static_cast<long>(to), ','));
+    from = to + 1;
+  }
+  REQUIRE(columns.size() == 3);
+  CHECK(columns[1] == columns[0]);
+  CHECK(columns[2] == columns[0]);
 }
