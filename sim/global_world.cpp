@@ -381,16 +381,18 @@ physics::StepReport<double> GlobalWorld::take_pass(std::uint32_t pass, std::uint
   return world_.finish_step(settings, {}, far);
 }
 
-// One where a border is: what it exchanges are the impulses of a whole step. One too for a large world, whose step
-// would take that many times as long.
+// One where a border is that exchanges the impulses of a whole step: ghosts go by those of its end. One too for a large
+// world, whose step would take that many times as long. Inner members are not asked how fast they are: their own world
+// moves them.
 std::uint32_t GlobalWorld::passes_of_step() noexcept {
   if (islands_.awake().size() > kMostInPasses) return 1;
   for (const Device& device : devices_)
-    if (device.has_border) return 1;
-  const bool moved_here = options_.coupling == CouplingScheme::kInterpolation;  // the proxy too
-  const std::span<const std::uint8_t> members =
-      devices_.size() == 1 && !moved_here ? member_slots(devices_[0]) : std::span<const std::uint8_t>();
-  return std::gcd(physics::passes_of(world_, bounds_settings_, members), settings_.sub_steps);
+    if (device.has_border && options_.border_mode != physics::BorderMode::kGhost) return 1;
+  member_slots_.clear();
+  if (devices_.size() == 1 && options_.coupling != CouplingScheme::kInterpolation)
+    for (const std::uint32_t place : islands_.awake())
+      member_slots_.push_back(devices_[0].extraction.is_member(place) && devices_[0].buffer[place] == 0 ? 1 : 0);
+  return std::gcd(physics::passes_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
 }
 
 // An overlap that is no larger share of the thinnest body than what was seen is none of its own either.
