@@ -3,7 +3,8 @@
 // A board is mechanics (encoders, motors, the e-stop line) and a link to the host; what lies between them is the same
 // on all: Device. `run_period` is called once per control period by whatever keeps time on the board. New hardware is
 // one class for each of the two concepts. Thread: the control period's, [rt]: nothing here waits, allocates or throws;
-// the two classes may not either. Bound: one period, at most one service request.
+// the two classes may not either. Bound: one period, at most one service request and
+// kMostCommands commands.
 #pragma once
 
 #include <concepts>
@@ -11,6 +12,9 @@
 #include "firmware/device.h"
 
 namespace tactus::firmware {
+
+// Command frames that a period takes; what is left then waits for the next.
+inline constexpr unsigned kMostCommands = 128;
 
 // Encoders and motors. sample() fills counts, time, buttons, e-stop and supply; drive() carries out until the next
 // call.
@@ -26,8 +30,8 @@ concept Mechanics = requires(M mechanics, ControllerInputs& inputs, const Contro
 template <class L>
 concept DeviceLink = requires(L link, std::span<std::byte, kMaxFrameSize> buffer, std::span<const std::byte> frame,
                               ServiceMessage& message) {
-  // The newest command frame since the last call into `buffer`, and its size; 0 when none came. Older ones that came
-  // with it are dropped.
+  // The next command frame that came into `buffer`, oldest first, and its size; 0: no more. The period takes them all,
+  // for which of them counts is the controller's to say. A link that stores only some keeps the newest.
   { link.receive_command(buffer) }
   noexcept->std::same_as<std::size_t>;
   { link.send_state(frame) }
@@ -71,8 +75,12 @@ void run_period(Device& device, M& mechanics, L& link, S& storage) noexcept {
   ControllerInputs inputs;
   mechanics.sample(inputs);
   std::array<std::byte, kMaxFrameSize> buffer;
-  const std::size_t size = link.receive_command(buffer);
-  const ControllerOutputs outputs = device.step(inputs, std::span<const std::byte>(buffer).first(size));
+  for (unsigned i = 0; i < kMostCommands; ++i) {
+    const std::size_t size = link.receive_command(buffer);
+    if (size == 0) break;
+    device.hear(std::span<const std::byte>(buffer).first(size));
+  }
+  const ControllerOutputs outputs = device.step(inputs, {});
   mechanics.drive(outputs);
   link.send_state(outputs.state_frame);
 

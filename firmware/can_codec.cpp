@@ -164,9 +164,9 @@ bool StateAssembler::accept(CanFunction function, std::span<const std::byte> dat
 }
 
 void StateAssembler::take_status(std::uint64_t word) noexcept {
-  // Behind what came already, by less than half its range: an old one, sent again.
+  // Behind what came already, by less than half its range: an old one, sent again, or those of a device that was reset.
   const std::uint32_t sequence = continued(sequence_, static_cast<std::uint32_t>(taken(word, 0, 16)), 16, status_gap_);
-  if (is_newer(sequence_, sequence)) return;
+  if (is_newer(sequence_, sequence) && !follows_old_status(word)) return;
   const auto ahead = static_cast<std::uint32_t>(taken(word, 16, 32)) - static_cast<std::uint32_t>(time_us_);
   // Nearest, because it corrects what was rebuilt; after a gap forwards, as far as it says.
   time_us_ += status_gap_ ? ahead : static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(ahead)});
@@ -175,6 +175,18 @@ void StateAssembler::take_status(std::uint64_t word) noexcept {
   status_missed_ = static_cast<std::uint8_t>(taken(word, 56, 8));
   status_gap_ = state_gap_ = false;
   silent_looks_ = 0;
+}
+
+// Two old ones of which the second comes as long after the first as it should are no copies of one: the time of a
+// device that was reset begins anew, and whoever reads the states is to see it go back.
+bool StateAssembler::follows_old_status(std::uint64_t word) noexcept {
+  const std::uint64_t before = old_status_;
+  old_status_ = word;
+  const auto periods = static_cast<std::uint32_t>(taken(word, 0, 16) - taken(before, 0, 16)) & 0xffffu;
+  const auto elapsed_us = static_cast<std::uint32_t>(taken(word, 16, 32) - taken(before, 16, 32));
+  const std::uint32_t expected_us = periods * period_us_;
+  return before != 0 && periods >= 1 && periods <= 2 * kStatusPeriods && elapsed_us > expected_us / 2 &&
+         elapsed_us < 2 * expected_us;
 }
 
 void StateAssembler::rebuild(StateFrame& frame) noexcept {

@@ -20,7 +20,8 @@
 // N or N m: three share the smallest e that holds the largest of them, so that no full scale has to be agreed on;
 // -32768 is "not finite", which the device refuses as ever. Beyond 1023 the three shrink together. The status is sent
 // after the state whose sequence divides by ten, and when the buttons change. Both ends rebuild whole frames: sequence
-// and time continue from the last, nearest to what was expected, and only forwards after a gap.
+// and time continue from the last, nearest to what was expected, and only forwards after a gap. A status that is behind
+// is an old one; two that follow one another are those of a device that was reset: sequence and time go back with them.
 //
 // What that loads the bus with, and the rate that fits: can_bus_load.h.
 // Thread: [any], one owner per object; no allocation, bounded.
@@ -114,6 +115,7 @@ class StateAssembler {
 
  private:
   void take_status(std::uint64_t word) noexcept;
+  bool follows_old_status(std::uint64_t word) noexcept;
   void rebuild(StateFrame& frame) noexcept;
   void continue_sequence_and_time(StateFrame& frame) noexcept;
 
@@ -121,6 +123,7 @@ class StateAssembler {
   std::uint32_t period_us_;
   std::uint32_t sequence_{0}, sent_{0}, echoed_{0}, malformed_{0};
   std::uint64_t time_us_{0};
+  std::uint64_t old_status_{0};  // the last one that was behind; 0: none
   unsigned silent_looks_{0};
   bool state_gap_{true}, status_gap_{true};  // the next one of that kind continues forwards
   std::uint8_t buttons_{0}, status_missed_{0};

@@ -99,7 +99,8 @@ void Controller::configure(const Config& config) noexcept {
 
 ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<const std::byte> command_frame,
                                    const Supervision& supervision) noexcept {
-  const Reception reception = receive(command_frame);
+  hear(command_frame);
+  const Reception reception = receive();
   bool overspeed = false;
   speed_ = speed_meter_.update(inputs.counts, inputs.time_us, config_.period_us, config_.quantum);
   for (unsigned i = 0; i < kAxes; ++i) overspeed = overspeed || magnitude(speed_[i]) > config_.max_speed[i];
@@ -131,28 +132,38 @@ ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<con
   return outputs;
 }
 
-Controller::Reception Controller::receive(std::span<const std::byte> bytes) noexcept {
-  Reception reception;
+void Controller::hear(std::span<const std::byte> bytes) noexcept {
+  if (bytes.empty()) return;
   CommandFrame frame;
-  const bool link_was_silent = missed_ >= config_.brake_frames;
-  count_up(missed_);  // taken back below by the one kind of frame that feeds the watchdog
-  if (bytes.empty()) return reception;
-
   last_decode_error_ = decode_command(bytes, frame);
-  if (last_decode_error_ != DecodeError::kNone) {
-    count_up(refused_);
-    return reception;
+  const bool whole = last_decode_error_ == DecodeError::kNone;
+  if (!whole || (!starts_sequence() && !is_newer(frame.sequence, newest_command_))) return count_up(refused_);
+  bool finite = true;
+  for (const float effort : frame.effort) finite = finite && is_finite(effort);
+  if (!finite) {
+    heard_.effort_not_finite = true;
+    return count_up(refused_);
   }
-  for (const float effort : frame.effort) reception.effort_not_finite |= !is_finite(effort);
-  const bool starts_sequence = link_was_silent || !sequence_known_;
-  if (reception.effort_not_finite || (!starts_sequence && !is_newer(frame.sequence, newest_command_))) {
-    count_up(refused_);
-    return reception;
-  }
+  // At the start of a sequence there is nothing to compare with: the last that came.
+  const bool older = heard_.acceptable && !starts_sequence() && !is_newer(frame.sequence, heard_.newest.sequence);
+  if (older) return count_up(refused_);
+  heard_.newest = frame;
+  heard_.acceptable = true;
+}
 
+Controller::Reception Controller::receive() noexcept {
+  Reception reception;
+  const Heard heard = heard_;
+  heard_ = {};
+  reception.effort_not_finite = heard.effort_not_finite;
+  const bool starts = starts_sequence();
+  count_up(missed_);  // taken back below by the one kind of frame that feeds the watchdog
+  if (!heard.acceptable) return reception;
+
+  const CommandFrame& frame = heard.newest;
   newest_command_ = frame.sequence, sequence_known_ = true;
   missed_ = 0;
-  if (starts_sequence) {
+  if (starts) {
     rearm_before_ = true;
     return reception;
   }

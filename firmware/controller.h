@@ -5,10 +5,11 @@
 // prismatic axes (0 to 2), N m on rotary ones (3 to 5), SI elsewhere.
 //
 // Which frames feed the watchdog: those that decode, carry finite efforts, and are newer than the newest accepted one.
-// Duplicates, late-comers, broken frames and NaN do not. After `brake_frames` periods without such a frame (in any
-// state, so also at start) the next one only starts a new sequence: it is obeyed in nothing but that, so that an old
-// frame left in a buffer moves no motor and a host that starts afresh is understood. The watchdog brakes in FORCE
-// only; a device that nobody commands is IDLE, not broken.
+// Duplicates, late-comers, broken frames and NaN do not. Of several in one period the newest by sequence is obeyed,
+// whatever came after it. After `brake_frames` periods without such a frame (in any state, so also at start) the next
+// one only starts a new sequence (of several in that period the last that came): it is obeyed in nothing but that, so
+// that an old frame left in a buffer moves no motor and a host that starts afresh is understood. The watchdog brakes in
+// FORCE only; a device that nobody commands is IDLE, not broken.
 //
 // What the rooms around the controller know (homing, temperature, self-test, the arm's weight) comes in as Supervision,
 // by value, once per period; a controller that gets none is complete without it.
@@ -91,7 +92,9 @@ class Controller {
  public:
   explicit Controller(const Config& config) noexcept;
 
-  // Once per control period. `command_frame`: the newest frame that came since the last step; empty if none did.
+  // A frame that came since the last step, in the order of arrival; as often as frames came. Empty: none.
+  void hear(std::span<const std::byte> command_frame) noexcept;
+  // Once per control period. `command_frame`: heard too, after all others; may be empty.
   ControllerOutputs step(const ControllerInputs& inputs, std::span<const std::byte> command_frame,
                          const Supervision& supervision = {}) noexcept;
 
@@ -110,12 +113,18 @@ class Controller {
   DecodeError last_decode_error() const noexcept { return last_decode_error_; }
 
  private:
+  // Of the frames heard since the last step.
+  struct Heard {
+    bool acceptable{false}, effort_not_finite{false};
+    CommandFrame newest;
+  };
   struct Reception {
     bool accepted{false}, effort_not_finite{false}, rearm_edge{false};
     State wanted{State::kIdle};
   };
 
-  Reception receive(std::span<const std::byte> bytes) noexcept;
+  bool starts_sequence() const noexcept { return !sequence_known_ || missed_ >= config_.brake_frames; }
+  Reception receive() noexcept;
   Event event_of(const ControllerInputs& inputs, const Reception& reception, const Supervision& supervision,
                  bool overspeed) const noexcept;
   void enter(State next, Event event, Fault supervision_fault) noexcept;
@@ -129,6 +138,7 @@ class Controller {
   std::uint16_t limits_{0};
   AxisSpeed speed_meter_;
   AxisValues speed_{};
+  Heard heard_;
   AxisValues commanded_{};  // of the newest accepted command
   std::uint32_t newest_command_{0};
   std::uint32_t missed_{0};  // periods in a row without an accepted command; saturates

@@ -38,6 +38,8 @@ class Device {
 
   // Once per control period; see Controller::step. The state frame tells counts after direction and offset.
   ControllerOutputs step(const ControllerInputs& inputs, std::span<const std::byte> command_frame) noexcept;
+  // A frame that came since the last step, in the order of arrival; step() hears its own last.
+  void hear(std::span<const std::byte> command_frame) noexcept { controller_.hear(command_frame); }
 
   // Answers one request. What it writes is in force from the next step on, whole.
   ServiceMessage serve(const ServiceMessage& request) noexcept;

@@ -34,6 +34,7 @@ firmware::DecodeError FrameCodec::decode(std::span<const std::byte> bytes, hapti
   sample.device_fault = frame.fault;
   sample.limits = frame.limits;
   sample.buttons = frame.buttons;
+  sample.missed_commands = frame.missed_commands;
   sample.echoed_sequence = continued(command_sequence_, frame.echoed_sequence);
   return firmware::DecodeError::kNone;
 }

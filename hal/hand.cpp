@@ -17,6 +17,9 @@ SmoothStep smooth_step(double u) noexcept {
   return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * rest * rest};
 }
 
+// A hand that goes back to where it began, besides the time to speed up and to slow down.
+constexpr double kReturnStart_s = 0.3, kReturnSpeed_m_per_s = 0.2, kReturnSpeed_rad_per_s = 2.0;
+
 bool is_finite_and_at_least(double x, double least) noexcept { return std::isfinite(x) && x >= least; }
 
 }  // namespace
@@ -44,10 +47,8 @@ HandModel::HandModel(const HandParameters& parameters, std::span<const HandWaypo
   start_s_ = path.front().time_s, end_s_ = path.back().time_s;
   segments_.reserve(path.size());
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    const Posed from = pose_of(path[i]), to = pose_of(path[i + 1]);
-    segments_.push_back({path[i].time_s, path[i + 1].time_s - path[i].time_s, from.position,
-                         to.position - from.position, from.rotation,
-                         rotation_vector_of(to.rotation * conjugate(from.rotation))});
+    segments_.push_back(
+        Segment::between(pose_of(path[i]), pose_of(path[i + 1]), path[i].time_s, path[i + 1].time_s - path[i].time_s));
   }
 }
 
@@ -86,11 +87,31 @@ HandTarget HandModel::target_at(double time_s) const noexcept {
 
   const auto after = std::upper_bound(segments_.begin(), segments_.end(), t,
                                       [](double value, const Segment& s) { return value < s.start_s; });
-  const Segment& s = *(after - 1);
-  const SmoothStep step = smooth_step(std::min((t - s.start_s) / s.duration_s, 1.0));
-  const double rate = step.rate / s.duration_s;
-  return {{s.position + s.move * step.share, normalized(quat_from_rotation_vector(s.turn * step.share) * s.rotation)},
-          {s.move * rate, s.turn * rate}};
+  return (after - 1)->at(t);
+}
+
+double HandModel::return_s(const Posed& from) const noexcept {
+  const Segment way = Segment::between(from, first_.pose, 0, 1);
+  return kReturnStart_s + std::max(norm(way.move) / kReturnSpeed_m_per_s, norm(way.turn) / kReturnSpeed_rad_per_s);
+}
+
+HandTarget HandModel::returning_from(const Posed& from, double time_s) const noexcept {
+  const double duration_s = return_s(from);
+  return time_s < duration_s ? Segment::between(from, first_.pose, 0, duration_s).at(time_s) : first_;
+}
+
+HandModel::Segment HandModel::Segment::between(const Posed& from, const Posed& to, double start_s,
+                                               double duration_s) noexcept {
+  return {start_s,       duration_s,
+          from.position, to.position - from.position,
+          from.rotation, rotation_vector_of(to.rotation * conjugate(from.rotation))};
+}
+
+HandTarget HandModel::Segment::at(double time_s) const noexcept {
+  const SmoothStep step = smooth_step(std::min((time_s - start_s) / duration_s, 1.0));
+  const double rate = step.rate / duration_s;
+  return {{position + move * step.share, normalized(quat_from_rotation_vector(turn * step.share) * rotation)},
+          {move * rate, turn * rate}};
 }
 
 }  // namespace tactus::hal

@@ -48,12 +48,20 @@ class HandModel {
   // Before the first way point: the first. After the last: the last, or the path again.
   HandTarget target_at(double time_s) const noexcept;
 
+  // From a pose to where the path starts, along the same smooth step: how long that takes, and where the target is by
+  // then. Way and turn are those of a hand that does not hurry.
+  double return_s(const Posed& from) const noexcept;
+  HandTarget returning_from(const Posed& from, double time_s) const noexcept;
+
  private:
   struct Segment {
     double start_s, duration_s;
     Vec3d position, move;  // m
     Quatd rotation;
     Vec3d turn;  // rad, device axes: from the start's rotation to the end's, the short way
+
+    static Segment between(const Posed& from, const Posed& to, double start_s, double duration_s) noexcept;
+    HandTarget at(double time_s) const noexcept;
   };
 
   HandParameters parameters_;

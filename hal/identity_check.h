@@ -3,8 +3,9 @@
 // Its protocol, its class where it names one, the control period, the watchdog's frames, and for every axis that the
 // description has: the encoder's quantum, which must agree, for the pose follows from it; the effort limit, which must
 // let through what the description promises, and not much more, for it is the last guard; the speed limit, which must
-// not brake motions that the description allows. Units: SI. Thread: [setup], [normal]; never the haptic thread.
-// Bound: some thirty questions of at most `patience` each; the first that is not answered ends the check.
+// not brake motions that the description allows. The norms of efforts, max_force and max_torque, as the effort limits.
+// Units: SI. Thread: [setup], [normal]; never the haptic thread. Bound: some thirty questions of at most `patience`
+// each; the first that is not answered ends the check.
 #pragma once
 
 #include <fmt/format.h>
@@ -39,6 +40,10 @@ class IdentityCheck {
     whole(firmware::number::kBrakeFrames, "missed frames until the brake", standard.brake_frames, kCorrect);
     const AxisKinds axes = axes_of(profile_.description.kind);
     for (unsigned axis = 0; axis < axes.prismatic + axes.rotary; ++axis) check_axis(axis);
+    const firmware::Config expected = firmware_config(profile_, period_us_);
+    check_norm(firmware::number::kMaxForce, "max_force (norm of axes 0 to 2)", expected.max_force_N);
+    if (profile_.description.has_rotation())
+      check_norm(firmware::number::kMaxTorque, "max_torque (norm of axes 3 to 5)", expected.max_torque_Nm);
     return status_;
   }
 
@@ -67,6 +72,13 @@ class IdentityCheck {
     const double speed = real(number(firmware::number::kMaxSpeed)), fastest = profile_.bounds.rate[axis];
     if (!(speed >= fastest * (1.0 - kLimitTolerance)))
       fail(named("speed limit"), speed, static_cast<double>(expected.max_speed[axis]), kCorrect);
+  }
+
+  // In the axes' own units. The firmware that is made from the description has 1 % more than it needs.
+  void check_norm(std::uint16_t number, const char* what, float expected) {
+    const double told = real(number), described = static_cast<double>(expected), needed = described / kFirmwareMargin;
+    if (!(told >= needed * (1.0 - kLimitTolerance) && told <= kMostSpareEffort * needed))
+      fail(what, told, described, kCorrect);
   }
 
   void whole(std::uint16_t number, const char* what, std::uint32_t described, const char* advice) {

@@ -5,12 +5,13 @@
 // command that send() left, and its state frame is handed out. So a command is seen one tick after it was sent, and
 // nothing is ever superseded. Device time advances with receive() alone. Faults are switched on and off by hand (the
 // script of faults by tick is the SimulatedDevice's).
-// Thread: construction [setup]; receive(), send() [rt], no allocation, no lock, bounded; call() and the switches by the
-// same thread, or while nobody receives. Frame: the device's. Units: SI. Same calls, same bits, but for arrival_ns
-// with Stamp::kClock.
+// Thread: construction [setup]; receive(), send() [rt], no allocation, bounded, no lock but against call() of another
+// thread; the switches by the same thread, or while nobody receives. Frame: the device's. Units: SI. Same calls, same
+// bits, but for arrival_ns with Stamp::kClock.
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "firmware/board.h"
@@ -35,7 +36,10 @@ class LoopbackLink {
 
   // --- FrameLink
   ReceivedFrame receive(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
-    if (powered_) firmware::run_period(device_, mechanics_, wire_);
+    if (powered_) {
+      const Turn turn(busy_);
+      firmware::run_period(device_, mechanics_, wire_);
+    }
     ++periods_;
     const bool arrives = powered_ && plugged_ && dropped_states_ == 0;
     if (dropped_states_ > 0) --dropped_states_;
@@ -69,6 +73,7 @@ class LoopbackLink {
 
   Result<firmware::ServiceMessage> call(const firmware::ServiceMessage& request, std::chrono::milliseconds) {
     if (!connected()) return Status::error("loopback: the device is unplugged; plug it in");
+    const Turn turn(busy_);
     return device_.serve(request);
   }
 
@@ -139,6 +144,20 @@ class LoopbackLink {
     }
   };
 
+  // A question comes between two periods. Whoever waits spins for the length of one.
+  class Turn {
+   public:
+    explicit Turn(std::atomic_flag& busy) noexcept : busy_(busy) {
+      while (busy_.test_and_set(std::memory_order_acquire)) {}
+    }
+    ~Turn() { busy_.clear(std::memory_order_release); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    std::atomic_flag& busy_;
+  };
+
   // The device's end.
   struct Wire {
     std::array<std::byte, firmware::kStateFrameSize> state{};
@@ -156,6 +175,7 @@ class LoopbackLink {
     void reply_service(const firmware::ServiceMessage&) noexcept {}
   };
 
+  std::atomic_flag busy_;
   firmware::Config config_;
   firmware::Device device_;
   SimulatedMechanics mechanics_;

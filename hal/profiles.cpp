@@ -7,7 +7,6 @@ namespace {
 
 constexpr double kTurn_rad = 2.0 * 3.14159265358979323846;
 // Both ends know the limit; the host's acts first. 1 % lets a wrench at the limit through in spite of rounding.
-constexpr double kFirmwareMargin = 1.01;
 // A wrist's three efforts for a torque M have a norm of at most M sqrt(1 + sin pitch): not orthogonal axes.
 constexpr double kWristNorm = 1.41;
 // The host's guard refuses samples faster than 1.5 times the device's speed; the firmware brakes only beyond that. A

@@ -48,6 +48,9 @@ std::span<const DeviceProfile> all_profiles() noexcept;
 // Null for a name that is none.
 const DeviceProfile* find_profile(std::string_view name) noexcept;
 
+// Of firmware_config's effort limits over what the description needs, for rounding.
+inline constexpr double kFirmwareMargin = 1.01;
+
 // What the profile's firmware is configured with. `period_us` is the control period. The firmware knows axes, not the
 // tool: its limits let every wrench through that the host may send, anywhere, and no axis more than its share of that.
 firmware::Config firmware_config(const DeviceProfile& profile, std::uint32_t period_us) noexcept;

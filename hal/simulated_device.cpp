@@ -11,6 +11,8 @@ constexpr std::int64_t kMinPeriod_ns = 50'000, kMaxPeriod_ns = 1'000'000'000;
 constexpr unsigned kMaxSubSteps = 64, kMaxDelayTicks = 32;
 static_assert(kMaxDelayTicks + kMaxLateTicks <= SimulatedLink::kMaxAhead);
 
+constexpr double kHandSettles_s = 0.5;  // four times the time in which what shakes an arm dies out to a third
+
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 unsigned delay_of(const DeviceProfile& profile, const SimulationOptions& options) noexcept {
@@ -76,6 +78,24 @@ double SimulatedDevice::time_s(std::uint64_t tick, unsigned sub_step) const noex
   return sub_steps * (static_cast<double>(options_.period_ns) * 1e-9 / options_.sub_steps);
 }
 
+HandTarget SimulatedDevice::target_at(std::uint64_t tick, unsigned sub_step) const noexcept {
+  const double since_s = time_s(tick - hand_since_, sub_step);
+  return hand_returns_ ? hand_.returning_from(return_from_, since_s) : hand_.target_at(path_from_s_ + since_s);
+}
+
+void SimulatedDevice::return_hand() noexcept {
+  return_from_ = hand_target().pose;
+  hand_since_ = now_, hand_returns_ = true;
+}
+
+bool SimulatedDevice::hand_is_back() const noexcept {
+  return time_s(now_ - hand_since_, 0) >= hand_.return_s(return_from_) + kHandSettles_s;
+}
+
+void SimulatedDevice::start_path(double into_s) noexcept {
+  hand_since_ = now_, path_from_s_ = into_s, hand_returns_ = false;
+}
+
 const InjectedFault* SimulatedDevice::fault(FaultKind kind, FaultDirection direction) const noexcept {
   return options_.faults.active(kind, direction, now_);
 }
@@ -84,8 +104,7 @@ void SimulatedDevice::advance_plant() noexcept {
   AxisVector effort{};
   for (unsigned i = 0; i < kAxisCount; ++i) effort[i] = static_cast<double>(outputs_.effort[i]);
   const double h_s = time_s(0, 1);
-  for (unsigned s = 1; s <= options_.sub_steps; ++s)
-    plant_.step(h_s, effort, outputs_.brake, hand_.target_at(time_s(now_ - 1, s)));
+  for (unsigned s = 1; s <= options_.sub_steps; ++s) plant_.step(h_s, effort, outputs_.brake, target_at(now_ - 1, s));
 }
 
 void SimulatedDevice::run_firmware() noexcept {

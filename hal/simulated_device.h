@@ -41,12 +41,18 @@ class SimulatedDevice {
   void read(haptics::DeviceInput& input) noexcept;
   void write(const haptics::DeviceCommand& command) noexcept;
 
+  // A new trial [rt]: the hand goes back to where its path starts and rests there; start_path() has it set out again,
+  // `into_s` after the path's beginning. hand_is_back: what the way has shaken has died out.
+  void return_hand() noexcept;
+  bool hand_is_back() const noexcept;
+  void start_path(double into_s) noexcept;
+
   // --- the truth
   std::uint64_t tick() const noexcept { return now_; }  // of the last read, from 0
   std::int64_t period_ns() const noexcept { return options_.period_ns; }
   const Plant& plant() const noexcept { return plant_; }
   const HandModel& hand() const noexcept { return hand_; }
-  HandTarget hand_target() const noexcept { return hand_.target_at(time_s(now_, 0)); }
+  HandTarget hand_target() const noexcept { return target_at(now_, 0); }
   const firmware::Controller& controller() const noexcept { return device_.controller(); }
   const firmware::ControllerOutputs& motor_outputs() const noexcept { return outputs_; }  // in force until next read
 
@@ -56,6 +62,7 @@ class SimulatedDevice {
   using StateBytes = std::array<std::byte, firmware::kStateFrameSize>;
 
   double time_s(std::uint64_t tick, unsigned sub_step) const noexcept;
+  HandTarget target_at(std::uint64_t tick, unsigned sub_step) const noexcept;
   const InjectedFault* fault(FaultKind kind, FaultDirection direction) const noexcept;
   void advance_plant() noexcept;
   void run_firmware() noexcept;
@@ -71,6 +78,10 @@ class SimulatedDevice {
   double travel_per_axis_;  // m of the tool at the centre per unit of axis 0
   std::uint64_t state_delay_ticks_, command_delay_ticks_;
   HandModel hand_;
+  std::uint64_t hand_since_{0};  // tick at which the hand's path, or its way back, began
+  double path_from_s_{0};        // of the path, at that tick
+  bool hand_returns_{false};
+  Posed return_from_;
   Plant plant_;
   firmware::Device device_;
   firmware::ControllerOutputs outputs_;

@@ -139,12 +139,15 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       graph_(capacities_for(scene).bodies, touches_for(scene)),
       approach_(capacities_for(scene).bodies),
       border_log_(capacities_for(scene).bodies, capacities_for(scene).contacts,
-                  static_cast<std::uint32_t>(scene.effect_data.joints.size())),
+                  static_cast<std::uint32_t>(scene.effect_data.joints.size()),
+                  physics::Softness<double>::added_inertia(settings_.contact_hertz, settings_.contact_damping_ratio,
+                                                           settings_.dt)),
       bounds_(capacities_for(scene).bodies),
       free_(capacities_for(scene).bodies),
       held_(capacities_for(scene).bodies) {
   touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
+  velocity_before_.reserve(capacities_for(scene).bodies);
   add_device(scene, scene.proxy);
   for (const BodyId proxy : options.more_proxies) add_device(scene, proxy);
   regions_.resize(devices_.size());
@@ -378,7 +381,28 @@ physics::StepReport<double> GlobalWorld::take_pass(std::uint32_t pass, std::uint
   physics::FarRegion far = far_region();
   far.sub_steps = std::max(1u, far.sub_steps / passes);
   pass_s_ = settings.dt;
-  return world_.finish_step(settings, {}, far);
+  note_member_velocities();
+  const auto report = world_.finish_step(settings, {}, far);
+  add_border_work();
+  return report;
+}
+
+// Members alone: of thousands of bodies most are none.
+void GlobalWorld::note_member_velocities() noexcept {
+  velocity_before_.resize(world_.bodies().size());
+  for (const Device& device : devices_)
+    for (const std::uint32_t place : device.extraction.members())
+      if (const std::int32_t slot = world_.slot_of(islands_.bodies()[place].id); slot >= 0)
+        velocity_before_[static_cast<std::size_t>(slot)] =
+            world_.bodies()[static_cast<std::size_t>(slot)].motion.velocity;
+}
+
+void GlobalWorld::add_border_work() noexcept {
+  if (options_.coupling != CouplingScheme::kSubWorld || !has_budget(options_.border_mode)) return;
+  for (Device& device : devices_) {
+    const double work_J = border_work_J(world_, velocity_before_, member_slots(device), pass_s_);
+    device.border_work_J += work_J, statistics_.border_work_J += work_J;
+  }
 }
 
 // One where a border is that exchanges the impulses of a whole step: ghosts go by those of its end. One too for a large
@@ -417,11 +441,14 @@ void GlobalWorld::keep_energy_book(const SubWorldReport& report) noexcept {
 void GlobalWorld::advance() noexcept {
   const std::uint32_t passes = passes_of_step();
   physics::StepReport<double> report;
+  std::uint32_t comparisons = 0;
+  for (Device& device : devices_) device.border_work_J = 0;
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
     const std::uint32_t bits = report.capacity_bits;
     const double deepest_m = report.deepest_m;
     report = take_pass(pass, passes);
     look_at_overlaps(report.deepest_m);
+    comparisons += report.comparisons;
     report.capacity_bits |= bits, report.deepest_m = std::max(report.deepest_m, deepest_m);
   }
   for (Device& device : devices_) device.held_by = {};
@@ -439,6 +466,7 @@ void GlobalWorld::advance() noexcept {
   s.fell_asleep = islands_.fell_asleep(), s.woke_up = islands_.woke_up();
   s.stopped_energy_J = islands_.stopped_energy_J();
   s.pairs = report.pairs, s.contacts = report.contacts, s.points = report.points;
+  s.comparisons = comparisons;
   s.most_pairs = std::max(s.most_pairs, report.pairs);
   s.most_contacts = std::max(s.most_contacts, report.contacts);
   s.capacity_bits |= report.capacity_bits;

@@ -48,13 +48,17 @@ struct GlobalStatistics {
   std::uint32_t awake{0}, asleep{0}, most_awake{0};  // of the moving bodies
   std::uint64_t fell_asleep{0}, woke_up{0};          // bodies
   std::uint32_t pairs{0}, contacts{0}, points{0};    // of the last step
+  std::uint32_t comparisons{0};                      // of boxes, to find its contacts
   std::uint32_t most_pairs{0}, most_contacts{0}, most_members{0}, most_component{0}, most_border_points{0};
   std::uint32_t most_close_left_out{0};
   std::uint64_t joins{0}, leaves{0};
   std::uint64_t dropped_entries{0};  // of snapshots: border points and warm starts that did not fit
   std::uint64_t rejected_states{0};  // members whose reported state was not finite
   std::uint32_t capacity_bits{0};    // physics::CapacityBit
-  double imposed_energy_J{0};        // work done on the global world by imposing the members' state
+  // Energy at the border, with sign: what outside bodies did on members in the steps (with ghosts), what imposing the
+  // members' state did to the global world, kinetic and potential, and what returned impulses gave to outside bodies.
+  double border_work_J{0};
+  double imposed_energy_J{0};
   double handed_back_impulse_Ns{0};  // magnitudes, at the border, to outside bodies
   double handed_back_energy_J{0};
   std::uint64_t handed_back_skipped{0};
@@ -121,6 +125,7 @@ class GlobalWorld {
     Wrenchd held_before{};               // mean of the last cycle
     haptics::DeviceTarget target{};      // where the proxy is wanted as the next step begins; its spring: hold_proxy
     bool has_border{false};              // its last snapshot
+    double border_work_J{0};             // of outside bodies on its members, in the last step
     std::vector<std::uint8_t> buffer{};  // by place: in the buffer of its sub-world (border_buffer.h)
   };
 
@@ -143,6 +148,8 @@ class GlobalWorld {
   void hold_proxy(double elapsed_s) noexcept;
   void keep_energy_book(const haptics::SubWorldReport& report) noexcept;
   void look_at_overlaps(double deepest_m) noexcept;
+  void note_member_velocities() noexcept;
+  void add_border_work() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
   void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
@@ -177,6 +184,7 @@ class GlobalWorld {
   std::vector<std::uint8_t> free_;              // by place: member of no other device's sub-world
   std::vector<std::uint8_t> held_;              // by place: member of a sub-world
   std::vector<std::uint8_t> member_slots_;      // by slot: member of the sub-world in question
+  std::vector<Twistd> velocity_before_;         // by slot, of members: as the pass began
   std::vector<physics::Aabb<double>> regions_;  // by device: where nothing falls asleep
   double thinnest_m_{0};                        // of all bodies
   double asleep_J_{0};                          // potential energy of those that sleep,

@@ -101,6 +101,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.global_time_s = time_s_;
   next.epoch = epoch();
   next.component = device.extraction.statistics().component;
+  next.border_work_J = 0;
   next.dropped = 0;
   next.proxy = bodies[device.proxy].motion;
   next.members.clear();
@@ -145,6 +146,7 @@ void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
 
 // Of the last step.
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
+  next.border_work_J = device.border_work_J;
   const auto members = member_slots(device);
   next.dropped +=
       border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "hal/printable.h"
+
 namespace tactus::hal {
 namespace {
 
@@ -159,8 +161,7 @@ std::string list(const std::vector<Candidate>& candidates) {
 
 // Which of them is meant, or why none is.
 Result<std::size_t> choose(const std::vector<Candidate>& candidates, const UsbSelection& selection) {
-  if (candidates.empty())
-    return Status::error("no tactus device on USB (" + ids(selection) + "): plug it in and switch it on");
+  if (candidates.empty()) return no_usb_device(selection);
   std::vector<std::size_t> matching;
   bool unreadable = false;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -171,7 +172,7 @@ Result<std::size_t> choose(const std::vector<Candidate>& candidates, const UsbSe
   }
   if (matching.empty())
     return Status::error((unreadable ? "no readable USB device with serial " : "no USB device with serial ") +
-                         selection.serial + "; there are: " + list(candidates));
+                         printable(selection.serial) + "; there are: " + list(candidates));
   if (matching.size() > 1)
     return Status::error("several tactus devices on USB, choose one by its serial (usb:SERIAL): " + list(candidates));
   const UsbDeviceInfo& info = candidates[matching.front()].info;
@@ -189,8 +190,12 @@ std::string kernel_driver(const std::string& port, std::uint8_t interface) {
 
 }  // namespace
 
+Status no_usb_device(const UsbSelection& selection) {
+  return Status::error("no tactus device on USB (" + ids(selection) + "): plug it in and switch it on");
+}
+
 std::string describe(const UsbDeviceInfo& info) {
-  std::string text = info.serial.empty() ? "serial unknown" : "serial " + info.serial;
+  std::string text = info.serial.empty() ? "serial unknown" : "serial " + printable(info.serial);
   text += ", port " + info.port + ", " + info.speed + " speed";
   if (!info.problem.empty()) text += " (" + info.problem + ")";
   return text;
@@ -239,11 +244,15 @@ Status UsbConnection::find(const UsbSelection& selection) {
 
 Status UsbConnection::claim() {
   const int error = libusb_claim_interface(handle_, interface_);
+  const std::string device = "USB device at port " + info_.port + ": ";
   if (error == 0) {
     claimed_ = true;
+    // Whoever had it before may have left its endpoints halted.
+    for (const std::uint8_t endpoint : {state_endpoint_, command_endpoint_})
+      if (libusb_clear_halt(handle_, endpoint) == LIBUSB_ERROR_NO_DEVICE)
+        return Status::error(device + "was unplugged just now: plug it in again");
     return Status::good();
   }
-  const std::string device = "USB device at port " + info_.port + ": ";
   if (error == LIBUSB_ERROR_NO_DEVICE) return Status::error(device + "was unplugged just now: plug it in again");
   if (error != LIBUSB_ERROR_BUSY) return Status::error(device + "cannot be claimed: " + libusb_strerror(error));
   const std::string driver = kernel_driver(info_.port, interface_);

@@ -36,6 +36,9 @@ struct UsbDeviceInfo {
 // "serial A1, port 1-2, high speed", and the problem if there is one.
 std::string describe(const UsbDeviceInfo& info);
 
+// What UsbConnection::open says where no device of that vendor and product is.
+Status no_usb_device(const UsbSelection& selection);
+
 // All devices of that vendor and product, by port. Fails only when USB itself cannot be looked at.
 Result<std::vector<UsbDeviceInfo>> enumerate_usb(const UsbSelection& selection = {});
 

@@ -99,11 +99,13 @@ void UsbLink::run() noexcept {
       reconnect();
     }
   }
+  if (session_ != nullptr) end_session();
 }
 
 void UsbLink::serve() noexcept {
   while (!stop_.load(std::memory_order_relaxed) && !session_->gone()) {
     session_->handle_events(kIdleLook);  // returns with the first that completes
+    session_->clear_halts();
     session_->send_newest();
   }
 }
@@ -129,9 +131,15 @@ void UsbLink::reconnect() noexcept {
   constexpr std::chrono::milliseconds kPiece{20};
   for (auto waited = kPiece; waited < kReplugLook && !stop_.load(std::memory_order_relaxed); waited += kPiece)
     std::this_thread::sleep_for(kPiece);
+  if (stop_.load(std::memory_order_relaxed)) return;
   Result<std::unique_ptr<UsbConnection>> connection = UsbConnection::open(selection_);
-  if (!connection.ok()) return;  // not there yet, or its permissions are not set yet
   const std::lock_guard<std::mutex> no_calls(calls_);
+  if (!connection.ok()) {  // not there yet, its permissions are not set yet, or another one is there
+    const bool nobody = connection.message() == no_usb_device(selection_).message();
+    refused_ = nobody ? "" : connection.message();
+    return;
+  }
+  refused_.clear();
   session_ = std::make_unique<Session>(*this, std::move(connection).value());
   drop_command();
   if (session_->begin()) connected_.store(true, std::memory_order_relaxed);
@@ -158,7 +166,8 @@ Result<ServiceMessage> UsbLink::call(const ServiceMessage& request, std::chrono:
       if (error == LIBUSB_ERROR_PIPE) std::this_thread::sleep_for(Milliseconds(1));
     } while (error == LIBUSB_ERROR_PIPE && left() > Milliseconds(0));
   }
-  if (error == LIBUSB_ERROR_NO_DEVICE) return Status::error("the USB device is unplugged: plug it in again");
+  if (error == LIBUSB_ERROR_NO_DEVICE)
+    return Status::error(refused_.empty() ? "the USB device is unplugged: plug it in again" : refused_);
   if (error == LIBUSB_ERROR_PIPE || error == LIBUSB_ERROR_TIMEOUT)
     return Status::error("the USB device did not answer within " + std::to_string(timeout.count()) +
                          " ms: its control loop stands still, or its firmware knows no service requests");

@@ -7,6 +7,8 @@
 // (rt/base/latest_value.h): it calls neither libusb nor the kernel.
 // Unplugged: connected() is false with the first transfer that says so, commands are refused and counted. The thread
 // then looks for a device with the same serial every kReplugLook, opens it and goes on; nobody has to do anything.
+// An endpoint that halts (STALL) is cleared when the link opens and whenever it happens, by the link's thread; one that
+// halts again and again ends the connection as if it were unplugged.
 // Thread: open(), start(), call() [setup] and normal threads, call() while the loop runs too; receive(), send() [rt],
 // by the haptic thread alone; connected(), counters() [any]. Bound: receive() and send(): one atomic exchange and a
 // copy. call(): its timeout. open(): the scan (usb_connection.h). The destructor: one transfer's cancellation, ms.
@@ -16,6 +18,7 @@
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "hal/frame_link.h"
 #include "hal/usb/usb_connection.h"
@@ -89,6 +92,7 @@ class UsbLink {
   LatestValue<State> states_;
   LatestValue<Command> commands_;
   std::atomic<bool> connected_{false}, stop_{false};
+  std::string refused_;  // why the last new connection failed; under calls_
   Counter received_{0}, malformed_{0}, sent_{0}, send_failed_{0}, errors_{0}, disconnects_{0};
   std::uint64_t taken_number_{0};  // the haptic thread's
   LinkCounters before_start_;

@@ -9,6 +9,8 @@ namespace {
 
 // Failed transfers in a row after which the connection is ended and made anew: a cable that is being pulled gives some.
 constexpr unsigned kMostFailures = 20;
+// Halts of the states' endpoint likewise.
+constexpr unsigned kMostHalts = 5;
 
 }  // namespace
 
@@ -29,6 +31,8 @@ UsbLink::Session::Session(UsbLink& link, std::unique_ptr<UsbConnection> connecti
 }
 
 UsbLink::Session::~Session() {
+  cancel();
+  while (!idle()) handle_events(kIdleLook);
   for (Transfer& transfer : states_) libusb_free_transfer(transfer.usb);
   libusb_free_transfer(command_.usb);
   libusb_free_transfer(control_.usb);
@@ -45,9 +49,30 @@ bool UsbLink::Session::submit(Transfer& transfer) noexcept {
 
 bool UsbLink::Session::begin() noexcept {
   for (Transfer& transfer : states_) {
-    if (!submit(transfer)) return false;
+    if (!submit(transfer)) {
+      lose();
+      return false;
+    }
+    ++states_in_flight_;
   }
   return true;
+}
+
+bool UsbLink::Session::clear(std::uint8_t endpoint) noexcept {
+  const bool cleared = libusb_clear_halt(connection_->handle(), endpoint) == 0;
+  if (!cleared) lose();
+  return cleared;
+}
+
+// The transfers IN have all come back before their endpoint is cleared: an order of frames that nobody can mix up.
+void UsbLink::Session::clear_halts() noexcept {
+  if (gone_ || ending_) return;
+  if (commands_halted_ && clear(connection_->command_endpoint())) commands_halted_ = false;
+  if (!states_halted_ || states_in_flight_ > 0 || gone_) return;
+  if (++halts_in_a_row_ > kMostHalts) return lose();
+  if (!clear(connection_->state_endpoint())) return;
+  states_halted_ = false;
+  (void)begin();
 }
 
 void UsbLink::Session::lose() noexcept {
@@ -55,12 +80,18 @@ void UsbLink::Session::lose() noexcept {
   link_.connected_.store(false, std::memory_order_relaxed);
 }
 
-void UsbLink::Session::note_failure(libusb_transfer_status status) noexcept {
-  if (status == LIBUSB_TRANSFER_CANCELLED) return;
-  if (status == LIBUSB_TRANSFER_NO_DEVICE) return lose();
+void UsbLink::Session::note_failure(const libusb_transfer& transfer) noexcept {
+  if (transfer.status == LIBUSB_TRANSFER_CANCELLED) return;
+  if (transfer.status == LIBUSB_TRANSFER_NO_DEVICE) return lose();
   count(link_.errors_);
-  // A stalled endpoint sends nothing more until it is set up again.
-  if (status == LIBUSB_TRANSFER_STALL || ++failures_in_a_row_ >= kMostFailures) lose();
+  if (transfer.status != LIBUSB_TRANSFER_STALL) {
+    if (++failures_in_a_row_ >= kMostFailures) lose();
+  } else if (&transfer == command_.usb) {
+    commands_halted_ = true;
+  } else if (!states_halted_) {
+    states_halted_ = true;
+    for (Transfer& other : states_) libusb_cancel_transfer(other.usb);  // some controllers keep them until then
+  }
 }
 
 void UsbLink::Session::take_state(const libusb_transfer& transfer) noexcept {
@@ -78,17 +109,21 @@ void UsbLink::Session::take_state(const libusb_transfer& transfer) noexcept {
 void UsbLink::Session::on_state(libusb_transfer* transfer) {
   auto& session = *static_cast<Session*>(transfer->user_data);
   session.in_flight_.fetch_sub(1, std::memory_order_acq_rel);
+  --session.states_in_flight_;
   if (transfer->status == LIBUSB_TRANSFER_COMPLETED) {
-    session.failures_in_a_row_ = 0;
+    session.failures_in_a_row_ = session.halts_in_a_row_ = 0;
     session.take_state(*transfer);
   } else if (transfer->status == LIBUSB_TRANSFER_OVERFLOW) {
     count(session.link_.malformed_);  // a packet larger than the endpoint's: not a frame of ours
   } else {
-    session.note_failure(transfer->status);
+    session.note_failure(*transfer);
   }
-  if (session.gone_ || session.ending_) return;
+  if (session.gone_ || session.ending_ || session.states_halted_) return;
   for (Transfer& own : session.states_) {
-    if (own.usb == transfer && !session.submit(own) && !session.gone_) {
+    if (own.usb != transfer) continue;
+    if (session.submit(own)) {
+      ++session.states_in_flight_;
+    } else if (!session.gone_) {
       count(session.link_.errors_);
       session.lose();  // no transfer IN, no frames: begin anew
     }
@@ -97,7 +132,7 @@ void UsbLink::Session::on_state(libusb_transfer* transfer) {
 }
 
 void UsbLink::Session::send_newest() noexcept {
-  if (command_under_way_ || gone_ || ending_) return;
+  if (command_under_way_ || commands_halted_ || gone_ || ending_) return;
   const Command* command = link_.commands_.take();
   if (command == nullptr) return;
   std::copy_n(command->bytes.begin(), command->size, reinterpret_cast<std::byte*>(command_.buffer.data()));
@@ -112,7 +147,7 @@ void UsbLink::Session::on_command(libusb_transfer* transfer) {
   session.command_under_way_ = false;
   if (transfer->status != LIBUSB_TRANSFER_COMPLETED) {
     count(session.link_.send_failed_);
-    session.note_failure(transfer->status);
+    session.note_failure(*transfer);
   }
   session.send_newest();  // one may have come while this was under way
 }

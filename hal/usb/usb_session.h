@@ -1,7 +1,8 @@
 // The transfers of one USB connection: states IN kept in flight, one command OUT, one control exchange for call().
 //
-// Part of UsbLink, which it reports to. Thread: the link's; ask() by the one that calls, while the link's thread
-// serves. Bound: all transfers are allocated at construction; a callback does one copy and one resubmission.
+// Part of UsbLink, which it reports to. An endpoint that halts is cleared and used again, a few times in a row; what is
+// under way on the other goes on. Thread: the link's; ask() by the one that calls, while the link's thread serves.
+// Bound: all transfers are allocated at construction; a callback does one copy and one resubmission.
 #pragma once
 
 #include <libusb.h>
@@ -15,12 +16,14 @@ namespace tactus::hal {
 class UsbLink::Session {
  public:
   Session(UsbLink& link, std::unique_ptr<UsbConnection> connection);
-  ~Session();  // nothing in flight any more
+  ~Session();  // waits until nothing is in flight any more
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // Queues the transfers IN. False: the device is gone.
+  // Queues the transfers IN. False: the device is gone, or takes none.
   bool begin() noexcept;
+  // Clears the endpoints that have halted; waits for the device's answer, by the link's thread alone.
+  void clear_halts() noexcept;
   // Waits for what the bus does, at most `wait`, and lets the callbacks run.
   void handle_events(std::chrono::microseconds wait) noexcept;
   // The newest command, if there is one and none is under way.
@@ -45,7 +48,8 @@ class UsbLink::Session {
   void take_state(const libusb_transfer& transfer) noexcept;
   // False when it is not under way.
   bool submit(Transfer& transfer) noexcept;
-  void note_failure(libusb_transfer_status status) noexcept;
+  void note_failure(const libusb_transfer& transfer) noexcept;
+  bool clear(std::uint8_t endpoint) noexcept;
   void lose() noexcept;
 
   UsbLink& link_;
@@ -53,9 +57,11 @@ class UsbLink::Session {
   std::array<Transfer, kInFlight> states_;
   Transfer command_, control_;
   std::atomic<unsigned> in_flight_{0};
+  unsigned states_in_flight_{0};
   std::atomic<int> control_done_{0};
   bool command_under_way_{false}, gone_{false}, ending_{false};
-  unsigned failures_in_a_row_{0};
+  bool states_halted_{false}, commands_halted_{false};
+  unsigned failures_in_a_row_{0}, halts_in_a_row_{0};  // without a state between them
 };
 
 }  // namespace tactus::hal

@@ -9,7 +9,7 @@ std::string_view describe(Fault fault) noexcept {
     case Fault::kLinkLost:
       return "link lost: 10 frames in a row are missing; check the cable and the device's power, then re-arm";
     case Fault::kDeviceUnplugged:
-      return "device unplugged: the link reports it gone; plug it in and start again";
+      return "device unplugged: the link reports it gone; plug it in, then re-arm";
     case Fault::kInputNotFinite:
       return "device sent NaN or infinity 3 times in a row; check its calibration, then re-arm";
     case Fault::kInputRotation:
@@ -24,13 +24,17 @@ std::string_view describe(Fault fault) noexcept {
     case Fault::kDeviceBrake:
       return "device is in BRAKE: its watchdog or its own limits stopped it; find the cause, then re-arm";
     case Fault::kDeviceFault:
-      return "device reports a fault of its own; look up its fault number, clear it, then re-arm";
+      return "device reports a fault of its own, by number; clear its cause, then re-arm";
     case Fault::kOutputNotFinite:
       return "computed force was not finite: an error of this program; keep the recording and report it";
     case Fault::kEmergencyStop:
       return "emergency stop is pressed; release it, then re-arm";
     case Fault::kWorldLost:
       return "global world lost (reserved: no release raises it)";
+    case Fault::kDeviceLeftForce:
+      return "device left FORCE by itself: it was reset, or another program commands it; find the cause, then re-arm";
+    case Fault::kForceRefused:
+      return "device refuses FORCE: it wants to be homed, its supply is missing, or it starts; cure it, then re-arm";
   }
   return "unknown fault number: the recording is from a newer release";
 }

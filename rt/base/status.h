@@ -23,6 +23,8 @@ enum class Fault : std::uint32_t {
   kOutputNotFinite = 10,  // our own wrench was not finite
   kEmergencyStop = 11,    // the e-stop line is active
   kWorldLost = 12,        // reserved
+  kDeviceLeftForce = 13,  // the device was in FORCE, is told to stay there, and is in IDLE or RESET
+  kForceRefused = 14,     // the device accepts commands that want FORCE, and stays in IDLE or RESET
 };
 
 enum StatusBit : std::uint32_t {
@@ -40,7 +42,7 @@ enum StatusBit : std::uint32_t {
   kCapacityExceeded = 1u << 11,  // see the capacity bits
   kNotArmed = 1u << 12,          // no force until armed
   kProxyContact = 1u << 13,      // the proxy touches something: not a limit, but it belongs in every record
-  kBorderSpent = 1u << 14,       // the tank of the ghost border is empty: it only takes energy
+  kBorderSpent = 1u << 14,       // the border's energy tank is empty: it only takes energy
   kSceneReset = 1u << 15,        // the scene begins anew: the force fades, and stays off until it has
 };
 

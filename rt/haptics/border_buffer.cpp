@@ -2,22 +2,61 @@
 
 #include <functional>
 
+#include "rt/physics/contact/find_contact.h"
+
 namespace tactus::haptics {
 
-double BorderBuffer::adopt(const WorldSnapshot& snapshot, physics::World<double>& world) noexcept {
-  double gained_J = 0;
+namespace {
+
+// A contact whose friction is further used up than this slides.
+constexpr double kHolds = 0.95;
+
+// The body's point at which it and the proxy hold on to each other by friction; null: they do not.
+struct Hold {
+  const physics::Contact<double>* contact{nullptr};
+  Vec3d point;  // m, world
+};
+
+Hold hold_between(const physics::World<double>& world, BodyId proxy, std::uint32_t slot) noexcept {
+  const auto& body = world.bodies()[slot];
+  const auto* contact = physics::find_contact<double>(world.contacts(), proxy, body.id);
+  if (contact == nullptr) return {};
+  Vec3d friction, arm;
+  double pressed = 0;
+  for (std::uint32_t i = 0; i < contact->count; ++i) {
+    const auto& point = contact->points[i];
+    friction += point.total_friction, pressed += point.total_normal_impulse;
+    arm += point.total_normal_impulse * (contact->slot_a == slot ? point.from_a : point.from_b);
+  }
+  if (!(norm(friction) < kHolds * contact->friction * pressed)) return {};
+  return {contact, body.motion.pose.position + arm * (1 / pressed)};
+}
+
+}  // namespace
+
+BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId proxy,
+                                          physics::World<double>& world) noexcept {
+  Adopted adopted;
+  double held = 0;
   for (const MemberMotion& renewed : snapshot.renewed) {
     const std::int32_t slot = world.slot_of(renewed.id);
     if (slot < 0 || !holds(renewed.id)) continue;
     auto& body = world.bodies()[static_cast<std::uint32_t>(slot)];
-    gained_J -= kinetic_energy(body);
+    const Hold hold = hold_between(world, proxy, static_cast<std::uint32_t>(slot));
+    const Posed before = body.motion.pose;
+    adopted.gained_J -= kinetic_energy(body);
     body.motion = renewed.motion;
-    gained_J += kinetic_energy(body);
+    adopted.gained_J += kinetic_energy(body);
+    if (hold.contact == nullptr) continue;
+    const Vec3d moved = body.motion.pose * (inverse(before) * hold.point) - hold.point;
+    adopted.proxy_carried += moved - dot(moved, hold.contact->normal) * hold.contact->normal;
+    held += 1;
   }
+  if (held > 0) adopted.proxy_carried *= 1 / held;
   bodies_.clear();
   for (const BodyId id : snapshot.buffer)
     if (world.slot_of(id) >= 0) (void)bodies_.try_push(id);  // members: never more than fit
-  return gained_J;
+  return adopted;
 }
 
 void BorderBuffer::save(ByteWriter& out) const noexcept {

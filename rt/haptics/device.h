@@ -30,6 +30,8 @@ struct DeviceSample {
   std::uint32_t limits{0};           // the firmware's limit-active bits
   std::uint32_t buttons{0};          // bit 0 first
   std::uint64_t echoed_sequence{0};  // sequence of the newest command that the device had when it sampled
+  std::uint32_t missed_commands{0};  // periods in a row without a command, as the device counts them
+  std::uint32_t padding{0};
 };
 
 struct DeviceInput {

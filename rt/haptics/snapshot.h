@@ -40,13 +40,13 @@ struct BorderPoint {
   double outside_inverse_mass{0};  // 1/kg: the outside body's own share of the inverse effective mass along the normal
 };
 
-// An outside body at border contacts, as the global step left it: what the ghost border needs.
+// An outside body that members touch or are jointed to, as the global step left it: what the ghost border needs.
 struct OutsideBody {
   BodyId id{kNoBody};
   std::uint32_t padding{0};
   Vec3d centre;                            // m, world
   Twistd velocity;                         // of the centre, at the end of the step
-  Vec3d acceleration;                      // m/s^2, of the centre: as it was in the step, where that will go on; else 0
+  Twistd drive;                            // m/s^2, rad/s^2: of the centre, by all that acts on it but the members
   physics::Admittance<double> admittance;  // of the centre, with all that moves with it
 };
 
@@ -62,13 +62,14 @@ struct WorldSnapshot {
   std::uint32_t dropped{0};                  // entries that did not fit
   std::uint32_t component{0};                // bodies that the contact graph links to the proxy, capped or not
   std::uint32_t epoch{0};                    // how often the scene has begun anew: with a new one, all comes anew
+  double border_work_J{0};                   // of outside bodies on members in the global step, with sign; with ghosts
   FixedVector<BodyId, kMaxMembers> members;  // of cycle n, ascending; the proxy always
   FixedVector<physics::Body<double>, kMaxMembers> joiners;              // members that were none in cycle n - 1
   FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
   FixedVector<BodyId, kMaxMembers> buffer;         // members of cycle n that touch outside bodies, ascending
   FixedVector<MemberMotion, kMaxMembers> renewed;  // members in the buffer of cycle n - 1, as the global step left them
   FixedVector<BorderPoint, kMaxBorderPoints> border;
-  FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // of the border points, ascending; with the ghost border
+  FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; with ghosts
   physics::BodyMotion<double> proxy;                    // the proxy in the global world (interpolation coupling)
   // The triangles of meshes near members, by index: the meshes themselves are both worlds' from the start.
   FixedVector<physics::NearRegion<double>, kMaxNearRegions> near_regions;  // by member, then by mesh

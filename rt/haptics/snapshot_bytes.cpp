@@ -64,7 +64,7 @@ bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes<double>
       return false;
   for (const MemberMotion& body : s.renewed)
     if (!is_finite(body.motion.pose) || !is_finite(body.motion.velocity)) return false;
-  return are_near_triangles(s, meshes);
+  return std::isfinite(s.border_work_J) && are_near_triangles(s, meshes);
 }
 
 }  // namespace
@@ -75,6 +75,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   out.put(s.dropped);
   out.put(s.component);
   out.put(s.epoch);
+  out.put(s.border_work_J);
   out.put(s.proxy);
   write_list(out, s.members);
   write_list(out, s.joiners);
@@ -94,6 +95,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
   in.get(s.dropped);
   in.get(s.component);
   in.get(s.epoch);
+  in.get(s.border_work_J);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
          read_list(in, s.buffer) && read_list(in, s.renewed) && read_list(in, s.border) && read_list(in, s.outside) &&

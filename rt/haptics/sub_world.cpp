@@ -23,25 +23,6 @@ bool contains(std::span<const BodyId> sorted, BodyId id) noexcept {
   return std::binary_search(sorted.begin(), sorted.end(), id);
 }
 
-template <class Ghost>
-Ghost* find_ghost(std::span<Ghost> ghosts, BodyId outside) noexcept {
-  const auto at = std::lower_bound(ghosts.begin(), ghosts.end(), outside,
-                                   [](const Ghost& ghost, BodyId id) { return ghost.outside < id; });
-  return at != ghosts.end() && at->outside == outside ? &*at : nullptr;
-}
-
-// The ghost that the contact presses on: its index. What the contact did to it in the global step, the outside body's
-// other forces stood up to: they do the opposite from now on, beside what accelerates it.
-std::uint32_t load_ghost(const BorderPoint& point, const physics::BorderContact<double>& contact,
-                         BoundedVector<physics::BorderGhost<double>>& ghosts) noexcept {
-  auto* ghost = find_ghost(ghosts.span(), point.outside);
-  if (ghost == nullptr) return physics::kNoGhost;
-  const Vec3d force = point.impulse_rate_N * point.normal + point.friction_N;
-  const Twistd answer = ghost->admittance * Wrenchd{force, cross(contact.line_point - ghost->centre, force)};
-  ghost->drive.linear += answer.linear, ghost->drive.angular += answer.angular;
-  return static_cast<std::uint32_t>(ghost - ghosts.begin());
-}
-
 // What moves them, too.
 void slow_down(std::span<physics::BorderGhost<double>> ghosts, double share) noexcept {
   for (auto& ghost : ghosts) {
@@ -81,9 +62,14 @@ void SubWorld::set_members(std::span<const physics::Body<double>> bodies) noexce
 void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
   fill_report(snapshot, report);
   if (snapshot.epoch != state_.epoch) forget_world(snapshot.epoch);
+  if (state_.has_snapshot == 0) {
+    // Ghosts have something in advance; a filter that shall not let energy be gained has not.
+    state_.tank_J = config_.border_mode == physics::BorderMode::kFiltered ? 0.0 : kTankAtStart_J;
+    state_.owed_J = state_.credit_J = 0;
+  }
   read_effects(snapshot.effects, false, world_);
   change_members(snapshot);
-  state_.buffer_gain_J += buffer_.adopt(snapshot, world_);
+  adopt_buffer(snapshot, report.mean_device_wrench.force);
   renew_border(snapshot);
   take_near_triangles(snapshot.near_regions.span(), snapshot.near_triangles.span());
   if (config_.scheme == CouplingScheme::kStatic) freeze_all_but_proxy();
@@ -96,6 +82,18 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   state_.has_snapshot = 1;
   state_.ticks_in_cycle = 0;
   state_.cycle_impulse = {};
+}
+
+// With the proxy the end of the coupling's spring goes where buffer bodies carry it: against its force, mean of the
+// last cycle, that is energy of the border.
+void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept {
+  const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, config_.proxy, world_);
+  state_.buffer_gain_J += adopted.gained_J - dot(coupling_force_N, adopted.proxy_carried);
+  const std::int32_t slot = world_.slot_of(config_.proxy);
+  if (slot < 0 || adopted.proxy_carried == Vec3d{}) return;
+  auto& motion = world_.bodies()[static_cast<std::uint32_t>(slot)].motion;
+  motion.pose.position += adopted.proxy_carried;
+  proxy_ = motion;
 }
 
 void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
@@ -176,7 +174,6 @@ void SubWorld::forget_world(std::uint32_t epoch) noexcept {
   state_.epoch = epoch;
   state_.wanted_epoch = std::max(epoch, state_.wanted_epoch);
   state_.ticks_in_cycle = state_.has_snapshot = 0;
-  state_.tank_J = kTankAtStart_J, state_.owed_J = 0;
 }
 
 void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
@@ -233,12 +230,12 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
       break;
     }
     if (config_.border_mode == physics::BorderMode::kGhost)
-      contact.ghost = load_ghost(point, contact, world_.border_ghosts());
+      contact.ghost = physics::find_ghost(world_.border_ghosts().span(), point.outside);
     // The world counts what does not fit, and the next step reports it.
     if (world_.add_border_contact(contact)) (void)outside_velocity_.try_push(point.outside_velocity);
   }
   border_count_ = contacts.size();
-  if (config_.border_mode == physics::BorderMode::kGhost) put_in_tank(work_in_global_step_J());
+  state_.credit_J = snapshot.border_work_J / config_.ratio;
 }
 
 // A ghost for each outside body, moving as the global step left it.
@@ -251,25 +248,21 @@ void SubWorld::renew_ghosts(const WorldSnapshot& snapshot) noexcept {
     ghost.centre = body.centre;
     ghost.velocity = body.velocity;
     ghost.admittance = body.admittance;
-    ghost.drive.linear = body.acceleration;
+    ghost.drive = body.drive;
     if (!ghosts.try_push(ghost)) return;
   }
 }
 
-// What the outside bodies did at the border contacts in the global step, on members: they may do it here as well.
-double SubWorld::work_in_global_step_J() const noexcept {
-  double power_W = 0;
-  const auto& contacts = world_.border_contacts();
-  for (std::uint32_t i = 0; i < contacts.size(); ++i)
-    power_W += contacts[i].impulse_rate * std::max(0.0, dot(contacts[i].normal, outside_velocity_[i]));
-  return power_W * config_.ratio * config_.step.dt;
+// What the outside bodies did to members in the global step, ghosts may do here as well, tick by tick; a late world has
+// told of no more than r ticks.
+double SubWorld::tick_credit_J() const noexcept {
+  return state_.ticks_in_cycle < config_.ratio ? state_.credit_J : 0.0;
 }
 
 void SubWorld::put_in_tank(double energy_J) noexcept {
   const double balance = state_.tank_J - state_.owed_J + energy_J;
   state_.tank_J = std::clamp(balance, 0.0, kMostInTank_J);
   state_.owed_J = std::max(0.0, -balance);
-  world_.border_may_give = state_.tank_J > 0;
 }
 
 void SubWorld::take_near_triangles(std::span<const physics::NearRegion<double>> regions,
@@ -346,13 +339,16 @@ void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, c
   const Posed held_at =
       world_.device_spring().enabled ? world_.bodies()[world_.device_spring().slot].motion.pose : Posed{};
   const double border_before_J = border_work_J();
+  if (has_budget(world_.border_mode))
+    world_.border_budget_J = state_.tank_J - state_.owed_J + std::max(0.0, tick_credit_J());
   world_.begin_step(settings);
   (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
   result.report = world_.finish_step(settings, cut);
   state_.last_sub_steps = sub_steps;
-  if (world_.border_mode == physics::BorderMode::kGhost) {
-    put_in_tank(border_before_J - border_work_J());
-    if (!world_.border_may_give) result.status |= kBorderSpent;
+  state_.border_work_J += result.report.border_joints_J;
+  if (has_budget(world_.border_mode)) {
+    put_in_tank(tick_credit_J() + border_before_J - border_work_J());
+    if (!(state_.tank_J > 0)) result.status |= kBorderSpent;
   }
 
   const Wrenchd& impulse = world_.device_spring().step_impulse;

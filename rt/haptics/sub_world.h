@@ -78,9 +78,13 @@ class SubWorld {
   std::size_t save_size_bound() const noexcept;
 
  private:
-  // The tank of the ghost border: what the border puts into the members it must have taken out before, or the outside
-  // bodies must have given it in the global world; and a little to start with. Where a tick takes more than there is,
-  // the rest is owed: it is paid first, and until then the border only takes.
+  // The tank of the ghost border: what ghosts put into the members they must have taken out before, or the outside
+  // bodies must have given it in the global step; and a little to start with. Of a tick
+  //   change of (tank - owed) = W_global / r - W_ghosts,
+  // both works on members, normal and friction, with sign: where outside bodies take energy from members, ghosts must
+  // take it too. A sub-step's rows give no more than is in the tank (BorderSolver::keep_budget), with an empty one they
+  // only take; joints, and outside bodies that take, may go beyond: that is owed and paid first. So at any time
+  // contacts with ghosts have put in at most kTankAtStart_J and what outside bodies did.
   static constexpr double kTankAtStart_J = 0.01;
 
   struct State {  // everything that is not in world_ and that the next tick depends on
@@ -96,6 +100,7 @@ class SubWorld {
     double buffer_gain_J{0};
     double proxy_work_J{0};
     double tank_J{kTankAtStart_J}, owed_J{0};
+    double credit_J{0};  // of a tick: the global step's work / ratio
   };
 
   void fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
@@ -105,10 +110,11 @@ class SubWorld {
   void change_members(const WorldSnapshot& snapshot) noexcept;
   void renew_border(const WorldSnapshot& snapshot) noexcept;
   void renew_ghosts(const WorldSnapshot& snapshot) noexcept;
-  double work_in_global_step_J() const noexcept;
   void put_in_tank(double energy_J) noexcept;
+  double tick_credit_J() const noexcept;
   void take_near_triangles(std::span<const physics::NearRegion<double>> regions,
                            std::span<const std::uint32_t> triangles) noexcept;
+  void adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept;
   void freeze_all_but_proxy() noexcept;
   void apply_lateness(SubWorldStep& result) noexcept;
   void aim_spring(const DeviceTarget& target) noexcept;

@@ -43,6 +43,7 @@ class HapticDriver {
   }
 
   const TickOutput& output() const noexcept { return output_; }
+  const haptics::DeviceSample& sample() const noexcept { return input_.device.sample; }  // the newest
   const TickPlan& plan() const noexcept { return plan_; }
   // Did the governor wish for fewer members than it was given, at the last synchronisation?
   bool restrained() const noexcept { return member_budget_ < governor_.config().members; }

@@ -5,9 +5,12 @@
 namespace tactus::loop {
 namespace {
 
-// After engaging, and after a lost world, the force comes in over this long: full force moves by 0.15 N a tick of
-// 1 ms. A ramp of the scale and not of the force, so that it never holds a force that the hand has already left.
+// After engaging, a fade and a lost world the force comes in over this long: full force moves by 0.15 N a tick of 1 ms.
+// A ramp of the scale and not of the force, so that it never holds a force that the hand has already left.
 constexpr double kRecovery_s = 0.2;
+constexpr double kRecoveryOfInput_s = 0.1;  // after missed frames: whole again within 0.1 s (hard case 18)
+// One or two missed frames are no fade: the force comes back as it went, a tenth a tick.
+constexpr double kMissedShare = 1.0 / haptics::kFadeOutTicks;
 // A scene that begins anew: the force fades over this long, full force by 0.6 N a tick of 1 ms; and a proxy that begins
 // in a body has this long to be pushed out before it is coupled again.
 constexpr double kResetFade_s = 0.05, kResetRest_s = 0.1;
@@ -36,6 +39,7 @@ void HapticLoop::tick(const TickInput& in, TickOutput& out) noexcept TACTUS_NONB
   out = TickOutput{};
   out.tick = state_.tick;
   guard(in.device, out);
+  watch_force(in.device);
   adopt(in);
   in.stages(TickStage::kAdopt);
   arm(in.operator_bits, out);
@@ -63,6 +67,18 @@ void HapticLoop::guard(const haptics::DeviceInput& in, TickOutput& out) noexcept
   state_.last_tool = now;
 }
 
+// A device that is not in FORCE has no force to fade.
+void HapticLoop::watch_force(const haptics::DeviceInput& in) noexcept {
+  device_missed_ = 0;
+  if (in.status != haptics::ReadStatus::kFresh) return;
+  device_missed_ = in.sample.missed_commands;
+  if (state_.engaged == 0) return watch_.end();
+  const Fault fault = watch_.watch(in.sample);
+  if (fault == Fault::kNone || state_.fault != Fault::kNone) return;
+  state_.fault = fault;
+  state_.engaged = 0;
+}
+
 // Arming engages as soon as the device gives good samples; a fault keeps `armed` but not `engaged`, so that only a
 // re-arm brings the force back.
 void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
@@ -71,7 +87,8 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
   // re-arm must be a rise again.
   if (state_.fault != Fault::kNone || input_.valid) state_.rearm = 0;
   if ((operator_bits & kArm) != 0) state_.armed = 1;
-  if ((operator_bits & kRearm) != 0) {
+  const bool braked = input_.device_state == haptics::DeviceState::kBrake;
+  if ((operator_bits & kRearm) != 0 && (state_.fault != Fault::kNone || braked)) {
     state_.fault = Fault::kNone;
     state_.armed = state_.rearm = 1;
     state_.engaged = 0;
@@ -88,7 +105,12 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
   }
   if (state_.reset != Reset::kNone) {
     out.status |= kSceneReset;
-    reset_scene();
+    reset_scene((operator_bits & kHoldReset) != 0);
+  }
+  if ((operator_bits & kEnd) != 0 && state_.ending == 0) state_.ending = 1, state_.ending_left_s = kEndFade_s;
+  if (state_.ending != 0) {
+    state_.ending_left_s = std::max(0.0, state_.ending_left_s - config_.period_s);
+    if (state_.ending_left_s == 0) state_.armed = state_.engaged = 0;
   }
   const bool ready = input_.valid && input_.device_state != haptics::DeviceState::kBrake;
   const bool may_engage = state_.armed != 0 && state_.fault == Fault::kNone && state_.reset == Reset::kNone && ready;
@@ -97,10 +119,11 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
 }
 
 // The device stands again where the scene placed it, so that trials begin alike however often they do.
-void HapticLoop::reset_scene() noexcept {
+void HapticLoop::reset_scene(bool hold) noexcept {
   state_.reset_left_s -= config_.period_s;
   if (state_.reset == Reset::kFading && (state_.reset_left_s <= 0 || state_.engaged == 0)) {
     state_.engaged = 0;
+    if (hold) return;
     placement_.state = {};
     sub_world_.ask_reset(placement_.world_from_target(input_.device_from_tool));
     state_.reset = Reset::kAsked;
@@ -123,7 +146,8 @@ void HapticLoop::engage() noexcept {
                         norm(small_rotation_vector(target.rotation * conjugate(proxy.rotation))) <= near_rad;
   if (!in_place) placement_.clutch_to(proxy, input_.device_from_tool);
   state_.engaged = 1;
-  state_.recovery_left_s = kRecovery_s;
+  state_.recovered = 0, state_.ramp_s = kRecovery_s;
+  watch_.begin(state_.tick + 1);
 }
 
 void HapticLoop::adopt(const TickInput& in) noexcept {
@@ -160,13 +184,27 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   if (report.deepest_m > kSharesFrom * config_.thinnest_m && config_.thinnest_m > 0)
     out.deepest_share = physics::deepest_overlap(sub_world_.world()).share;
   out.border_work_J = sub_world_.border_work_J();
+  out.buffer_gain_J = sub_world_.buffer_gain_J(), out.border_tank_J = sub_world_.border_tank_J();
   report_ = report;
-  // A lost world takes the ramp back with it: the force comes in again from where it had faded to.
-  state_.recovery_left_s = std::max(0.0, state_.recovery_left_s - config_.period_s);
-  const double recovered = std::min(1.0 - state_.recovery_left_s / kRecovery_s, stepped.force_scale);
-  if ((stepped.status & kWorldFade) != 0) state_.recovery_left_s = kRecovery_s * (1.0 - recovered);
-  const double fading = state_.reset == Reset::kFading ? state_.reset_left_s / kResetFade_s : 1.0;
-  force_scale_ = std::min(input_.force_scale, recovered * fading);
+  const double recovered = recovered_share(stepped.force_scale, (stepped.status & kWorldFade) != 0);
+  double fading = state_.reset == Reset::kFading ? std::max(0.0, state_.reset_left_s / kResetFade_s) : 1.0;
+  if (state_.ending != 0) fading = std::min(fading, state_.ending_left_s / kEndFade_s);
+  force_scale_ = std::min(state_.missed_share, recovered * fading);
+}
+
+// What faded takes the ramp back with it: the force comes in again from where it had faded to. So does the device's own
+// fade, when it misses our commands: what it does with the next one is its last share of the force and not all of it.
+double HapticLoop::recovered_share(double world_scale, bool world_fades) noexcept {
+  const bool device_fades = device_missed_ >= haptics::kFadingTicks;
+  const double missed = std::min(input_.force_scale, device_fades ? 1.0 - kMissedShare * device_missed_ : 1.0);
+  state_.missed_share = std::clamp(missed, 0.0, state_.missed_share + kMissedShare);
+  const bool input_fades = (input_.status & kForceFading) != 0 || device_fades;
+  double recovered = std::min({1.0, state_.recovered + config_.period_s / state_.ramp_s, world_scale});
+  if (input_fades) recovered = std::min(recovered, state_.missed_share);
+  if (recovered == 1.0 || world_fades) state_.ramp_s = kRecovery_s;
+  if (input_fades && state_.recovered == 1.0) state_.ramp_s = kRecoveryOfInput_s;
+  state_.recovered = recovered;
+  return recovered;
 }
 
 haptics::StoredEnergy HapticLoop::stored_energy(const TickOutput& out) const noexcept {
@@ -200,7 +238,9 @@ void HapticLoop::command(TickOutput& out) noexcept {
   out.fault = state_.fault;
   out.command.sequence = state_.tick + 1;
   const bool fault_done = state_.fault != Fault::kNone && state_.engaged == 0;
-  out.command.wanted = fault_done            ? haptics::DeviceState::kBrake
+  // A device that refuses FORCE is let go: a hand may have to move it to its index pulses.
+  const bool let_go = state_.fault == Fault::kForceRefused;
+  out.command.wanted = fault_done && !let_go ? haptics::DeviceState::kBrake
                        : state_.engaged != 0 ? haptics::DeviceState::kForce
                                              : haptics::DeviceState::kIdle;
   out.command.rearm = state_.rearm;
@@ -229,6 +269,7 @@ void HapticLoop::save(ByteWriter& out) const noexcept {
   out.put(placement_.state);
   out.put(passivity_.state);
   out.put(limiter_.state);
+  out.put(watch_.state);
   sub_world_.save(out);
 }
 
@@ -239,12 +280,13 @@ bool HapticLoop::restore(ByteReader& in) noexcept {
   in.get(placement_.state);
   in.get(passivity_.state);
   in.get(limiter_.state);
+  in.get(watch_.state);
   return sub_world_.restore(in) && in.ok();
 }
 
 std::size_t HapticLoop::save_size_bound() const noexcept {
   return sizeof(state_) + sizeof(guard_.state) + sizeof(velocity_.state) + sizeof(placement_.state) +
-         sizeof(passivity_.state) + sizeof(limiter_.state) + sub_world_.save_size_bound();
+         sizeof(passivity_.state) + sizeof(limiter_.state) + sizeof(watch_.state) + sub_world_.save_size_bound();
 }
 
 }  // namespace tactus::loop

@@ -11,6 +11,7 @@
 #include "rt/base/status.h"
 #include "rt/haptics/device_placement.h"
 #include "rt/haptics/force_limiter.h"
+#include "rt/haptics/force_watch.h"
 #include "rt/haptics/input_guard.h"
 #include "rt/haptics/passivity.h"
 #include "rt/haptics/sub_world.h"
@@ -32,7 +33,7 @@ struct LoopConfig {
 // What a person asks for, as bits; each counts for the tick that it is given to.
 enum OperatorBit : std::uint32_t {
   kArm = 1u << 0,     // engage: couple the device where it is, force on
-  kRearm = 1u << 1,   // clear a latched fault, tell the device to leave BRAKE, engage
+  kRearm = 1u << 1,   // clear a latched fault, tell the device to leave BRAKE, engage; without either nothing
   kDisarm = 1u << 2,  // force off
   // The e-stop's status line beside the link is active: Fault kEmergencyStop, and no force from this tick on. The cut
   // itself is in the firmware or the hardware; nothing is left to fade.
@@ -40,7 +41,14 @@ enum OperatorBit : std::uint32_t {
   // The scene begins anew: the force fades, the global world starts again with the proxy where the device is (clutched
   // to nothing), and when it has come to rest there the force comes back. Not with the direct coupling.
   kReset = 1u << 4,
+  // While it is given, a reset that is under way waits with the force off before it lets the scene begin anew: the hand
+  // is not back yet.
+  kHoldReset = 1u << 5,
+  // The run ends: the force fades within kEndFade_s, then the device is told to go to IDLE and nothing arms any more. A
+  // latched fault stays latched. In each tick until the end.
+  kEnd = 1u << 6,
 };
+inline constexpr double kEndFade_s = 0.05;
 
 // Tells the other side that H(n) is written. Called between adoption and the rest of the tick.
 struct ReportSink {
@@ -74,11 +82,13 @@ struct TickOutput {
   Wrenchd wanted;             // N, N m, device frame, before the output path
   double device_energy_J{0};  // into the virtual side at the device port, so far: what the device felt, when it did
   double damped_energy_J{0};  // taken by the passivity controller, so far
-  double border_work_J{0};    // done on members by the border, so far
+  double border_work_J{0};    // done on members by the border, so far, with sign
+  double buffer_gain_J{0};    // kinetic: gained by buffer bodies where they took the global world's state, with sign
+  double border_tank_J{0};    // what ghosts may still give
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
 static_assert(sizeof(TickOutput) == 8 + sizeof(haptics::DeviceCommand) + 10 * 4 + 2 * 8 + sizeof(Posed) +
-                                        sizeof(physics::BodyMotion<double>) + sizeof(Wrenchd) + 3 * 8);
+                                        sizeof(physics::BodyMotion<double>) + sizeof(Wrenchd) + 5 * 8);
 
 class HapticLoop {
  public:
@@ -111,23 +121,28 @@ class HapticLoop {
     std::uint64_t tick{0};
     std::uint64_t next_cycle{0};
     Fault fault{Fault::kNone};
-    std::uint32_t armed{0};     // an operator wants force
-    std::uint32_t engaged{0};   // the proxy is coupled to the device
-    std::uint32_t rearm{0};     // tell the device to leave BRAKE, until it has
-    double recovery_left_s{0};  // of the force's ramp after engaging or a lost world
+    std::uint32_t armed{0};    // an operator wants force
+    std::uint32_t engaged{0};  // the proxy is coupled to the device
+    std::uint32_t rearm{0};    // tell the device to leave BRAKE, until it has
+    double recovered{1};       // share of the force, by the ramp after engaging, a fade or a lost world
+    double ramp_s{0.2};        // that the ramp takes from nothing to all
     Reset reset{Reset::kNone};
-    std::uint32_t padding{0};
-    double reset_left_s{0};  // of the fade or the rest
-    Posed last_tool;         // device frame, of the tick before
+    std::uint32_t ending{0};  // 1: kEnd was asked for
+    double reset_left_s{0};   // of the fade or the rest
+    double ending_left_s{0};  // of the fade
+    double missed_share{1};   // of the force, in the last tick: what missed frames and commands left of it
+    Posed last_tool;          // device frame, of the tick before
   };
 
   void guard(const haptics::DeviceInput& in, TickOutput& out) noexcept;
+  void watch_force(const haptics::DeviceInput& in) noexcept;
   void adopt(const TickInput& in) noexcept;
   void arm(std::uint32_t operator_bits, TickOutput& out) noexcept;
   void engage() noexcept;
-  void reset_scene() noexcept;
+  void reset_scene(bool hold) noexcept;
   haptics::DeviceTarget couple(TickOutput& out) noexcept;
   void step(const haptics::DeviceTarget& target, const TickInput& in, TickOutput& out) noexcept;
+  double recovered_share(double world_scale, bool world_fades) noexcept;
   void shape_force(TickOutput& out) noexcept;
   void command(TickOutput& out) noexcept;
   haptics::StoredEnergy stored_energy(const TickOutput& out) const noexcept;
@@ -138,12 +153,14 @@ class HapticLoop {
   haptics::VelocityEstimator velocity_;
   haptics::DevicePlacement placement_;
   haptics::Passivity passivity_;
+  haptics::ForceWatch watch_;
   haptics::ForceLimiter limiter_;
 
   // Of the tick under way.
   haptics::GuardedInput input_;
-  Twistd tool_step_velocity_;  // device frame: backward difference over the tick, what the energy book wants
-  double force_scale_{1};      // of the fades
+  Twistd tool_step_velocity_;       // device frame: backward difference over the tick, what the energy book wants
+  double force_scale_{1};           // of the fades
+  std::uint32_t device_missed_{0};  // commands, as the device says in this tick
 
   physics::StepReport<double> report_;  // of the last tick; no tick depends on it
 

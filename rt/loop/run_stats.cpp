@@ -16,7 +16,7 @@ void ForecastStats::add(double predicted, double measured) noexcept {
 }
 
 void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t component, std::uint32_t cycle_ticks,
-                   std::uint32_t ratio) noexcept {
+                   std::uint32_t ratio, const haptics::DeviceSample& device) noexcept {
   ++ticks;
   sub_steps_sum += sub_steps;
   if ((out.status & kProxyContact) != 0) ++contact_ticks;
@@ -46,12 +46,14 @@ void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t
   device_energy_J = out.device_energy_J;
   damped_energy_J = out.damped_energy_J;
   border_work_J = out.border_work_J;
-  if (out.fault != last_fault_) {
-    if (out.fault != Fault::kNone) ++fault_count;
-    (void)faults.try_push(
-        {out.tick, out.fault != Fault::kNone ? out.fault : last_fault_, out.fault != Fault::kNone ? 0u : 1u});
-    last_fault_ = out.fault;
-  }
+  buffer_gain_J = out.buffer_gain_J, border_tank_J = out.border_tank_J;
+  if (out.fault == fault_now) return;
+  const bool latched = out.fault != Fault::kNone;
+  if (latched) ++fault_count;
+  const bool listed = faults.try_push(
+      {out.tick, latched ? out.fault : fault_now, latched ? 0u : 1u, device.state, device.device_fault, device.limits});
+  if (!listed) ++fault_events_dropped;
+  fault_now = out.fault;
 }
 
 }  // namespace tactus::loop

@@ -21,6 +21,9 @@ struct FaultEvent {
   std::uint64_t tick{0};
   Fault fault{Fault::kNone};
   std::uint32_t cleared{0};  // 1: a re-arm took it back at this tick
+  // What the device said of itself by then, see DeviceSample.
+  haptics::DeviceState device_state{haptics::DeviceState::kReset};
+  std::uint32_t device_fault{0}, device_limits{0};
 };
 
 // What the cost model said before each tick, beside what the tick took.
@@ -42,19 +45,21 @@ struct RunStats {
   double force_max_N{0}, torque_max_Nm{0}, force_sum_N{0}, force_step_max_N{0};
   double deepest_m{0};
   double deepest_share{0};  // of the thinner body's thickness
-  double device_energy_J{0}, damped_energy_J{0}, border_work_J{0};
+  double device_energy_J{0}, damped_energy_J{0}, border_work_J{0}, buffer_gain_J{0}, border_tank_J{0};
   std::uint64_t sub_steps_sum{0};
   std::uint64_t restrained_cycles{0};  // that the governor wished fewer members for than it was given
-  FixedVector<FaultEvent, 16> faults;  // the first 16
-  std::uint64_t fault_count{0};
+  FixedVector<FaultEvent, 16> faults;  // the first 16, re-arms among them
+  std::uint64_t fault_count{0};        // latched, without the re-arms
+  std::uint64_t fault_events_dropped{0};
+  Fault fault_now{Fault::kNone};  // latched in the last tick
 
-  // `cycle_ticks`: where a synchronisation happened, the length of the cycle that it ended; else 0.
+  // `device`: the newest sample. `cycle_ticks`: where a synchronisation happened, the length of the cycle that it
+  // ended; else 0.
   void add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t component, std::uint32_t cycle_ticks,
-           std::uint32_t ratio) noexcept;
+           std::uint32_t ratio, const haptics::DeviceSample& device = {}) noexcept;
 
  private:
   Vec3d last_force_;
-  Fault last_fault_{Fault::kNone};
 };
 
 }  // namespace tactus::loop

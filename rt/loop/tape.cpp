@@ -45,6 +45,9 @@ std::uint32_t crc_of_record(const RecordStart& start, std::span<const std::byte>
   return crc_of(bytes_of(start).first(8), payload);
 }
 
+// A damaged tape whose bytes look like records in many places costs no more than this many readings of it.
+constexpr std::uint64_t kSearchReads = 16;
+
 std::string named(const std::string& path) { return "tape '" + path + "': "; }
 
 }  // namespace
@@ -130,6 +133,7 @@ void TapeWriter::flush() {
     const ssize_t written = ::write(file_, left.data(), left.size());
     if (written > 0) {
       left = left.subspan(static_cast<std::size_t>(written));
+      written_ += static_cast<std::uint64_t>(written);
     } else if (written == 0 || errno != EINTR) {
       fail("cannot be written", written == 0 ? ENOSPC : errno);
     }
@@ -219,6 +223,44 @@ TapeRead TapeReader::next(TapeRecord& record) {
   }
   record = {start.kind, records_++, record_begin_, payload_};
   return TapeRead::kRecord;
+}
+
+std::uint64_t TapeReader::skip_damage(std::span<const std::uint32_t> kinds) {
+  const std::uint64_t damaged = record_begin_;
+  if (std::fseek(file_, 0, SEEK_END) != 0) return offset_ - damaged;  // a pipe: what was read of it is gone
+  const auto file_size = static_cast<std::uint64_t>(std::ftell(file_));
+  std::uint64_t may_read = kSearchReads * file_size, at = damaged + 1;
+  std::vector<std::byte> window;
+  constexpr std::size_t kWindow = 1u << 16;
+  for (std::uint64_t begin = at; at + sizeof(RecordStart) <= file_size && may_read > 0; begin = at) {
+    window.resize(std::min<std::uint64_t>(kWindow, file_size - begin));
+    if (std::fseek(file_, static_cast<long>(begin), SEEK_SET) != 0 ||
+        std::fread(window.data(), 1, window.size(), file_) < window.size())
+      break;
+    for (; at + sizeof(RecordStart) <= begin + window.size() && may_read > 0; ++at) {
+      std::uint32_t kind = 0;
+      std::memcpy(&kind, window.data() + (at - begin), sizeof kind);
+      if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end() || !is_whole_record(at, file_size, may_read))
+        continue;
+      std::fseek(file_, static_cast<long>(at), SEEK_SET);
+      offset_ = at, ended_ = false, damage_ = Status::good();
+      return at - damaged;
+    }
+  }
+  offset_ = file_size, ended_ = true, damage_ = Status::good();
+  return file_size - damaged;
+}
+
+// `may_read` [bytes] goes down by what it takes to tell.
+bool TapeReader::is_whole_record(std::uint64_t at, std::uint64_t file_size, std::uint64_t& may_read) {
+  RecordStart start;
+  if (std::fseek(file_, static_cast<long>(at), SEEK_SET) != 0 || std::fread(&start, sizeof start, 1, file_) != 1)
+    return false;
+  if (start.size > kMaxTapeRecord || at + sizeof start + start.size > file_size) return false;
+  payload_.resize(start.size);
+  may_read -= std::min<std::uint64_t>(may_read, start.size);
+  return std::fread(payload_.data(), 1, payload_.size(), file_) == payload_.size() &&
+         start.crc == crc_of_record(start, payload_);
 }
 
 Status TapeReader::cut_off_in_header() const {

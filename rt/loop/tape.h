@@ -5,7 +5,8 @@
 //
 // All little endian, no alignment. What the records mean is their writers' matter (the recorder's kinds); the text is
 // theirs too: what was run, with which settings. A tape that ends in the middle of a record, as after a power cut, is
-// readable up to there. The reader takes any bytes: it never crashes, and names each kind of damage in one line.
+// readable up to there; one with a damaged record, before and behind it. The reader takes any bytes: it never crashes,
+// and names each kind of damage in one line.
 // Thread: normal-priority threads only ([setup]): files block. Bound: kMaxTapeRecord, kMaxTapeText; more is refused.
 #pragma once
 
@@ -26,7 +27,7 @@ namespace tactus::loop {
 
 static_assert(std::endian::native == std::endian::little, "the tape's numbers are written as they are in memory");
 
-inline constexpr std::uint32_t kTapeVersion = 8;            // 8: the border's buffer, couplings, wrenches on their way
+inline constexpr std::uint32_t kTapeVersion = 10;           // 10: the device's missed commands, in samples
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 
@@ -52,6 +53,8 @@ class TapeWriter {
   Status close();
 
   std::uint64_t bytes() const noexcept { return bytes_; }
+  // Of those, what is in the file by now: the rest waits in the buffer, or was lost with the first error.
+  std::uint64_t bytes_written() const noexcept { return written_; }
   std::uint64_t records() const noexcept { return records_; }
   const std::string& path() const noexcept { return path_; }
 
@@ -65,7 +68,7 @@ class TapeWriter {
   int file_;
   std::string path_;
   std::vector<std::byte> buffer_;
-  std::uint64_t bytes_{0}, records_{0};
+  std::uint64_t bytes_{0}, written_{0}, records_{0};
   Status status_{Status::good()};
 };
 
@@ -88,9 +91,15 @@ class TapeReader {
   const std::string& text() const noexcept { return text_; }
   const std::string& isa_tag() const noexcept { return isa_tag_; }  // of the program that wrote it
 
-  // After kDamaged there is nothing more to read: damage() says what and where, all records before are good.
+  // After kDamaged damage() says what and where, all records before are good, and there is nothing more to read but
+  // behind skip_damage().
   TapeRead next(TapeRecord& record);
   const Status& damage() const noexcept { return damage_; }
+
+  // After kDamaged: finds the next whole record of one of these kinds, where next() then goes on; at the end of the
+  // file if there is none. Gives the bytes that are lost, from the damaged record's first on. Bound: reads at most 16
+  // times the file, then gives the rest up.
+  std::uint64_t skip_damage(std::span<const std::uint32_t> kinds);
 
  private:
   TapeReader(std::FILE* file, std::string path) : file_(file), path_(std::move(path)) {}
@@ -98,6 +107,7 @@ class TapeReader {
   std::size_t read_up_to(void* to, std::size_t size);
   Status cut_off_in_header() const;
   Status cut_off() const;
+  bool is_whole_record(std::uint64_t at, std::uint64_t file_size, std::uint64_t& may_read);
   TapeRead damaged(Status why);
 
   std::FILE* file_;

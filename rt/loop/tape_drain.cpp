@@ -74,8 +74,23 @@ void TapeDrain::mark_gap(std::uint64_t lost) {
 
 // An error of the tape ends the recording, not the draining: the history goes on.
 void TapeDrain::take(std::uint32_t kind, std::span<const std::byte> payload) {
-  if (tape_ != nullptr && tape_status_.ok()) tape_status_ = tape_->write(kind, payload);
+  if (tape_ != nullptr) write(kind, payload);
   history_.push(kind, payload);
+}
+
+void TapeDrain::write(std::uint32_t kind, std::span<const std::byte> payload) {
+  const bool is_tick = kind == settings_.tick_kind;
+  if (!tape_status_.ok()) {
+    if (is_tick) ++ticks_not_written_;
+    return;
+  }
+  tape_status_ = tape_->write(kind, payload);
+  if (is_tick) waiting_ticks_.push_back(tape_->bytes());
+  forget_written_ticks();
+}
+
+void TapeDrain::forget_written_ticks() {
+  while (!waiting_ticks_.empty() && waiting_ticks_.front() <= tape_->bytes_written()) waiting_ticks_.pop_front();
 }
 
 Status TapeDrain::stop() {
@@ -94,6 +109,8 @@ Status TapeDrain::stop() {
     mark_gap(ring_.dropped() - lost_marked_);  // at the very end, with no record after it
     const Status closed = tape_->close();
     if (tape_status_.ok()) tape_status_ = closed;
+    forget_written_ticks();
+    ticks_not_written_ += waiting_ticks_.size();
     tape_.reset();
   }
   return tape_status_;
@@ -114,7 +131,7 @@ Status TapeDrain::dump(const std::string& path, std::string_view text) {
 
 TapeDrain::Counts TapeDrain::counts() const {
   const std::lock_guard lock(mutex_);
-  return {records_, payload_bytes_, ring_.dropped(), history_.not_kept()};
+  return {records_, payload_bytes_, ring_.dropped(), history_.not_kept(), ticks_not_written_};
 }
 
 }  // namespace tactus::loop

@@ -1,7 +1,8 @@
 // Empties the loop's ring: into a tape while recording, and always into a history in memory that a fault dumps.
 //
 // The loop never waits for it and never wakes it: the drain looks by itself every so often. A ring of capacity B takes
-// B / (bytes a tick) ticks of a stalled disk; what is lost then is counted and marked by a kTapeGap record.
+// B / (bytes a tick) ticks of a stalled disk; what is lost then is counted and marked by a kTapeGap record. A disk that
+// takes no more ends the tape, and nothing else.
 // Thread: construction and all calls from normal-priority threads; start() adds a thread of its own, without it the
 // owner calls drain() (virtual time). Bound: ring, history; the thread's stack is small because locked.
 #pragma once
@@ -9,6 +10,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -25,6 +27,7 @@ namespace tactus::loop {
 struct DrainSettings {
   std::size_t history_bytes{32u << 20};
   std::uint32_t keyframe_kind{0};
+  std::uint32_t tick_kind{0};              // counted where they do not come on the tape
   std::chrono::milliseconds interval{10};  // between two looks
 };
 
@@ -46,10 +49,11 @@ class TapeDrain {
   Status dump(const std::string& path, std::string_view text);
 
   struct Counts {
-    std::uint64_t records{0};   // taken from the ring
-    std::uint64_t bytes{0};     // of payload
-    std::uint64_t lost{0};      // dropped at a full ring
-    std::uint64_t not_kept{0};  // not in the history: no keyframe before them
+    std::uint64_t records{0};            // taken from the ring
+    std::uint64_t bytes{0};              // of payload
+    std::uint64_t lost{0};               // dropped at a full ring
+    std::uint64_t not_kept{0};           // not in the history: no keyframe before them
+    std::uint64_t ticks_not_written{0};  // of tick_kind: not on the tape for an error of it; final after stop()
   };
   Counts counts() const;
 
@@ -59,6 +63,8 @@ class TapeDrain {
   void drain_locked();
   void mark_gap(std::uint64_t lost);
   void take(std::uint32_t kind, std::span<const std::byte> payload);
+  void write(std::uint32_t kind, std::span<const std::byte> payload);
+  void forget_written_ticks();
 
   Ring& ring_;
   DrainSettings settings_;
@@ -66,6 +72,8 @@ class TapeDrain {
   std::condition_variable wake_;
   std::unique_ptr<TapeWriter> tape_;
   Status tape_status_{Status::good()};
+  std::deque<std::uint64_t> waiting_ticks_;  // where each tick that is not in the file yet ends in it
+  std::uint64_t ticks_not_written_{0};
   TapeHistory history_;
   std::vector<std::byte> payload_;
   std::uint64_t records_{0}, payload_bytes_{0}, lost_marked_{0};

@@ -56,7 +56,8 @@ void Solver<T, S>::prepare(const SolverInput<T>& input, StageContext<T>& context
   contacts_.prepare(std::span<const Contact<T>>(input.contacts), state(), input.executor);
   if constexpr (kIsWhole) {
     border_.prepare(input.border, input.ghosts, input.border_mode, input.bodies, state(), context.h,
-                    input.impulse_scale, settings.friction, input.border_may_give);
+                    input.impulse_scale, settings.friction, input.border_budget_J);
+    context.ghosts = border_.ghosts(), context.ghosts_may_give = input.border_budget_J > T(0);
   }
 }
 

@@ -36,7 +36,7 @@ struct SolverInput {
   std::span<BorderContact<T>> border;
   std::span<BorderGhost<T>> ghosts;
   BorderMode border_mode;
-  bool border_may_give;         // see BorderSolver
+  T border_budget_J;            // see BorderSolver
   T impulse_scale;              // this sub-step / that of the stored impulses of the border
   const StageTable<T>& stages;  // of effects
   std::span<const Body<T>> fixed_bodies{};

@@ -74,6 +74,7 @@ struct StepReport {
   std::uint32_t cut_sweep{kNeverCut};  // sweep at which the cut fired
   T deepest_m{};                       // largest overlap at the start of the step [m]
   std::uint32_t broken_joints{0};      // that broke in this step
+  T border_joints_J{};                 // work of joints with bodies of another world, on this one's
   // N, N m about the proxy's centre: what the hand feels beyond the coupling (effects texture, transients).
   Wrench<T> felt{};
 };

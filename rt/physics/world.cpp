@@ -407,7 +407,7 @@ void World<T>::solve(std::span<const std::uint8_t> held, std::span<PoseSpring<T>
                              border_contacts_.span(),
                              border_ghosts_.span(),
                              border_mode,
-                             border_may_give,
+                             border_budget_J,
                              impulse_scale,
                              effects_.stages(),
                              fixed_bodies_.span(),

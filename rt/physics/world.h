@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "rt/base/bounded_vector.h"
@@ -98,7 +99,7 @@ class World {
   BoundedVector<BorderGhost<T>>& border_ghosts() noexcept { return border_ghosts_; }
   const BoundedVector<BorderGhost<T>>& border_ghosts() const noexcept { return border_ghosts_; }
   BorderMode border_mode{BorderMode::kCapped};
-  bool border_may_give{true};  // set before each step; see BorderSolver
+  T border_budget_J{std::numeric_limits<T>::max()};  // set before each step; see BorderSolver
 
   // A wrench on a dynamic body, held over the next step, then forgotten. N, N m about its centre, world.
   void apply_wrench(std::uint32_t slot, const Wrench<T>& wrench) noexcept;

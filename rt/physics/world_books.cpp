@@ -213,7 +213,7 @@ void World<T>::save(ByteWriter& out) const noexcept {
   for (PoseSpring<T> spring : springs_) each_field(io, spring);
   write_all(out, border_contacts_.span());
   write_all(out, border_ghosts_.span());
-  io(static_cast<std::uint32_t>(border_mode)), io(border_may_give);
+  io(static_cast<std::uint32_t>(border_mode)), io(border_budget_J);
   io(last_sub_step_), io(refused_bits_), io(refused_);
   effects_.save(out);
 }
@@ -236,7 +236,7 @@ void World<T>::clear() noexcept {
   border_contacts_.clear(), border_ghosts_.clear();
   fixed_is_indexed_ = false;
   springs_ = {};
-  border_mode = BorderMode::kCapped, border_may_give = true;
+  border_mode = BorderMode::kCapped, border_budget_J = std::numeric_limits<T>::max();
   wrench_applied_ = false;
   last_sub_step_ = T(0);
   refused_bits_ = 0, refused_ = 0;
@@ -270,7 +270,7 @@ bool World<T>::is_consistent() const noexcept {
     if (w.count > kMaxManifoldPoints) return false;
   for (const auto& spring : springs_)
     if (spring.enabled && spring.slot >= bodies_.size()) return false;
-  return border_mode >= BorderMode::kCapped && border_mode <= BorderMode::kGhost;
+  return border_mode >= BorderMode::kCapped && border_mode <= BorderMode::kFiltered;
 }
 
 template <class T>
@@ -294,7 +294,7 @@ bool World<T>::restore(ByteReader& in) noexcept {
     for (auto& spring : springs_) each_field(io, spring);
     if (!read_all(in, border_contacts_) || !read_all(in, border_ghosts_)) return false;
     std::uint32_t mode = 0;
-    io(mode), io(border_may_give), io(last_sub_step_), io(refused_bits_), io(refused_);
+    io(mode), io(border_budget_J), io(last_sub_step_), io(refused_bits_), io(refused_);
     border_mode = static_cast<BorderMode>(mode);
     return effects_.restore(in) && in.ok() && is_consistent();
   };

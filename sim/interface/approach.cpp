@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rt/physics/collision/collide.h"
+#include "rt/physics/contact/find_contact.h"
 
 namespace tactus::sim {
 namespace {
@@ -28,11 +29,8 @@ physics::Aabb<double> join(const physics::Aabb<double>& a, const physics::Aabb<d
 }
 
 bool touches_now(const physics::World<double>& world, BodyId a, BodyId b) noexcept {
-  const auto contacts = world.contacts();
-  const PairKey key = PairKey::of(a, b, false);
-  const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
-                                   [](const physics::Contact<double>& c, const PairKey& k) { return c.key < k; });
-  return at != contacts.end() && at->key == key && at->touching();
+  const auto* contact = physics::find_contact<double>(world.contacts(), a, b);
+  return contact != nullptr && contact->touching();
 }
 
 }  // namespace

@@ -13,9 +13,6 @@ using physics::JointKind;
 using physics::JointState;
 
 constexpr std::uint32_t kNone = physics::kNoSlot;
-// A contact that presses gives way to an impulse by a hundred thousandth of what the lighter body would: as good as
-// rigid over a cycle, and far from the limits of double where sixteen follow each other.
-constexpr double kFirmness = 1e5;
 // A contact whose friction is further used up than this counts as sliding.
 constexpr double kSticks = 0.95;
 
@@ -36,12 +33,17 @@ bool factorise(Matrix6& k) noexcept {
   return true;
 }
 
-// x with L L^T x = b.
-void solve(const Matrix6& l, Vector6& b) noexcept {
+// x with L x = b, in place.
+void solve_lower(const Matrix6& l, Vector6& b) noexcept {
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t m = 0; m < i; ++m) b[i] -= l[i][m] * b[m];
     b[i] /= l[i][i];
   }
+}
+
+// x with L L^T x = b, in place.
+void solve(const Matrix6& l, Vector6& b) noexcept {
+  solve_lower(l, b);
   for (std::size_t i = 6; i-- > 0;) {
     for (std::size_t m = i + 1; m < 6; ++m) b[i] -= l[m][i] * b[m];
     b[i] /= l[i][i];
@@ -60,9 +62,18 @@ void solve_lower(const Matrix6& l, Matrix6& b) noexcept {
   }
 }
 
+void add(Vector6& to, const Vector6& by) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) to[i] += by[i];
+}
 void add(Matrix6& to, const Matrix6& by) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) add(to[i], by[i]);
+}
+
+Vector6 product(const Matrix6& m, const Vector6& v) noexcept {
+  Vector6 result{};
   for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = 0; j < 6; ++j) to[i][j] += by[i][j];
+    for (std::size_t j = 0; j < 6; ++j) result[i] += m[i][j] * v[j];
+  return result;
 }
 
 // Of a mass whose first moment about a point is `moment`, and its second `turning`: for twists of that point.
@@ -90,6 +101,18 @@ Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
   return inertia_of(body.mass, body.mass * d, own + turning_at(body.mass, d));
 }
 
+// A body's velocity at a point that is `d` before its centre, and its spin.
+Vector6 at_point(const Twistd& of_centre, const Vec3d& d) noexcept {
+  const Vec3d &w = of_centre.angular, v = of_centre.linear - cross(w, d);
+  return {v.x, v.y, v.z, w.x, w.y, w.z};
+}
+
+Twistd mean_between(const Posed& start, const Posed& end, double step_s) noexcept {
+  const double rate = 1 / step_s;
+  return {(end.position - start.position) * rate,
+          small_rotation_vector(end.rotation * conjugate(start.rotation)) * rate};
+}
+
 // What is held along a direction, which turns about the centre by `turn`: firm s s^T of that screw.
 void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noexcept {
   const Vector6 row{along.x, along.y, along.z, turn.x, turn.y, turn.z};
@@ -108,16 +131,35 @@ double inverse_inertia_of(std::span<const Body<double>> bodies, std::uint32_t sl
   return 1 / std::min({i.x, i.y, i.z});
 }
 
-// What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds.
-Matrix6 firmness_of_contact(const Contact<double>& contact, std::span<const Body<double>> bodies,
+// Of B's point of the contact against A's, m/s.
+Vec3d slip_of(const Contact<double>& contact, const physics::ContactPoint<double>& point,
+              std::span<const Body<double>> bodies) noexcept {
+  const Twistd& a = bodies[contact.slot_a].motion.velocity;
+  const Vec3d of_a = a.linear + cross(a.angular, point.from_a);
+  if (contact.b_fixed) return -of_a;
+  const Twistd& b = bodies[contact.slot_b].motion.velocity;
+  return b.linear + cross(b.angular, point.from_b) - of_a;
+}
+
+// What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds. It holds
+// where it can go on as in the last step and stop what motion it has now: pressing, and within the disk of friction.
+Matrix6 firmness_of_contact(const Contact<double>& contact, double added_inertia, std::span<const Body<double>> bodies,
                             const Vec3d& centre) noexcept {
   const Body<double>& a = bodies[contact.slot_a];
-  const double firm = kFirmness / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
-  Vec3d friction;
-  double pressed = 0;
-  for (std::uint32_t i = 0; i < contact.count; ++i)
-    friction += contact.points[i].total_friction, pressed += contact.points[i].total_normal_impulse;
-  const bool sticks = norm(friction) < kSticks * contact.friction * pressed;
+  const double mass_of_both = 1 / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
+  const double firm = added_inertia * mass_of_both;
+  Vec3d friction, slip;
+  double pressed = 0, points = 0;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    if (!(point.total_normal_impulse > 0)) continue;
+    friction += point.total_friction, pressed += point.total_normal_impulse;
+    slip += slip_of(contact, point, bodies), points += 1;
+  }
+  const Vec3d stopping = points > 0 ? slip * (-mass_of_both / points) : Vec3d{};
+  const double pull = dot(contact.normal, stopping);
+  if (!(pressed + std::min(0.0, pull) > 0)) return {};
+  const bool sticks = norm(friction + stopping - pull * contact.normal) < kSticks * contact.friction * pressed;
   // A point that sticks holds in all three directions: as a mass there.
   double mass = 0;
   Vec3d moment;
@@ -144,10 +186,11 @@ bool holds_coordinate(const Joint<double>& joint, const JointState<double>& stat
 }
 
 // The same of a joint between bodies at these slots, of which A may be the world.
-Matrix6 firmness_of_joint(const Joint<double>& joint, const JointState<double>& state, std::uint32_t slot_a,
-                          std::uint32_t slot_b, std::span<const Body<double>> bodies, const Vec3d& centre) noexcept {
-  const double firm = kFirmness / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
-  const double firm_turn = kFirmness / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
+Matrix6 firmness_of_joint(const Joint<double>& joint, const JointState<double>& state, double added_inertia,
+                          std::uint32_t slot_a, std::uint32_t slot_b, std::span<const Body<double>> bodies,
+                          const Vec3d& centre) noexcept {
+  const double firm = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
+  const double firm_turn = added_inertia / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
   const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
   const Posed at_b = bodies[slot_b].motion.pose * joint.b_from_joint;
   const Vec3d r = at_b.position - centre;
@@ -169,16 +212,26 @@ Matrix6 firmness_of_joint(const Joint<double>& joint, const JointState<double>& 
   return sum;
 }
 
-// What is felt of `inertia` through a link of that firmness: both in series, G - G (G + I)^-1 G. With G + I = L L^T
-// and Y = L^-1 G that is G - Y^T Y.
-Matrix6 felt_through(const Matrix6& firmness, const Matrix6& inertia) noexcept {
-  Matrix6 both = firmness, felt = firmness, y = firmness;
+// Of a body's inertia I and momentum p what its parent feels through a link of firmness G. The body moves by
+// (I + G) v = p + G v_parent, the parent feels G (v - v_parent). With I + G = L L^T, Y = L^-1 G and z = L^-1 p that is
+// Y^T z - (G - Y^T Y) v_parent.
+struct Felt {
+  Matrix6 inertia{};
+  Vector6 momentum{};
+};
+Felt felt_through(const Matrix6& firmness, const Matrix6& inertia, const Vector6& momentum) noexcept {
+  Matrix6 both = firmness, y = firmness;
   add(both, inertia);
   if (!factorise(both)) return {};
   solve_lower(both, y);
+  Vector6 z = momentum;
+  solve_lower(both, z);
+  Felt felt{firmness, {}};
   for (std::size_t k = 0; k < 6; ++k)
-    for (std::size_t i = 0; i < 6; ++i)
-      for (std::size_t j = 0; j < 6; ++j) felt[i][j] -= y[k][i] * y[k][j];
+    for (std::size_t i = 0; i < 6; ++i) {
+      felt.momentum[i] += y[k][i] * z[k];
+      for (std::size_t j = 0; j < 6; ++j) felt.inertia[i][j] -= y[k][i] * y[k][j];
+    }
   return felt;
 }
 
@@ -228,8 +281,9 @@ void BorderAdmittance::for_each_link(F&& f) const noexcept {
   for (const Held& held : joints_) f(link++, held.a, held.b);
 }
 
-void BorderAdmittance::index(const physics::World<double>& world) noexcept {
-  contacts_ = world.contacts(), bodies_ = world.bodies();
+void BorderAdmittance::index(const physics::World<double>& world, double added_inertia, double step_s) noexcept {
+  added_inertia_ = added_inertia, step_s_ = step_s;
+  contacts_ = world.contacts(), bodies_ = world.bodies(), starts_ = world.last_poses();
   find_joints(world);
   TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
                bodies_.size(), contacts_.size() + joints_.size());
@@ -260,15 +314,28 @@ std::span<const BorderAdmittance::Link> BorderAdmittance::links_of(std::uint32_t
 }
 
 Matrix6 BorderAdmittance::firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
-  if (link < contacts_.size()) return firmness_of_contact(contacts_[link], bodies_, centre);
+  if (link < contacts_.size()) return firmness_of_contact(contacts_[link], added_inertia_, bodies_, centre);
   const Held& held = joints_[link - contacts_.size()];
-  return firmness_of_joint(*held.joint, *held.state, held.a, held.b, bodies_, centre);
+  return firmness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
+}
+
+// Of the last step; of a newcomer its velocity.
+Twistd BorderAdmittance::mean_velocity(std::uint32_t slot) const noexcept {
+  if (!is_finite(starts_[slot])) return bodies_[slot].motion.velocity;
+  return mean_between(starts_[slot], bodies_[slot].motion.pose, step_s_);
+}
+
+Twistd BorderAdmittance::off_mean(std::uint32_t slot) const noexcept {
+  const Twistd &now = bodies_[slot].motion.velocity, mean = mean_velocity(slot);
+  return {now.linear - mean.linear, now.angular - mean.angular};
 }
 
 void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
                              const Vec3d& centre) noexcept {
   found_[slot] = search_;
-  reached_.push_back({slot, parent, link, inertia_of(bodies_[slot], bodies_[slot].motion.pose.position - centre), {}});
+  const Vec3d d = bodies_[slot].motion.pose.position - centre;
+  const Matrix6 inertia = inertia_of(bodies_[slot], d);
+  reached_.push_back({slot, parent, link, inertia, {}, product(inertia, at_point(off_mean(slot), d))});
 }
 
 // The bodies that the asked one hangs together with, and the inertia that each shows to its parent's side.
@@ -279,23 +346,33 @@ void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t>
   reach(slot, kNone, kNone, centre);
   for (std::uint32_t head = 0; head < reached_.size(); ++head)
     for (const auto& [link, other] : links_of(reached_[head].slot)) {
-      if (other == kNone || immovable_[other] != 0)
-        add(reached_[head].inertia, firmness_of(link, centre));
-      else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
-               (link >= contacts_.size() || contacts_[link].touching()))
+      if (other == kNone || immovable_[other] != 0) {
+        const Matrix6 firmness = firmness_of(link, centre);
+        add(reached_[head].inertia, firmness);
+        if (other != kNone)
+          add(reached_[head].momentum,
+              product(firmness, at_point(off_mean(other), bodies_[other].motion.pose.position - centre)));
+      } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
+                 (link >= contacts_.size() || contacts_[link].touching())) {
         reach(other, head, link, centre);
+      }
     }
   for (std::size_t i = reached_.size(); i-- > 1;) {
     Reached& from = reached_[i];
     from.firmness = firmness_of(from.link, centre);
-    add(reached_[from.parent].inertia, felt_through(from.firmness, from.inertia));
+    Reached& to = reached_[from.parent];
+    const Felt felt = felt_through(from.firmness, from.inertia, from.momentum);
+    add(to.inertia, felt.inertia), add(to.momentum, felt.momentum);
   }
 }
 
-physics::Admittance<double> BorderAdmittance::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
-  if (immovable_[slot] != 0) return {};
+OutsideAnswer BorderAdmittance::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+  if (immovable_[slot] != 0) return {bodies_[slot].motion.velocity, {}};
   collect(slot, members);
-  return invert(reached_[0].inertia);
+  const Vector6& p = reached_[0].momentum;
+  const physics::Admittance<double> w = invert(reached_[0].inertia);
+  const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+  return {{mean.linear + kept.linear, mean.angular + kept.angular}, w};
 }
 
 }  // namespace tactus::sim

@@ -1,5 +1,7 @@
 #include "sim/interface/border_log.h"
 
+#include "rt/physics/contact/find_contact.h"
+
 namespace tactus::sim {
 namespace {
 
@@ -54,11 +56,27 @@ Vec3d acceleration_to_come(const Body<double>& body, const Posed& start, double 
   return acceleration * (dot(acceleration, end) < 0 ? std::min(1.0, speed / change) : 1.0);
 }
 
-const Contact<double>* find_contact(std::span<const Contact<double>> contacts, BodyId a, BodyId b) noexcept {
-  const PairKey key = PairKey::of(a, b, false);
-  const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
-                                   [](const Contact<double>& c, const PairKey& k) { return c.key < k; });
-  return at != contacts.end() && at->key == key ? &*at : nullptr;
+// A joint between a member and an outside body, after a step.
+struct JointAcross {
+  std::uint32_t member, outside;  // slots
+  Vec3d point;                    // m, world: the frame on B, now
+  Wrenchd on_member;              // N, N m, there: mean over the step
+};
+
+template <class F>
+void for_each_joint_across(const physics::World<double>& world, std::span<const std::uint8_t> members, F&& f) noexcept {
+  const auto* joints = world.effects().find<physics::Joints<double>>();
+  if (joints == nullptr) return;
+  const auto bodies = world.bodies();
+  joints->for_each_link(bodies, [&](std::uint32_t a, std::uint32_t b, std::uint32_t joint) noexcept {
+    if (members[a] == members[b]) return;
+    const auto& state = joints->states()[joint];
+    const Vec3d point = bodies[b].motion.pose * joints->joints()[joint].b_from_joint.position;
+    if (members[b] != 0)
+      f(JointAcross{b, a, point, {state.force, state.torque}});
+    else
+      f(JointAcross{a, b, point, {-state.force, -state.torque}});
+  });
 }
 
 }  // namespace
@@ -83,10 +101,38 @@ BorderPoint border_point(const Contact<double>& contact, const physics::ContactP
   return result;
 }
 
-BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
-    : admittance_(max_bodies, max_contacts, max_joints) {
+double border_work_J(const physics::World<double>& world, std::span<const Twistd> before,
+                     std::span<const std::uint8_t> members, double step_s) noexcept {
+  const auto contacts = world.contacts();
+  const auto bodies = world.bodies();
+  double work_J = 0;
+  for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
+    const Twistd& now = bodies[joint.member].motion.velocity;
+    const Vec3d v = 0.5 * (before[joint.member].linear + now.linear);
+    const Vec3d w = 0.5 * (before[joint.member].angular + now.angular);
+    const Vec3d r = joint.point - bodies[joint.member].motion.pose.position;
+    work_J += step_s * (dot(joint.on_member.force, v + cross(w, r)) + dot(joint.on_member.torque, w));
+  });
+  for (const auto& contact : contacts) {
+    if (contact.b_fixed || members[contact.slot_a] == members[contact.slot_b]) continue;
+    const bool a = members[contact.slot_a] != 0;
+    const std::uint32_t member = a ? contact.slot_a : contact.slot_b;
+    const Twistd& now = bodies[member].motion.velocity;
+    const Vec3d v = 0.5 * (before[member].linear + now.linear), w = 0.5 * (before[member].angular + now.angular);
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      const Vec3d on_b = point.total_normal_impulse * contact.normal + point.total_friction;
+      work_J += (a ? -1 : 1) * dot(on_b, v + cross(w, a ? point.from_a : point.from_b));
+    }
+  }
+  return work_J;
+}
+
+BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints,
+                     double added_inertia)
+    : added_inertia_(added_inertia), admittance_(max_bodies, max_contacts, max_joints) {
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
-  ids_.reserve(haptics::kMaxBorderPoints);
+  loads_.reserve(std::size_t{haptics::kMaxBorderPoints} + max_joints);
   order_.reserve(points_.capacity());
 }
 
@@ -128,23 +174,43 @@ std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::
                                       double step_s, double sub_step_s, std::span<const BorderPoint> border,
                                       FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
   outside.clear();
-  ids_.clear();
-  for (const BorderPoint& point : border) ids_.push_back(point.outside);
-  std::sort(ids_.begin(), ids_.end());
-  ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-  if (ids_.empty()) return 0;
-  admittance_.index(world);
-  for (const BodyId id : ids_) {
+  collect_loads(world, members, border);
+  if (loads_.empty()) return 0;
+  admittance_.index(world, added_inertia_, step_s);
+  std::uint32_t left_out = 0;
+  for (std::size_t i = 0; i < loads_.size();) {
+    const BodyId id = loads_[i].outside;
     const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
     OutsideBody body;
     body.id = id;
     body.centre = world.bodies()[slot].motion.pose.position;
-    body.velocity = world.bodies()[slot].motion.velocity;
-    body.acceleration = acceleration_to_come(world.bodies()[slot], world.last_poses()[slot], step_s, sub_step_s);
-    body.admittance = admittance_.find(slot, members);
-    if (!outside.try_push(body)) return static_cast<std::uint32_t>(ids_.size() - outside.size());
+    const OutsideAnswer answer = admittance_.find(slot, members);
+    body.velocity = answer.velocity, body.admittance = answer.admittance;
+    Wrenchd load;
+    for (; i < loads_.size() && loads_[i].outside == id; ++i) {
+      load.force += loads_[i].force;
+      load.torque += loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force);
+    }
+    const Twistd under_load = body.admittance * load;
+    body.drive = {
+        acceleration_to_come(world.bodies()[slot], world.last_poses()[slot], step_s, sub_step_s) - under_load.linear,
+        -under_load.angular};
+    if (!outside.try_push(body)) ++left_out;
   }
-  return 0;
+  return left_out;
+}
+
+// By outside body.
+void BorderLog::collect_loads(const physics::World<double>& world, std::span<const std::uint8_t> members,
+                              std::span<const BorderPoint> border) noexcept {
+  loads_.clear();
+  for (const BorderPoint& point : border)
+    loads_.push_back(
+        {point.outside, -(point.impulse_rate_N * point.normal + point.friction_N), point.outside_point, {}});
+  for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
+    loads_.push_back({world.bodies()[joint.outside].id, -joint.on_member.force, joint.point, -joint.on_member.torque});
+  });
+  std::sort(loads_.begin(), loads_.end(), [](const Load& p, const Load& q) { return p.outside < q.outside; });
 }
 
 HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
@@ -162,8 +228,8 @@ HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const
     // Once for every pair: a pair's returns follow each other.
     const bool first_of_pair =
         i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
-    if (mode != physics::BorderMode::kReplay && first_of_pair) {
-      const Contact<double>* contact = find_contact(world.contacts(), entry.member, entry.outside);
+    if (!replays(mode) && first_of_pair) {
+      const Contact<double>* contact = physics::find_contact<double>(world.contacts(), entry.member, entry.outside);
       if (contact != nullptr) take_back(*contact, outside, world, result);
     }
     give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);

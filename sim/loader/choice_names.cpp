@@ -21,9 +21,10 @@ constexpr Names<CouplingScheme, 7> kCouplingSchemes{{{CouplingScheme::kSubWorld,
                                                      {CouplingScheme::kPlane, "plane"},
                                                      {CouplingScheme::kPlanes, "planes"},
                                                      {CouplingScheme::kLinearised, "linearised"}}};
-constexpr Names<BorderMode, 4> kBorderModes{{{BorderMode::kGhost, "ghost"},
+constexpr Names<BorderMode, 5> kBorderModes{{{BorderMode::kGhost, "ghost"},
                                              {BorderMode::kCapped, "capped"},
                                              {BorderMode::kReplay, "replay"},
+                                             {BorderMode::kFiltered, "filtered"},
                                              {BorderMode::kFrozen, "frozen"}}};
 constexpr Names<CutOrder, 2> kCutOrders{
     {{CutOrder::kBestFirst, "best-first"}, {CutOrder::kBreadthFirst, "breadth-first"}}};

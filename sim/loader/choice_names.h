@@ -13,7 +13,7 @@
 namespace tactus::sim {
 
 std::string_view name_of(haptics::CouplingScheme scheme) noexcept;     // sub-world, direct, and so on
-std::string_view name_of(physics::BorderMode mode) noexcept;           // ghost, capped, replay, frozen
+std::string_view name_of(physics::BorderMode mode) noexcept;           // ghost, capped, replay, filtered, frozen
 std::string_view name_of(CutOrder order) noexcept;                     // best-first, breadth-first
 std::string_view name_of(Reach reach) noexcept;                        // two-cycles, paper
 std::string_view name_of(physics::SweepPrecision precision) noexcept;  // double, mixed

@@ -212,7 +212,8 @@ Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, Mes
   if (is_mesh && !fixed) table.mistake("fixed", "a mesh never moves", "true; what moves is a hull, or several bodies");
   if (fixed || is_plane || is_mesh) {
     for (const char* key : {"mass_kg", "density_kg_per_m3", "velocity_m_per_s", "angular_velocity_rad_per_s"})
-      table.refuse(key, "a fixed body has none", "no such key");
+      table.refuse(key, is_mesh ? "a mesh never moves, so it has none" : "a fixed body has none",
+                   is_mesh ? "no such key; what moves is a hull, or several bodies" : "no such key");
     return physics::make_fixed_body(kNoBody, shape, friction, pose);
   }
   // What follows a script weighs nothing to anybody.

@@ -80,8 +80,13 @@ unsigned TableReader::count(const char* key, unsigned fallback, const Range& ran
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   if (node->kind == TomlKind::kInteger && !outside(node->number, range)) return static_cast<unsigned>(node->integer);
-  mistake(key, fmt::format("{} is not {}", node->shown(), range.noun),
-          fmt::format("a whole number from {:.0f} to {:.0f}", range.low, range.high));
+  const bool whole = node->kind == TomlKind::kNumber && !outside(node->number, range) &&
+                     node->number == static_cast<double>(static_cast<long long>(node->number));
+  mistake(key,
+          whole ? fmt::format("{:.0f} is written with a decimal point", node->number)
+                : fmt::format("{} is not {}", node->shown(), range.noun),
+          fmt::format("a whole number from {:.0f} to {:.0f}{}", range.low, range.high,
+                      whole ? fmt::format(", such as {:.0f}", node->number) : ""));
   return fallback;
 }
 

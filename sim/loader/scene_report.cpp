@@ -10,6 +10,8 @@
 #include "rt/physics/collision/manifold.h"
 #include "rt/physics/shapes/mesh_query.h"
 #include "rt/physics/step.h"
+#include "sim/loader/body_label.h"
+#include "sim/loader/rounded_down.h"
 #include "sim/loader/scene_effects.h"
 #include "sim/pair_grid.h"
 
@@ -147,19 +149,20 @@ HandReport report_hand(const Scene& scene, const haptics::DeviceProperties& devi
 void find_problems(const Scene& scene, SceneReport& report) {
   const auto problem = [&report](std::string text) { report.problems.push_back(std::move(text)); };
   if (!report.coupling.accepted) {
-    const auto axis = [&](const char* name, const haptics::AxisVerdict& verdict, const char* unit) {
+    const auto axis = [&](const char* name, const haptics::AxisVerdict& verdict, const char* unit,
+                          const char* stiffness, const char* damping) {
       if (verdict.accepted) return;
-      problem(fmt::format(
-          "[coupling] {}: {:g} {} with damping {:g} at the hand; accepted: stiffness at most {:.4g}, "
-          "damping at most {:.4g}",
-          name, verdict.stiffness, unit, verdict.damping, verdict.stiffness_allowed, verdict.damping_limit));
+      problem(fmt::format("[coupling] {}: {:g} {} with damping {:g}; accepted: {} at most {:.4g}, {} at most {:.4g}",
+                          name, verdict.stiffness, unit, verdict.damping, stiffness,
+                          rounded_down(verdict.stiffness_allowed), damping, rounded_down(verdict.damping_limit)));
     };
-    axis("translation", report.coupling.translation, "N/m");
-    axis("rotation", report.coupling.rotation, "N m/rad");
+    axis("translation", report.coupling.translation, "N/m", "stiffness_N_per_m", "damping_Ns_per_m");
+    axis("rotation", report.coupling.rotation, "N m/rad", "stiffness_Nm_per_rad", "damping_Nms_per_rad");
   }
   if (report.start.deepest_m > kMostOverlapAtStart_m)
-    problem(fmt::format("bodies {} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
-                        report.start.deepest_a, report.start.deepest_b, report.start.deepest_m, kMostOverlapAtStart_m));
+    problem(fmt::format("{} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
+                        body_label(scene, report.start.deepest_a), body_label(scene, report.start.deepest_b),
+                        report.start.deepest_m, kMostOverlapAtStart_m));
   if (report.hand.farthest_m > report.hand.workspace_radius_m)
     problem(
         fmt::format("[hand] path leaves the device's workspace: {:.3g} m from its middle; accepted: at most {:g} m "
@@ -201,6 +204,10 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
       haptics::check_coupling({s2 * scene.coupling.stiffness_N_per_m, s2 * scene.coupling.damping_Ns_per_m,
                                scene.coupling.stiffness_Nm_per_rad, scene.coupling.damping_Nms_per_rad},
                               device, tick_s);
+  haptics::AxisVerdict& linear = report.coupling.translation;  // the device's axis, in the units of the scene's keys
+  for (double* value :
+       {&linear.stiffness, &linear.stiffness_limit, &linear.stiffness_allowed, &linear.damping, &linear.damping_limit})
+    *value /= s2;
   if (scripted) report.hand = report_hand(scene, device);
   report.start = find_start_contacts(scene);
   report.capacity.member_cap = scene.members;

@@ -23,6 +23,9 @@ struct EffectReport {
   bool declared{false}, used{false};
   std::string cost;                // what it adds to a tick
   double added_us{0}, tick_us{0};  // as measured on this machine, in a tick of all bodies; tick 0: not measured
+  double spread_us{0};             // of the measurement: less than that says nothing
+
+  bool is_measured() const noexcept { return tick_us > 0 && added_us > spread_us; }
 };
 
 // Contacts of the scene as it stands before the first tick.

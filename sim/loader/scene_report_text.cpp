@@ -12,14 +12,18 @@ std::string effect_lines(const SceneReport& report) {
                         : effect.used    ? "used"
                                          : "declared, nothing uses it";
     text += fmt::format("  {:<12}{}{}", effect.name, state, effect.used ? "; costs " + effect.cost : "");
-    if (effect.tick_us > 0) text += fmt::format("; measured: {:.2g} us of {:.3g} us", effect.added_us, effect.tick_us);
+    if (effect.is_measured())
+      text += fmt::format("; measured: {:.2g} us of {:.3g} us", effect.added_us, effect.tick_us);
+    else if (effect.tick_us > 0)
+      text += fmt::format("; measured: below the measurement's spread of {:.2g} us, of {:.3g} us", effect.spread_us,
+                          effect.tick_us);
     text += "\n";
   }
   return text;
 }
 
 std::string axis_line(const char* name, const haptics::AxisVerdict& axis, const char* unit) {
-  return fmt::format("  {:<12}{:g} {} at the hand, stable below {:.4g}, allowed up to {:.4g}: {}\n", name,
+  return fmt::format("  {:<12}{:g} {} in the scene, stable below {:.4g}, allowed up to {:.4g}: {}\n", name,
                      axis.stiffness, unit, axis.stiffness_limit, axis.stiffness_allowed,
                      axis.accepted ? fmt::format("margin {:.2f}", axis.margin) : "refused");
 }

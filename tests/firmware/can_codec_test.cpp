@@ -257,6 +257,34 @@ TEST_CASE("sequence and time go on upwards over any gap and any restart of the d
   }
 }
 
+TEST_CASE("a device that is reset shows itself by its time or its sequence within three statuses, without any gap") {
+  std::mt19937_64 random(22);
+  for (unsigned round = 0; round < 300; ++round) {
+    const bool same_splitter = round % 2 == 0;  // the status after a reset waits for its turn
+    StateSplitter splitter;
+    StateAssembler assembler(kPeriod_us);
+    StateFrame out, newest;
+    Fragments fragments;
+    RunningDevice device(random(), 1000 + static_cast<std::uint32_t>(random() % 1000000),
+                         3000000 + random() % (1u << 30));
+    bool seen = false;
+    for (unsigned i = 0; i < 60; ++i) {
+      if (i == 30) {
+        device = RunningDevice(random(), 0, 0);
+        if (!same_splitter) splitter = StateSplitter();
+      }
+      assembler.look();
+      REQUIRE(deliver(assembler, fragments, splitter.split(device.next(), fragments), out));
+      const bool advances = i == 0 || (is_newer(out.sequence, newest.sequence) && out.time_us > newest.time_us);
+      if (i < 30) REQUIRE(advances);
+      seen = seen || !advances;
+      if (advances) newest = out;
+    }
+    CAPTURE(round);
+    CHECK(seen);
+  }
+}
+
 TEST_CASE("states that are sent again come out as old ones, however many, and an old status changes nothing") {
   RunningDevice device(31, 50000, 1000000);
   StateSplitter splitter;

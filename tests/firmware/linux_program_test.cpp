@@ -115,6 +115,31 @@ TEST_CASE("mailbox: the newest frame comes once, and the one that it replaced is
   CHECK(mailbox.take(out) == kMaxFrameSize);
 }
 
+TEST_CASE("command queue: frames come once and in order, of more than it holds the newest", "[firmware]") {
+  CommandQueue queue;
+  std::array<std::byte, kMaxFrameSize> out{};
+  CHECK(queue.take(out) == 0);
+  constexpr auto kCapacity = static_cast<unsigned>(CommandQueue::kCapacity);
+  unsigned written = 0, next = 0;
+  for (const unsigned burst : {1u, 3u, 16u, 17u, 2u, 40u, 1u, 5u}) {
+    for (unsigned i = 0; i < burst; ++i) CHECK(queue.write(block_of(10, written++)) == (i > 0));
+    if (burst > kCapacity) next += burst - kCapacity;
+    while (next < written) {
+      REQUIRE(queue.take(out) == 10);
+      const auto expected = block_of(10, next++);
+      CHECK(std::equal(expected.begin(), expected.end(), out.begin()));
+    }
+    CHECK(queue.take(out) == 0);
+  }
+  // One that comes while others are being taken waits behind them.
+  queue.write(block_of(10, 1)), queue.write(block_of(11, 2));
+  CHECK(queue.take(out) == 10);
+  queue.write(block_of(12, 3));
+  CHECK(queue.take(out) == 11);
+  CHECK(queue.take(out) == 12);
+  CHECK(queue.take(out) == 0);
+}
+
 TEST_CASE("storage: what was stored last is loaded by the next start, and nothing where there is no file",
           "[firmware]") {
   namespace fs = std::filesystem;

@@ -141,6 +141,12 @@ TEST_CASE("the document's register table is the device's, row by row") {
   }
 }
 
+TEST_CASE("the document names the revision of the register table that it prints") {
+  std::string all;
+  for (const std::string& line : section("Registers")) all += line + "\n";
+  CHECK(all.find(text("This page is register_revision %u.", unsigned{kRegisterRevision})) != std::string::npos);
+}
+
 TEST_CASE("the document has every state, fault, limit, status and self-test bit, once") {
   const auto has = [](const std::string& heading, unsigned first, unsigned last) {
     const auto numbers = numbers_in(heading);

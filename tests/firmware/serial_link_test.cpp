@@ -141,11 +141,13 @@ TEST_CASE("lines that are no frames are counted, empty ones are not") {
   CHECK(reader.malformed() == 2);
 }
 
-TEST_CASE("of several commands the newest is handed out, once") {
+TEST_CASE("commands are handed out once, oldest first, and what is none comes after them") {
   Bench b;
   CHECK(b.link.receive_command(b.buffer) == 0);
+  b.receive(stuffed(bytes({1, 2, 3})));
   for (std::uint32_t i = 1; i <= 5; ++i) b.receive_command(i);
-  CHECK(b.taken_sequence() == 5);
+  for (std::uint32_t i = 1; i <= 5; ++i) CHECK(b.taken_sequence() == i);
+  CHECK(b.link.receive_command(b.buffer) == 3);
   CHECK(b.link.receive_command(b.buffer) == 0);
   b.receive_command(6);
   CHECK(b.taken_sequence() == 6);
@@ -172,6 +174,7 @@ TEST_CASE("a request and a command on one line do not disturb each other") {
   REQUIRE(b.link.receive_service(message));
   CHECK(message == asked);
   CHECK_FALSE(b.link.receive_service(message));
+  CHECK(b.taken_sequence() == 1);
   CHECK(b.taken_sequence() == 2);
 }
 

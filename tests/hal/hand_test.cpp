@@ -41,6 +41,19 @@ TEST_CASE("the target rests before its path and after it") {
   CHECK(HandModel().target_at(12.0).pose == Posed{});
 }
 
+TEST_CASE("a hand that returns sets out where it is, and ends at rest where its path starts") {
+  const HandModel hand({}, kPath);
+  const Posed from{{0.1, -0.2, 0.05}, quat_from_rotation_vector(Vec3d{0.3, -0.4, 0.1})};
+  const double duration_s = hand.return_s(from);
+  CHECK(duration_s > norm(from.position) / 0.2);
+  CHECK(difference(hand.returning_from(from, 0).pose.position, from.position) < 1e-15);
+  CHECK(difference(hand.returning_from(from, 0).pose.rotation, from.rotation) < 1e-14);
+  CHECK(norm(hand.returning_from(from, 0).twist.linear) < 1e-12);
+  CHECK(difference(hand.returning_from(from, duration_s - 1e-9).pose.position, hand.target_at(0).pose.position) < 1e-9);
+  CHECK(hand.returning_from(from, duration_s).pose == hand.target_at(0).pose);
+  CHECK(hand.returning_from(from, duration_s).twist.linear == Vec3d{});
+}
+
 TEST_CASE("half way in time is half way in space, at 15/8 of the mean speed") {
   const HandModel hand({}, kPath);
   const HandTarget t = hand.target_at(0.75);

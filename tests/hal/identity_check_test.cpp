@@ -82,6 +82,17 @@ TEST_CASE("every difference that matters is told, with both figures and what to 
     CHECK_THAT(verdict("virtuose6d", at(number::kMaxSpeed), 0.9 * rate), Contains("speed limit" + of));
     CHECK(verdict("virtuose6d", at(number::kMaxSpeed), 10 * rate).empty());
   }
+  const firmware::Config config = firmware_config(p, 1000);
+  for (const auto& [address, expected] :
+       {std::pair{number::kMaxForce, config.max_force_N}, std::pair{number::kMaxTorque, config.max_torque_Nm}}) {
+    const double norm = static_cast<double>(expected);
+    const char* what = address == number::kMaxForce ? "max_force" : "max_torque";
+    CHECK_THAT(verdict("virtuose6d", address, 0.01), Contains(what) && Contains("is 0.00999"));
+    CHECK_THAT(verdict("virtuose6d", address, 0.9 * norm), Contains(what));
+    CHECK_THAT(verdict("virtuose6d", address, 1.6 * norm), Contains(what));
+    CHECK(verdict("virtuose6d", address, 1.2 * norm).empty());
+  }
+  CHECK(verdict("desk3d", number::kMaxTorque, 0.0).empty());  // it has no such motors
   CHECK_THAT(verdict("virtuose6d", number::kQuantum, std::uint32_t{0x7fc00000}), Contains("quantum of axis 0 is nan"));
   CHECK_THAT(verdict("virtuose6d", number::kMaxEffort, std::uint32_t{0x7fc00000}), Contains("effort limit"));
   CHECK_THAT(verdict("virtuose6d", number::kMaxSpeed, std::uint32_t{0x7fc00000}), Contains("speed limit"));

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "hal/profiles.h"
 #include "rt/haptics/coupling_limits.h"
+#include "sim/loader/scene_report.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;
@@ -29,6 +31,19 @@ TEST_CASE("a run refuses gains beyond the limit in one line, and what it says to
   gains.stiffness_N_per_m = std::stod(said.substr(at));
   gains.damping_Ns_per_m = std::stod(said.substr(said.find(then, at) + then.size()));
   CHECK(created(gains).ok());
+}
+
+TEST_CASE("with a motion scale all figures are those that stand in the scene") {
+  sim::Scene scene = test::scene_text(test::kPressScene);
+  scene.device.motion_scale = 2;
+  scene.coupling.stiffness_N_per_m = 5000;
+  const auto said = session::Session::create(scene, test::virtual_options()).status().message();
+  CHECK_THAT(said, Catch::Contains("stiffness_N_per_m = 5000 with"));
+  const std::string up_to = "stiffness_N_per_m up to ";
+  scene.coupling.stiffness_N_per_m = std::stod(said.substr(said.find(up_to) + up_to.size()));
+  CHECK(session::Session::create(scene, test::virtual_options()).ok());
+  const auto report = sim::report_on(scene, hal::find_profile(scene.device.profile)->properties, 1e-3);
+  CHECK(report.coupling.translation.stiffness == Approx(scene.coupling.stiffness_N_per_m));
 }
 
 TEST_CASE("gains that the device bears may be too much for a machine that wakes the loop late") {

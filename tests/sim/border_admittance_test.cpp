@@ -11,6 +11,7 @@ using namespace tactus::sim;
 using test::PhysicsBench;
 
 constexpr double kHalf = 0.05, kMass = 0.2;
+constexpr double kRigid = 1e5;  // a2 of contacts that give way to nothing
 
 PhysicsBench<> make_bench() {
   PhysicsBench<> bench(physics::Capacities{64, 2, 256, 256, 0});
@@ -18,12 +19,16 @@ PhysicsBench<> make_bench() {
   return bench;
 }
 
-physics::Admittance<double> answer_of(const PhysicsBench<>& bench, std::uint32_t slot,
-                                      std::vector<std::uint8_t> members) {
+OutsideAnswer found(const physics::World<double>& world, std::uint32_t slot, std::vector<std::uint8_t> members,
+                    double added_inertia = kRigid, double step_s = 0.01) {
   BorderAdmittance admittance(64, 256, 4);
   members.resize(64, 0);
-  admittance.index(bench.world);
+  admittance.index(world, added_inertia, step_s);
   return admittance.find(slot, members);
+}
+physics::Admittance<double> answer_of(const PhysicsBench<>& bench, std::uint32_t slot,
+                                      std::vector<std::uint8_t> members) {
+  return found(bench.world, slot, std::move(members)).admittance;
 }
 
 // A row of cubes along x without gravity, the first pushed so that all press on each other.
@@ -113,6 +118,69 @@ TEST_CASE("An answer never gains energy: work of any wrench on its own answer is
   }
 }
 
+TEST_CASE("A contact gives way as its spring and damper do over the cycle") {
+  PhysicsBench<> bench = make_bench();
+  bench.add_ground(9, 0.5);
+  bench.add_stack(0, 1, kHalf, kMass, 0.5);
+  bench.run(50);
+  // Four points, each G = m a2 in all directions: against a push through the centre downwards they add up.
+  for (const double added : {0.5, 40.0, 3000.0}) {
+    const Twistd down = found(bench.world, 0, {}, added).admittance * Wrenchd{{0, 0, -1}, {}};
+    CHECK(-down.linear.z * kMass == Approx(1 / (1 + 4 * added)).epsilon(1e-3));
+  }
+}
+
+TEST_CASE(
+    "A body that nothing holds goes on as it moves, and so do bodies that press on each other and move together") {
+  PhysicsBench<> bench = pushed_row(5, 0.5);
+  const Twistd moving{{0.3, -0.1, 0.2}, {}};
+  for (auto& body : bench.world.bodies()) body.motion.velocity = moving;
+  const Twistd goes_on = found(bench.world, 2, {1}).velocity;
+  // Not to the last digit: the contacts give way by 1 / kRigid.
+  CHECK(norm(goes_on.linear - moving.linear) < 1e-5 * norm(moving.linear));
+  CHECK(norm(goes_on.angular) < 1e-4);
+  bench.world.bodies()[2].motion.velocity = {{1, 2, 3}, {4, 5, 6}};
+  const Twistd alone = found(bench.world, 2, {1, 1, 0, 1}).velocity;  // members hold nothing
+  CHECK(norm(alone.linear - Vec3d{1, 2, 3}) < 1e-9);
+  CHECK(norm(alone.angular - Vec3d{4, 5, 6}) < 1e-9);
+}
+
+TEST_CASE("Bodies that press on each other and move apart go on with their common momentum") {
+  PhysicsBench<> bench = pushed_row(3, 0);
+  const double speed[3] = {0, 0.2, -0.1};  // the first is a member
+  for (int k = 0; k < 3; ++k) bench.world.bodies()[std::size_t(k)].motion.velocity = {{speed[k], 0, 0}, {}};
+  CHECK(found(bench.world, 1, {1}).velocity.linear.x == Approx(0.05).epsilon(1e-3));
+}
+
+TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its velocity of the instant") {
+  PhysicsBench<> bench = make_bench();
+  bench.add_ground(9, 0.5);
+  bench.add_stack(0, 1, kHalf, kMass, 0.5);
+  bench.run(50);
+  const Vec3d crept{2e-5, 0, -1e-5};
+  bench.body(0).motion.pose.position += crept;
+  bench.body(0).motion.velocity = {{-0.004, 0.001, 0.002}, {0.01, 0, 0}};
+  const Twistd goes_on = found(bench.world, 0, {}).velocity;
+  CHECK(norm(goes_on.linear - crept * (1 / bench.settings.dt)) < 1e-3 * 0.002);
+  CHECK(norm(goes_on.angular) < 1e-3 * 0.01);
+}
+
+TEST_CASE("A cube that trembles on the ground stays, one that slides or is carried goes on") {
+  const double friction = GENERATE(0.0, 0.5);
+  PhysicsBench<> bench = make_bench();
+  bench.add_ground(9, friction);
+  bench.add_stack(0, 1, kHalf, kMass, friction);
+  bench.run(50);
+  bench.body(0).motion.velocity = {{0.01, 0, -0.02}, {0, 0.1, 0}};
+  const Twistd goes_on = found(bench.world, 0, {}).velocity;
+  CHECK(std::abs(goes_on.linear.z) < 1e-4 * 0.02);
+  CHECK(std::abs(goes_on.angular.y) < 1e-3 * 0.1);
+  if (friction == 0)
+    CHECK(goes_on.linear.x == Approx(0.01).epsilon(1e-3));
+  else
+    CHECK(std::abs(goes_on.linear.x) < 1e-4 * 0.01);
+}
+
 namespace {
 
 // A step's world with effects, without gravity.
@@ -131,9 +199,7 @@ struct EffectBench {
     world.begin_step(settings);
     find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
     (void)world.finish_step(settings);
-    BorderAdmittance admittance(64, 256, 4);
-    admittance.index(world);
-    return admittance.find(slot, std::vector<std::uint8_t>(64, 0));
+    return found(world, slot, {}).admittance;
   }
 };
 
@@ -190,4 +256,7 @@ TEST_CASE("A kinematic body answers to nothing, and is a wall to what presses on
   CHECK(norm((bench.answer_of(1) * Wrenchd{{1, 2, 3}, {1, 2, 3}}).linear) == 0);
   bench.world.bodies()[0].motion.velocity.linear = {0.2, 0, 0};
   CHECK(std::abs((bench.answer_of(0) * Wrenchd{{1, 0, 0}, {}}).linear.x) < 1e-3 / kMass);
+  bench.world.bodies()[1].motion.velocity.linear = {-0.3, 0, 0};  // and takes it along
+  const double pushed_out = 0.01;  // m/s: it ran into the kinematic one, and goes on coming out
+  CHECK(found(bench.world, 0, {}, kRigid, 1e-3).velocity.linear.x == Approx(-0.3).margin(pushed_out));
 }

@@ -9,7 +9,8 @@ TEST_CASE("Every choice has a name, and its name gives it back") {
   for (const auto scheme :
        {CouplingScheme::kSubWorld, CouplingScheme::kDirect, CouplingScheme::kInterpolation, CouplingScheme::kStatic})
     CHECK(sim::parse_coupling_scheme(sim::name_of(scheme)) == scheme);
-  for (const auto mode : {physics::BorderMode::kCapped, physics::BorderMode::kReplay, physics::BorderMode::kFrozen})
+  for (const auto mode : {physics::BorderMode::kGhost, physics::BorderMode::kCapped, physics::BorderMode::kReplay,
+                          physics::BorderMode::kFiltered, physics::BorderMode::kFrozen})
     CHECK(sim::parse_border_mode(sim::name_of(mode)) == mode);
   for (const auto order : {sim::CutOrder::kBestFirst, sim::CutOrder::kBreadthFirst})
     CHECK(sim::parse_cut_order(sim::name_of(order)) == order);

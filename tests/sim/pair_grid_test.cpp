@@ -173,8 +173,9 @@ TEST_CASE("Found in parts, the pairs, their order, the work and what is left out
   CHECK(grid.find(boxes, at_once) == shared.find(boxes, in_parts));
   const auto same = [](const physics::SlotPair& p, const physics::SlotPair& q) { return p.a == q.a && p.b == q.b; };
   CHECK(std::equal(at_once.begin(), at_once.end(), in_parts.begin(), in_parts.end(), same));
-  if (room < 100'000) return;
-  REQUIRE(at_once.size() > 500);
-  CHECK(shared.work().box_tests == grid.work().box_tests);
-  CHECK(shared.work().rows == grid.work().rows);
+  if (room == 100'000) {
+    REQUIRE(at_once.size() > 500);
+    CHECK(shared.work().box_tests == grid.work().box_tests);
+    CHECK(shared.work().rows == grid.work().rows);
+  }
 }

@@ -111,7 +111,7 @@ TEST_CASE("each mistake about a mesh is one line with its place, the key and wha
   CHECK_THAT(folder.wrong(mesh(file("empty.obj"))), Contains("holds no triangles"));
   CHECK_THAT(folder.wrong(mesh(file("flat.obj"))), Contains("holds no triangle with an area"));
   CHECK_THAT(folder.wrong(mesh(file("a.obj") + "fixed = false\n")), Contains("a mesh never moves"));
-  CHECK_THAT(folder.wrong(mesh(file("a.obj") + "mass_kg = 1\n")), Contains("a fixed body has none"));
+  CHECK_THAT(folder.wrong(mesh(file("a.obj") + "mass_kg = 1\n")), Contains("a mesh never moves, so it has none"));
   CHECK_THAT(folder.wrong(mesh(file("a.obj") + "file_unit_m = 100\n")), Contains("is file_unit_m right?"));
   CHECK_THAT(folder.wrong(mesh(file("a.obj") + "points_m = []\n")), Contains("points_m"));
   CHECK_FALSE(parse_scene(mesh(file("a.obj")) + kProxy, "x.toml").ok());

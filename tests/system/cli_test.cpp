@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 
 using Catch::Matchers::Contains;
@@ -70,6 +71,7 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
       {"timing --duration 1", "tactus timing: --duration: 1 is out of range; accepted: 3 to 1e6 s"},
       {"timing --against rtla", "tactus timing: "},
       {"run", "tactus run: SCENE is required; accepted: "},
+      {"run --virtual-time --control x " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml", "tactus run: --control: "},
       {"run --config /nowhere.toml", "/nowhere.toml: the file: cannot be read; accepted: "},
       {"run --budget /nowhere.json " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml",
        "tactus run: --budget: /nowhere.json: no such file; accepted: "},
@@ -112,7 +114,7 @@ TEST_CASE("a scene that will not run well is exit 1, with the reason") {
   const Output output = run("scene check " + file);
   CHECK(output.exit_code == 1);
   CHECK_THAT(output.out, Contains("problem: [coupling] translation: 90000 N/m"));
-  CHECK_THAT(output.out, Contains("problem: bodies 0 and 1 overlap by 0.005 m"));
+  CHECK_THAT(output.out, Contains("problem: the proxy (line 3) and body 1 (line 7) overlap by 0.005 m"));
   CHECK_THAT(output.out, Contains("verdict: bad"));
   std::filesystem::remove(file);
 }
@@ -161,6 +163,38 @@ TEST_CASE("a device that is not there is one line and exit 3, for run and for hi
   }
 }
 
+TEST_CASE("config check lists every mistake: of the file, of the scene, device and budget that it names") {
+  const std::string file = temporary(".toml");
+  std::ofstream(file) << "scene = \"/nowhere.toml\"\n[device]\nname = \"can:can0\"\nfile = \"/nodevice.toml\"\n"
+                         "[cores]\nhaptic = 4000\n[limits]\nbudget = \"/nobudget.json\"\n[control]\n"
+                         "socket = \"control\"\nre_arm = true\n";
+  const Output output = run("config check " + file);
+  INFO(output.err);
+  CHECK(output.exit_code == 2);
+  CHECK(lines(output.err) == 6);
+  for (const char* says : {"/nowhere.toml", "/nodevice.toml", "has no core 4000", "/nobudget.json", "no place for a",
+                           "re_arm: not a key, did you mean rearm?"})
+    CHECK_THAT(output.err, Contains(says));
+  const auto json = nlohmann::json::parse(run("config check --json " + file).out);
+  CHECK(json["good"] == false);
+  CHECK(json["problems"].size() == 6);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("the name of a file that is no UTF-8 does no harm to --json") {
+  const std::string scene = temporary("\xff\xfe.toml"), tape = temporary("\xff.tape");
+  std::filesystem::copy_file(kScenes + "stack20.toml", scene);
+  for (const std::string& command :
+       {"run --virtual-time --duration 0.1 --json " + scene + " --record " + tape, "replay --json " + tape,
+        "scene check --json " + scene, "config check --json " + scene}) {
+    const Output output = run(command);
+    INFO(command << "\n" << output.err);
+    CHECK(output.exit_code == (command.starts_with("config") ? 2 : 0));
+    CHECK(nlohmann::json::parse(output.out, nullptr, /*allow_exceptions=*/false).is_object());
+  }
+  std::filesystem::remove(scene), std::filesystem::remove(tape);
+}
+
 TEST_CASE("a service that is told to stop ends well, where a run with a latched fault does not") {
   const std::string config = temporary(".toml");
   std::ofstream(config) << "scene = \"" << kScenes << "stack20.toml\"\n[control]\nsocket = \"" << temporary(".sock")
@@ -174,6 +208,13 @@ TEST_CASE("a service that is told to stop ends well, where a run with a latched 
   INFO(by_hand.err << by_hand.out);
   CHECK(by_hand.exit_code == 1);
   std::filesystem::remove(config);
+}
+
+TEST_CASE("the program says which it is: version, commit, what it was built for, the kernel") {
+  const Output output = run("--version");
+  CHECK(output.exit_code == 0);
+  CHECK_THAT(output.out, Catch::StartsWith("tactus 0.") && Contains("(commit ") && Contains("x86-64") &&
+                             Contains("kernel ") && Contains("PREEMPT_RT"));
 }
 
 TEST_CASE("help teaches with an example") {

@@ -153,6 +153,60 @@ TEST_CASE("a replay notices one changed bit of one input") {
   CHECK(report.value().first_different_tick == 900);
 }
 
+TEST_CASE("a replay says what a damaged record took, and goes on at the next keyframe") {
+  const TemporaryFile tape;
+  session::RunOptions options = virtual_options();
+  options.record = tape.path();
+  auto session = make_session(scene_text(kPressScene), options);
+  REQUIRE(session->record(options.record.string()).ok());
+  run(*session, 2500);  // keyframes before the ticks 0, 1000 and 2000
+  session.reset();
+  Bytes bytes = tape.read();
+  std::uint64_t damaged_at = 0, size = 0;
+  {
+    auto in = loop::TapeReader::open(tape.path());
+    REQUIRE(in.ok());
+    loop::TapeRecord record;
+    for (loop::TickRecord tick; in.value()->next(record) == loop::TapeRead::kRecord;) {
+      if (record.kind != loop::kTickRecord) continue;
+      std::memcpy(&tick, record.payload.data(), sizeof tick);
+      if (tick.out.tick == 300) damaged_at = record.offset, size = 12 + record.payload.size();
+    }
+  }
+  REQUIRE(damaged_at > 0);
+  bytes[damaged_at + size / 2] ^= std::byte{1};
+  tape.write(bytes);
+  const auto report = session::replay(tape.path());
+  INFO(report.message());
+  REQUIRE(report.ok());
+  CHECK_FALSE(report.value().good());
+  CHECK(report.value().same_bits());
+  CHECK(report.value().damages == 1);
+  CHECK(report.value().lost_ticks == 1);
+  CHECK(report.value().lost_bytes == size);
+  CHECK(report.value().unreplayable == 699);
+  CHECK(report.value().compared == 1800);
+  CHECK_THAT(report.value().damage, Catch::Matchers::Contains("at byte " + std::to_string(damaged_at)));
+
+  bytes.resize(damaged_at + size - 1);  // the end is missing, as after a power cut
+  tape.write(bytes);
+  const auto cut = session::replay(tape.path());
+  REQUIRE(cut.ok());
+  CHECK_FALSE(cut.value().good());
+  CHECK(cut.value().compared == 300);
+  CHECK(cut.value().lost_bytes == size - 1);
+}
+
+TEST_CASE("a disk that takes no more of a tape does not end the run, which says so") {
+  const TemporaryFile tape;
+  const std::string small = "bash -c 'ulimit -f 200; exec ";  // of 1024 bytes
+  const std::string text = program_output(
+      small + TACTUS_PROGRAM " run " TACTUS_SOURCE_DIR "/sim/scenes/free.toml --virtual-time --duration 3 --record " +
+      tape.path() + "'");
+  CHECK_THAT(text, Catch::Matchers::Contains("3000 ticks") && Catch::Matchers::Contains("DEGRADED: tape '") &&
+                       Catch::Matchers::Contains("File too large") && Catch::Matchers::Contains("ticks are not on it"));
+}
+
 TEST_CASE("every build gives the same state hash: gcc and clang, optimised, for a debugger, sanitised",
           "[determinism]") {
   const std::string scene = GENERATE("card_house.toml", "wall.toml", "free.toml", "pile700.toml");

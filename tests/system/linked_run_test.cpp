@@ -29,6 +29,9 @@ struct LinkedRun {
         std::make_unique<hal::LoopbackLink>(profile, pressing_hand(), kPeriod_ns, hal::LoopbackLink::Stamp::kClock));
     loopback = link->as<hal::LoopbackLink>();
     session::Hardware hardware;
+    auto same_device = session::remember_device(*link);
+    REQUIRE(same_device.ok());
+    hardware.same_device = std::move(same_device).value();
     hardware.device = std::make_unique<hal::AnyDevice>(std::make_unique<Device>(profile, kPeriod_ns, std::move(link)));
     hardware.identity = "a link in this process";
     session::RunOptions options;
@@ -85,6 +88,73 @@ TEST_CASE("an unplugged device latches a fault, and what its link counted is in 
   CHECK_THAT(text, Contains("a link in this process"));
   CHECK_THAT(text, Contains("1 disconnects"));
   CHECK_THAT(text, !Contains("by the motors"));  // nobody knows it of a real device
+}
+
+TEST_CASE("a real-time run leaves its device in IDLE without fault, ended by its duration or stopped under force") {
+  const bool stopped = GENERATE(false, true);
+  LinkedRun linked;
+  linked.session->options.duration_s = stopped ? 30 : 1.5;
+  std::atomic<bool> stop{false};
+  session::RealtimeHooks hooks;
+  double most_N = 0;
+  hooks.show = [&](const session::LiveStatus& live, double) {
+    most_N = std::max(most_N, live.force_N.load());
+    if (stopped && most_N > 1.0) stop.store(true);
+    return true;
+  };
+  const auto summary = session::run_realtime(*linked.session, hooks, stop);
+  INFO(summary.message());
+  REQUIRE(summary.ok());
+  CHECK(most_N > 1.0);
+  CHECK(summary.value().stats.fault_count == 0);
+  const firmware::Controller& device = linked.loopback->device().controller();
+  CHECK(device.state() == firmware::State::kIdle);
+  CHECK(device.fault() == firmware::Fault::kNone);
+  // Nobody commands it any more, and it stays so.
+  std::array<std::byte, firmware::kMaxFrameSize> buffer{};
+  for (int i = 0; i < 50; ++i) (void)linked.loopback->receive(buffer);
+  CHECK(device.state() == firmware::State::kIdle);
+  CHECK(device.fault() == firmware::Fault::kNone);
+}
+
+TEST_CASE("a device whose register changed in a run is not armed again, and why is said once") {
+  LinkedRun linked;
+  linked.session->options.duration_s = 30;
+  std::atomic<bool> stop{false};
+  std::atomic<std::uint32_t> requests{0};
+  std::vector<std::string> said;
+  session::RealtimeHooks hooks;
+  hooks.requests = &requests;
+  hooks.say = [&](const std::string& line) { said.push_back(line); };
+  enum { kPressing, kDisarming, kArming } phase = kPressing;
+  int looks_after = 0;
+  double most_after_N = 0;
+  hooks.show = [&](const session::LiveStatus& live, double) {
+    const firmware::ServiceMessage limitless{firmware::Operation::kWrite, firmware::ServiceStatus::kGood, 1,
+                                             firmware::number::kMaxForce, std::bit_cast<std::uint32_t>(1e6f)};
+    if (phase == kPressing && live.force_N.load() > 1.0) {
+      phase = kDisarming;
+      requests.fetch_or(loop::kDisarm);
+    } else if (phase == kDisarming) {  // a register is written outside FORCE alone
+      const auto reply = linked.loopback->call(limitless, {});
+      if (reply.ok() && reply.value().status == firmware::ServiceStatus::kGood) phase = kArming;
+    } else if (phase == kArming) {
+      most_after_N = std::max(most_after_N, live.force_N.load());
+      requests.fetch_or(loop::kArm);
+      if (!said.empty()) ++looks_after;
+    }
+    return looks_after < 4;
+  };
+  const auto summary = session::run_realtime(*linked.session, hooks, stop);
+  INFO(summary.message());
+  REQUIRE(summary.ok());
+  CHECK(phase == kArming);
+  CHECK(most_after_N == 0.0);
+  REQUIRE(summary.value().arm_refusals.size() == 1);
+  CHECK_THAT(summary.value().arm_refusals[0], Contains("its max_force (register 0x0130) is 1000000, this run began"));
+  REQUIRE(said.size() == 1);
+  CHECK(said[0] == "not armed: " + summary.value().arm_refusals[0]);
+  CHECK_THAT(to_text(summary.value()), Contains("not armed") && Contains("max_force"));
 }
 
 TEST_CASE("a built-in description is found by its name, one in a file by its path, and what is none is refused") {

@@ -3,13 +3,14 @@
 #include <mutex>
 
 #include "tests/support/rt_guard.h"
+#include "tests/support/skip.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;
 using namespace tactus::test;
 
 TEST_CASE("a hundred thousand ticks of the haptic thread allocate nothing, lock nothing and fault no page") {
-  if (!RtGuard::available()) return;  // the sanitizers have their own allocator
+  TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   session::RunOptions options = virtual_options();
   options.members = 4;  // so that members come and go and there is a border
   options.inject = "reset@5000,reset@50000";
@@ -45,7 +46,7 @@ TEST_CASE("a hundred thousand ticks of the haptic thread allocate nothing, lock 
 }
 
 TEST_CASE("the guard that counts them does fire in this program") {
-  if (!RtGuard::available()) return;
+  TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   const volatile std::size_t size = 100;
   RtGuard guard;
   void* volatile memory = std::malloc(size);  // volatile: the compiler may not drop the pair

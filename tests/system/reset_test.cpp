@@ -47,6 +47,32 @@ TEST_CASE("a reset puts every body back, with the force off, whatever the coupli
   CHECK(session->driver->output().fault == Fault::kNone);
 }
 
+TEST_CASE("trials are equal: after a reset the hand goes its path anew, with the force that it had") {
+  session::RunOptions options = virtual_options();
+  options.inject = "reset@1500,reset@4000";
+  auto session = make_session(scene_text(kPressScene), options);
+  std::vector<std::vector<double>> forces_N;  // of each trial, from the tick on in which the device is engaged
+  bool engaged = false;
+  run(*session, 6500, [&](const loop::TickOutput& out) {
+    const bool now = (out.status & (kNotArmed | kSceneReset)) == 0;
+    if (now && !engaged) forces_N.emplace_back();
+    engaged = now;
+    if (engaged) forces_N.back().push_back(out.command.wrench.force.z);
+    return true;
+  });
+  REQUIRE(forces_N.size() == 3);
+  double apart_N = 0, most_N = 0, most_first_N = 0;
+  for (std::size_t tick = 0; tick < 1400; ++tick) {
+    apart_N = std::max(apart_N, std::abs(forces_N[2][tick] - forces_N[1][tick]));
+    most_first_N = std::max(most_first_N, forces_N[0][tick]), most_N = std::max(most_N, forces_N[1][tick]);
+  }
+  CHECK(most_N > 1.5);
+  CHECK(apart_N < 1e-3 * most_N);
+  // The first trial began with bodies that had not settled, and in another tick of its cycle: it touches as hard.
+  CHECK(most_N == Approx(most_first_N).epsilon(0.03));
+  CHECK(forces_N[1][1399] == Approx(forces_N[0][1399]).epsilon(1e-3));
+}
+
 TEST_CASE("a reset mends what broke, and sends back what is moved by a script, in both worlds") {
   auto session = make_session(scene_file("workshop.toml"), virtual_options());
   bool broke = false, begun = false;
@@ -73,7 +99,7 @@ TEST_CASE("a reset does not take a fault back, nor arm what is not armed") {
   session::RunOptions options = virtual_options();
   options.inject = "unplugged@500,reset@1000";
   auto session = make_session(scene_file("stack20.toml"), options);
-  run(*session, 1500);
+  run(*session, 2500);  // the hand has gone back before
   CHECK(session->loop->sub_world().epoch() == 1);
   CHECK(session->driver->output().fault != Fault::kNone);
   CHECK(session->driver->output().command.wrench == Wrenchd{});

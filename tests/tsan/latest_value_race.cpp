@@ -1,6 +1,7 @@
 // The exchange of the newest value, one producer and one consumer at rates of their own with random delays. Run under
-// ThreadSanitizer: the orders as they are must be clean, any of the four weakened must be a race. The mailbox of the
-// Linux boards is the same exchange in firmware/'s own words: it runs with the ordered variant.
+// ThreadSanitizer: the orders as they are must be clean, any of the four weakened must be a race. The mailbox
+// and the command queue of the Linux boards are the same exchange in firmware/'s own words: they run with the ordered
+// variant.
 #include <array>
 #include <atomic>
 #include <cstring>
@@ -93,6 +94,25 @@ void exchange_mailbox() {
       });
 }
 
+// All that are not dropped arrive, in order: at the end the newest.
+void exchange_commands() {
+  tactus::firmware::CommandQueue queue;
+  exchange(
+      [&](std::uint64_t n, Delays&) {
+        Payload payload;
+        fill(payload, n);
+        queue.write(std::as_bytes(std::span(payload)));
+      },
+      [&](std::uint64_t newest, Delays&) -> std::uint64_t {
+        std::array<std::byte, tactus::firmware::kMaxFrameSize> bytes;
+        if (queue.take(bytes) == 0) return 0;
+        Payload payload;
+        std::memcpy(payload.data(), bytes.data(), sizeof payload);
+        check(payload, newest);
+        return payload[0];
+      });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -102,6 +122,7 @@ int main(int argc, char** argv) {
   if (std::strcmp(variant, "ordered") == 0) {
     exchange_latest<kBoth, kBoth>();
     exchange_mailbox();
+    exchange_commands();
   } else if (std::strcmp(variant, "publish-without-release") == 0) {
     exchange_latest<kAcquire, kBoth>();
   } else if (std::strcmp(variant, "publish-without-acquire") == 0) {

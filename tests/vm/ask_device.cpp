@@ -4,6 +4,7 @@
 //   ask_device LINK write REGISTER VALUE       VALUE: an integer, or a float's bits
 //   ask_device LINK execute REGISTER VALUE
 //   ask_device LINK state
+//   ask_device usb halt                        both endpoints, before another program opens them
 // Prints `value=0x...`, or `refused=STATUS`, or of the next state frame `state=N fault=N limits=0x... counts=A,B,...`.
 // Exit status: 0 it answered, 1 it refused or is silent, 2 bad usage, 3 no such device.
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "hal/can/can_link.h"
 #include "hal/usb/usb_link.h"
 #include "rt/base/clock.h"
+#include "tests/vm/halt_endpoints.h"
 
 namespace tactus::vm {
 namespace {
@@ -72,14 +74,21 @@ int run(int argc, char** argv) {
   const std::string_view what = argc > 2 ? argv[2] : "";
   firmware::ServiceMessage request;
   request.operation = what == "write" ? Operation::kWrite : what == "execute" ? Operation::kExecute : Operation::kRead;
-  const int arguments = what == "state" ? 3 : what == "read" ? 4 : what == "write" || what == "execute" ? 5 : 0;
+  const int arguments = what == "state" || what == "halt"      ? 3
+                        : what == "read"                       ? 4
+                        : what == "write" || what == "execute" ? 5
+                                                               : 0;
   if (argc != arguments)
-    return fail(2, "accepted: LINK read REGISTER, write REGISTER VALUE, execute REGISTER VALUE, state");
+    return fail(2, "accepted: LINK read REGISTER, write REGISTER VALUE, execute REGISTER VALUE, state, halt");
   if (argc > 3) request.address = static_cast<std::uint16_t>(std::strtoul(argv[3], nullptr, 0));
   if (argc > 4) request.value = static_cast<std::uint32_t>(std::strtoul(argv[4], nullptr, 0));
   request.tag = 1;
 
   const std::string name = argv[1];
+  if (what == "halt") {
+    const int error = name == "usb" ? halt_endpoints() : static_cast<int>(LIBUSB_ERROR_NOT_SUPPORTED);
+    return error == 0 ? 0 : fail(1, libusb_strerror(error));
+  }
   if (name == "usb") return talk(hal::UsbLink::open(), what, request);
   if (!name.starts_with("can:")) return fail(2, "no link '" + name + "'; accepted: usb, can:IFACE, can:IFACE:NODE");
   hal::CanOptions options;

@@ -5,8 +5,10 @@
 //   --control FIFO commands, a line each           --stop-line N     of --gpio-chip NAME: the e-stop
 //   --priority N   SCHED_FIFO, default 60          --serial TEXT     of the USB device
 //   --hand still   rests at the path's start
-// Commands: NAME N of a LinkFaults member sets it for N frames; `plug`, `unplug` (USB); `buttons N`; `motor-bus 0|1`;
-// `hand restart`; `report` prints the truth so far; `quit`. What happens is told as lines on standard output, see
+// Commands: NAME N of a LinkFaults member sets it for N frames; `plug`, `unplug`, `halt_states`, `halt_commands`
+// (USB); `buttons N`; `motor-bus 0|1`;
+// `hand restart`; `restart N` ends the device's program for N periods, motors off, and begins it anew; `report` prints
+// the truth so far; `quit`. What happens is told as lines on standard output, see
 // simulated_board.h.
 #include <fcntl.h>
 #include <unistd.h>
@@ -15,6 +17,7 @@
 #include <cstring>
 #include <map>
 #include <string_view>
+#include <thread>
 
 #include "firmware/boards/linux/linux_program.h"
 #include "firmware/boards/linux_can/can_device_link.h"
@@ -25,6 +28,8 @@
 
 namespace tactus::vm {
 namespace {
+
+constexpr int kHaltPriority = 98;
 
 [[noreturn]] void fail(const std::string& message) {
   std::fprintf(stderr, "bench_device: %s\n", message.c_str());
@@ -120,7 +125,7 @@ class ControlLines {
 
 template <class Link>
 bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, SimulatedBoard& board,
-          const firmware::Device& device) {
+          const firmware::Device& device, std::uint64_t& off_periods) {
   const std::size_t space = std::min(line.find(' '), line.size());
   const std::string name = line.substr(0, space);
   const std::uint64_t value = std::strtoull(line.c_str() + space, nullptr, 10);
@@ -134,6 +139,7 @@ bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, Sim
                                                      {"lost_commands", &f.lost_commands},
                                                      {"corrupt_commands", &f.corrupt_commands},
                                                      {"repeated_commands", &f.repeated_commands},
+                                                     {"old_commands", &f.old_commands},
                                                      {"babble", &f.babble}};
   if (const auto fault = faults.find(name); fault != faults.end()) {
     *fault->second = value;
@@ -143,19 +149,27 @@ bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, Sim
     board.motor_bus_ok = value != 0;
   } else if (name == "hand") {
     board.restart_hand();
+  } else if (name == "restart") {
+    off_periods = value;
   } else if (name == "report") {
     std::printf(
         "report periods=%llu commands=%llu refused=%u state=%u fault=%u share=%g largest_effort=%g "
-        "largest_share=%g finite=%d\n",
+        "largest_share=%g largest_rise=%g finite=%d\n",
         static_cast<unsigned long long>(board.periods()), static_cast<unsigned long long>(link.commands()),
         device.controller().refused_frames(), static_cast<unsigned>(device.controller().state()),
         static_cast<unsigned>(device.controller().fault()), board.share(), static_cast<double>(link.largest_effort()),
-        board.largest_share_seen(), !link.saw_effort_not_finite());
+        board.largest_share_seen(), board.take_largest_rise(), !link.saw_effort_not_finite());
   } else if (name == "quit") {
     return false;
   } else if constexpr (requires { true_link.unplug(); }) {
     if (name == "unplug")
       true_link.unplug();
+    else if (name == "halt_states" || name == "halt_commands")
+      // Above the link's own threads, which use the endpoint all the time; beside the control period, for it waits.
+      std::thread([&true_link, states = name == "halt_states"] {
+        (void)firmware::make_realtime(kHaltPriority, -1);
+        true_link.halt(states);
+      }).detach();
     else if (name == "plug") {
       if (const std::string e = true_link.plug(); !e.empty()) fail(e);
     } else
@@ -174,7 +188,8 @@ int run(const Options& options, Link& true_link) {
   if (profile == nullptr) fail("the scene's device profile is none");
   const std::uint32_t period_us = 1'000'000 / options.rate_Hz;
   const firmware::Config config = hal::firmware_config(*profile, period_us);
-  firmware::Device device(config, firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial));
+  const auto identity = firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial);
+  firmware::Device device(config, identity);
   SimulatedBoard board(*profile, hand_of(scene, options.still), config);
   if (options.stop_line >= 0)
     if (const std::string e = board.stop_line.open(options.gpio_chip, static_cast<unsigned>(options.stop_line));
@@ -189,11 +204,17 @@ int run(const Options& options, Link& true_link) {
   const std::atomic<bool>& stop = firmware::stop_on_signals();
   firmware::Pace pace(period_us);
   std::string line;
+  std::uint64_t off_periods = 0;
   for (bool go_on = true; go_on && !stop.load();) {
     pace.wait();
-    firmware::run_period(device, board, link);
+    if (off_periods > 0) {
+      if (--off_periods == 0) device = firmware::Device(config, identity);
+      board.drive({});
+    } else {
+      firmware::run_period(device, board, link);
+    }
     board.tell(device);
-    while (go_on && control.next(line)) go_on = obey(line, link, true_link, board, device);
+    while (go_on && control.next(line)) go_on = obey(line, link, true_link, board, device, off_periods);
   }
   const firmware::PaceCounters& paced = pace.counters();
   std::printf("end periods=%llu skipped=%llu max_late_us=%lld\n", static_cast<unsigned long long>(paced.periods),

@@ -16,7 +16,8 @@ namespace tactus::vm {
 struct LinkFaults {
   std::uint64_t lost_states{0}, corrupt_states{0}, repeated_states{0}, wild_states{0}, odd_sizes{0}, silence{0};
   std::uint64_t lost_commands{0}, corrupt_commands{0}, repeated_commands{0};
-  std::uint64_t babble{0};  // periods in which eight frames of rubbish follow the true one
+  std::uint64_t old_commands{0};  // commands after which an older one follows in the same period
+  std::uint64_t babble{0};        // periods in which eight frames of rubbish follow the true one
 };
 
 template <firmware::DeviceLink Link>
@@ -27,18 +28,29 @@ class HostileLink {
   LinkFaults faults;
 
   std::size_t receive_command(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
-    std::size_t size = link_.receive_command(buffer);
-    if (size > 0) note(buffer.first(size));
-    if (holds(faults.repeated_commands) && last_size_ > 0) {
-      std::copy_n(last_command_.begin(), last_size_, buffer.begin());
-      return last_size_;
+    // After each command that came, where told to: an older one, which a device must not obey.
+    if (old_follows_) {
+      old_follows_ = false;
+      const auto& old = sent_[(sent_count_ + 1) % sent_.size()];
+      std::copy(old.begin(), old.end(), buffer.begin());
+      return firmware::kCommandFrameSize;
     }
-    if (size == 0) return 0;
-    std::copy_n(buffer.begin(), size, last_command_.begin());
-    last_size_ = size;
-    if (holds(faults.corrupt_commands)) flip_bits(buffer.first(size));
-    if (holds(faults.lost_commands)) size = 0;
-    return size;
+    while (const std::size_t size = link_.receive_command(buffer)) {
+      note(buffer.first(size));
+      if (holds(faults.repeated_commands) && last_size_ > 0) {
+        std::copy_n(last_command_.begin(), last_size_, buffer.begin());
+        return last_size_;
+      }
+      std::copy_n(buffer.begin(), size, last_command_.begin());
+      last_size_ = size;
+      if (size == firmware::kCommandFrameSize) {
+        std::copy_n(buffer.begin(), size, sent_[++sent_count_ % sent_.size()].begin());
+        old_follows_ = sent_count_ > sent_.size() && holds(faults.old_commands);
+      }
+      if (holds(faults.corrupt_commands)) flip_bits(buffer.first(size));
+      if (!holds(faults.lost_commands)) return size;
+    }
+    return 0;
   }
 
   void send_state(std::span<const std::byte> frame) noexcept {
@@ -118,6 +130,9 @@ class HostileLink {
   std::uint64_t random_, commands_{0};
   std::array<std::byte, firmware::kMaxFrameSize> last_command_{}, last_state_{};
   std::size_t last_size_{0}, last_state_size_{0};
+  std::array<std::array<std::byte, firmware::kCommandFrameSize>, 8> sent_{};  // the last ones
+  std::size_t sent_count_{0};
+  bool old_follows_{false};
   float largest_effort_{0};
   bool not_finite_{false};
 };

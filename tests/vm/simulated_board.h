@@ -19,6 +19,7 @@
 #include <cstdio>
 #include <ctime>
 #include <string>
+#include <utility>
 
 #include "firmware/board.h"
 #include "hal/plant.h"
@@ -100,6 +101,7 @@ class SimulatedBoard {
     const bool fades = (controller.limits() & firmware::bit_of(firmware::Limit::kFading)) != 0;
     const double share = largest_share();
     largest_share_ = std::fmax(largest_share_, share);
+    largest_rise_ = std::fmax(largest_rise_, share - share_);
     if (state != state_) tell_state(controller, state);
     if (fades && !fades_) std::printf("fade missed=%u period=%llu\n", controller.missed_commands(), count());
     if (share == 0.0 && share_ > 0.0)
@@ -113,6 +115,8 @@ class SimulatedBoard {
   // Effort over its limit, the worst of axes and norms; 1 is the limit.
   double share() const noexcept { return share_; }  // now
   double largest_share_seen() const noexcept { return largest_share_; }
+  // The largest rise of that from one period to the next since the last question.
+  double take_largest_rise() noexcept { return std::exchange(largest_rise_, 0.0); }
   std::uint64_t periods() const noexcept { return periods_; }
   const hal::Plant& plant() const noexcept { return plant_; }
   void restart_hand() noexcept { hand_periods_ = 0; }
@@ -171,7 +175,7 @@ class SimulatedBoard {
   std::int64_t began_ns_{0}, told_stop_ns_{0};
   bool hand_moves_{false}, fades_{false};
   firmware::State state_{firmware::State::kReset};
-  double share_{0}, largest_share_{0};
+  double share_{0}, largest_share_{0}, largest_rise_{0};
 };
 
 }  // namespace tactus::vm

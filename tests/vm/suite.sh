@@ -8,16 +8,16 @@
 # counts as neither, and makes the exit status 3.
 side_by_side=(debian usb can fd)
 declare -A scenarios_of=(
-  [usb]='drivers user:usb programs:usb faults:usb hostile:usb house:usb hil:usb'
-  [can]='user:can programs:can faults:can hostile:can house:can hil:can'
-  [fd]='programs:can-fd faults:can-fd hostile:can-fd hil:can-fd'
+  [usb]='drivers user:usb programs:usb faults:usb recovery:usb hostile:usb house:usb hil:usb'
+  [can]='user:can programs:can faults:can recovery:can hostile:can house:can hil:can'
+  [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 # With --quick: each scenario once, on one of the links.
 declare -A quick_scenarios_of=(
   [usb]='drivers user:usb programs:usb house:usb'
   [can]='faults:can hil:can'
-  [fd]='hostile:can-fd'
+  [fd]='recovery:can-fd hostile:can-fd'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 guest_tools=(candump cansend cangen)

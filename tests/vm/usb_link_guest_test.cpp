@@ -16,6 +16,7 @@
 #include "hal/usb/usb_link.h"
 #include "rt/base/clock.h"
 #include "tests/support/rt_guard.h"
+#include "tests/vm/halt_endpoints.h"
 
 using namespace tactus;
 using firmware::CommandFrame;
@@ -292,6 +293,41 @@ TEST_CASE("USB guest: unplugged is told at once, and plugged in again it goes on
   CHECK(host.backwards == 0);
   CHECK(host.breaches == 0);
   CHECK(board.link.counters().disconnects == 3);
+}
+
+TEST_CASE("USB guest: an endpoint that halts is cleared when the link opens and while frames flow", "[usb]") {
+  Board board;
+  std::unique_ptr<UsbLink> link = opened();
+  for (unsigned cycle = 0; cycle < 10; ++cycle) {
+    if (cycle % 2 == 0) {
+      link.reset();
+      REQUIRE(soon([] { return vm::halt_endpoints() == 0; }));
+      link = opened();
+    }
+    REQUIRE(link->start().ok());
+    Host host(*link);
+    const auto flows = [&] {
+      const std::uint32_t before = host.sequence;
+      return soon([&] {
+        host.send(), host.receive();
+        return host.handed > 0 && host.newest.echoed_sequence > before;
+      });
+    };
+    REQUIRE(flows());
+    // Above the link's own threads, which use the endpoint all the time; it waits for the transfer that is under way.
+    std::atomic<bool> halted{false};
+    const std::jthread halting([&] {
+      (void)firmware::make_realtime(98, -1), board.link.halt(cycle % 4 < 2);
+      halted = true;
+    });
+    REQUIRE(soon([&] { return host.send(), host.receive(), halted.load(); }));
+    REQUIRE(flows());
+    REQUIRE(flows());
+    CHECK(link->connected());
+    CHECK(link->counters().disconnects == 0);
+    CHECK(host.breaches == 0);
+    CHECK(link->call(read_request(firmware::number::kFirmware, 1), 5s).ok());
+  }
 }
 
 TEST_CASE("USB guest: another device in the place of the one that was pulled is not taken for it", "[usb]") {

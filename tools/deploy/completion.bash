@@ -10,7 +10,7 @@ _tactus() {
   case $previous in
     --accuracy) values='fast balanced accurate' ;;
     --against) values=cyclictest ;;
-    --border) values='ghost capped replay frozen' ;;
+    --border) values='ghost capped replay filtered frozen' ;;
     --coupling) values='sub-world direct interpolation static plane planes linearised' ;;
     --device) values='sim usb can:' ;;
     --load) values='none cpu memory stress-ng' ;;

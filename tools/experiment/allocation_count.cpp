@@ -1,70 +1,20 @@
 #include "tools/experiment/allocation_count.h"
 
-#include <cerrno>
-#include <cstddef>
+#include <dlfcn.h>
 
-#if defined(__has_feature)
-#define TACTUS_HAS_FEATURE(feature) __has_feature(feature)
-#else
-#define TACTUS_HAS_FEATURE(feature) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || TACTUS_HAS_FEATURE(address_sanitizer) || \
-    TACTUS_HAS_FEATURE(thread_sanitizer)
-#define TACTUS_COUNTS 0
-#else
-#define TACTUS_COUNTS 1
-#endif
-
+namespace tactus::experiment {
 namespace {
 
-// Constant-initialised and without destructor, so that counting itself can neither allocate nor lock.
-thread_local constinit std::uint64_t t_allocations = 0;
+using Counter = std::uint64_t (*)();
+
+Counter counter() noexcept {
+  static const auto found = reinterpret_cast<Counter>(dlsym(RTLD_DEFAULT, "tactus_thread_allocations"));
+  return found;
+}
 
 }  // namespace
 
-namespace tactus::experiment {
-
-bool allocations_are_counted() noexcept { return TACTUS_COUNTS != 0; }
-std::uint64_t allocation_count() noexcept { return t_allocations; }
+bool allocations_are_counted() noexcept { return counter() != nullptr; }
+std::uint64_t allocation_count() noexcept { return allocations_are_counted() ? counter()() : 0; }
 
 }  // namespace tactus::experiment
-
-#if TACTUS_COUNTS
-
-// The C library keeps its allocator under these names too; operator new calls malloc.
-extern "C" {
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-
-void* malloc(std::size_t size) {
-  ++t_allocations;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  ++t_allocations;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* block, std::size_t size) {
-  ++t_allocations;
-  return __libc_realloc(block, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) {
-  ++t_allocations;
-  return __libc_memalign(alignment, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++t_allocations;
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  ++t_allocations;
-  void* got = __libc_memalign(alignment, size);
-  if (got == nullptr) return ENOMEM;
-  *block = got;
-  return 0;
-}
-}
-
-#endif

@@ -1,7 +1,7 @@
-// How often this thread allocated: the program's own malloc counts, also for the libraries that it links.
-//
-// Only programs that link this library count; the counter is a thread-local increment. Thread: [any], each its own.
-// Bound: none. Under a sanitizer, which has a malloc of its own, nothing is counted.
+// How often this thread allocated, where the library of tools/experiment/malloc_count counts: its malloc stands before
+// the C library's, also for the libraries that are linked. Tests link it;
+// LD_PRELOAD=BUILD/tools/libtactus_malloc_count.so has the program count. Thread: [any], each its own. Bound: none.
+// Without it, and under a sanitizer, nothing is counted: 0.
 #pragma once
 
 #include <cstdint>

@@ -14,6 +14,7 @@
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
+#include "tools/json_text.h"
 
 namespace tactus::experiment {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 constexpr unsigned kSettleTicks = 200, kCountedTicks = 20;
 constexpr double kTick_s = 1e-3, kMostDifference = 1e-3;
 constexpr std::uint32_t kTimedMost = 1000, kTimedTicks = 60;  // bodies; ticks with and without each effect
+constexpr std::uint32_t kTimedParts = 6;
 
 // All moving bodies of a scene in one world, stepped as the haptic thread steps its members.
 class TickedWorld {
@@ -189,8 +191,26 @@ std::string effects_json(const std::vector<EffectRow>& rows) {
                     {"instructions_unused", number(row.instructions[1])},
                     {"instructions_used", number(row.instructions[2])}});
   }
-  return ordered_json{{"rows", list}}.dump(2);
+  return json_text(ordered_json{{"rows", list}}, 2);
 }
+
+namespace {
+
+double spread_of(const std::vector<double>& with_us, const std::vector<double>& without_us) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (std::uint32_t part = 0; part < kTimedParts; ++part) {
+    const auto median_of = [part](const std::vector<double>& us) {
+      const auto size = static_cast<std::ptrdiff_t>(kTimedTicks / kTimedParts);
+      const auto begin = us.begin() + size * static_cast<std::ptrdiff_t>(part);
+      return median({begin, begin + size});
+    };
+    const double added_us = median_of(with_us) - median_of(without_us);
+    least = std::min(least, added_us), most = std::max(most, added_us);
+  }
+  return 0.5 * (most - least);
+}
+
+}  // namespace
 
 std::vector<EffectTime> time_effects(const sim::Scene& scene) {
   std::vector<EffectTime> times;
@@ -207,7 +227,8 @@ std::vector<EffectTime> time_effects(const sim::Scene& scene) {
       us.push_back(thread_time_us() - start);
     };
     for (std::uint32_t i = 0; i < kTimedTicks; ++i) timed(with_it, with_us), timed(without_it, without_us);
-    times.push_back({std::string(effect.name), median(with_us) - median(without_us), median(with_us)});
+    times.push_back({std::string(effect.name), median(with_us) - median(without_us), spread_of(with_us, without_us),
+                     median(with_us)});
   }
   return times;
 }

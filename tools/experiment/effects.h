@@ -40,10 +40,11 @@ std::string effects_table(const std::vector<EffectRow>& rows);
 std::string effects_json(const std::vector<EffectRow>& rows);
 
 // What an effect that the scene uses adds to a tick of all its bodies [us, CPU time]: the median of ticks with it less
-// that of ticks without it, in turns. Empty for a scene that is too large to try.
+// that of ticks without it, in turns. Empty for a scene that is too large to try. Spread: half the range of what six
+// parts of the measurement find, each by itself; a difference below it says nothing.
 struct EffectTime {
   std::string effect;
-  double added_us{0}, tick_us{0};
+  double added_us{0}, spread_us{0}, tick_us{0};
 };
 std::vector<EffectTime> time_effects(const sim::Scene& scene);
 

@@ -24,6 +24,18 @@ const std::vector<EngineKind>& engine_kinds() {
   return kinds;
 }
 
+const std::vector<EngineKind>& compared_kinds() {
+  static const std::vector<EngineKind> kinds = [] {
+    constexpr bool kBullet = TACTUS_HAS_BULLET != 0, kOde = TACTUS_HAS_ODE != 0;
+    std::vector<EngineKind> all = engine_kinds();
+    all.push_back({"bullet-tuned-4", "libbullet-dev", true, make_bullet, kBullet, 4});
+    all.push_back({"bullet-tuned-40", "libbullet-dev", true, make_bullet, kBullet, 40});
+    all.push_back({"ode-tuned-40", "libode-dev", true, make_ode, kOde, 40});
+    return all;
+  }();
+  return kinds;
+}
+
 const std::vector<std::string>& precision_names() {
   static const std::vector<std::string> names{"double", "mixed", "float"};
   return names;

@@ -21,11 +21,11 @@ struct Measurement {
   double contacts{0};                // contact points that the engine itself counts
   double touching_pairs{0};          // pairs of bodies with a point that does not gape
   double residual_speed_m_per_s{0};  // root mean square over the cubes
-  double penetration_m{0};           // deepest overlap
 };
 
 struct CubeState {
   Vec3d position, velocity;
+  Quatd rotation;  // world_from_cube
 };
 
 class Engine {
@@ -34,6 +34,7 @@ class Engine {
   virtual void step() = 0;  // what is timed
   virtual Measurement measure() = 0;
   virtual std::vector<CubeState> cubes() const = 0;  // in the scene's order
+  virtual std::vector<Posed> rods() const = 0;       // of the stirrer, in its order
   virtual std::string settings() const = 0;          // what it runs with, in a line
   // Why its figures do not count (work was left out); empty while they do.
   virtual std::string failure() const { return {}; }
@@ -50,6 +51,7 @@ const std::vector<std::string>& precision_names();
 
 struct EngineOptions {
   bool tuned{false};
+  unsigned iterations{0};                // peers only: of the contact solver in a step; 0: as it comes, ODE tuned 10
   std::optional<Precision> precision{};  // tactus only; none: as in a run, mixed where the world is a global one
   bool time_broad_phase{false};          // tactus only
   std::vector<int> helpers{};            // tactus only: cores of the threads that share its steps, beside the caller
@@ -65,11 +67,15 @@ struct EngineKind {
   std::string_view package;  // Debian package that it needs; empty: none
   bool tuned;
   std::unique_ptr<Engine> (*make)(const BoxScene&, const EngineOptions&);
-  bool available;  // was there when this program was built
+  bool available;          // was there when this program was built
+  unsigned iterations{0};  // see EngineOptions
 };
 
 // All that exist, tactus first.
 const std::vector<EngineKind>& engine_kinds();
+
+// The same, and the tuned ones with fewer and with more iterations: "bullet-tuned-4".
+const std::vector<EngineKind>& compared_kinds();
 
 // Root mean square of the speeds.
 double residual_speed(const std::vector<CubeState>& cubes);

@@ -7,6 +7,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "tools/experiment/engine.h"
+#include "tools/experiment/scene_shapes.h"
 
 namespace tactus::experiment {
 namespace {
@@ -17,8 +18,17 @@ constexpr btScalar kTunedMargin_m = 1e-3f;
 btVector3 as_bullet(const Vec3d& v) {
   return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
 }
+btQuaternion as_bullet(const Quatd& q) {
+  return {static_cast<btScalar>(q.x), static_cast<btScalar>(q.y), static_cast<btScalar>(q.z),
+          static_cast<btScalar>(q.w)};
+}
 Vec3d from_bullet(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+Posed from_bullet(const btTransform& t) {
+  const btQuaternion q = t.getRotation();
+  return {from_bullet(t.getOrigin()), normalized(Quatd{static_cast<double>(q.w()), static_cast<double>(q.x()),
+                                                       static_cast<double>(q.y()), static_cast<double>(q.z())})};
 }
 
 class BulletEngine final : public Engine {
@@ -27,26 +37,28 @@ class BulletEngine final : public Engine {
       : dispatcher_(&configuration_),
         world_(&dispatcher_, &broad_phase_, &solver_, &configuration_),
         step_s_(static_cast<btScalar>(scene.step_s)),
-        paddle_(scene.paddle),
+        stirrer_(scene.stirrer),
         tuned_(options.tuned),
+        has_hulls_(!scene.hulls.empty()),
         cubes_(scene.cubes.size()) {
     world_.setGravity({0, 0, static_cast<btScalar>(-scene.gravity_m_per_s2)});
     if (tuned_) world_.setForceUpdateAllAabbs(false);
+    if (options.iterations > 0) world_.getSolverInfo().m_numIterations = static_cast<int>(options.iterations);
     const auto friction = static_cast<btScalar>(scene.friction);
     for (const Cube& cube : scene.cubes) {
-      const double half = 0.5 * cube.edge_m;
-      const btTransform at({static_cast<btScalar>(cube.rotation.x), static_cast<btScalar>(cube.rotation.y),
-                            static_cast<btScalar>(cube.rotation.z), static_cast<btScalar>(cube.rotation.w)},
-                           as_bullet(cube.position));
-      add({half, half, half}, cube.mass_kg, friction, at)->setActivationState(DISABLE_DEACTIVATION);
+      add(shape_in_bullet(scene, cube), cube.mass_kg, as_bullet(inertia_of(scene, cube)), friction,
+          btTransform(as_bullet(cube.rotation), as_bullet(cube.position)))
+          ->setActivationState(DISABLE_DEACTIVATION);
     }
     for (const Wall& wall : scene.walls)
-      add(wall.half_extents_m, 0, friction, btTransform{btQuaternion::getIdentity(), as_bullet(wall.position)});
-    if (!paddle_) return;
-    rod_ = add(paddle_->half_extents_m, 0, friction,
-               btTransform{btQuaternion::getIdentity(), as_bullet(paddle_->position_at(0))});
-    rod_->setCollisionFlags(rod_->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
-    rod_->setActivationState(DISABLE_DEACTIVATION);
+      add(box_in_bullet(wall.half_extents_m), 0, {0, 0, 0}, friction,
+          btTransform(as_bullet(wall.rotation), as_bullet(wall.position)));
+    for (std::uint32_t i = 0; i < rods_of(scene); ++i) {
+      btRigidBody& rod = *add(box_in_bullet(stirrer_->half_extents_m), 0, {0, 0, 0}, friction, rod_at(i, 0));
+      rod.setCollisionFlags(rod.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+      rod.setActivationState(DISABLE_DEACTIVATION);
+      rods_.push_back(&rod);
+    }
   }
 
   ~BulletEngine() override {
@@ -57,11 +69,8 @@ class BulletEngine final : public Engine {
 
   void step() override {
     time_s_ += static_cast<double>(step_s_);
-    if (rod_ != nullptr) {
-      // Bullet takes a kinematic body's velocity from where it was and where it is to be.
-      rod_->getMotionState()->setWorldTransform(
-          btTransform{btQuaternion::getIdentity(), as_bullet(paddle_->position_at(time_s_))});
-    }
+    // Bullet takes a kinematic body's velocity from where it was and where it is to be.
+    for (std::size_t i = 0; i < rods_.size(); ++i) rods_[i]->getMotionState()->setWorldTransform(rod_at(i, time_s_));
     world_.stepSimulation(step_s_, 0);
   }
 
@@ -74,7 +83,6 @@ class BulletEngine final : public Engine {
         deepest = std::max(deepest, -static_cast<double>(manifold.getContactPoint(p).getDistance()));
       m.contacts += manifold.getNumContacts();
       m.touching_pairs += deepest >= 0 ? 1 : 0;
-      m.penetration_m = std::max(m.penetration_m, deepest);
     }
     m.residual_speed_m_per_s = residual_speed(cubes());
     return m;
@@ -83,25 +91,56 @@ class BulletEngine final : public Engine {
   std::vector<CubeState> cubes() const override {
     std::vector<CubeState> states;
     states.reserve(cubes_);
-    for (std::size_t i = 0; i < cubes_; ++i)
-      states.push_back(
-          {from_bullet(bodies_[i]->getWorldTransform().getOrigin()), from_bullet(bodies_[i]->getLinearVelocity())});
+    for (std::size_t i = 0; i < cubes_; ++i) {
+      const Posed pose = from_bullet(bodies_[i]->getWorldTransform());
+      states.push_back({pose.position, from_bullet(bodies_[i]->getLinearVelocity()), pose.rotation});
+    }
     return states;
+  }
+
+  std::vector<Posed> rods() const override {
+    std::vector<Posed> poses;
+    for (const btRigidBody* rod : rods_) poses.push_back(from_bullet(rod->getWorldTransform()));
+    return poses;
   }
 
   std::string settings() const override {
     return fmt::format(
-        "{:.2f}, single precision, {} iterations{}", static_cast<double>(BT_BULLET_VERSION) / 100, 10,
+        "{:.2f}, single precision, {} iterations{}", static_cast<double>(BT_BULLET_VERSION) / 100,
+        world_.getSolverInfo().m_numIterations,
         tuned_ ? fmt::format(", margin {:g} mm, fixed bounds not refreshed", 1e3 * static_cast<double>(kTunedMargin_m))
-               : ", defaults");
+        : has_hulls_ ? fmt::format(", margin of hulls {:g} mm", 1e3 * static_cast<double>(kTunedMargin_m))
+                     : ", defaults");
   }
 
  private:
-  btRigidBody* add(const Vec3d& half_extents_m, double mass_kg, btScalar friction, const btTransform& at) {
-    auto shape = std::make_unique<btBoxShape>(as_bullet(half_extents_m));
-    if (tuned_) shape->setMargin(kTunedMargin_m);
-    btVector3 inertia(0, 0, 0);
-    if (mass_kg > 0) shape->calculateLocalInertia(static_cast<btScalar>(mass_kg), inertia);
+  btTransform rod_at(std::size_t rod, double time_s) const {
+    return btTransform(btQuaternion::getIdentity(), as_bullet(stirrer_->pose_at(rod, time_s).position));
+  }
+
+  std::unique_ptr<btConvexShape> box_in_bullet(const Vec3d& half_extents_m) const {
+    auto box = std::make_unique<btBoxShape>(as_bullet(half_extents_m));
+    if (tuned_) box->setMargin(kTunedMargin_m);
+    return box;
+  }
+
+  std::unique_ptr<btConvexShape> shape_in_bullet(const BoxScene& scene, const Cube& body) const {
+    const physics::Shape<double> shape = shape_of(scene, body);
+    const auto radius = static_cast<btScalar>(shape.radius);
+    if (shape.kind == physics::ShapeKind::kSphere) return std::make_unique<btSphereShape>(radius);
+    if (shape.kind == physics::ShapeKind::kCapsule)
+      return std::make_unique<btCapsuleShapeZ>(radius, static_cast<btScalar>(2 * shape.half_length));
+    if (shape.kind != physics::ShapeKind::kHull) return box_in_bullet(shape.half_extents);
+    auto hull = std::make_unique<btConvexHullShape>();
+    const physics::Hull<double>& source = scene.hulls[shape.index];
+    for (std::uint32_t i = 0; i < source.topology.vertices; ++i) hull->addPoint(as_bullet(source.vertex(i)), false);
+    hull->recalcLocalAabb();
+    hull->setMargin(kTunedMargin_m);  // a margin is added to a hull: the default of 40 mm is as thick as the body
+    return hull;
+  }
+
+  btRigidBody* add(std::unique_ptr<btConvexShape> shape, double mass_kg, const btVector3& inertia, btScalar friction,
+                   const btTransform& at) {
     motions_.push_back(std::make_unique<btDefaultMotionState>(at));
     btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass_kg), motions_.back().get(), shape.get(),
                                                   inertia);
@@ -119,14 +158,14 @@ class BulletEngine final : public Engine {
   btDbvtBroadphase broad_phase_;
   btSequentialImpulseConstraintSolver solver_;
   btDiscreteDynamicsWorld world_;
-  std::vector<std::unique_ptr<btBoxShape>> shapes_;
+  std::vector<std::unique_ptr<btConvexShape>> shapes_;
   std::vector<std::unique_ptr<btDefaultMotionState>> motions_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   btScalar step_s_;
-  std::optional<Paddle> paddle_;
-  bool tuned_;
+  std::optional<Stirrer> stirrer_;
+  bool tuned_, has_hulls_;
   std::size_t cubes_;
-  btRigidBody* rod_{nullptr};
+  std::vector<btRigidBody*> rods_;
   double time_s_{0};
 };
 

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "tools/experiment/engine.h"
+#include "tools/experiment/scene_shapes.h"
 
 namespace tactus::experiment {
 namespace {
@@ -24,11 +25,40 @@ struct OdeLibrary {  // its set-up counts nothing itself: once a process
 Vec3d from_ode(const dReal* v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
+Quatd rotation_of(const dReal* q) {
+  return {static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2]), static_cast<double>(q[3])};
+}
+
+// A convex geometry's numbers, which ODE does not copy.
+class OdeHull {
+ public:
+  explicit OdeHull(const physics::Hull<double>& hull) {
+    const physics::HullTopology& topology = hull.topology;
+    for (std::uint32_t i = 0; i < topology.vertices; ++i) put(points_, hull.vertex(i));
+    for (std::uint32_t f = 0; f < topology.faces; ++f) {
+      put(planes_, hull.normals[f]);
+      planes_.push_back(hull.offsets[f]);
+      const auto loop = topology.loop(f);
+      polygons_.push_back(static_cast<unsigned>(loop.size()));
+      polygons_.insert(polygons_.end(), loop.begin(), loop.end());
+    }
+  }
+  dGeomID make(dSpaceID space) const {
+    return dCreateConvex(space, planes_.data(), static_cast<unsigned>(planes_.size() / 4), points_.data(),
+                         static_cast<unsigned>(points_.size() / 3), polygons_.data());
+  }
+
+ private:
+  static void put(std::vector<dReal>& to, const Vec3d& v) { to.insert(to.end(), {v.x, v.y, v.z}); }
+
+  std::vector<dReal> planes_, points_;
+  std::vector<unsigned> polygons_;
+};
 
 class OdeEngine final : public Engine {
  public:
   OdeEngine(const BoxScene& scene, const EngineOptions& options)
-      : step_s_(scene.step_s), friction_(scene.friction), paddle_(scene.paddle), tuned_(options.tuned) {
+      : step_s_(scene.step_s), friction_(scene.friction), stirrer_(scene.stirrer), tuned_(options.tuned) {
     static const OdeLibrary library;
     world_ = dWorldCreate();
     space_ = tuned_ ? dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ) : dHashSpaceCreate(nullptr);
@@ -36,12 +66,17 @@ class OdeEngine final : public Engine {
     dWorldSetGravity(world_, 0, 0, -scene.gravity_m_per_s2);
     dWorldSetAutoDisableFlag(world_, 0);
     if (tuned_) dWorldSetQuickStepNumIterations(world_, kTunedIterations);
-    for (const Cube& cube : scene.cubes) cubes_.push_back(add_cube(cube));
+    if (options.iterations > 0) dWorldSetQuickStepNumIterations(world_, static_cast<int>(options.iterations));
+    for (const auto& hull : scene.hulls) hulls_.emplace_back(hull);
+    for (const Cube& cube : scene.cubes) cubes_.push_back(add_body(scene, cube));
     for (const Wall& wall : scene.walls) {
       const Vec3d size = 2.0 * wall.half_extents_m;
-      dGeomSetPosition(dCreateBox(space_, size.x, size.y, size.z), wall.position.x, wall.position.y, wall.position.z);
+      const dGeomID box = dCreateBox(space_, size.x, size.y, size.z);
+      dGeomSetPosition(box, wall.position.x, wall.position.y, wall.position.z);
+      const dQuaternion q{wall.rotation.w, wall.rotation.x, wall.rotation.y, wall.rotation.z};
+      dGeomSetQuaternion(box, q);
     }
-    if (paddle_) add_rod();
+    if (stirrer_) add_rods();
   }
 
   ~OdeEngine() override {
@@ -53,10 +88,10 @@ class OdeEngine final : public Engine {
   OdeEngine& operator=(const OdeEngine&) = delete;
 
   void step() override {
-    if (rod_ != nullptr) {
-      // ODE moves a kinematic body by its velocity: that which takes it from where it is to where it is to be.
-      const Vec3d way = paddle_->position_at(time_s_ + step_s_) - from_ode(dBodyGetPosition(rod_));
-      dBodySetLinearVel(rod_, way.x / step_s_, way.y / step_s_, way.z / step_s_);
+    // ODE moves a kinematic body by its velocity.
+    for (std::size_t i = 0; i < rods_.size(); ++i) {
+      const Vec3d v = stirrer_->velocity_over(i, from_ode(dBodyGetPosition(rods_[i])), time_s_, step_s_).linear;
+      dBodySetLinearVel(rods_[i], v.x, v.y, v.z);
     }
     facts_ = {};
     dSpaceCollide(space_, this, [](void* self, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(self)->collide(a, b); });
@@ -75,41 +110,70 @@ class OdeEngine final : public Engine {
     std::vector<CubeState> states;
     states.reserve(cubes_.size());
     for (const dBodyID body : cubes_)
-      states.push_back({from_ode(dBodyGetPosition(body)), from_ode(dBodyGetLinearVel(body))});
+      states.push_back(
+          {from_ode(dBodyGetPosition(body)), from_ode(dBodyGetLinearVel(body)), rotation_of(dBodyGetQuaternion(body))});
     return states;
   }
 
-  std::string settings() const override {
-    return fmt::format("{} precision, quick step, {} iterations, {} points a pair, {}",
+  std::vector<Posed> rods() const override {
+    std::vector<Posed> poses;
+    for (const dBodyID rod : rods_)
+      poses.push_back({from_ode(dBodyGetPosition(rod)), rotation_of(dBodyGetQuaternion(rod))});
+    return poses;
+  }
 
+  std::string settings() const override {
+    return fmt::format("{} precision, quick step, {} iterations, {} points a pair{}, {}",
                        sizeof(dReal) == sizeof(double) ? "double" : "single", dWorldGetQuickStepNumIterations(world_),
-                       kPointsPerPair, tuned_ ? "sweep-and-prune space" : "hash space, defaults");
+                       kPointsPerPair, hulls_.empty() ? "" : " (hulls one)",
+                       tuned_ ? "sweep-and-prune space" : "hash space, defaults");
   }
 
  private:
-  dBodyID add_cube(const Cube& cube) {
+  dBodyID add_body(const BoxScene& scene, const Cube& cube) {
     const dBodyID body = dBodyCreate(world_);
     dMass mass;
-    dMassSetBoxTotal(&mass, cube.mass_kg, cube.edge_m, cube.edge_m, cube.edge_m);
+    const Vec3d inertia = inertia_of(scene, cube);
+    dMassSetParameters(&mass, cube.mass_kg, 0, 0, 0, inertia.x, inertia.y, inertia.z, 0, 0, 0);
     dBodySetMass(body, &mass);
     dBodySetPosition(body, cube.position.x, cube.position.y, cube.position.z);
     const dQuaternion q{cube.rotation.w, cube.rotation.x, cube.rotation.y, cube.rotation.z};
     dBodySetQuaternion(body, q);
-    dGeomSetBody(dCreateBox(space_, cube.edge_m, cube.edge_m, cube.edge_m), body);
+    dGeomSetBody(geometry_of(shape_of(scene, cube)), body);
     return body;
   }
 
-  void add_rod() {
-    rod_ = dBodyCreate(world_);
-    const Vec3d size = 2.0 * paddle_->half_extents_m, at = paddle_->position_at(0);
-    dBodySetPosition(rod_, at.x, at.y, at.z);
-    dBodySetKinematic(rod_);
-    dGeomSetBody(dCreateBox(space_, size.x, size.y, size.z), rod_);
+  dGeomID geometry_of(const physics::Shape<double>& shape) {
+    const Vec3d size = 2.0 * shape.half_extents;
+    switch (shape.kind) {
+      case physics::ShapeKind::kSphere:
+        return dCreateSphere(space_, shape.radius);
+      case physics::ShapeKind::kCapsule:
+        return dCreateCapsule(space_, shape.radius, 2 * shape.half_length);
+      case physics::ShapeKind::kHull:
+        return hulls_[shape.index].make(space_);
+      default:
+        return dCreateBox(space_, size.x, size.y, size.z);
+    }
   }
+
+  void add_rods() {
+    const Vec3d size = 2.0 * stirrer_->half_extents_m;
+    for (std::size_t i = 0; i < stirrer_->centres_m.size(); ++i) {
+      const dBodyID rod = dBodyCreate(world_);
+      const Vec3d at = stirrer_->pose_at(i, 0).position;
+      dBodySetPosition(rod, at.x, at.y, at.z);
+      dBodySetKinematic(rod);
+      dGeomSetBody(dCreateBox(space_, size.x, size.y, size.z), rod);
+      rods_.push_back(rod);
+    }
+  }
+
+  static bool is_moved_by_forces(dBodyID body) { return body != nullptr && dBodyIsKinematic(body) == 0; }
 
   void collide(dGeomID a, dGeomID b) {
     const dBodyID body_a = dGeomGetBody(a), body_b = dGeomGetBody(b);
-    if (body_a == nullptr && body_b == nullptr) return;
+    if (!is_moved_by_forces(body_a) && !is_moved_by_forces(body_b)) return;
     std::array<dContact, kPointsPerPair> contacts;
     const int count = dCollide(a, b, kPointsPerPair, &contacts[0].geom, sizeof(dContact));
     for (int i = 0; i < count; ++i) {
@@ -118,7 +182,6 @@ class OdeEngine final : public Engine {
       contact.surface.mode = dContactApprox1;
       contact.surface.mu = friction_;
       dJointAttach(dJointCreateContact(world_, joints_, &contact), body_a, body_b);
-      facts_.penetration_m = std::max(facts_.penetration_m, static_cast<double>(contact.geom.depth));
     }
     facts_.contacts += count;
     facts_.touching_pairs += count > 0 ? 1 : 0;  // ODE finds nothing before it overlaps
@@ -128,10 +191,10 @@ class OdeEngine final : public Engine {
   dSpaceID space_{};
   dJointGroupID joints_{};
   double step_s_, friction_;
-  std::optional<Paddle> paddle_;
+  std::optional<Stirrer> stirrer_;
   bool tuned_;
-  std::vector<dBodyID> cubes_;
-  dBodyID rod_{nullptr};
+  std::vector<OdeHull> hulls_;
+  std::vector<dBodyID> cubes_, rods_;
   Measurement facts_;  // of the last step, but for the speed
   double time_s_{0};
 };

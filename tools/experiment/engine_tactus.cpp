@@ -10,6 +10,7 @@
 #include "sim/pair_cache.h"
 #include "sim/worker_pool.h"
 #include "tools/experiment/engine.h"
+#include "tools/experiment/scene_shapes.h"
 #include "tools/experiment/timing.h"
 
 namespace tactus::experiment {
@@ -21,17 +22,36 @@ constexpr std::uint32_t kPairsPerMixedBody = 48, kContactsPerMixedBody = 16;
 constexpr double kLongStep_s = 5e-3;
 constexpr double kMostHertz = 250,
                  kHertzPerSubStep = 0.125;  // an octave below the accuracy limit: a heap comes to rest soon
-// The rod: heavy beside a cube, on a spring that gives way by about a millimetre.
-constexpr double kPaddleMass_kg = 20, kPaddleStiffness = 2e5, kPaddleDamping = 4e3;  // N/m, N s/m
-constexpr double kPaddleTurnStiffness = 1e4, kPaddleTurnDamping = 2e2;               // N m/rad, N m s/rad
 
 template <class T>
 Vec3<T> as(const Vec3d& v) {
   return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
 }
 template <class T>
+Quat<T> as(const Quatd& q) {
+  return {static_cast<T>(q.w), static_cast<T>(q.x), static_cast<T>(q.y), static_cast<T>(q.z)};
+}
+template <class T>
+physics::Shape<T> as(const physics::Shape<double>& s) {
+  return {s.kind, s.index, static_cast<T>(s.radius), static_cast<T>(s.half_length), as<T>(s.half_extents)};
+}
+template <class T>
+std::vector<physics::Hull<T>> hulls_of(const BoxScene& scene) {
+  if constexpr (sizeof(T) == sizeof(double)) return scene.hulls;
+  std::vector<physics::Hull<T>> hulls;
+  if constexpr (sizeof(T) == sizeof(float))
+    for (const auto& hull : scene.hulls) hulls.push_back(physics::narrowed(hull));
+  return hulls;
+}
+template <class T>
 Vec3d as_double(const Vec3<T>& v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+template <class T>
+Posed as_double(const Pose<T>& pose) {
+  const Quat<T>& q = pose.rotation;
+  return {as_double(pose.position), Quatd{static_cast<double>(q.w), static_cast<double>(q.x), static_cast<double>(q.y),
+                                          static_cast<double>(q.z)}};
 }
 
 bool is_mixed(const BoxScene& scene) {
@@ -40,10 +60,10 @@ bool is_mixed(const BoxScene& scene) {
 }
 
 // Larger than a sub-world can be?
-bool is_global(const BoxScene& scene) { return scene.cubes.size() + (scene.paddle ? 1 : 0) > haptics::kMaxMembers; }
+bool is_global(const BoxScene& scene) { return scene.cubes.size() + rods_of(scene) > haptics::kMaxMembers; }
 
 physics::Capacities capacities_of(const BoxScene& scene) {
-  const auto bodies = static_cast<std::uint32_t>(scene.cubes.size() + 1);
+  const auto bodies = static_cast<std::uint32_t>(scene.cubes.size()) + rods_of(scene) + 1;
   const bool mixed = is_mixed(scene);
   return {bodies, static_cast<std::uint32_t>(scene.walls.size()),
           (mixed ? kPairsPerMixedBody : kPairsPerBody) * bodies + 256,
@@ -60,19 +80,36 @@ physics::StepSettings<T> settings_of(const BoxScene& scene, unsigned sub_steps) 
   return settings;
 }
 
+// Rods follow the velocity that they are given before each step: scripts without way points.
+std::vector<physics::KinematicScript> scripts_of(const BoxScene& scene) {
+  std::vector<physics::KinematicScript> scripts;
+  for (std::uint32_t i = 0; i < rods_of(scene); ++i)
+    scripts.push_back({.id = static_cast<BodyId>(scene.cubes.size()) + i});
+  return scripts;
+}
+
+template <class T>
+physics::EffectSetups<T> effects_of(const std::vector<physics::KinematicScript>& scripts) {
+  physics::EffectSetups<T> setups;
+  std::get<typename physics::Kinematics<T>::Setup>(setups).scripts = scripts;
+  return setups;
+}
+
 template <class T>
 class TactusEngine final : public Engine {
  public:
   TactusEngine(const BoxScene& scene, const EngineOptions& options, Precision precision)
-      : settings_(settings_of<T>(scene, options.sub_steps)),
-        precision_(precision),
+      : step_s_(scene.step_s),
+        settings_(settings_of<T>(scene, options.sub_steps)),
         is_global_(is_global(scene)),
         times_broad_phase_(options.time_broad_phase),
-        world_(capacities_of(scene), {}, {}, {},
-               precision_ == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
+        scripts_(scripts_of(scene)),
+        hulls_(hulls_of<T>(scene)),
+        world_(capacities_of(scene), hulls_, {}, effects_of<T>(scripts_),
+               precision == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
         pair_cache_(capacities_of(scene).bodies, capacities_of(scene).pairs),
         pool_(static_cast<std::uint32_t>(options.helpers.size()) + 1, options.helpers),
-        paddle_(scene.paddle),
+        stirrer_(scene.stirrer),
         cubes_(static_cast<std::uint32_t>(scene.cubes.size())) {
     set_denormals_flush();
     if (pool_.threads() > 1) {
@@ -82,23 +119,23 @@ class TactusEngine final : public Engine {
     BodyId id = 0;
     const T friction = static_cast<T>(scene.friction);
     for (const Cube& cube : scene.cubes) {
-      const T half = static_cast<T>(0.5 * cube.edge_m);
-      const Quat<T> rotation{static_cast<T>(cube.rotation.w), static_cast<T>(cube.rotation.x),
-                             static_cast<T>(cube.rotation.y), static_cast<T>(cube.rotation.z)};
-      insert(physics::make_dynamic_body<T>(id++, physics::Shape<T>::box({half, half, half}),
-                                           static_cast<T>(cube.mass_kg), friction, {as<T>(cube.position), rotation}));
+      auto body = physics::make_dynamic_body<T>(id++, as<T>(shape_of(scene, cube)), static_cast<T>(cube.mass_kg),
+                                                friction, {as<T>(cube.position), as<T>(cube.rotation)});
+      body.inertia = as<T>(inertia_of(scene, cube));
+      insert(body);
     }
-    if (paddle_) add_paddle(id++, friction);
+    for (std::uint32_t i = 0; i < scripts_.size(); ++i) add_rod(i, id++, friction);
     for (const Wall& wall : scene.walls)
       insert(physics::make_fixed_body<T>(id++, physics::Shape<T>::box(as<T>(wall.half_extents_m)), friction,
-                                         {as<T>(wall.position), {}}));
+                                         {as<T>(wall.position), as<T>(wall.rotation)}));
   }
 
   void step() override {
-    if (paddle_) {
-      auto& spring = world_.device_spring();
-      spring.target.position = as<T>(paddle_->position_at(time_s_));
-      spring.target_velocity.linear = as<T>(paddle_->velocity_at(time_s_));
+    const std::span<physics::Body<T>> rods = world_.bodies().subspan(cubes_);
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+      auto& motion = rods[i].motion;
+      const Twistd v = stirrer_->velocity_over(i, as_double(motion.pose.position), time_s_, step_s_);
+      motion.velocity = {as<T>(v.linear), as<T>(v.angular)};
     }
     world_.begin_step(settings_);
     const double start_us = times_broad_phase_ ? thread_time_us() : 0;
@@ -108,13 +145,12 @@ class TactusEngine final : public Engine {
     if (!all) lost_ |= physics::kPairsFull;
     report_ = world_.finish_step(settings_);
     lost_ |= report_.capacity_bits;
-    time_s_ += static_cast<double>(settings_.dt);
+    time_s_ += step_s_;
   }
 
   Measurement measure() override {
     Measurement m;
     m.contacts = report_.points;
-    m.penetration_m = static_cast<double>(report_.deepest_m);
     for (const auto& contact : world_.contacts()) {
       const auto points = std::span(contact.points).first(contact.count);
       m.touching_pairs += std::any_of(points.begin(), points.end(), [](const auto& p) { return p.separation <= T(0); });
@@ -126,16 +162,30 @@ class TactusEngine final : public Engine {
   std::vector<CubeState> cubes() const override {
     std::vector<CubeState> states;
     states.reserve(cubes_);
-    for (const auto& body : world_.bodies().first(cubes_))
-      states.push_back({as_double(body.motion.pose.position), as_double(body.motion.velocity.linear)});
+    for (const auto& body : world_.bodies().first(cubes_)) {
+      const Posed pose = as_double(body.motion.pose);
+      states.push_back({pose.position, as_double(body.motion.velocity.linear), pose.rotation});
+    }
     return states;
+  }
+
+  std::vector<Posed> rods() const override {
+    std::vector<Posed> poses;
+    for (const auto& body : world_.bodies().subspan(cubes_)) poses.push_back(as_double(body.motion.pose));
+    return poses;
   }
 
   std::string settings() const override {
     return fmt::format("{} precision, {} sub-steps, {} relax sweep, contacts {:g} Hz, damping ratio {:g}",
-                       precision_name(precision_), settings_.sub_steps, settings_.relax_sweeps,
+                       precision_name(precision()), settings_.sub_steps, settings_.relax_sweeps,
                        static_cast<double>(settings_.contact_hertz),
                        static_cast<double>(settings_.contact_damping_ratio));
+  }
+
+  // As its sweeps are: kinematic bodies need full precision.
+  Precision precision() const noexcept {
+    if (sizeof(T) == sizeof(float)) return Precision::kSingle;
+    return world_.precision() == physics::SweepPrecision::kSingle ? Precision::kMixed : Precision::kDouble;
   }
 
   double broad_phase_us() const override { return broad_phase_us_; }
@@ -148,30 +198,23 @@ class TactusEngine final : public Engine {
  private:
   void insert(const physics::Body<T>& body) { TACTUS_CHECK(world_.insert(body), body.id, world_.bodies().size()); }
 
-  void add_paddle(BodyId id, T friction) {
-    auto rod =
-        physics::make_dynamic_body<T>(id, physics::Shape<T>::box(as<T>(paddle_->half_extents_m)),
-                                      static_cast<T>(kPaddleMass_kg), friction, {as<T>(paddle_->position_at(0)), {}});
-    rod.gravity_scale = T(0);
-    insert(rod);
-    auto& spring = world_.device_spring();
-    spring.enabled = true;
-    spring.slot = static_cast<std::uint32_t>(world_.slot_of(id));
-    spring.stiffness_N_per_m = static_cast<T>(kPaddleStiffness);
-    spring.damping_Ns_per_m = static_cast<T>(kPaddleDamping);
-    spring.stiffness_Nm_per_rad = static_cast<T>(kPaddleTurnStiffness);
-    spring.damping_Nms_per_rad = static_cast<T>(kPaddleTurnDamping);
-    spring.target = rod.motion.pose;
+  // Its mass counts for nothing: to the others it is infinitely heavy.
+  void add_rod(std::size_t rod, BodyId id, T friction) {
+    const Posed at = stirrer_->pose_at(rod, 0);
+    insert(physics::make_dynamic_body<T>(id, physics::Shape<T>::box(as<T>(stirrer_->half_extents_m)), T(1), friction,
+                                         {as<T>(at.position), {}}));
   }
 
+  double step_s_;
   physics::StepSettings<T> settings_;
-  Precision precision_;
   bool is_global_, times_broad_phase_;
   double broad_phase_us_{0};
+  std::vector<physics::KinematicScript> scripts_;
+  std::vector<physics::Hull<T>> hulls_;
   physics::World<T> world_;
   sim::PairCache pair_cache_;
   sim::WorkerPool pool_;
-  std::optional<Paddle> paddle_;
+  std::optional<Stirrer> stirrer_;
   std::uint32_t cubes_;
   physics::StepReport<T> report_;
   std::uint32_t lost_{0};  // CapacityBit

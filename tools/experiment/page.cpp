@@ -7,6 +7,8 @@
 #include <array>
 #include <csignal>
 
+#include "tools/experiment/shared_files.h"
+
 namespace tactus::experiment {
 namespace {
 
@@ -27,6 +29,9 @@ Status write_page(const std::string& experiment, const std::string& json, const 
                   const std::string& path) {
   const Status missing =
       Status::error("--page: needs python3 with matplotlib; install what Debian calls python3-matplotlib");
+  const std::string writer = shared_file("experiment_page").string();
+  if (access(writer.c_str(), R_OK) != 0)
+    return Status::error(fmt::format("--page: the page's writer is not there: {}; install tactus as a whole", writer));
   std::array<int, 2> pipe_ends{};
   if (pipe(pipe_ends.data()) != 0) return Status::error("--page: no pipe to the page's writer");
   std::signal(SIGPIPE, SIG_IGN);  // a writer that dies is told by its exit status
@@ -35,7 +40,7 @@ Status write_page(const std::string& experiment, const std::string& json, const 
   if (child == 0) {
     dup2(pipe_ends[0], STDIN_FILENO);
     close(pipe_ends[0]), close(pipe_ends[1]);
-    execlp("python3", "python3", TACTUS_PAGE_WRITER, experiment.c_str(), command.c_str(), path.c_str(), nullptr);
+    execlp("python3", "python3", writer.c_str(), experiment.c_str(), command.c_str(), path.c_str(), nullptr);
     _exit(kLibraryMissing);
   }
   close(pipe_ends[0]);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "tools/experiment/allocation_count.h"
 #include "tools/experiment/statistics.h"
@@ -22,9 +21,12 @@ std::uint32_t block_of(const BoxScene& scene) { return scene.cubes.size() < 500 
 struct Record {
   std::vector<std::vector<double>> us;  // by run, by step
   std::uint64_t allocations{0}, steps{0};
-  Measurement sum;  // but the overlap, which is the largest
+  Measurement sum;
   double samples{0};
+  QualityBook quality;
   std::string settings, failure;
+
+  explicit Record(const BoxScene& scene) : quality(scene) {}
 };
 
 void time_block(Engine& engine, std::uint32_t steps, Record& record) {
@@ -42,8 +44,8 @@ void time_block(Engine& engine, std::uint32_t steps, Record& record) {
   record.sum.contacts += m.contacts;
   record.sum.touching_pairs += m.touching_pairs;
   record.sum.residual_speed_m_per_s += m.residual_speed_m_per_s * m.residual_speed_m_per_s;
-  record.sum.penetration_m = std::max(record.sum.penetration_m, m.penetration_m);
   record.samples += 1;
+  record.quality.sample(engine);
 }
 
 void run_once(const BoxScene& scene, const PeersRequest& request, const std::function<void(std::string)>& say,
@@ -53,11 +55,14 @@ void run_once(const BoxScene& scene, const PeersRequest& request, const std::fun
   for (const EngineKind& kind : request.engines) {
     say(fmt::format("{} settles", kind.name));
     EngineOptions options = request.options;
-    options.tuned = kind.tuned;
+    options.tuned = kind.tuned, options.iterations = kind.iterations;
     engines.push_back(kind.make(scene, options));
     for (std::uint32_t i = 0; i < settle_steps; ++i) engines.back()->step();
   }
-  for (Record& record : records) record.us.emplace_back();
+  for (std::size_t e = 0; e < engines.size(); ++e) {
+    records[e].us.emplace_back();
+    records[e].quality.start(*engines[e]);
+  }
   const std::uint32_t block = block_of(scene);
   for (std::uint32_t done = 0; done < scene.timed_steps; done += block) {
     say(fmt::format("{} of {} steps timed", done, scene.timed_steps));
@@ -84,8 +89,9 @@ PeersRow row_of(const BoxScene& scene, const EngineKind& kind, const Record& rec
     row.contacts = record.sum.contacts / record.samples;
     row.touching_pairs = record.sum.touching_pairs / record.samples;
     row.residual_speed_rms_m_per_s = std::sqrt(record.sum.residual_speed_m_per_s / record.samples);
-    row.penetration_max_m = record.sum.penetration_m;
   }
+  row.quality = record.quality.result();
+  row.missed_gate = missed_gate(row.quality);
   if (record.steps > 0)
     row.allocations_per_step = static_cast<double>(record.allocations) / static_cast<double>(record.steps);
   return row;
@@ -93,11 +99,27 @@ PeersRow row_of(const BoxScene& scene, const EngineKind& kind, const Record& rec
 
 }  // namespace
 
+void compare(std::span<PeersRow> rows) noexcept {
+  double bullet_us = 0, best_us = 0;
+  for (const PeersRow& row : rows) {
+    if (!row.is_compared() || row.engine == "tactus") continue;
+    if (row.engine == "bullet") bullet_us = row.median_us;
+    if (!(best_us > 0) || row.median_us < best_us) best_us = row.median_us;
+  }
+  for (PeersRow& row : rows) {
+    if (!row.is_compared()) continue;
+    if (bullet_us > 0) row.ratio_to_bullet = row.median_us / bullet_us;
+    if (best_us > 0) row.ratio_to_best_peer = row.median_us / best_us;
+  }
+}
+
 std::vector<PeersRow> run_peers(const PeersRequest& request, const Progress& progress) {
   settle_on_core();
   std::vector<PeersRow> rows;
   for (const BoxScene& scene : request.scenes) {
-    std::vector<Record> records(request.engines.size());
+    std::vector<Record> records;
+    records.reserve(request.engines.size());
+    while (records.size() < request.engines.size()) records.emplace_back(scene);
     for (unsigned run = 0; run < request.runs; ++run)
       run_once(
           scene, request,
@@ -107,58 +129,9 @@ std::vector<PeersRow> run_peers(const PeersRequest& request, const Progress& pro
           records);
     const std::size_t first = rows.size();
     for (std::size_t e = 0; e < records.size(); ++e) rows.push_back(row_of(scene, request.engines[e], records[e]));
-    const auto bullet = std::find_if(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end(),
-                                     [](const PeersRow& row) { return row.engine == "bullet"; });
-    if (bullet == rows.end() || !(bullet->median_us > 0)) continue;
-    const double base = bullet->median_us;
-    for (std::size_t i = first; i < rows.size(); ++i) rows[i].ratio_to_bullet = rows[i].median_us / base;
+    compare(std::span(rows).subspan(first));
   }
   return rows;
-}
-
-std::string peers_table(const std::vector<PeersRow>& rows) {
-  std::string text =
-      fmt::format("{:<15} {:<13} {:>10} {:>10} {:>8} {:>9} {:>9} {:>10} {:>9} {:>8} {:>7}\n", "scene", "engine",
-                  "median us", "p99 us", "worst/md", "contacts", "touching", "rms m/s", "deepest m", "allocs", "ratio");
-  std::string scene, notes;
-  for (const PeersRow& row : rows) {
-    text +=
-        fmt::format("{:<15} {:<13} {:>10.1f} {:>10.1f} {:>8.2f} {:>9.0f} {:>9.0f} {:>10.1e} {:>9.1e} {:>8} {:>7}\n",
-                    row.scene == scene ? "" : row.scene, row.engine, row.median_us, row.p99_us, row.worst_over_median,
-                    row.contacts, row.touching_pairs, row.residual_speed_rms_m_per_s, row.penetration_max_m,
-                    allocations_are_counted() ? fmt::format("{:.1f}", row.allocations_per_step) : "-",
-                    row.ratio_to_bullet > 0 ? fmt::format("{:.2f}", row.ratio_to_bullet) : "-");
-    if (row.scene != scene) notes += fmt::format("{}\n", row.scene);
-    notes += fmt::format("  {:<13} {}\n", row.engine, row.settings);
-    if (!row.failure.empty()) notes += fmt::format("  {:<13} DOES NOT COUNT: {}\n", "", row.failure);
-    scene = row.scene;
-  }
-  return text +
-         "\nCPU time of one thread; worst/md: the worst step over the median one, each the least of its runs; "
-         "allocs: per step;\nratio: to the median of Bullet at its defaults.\n\n" +
-         notes;
-}
-
-std::string peers_json(const std::vector<PeersRow>& rows) {
-  using nlohmann::ordered_json;
-  ordered_json list = ordered_json::array();
-  for (const PeersRow& row : rows)
-    list.push_back(
-        {{"scene", row.scene},
-         {"engine", row.engine},
-         {"median_us", row.median_us},
-         {"p99_us", row.p99_us},
-         {"worst_over_median", row.worst_over_median},
-         {"contacts", row.contacts},
-         {"touching_pairs", row.touching_pairs},
-         {"residual_speed_rms_m_per_s", row.residual_speed_rms_m_per_s},
-         {"penetration_max_m", row.penetration_max_m},
-         {"allocations_per_step",
-          allocations_are_counted() ? ordered_json(row.allocations_per_step) : ordered_json(nullptr)},
-         {"ratio_to_bullet", row.ratio_to_bullet > 0 ? ordered_json(row.ratio_to_bullet) : ordered_json(nullptr)},
-         {"settings", row.settings},
-         {"failure", row.failure}});
-  return ordered_json{{"rows", list}}.dump(2);
 }
 
 }  // namespace tactus::experiment

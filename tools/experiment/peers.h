@@ -2,17 +2,19 @@
 //
 // Every scene is settled, then timed by steps, in blocks that take turns between the engines, so that what the machine
 // does to one it does to all; a block's first steps fill the caches and are not timed. The whole is run several times:
-// the least of each step over the runs is free of the machine's gaps. What is counted (contacts, overlap, speed) is
-// sampled at the end of each block.
+// the least of each step over the runs is free of the machine's gaps. What is counted (contacts, speed) and judged
+// (quality.h) is sampled at the end of each block. A row that misses a gate is shown and not compared in time.
 // Thread: one, on one core. Units in the names.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "tools/experiment/engine.h"
 #include "tools/experiment/progress.h"
+#include "tools/experiment/quality.h"
 
 namespace tactus::experiment {
 
@@ -28,15 +30,25 @@ struct PeersRow {
   double median_us{0}, p99_us{0};  // of all timed steps of all runs
   double worst_over_median{0};     // of the least of each step over the runs
   double contacts{0}, touching_pairs{0};
-  double residual_speed_rms_m_per_s{0}, penetration_max_m{0};
+  double residual_speed_rms_m_per_s{0};
+  Quality quality;
   double allocations_per_step{0};
-  double ratio_to_bullet{0};  // of the medians, to Bullet at its defaults; 0: it did not run
-  std::string failure;        // why the row does not count; empty: it does
+  // Of the medians; 0 where this row or the other is not compared, or there is no other.
+  double ratio_to_bullet{0};     // to Bullet at its defaults
+  double ratio_to_best_peer{0};  // to the fastest peer that is compared, of all its settings
+  std::string failure;           // why the row does not count; empty: it does
+  std::string missed_gate;       // of its quality; empty: none
+
+  bool is_compared() const noexcept { return failure.empty() && missed_gate.empty() && median_us > 0; }
 };
+
+// Fills the ratios of the rows of one scene.
+void compare(std::span<PeersRow> rows) noexcept;
 
 std::vector<PeersRow> run_peers(const PeersRequest& request, const Progress& progress);
 
 std::string peers_table(const std::vector<PeersRow>& rows);  // for people
 std::string peers_json(const std::vector<PeersRow>& rows);   // {"rows":[...]}; null where nothing was measured
+std::string peers_csv(const std::vector<PeersRow>& rows);    // units in the header
 
 }  // namespace tactus::experiment

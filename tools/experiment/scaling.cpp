@@ -90,6 +90,11 @@ std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores) {
                               .smallest_edge_m = 0.1 / std::sqrt(ratio),
                               .largest_edge_m = 0.1 * std::sqrt(ratio)},
                      .settle_s = 8});  // small cubes trickle through large ones for longer
+  for (const std::uint32_t cubes : {64u, 1000u, 5000u, 10000u}) {
+    if (quick && cubes > 1000) continue;
+    cases.push_back({"stirred", {.cubes = cubes, .step_s = 1e-2, .stirred = true}});
+  }
+  // The last, as they depend on the cores: what counts instructions runs on one, and names a case by its number.
   constexpr std::size_t kMostThreads = 8;
   for (std::uint32_t threads = 1; threads <= std::min(cores, kMostThreads); ++threads)
     cases.push_back({.sweep = "threads", .pile = {.cubes = quick ? 1000u : 4000u, .step_s = 1e-2}, .threads = threads});

@@ -14,7 +14,7 @@
 namespace tactus::experiment {
 
 struct ScalingCase {
-  std::string sweep;  // what the row belongs to: bodies, sub-steps, sizes, threads
+  std::string sweep;  // what the row belongs to: bodies, sub-steps, sizes, threads, stirred
   PileSpec pile;
   unsigned sub_steps{4};
   double settle_s{2};

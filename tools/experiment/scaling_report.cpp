@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/experiment/scaling.h"
+#include "tools/json_text.h"
 
 namespace tactus::experiment {
 namespace {
@@ -58,12 +59,12 @@ std::string scaling_json(const ScalingReport& report) {
          {"ns_per_point", row.ns_per_point},
          {"instructions_per_step", row.instructions > 0 ? ordered_json(row.instructions) : ordered_json(nullptr)},
          {"failure", row.failure}});
-  return ordered_json{
-      {"rows", list},
-      {"exponent", report.exponent},
-      {"instruction_exponent",
-       report.instruction_exponent > 0 ? ordered_json(report.instruction_exponent) : ordered_json(nullptr)}}
-      .dump(2);
+  return json_text(
+      ordered_json{{"rows", list},
+                   {"exponent", report.exponent},
+                   {"instruction_exponent", report.instruction_exponent > 0 ? ordered_json(report.instruction_exponent)
+                                                                            : ordered_json(nullptr)}},
+      2);
 }
 
 std::string scaling_csv(const ScalingReport& report) {

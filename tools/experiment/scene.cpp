@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/base/check.h"
+#include "sim/loader/hull_builder.h"
 #include "sim/random.h"
+#include "tools/experiment/scene_shapes.h"
 
 namespace tactus::experiment {
 namespace {
@@ -15,6 +18,10 @@ constexpr double kJitter = 0.05;     // of the edge, to either side: less than t
 constexpr double kTilt_rad = 0.3;    // about each axis, at most
 constexpr double kWallHalf_m = 0.5;  // thick enough that nothing gets through
 
+// Of a bowl's sides: steeper than what rests on them by friction (27 degrees at 0.5), flatter than where a push along
+// the floor jams (63 degrees).
+constexpr double kBowlSlope_rad = 0.6;
+
 using sim::Random;
 
 void add_walls(BoxScene& scene, double width_m, double height_m) {
@@ -23,6 +30,54 @@ void add_walls(BoxScene& scene, double width_m, double height_m) {
   for (const double side : {-1.0, 1.0}) {
     scene.walls.push_back({{t, out, tall}, {side * (half + t), 0, tall}});
     scene.walls.push_back({{half, t, tall}, {0, side * (half + t), tall}});
+  }
+}
+
+constexpr std::uint32_t kHulls = 16, kHullVertices = 20;
+
+// Points drawn on a sphere, all of them vertices; sizes evenly in the logarithm.
+void add_hulls(BoxScene& scene, const PileSpec& spec, Random& random) {
+  for (std::uint32_t k = 0; k < kHulls; ++k) {
+    const double edge = spec.smallest_edge_m * std::pow(spec.largest_edge_m / spec.smallest_edge_m, k / (kHulls - 1.0));
+    std::vector<Vec3d> points;
+    while (points.size() < kHullVertices) {
+      const Vec3d p = random.vector(1);
+      const double r = norm(p);
+      if (r > 0.1 && r < 1) points.push_back((0.5 * edge / r) * p);
+    }
+    const auto built = sim::build_hull(points);
+    TACTUS_CHECK(built.ok(), k, spec.seed);
+    scene.hulls.push_back(built.value().hull);
+  }
+}
+
+// The forms of bodies that are already in their places, and the masses that follow.
+void give_forms(BoxScene& scene, const PileSpec& spec) {
+  Random random(spec.seed + 1);
+  add_hulls(scene, spec, random);
+  const double octaves = std::log(spec.largest_edge_m / spec.smallest_edge_m);
+  for (Cube& body : scene.cubes) {
+    body.form = spec.forms[random.next() % spec.forms.size()];
+    body.hull = static_cast<std::uint32_t>(random.next() % kHulls);
+    if (octaves > 0)  // the hull that is just not larger
+      body.hull = static_cast<std::uint32_t>((kHulls - 1) * std::log(body.edge_m / spec.smallest_edge_m) / octaves);
+    body.mass_kg = kDensity * volume_of(scene, body);
+  }
+}
+
+// Sides that slope up from the edge of the floor: what is pushed against them rises, and falls back.
+void add_bowl(BoxScene& scene, double floor_width_m, double height_m) {
+  const double half = 0.5 * floor_width_m, t = kWallHalf_m;
+  const double rise = std::sin(kBowlSlope_rad), run = std::cos(kBowlSlope_rad);
+  const double along = 0.5 * height_m / rise, wide = half + 2 * along * run + 2 * t;
+  scene.walls.push_back({{wide, wide, t}, {0, 0, -t}});
+  for (const double side : {-1.0, 1.0}) {
+    // From the edge of the floor half the slope's length up, then half the thickness into the wall.
+    const double out = half + along * run + t * rise, up = along * rise - t * run;
+    scene.walls.push_back(
+        {{along + t, wide, t}, {side * out, 0, up}, quat_from_rotation_vector(Vec3d{0, -side * kBowlSlope_rad, 0})});
+    scene.walls.push_back(
+        {{wide, along + t, t}, {0, side * out, up}, quat_from_rotation_vector(Vec3d{side * kBowlSlope_rad, 0, 0})});
   }
 }
 
@@ -74,8 +129,19 @@ const std::vector<Named>& named_scenes() {
       {"pile64", {.cubes = 64, .step_s = 1e-3}, 2000},
       {"pile64-stirred", {.cubes = 64, .step_s = 1e-3, .stirred = true}, 2000},
       {"pile1000", {.cubes = 1000, .step_s = 1e-2}, 300},
+      {"pile1000-stirred", {.cubes = 1000, .step_s = 1e-2, .stirred = true}, 300},
       {"pile5000", {.cubes = 5000, .step_s = 1e-2}, 100},
+      {"pile5000-stirred", {.cubes = 5000, .step_s = 1e-2, .stirred = true}, 100},
       {"pile10000", {.cubes = 10000, .step_s = 1e-2}, 60},
+      {"pile10000-stirred", {.cubes = 10000, .step_s = 1e-2, .stirred = true}, 60},
+      {"hulls1000", {.cubes = 1000, .step_s = 1e-2, .forms = {Form::kHull}}, 300},
+      {"shapes1000",
+       {.cubes = 1000,
+        .step_s = 1e-2,
+        .smallest_edge_m = 0.05,
+        .largest_edge_m = 0.2,
+        .forms = {Form::kSphere, Form::kCapsule, Form::kPlate, Form::kHull}},
+       300},
       {"mixed10000", {.cubes = 10000, .step_s = 1e-2, .smallest_edge_m = 0.02, .largest_edge_m = 0.4}, 60},
   };
   return scenes;
@@ -83,14 +149,8 @@ const std::vector<Named>& named_scenes() {
 
 }  // namespace
 
-Vec3d Paddle::position_at(double time_s) const noexcept {
-  const double angle = speed_rad_per_s * time_s;
-  return {radius_m * std::cos(angle), radius_m * std::sin(angle), height_m};
-}
-
-Vec3d Paddle::velocity_at(double time_s) const noexcept {
-  const double angle = speed_rad_per_s * time_s, speed = radius_m * speed_rad_per_s;
-  return {-speed * std::sin(angle), speed * std::cos(angle), 0};
+std::uint32_t rods_of(const BoxScene& scene) noexcept {
+  return scene.stirrer ? static_cast<std::uint32_t>(scene.stirrer->centres_m.size()) : 0;
 }
 
 BoxScene make_pile(std::string name, const PileSpec& spec) {
@@ -99,18 +159,20 @@ BoxScene make_pile(std::string name, const PileSpec& spec) {
   scene.step_s = spec.step_s;
   Random random(spec.seed);
   const bool mixed = spec.largest_edge_m > spec.smallest_edge_m;
-  double width = mixed ? place_mixed(scene, spec, random) : place_equal(scene, spec, random);
+  const double width = mixed ? place_mixed(scene, spec, random) : place_equal(scene, spec, random);
+  if (!spec.forms.empty()) give_forms(scene, spec);
   double top = 0;
   for (const Cube& cube : scene.cubes) top = std::max(top, cube.position.z + cube.edge_m);
   if (spec.stirred) {
-    // The heap starts above the rod, and the rod needs room of its own.
-    const double edge = spec.largest_edge_m, rod_half = 2 * edge;
-    width += edge;
-    for (Cube& cube : scene.cubes) cube.position.z += 2 * rod_half + edge;
-    top += 2 * rod_half + edge;
-    scene.paddle = Paddle{{0.25 * edge, 0.25 * edge, rod_half}, rod_half + 0.2 * edge, 0.25 * width, 2.0};
+    // The heap starts above the rods, and the rods need room of their own.
+    const double edge = spec.largest_edge_m;
+    scene.stirrer = make_stirrer(spec.cubes, edge);
+    const double rise = scene.stirrer->centres_m.front().z + scene.stirrer->half_extents_m.z + edge;
+    for (Cube& cube : scene.cubes) cube.position.z += rise;
+    add_bowl(scene, floor_width(*scene.stirrer, edge), top + rise);
+  } else {
+    add_walls(scene, width, top + 1);
   }
-  add_walls(scene, width, top + 1);
   return scene;
 }
 

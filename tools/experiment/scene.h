@@ -1,4 +1,5 @@
-// The scenes of the experiments: cubes dropped on a jittered grid into an open box, one description for every engine.
+// The scenes of the experiments: cubes, or bodies of other forms, dropped on a jittered grid into an open box; one
+// description for every engine.
 //
 // Frame: z up, the box's floor is z = 0 and its middle the origin. Units: SI. Thread: [any]; plain values.
 // The same name gives the same bits on every machine: the jitter comes from a generator of our own.
@@ -11,29 +12,25 @@
 #include <vector>
 
 #include "rt/base/spatial.h"
+#include "rt/physics/shapes/hull.h"
+#include "tools/experiment/stirrer.h"
 
 namespace tactus::experiment {
 
-struct Cube {
+enum class Form : std::uint8_t { kCube, kSphere, kCapsule, kPlate, kHull };
+
+struct Cube {  // a body: of another form where it says so, and about as large as a cube of that edge
   double edge_m;
   double mass_kg;
   Vec3d position;  // of the centre
   Quatd rotation;  // world_from_cube
+  Form form{Form::kCube};
+  std::uint32_t hull{0};  // of the scene's hulls; kHull only
 };
 
-struct Wall {  // a fixed box along the axes
+struct Wall {  // a fixed box
   Vec3d half_extents_m, position;
-};
-
-// A rod that stirs the heap: an upright box that circles about the middle, the same way in every engine.
-struct Paddle {
-  Vec3d half_extents_m;
-  double height_m;  // of its centre
-  double radius_m;  // of its circle
-  double speed_rad_per_s;
-
-  Vec3d position_at(double time_s) const noexcept;
-  Vec3d velocity_at(double time_s) const noexcept;
+  Quatd rotation{};  // world_from_wall
 };
 
 struct BoxScene {
@@ -44,15 +41,19 @@ struct BoxScene {
   double friction{0.5};
   double gravity_m_per_s2{9.81};  // downwards
   std::vector<Cube> cubes;
-  std::vector<Wall> walls;  // floor and four sides
-  std::optional<Paddle> paddle;
+  std::vector<physics::Hull<double>> hulls;
+  std::vector<Wall> walls;  // the floor, then four sides: upright, or sloping as a bowl's where it is stirred
+  std::optional<Stirrer> stirrer;
 };
+
+std::uint32_t rods_of(const BoxScene& scene) noexcept;
 
 struct PileSpec {
   std::uint32_t cubes{64};
   double step_s{1e-3};
   bool stirred{false};
   double smallest_edge_m{0.1}, largest_edge_m{0.1};  // sizes are drawn evenly in the logarithm
+  std::vector<Form> forms{};                         // drawn for each body; none: cubes
   std::uint32_t layers{8};
   std::uint64_t seed{1};
 };

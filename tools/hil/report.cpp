@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/hil/suite.h"
+#include "tools/json_text.h"
 
 namespace tactus::hil {
 namespace {
@@ -55,7 +56,7 @@ std::string to_line(const CheckReport& report) {
 
 std::string to_text(const SuiteReport& report) {
   std::string text = fmt::format("tactus hil: {}: {}{}\n", report.device, report.good() ? "good" : "BAD",
-                                 report.degraded() ? ", DEGRADED: without real-time privileges" : "");
+                                 report.degraded() ? ", DEGRADED: the set-up is not as asked for" : "");
   text += fmt::format("  {}\n", totals(report));
   if (report.degraded())
     for (const auto& step : report.setup.steps)
@@ -86,7 +87,7 @@ std::string to_json_text(const SuiteReport& report) {
     for (const auto& step : report.setup.steps)
       object["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
   }
-  return object.dump(2);
+  return json_text(object, 2);
 }
 
 std::string to_junit(const SuiteReport& report) {

@@ -25,7 +25,7 @@ struct SuiteReport {
   std::size_t count(Verdict verdict) const noexcept;
   // Nothing bad, and something good.
   bool good() const noexcept { return count(Verdict::kBad) == 0 && count(Verdict::kGood) > 0; }
-  bool degraded() const noexcept { return real_time && setup.degraded(); }
+  bool degraded() const noexcept { return real_time && setup.failed(); }
 };
 
 struct SuiteRequest {

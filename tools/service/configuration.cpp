@@ -16,12 +16,13 @@ namespace tactus::service {
 namespace {
 
 constexpr std::size_t kLongestText = 1024;
+constexpr std::size_t kLongestSocket = 107;  // sockaddr_un has room for that
 
 class ConfigurationReader {
  public:
   ConfigurationReader(const sim::TomlNode& root, Configuration& into, std::filesystem::path folder,
-                      sim::SceneDiagnostics& diagnostics)
-      : root_(&root, "", diagnostics), c_(into), folder_(std::move(folder)), diagnostics_(diagnostics) {}
+                      const std::optional<std::vector<int>>& cores, sim::SceneDiagnostics& diagnostics)
+      : root_(&root, "", diagnostics), c_(into), folder_(std::move(folder)), cores_(cores), diagnostics_(diagnostics) {}
 
   void read() {
     root_.require("scene", "the path of a scene file");
@@ -35,9 +36,8 @@ class ConfigurationReader {
     c_.log_interval_s = log.number("interval_s", c_.log_interval_s, {"an interval", 0.1, 3600});
     log.finish();
     root_.finish();
-    if (!diagnostics_.ok()) return;
-    if (const Status status = check_options(c_.run); !status.ok())
-      diagnostics_.add({0, 0, "the file", "does not go together: " + status.message(), "see tactus run --help"});
+    for (const std::string& mistake : option_mistakes(c_.run))
+      diagnostics_.add({0, 0, "the file", "does not go together: " + mistake, "see tactus run --help"});
   }
 
  private:
@@ -68,6 +68,7 @@ class ConfigurationReader {
     sim::TableReader t = table("cores");
     const unsigned core = t.count("haptic", 0, {"a core", 0, 4095});
     if (t.has("haptic")) c_.run.cpu = static_cast<int>(core);
+    if (t.has("haptic")) must_be_there(t, "haptic", c_.run.cpu);
     c_.run.priority =
         static_cast<int>(t.count("priority", static_cast<unsigned>(c_.run.priority), {"a priority", 0, 98}));
     c_.run.world_threads = t.count("world_threads", 1, {"a number of threads", 1, sim::kMaxWorldThreads});
@@ -76,7 +77,13 @@ class ConfigurationReader {
       c_.run.world_cpus = *cpus;
     else
       t.mistake("world", "is no list of cores", "numbers of cores, such as \"2\" or \"1,3-4\"");
+    for (const int cpu : c_.run.world_cpus) must_be_there(t, "world", cpu);
     t.finish();
+  }
+
+  void must_be_there(sim::TableReader& t, const char* key, int cpu) {
+    if (!cores_ || std::find(cores_->begin(), cores_->end(), cpu) != cores_->end()) return;
+    t.mistake(key, fmt::format("this machine has no core {}", cpu), fmt::format("one of {}", fmt::join(*cores_, ", ")));
   }
 
   void read_limits() {
@@ -89,8 +96,11 @@ class ConfigurationReader {
 
   void read_control() {
     sim::TableReader t = table("control");
-    c_.socket = path(t, "socket");
-    c_.run.arm_at_start = t.flag("arm_at_start", c_.run.arm_at_start);
+    c_.socket = t.text("socket", "", kLongestText);
+    if (!c_.socket.empty() && (!c_.socket.is_absolute() || c_.socket.native().size() > kLongestSocket))
+      t.mistake("socket", fmt::format("'{:.64}' is no place for a socket", c_.socket.string()),
+                fmt::format("an absolute path of up to {} characters, such as /run/tactus/control", kLongestSocket));
+    c_.run.arm_at_start = t.flag("arm_at_start", false);  // motors move when somebody asks
     c_.run.rearm = t.flag("rearm", c_.run.rearm);
     t.finish();
   }
@@ -98,25 +108,29 @@ class ConfigurationReader {
   sim::TableReader root_;
   Configuration& c_;
   std::filesystem::path folder_;
+  const std::optional<std::vector<int>>& cores_;
   sim::SceneDiagnostics& diagnostics_;
 };
 
 }  // namespace
 
-Result<Configuration> parse_configuration(std::string_view text, std::string_view name) {
+ConfigurationReading read_configuration(std::string_view text, std::string_view name,
+                                        const std::optional<std::vector<int>>& cores) {
   sim::SceneDiagnostics diagnostics;
   diagnostics.name = std::string(name);
-  Configuration configuration;
+  ConfigurationReading reading;
   sim::TomlNode root;
   if (text.size() > kMaxConfigurationBytes)
     diagnostics.add({0, 0, "the file", fmt::format("longer than {} bytes", kMaxConfigurationBytes), "a configuration"});
   else if (sim::read_toml(text, root, diagnostics))
-    ConfigurationReader(root, configuration, std::filesystem::path(name).parent_path(), diagnostics).read();
-  if (!diagnostics.ok()) return Status::error(diagnostics.message());
-  return configuration;
+    ConfigurationReader(root, reading.configuration, std::filesystem::path(name).parent_path(), cores, diagnostics)
+        .read();
+  if (!diagnostics.ok()) reading.mistakes = diagnostics.message();
+  return reading;
 }
 
-Result<Configuration> load_configuration(const std::filesystem::path& path) {
+ConfigurationReading read_configuration(const std::filesystem::path& path,
+                                        const std::optional<std::vector<int>>& cores) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file && !std::filesystem::is_directory(path)) {
@@ -125,10 +139,23 @@ Result<Configuration> load_configuration(const std::filesystem::path& path) {
     text.resize(static_cast<std::size_t>(file.gcount()));
   }
   if (!file.is_open() || file.bad() || std::filesystem::is_directory(path))
-    return Status::error(path.string() +
-                         ": the file: cannot be read; accepted: the path of a configuration, such as "
-                         "/etc/tactus/tactus.toml");
-  return parse_configuration(text, path.string());
+    return {{},
+            path.string() +
+                ": the file: cannot be read; accepted: the path of a configuration, such as "
+                "/etc/tactus/tactus.toml"};
+  return read_configuration(text, path.string(), cores);
+}
+
+Result<Configuration> parse_configuration(std::string_view text, std::string_view name) {
+  const ConfigurationReading reading = read_configuration(text, name, std::nullopt);
+  if (!reading.mistakes.empty()) return Status::error(reading.mistakes);
+  return reading.configuration;
+}
+
+Result<Configuration> load_configuration(const std::filesystem::path& path) {
+  const ConfigurationReading reading = read_configuration(path, std::nullopt);
+  if (!reading.mistakes.empty()) return Status::error(reading.mistakes);
+  return reading.configuration;
 }
 
 std::string needs_restart(const Configuration& before, const Configuration& after) {

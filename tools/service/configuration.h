@@ -7,8 +7,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tools/session/run_options.h"
 
@@ -22,6 +24,17 @@ struct Configuration {
   std::filesystem::path socket;  // of `tactus control`; empty: none
   double log_interval_s{1};      // the same event at most once in this time
 };
+
+// What is wrong with the file, a line each, and what it says all the same, by default where it is wrong.
+struct ConfigurationReading {
+  Configuration configuration;
+  std::string mistakes;
+};
+// `cores`: those that the machine has; a core that is not among them is a mistake. Nothing: any is good.
+ConfigurationReading read_configuration(const std::filesystem::path& path,
+                                        const std::optional<std::vector<int>>& cores);
+ConfigurationReading read_configuration(std::string_view text, std::string_view name,
+                                        const std::optional<std::vector<int>>& cores);
 
 // Checks ranges and combinations too, as for options of `tactus run`. The message lists every mistake, a line each.
 Result<Configuration> parse_configuration(std::string_view text, std::string_view name);

@@ -9,11 +9,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "rt/loop/haptic_loop.h"
+#include "tools/caught.h"
+#include "tools/json_text.h"
 
 namespace tactus::service {
 namespace {
@@ -42,20 +45,27 @@ bool fill_address(const std::filesystem::path& socket, sockaddr_un& address) {
   return true;
 }
 
-// Up to the end of the line, the other side's end, or the end of the patience.
+// Up to the end of the line, the other side's end, or the end of the patience with the whole line.
 std::string read_line(int connection) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::milliseconds(kPatience_ms);
+  const auto left_ms = [&] {
+    const auto left = give_up - std::chrono::steady_clock::now();
+    return static_cast<int>(std::max<std::int64_t>(0, std::chrono::ceil<std::chrono::milliseconds>(left).count()));
+  };
   std::string line;
   char byte = 0;
   pollfd waiting{connection, POLLIN, 0};
-  while (line.size() < kLongestLine && poll(&waiting, 1, kPatience_ms) > 0 && read(connection, &byte, 1) == 1) {
+  // A signal to this thread is no end of a line.
+  while (line.size() < kLongestLine && TEMP_FAILURE_RETRY(poll(&waiting, 1, left_ms())) > 0 &&
+         TEMP_FAILURE_RETRY(read(connection, &byte, 1)) == 1) {
     if (byte == '\n') break;
     line += byte;
   }
   return line;
 }
 
-std::string good(const std::string& said) { return nlohmann::json{{"ok", true}, {"said", said}}.dump(); }
-std::string bad(const std::string& said) { return nlohmann::json{{"ok", false}, {"said", said}}.dump(); }
+std::string good(const std::string& said) { return json_text(nlohmann::json{{"ok", true}, {"said", said}}); }
+std::string bad(const std::string& said) { return json_text(nlohmann::json{{"ok", false}, {"said", said}}); }
 
 }  // namespace
 
@@ -117,7 +127,10 @@ std::string ControlServer::answer(const std::string& line) {
     return state_;
   }
   if (line == "arm") return ask(loop::kArm, "armed: force on, with the device where it is");
-  if (line == "rearm") return ask(loop::kRearm, "re-armed: a latched fault is taken back");
+  if (line == "rearm")
+    return ask(loop::kRearm, latched_.load(std::memory_order_relaxed)
+                                 ? "re-arm asked for: the fault is taken back if the device is the same; see state"
+                                 : "nothing is latched: nothing was done");
   if (line == "disarm") return ask(loop::kDisarm, "disarmed: force off");
   if (line == "reset") {
     if (!can_reset_) return bad("the direct coupling has no global world that could begin anew");
@@ -133,11 +146,16 @@ std::string ControlServer::answer(const std::string& line) {
     const Status status = reload_(said);
     return status.ok() ? good(said) : bad(status.message());
   }
-  return bad(fmt::format("'{}' is no request; accepted: state, arm, rearm, disarm, reset, reload, stop", line));
+  const bool long_line = line.size() > kLongestEcho;
+  return bad(fmt::format("'{}'{} is no request; accepted: state, arm, rearm, disarm, reset, reload, stop",
+                         line.substr(0, kLongestEcho), long_line ? " and more" : ""));
 }
 
 void ControlServer::serve_one(int connection) {
-  const std::string text = answer(read_line(connection)) + "\n";
+  std::string text;
+  const Status status = caught([&] { text = answer(read_line(connection)); });
+  if (!status.ok()) text = bad(status.message());
+  text += '\n';
   (void)send(connection, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);  // an answer fits the socket's buffer
 }
 
@@ -146,7 +164,10 @@ void ControlServer::serve() {
   while (!closing_.load(std::memory_order_relaxed)) {
     if (poll(&waiting, 1, kLookEvery_ms) <= 0) continue;
     const File connection(accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC));
-    if (connection.number() >= 0) serve_one(connection.number());
+    if (connection.number() >= 0)
+      (void)caught([&] { serve_one(connection.number()); });  // no memory even for an answer: there is none
+    else
+      (void)poll(nullptr, 0, kLookEvery_ms);  // out of files: the connection stays and would be asked for at once
   }
 }
 
@@ -169,8 +190,8 @@ Result<std::string> ask_control(const std::filesystem::path& socket, const std::
   std::string answer;
   char buffer[1024];
   pollfd waiting{connection.number(), POLLIN, 0};
-  while (poll(&waiting, 1, 3 * kPatience_ms) > 0) {
-    const ssize_t count = read(connection.number(), buffer, sizeof buffer);
+  while (TEMP_FAILURE_RETRY(poll(&waiting, 1, 3 * kPatience_ms)) > 0) {
+    const ssize_t count = TEMP_FAILURE_RETRY(read(connection.number(), buffer, sizeof buffer));
     if (count <= 0) break;
     answer.append(buffer, static_cast<std::size_t>(count));
   }

@@ -6,7 +6,8 @@
 //   stop      end the run
 // Who may write to the socket may do all of it: its mode is 0660, its folder the service's. Thread: construction and
 // destruction [setup]; it serves on a thread of its own, of normal priority; tell() by one normal thread.
-// Bound: one connection at a time, kLongestLine bytes in, answered within kPatience_ms or dropped.
+// Bound: one connection at a time, kLongestLine bytes in within kPatience_ms, or what came until then is answered. Any
+// bytes may come: an answer repeats at most kLongestEcho of them, and what its making throws is the answer.
 #pragma once
 
 #include <atomic>
@@ -22,6 +23,7 @@
 namespace tactus::service {
 
 inline constexpr std::size_t kLongestLine = 256;
+inline constexpr std::size_t kLongestEcho = 64;  // of what was sent, in an answer
 inline constexpr int kPatience_ms = 1000;
 
 class ControlServer {
@@ -37,6 +39,8 @@ class ControlServer {
 
   // The answer to "state": one JSON object.
   void tell(std::string state);
+  // Whether a re-arm has something to take back, for its answer; true until it is told.
+  void tell_latched(bool latched) noexcept { latched_.store(latched, std::memory_order_relaxed); }
 
   // One line's answer. Public for tests.
   std::string answer(const std::string& line);
@@ -53,7 +57,7 @@ class ControlServer {
   std::atomic<bool>& stop_;
   Reload reload_;
   bool can_reset_;
-  std::atomic<bool> closing_{false};
+  std::atomic<bool> closing_{false}, latched_{true};
   std::mutex mutex_;
   std::string state_{"{}"};
   std::thread thread_;  // last: it uses the others

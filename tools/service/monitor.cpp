@@ -4,7 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/device_words.h"
 #include "rt/base/status.h"
+#include "tools/json_text.h"
 
 namespace tactus::service {
 namespace {
@@ -22,22 +24,25 @@ std::string state_json(const session::LiveStatus& live, double elapsed_s, double
     if (const auto name = name_of(static_cast<StatusBit>(1u << bit)); ((status >> bit) & 1u) != 0 && !name.empty())
       conditions.push_back(std::string(name));
   const auto fault = static_cast<Fault>(live.fault.load(relaxed));
-  return nlohmann::ordered_json{{"ok", true},
-                                {"elapsed_s", elapsed_s},
-                                {"ticks", live.ticks.load(relaxed)},
-                                {"rate_Hz", rate_Hz},
-                                {"armed", (status & kNotArmed) == 0},
-                                {"force_N", live.force_N.load(relaxed)},
-                                {"members", live.members.load(relaxed)},
-                                {"contacts", live.contacts.load(relaxed)},
-                                {"border_contacts", live.border.load(relaxed)},
-                                {"overruns", live.overruns.load(relaxed)},
-                                {"late_cycles", live.late_cycles.load(relaxed)},
-                                {"resets", live.resets.load(relaxed)},
-                                {"conditions", conditions},
-                                {"fault", static_cast<std::uint32_t>(fault)},
-                                {"fault_text", fault == Fault::kNone ? "" : std::string(describe(fault))}}
-      .dump();
+  const auto device_state = static_cast<haptics::DeviceState>(live.device_state.load(relaxed));
+  return json_text(nlohmann::ordered_json{{"ok", true},
+                                          {"elapsed_s", elapsed_s},
+                                          {"ticks", live.ticks.load(relaxed)},
+                                          {"rate_Hz", rate_Hz},
+                                          {"armed", (status & kNotArmed) == 0},
+                                          {"force_N", live.force_N.load(relaxed)},
+                                          {"members", live.members.load(relaxed)},
+                                          {"contacts", live.contacts.load(relaxed)},
+                                          {"border_contacts", live.border.load(relaxed)},
+                                          {"overruns", live.overruns.load(relaxed)},
+                                          {"late_cycles", live.late_cycles.load(relaxed)},
+                                          {"resets", live.resets.load(relaxed)},
+                                          {"conditions", conditions},
+                                          {"fault", static_cast<std::uint32_t>(fault)},
+                                          {"fault_text", fault_line(live)},
+                                          {"device_state", hal::name_of(device_state)},
+                                          {"device_fault", live.device_fault.load(relaxed)},
+                                          {"device_limits", live.device_limits.load(relaxed)}});
 }
 
 void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
@@ -56,8 +61,10 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
     log_.event(Level::kWarning, "late-world", {{"cycles", number(late - late_cycles_)}, {"total", number(late)}},
                elapsed_s);
   if (fault != fault_ && fault != 0)
-    log_.event(Level::kError, "fault",
-               {{"code", number(fault)}, {"text", std::string(describe(static_cast<Fault>(fault)))}}, elapsed_s);
+    log_.event(
+        Level::kError, "fault",
+        {{"code", number(fault)}, {"device_code", number(live.device_fault.load(relaxed))}, {"text", fault_line(live)}},
+        elapsed_s);
   if (fault != fault_ && fault == 0) log_.event(Level::kNotice, "re-armed", {{"code", number(fault_)}}, elapsed_s);
   if (const std::uint32_t resets = live.resets.load(relaxed); resets != resets_) {
     log_.event(Level::kNotice, "reset", {{"total", number(resets)}}, elapsed_s);

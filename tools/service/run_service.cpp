@@ -50,7 +50,10 @@ Status RunService::reload(std::string& said) {
   return Status::good();
 }
 
+void RunService::say(const std::string& line) { log_.event(Level::kWarning, "run", {{"text", line}}, elapsed_s_); }
+
 void RunService::look(const session::LiveStatus& live, double elapsed_s) {
+  elapsed_s_ = elapsed_s;
   log_.set_interval(log_interval_s_.load());
   if (reloaded_.exchange(false))
     log_.event(
@@ -58,6 +61,11 @@ void RunService::look(const session::LiveStatus& live, double elapsed_s) {
         {{"rearm", rearm_.load() ? "true" : "false"}, {"interval_s", fmt::format("{:g}", log_interval_s_.load())}},
         elapsed_s);
   monitor_.look(live, elapsed_s);
+  if (control_ != nullptr) {
+    const auto braked = static_cast<std::uint32_t>(haptics::DeviceState::kBrake);
+    control_->tell_latched(live.fault.load(std::memory_order_relaxed) != 0 ||
+                           live.device_state.load(std::memory_order_relaxed) == braked);
+  }
   if (control_ != nullptr) control_->tell(state_json(live, elapsed_s, monitor_.rate_Hz()));
   if (monitor_.alive()) {
     if (!ready_) (void)notify("READY=1");

@@ -26,6 +26,8 @@ class RunService {
   // Logs what changed, tells the control socket and systemd, takes a latched fault back where the configuration says
   // so.
   void look(const session::LiveStatus& live, double elapsed_s);
+  // Logs a line that the run says, such as why it was not armed.
+  void say(const std::string& line);
 
  private:
   RunService(const Configuration& configuration, std::filesystem::path file);
@@ -40,7 +42,7 @@ class RunService {
   EventLog log_;
   Monitor monitor_;
   bool ready_{false};
-  double fault_since_s_{-1};
+  double fault_since_s_{-1}, elapsed_s_{0};
   std::unique_ptr<ControlServer> control_;  // last: its thread uses the others
 };
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hal/device_record.h"
 #include "hal/identity_check.h"
 #include "tools/session/open_link.h"
 
@@ -17,6 +18,12 @@ std::int64_t period_ns(const RunOptions& options) { return std::llround(options.
 
 }  // namespace
 
+Result<std::function<Status()>> remember_device(hal::AnyLink& link) {
+  const auto record = hal::DeviceRecord::read(link, kAnswer);
+  if (!record.ok()) return record.status();
+  return std::function<Status()>([&link, began_with = record.value()] { return began_with.compare(link, kAnswer); });
+}
+
 Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile) {
   Hardware hardware;
   const auto choice = parse_device_choice(options.device);
@@ -28,6 +35,9 @@ Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfi
     const auto period_us = static_cast<std::uint32_t>(period_ns(options) / 1000);
     const Status same = hal::check_identity(profile, period_us, *opened.value().link, kAnswer);
     if (!same.ok()) return Status::error(fmt::format("--device {}: {}", options.device, same.message()));
+    auto same_device = remember_device(*opened.value().link);
+    if (!same_device.ok()) return Status::error(fmt::format("--device {}: {}", options.device, same_device.message()));
+    hardware.same_device = std::move(same_device).value();
     using Device = hal::DeviceOnLink<hal::AnyLink>;
     auto device = std::make_unique<Device>(profile, period_ns(options), std::move(opened.value().link));
     hardware.device = std::make_unique<hal::AnyDevice>(std::move(device));

@@ -5,6 +5,7 @@
 // limits are compared with that description. Thread: normal, before the loop runs.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -16,6 +17,10 @@
 #include "tools/session/run_options.h"
 
 namespace tactus::session {
+
+// The device on `link`, read now; what is returned reads it again and compares. One line on an error. The link outlives
+// it.
+Result<std::function<Status()>> remember_device(hal::AnyLink& link);
 
 // Stands in where a tape is replayed: what the loop must know of the device, and nothing that comes from it.
 class TapedDevice {
@@ -33,6 +38,7 @@ class TapedDevice {
 struct Hardware {
   std::unique_ptr<hal::AnyDevice> device;
   std::string identity;                  // of a real device, for people; empty else
+  std::function<Status()> same_device;   // is it still what it was when it was opened? Asks it; null: nothing to ask
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
 };
 

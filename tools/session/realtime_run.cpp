@@ -6,10 +6,13 @@
 #include <chrono>
 #include <thread>
 
+#include "hal/device_words.h"
 #include "rt/base/denormals.h"
 #include "rt/loop/calibration.h"
 #include "rt/loop/periodic_thread.h"
 #include "sim/global_thread.h"
+#include "tools/caught.h"
+#include "tools/session/arm_gate.h"
 #include "tools/session/stolen_time.h"
 
 namespace tactus::session {
@@ -17,6 +20,10 @@ namespace {
 
 // The cut fires this far into the period: what is left is for the relax sweep in reserve and for the device.
 constexpr double kCutShare = 0.85;
+// The last ticks of a run on a real device: its force fades, then it goes to IDLE and is not left to its watchdog.
+constexpr double kEnd_s = 2 * loop::kEndFade_s;
+// Lines of refused re-arms that a summary keeps.
+constexpr std::size_t kMostRefusals = 16;
 
 int last_allowed_cpu() {
   cpu_set_t set;
@@ -42,14 +49,17 @@ struct Deadline {
 class RealtimeTick {
  public:
   RealtimeTick(Session& session, LiveStatus& live, std::atomic<std::uint32_t>& requests, std::uint64_t most_ticks,
-               loop::TickProbe* probe)
+               ArmGate& gate, loop::TickProbe* probe)
       : session_(session),
         probe_(probe),
         gpio_(session.gpio.get()),
         live_(live),
         requests_(requests),
+        gate_(gate),
         most_ticks_(most_ticks),
-        period_ns_(static_cast<std::int64_t>(session.options.period_s() * 1e9)) {}
+        period_ns_(static_cast<std::int64_t>(session.options.period_s() * 1e9)),
+        real_(session.simulated() == nullptr),
+        end_ticks_(static_cast<std::uint64_t>(std::llround(kEnd_s * session.options.rate_Hz))) {}
 
   bool operator()(const loop::TickTiming& timing) noexcept {
     if (probe_ != nullptr && !probe_begins(timing)) return true;
@@ -61,10 +71,7 @@ class RealtimeTick {
     if (probe_ != nullptr) probe_->read_done(read_ns);
     Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_)),
                       probe_};
-    std::uint32_t bits = session_.operator_bits();
-    if (requests_.load(std::memory_order_relaxed) != 0) bits |= requests_.exchange(0, std::memory_order_relaxed);
-    if (gpio_ != nullptr && gpio_->estop()) bits |= loop::kStopLine;
-    const loop::TickOutput& out = driver.compute(bits, {&Deadline::passed, &deadline},
+    const loop::TickOutput& out = driver.compute(operator_bits(), {&Deadline::passed, &deadline},
                                                  probe_ != nullptr ? probe_->stages() : loop::StageObserver{});
     const std::int64_t computed_ns = MonotonicClock::now_ns();
     driver.write();
@@ -78,14 +85,31 @@ class RealtimeTick {
     session_.count_tick();
     judge(timing, wrote_ns);
     show(out);
-    return session_.stats.ticks < most_ticks_;
+    return session_.stats.ticks < most_ticks_ && ended_ticks_ < end_ticks_;
   }
+
+  // [normal] The loop ends by itself, after the force has faded and the device has had time to go to IDLE.
+  void end() noexcept { ending_.store(true, std::memory_order_relaxed); }
+  bool must_end() const noexcept { return real_; }
 
   Histogram compute, device;
   loop::ForecastStats forecast;
   std::uint64_t late_wake{0}, own_work{0}, interrupted{0};
 
  private:
+  // What is asked of the loop in this tick, by whoever may.
+  std::uint32_t operator_bits() noexcept {
+    constexpr auto relaxed = std::memory_order_relaxed;
+    const std::uint32_t requests = requests_.load(relaxed) != 0 ? requests_.exchange(0, relaxed) : 0u;
+    std::uint32_t bits = gate_.pass(session_.operator_bits(requests));
+    if (real_ && (ending_.load(relaxed) || session_.stats.ticks + end_ticks_ >= most_ticks_)) {
+      bits |= loop::kEnd;
+      ++ended_ticks_;
+    }
+    if (gpio_ != nullptr && gpio_->estop()) bits |= loop::kStopLine;
+    return bits;
+  }
+
   void judge(const loop::TickTiming& timing, std::int64_t ended_ns) noexcept {
     const bool overran = ended_ns > timing.scheduled_ns + period_ns_;
     if (overran) {
@@ -146,6 +170,15 @@ class RealtimeTick {
     live_.contacts.store(out.contacts, relaxed);
     live_.border.store(out.border, relaxed);
     live_.status.store(out.status, relaxed);
+    const haptics::DeviceSample& sample = session_.driver->sample();
+    live_.device_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
+    live_.device_limits.store(sample.limits, relaxed);
+    if (out.fault == Fault::kNone || sample.device_fault != 0) live_.device_fault.store(sample.device_fault, relaxed);
+    if (static_cast<std::uint32_t>(out.fault) != live_.fault.load(relaxed)) {
+      live_.fault_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
+      live_.fault_limits.store(sample.limits, relaxed);
+    }
+    live_.fault_count.store(session_.stats.fault_count, relaxed);
     live_.fault.store(static_cast<std::uint32_t>(out.fault), relaxed);
     live_.resets.store(session_.loop->sub_world().epoch(), relaxed);
   }
@@ -155,28 +188,34 @@ class RealtimeTick {
   hal::GpioLines* gpio_;    // null: no lines
   LiveStatus& live_;
   std::atomic<std::uint32_t>& requests_;
+  ArmGate& gate_;
   std::uint64_t most_ticks_;
   std::int64_t period_ns_;
+  bool real_;  // the device outlives the run
+  std::uint64_t end_ticks_, ended_ticks_{0};
+  std::atomic<bool> ending_{false};
   std::int64_t cpu_began_ns_{0};  // the thread's own clock at the start of the tick
 };
 
 // The cost model of the core that the loop will run on, measured at its priority.
-loop::Calibration calibrate_governor(Session& session, const loop::SetupRequest& setup) {
-  loop::Calibration result;
+Status calibrate_governor(Session& session, const loop::SetupRequest& setup, loop::Calibration& result) {
+  Status status = Status::good();
   std::atomic<bool> done{false};
   std::thread beside([&] { loop::work_beside(done); });
   std::thread worker([&] {
-    loop::CpuAwake awake;
-    (void)loop::setup_realtime(setup, awake);
-    result = loop::calibrate(loop::CostModel{});
-    loop::GovernorConfig config = session.governor->config();
-    config.cost = result.cost;
-    *session.governor = loop::Governor(config);
+    status = caught([&] {
+      loop::CpuAwake awake;
+      (void)loop::setup_realtime(setup, awake);
+      result = loop::calibrate(loop::CostModel{});
+      loop::GovernorConfig config = session.governor->config();
+      config.cost = result.cost;
+      *session.governor = loop::Governor(config);
+    });
   });
   worker.join();
   done.store(true, std::memory_order_relaxed);
   beside.join();
-  return result;
+  return status;
 }
 
 std::vector<sim::Stall> wall_clock_stalls(const Session& session) {
@@ -187,19 +226,52 @@ std::vector<sim::Stall> wall_clock_stalls(const Session& session) {
   return stalls;
 }
 
+bool has_to_rearm(const LiveStatus& live) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const auto braked = static_cast<std::uint32_t>(haptics::DeviceState::kBrake);
+  return live.fault.load(relaxed) != 0 || live.device_state.load(relaxed) == braked;
+}
+
 // Shows and listens until the run is over.
 void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& live, const RealtimeHooks& hooks,
-            std::atomic<std::uint32_t>& requests, const std::atomic<bool>& stop) {
+            std::atomic<std::uint32_t>& requests, ArmGate& gate, const std::atomic<bool>& stop,
+            std::vector<std::string>& refusals) {
   const auto began = std::chrono::steady_clock::now();
   while (thread.running() && !stop.load(std::memory_order_relaxed)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
-    if (hooks.asked) requests.fetch_or(hooks.asked(), std::memory_order_relaxed);
+    if (hooks.asked) {
+      const std::uint32_t asked = hooks.asked();
+      requests.fetch_or(asked, std::memory_order_relaxed);
+      if ((asked & loop::kRearm) != 0 && hooks.say && !has_to_rearm(live))
+        hooks.say("re-arm: nothing is latched, nothing was done");
+    }
+    if (const Status status = gate.look(); !status.ok()) {
+      const bool repeated = !refusals.empty() && refusals.back() == status.message();
+      if (hooks.say && !repeated) hooks.say("not armed: " + status.message());
+      if (!repeated && refusals.size() < kMostRefusals) refusals.push_back(status.message());
+    }
     if (hooks.show && !hooks.show(live, elapsed.count())) return;
   }
 }
 
+// Bound: five times what the ending takes on a machine that keeps its rate.
+void end_device(RealtimeTick& tick, const loop::PeriodicThread<RealtimeTick>& thread) {
+  tick.end();
+  constexpr std::chrono::milliseconds kPiece{5};
+  for (auto left = std::chrono::duration<double>(5 * kEnd_s); left.count() > 0 && thread.running(); left -= kPiece)
+    std::this_thread::sleep_for(kPiece);
+}
+
 }  // namespace
+
+std::string fault_line(const LiveStatus& live) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const auto fault = static_cast<Fault>(live.fault.load(relaxed));
+  if (fault == Fault::kNone) return {};
+  return hal::describe(fault, {static_cast<haptics::DeviceState>(live.fault_state.load(relaxed)),
+                               live.device_fault.load(relaxed), live.fault_limits.load(relaxed)});
+}
 
 Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, const std::atomic<bool>& stop) {
   const RunOptions& options = session.options;
@@ -207,7 +279,8 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   settings.period = std::chrono::nanoseconds(std::llround(options.period_s() * 1e9));
   settings.setup.cpu = options.cpu >= 0 ? options.cpu : last_allowed_cpu();
   settings.setup.priority = options.priority;
-  const loop::Calibration calibration = calibrate_governor(session, settings.setup);
+  loop::Calibration calibration;
+  if (const Status status = calibrate_governor(session, settings.setup, calibration); !status.ok()) return status;
 
   std::optional<sim::GlobalThread> world;
   if (session.global != nullptr) {
@@ -228,13 +301,16 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   const auto most_ticks = options.duration_s > 0
                               ? static_cast<std::uint64_t>(std::llround(options.duration_s * options.rate_Hz))
                               : ~std::uint64_t{0};
-  RealtimeTick tick(session, live, requests, most_ticks, hooks.probe);
+  ArmGate gate(session.same_device);
+  std::vector<std::string> refusals;
+  RealtimeTick tick(session, live, requests, most_ticks, gate, hooks.probe);
   loop::PeriodicThread<RealtimeTick> thread(tick);
   const auto began = std::chrono::steady_clock::now();
   if (const Status status = session.device->start(); !status.ok()) return status;
   const auto cpu_before = cpu_time_now(settings.setup.cpu);
   if (const Status status = thread.start(settings); !status.ok()) return status;
-  attend(thread, live, hooks, requests, stop);
+  attend(thread, live, hooks, requests, gate, stop, refusals);
+  if (tick.must_end()) end_device(tick, thread);
   thread.stop();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
   if (world) world->stop();
@@ -243,6 +319,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   RunSummary summary = session.summary();
   summary.real_time = true;
   summary.wall_s = wall.count();
+  summary.arm_refusals = std::move(refusals);
   summary.setup = thread.setup_report();
   summary.timing = thread.health();
   summary.compute = tick.compute;
@@ -257,16 +334,12 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   if (world) summary.global_step = world->step_times();
   if (session.drain == nullptr) return summary;
 
-  const Status status = session.drain->stop();
-  if (!status.ok()) return status;
-  summary.tape = options.record.string();
-  summary.tape_bytes = session.drain->counts().bytes;
-  summary.tape_dropped = session.drain->counts().lost;
+  session.close_tape(summary);
   if (summary.fault_latched() || summary.overruns_own_work > 0) {
     const std::string path = "tactus-fault.tape";
     const Status dumped = session.drain->dump(
         path, to_tape_text(options, session.device->properties(), session.scene.name, session.scene.source));
-    if (dumped.ok()) summary.fault_tape = path;
+    (dumped.ok() ? summary.fault_tape : summary.fault_tape_error) = dumped.ok() ? path : dumped.message();
   }
   return summary;
 }

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <string>
 
 #include "rt/loop/tick_probe.h"
 #include "tools/session/session.h"
@@ -12,10 +13,15 @@ namespace tactus::session {
 
 // What the screen shows while it runs. Written by the haptic thread, each value by itself.
 struct LiveStatus {
-  std::atomic<std::uint64_t> ticks{0}, overruns{0}, late_cycles{0};
+  std::atomic<std::uint64_t> ticks{0}, overruns{0}, late_cycles{0}, fault_count{0};
   std::atomic<double> force_N{0};
   std::atomic<std::uint32_t> members{0}, contacts{0}, border{0}, status{0}, fault{0}, resets{0};
+  std::atomic<std::uint32_t> device_state{0}, device_fault{0}, device_limits{0};  // what the device says of itself
+  std::atomic<std::uint32_t> fault_state{0}, fault_limits{0};                     // when the fault latched
 };
+
+// The latched fault with what the device says of it; empty if none is.
+std::string fault_line(const LiveStatus& live);
 
 struct RealtimeHooks {
   // Called about five times a second by the calling thread. Returns false to end the run.
@@ -24,6 +30,8 @@ struct RealtimeHooks {
   std::function<std::uint32_t()> asked;
   // OperatorBit: what others ask of the loop, set by them and taken once; null: nobody does.
   std::atomic<std::uint32_t>* requests{nullptr};
+  // Lines for people, such as why a re-arm was refused; null: nobody reads them. By the calling thread.
+  std::function<void(const std::string&)> say;
   // Looks into every tick, and may take windows for itself; null: nobody does.
   loop::TickProbe* probe{nullptr};
 };

@@ -48,6 +48,8 @@ std::string describe_difference(const TickOutput& taped, const TickOutput& repla
   return "the books (energies, counts, target)";
 }
 
+constexpr std::uint32_t kKinds[] = {loop::kKeyframeRecord, loop::kSnapshotRecord, loop::kTickRecord, loop::kTapeGap};
+
 bool fire_at(void* sweep, std::uint32_t now) noexcept { return now >= *static_cast<const std::uint32_t*>(sweep); }
 
 class Replayer {
@@ -73,6 +75,13 @@ class Replayer {
       default:
         return bad(record, fmt::format("is of unknown kind {}", record.kind));
     }
+  }
+
+  // Records are missing from here on: the next keyframe is where it goes on.
+  void take_damage(const std::string& what, std::uint64_t lost_bytes) {
+    if (report_.damages++ == 0) report_.damage = what;
+    report_.lost_bytes += lost_bytes;
+    in_step_ = false, has_snapshot_ = false, damaged_ = true;
   }
 
   std::uint64_t state_hash() const { return loop_->state_hash(); }
@@ -114,6 +123,8 @@ class Replayer {
     TickRecord taped;
     if (record.payload.size() != sizeof(TickRecord)) return bad(record, "is no tick");
     std::memcpy(&taped, record.payload.data(), sizeof taped);
+    if (damaged_ && taped.out.tick > next_tick_) report_.lost_ticks += taped.out.tick - next_tick_;
+    next_tick_ = taped.out.tick + 1, damaged_ = false;
     const bool adopts = taped.adopts != 0;
     if (taped.sub_steps == 0 || taped.sub_steps > 1000) return bad(record, "has an impossible number of sub-steps");
     if (!in_step_ || (adopts && !has_snapshot_)) {
@@ -148,7 +159,8 @@ class Replayer {
   std::vector<std::byte> keyframe_;
   std::unique_ptr<haptics::WorldSnapshot> snapshot_;
   std::unique_ptr<haptics::SubWorldReport> sink_;
-  bool in_step_{false}, has_snapshot_{false};
+  bool in_step_{false}, has_snapshot_{false}, damaged_{false};
+  std::uint64_t next_tick_{0};
 };
 
 }  // namespace
@@ -178,8 +190,9 @@ Result<ReplayReport> replay(const std::string& path, const std::function<void(do
   loop::TapeRecord record;
   for (loop::TapeRead read; (read = tape.next(record)) != loop::TapeRead::kEnd;) {
     if (read == loop::TapeRead::kDamaged) {
-      report.warning = tape.damage().message();
-      break;
+      const std::string what = tape.damage().message();
+      replayer.take_damage(what, tape.skip_damage(kKinds));
+      continue;
     }
     if (const Status status = replayer.take(record); !status.ok()) return prefixed(status.message());
     if (progress && record.index % 1024 == 0) progress(static_cast<double>(record.offset) / size);

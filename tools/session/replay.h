@@ -17,12 +17,18 @@ struct ReplayReport {
   std::uint64_t first_different_tick{0};
   std::string first_difference;          // the field, what the tape has, what the replay has
   std::uint64_t keyframes_different{0};  // keyframes that the replay's own state did not reproduce
-  std::uint64_t unreplayable{0};         // ticks between a gap and the next keyframe
+  std::uint64_t unreplayable{0};         // ticks between a gap or damage and the next keyframe
+  std::uint64_t damages{0};              // places where records could not be read
+  std::uint64_t lost_bytes{0};           // there
+  std::uint64_t lost_ticks{0};           // there, by the ticks' own numbers; behind the last one that is read: unknown
+  std::string damage;                    // the first of them, in one line
   std::string scene_name;
-  std::string warning;  // the tape's end is missing, or it is of another instruction set
+  std::string warning;  // it is of another instruction set
   std::uint64_t state_hash{0};
 
-  bool good() const noexcept { return different == 0 && keyframes_different == 0 && compared > 0; }
+  // All that could be compared has the same bits.
+  bool same_bits() const noexcept { return different == 0 && keyframes_different == 0 && compared > 0; }
+  bool good() const noexcept { return same_bits() && damages == 0; }
 };
 
 // An error for a tape that cannot be replayed at all: one line. `progress` gets the share done, 0 to 1.

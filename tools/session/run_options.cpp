@@ -8,6 +8,7 @@
 #include "rt/haptics/snapshot.h"
 #include "sim/loader/choice_names.h"
 #include "sim/worker_pool.h"
+#include "tools/json_text.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/inject_script.h"
 
@@ -81,38 +82,42 @@ std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept {
   return std::nullopt;
 }
 
-Status check_options(const RunOptions& o) {
-  for (const Status& status : {
-           check_range("--rate", o.rate_Hz, 100.0, 10000.0, " Hz"),
-           check_range("--ratio", o.ratio, o.ratio == 0 ? 0u : 1u, 100u, ""),
-           check_range("--members", o.members, o.members == 0 ? 0u : 1u, haptics::kMaxMembers, ""),
-           check_range("--duration", o.duration_s, o.duration_s == 0 ? 0.0 : 0.01, 1e6, " s"),
-           check_range("--priority", o.priority, 0, 98, ""),
-           check_range("--world-threads", o.world_threads, 1u, sim::kMaxWorldThreads, ""),
-       }) {
-    if (!status.ok()) return status;
-  }
+std::vector<std::string> option_mistakes(const RunOptions& o) {
+  std::vector<std::string> mistakes;
+  const auto look_at = [&](const Status& status) {
+    if (!status.ok()) mistakes.push_back(status.message());
+  };
+  look_at(check_range("--rate", o.rate_Hz, 100.0, 10000.0, " Hz"));
+  look_at(check_range("--ratio", o.ratio, o.ratio == 0 ? 0u : 1u, 100u, ""));
+  look_at(check_range("--members", o.members, o.members == 0 ? 0u : 1u, haptics::kMaxMembers, ""));
+  look_at(check_range("--duration", o.duration_s, o.duration_s == 0 ? 0.0 : 0.01, 1e6, " s"));
+  look_at(check_range("--priority", o.priority, 0, 98, ""));
+  look_at(check_range("--world-threads", o.world_threads, 1u, sim::kMaxWorldThreads, ""));
   if (!o.world_cpus.empty() && o.world_cpus.size() != o.world_threads)
-    return Status::error(fmt::format("--world-cpu: {} cores for {} of --world-threads; accepted: as many, or none",
-                                     o.world_cpus.size(), o.world_threads));
+    mistakes.push_back(fmt::format("--world-cpu: {} cores for {} of --world-threads; accepted: as many, or none",
+                                   o.world_cpus.size(), o.world_threads));
   const auto choice = parse_device_choice(o.device);
-  if (!choice.ok()) return choice.status();
-  const bool taped = o.taped_device.has_value();
-  if (o.virtual_time && choice.value().is_real() && !taped)
-    return Status::error(fmt::format("--virtual-time: {} keeps real time; accepted: with --device sim", o.device));
-  if (!o.gpio.empty())
-    if (const auto lines = hal::parse_gpio_options(o.gpio); !lines.ok()) return lines.status();
+  look_at(choice.status());
+  const bool real = choice.ok() && choice.value().is_real(), taped = o.taped_device.has_value();
+  if (o.virtual_time && real && !taped)
+    mistakes.push_back(fmt::format("--virtual-time: {} keeps real time; accepted: with --device sim", o.device));
+  if (!o.gpio.empty()) look_at(hal::parse_gpio_options(o.gpio).status());
   if (o.virtual_time && !o.gpio.empty())
-    return Status::error("--gpio: lines are of real time; accepted: without --virtual-time");
-  if (const auto script = split_inject_script(o.inject); !script.ok())
-    return script.status();
-  else if (!script.value().device.empty() && choice.value().is_real())
-    return Status::error(fmt::format(
+    mistakes.push_back("--gpio: lines are of real time; accepted: without --virtual-time");
+  const auto script = split_inject_script(o.inject);
+  look_at(script.status());
+  if (script.ok() && !script.value().device.empty() && real)
+    mistakes.push_back(fmt::format(
         "--inject: faults of the device are for the simulated one, not for {}; accepted: stall, reset, or --device sim",
         o.device));
-  if (!o.device_file.empty() && !choice.value().is_real())
-    return Status::error("--device-file: the simulated device is the scene's profile; accepted: with usb or can");
-  return Status::good();
+  if (!o.device_file.empty() && choice.ok() && !real)
+    mistakes.push_back("--device-file: the simulated device is the scene's profile; accepted: with usb or can");
+  return mistakes;
+}
+
+Status check_options(const RunOptions& o) {
+  const std::vector<std::string> mistakes = option_mistakes(o);
+  return mistakes.empty() ? Status::good() : Status::error(mistakes.front());
 }
 
 std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& device, const std::string& scene_name,
@@ -136,7 +141,7 @@ std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& d
   text["device_properties"] = properties_to_json(device);
   text["scene_name"] = scene_name;
   text["scene"] = scene_source;
-  return text.dump();
+  return json_text(text);
 }
 
 Result<TapeSettings> from_tape_text(const std::string& text) {

@@ -60,7 +60,9 @@ struct RunOptions {
   double period_s() const noexcept { return 1.0 / rate_Hz; }
 };
 
-// Ranges and combinations. One line: the option, what was given, what is accepted.
+// Ranges and combinations. One line for each mistake: the option, what was given, what is accepted. check_options: the
+// first of them.
+std::vector<std::string> option_mistakes(const RunOptions& options);
 Status check_options(const RunOptions& options);
 
 // The header text of a tape: the options that the haptic thread's results depend on, the device's properties, and the

@@ -8,6 +8,7 @@
 
 #include "rt/haptics/interpolation_limit.h"
 #include "sim/loader/choice_names.h"
+#include "sim/loader/rounded_down.h"
 #include "tools/session/session.h"
 
 namespace tactus::session {
@@ -24,19 +25,12 @@ haptics::CouplingGains of_scene(const sim::Scene& scene) {
   return {c.stiffness_N_per_m, c.damping_Ns_per_m, c.stiffness_Nm_per_rad, c.damping_Nms_per_rad};
 }
 
-// Three digits, downwards: a figure that a person can write into a scene, and that no last bit changes.
-double rounded_down(double value) {
-  if (!(value > 0) || !std::isfinite(value)) return std::max(0.0, value);
-  double unit = 1;
-  while (value / unit >= 1000) unit *= 10;
-  while (value / unit < 100) unit /= 10;
-  return std::floor(value / unit) * unit;
-}
-
 // What the scheme allows of a stiffness with this limit.
 double allowed(double limit) { return limit == kNone ? kNone : haptics::kAllowedStiffnessShare * limit; }
 
-double lowered(double asked, double limit) { return asked <= allowed(limit) ? asked : rounded_down(allowed(limit)); }
+double lowered(double asked, double limit) {
+  return asked <= allowed(limit) ? asked : sim::rounded_down(allowed(limit));
+}
 
 Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device,
                            const haptics::CouplingVerdict& verdict) {
@@ -44,20 +38,22 @@ Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, c
   const haptics::CouplingGains use = haptics::suggest_gains(device, options.period_s(), options.late_s);
   const std::string late =
       options.late_s > 0 ? fmt::format(" that wakes up to {:.0f} us late", 1e6 * options.late_s) : "";
-  const auto line = [&](const char* what, const haptics::AxisVerdict& v, const char* stiff, const char* damp,
-                        const std::string& instead) {
-    return Status::error(fmt::format(
-        "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable at {:g} Hz on this device{}; accepted: "
-        "stiffness up to {:.4g} {} ({:g} of the limit {:.4g}) with that damping, damping up to {:.4g} {}; use {}",
-        scene.name, what, v.stiffness, stiff, v.damping, damp, options.rate_Hz, late, v.stiffness_allowed, stiff,
-        haptics::kAllowedStiffnessShare, v.stiffness_limit, v.damping_limit, damp, instead));
+  // All in the units of the scene's keys: at the hand, with motion_scale, it is `scale` times as much.
+  const auto line = [&](const haptics::AxisVerdict& v, double scale, const char* stiffness, const char* damping,
+                        double use_stiffness, double use_damping) {
+    return Status::error(
+        fmt::format("{}: [coupling] {} = {:g} with {} = {:g} is not stable at {:g} Hz on this device{}; accepted: with "
+                    "that damping "
+                    "{} up to {:g} ({:g} of the limit {:.4g}), {} up to {:g}; use {} = {:g}, {} = {:g}",
+                    scene.name, stiffness, v.stiffness / scale, damping, v.damping / scale, options.rate_Hz, late,
+                    stiffness, sim::rounded_down(v.stiffness_allowed / scale), haptics::kAllowedStiffnessShare,
+                    v.stiffness_limit / scale, damping, sim::rounded_down(v.damping_limit / scale), stiffness,
+                    sim::rounded_down(use_stiffness / scale), damping, sim::rounded_down(use_damping / scale)));
   };
-  return verdict.translation.accepted ? line("rotational", verdict.rotation, "N m/rad", "N m s/rad",
-                                             fmt::format("stiffness_Nm_per_rad = {:.3g}, damping_Nms_per_rad = {:.3g}",
-                                                         use.stiffness_Nm_per_rad, use.damping_Nms_per_rad))
-                                      : line("translational", verdict.translation, "N/m", "N s/m",
-                                             fmt::format("stiffness_N_per_m = {:.4g}, damping_Ns_per_m = {:.3g}",
-                                                         use.stiffness_N_per_m / s2, use.damping_Ns_per_m / s2));
+  return verdict.translation.accepted ? line(verdict.rotation, 1, "stiffness_Nm_per_rad", "damping_Nms_per_rad",
+                                             use.stiffness_Nm_per_rad, use.damping_Nms_per_rad)
+                                      : line(verdict.translation, s2, "stiffness_N_per_m", "damping_Ns_per_m",
+                                             use.stiffness_N_per_m, use.damping_Ns_per_m);
 }
 
 // Of the scheme alone, one axis.
@@ -65,7 +61,7 @@ Status refuse_scheme_gains(const sim::Scene& scene, const RunOptions& options, d
                            double limit, const char* what, const char* stiff, const char* damp, const char* key) {
   const std::string instead =
       limit > 0 ? fmt::format("use {} = {:g}, a lower --ratio, or the scene without --keep-gains", key,
-                              rounded_down(allowed(limit)))
+                              sim::rounded_down(allowed(limit)))
                 : std::string("no stiffness is stable with that damping: use a lower --ratio or less damping");
   return Status::error(fmt::format(
       "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable with --coupling {} at ratio {}, which "

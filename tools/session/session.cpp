@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "firmware/faults.h"
+#include "sim/loader/body_label.h"
 #include "sim/loader/choice_names.h"
 #include "sim/loader/scene_effects.h"
 #include "sim/loader/scene_load.h"
@@ -203,7 +204,9 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
     hardware.device = std::move(device).value();
   }
   session->device = std::move(hardware.device);
+  session->hand_ = session->device->as<hal::SimulatedDevice>();
   session->device_identity = std::move(hardware.identity);
+  session->same_device = std::move(hardware.same_device);
   session->gpio = std::move(hardware.gpio);
   const haptics::DeviceProperties& device = session->device->properties();
   if (const Status status = check_gains(scene, options, device); !status.ok()) return status;
@@ -244,9 +247,21 @@ Status Session::record(const std::string& tape_path) {
   loop::DrainSettings settings;
   settings.history_bytes = kHistoryBytes;
   settings.keyframe_kind = loop::kKeyframeRecord;
+  settings.tick_kind = loop::kTickRecord;
   drain = std::make_unique<loop::TapeDrain>(recorder->ring(), settings, std::move(tape));
   driver = std::make_unique<Driver>(*loop, *device, *governor, exchange.get(), recorder.get());
   return Status::good();
+}
+
+void Session::close_tape(RunSummary& summary) {
+  if (drain == nullptr) return;
+  const Status status = drain->stop();
+  const loop::TapeDrain::Counts counts = drain->counts();
+  summary.tape = options.record.string();
+  summary.tape_bytes = counts.bytes;
+  summary.tape_dropped = counts.lost;
+  summary.tape_lost_ticks = counts.ticks_not_written;
+  summary.tape_fault = status.message();
 }
 
 void Session::count_tick() noexcept {
@@ -257,18 +272,37 @@ void Session::count_tick() noexcept {
     if (driver->restrained()) ++stats.restrained_cycles;
   }
   ++cycle_ticks_;
-  stats.add(out, driver->sub_steps(), driver->component(), ended, ratio);
+  stats.add(out, driver->sub_steps(), driver->component(), ended, ratio, driver->sample());
   latched_ticks_ = out.fault != Fault::kNone ? latched_ticks_ + 1 : 0;
+  start_hand(out);
 }
 
-std::uint32_t Session::operator_bits() noexcept {
-  std::uint32_t bits = stats.ticks == 0 && options.arm_at_start ? loop::kArm : 0u;
+// A path goes on from where it was when the first trial had its force, so that every trial has the same.
+void Session::start_hand(const loop::TickOutput& out) noexcept {
+  const bool engaged = (out.status & (kNotArmed | kSceneReset)) == 0;
+  if (engaged && !first_engaged_ && options.arm_at_start) first_engaged_ = out.tick;
+  if (!hand_returns_ || (out.status & kSceneReset) != 0) return;
+  hand_returns_ = false;
+  hand_->start_path(static_cast<double>(first_engaged_.value_or(0)) * options.period_s());
+}
+
+std::uint32_t Session::hold_for_hand(std::uint32_t bits) noexcept {
+  if (hand_ == nullptr || global == nullptr) return 0;
+  if ((bits & loop::kReset) != 0 && !hand_returns_) {
+    hand_returns_ = true;
+    hand_->return_hand();
+  }
+  return hand_returns_ && !hand_->hand_is_back() ? loop::kHoldReset : 0u;
+}
+
+std::uint32_t Session::operator_bits(std::uint32_t asked) noexcept {
+  std::uint32_t bits = asked | (stats.ticks == 0 && options.arm_at_start ? loop::kArm : 0u);
   for (; next_reset_ < resets.size() && resets[next_reset_] <= stats.ticks; ++next_reset_) bits |= loop::kReset;
   if (options.rearm && latched_ticks_ >= kRearmAfter_s * options.rate_Hz) {
     latched_ticks_ = 0;
     bits |= loop::kRearm;
   }
-  return bits;
+  return bits | hold_for_hand(bits);
 }
 
 RunSummary Session::summary() const {
@@ -286,6 +320,8 @@ RunSummary Session::summary() const {
   summary.stats = stats;
   summary.has_global = global != nullptr;
   if (global != nullptr) summary.global = global->statistics();
+  if (const auto& overlap = summary.global.overlap; overlap.a != kNoBody && overlap.b != kNoBody)
+    summary.overlapped = fmt::format("{} and {}", sim::body_label(scene, overlap.a), sim::body_label(scene, overlap.b));
   if (const hal::SimulatedDevice* truth = simulated()) {
     summary.hand_work_J = truth->plant().energy().hand;
     summary.motor_work_J = truth->plant().energy().motors;

@@ -48,6 +48,9 @@ class Session {
 
   // Whether to keep records, and to write a tape. Before the first tick.
   Status record(const std::string& tape_path);  // empty: history only
+  // After the last tick: ends the tape, and says in the summary what is on it. A tape that could not be written is its
+  // own fault, and not the run's.
+  void close_tape(RunSummary& summary);
 
   sim::Scene scene;
   RunOptions options;
@@ -55,6 +58,7 @@ class Session {
   std::unique_ptr<loop::HapticLoop> loop;
   std::unique_ptr<hal::AnyDevice> device;
   std::string device_identity;           // of a real one, for people
+  std::function<Status()> same_device;   // see Hardware
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
   std::unique_ptr<loop::Governor> governor;
   std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as the next
@@ -69,8 +73,9 @@ class Session {
 
   // One tick of the driver, its figures into `stats`. Real time measures around the three stages itself.
   void count_tick() noexcept;
-  // What the operator asks in the coming tick: to arm at the start, to take a fault back (--rearm), to begin anew.
-  std::uint32_t operator_bits() noexcept;
+  // What the operator asks in the coming tick: `asked`, and to arm at the start, to take a fault back (--rearm), to
+  // begin anew by the script. A simulated device's hand begins anew with the scene, so that trials are equal.
+  std::uint32_t operator_bits(std::uint32_t asked = 0) noexcept;
 
   // The truth behind the simulated device's frames; null on a real device.
   const hal::SimulatedDevice* simulated() const noexcept { return device->as<hal::SimulatedDevice>(); }
@@ -80,6 +85,12 @@ class Session {
 
  private:
   Session() = default;
+  std::uint32_t hold_for_hand(std::uint32_t bits) noexcept;
+  void start_hand(const loop::TickOutput& out) noexcept;
+
+  hal::SimulatedDevice* hand_{nullptr};  // the device whose hand begins anew; null on a real one
+  bool hand_returns_{false};
+  std::optional<std::uint64_t> first_engaged_;  // tick, of a run that is armed at its start
   std::size_t next_reset_{0};
   std::uint32_t latched_ticks_{0};
   std::uint32_t cycle_ticks_{0};

@@ -5,6 +5,7 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
+#include "hal/device_words.h"
 #include "sim/loader/choice_names.h"
 
 namespace tactus::session {
@@ -171,13 +172,21 @@ json link_json(const RunSummary& s) {
           {"force_age", times_json(s.link->force_age)}};
 }
 
+std::string fault_text(const loop::FaultEvent& event) {
+  return hal::describe(event.fault, {event.device_state, event.device_fault, event.device_limits});
+}
+
 std::string faults_text(const RunSummary& s) {
-  if (s.stats.fault_count == 0) return "faults                 none\n";
-  std::string text = fmt::format("faults                 {}\n", s.stats.fault_count);
+  const std::uint64_t count = s.stats.fault_count;
+  std::string text = fmt::format("faults                 {}\n", count == 0 ? "none" : fmt::format("{}", count));
   for (const auto& event : s.stats.faults) {
     text += fmt::format("  tick {:<17} {}{}\n", event.tick, event.cleared != 0 ? "re-armed after: " : "",
-                        describe(event.fault));
+                        event.cleared != 0 ? std::string(describe(event.fault)) : fault_text(event));
   }
+  if (s.stats.fault_events_dropped > 0)
+    text += fmt::format("  {} more {}, faults and re-arms, are not listed\n", s.stats.fault_events_dropped,
+                        s.stats.fault_events_dropped == 1 ? "event" : "events");
+  for (const std::string& refusal : s.arm_refusals) text += fmt::format("  not armed: {}\n", refusal);
   return text;
 }
 
@@ -199,9 +208,21 @@ std::string setup_text(const RunSummary& s) {
   return text;
 }
 
+// The book of the border, in both worlds; signs as in the README.
+std::string border_energy_text(const RunSummary& s) {
+  if (!s.has_global) return {};
+  return fmt::format(
+      "energy at the border\n"
+      "  {:<22} {:+.4f} J on members, {:+.4f} J where buffer bodies took the global state; tank {:.4f} J\n"
+      "  {:<22} {:+.4f} J by outside bodies on members, {:+.4f} J by imposed motion, {:+.4f} J by returned impulses\n",
+      "sub-world", s.stats.border_work_J, s.stats.buffer_gain_J, s.stats.border_tank_J, "global world",
+      s.global.border_work_J, s.global.imposed_energy_J, s.global.handed_back_energy_J);
+}
+
 }  // namespace
 
 bool RunSummary::fault_latched() const noexcept {
+  if (stats.fault_events_dropped > 0) return stats.fault_now != Fault::kNone;
   return !stats.faults.empty() && stats.faults.items[stats.faults.size() - 1].cleared == 0;
 }
 
@@ -237,11 +258,12 @@ std::string to_text(const RunSummary& s) {
                       percent(s.stats.contact_ticks, s.stats.ticks));
   text += fmt::format("  {:<22} mean {:.2f} N, max {:.2f} N, {:.3f} N m; largest step {:.2f} N a tick\n", "force",
                       mean_force_N(s), s.stats.force_max_N, s.stats.torque_max_Nm, s.stats.force_step_max_N);
-  text += fmt::format("  {:<22} device port {:+.4f} J, passivity control {:.4f} J, border {:+.4f} J\n", "energy",
-                      s.stats.device_energy_J, s.stats.damped_energy_J, s.stats.border_work_J);
+  text += fmt::format("  {:<22} device port {:+.4f} J, passivity control {:.4f} J\n", "energy", s.stats.device_energy_J,
+                      s.stats.damped_energy_J);
   if (s.simulated())
     text += fmt::format("  {:<22} by the hand {:+.4f} J, by the motors {:+.4f} J\n", "work on the device",
                         s.hand_work_J, s.motor_work_J);
+  text += border_energy_text(s);
   text += status_text(s);
   text += faults_text(s);
   if (s.stats.capacity_bits != 0)
@@ -250,7 +272,10 @@ std::string to_text(const RunSummary& s) {
   if (!s.tape.empty())
     text += fmt::format("tape                   {} ({:.1f} MB), {} records dropped\n", s.tape,
                         static_cast<double>(s.tape_bytes) * 1e-6, s.tape_dropped);
+  if (!s.tape_fault.empty())
+    text += fmt::format("  {:<20} {}; {} ticks are not on it\n", "tape fault", s.tape_fault, s.tape_lost_ticks);
   if (!s.fault_tape.empty()) text += fmt::format("flight recorder        {}\n", s.fault_tape);
+  if (!s.fault_tape_error.empty()) text += fmt::format("flight recorder        not kept: {}\n", s.fault_tape_error);
   text += fmt::format("state hash             {:016x}\n", s.state_hash);
   return text + setup_text(s);
 }
@@ -328,7 +353,6 @@ json to_json(const RunSummary& s) {
                          {"joins", s.global.joins},
                          {"leaves", s.global.leaves},
                          {"deepest_overlap_m", s.global.deepest_m},
-                         {"imposed_energy_J", s.global.imposed_energy_J},
                          {"capacity_bits", s.global.capacity_bits},
                          {"dropped_entries", s.global.dropped_entries}};
     const sim::EnergyBook& book = s.global.energy;
@@ -349,7 +373,16 @@ json to_json(const RunSummary& s) {
       {"torque_max_Nm", s.stats.torque_max_Nm}, {"force_step_max_N", s.stats.force_step_max_N}};
   j["energy"] = {{"device_port_J", s.stats.device_energy_J},
                  {"passivity_control_J", s.stats.damped_energy_J},
-                 {"border_work_J", s.stats.border_work_J}};
+                 {"border",
+                  {{"work_on_members_J", s.stats.border_work_J},
+                   {"buffer_gain_J", s.stats.buffer_gain_J},
+                   {"tank_J", s.stats.border_tank_J}}}};
+  if (s.has_global) {
+    json& border = j["energy"]["border"];
+    border["global_work_on_members_J"] = s.global.border_work_J;
+    border["imposed_J"] = s.global.imposed_energy_J;
+    border["returned_J"] = s.global.handed_back_energy_J;
+  }
   if (s.simulated()) {
     j["energy"]["hand_work_J"] = s.hand_work_J;
     j["energy"]["motor_work_J"] = s.motor_work_J;
@@ -364,12 +397,25 @@ json to_json(const RunSummary& s) {
   for (const auto& event : s.stats.faults) {
     j["faults"].push_back({{"tick", event.tick},
                            {"code", static_cast<std::uint32_t>(event.fault)},
-                           {"text", std::string(describe(event.fault))},
+                           {"text", event.cleared != 0 ? std::string(describe(event.fault)) : fault_text(event)},
+                           {"device_state", hal::name_of(event.device_state)},
+                           {"device_fault", event.device_fault},
+                           {"device_fault_text", hal::describe_device_fault(event.device_fault)},
+                           {"device_limits", event.device_limits},
+                           {"device_limits_text", hal::describe_device_limits(event.device_limits)},
                            {"rearmed", event.cleared != 0}});
   }
+  j["fault_events_dropped"] = s.stats.fault_events_dropped;
+  j["arm_refusals"] = s.arm_refusals;
   j["state_hash"] = fmt::format("{:016x}", s.state_hash);
-  if (!s.tape.empty()) j["tape"] = {{"path", s.tape}, {"bytes", s.tape_bytes}, {"dropped_records", s.tape_dropped}};
+  if (!s.tape.empty())
+    j["tape"] = {{"path", s.tape},
+                 {"bytes", s.tape_bytes},
+                 {"dropped_records", s.tape_dropped},
+                 {"lost_ticks", s.tape_lost_ticks},
+                 {"fault", s.tape_fault}};
   if (!s.fault_tape.empty()) j["flight_recorder"] = s.fault_tape;
+  if (!s.fault_tape_error.empty()) j["flight_recorder_error"] = s.fault_tape_error;
   return j;
 }
 

@@ -42,17 +42,22 @@ struct RunSummary {
   // With a global world.
   bool has_global{false};
   sim::GlobalStatistics global;
-  Histogram global_step;  // wall clock; empty in virtual time
+  Histogram global_step;   // wall clock; empty in virtual time
+  std::string overlapped;  // the two bodies of global.overlap, as people call them; empty: nobody overlapped
 
-  std::string device_identity;          // of a real device
-  std::optional<hal::LinkReport> link;  // of a device on a link
+  std::string device_identity;            // of a real device
+  std::vector<std::string> arm_refusals;  // why it was not armed or re-armed; the first few, without repetitions
+  std::optional<hal::LinkReport> link;    // of a device on a link
 
   // Energy, J: hand and device of the simulation; 0 on a real device.
   double hand_work_J{0}, motor_work_J{0};
   std::uint64_t state_hash{0};
   std::string tape;  // path, empty if none
   std::uint64_t tape_bytes{0}, tape_dropped{0};
-  std::string fault_tape;  // flight recorder dump, empty if none
+  std::string tape_fault;            // why it could not be written to its end; empty: it could
+  std::uint64_t tape_lost_ticks{0};  // not on the tape for that
+  std::string fault_tape;            // flight recorder dump, empty if none
+  std::string fault_tape_error;      // why there is none
 
   // verdict.h: 0 good or degraded, 1 bad.
   int exit_code() const { return judge(*this).exit_code(); }

@@ -23,14 +23,15 @@ double share_of(std::uint64_t part, std::uint64_t whole) {
 
 Ruling fault_of(const RunSummary& s) {
   const auto& faults = s.stats.faults;
-  const bool latched = s.fault_latched();
+  const bool latched = s.fault_latched(), listed = s.stats.fault_events_dropped == 0;
+  const Fault fault = !latched ? Fault::kNone : listed ? faults[faults.size() - 1].fault : s.stats.fault_now;
   return {"fault",
           "faults latched at the end",
           "",
           latched ? 1.0 : 0.0,
           kInfinite,
           0,
-          latched ? fmt::format("a fault is latched: {}", describe(faults.items[faults.size() - 1].fault)) : "",
+          latched ? fmt::format("a fault is latched: {}", describe(fault)) : "",
           "see the faults below; Enter or --rearm takes one back"};
 }
 
@@ -59,8 +60,10 @@ Ruling overlap_of(const RunSummary& s) {
   const bool known = s.has_global && deepest.share >= s.stats.deepest_share;
   const double share = std::max(s.stats.deepest_share, s.has_global ? deepest.share : 0.0);
   const std::string who =
-      known ? fmt::format("bodies {} and {} overlapped by {:.2f} mm", deepest.a, deepest.b, 1e3 * deepest.depth)
-            : std::string("two bodies overlapped");
+      !known ? std::string("two bodies overlapped")
+             : fmt::format("{} overlapped by {:.2f} mm",
+                           s.overlapped.empty() ? fmt::format("bodies {} and {}", deepest.a, deepest.b) : s.overlapped,
+                           1e3 * deepest.depth);
   return {"overlap",
           "deepest overlap of the thinner body",
           "%",
@@ -158,6 +161,20 @@ Ruling setup_of(const RunSummary& s) {
           true};
 }
 
+Ruling tape_of(const RunSummary& s) {
+  const bool faulty = !s.tape_fault.empty();
+  return {"tape",
+          "ticks and records that are not on the tape",
+          "",
+          static_cast<double>(s.tape_lost_ticks + s.tape_dropped + (faulty ? 1 : 0)),
+          0,
+          kInfinite,
+          faulty ? fmt::format("{}; {} ticks are not on it", s.tape_fault, s.tape_lost_ticks)
+                 : fmt::format("the disk was too slow for the tape: {} records are not on it", s.tape_dropped),
+          "a disk with room, and fast enough; the run itself is whole",
+          true};
+}
+
 // A limit is finite where the rule knows that level.
 std::string limit_text(const Ruling& r) {
   const double limit = r.level() == Level::kBad ? r.bad_above : r.degraded_above;
@@ -225,6 +242,7 @@ std::vector<Ruling> judge_simulation(const RunSummary& s) {
   rulings.push_back(capacity_of(s));
   if (s.has_global) rulings.push_back(clock_of(s));
   if (s.real_time) rulings.push_back(setup_of(s));
+  if (!s.tape.empty()) rulings.push_back(tape_of(s));
   return rulings;
 }
 

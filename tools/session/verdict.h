@@ -14,12 +14,13 @@
 //   energy      10 % and 5 mJ       25 % and 20 mJ      energy that nothing explains, of the largest kinetic energy or
 //                                                       the hand's work. A border may give a tenth (hard case 33); only
 //                                                       where the book is complete (sim/energy_book.h)
-//   border      1 % of the ticks    10 % of the ticks   the ghost border had nothing left to give (border-spent): the
+//   border      1 % of the ticks    10 % of the ticks   the border had nothing left to give (border-spent): the
 //                                                       members are braked for it
 //   capacity    0                   -                   entries left out: contacts, pairs, border points
 //   deadlines   1 in 10 000, and 1  -                   ticks late for the machine's sake, and deadlines skipped
 //   clock       1 % and 4 cycles    -                   what the global clock lost to the haptic one
 //   set-up      0                   -                   real-time privileges and kernel: lines with FAIL
+//   tape        0                   -                   ticks that the disk did not take, records that came too fast
 // Thread: normal, after the run. Pure.
 #pragma once
 

@@ -25,10 +25,8 @@ class VirtualWorld {
 
  private:
   std::uint64_t step_ticks() const {
-    const auto& s = session_.global->statistics();
-    const loop::WorkCounts counts{s.awake, s.pairs, s.contacts, s.points, 0, 0, false};
     const double cost_ns =
-        predict_ns(loop::CostModel{}, counts, session_.scene.solver.global_sub_steps(session_.ratio));
+        global_step_ns(session_.global->statistics(), session_.scene.solver.global_sub_steps(session_.ratio));
     return static_cast<std::uint64_t>(cost_ns / (session_.options.period_s() * 1e9));
   }
 
@@ -48,6 +46,15 @@ class VirtualWorld {
 
 }  // namespace
 
+double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps) noexcept {
+  const loop::WorkCounts counts{.bodies = last.awake,
+                                .pairs = last.pairs,
+                                .contacts = last.contacts,
+                                .points = last.points,
+                                .searched = last.comparisons};
+  return predict_ns(loop::CostModel{}, counts, sub_steps);
+}
+
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer) {
   set_denormals_flush();
   std::optional<VirtualWorld> world;
@@ -65,12 +72,7 @@ Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const Tick
     if (observer && !observer(out)) break;
   }
   RunSummary summary = session.summary();
-  if (session.drain != nullptr) {
-    if (const Status status = session.drain->stop(); !status.ok()) return status;
-    summary.tape = session.options.record.string();
-    summary.tape_bytes = session.drain->counts().bytes;
-    summary.tape_dropped = session.drain->counts().lost;
-  }
+  session.close_tape(summary);
   return summary;
 }
 

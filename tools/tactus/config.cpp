@@ -4,8 +4,11 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "sim/loader/scene_load.h"
+#include "tools/doctor/system_view.h"
+#include "tools/json_text.h"
 #include "tools/service/configuration.h"
 #include "tools/session/device_file.h"
 #include "tools/tactus/commands.h"
@@ -19,33 +22,47 @@ struct ConfigOptions {
   bool json{false};
 };
 
-int report(const ConfigOptions& options, const std::string& problems, const std::string& good) {
-  if (options.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"good", problems.empty()}, {"problems", problems}}.dump(2));
-  if (problems.empty()) {
-    if (!options.json) fmt::print("{}\n", good);
-    return kExitGood;
+// The cores that are there; nothing where the kernel does not say.
+std::optional<std::vector<int>> cores_of_machine() {
+  const auto system = doctor::SystemView::open("/");
+  if (!system.ok()) return std::nullopt;
+  const auto cores = doctor::parse_cpu_list(system.value().read("/sys/devices/system/cpu/online").value_or(""));
+  return cores && !cores->empty() ? cores : std::nullopt;
+}
+
+// All that is wrong with the file and with what it names, a line each.
+std::vector<std::string> problems_of(const ConfigOptions& options, std::string& good) {
+  std::vector<std::string> problems;
+  const auto add = [&](const std::string& lines) {
+    std::istringstream stream(lines);
+    for (std::string line; std::getline(stream, line);) problems.push_back(line);
+  };
+  const auto reading = service::read_configuration(std::filesystem::path(options.file), cores_of_machine());
+  add(reading.mistakes);
+  const session::RunOptions& run = reading.configuration.run;
+  if (!run.scene.empty()) {
+    const auto scene = sim::load_scene(run.scene);
+    add(scene.message());
+    if (scene.ok())
+      good =
+          fmt::format("{}: good; {} on {} at {:g} Hz", options.file,
+                      scene.value().title.empty() ? scene.value().name : scene.value().title, run.device, run.rate_Hz);
   }
-  fmt::print(stderr, "{}\n", problems);  // a line for each mistake
-  return kExitBadInput;
+  if (!run.device_file.empty()) add(session::load_device_file(run.device_file).message());
+  if (const auto& budget = reading.configuration.budget; !budget.empty())
+    add(timing::load_budget(budget.string()).message());
+  return problems;
 }
 
 int check_file(const ConfigOptions& options) {
-  const auto configuration = service::load_configuration(options.file);
-  if (!configuration.ok()) return report(options, configuration.message(), "");
-  const session::RunOptions& run = configuration.value().run;
-  const auto scene = sim::load_scene(run.scene);
-  if (!scene.ok()) return report(options, scene.message(), "");
-  if (!run.device_file.empty())
-    if (const auto device = session::load_device_file(run.device_file); !device.ok())
-      return report(options, device.message(), "");
-  if (const auto& file = configuration.value().budget; !file.empty())
-    if (const auto budget = timing::load_budget(file.string()); !budget.ok())
-      return report(options, budget.message(), "");
-  return report(
-      options, "",
-      fmt::format("{}: good; {} on {} at {:g} Hz", options.file,
-                  scene.value().title.empty() ? scene.value().name : scene.value().title, run.device, run.rate_Hz));
+  std::string good;
+  const std::vector<std::string> problems = problems_of(options, good);
+  if (options.json)
+    fmt::print("{}\n", json_text(nlohmann::ordered_json{{"good", problems.empty()}, {"problems", problems}}, 2));
+  else if (problems.empty())
+    fmt::print("{}\n", good);
+  for (const std::string& problem : problems) fmt::print(stderr, "{}\n", problem);
+  return problems.empty() ? kExitGood : kExitBadInput;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/json_text.h"
 #include "tools/service/control_server.h"
 #include "tools/tactus/commands.h"
 
@@ -22,7 +23,7 @@ std::string plain(const nlohmann::ordered_json& value) {
     for (const auto& each : value) list += (list.empty() ? "" : ", ") + plain(each);
     return list.empty() ? "none" : list;
   }
-  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  const std::string text = value.is_string() ? value.get<std::string>() : json_text(value);
   return text.empty() ? "none" : text;
 }
 

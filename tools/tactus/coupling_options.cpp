@@ -47,7 +47,7 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
       ->check(CLI::Range(1.0, 600.0));
   command.add_option("--borders", options.borders, "borders, separated by commas; all that are compared by default")
       ->delimiter(',')
-      ->check(CLI::IsMember({"ghost", "capped", "replay", "frozen"}));
+      ->check(CLI::IsMember({"ghost", "capped", "replay", "filtered", "frozen"}));
   command.add_option("--ratios", options.ratios, "ticks per global step, separated by commas; default 1,2,4,8,16")
       ->delimiter(',')
       ->check(CLI::Range(1, 100));
@@ -137,6 +137,7 @@ Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOption
   if (!options.members.empty()) request.members = options.members;
   request.seconds = options.whole_s;
   request.hand_of_direct = !options.quick;
+  request.floor = true;
   request.order = study.order;
   return experiment::run_whole(request, experiment::terminal_progress());
 }

@@ -23,6 +23,17 @@ struct CouplingOptions {
   bool quick{false}, json{false};
 };
 
+// For the help of both: what a whole run is, and when a body stands in it.
+inline constexpr const char* kWholeRunsHelp =
+    "--whole SECONDS also compares whole runs, from rest, with the scene's own hand: closed, its arm in the loop of\n"
+    "the run itself, and direct, the arm's motion of the direct run (not with --quick). off: the body farthest from\n"
+    "where the direct run has it, at the end and at any time. by quarter: each over the force of the whole run. A\n"
+    "body stands where it ends within half of its smallest extent of where the direct run has it, turned by less than\n"
+    "0.5 rad against it; what the direct run itself drops, turns over or leaves faster than 1 cm/s does not count.\n"
+    "gain: kinetic and potential energy beyond the start and the hand's work, less the direct run's, of the energy at\n"
+    "play (the hand's work and each body's weight times its extent). The row '1 um apart' is a direct run whose proxy\n"
+    "starts 1 um aside: less than it is off by cannot be told from chance. --seeds 0 leaves the windows out.\n";
+
 void add_coupling_options(CLI::App& command, CouplingOptions& options);
 
 // Runs it and prints; the exit status. `schemes`: each is run at every ratio.

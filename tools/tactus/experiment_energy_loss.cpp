@@ -15,22 +15,15 @@ void add_energy_loss(CLI::App& experiment, int& exit_code) {
   command->footer(
       "The sub-world at each ratio, with each border, beside the same scene with direct coupling: the same hand "
       "motion,\n"
-      "windows of 200 ms that start from the direct run's state. loss and gain are of the kinetic energy of all "
+      "windows that start from the direct run's state. loss and gain are of the kinetic energy of all "
       "bodies\n"
-      "(--json and --csv have the two other readings); positive both, and a window that won does not hide one that "
+      "(*: at rest, of that and what the coupling's spring holds; --json and --csv have the two other readings); "
+      "positive both, and a window that won does not hide one that "
       "lost.\n"
-      "--whole SECONDS also compares whole runs, from rest, with the scene's own hand: closed, its arm in the loop of\n"
-      "the run itself, and direct, the arm's motion of the direct run (not with --quick). off: the body farthest from\n"
-      "where the direct run has it, at the end and at any time. A body stands where it ends within half of its "
-      "smallest\n"
-      "extent of where the direct run has it, turned by less than 0.5 rad against it; what the direct run itself "
-      "drops,\n"
-      "turns over or leaves faster than 1 cm/s does not count. gain: kinetic and potential energy beyond the start "
-      "and\n"
-      "the hand's work, less the direct run's, of the energy at play (the hand's work and each body's weight times "
-      "its\n"
-      "extent). --seeds 0 leaves the windows out.\n"
-      "'1 um apart' is how far two direct runs go apart that start so: less cannot be told from chance. Virtual time:\n"
+      "A window is 25 cycles, at least 200 ms.\n" +
+      std::string(kWholeRunsHelp) +
+      "For windows, '1 um apart' is how far two direct runs go apart that start so: less cannot be told from chance. "
+      "Virtual time:\n"
       "the same options, the same figures, on any machine.\n\n"
       "Example:\n  tactus experiment energy-loss --quick\n"
       "  tactus experiment energy-loss --scenes pile,stack --ratios 8,16 --page energy.html\n"
@@ -43,6 +36,7 @@ void add_energy_loss(CLI::App& experiment, int& exit_code) {
     exit_code = run_coupling_experiment(*options, {{CouplingScheme::kSubWorld, BorderMode::kGhost, 0},
                                                    {CouplingScheme::kSubWorld, BorderMode::kCapped, 0},
                                                    {CouplingScheme::kSubWorld, BorderMode::kReplay, 0},
+                                                   {CouplingScheme::kSubWorld, BorderMode::kFiltered, 0},
                                                    {CouplingScheme::kSubWorld, BorderMode::kFrozen, 0}});
   });
 }

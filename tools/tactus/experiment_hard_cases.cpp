@@ -9,6 +9,9 @@
 
 #include "tools/experiment/hard_cases/random_world.h"
 #include "tools/experiment/hard_cases/report.h"
+#include "tools/experiment/hard_cases/trial_report.h"
+#include "tools/experiment/page.h"
+#include "tools/json_text.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 
@@ -19,19 +22,20 @@ struct HardCasesOptions {
   std::vector<int> cases;
   std::vector<std::string> accuracies;
   std::vector<double> steps_ms{1, 10};
-  std::string csv, svg;
+  std::string csv, svg, page;
   std::uint64_t random{0}, first{0};
-  bool no_peers{false}, json{false};
+  bool sub_world{false}, no_peers{false}, json{false};
 };
 
 // Seeds one after the other; what breaks a gate is left as a scene file. Worlds whose bodies turn more than the
 // engine's integration is meant for are told apart.
 int run_random_worlds(const HardCasesOptions& options) {
-  const auto progress = experiment::terminal_progress();
+  const experiment::Pace pace(experiment::terminal_progress(), static_cast<double>(options.random));
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   std::uint64_t broken = 0;
   for (std::uint64_t seed = options.first; seed < options.first + options.random; ++seed) {
-    if (progress && seed % 100 == 0) progress(fmt::format("seed {}, {} broke a gate", seed, broken));
+    if (seed % 100 == 0)
+      pace.say(fmt::format("seed {}, {} broke a gate", seed, broken), static_cast<double>(seed - options.first));
     const auto world = hard_cases::make_random_world(seed);
     const auto run = hard_cases::run_twice(world);
     if (run.broken_gate.empty()) continue;
@@ -44,13 +48,36 @@ int run_random_worlds(const HardCasesOptions& options) {
     if (!options.json) fmt::print("seed {}: gate broken: {}; {}\n", seed, run.broken_gate, path);
   }
   if (options.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"worlds", options.random}, {"broken", broken}, {"rows", rows}}.dump(2));
+    fmt::print("{}\n",
+               json_text(nlohmann::ordered_json{{"worlds", options.random}, {"broken", broken}, {"rows", rows}}, 2));
   else
     fmt::print("{} of {} random worlds from seed {} broke a gate\n", broken, options.random, options.first);
   return broken == 0 ? kExitGood : kExitVerdictBad;
 }
 
+// The worst worlds are left as scene files.
+int run_random_trials(const HardCasesOptions& options) {
+  const auto report = hard_cases::try_random_worlds(options.first, options.random, experiment::terminal_progress());
+  const std::string json = hard_cases::trial_json(report);
+  fmt::print("{}\n", options.json ? json : hard_cases::trial_text(report));
+  int written = write_file(options.csv, experiment::whole_csv(report.rows));
+  for (const auto& trial : report.worst)
+    written = std::max(written, write_file(fmt::format("random-world-{}.toml", trial.seed), trial.scene));
+  if (!options.page.empty()) {
+    const std::string command = fmt::format("tactus experiment hard-cases --random {} --first {} --sub-world --page {}",
+                                            options.random, options.first, options.page);
+    const Status status = experiment::write_page("random-worlds", json, command, options.page);
+    if (!status.ok()) return complain("tactus experiment hard-cases: " + status.message(), kExitMachineCannot);
+  }
+  return report.collapsed() == 0 ? written : kExitVerdictBad;
+}
+
 int run_hard_cases(const HardCasesOptions& options) {
+  if ((options.sub_world || !options.page.empty()) && !(options.sub_world && options.random > 0))
+    return complain(
+        "tactus experiment hard-cases: --sub-world and --page are of random worlds; accepted: --random N --sub-world",
+        kExitBadInput);
+  if (options.sub_world) return run_random_trials(options);
   if (options.random > 0) return run_random_worlds(options);
   const auto asked = [](const auto& list, const auto& one) {
     return list.empty() || std::find(list.begin(), list.end(), one) != list.end();
@@ -89,7 +116,14 @@ void add_hard_cases(CLI::App& experiment, int& exit_code) {
       "stacks\n"
       "are also given to the other engines that were found when tactus was built. Exit status 1: a case fails at the\n"
       "balanced accuracy.\n\n"
-      "Example:\n  tactus experiment hard-cases --svg scores.svg\n  tactus experiment hard-cases --cases 2,102");
+      "--random N --sub-world: a world collapses where a body falls that stands in the direct run and in a\n"
+      "second direct run, of which every body starts up to 1 um aside in each coordinate; a body that falls\n"
+      "beside only one of them falls by chance. A body stands where it ends at rest, within half of its smallest\n"
+      "extent of where it is in the direct run, and turned by less than 0.5 rad against it; bodies that fall\n"
+      "there do not count, and those that stood still from the start are counted apart. Exit status 1: a world\n"
+      "collapses.\n\n"
+      "Example:\n  tactus experiment hard-cases --svg scores.svg\n  tactus experiment hard-cases --cases 2,102\n"
+      "  tactus experiment hard-cases --random 100 --sub-world --page worst.html");
   command->add_option("--cases", options->cases, "numbers, separated by commas; all by default")->delimiter(',');
   command->add_option("--accuracies", options->accuracies, "fast, balanced, accurate; all by default")
       ->delimiter(',')
@@ -101,6 +135,10 @@ void add_hard_cases(CLI::App& experiment, int& exit_code) {
   command->add_option("--svg", options->svg, "plots the scores into this file");
   command->add_option("--random", options->random, "this many random worlds instead of the cases");
   command->add_option("--first", options->first, "seed of the first random world")->capture_default_str();
+  command->add_flag("--sub-world", options->sub_world,
+                    "each random world with a hand for 5 s, by the sub-world (ghosts, ratio 8) beside direct coupling; "
+                    "leaves the ten worst as scene files");
+  command->add_option("--page", options->page, "draws the ten worst into this HTML file; needs python3-matplotlib");
   command->add_flag("--no-peers", options->no_peers, "leaves out the other engines");
   command->add_flag("--json", options->json, "one JSON object on stdout");
   command->callback([options, &exit_code] { exit_code = run_hard_cases(*options); });

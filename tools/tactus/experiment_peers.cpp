@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 struct PeersOptions {
   std::vector<std::string> scenes, peers;
-  std::string precision;
+  std::string precision, csv, page;
   unsigned sub_steps{0}, runs{3};
   bool quick{false}, json{false};
 };
@@ -24,12 +25,22 @@ struct PeersOptions {
 // Accepted words for --peers: a library, both its engines.
 std::vector<std::string> peer_names() {
   std::vector<std::string> names;
-  for (const auto& kind : experiment::engine_kinds()) names.emplace_back(kind.name);
+  for (const auto& kind : experiment::compared_kinds()) names.emplace_back(kind.name);
   return names;
 }
 
 bool asked_for(const experiment::EngineKind& kind, const std::vector<std::string>& peers) {
   return peers.empty() || std::find(peers.begin(), peers.end(), kind.name) != peers.end();
+}
+
+// What a person types to get the same.
+std::string command_of(const PeersOptions& options) {
+  std::string command = fmt::format("tactus experiment peers --runs {}", options.runs);
+  if (!options.scenes.empty()) command += fmt::format(" --scenes {}", fmt::join(options.scenes, ","));
+  if (!options.peers.empty()) command += fmt::format(" --peers {}", fmt::join(options.peers, ","));
+  if (!options.precision.empty()) command += " --precision " + options.precision;
+  if (options.sub_steps > 0) command += fmt::format(" --sub-steps {}", options.sub_steps);
+  return command + (options.quick ? " --quick" : "");
 }
 
 int run_peers(const PeersOptions& options) {
@@ -39,12 +50,12 @@ int run_peers(const PeersOptions& options) {
   request.runs = options.quick ? std::min(2u, options.runs) : options.runs;
   // A quick look leaves the large worlds out, unless they are asked for.
   std::vector<std::string> scenes = options.scenes;
-  if (scenes.empty() && options.quick) scenes = {"pile64", "pile64-stirred", "pile1000"};
+  if (scenes.empty() && options.quick) scenes = {"pile64", "pile64-stirred", "pile1000", "pile1000-stirred"};
   for (const auto& name : experiment::scene_names())
     if (scenes.empty() || std::find(scenes.begin(), scenes.end(), name) != scenes.end())
       request.scenes.push_back(*experiment::make_scene(name, options.quick));
   std::vector<std::string> missing;
-  for (const auto& kind : experiment::engine_kinds()) {
+  for (const auto& kind : experiment::compared_kinds()) {
     if (!asked_for(kind, options.peers)) continue;
     if (kind.available)
       request.engines.push_back(kind);
@@ -57,12 +68,21 @@ int run_peers(const PeersOptions& options) {
         kExitGood);
   if (request.engines.empty()) return kExitMachineCannot;
   const auto rows = experiment::run_peers(request, experiment::terminal_progress());
-  fmt::print("{}\n", options.json ? experiment::peers_json(rows) : experiment::peers_table(rows));
-  int exit_code = kExitGood;
-  for (const auto& row : rows)
-    if (!row.failure.empty())
-      exit_code = complain(fmt::format("tactus experiment peers: {}, {}: {}", row.scene, row.engine, row.failure),
-                           kExitVerdictBad);
+  const std::string json = experiment::peers_json(rows);
+  fmt::print("{}\n", options.json ? json : experiment::peers_table(rows));
+  int exit_code = write_file(options.csv, experiment::peers_csv(rows));
+  for (const auto& row : rows) {
+    const auto bad = [&](const std::string& why) {
+      exit_code =
+          complain(fmt::format("tactus experiment peers: {}, {}: {}", row.scene, row.engine, why), kExitVerdictBad);
+    };
+    if (!row.failure.empty()) bad(row.failure);
+    if (!row.missed_gate.empty() && row.engine == "tactus") bad(row.missed_gate);
+  }
+  if (options.page.empty()) return exit_code;
+  const Status status =
+      experiment::write_page("peers", json, command_of(options) + " --page " + options.page, options.page);
+  if (!status.ok()) return complain("tactus experiment peers: " + status.message(), kExitMachineCannot);
   return exit_code;
 }
 
@@ -73,8 +93,11 @@ void add_peers(CLI::App& experiment, int& exit_code) {
   CLI::App* peers = experiment.add_subcommand("peers", "What a step costs beside other engines, on identical scenes.");
   peers->footer(
       "One core, CPU time, steps of all engines in turns. The peers run at their defaults and tuned; they are Debian\n"
-      "packages found when tactus was built: libbullet-dev, libode-dev. Exit status 1: work was left out by a\n"
-      "capacity, and the row does not count.\n\n"
+      "packages found when tactus was built: libbullet-dev, libode-dev; tuned with fewer and with more iterations "
+      "too.\n"
+      "Stirred scenes have the same kinematic rods in every engine. Overlaps, travel and what left the box are judged\n"
+      "from the poses, alike for all; a row that misses a gate is not compared in time. Exit status 1: work was left\n"
+      "out by a capacity, and the row does not count, or tactus misses a gate.\n\n"
       "Example:\n  tactus experiment peers --quick\n  tactus experiment peers --scenes pile1000 --peers tactus,bullet");
   const auto& names = experiment::scene_names();
   peers->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")
@@ -86,7 +109,7 @@ void add_peers(CLI::App& experiment, int& exit_code) {
   peers
       ->add_option("--precision", options->precision,
                    "of tactus: double, mixed (contacts solved in single precision) or float;\ndefault: as in a run, "
-                   "mixed beyond 256 bodies")
+                   "mixed beyond 256 bodies; of stirred scenes double in place of mixed")
       ->check(CLI::IsMember(experiment::precision_names()));
   peers
       ->add_option(
@@ -97,6 +120,8 @@ void add_peers(CLI::App& experiment, int& exit_code) {
       ->check(CLI::Range(1, 9))
       ->capture_default_str();
   peers->add_flag("--quick", options->quick, "settles 1 s, times a fifth of the steps, two runs, no large worlds");
+  peers->add_option("--csv", options->csv, "writes the table to this file");
+  peers->add_option("--page", options->page, "draws it into this HTML file; needs python3-matplotlib");
   peers->add_flag("--json", options->json, "one JSON object on stdout");
   peers->callback([options, &exit_code] { exit_code = run_peers(*options); });
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -10,6 +11,7 @@
 
 #include "sim/loader/nearest_word.h"
 #include "tools/tactus/commands.h"
+#include "tools/version/version.h"
 
 namespace tactus::tools {
 namespace {
@@ -80,6 +82,7 @@ int run_program(int argc, char** argv) {
       "  tactus scene check sim/scenes/card_house.toml\n\n"
       "Every command has --help and an example of its own. Exit status: 0 good; 1 it ran and the verdict is bad;\n"
       "2 bad usage or input; 3 the machine cannot do it.");
+  program.set_version_flag("--version", version_text, "version, commit, build target and kernel");
   int exit_code = kExitGood;
   add_run_command(program, exit_code);
   add_hil_command(program, exit_code);
@@ -108,6 +111,7 @@ int complain(const std::string& text, int exit_code) {
 }  // namespace tactus::tools
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of that file, and not the end of a run
   try {
     return tactus::tools::run_program(argc, argv);
   } catch (const std::bad_alloc&) {

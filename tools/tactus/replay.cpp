@@ -1,5 +1,6 @@
 // tactus replay TAPE: run a tape again and compare every output, bit by bit.
 #include "tools/session/replay.h"
+#include "tools/json_text.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -29,7 +30,8 @@ int run_replay(const ReplayOptions& options) {
   if (options.json) {
     const nlohmann::ordered_json object{{"tape", options.tape},
                                         {"scene", r.scene_name},
-                                        {"same_bits", r.good()},
+                                        {"good", r.good()},
+                                        {"same_bits", r.same_bits()},
                                         {"ticks", r.ticks},
                                         {"compared_ticks", r.compared},
                                         {"different_ticks", r.different},
@@ -40,17 +42,27 @@ int run_replay(const ReplayOptions& options) {
                                         {"snapshots", r.snapshots},
                                         {"gaps", r.gaps},
                                         {"unreplayable_ticks", r.unreplayable},
+                                        {"damages", r.damages},
+                                        {"lost_ticks", r.lost_ticks},
+                                        {"lost_bytes", r.lost_bytes},
+                                        {"damage", r.damage},
                                         {"warning", r.warning},
                                         {"state_hash", fmt::format("{:016x}", r.state_hash)}};
-    fmt::print("{}\n", object.dump(2));
+    fmt::print("{}\n", json_text(object, 2));
     return r.good() ? kExitGood : kExitVerdictBad;
   }
   if (!r.warning.empty()) fmt::print(stderr, "tactus: warning: {}\n", r.warning);
-  fmt::print("tactus replay: {} ({})\n", options.tape, r.good() ? "the same bits" : "DIFFERENT");
+  const char* verdict = !r.same_bits()   ? r.compared == 0 ? "NOTHING TO COMPARE" : "DIFFERENT"
+                        : r.damages != 0 ? "DAMAGED; the same bits in what can be read"
+                                         : "the same bits";
+  fmt::print("tactus replay: {} ({})\n", options.tape, verdict);
   fmt::print("  ticks                {} on the tape, {} compared, {} different\n", r.ticks, r.compared, r.different);
   fmt::print("  keyframes            {}, {} different; {} snapshots\n", r.keyframes, r.keyframes_different,
              r.snapshots);
   fmt::print("  gaps                 {}; {} ticks before a keyframe could not be replayed\n", r.gaps, r.unreplayable);
+  if (r.damages > 0)
+    fmt::print("  damage               {} places, {} ticks and {} bytes lost there; the first: {}\n", r.damages,
+               r.lost_ticks, r.lost_bytes, r.damage);
   if (r.different > 0) fmt::print("  first difference     tick {}: {}\n", r.first_different_tick, r.first_difference);
   fmt::print("  state hash           {:016x}\n", r.state_hash);
   return r.good() ? kExitGood : kExitVerdictBad;
@@ -63,7 +75,8 @@ CLI::App* add_replay_command(CLI::App& program, int& exit_code) {
   CLI::App* command = program.add_subcommand("replay", "Run a tape again and compare every output, bit by bit.");
   command->footer(
       "The tape holds what the device said, what the global world sent and what the governor chose; the replay\n"
-      "computes every tick anew. Exit status: 0 the same bits; 1 different; 2 no such tape.\n\n"
+      "computes every tick anew. Where a record is damaged, it says what is lost and goes on at the next keyframe.\n"
+      "Exit status: 0 the same bits; 1 different, or a part of the tape is lost; 2 no such tape.\n\n"
       "Example:\n  tactus run sim/scenes/card_house.toml --duration 5 --record my.tape\n  tactus replay my.tape");
   command->add_option("TAPE", options->tape, "what `tactus run --record` wrote")->required();
   command->add_flag("--json", options->json, "one JSON object on stdout");

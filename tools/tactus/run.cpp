@@ -12,12 +12,14 @@
 #include "sim/loader/choice_names.h"
 #include "sim/loader/scene_load.h"
 #include "tools/doctor/system_view.h"
+#include "tools/json_text.h"
 #include "tools/service/run_service.h"
 #include "tools/session/open_link.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/timing/budget.h"
+#include "tools/version/version.h"
 
 namespace tactus::tools {
 namespace {
@@ -50,7 +52,7 @@ Status read_words(RunCommand& command) {
   if (!coupling)
     return unknown("--coupling", w.coupling, "sub-world, direct, interpolation, static, plane, planes, linearised");
   const auto border = sim::parse_border_mode(w.border);
-  if (!border) return unknown("--border", w.border, "ghost, capped, replay, frozen");
+  if (!border) return unknown("--border", w.border, "ghost, capped, replay, filtered, frozen");
   const auto order = sim::parse_cut_order(w.order);
   if (!order) return unknown("--order", w.order, "best-first, breadth-first");
   const auto reach = sim::parse_reach(w.reach);
@@ -66,6 +68,8 @@ Status read_words(RunCommand& command) {
   o.world_cpus = *world_cpus;
   o.coupling = *coupling, o.border = *border, o.order = *order, o.reach = *reach;
   if (o.virtual_time && o.duration_s == 0) o.duration_s = kDefaultVirtual_s;
+  if (o.virtual_time && !command.control.empty())
+    return Status::error("tactus run: --control: a virtual clock waits for nobody; accepted: without --virtual-time");
   const Status status = check_options(o);
   return status.ok() ? status : Status::error("tactus run: " + status.message());
 }
@@ -81,7 +85,7 @@ void show_live(const session::LiveStatus& live, double elapsed_s, std::uint64_t&
     if (((status >> bit) & 1u) != 0 && !name.empty()) notes += fmt::format(" {}", name);
   }
   const auto fault = static_cast<Fault>(live.fault.load(std::memory_order_relaxed));
-  if (fault != Fault::kNone) notes = fmt::format(" FAULT: {} (Enter re-arms)", describe(fault));
+  if (fault != Fault::kNone) notes = fmt::format(" FAULT {} (Enter re-arms)", static_cast<unsigned>(fault));
   fmt::print(
       stderr,
       "\r\033[K{:6.1f} s {:5.0f} Hz  force {:5.2f} N  members {:3}  contacts {:3}  border {:3}  overruns {} |{:.80}",
@@ -114,14 +118,23 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   if (const Status status = session.record(session.options.record.string()); !status.ok()) return status;
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGTERM, ask_to_stop);
+  std::signal(SIGPIPE, SIG_IGN);  // who reads the status lines may go: the device is driven on
   session::RealtimeHooks hooks;
   const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
   std::uint64_t last_ticks = 0;
   double last_s = 0, next_line_s = 0;
+  std::uint64_t faults_told = 0;
   if (service != nullptr) hooks.requests = &service->requests();
   hooks.show = [&](const session::LiveStatus& live, double elapsed_s) {
     if (service != nullptr) service->look(live, elapsed_s);
     if (logged) return true;
+    // Whole, on a line of its own, where it latches: the status line has room for its number.
+    const std::uint64_t faults = live.fault_count.load(std::memory_order_relaxed);
+    const std::string fault = fault_line(live);
+    if (!fault.empty() && faults > faults_told) {
+      fmt::print(stderr, "{}tactus run: FAULT at {:.1f} s: {}\n", terminal ? "\r\033[K" : "", elapsed_s, fault);
+      faults_told = faults;
+    }
     // On a terminal the line moves; in a log it comes every two seconds.
     if (terminal || (!json && elapsed_s >= next_line_s)) {
       show_live(live, elapsed_s, last_ticks, last_s);
@@ -131,6 +144,10 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
     return true;
   };
   hooks.asked = asked_on_keyboard;
+  hooks.say = [&](const std::string& line) {
+    if (service != nullptr) service->say(line);
+    if (!logged) fmt::print(stderr, "{}tactus run: {}\n", terminal ? "\r\033[K" : "", line);
+  };
   auto summary = session::run_realtime(session, hooks, g_stop);
   if (terminal) fmt::print(stderr, "\r\033[K");
   return summary;
@@ -225,10 +242,13 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   auto summary = command.options.virtual_time ? run_in_virtual_time(*session.value())
                                               : run_in_real_time(*session.value(), command);
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
-  if (command.json)
-    fmt::print("{}\n", to_json(summary.value()).dump(2));
-  else
+  if (command.json) {
+    auto object = to_json(summary.value());
+    object["version"] = version();
+    fmt::print("{}\n", json_text(object, 2));
+  } else {
     fmt::print("{}", to_text(summary.value()));
+  }
   // A service that was told to stop has ended well, whatever it has seen: its log says that.
   if (!command.config.empty() && g_stop.load(std::memory_order_relaxed)) return kExitGood;
   return summary.value().exit_code();
@@ -252,7 +272,8 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_flag("--keep-gains", o.keep_gains,
                "the scene's gains or none: refuse them, with the limit, where the coupling is\n"
                "not stable with them");
-  app.add_option("--border", command.words.border, "of the sub-world: ghost, capped, replay (the paper's) or frozen")
+  app.add_option("--border", command.words.border,
+                 "of the sub-world: ghost, capped, replay (the paper's), filtered or frozen")
       ->capture_default_str();
   app.add_option("--order", command.words.order, "in which the contact graph is cut: best-first or breadth-first")
       ->capture_default_str();

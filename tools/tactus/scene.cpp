@@ -9,6 +9,7 @@
 #include "sim/loader/scene_load.h"
 #include "sim/loader/scene_report.h"
 #include "tools/experiment/effects.h"
+#include "tools/json_text.h"
 #include "tools/session/verdict.h"
 #include "tools/tactus/commands.h"
 
@@ -49,7 +50,8 @@ ordered_json to_json(const sim::SceneReport& r) {
                        {"declared", e.declared},
                        {"used", e.used},
                        {"cost", e.cost},
-                       {"measured_us_per_tick", e.tick_us > 0 ? ordered_json(e.added_us) : ordered_json(nullptr)}});
+                       {"measured_us_per_tick", e.is_measured() ? ordered_json(e.added_us) : ordered_json(nullptr)},
+                       {"measured_spread_us", e.tick_us > 0 ? ordered_json(e.spread_us) : ordered_json(nullptr)}});
   for (const auto& p : r.generated)
     parts.push_back({{"kind", p.kind},
                      {"first_id", p.first},
@@ -124,7 +126,7 @@ int check_scene(const CheckOptions& options) {
                       {"mistakes", to_json(diagnostics.mistakes)},
                       {"warnings", to_json(diagnostics.warnings)}};
   if (!scene.ok()) {
-    if (options.json) fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    if (options.json) fmt::print("{}\n", json_text(object, 2));
     fmt::print(stderr, "tactus: {}\n", scene.message());
     return kExitBadInput;
   }
@@ -132,7 +134,8 @@ int check_scene(const CheckOptions& options) {
   auto report = sim::report_on(scene.value(), device_of(scene.value(), tick_s), tick_s);
   for (const auto& time : experiment::time_effects(scene.value()))
     for (auto& effect : report.effects)
-      if (effect.name == time.effect) effect.added_us = time.added_us, effect.tick_us = time.tick_us;
+      if (effect.name == time.effect)
+        effect.added_us = time.added_us, effect.spread_us = time.spread_us, effect.tick_us = time.tick_us;
   if (!diagnostics.warnings.empty()) fmt::print(stderr, "{}\n", diagnostics.warning_message());
   const session::Verdict verdict = session::judge(report);
   if (options.json) {
@@ -142,7 +145,7 @@ int check_scene(const CheckOptions& options) {
     object["verdict"] = name_of(verdict.level());
     object["rules"] = session::to_json(verdict);
     object["report"] = to_json(report);
-    fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", json_text(object, 2));
   } else {
     fmt::print("{}verdict: {}\n", sim::to_text(report), name_of(verdict.level()));
   }

@@ -46,6 +46,7 @@ class Books {
   void finish();
 
   const Settings& settings() const { return settings_; }
+  bool late(const loop::TickTimes& tick) const { return tick.wrote_ns > tick.scheduled_ns + settings_.period_ns; }
   Typical typical() const;
 
   std::array<Histogram, kStages> stages;
@@ -66,7 +67,6 @@ class Books {
   std::deque<loop::TickTimes> recent;
 
  private:
-  bool late(const loop::TickTimes& tick) const { return tick.wrote_ns > tick.scheduled_ns + settings_.period_ns; }
   void note_spike(const loop::TickTimes& tick);
   void judge_until(std::int64_t known_ns);
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/base/hash.h"
+#include "tools/json_text.h"
 
 namespace tactus::timing {
 namespace {
@@ -35,7 +36,7 @@ std::string cpu_model() {
 
 std::string seal_of(const ordered_json& unsealed) {
   Fnv1a hash;
-  hash.add_text(unsealed.dump());
+  hash.add_text(json_text(unsealed));
   return fmt::format("{:016x}", hash.value());
 }
 
@@ -104,7 +105,7 @@ std::string budget_text(const TimingResult& r, const Machine& machine) {
                  {"computing_histogram_upper_ns_count", buckets_json(r.books.compute)}};
   for (const auto& step : r.summary.setup.steps) j["setup"][step.name] = step.ok;
   j["seal"] = seal_of(j);
-  return j.dump(1) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 Result<Budget> read_budget(const std::string& text, const std::string& name) {

@@ -31,8 +31,10 @@ OverrunCause largest_part(const TickTimes& t, const Typical& typical) {
   return work >= unexplained ? OverrunCause::kOwnWork : OverrunCause::kInterrupted;
 }
 
+bool is_overrun(const TickTimes& t, std::int64_t period_ns) { return t.wrote_ns > t.scheduled_ns + period_ns; }
+
 OverrunCause first_answer(const TickTimes& t, std::int64_t period_ns, const Typical& typical) {
-  if (t.wrote_ns <= t.scheduled_ns + period_ns) return largest_part(t, typical);
+  if (!is_overrun(t, period_ns)) return largest_part(t, typical);
   return loop::classify_overrun(static_cast<double>(t.woke_ns - t.scheduled_ns), static_cast<double>(t.cpu_ns),
                                 static_cast<double>(t.foreseen_ns), static_cast<double>(period_ns));
 }
@@ -96,14 +98,14 @@ Cause what_interrupted(const TickTimes& t, std::int64_t off_core_ns, std::int64_
 }  // namespace
 
 const char* name_of(Cause cause) {
-  constexpr std::array<const char*, kCauses> names{"late wake-up", "page fault", "context switch",
-                                                   "interrupt",    "own work",   "the machine, inferred"};
+  constexpr std::array<const char*, kCauses + 1> names{
+      "late wake-up", "page fault", "context switch", "interrupt", "own work", "the machine, inferred", "computing"};
   return names[static_cast<std::size_t>(cause)];
 }
 
 const char* key_of(Cause cause) {
-  constexpr std::array<const char*, kCauses> keys{"late_wake_up", "page_fault", "context_switch",
-                                                  "interrupt",    "own_work",   "machine_inferred"};
+  constexpr std::array<const char*, kCauses + 1> keys{"late_wake_up", "page_fault",       "context_switch", "interrupt",
+                                                      "own_work",     "machine_inferred", "computing"};
   return keys[static_cast<std::size_t>(cause)];
 }
 
@@ -117,8 +119,9 @@ Attribution attribute(const TickTimes& t, std::int64_t period_ns, const Typical&
                                        us(t.cpu_ns), us(t.foreseen_ns));
   switch (first_answer(t, period_ns, typical)) {
     case OverrunCause::kOwnWork:
-      return {Cause::kOwnWork, fmt::format("{}: {} members, {} contacts, {} border contacts, {} sub-steps", took,
-                                           t.members, t.contacts, t.border, t.sub_steps)};
+      return {is_overrun(t, period_ns) ? Cause::kOwnWork : Cause::kComputing,
+              fmt::format("{}: {} members, {} contacts, {} border contacts, {} sub-steps", took, t.members, t.contacts,
+                          t.border, t.sub_steps)};
     case OverrunCause::kLateWake: {
       std::string text =
           fmt::format("woke {:.0f} us late, typically {:.0f}", us(t.woke_ns - t.scheduled_ns), us(typical.wake_ns));

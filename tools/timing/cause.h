@@ -24,8 +24,9 @@ enum class Cause : std::uint32_t {
   kInterrupt = 3,
   kOwnWork = 4,
   kMachine = 5,
+  kComputing = 6,  // of a tick in time alone: computing is what took longest; an overrun's would be own work
 };
-inline constexpr std::uint32_t kCauses = 6;
+inline constexpr std::uint32_t kCauses = 6;  // of overruns
 
 const char* name_of(Cause cause);  // for people
 const char* key_of(Cause cause);   // for JSON

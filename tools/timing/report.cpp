@@ -77,9 +77,9 @@ std::string overruns_text(const TimingResult& r) {
                       b.minor_faults + b.major_faults, b.involuntary_switches);
   text += "latest ticks, overruns or not\n";
   for (const Spike& s : b.spikes)
-    text += fmt::format("  tick {:>9}  done {:>7.0f} us after its deadline's start: {} ({})\n", s.times.tick,
+    text += fmt::format("  tick {:>9}  done {:>7.0f} us after its period's start, {}: {} ({})\n", s.times.tick,
                         static_cast<double>(s.times.wrote_ns - s.times.scheduled_ns) * 1e-3,
-                        name_of(s.attribution.cause), s.attribution.evidence);
+                        b.late(s.times) ? "OVERRUN" : "in time", name_of(s.attribution.cause), s.attribution.evidence);
   return text;
 }
 
@@ -173,6 +173,7 @@ ordered_json to_json(const TimingResult& r) {
   for (const Spike& s : b.spikes)
     j["spikes"].push_back({{"tick", s.times.tick},
                            {"done_us", static_cast<double>(s.times.wrote_ns - s.times.scheduled_ns) * 1e-3},
+                           {"overrun", b.late(s.times)},
                            {"cause", key_of(s.attribution.cause)},
                            {"evidence", s.attribution.evidence}});
   j["setup"] = ordered_json::array();

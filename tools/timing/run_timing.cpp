@@ -10,6 +10,7 @@
 
 #include "rt/base/clock.h"
 #include "sim/loader/scene_load.h"
+#include "tools/caught.h"
 #include "tools/timing/capacity_scene.h"
 #include "tools/timing/cyclictest.h"
 #include "tools/timing/os_noise.h"
@@ -41,7 +42,9 @@ class Watcher {
  public:
   // `noise` may be null.
   Watcher(const TimingOptions& options, loop::TickProbe& probe, OsNoise* noise, TimingResult& result)
-      : options_(options), probe_(probe), noise_(noise), result_(result), thread_([this] { watch(); }) {}
+      : options_(options), probe_(probe), noise_(noise), result_(result), thread_([this] {
+          if (const Status thrown = caught([this] { watch(); }); !thrown.ok()) status_ = thrown;
+        }) {}
   ~Watcher() { stop(); }
 
   void stop() {

@@ -5,6 +5,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "tools/json_text.h"
+
 namespace tactus::timing {
 namespace {
 
@@ -70,7 +72,7 @@ std::string trace_json(const Books& books) {
                       {"pid", kProcess},
                       {"tid", kHapticThread},
                       {"args", {{"tick", spike.times.tick}, {"evidence", spike.attribution.evidence}}}});
-  return ordered_json{{"displayTimeUnit", "ns"}, {"traceEvents", events}}.dump();
+  return json_text(ordered_json{{"displayTimeUnit", "ns"}, {"traceEvents", events}});
 }
 
 }  // namespace tactus::timing

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/json_text.h"
 #include "tools/tune/tune.h"
 
 namespace tactus::tune {
@@ -81,9 +82,9 @@ std::string tune_text(const TuneReport& r) {
       "\nin real time, {:.0f} s{}: tick p50 {:.0f}, p99 {:.0f}, max {:.0f} us; {} lost to own work; {:.2f} % with "
       "fewer "
       "sub-steps,\n{:.2f} % of the cycles with fewer members, {:.2f} % late: {}\n",
-      real.duration_s, real.degraded ? ", without real-time privileges" : "", real.tick_us_p50, real.tick_us_p99,
-      real.tick_us_max, real.lost, 100 * real.reduced_share, 100 * real.restrained_share, 100 * real.late_share,
-      real.holds() ? "it holds" : "IT DOES NOT HOLD");
+      real.duration_s, real.degraded ? ", degraded: the set-up is not as asked for" : "", real.tick_us_p50,
+      real.tick_us_p99, real.tick_us_max, real.lost, 100 * real.reduced_share, 100 * real.restrained_share,
+      100 * real.late_share, real.holds() ? "it holds" : "IT DOES NOT HOLD");
   text += fmt::format("\n{}\n\nand in the scene, where sub-steps and relax sweeps are set:\n\n{}", command_of(r),
                       snippet_of(r));
   if (!r.further.empty()) text += "\nOne step further:\n";
@@ -99,34 +100,34 @@ std::string tune_json(const TuneReport& r) {
     one["fits"] = step.fits, one["sentence"] = sentence_of(step, r.chosen, r.limits);
     further.push_back(one);
   }
-  return ordered_json{{"scene", r.scene},
-                      {"bodies", r.bodies},
-                      {"windows", r.windows},
-                      {"trials", r.trials},
-                      {"core_factor", r.core_factor},
-                      {"limits",
-                       {{"tick_us", r.limits.tick_us},
-                        {"global_us_per_tick", r.limits.global_us},
-                        {"members", r.limits.members},
-                        {"sub_steps", r.limits.sub_steps}}},
-                      {"written", to_json(r.written)},
-                      {"chosen", to_json(r.chosen)},
-                      {"fits", r.fits},
-                      {"real",
-                       {{"duration_s", r.real.duration_s},
-                        {"tick_us_p50", r.real.tick_us_p50},
-                        {"tick_us_p99", r.real.tick_us_p99},
-                        {"tick_us_max", r.real.tick_us_max},
-                        {"lost_to_own_work", r.real.lost},
-                        {"reduced_share", r.real.reduced_share},
-                        {"restrained_share", r.real.restrained_share},
-                        {"late_share", r.real.late_share},
-                        {"degraded", r.real.degraded},
-                        {"holds", r.real.holds()}}},
-                      {"command", command_of(r)},
-                      {"snippet", snippet_of(r)},
-                      {"further", further}}
-      .dump(2);
+  return json_text(ordered_json{{"scene", r.scene},
+                                {"bodies", r.bodies},
+                                {"windows", r.windows},
+                                {"trials", r.trials},
+                                {"core_factor", r.core_factor},
+                                {"limits",
+                                 {{"tick_us", r.limits.tick_us},
+                                  {"global_us_per_tick", r.limits.global_us},
+                                  {"members", r.limits.members},
+                                  {"sub_steps", r.limits.sub_steps}}},
+                                {"written", to_json(r.written)},
+                                {"chosen", to_json(r.chosen)},
+                                {"fits", r.fits},
+                                {"real",
+                                 {{"duration_s", r.real.duration_s},
+                                  {"tick_us_p50", r.real.tick_us_p50},
+                                  {"tick_us_p99", r.real.tick_us_p99},
+                                  {"tick_us_max", r.real.tick_us_max},
+                                  {"lost_to_own_work", r.real.lost},
+                                  {"reduced_share", r.real.reduced_share},
+                                  {"restrained_share", r.real.restrained_share},
+                                  {"late_share", r.real.late_share},
+                                  {"degraded", r.real.degraded},
+                                  {"holds", r.real.holds()}}},
+                                {"command", command_of(r)},
+                                {"snippet", snippet_of(r)},
+                                {"further", further}},
+                   2);
 }
 
 }  // namespace tactus::tune

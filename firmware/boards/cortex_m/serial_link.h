@@ -55,6 +55,7 @@ template <SerialPort Port>
 class SerialLink {
  public:
   static constexpr std::size_t kRingSize = 256;
+  static constexpr unsigned kWaitingCommands = 8;  // more than a ring holds; of more the newest
 
   explicit constexpr SerialLink(Port& port) noexcept : port_(port) {}
 
@@ -65,9 +66,14 @@ class SerialLink {
 
   std::size_t receive_command(std::span<std::byte, kMaxFrameSize> buffer) noexcept {
     take_received();
-    std::copy_n(command_.begin(), command_size_, buffer.begin());
-    const std::size_t size = command_size_;
-    command_size_ = 0;
+    if (waiting_ > 0) {
+      const auto& command = commands_[(next_free_ + kWaitingCommands - waiting_--) % kWaitingCommands];
+      std::copy(command.begin(), command.end(), buffer.begin());
+      return command.size();
+    }
+    std::copy_n(other_.begin(), other_size_, buffer.begin());
+    const std::size_t size = other_size_;
+    other_size_ = 0;
     return size;
   }
   bool receive_service(ServiceMessage& message) noexcept {
@@ -95,8 +101,8 @@ class SerialLink {
     for (std::size_t left = incoming_.size(); left > 0 && incoming_.pop(b); --left)
       if (reader_.accept(b)) sort(reader_.frame());
   }
-  // What has the size of a request is judged here, anything else by the controller, which counts what it refuses. A
-  // host asks one question at a time; of two the second is answered.
+  // What has the size of a request is judged here, anything else by the controller, which counts what it refuses; of
+  // what has not a command's size either, the last. A host asks one question at a time; of two the second is answered.
   void sort(std::span<const std::byte> frame) noexcept {
     if (frame.size() == kServiceFrameSize) {
       if (decode_service(frame, ServiceDirection::kRequest, request_) == DecodeError::kNone)
@@ -105,8 +111,14 @@ class SerialLink {
         ++requests_refused_;
       return;
     }
-    std::copy(frame.begin(), frame.end(), command_.begin());
-    command_size_ = frame.size();
+    if (frame.size() == kCommandFrameSize) {
+      std::copy(frame.begin(), frame.end(), commands_[next_free_].begin());
+      next_free_ = (next_free_ + 1) % kWaitingCommands;
+      if (waiting_ < kWaitingCommands) ++waiting_;
+      return;
+    }
+    std::copy(frame.begin(), frame.end(), other_.begin());
+    other_size_ = frame.size();
   }
   void send(std::span<const std::byte> frame) noexcept {
     std::array<std::byte, kMaxStuffedSize> stuffed;
@@ -123,8 +135,10 @@ class SerialLink {
   ByteRing<kRingSize> incoming_, outgoing_;
   std::atomic<std::uint32_t> overflow_{0};
   FrameReader reader_;
-  std::array<std::byte, kMaxFrameSize> command_{};
-  std::size_t command_size_{0};
+  std::array<std::array<std::byte, kCommandFrameSize>, kWaitingCommands> commands_{};
+  unsigned next_free_{0}, waiting_{0};
+  std::array<std::byte, kMaxFrameSize> other_{};
+  std::size_t other_size_{0};
   ServiceMessage request_;
   bool asked_{false};
   std::uint32_t not_sent_{0}, requests_refused_{0};

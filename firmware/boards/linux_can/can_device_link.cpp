@@ -20,58 +20,71 @@ CanOpenError CanDeviceLink::open(const CanDeviceOptions& options) noexcept {
 }
 
 std::size_t CanDeviceLink::receive_command(std::span<std::byte, kMaxFrameSize> buffer) noexcept {
-  drain();
-  const std::size_t size = command_size_;
-  std::copy_n(command_.begin(), size, buffer.begin());
-  command_size_ = 0;
-  return size;
-}
-
-void CanDeviceLink::drain() noexcept {
-  assembler_.look();
-  const std::uint32_t lost_before = socket_.lost();
-  for (unsigned batch = 0; batch < CanSocket::kQueuedFrames / CanSocket::kBatch; ++batch) {
-    int error = 0;
-    const unsigned count = socket_.receive(error);
-    if (error == ENETDOWN) {
-      ++counters_.interface_down;
-      bus_off_ = false;  // the controller starts afresh with the interface
-      bus_errors_.transmit = bus_errors_.receive = 0;
+  if (batches_ == 0) assembler_.look();
+  for (;;) {
+    while (next_in_batch_ < batch_size_) {
+      const std::size_t size = take(socket_.frame(next_in_batch_++), buffer);
+      if (size == 0) continue;
+      if (command_seen_) ++counters_.superseded;
+      command_seen_ = true;
+      return size;
     }
-    for (unsigned i = 0; i < count; ++i) take(socket_.frame(i));
-    if (count < CanSocket::kBatch) break;
+    if (!read_batch()) break;
   }
-  if (socket_.lost() == lost_before) return;
-  counters_.lost += socket_.lost() - lost_before;
-  assembler_.forget();
+  if (lost_) assembler_.forget();
+  batches_ = batch_size_ = next_in_batch_ = 0;
+  command_seen_ = lost_ = false;
+  return 0;
 }
 
-void CanDeviceLink::take(const CanReceived& frame) noexcept {
-  if (frame.error) return take_error(frame);
+// False: there are no more frames in this period.
+bool CanDeviceLink::read_batch() noexcept {
+  const bool last_was_full = batches_ == 0 || batch_size_ == CanSocket::kBatch;
+  if (!last_was_full || batches_ == CanSocket::kQueuedFrames / CanSocket::kBatch) return false;
+  ++batches_;
+  next_in_batch_ = 0;
+  const std::uint32_t lost_before = socket_.lost();
+  int error = 0;
+  batch_size_ = socket_.receive(error);
+  if (error == ENETDOWN) {
+    ++counters_.interface_down;
+    bus_off_ = false;  // the controller starts afresh with the interface
+    bus_errors_.transmit = bus_errors_.receive = 0;
+  }
+  if (socket_.lost() != lost_before) {
+    counters_.lost += socket_.lost() - lost_before;
+    lost_ = true;
+  }
+  return true;
+}
+
+std::size_t CanDeviceLink::take(const CanReceived& frame, std::span<std::byte, kMaxFrameSize> command) noexcept {
+  if (frame.error) {
+    take_error(frame);
+    return 0;
+  }
   bus_off_ = false;
-  if (can_function(frame.id) == CanFunction::kServiceRequest) return take_request(frame);
-  take_command(frame);
+  if (can_function(frame.id) != CanFunction::kServiceRequest) return take_command(frame, command);
+  take_request(frame);
+  return 0;
 }
 
-void CanDeviceLink::take_command(const CanReceived& frame) noexcept {
-  std::size_t size = 0;
+std::size_t CanDeviceLink::take_command(const CanReceived& frame,
+                                        std::span<std::byte, kMaxFrameSize> command) noexcept {
   if (options_.fd) {
     const auto bytes = unpad_fd(frame.data, kFdCommandSize, kCommandFrameSize);
     if (!frame.fd || bytes.empty() || can_function(frame.id) != CanFunction::kCommand0) {
       ++counters_.malformed;
-      return;
+      return 0;
     }
-    std::copy(bytes.begin(), bytes.end(), command_.begin());
-    size = bytes.size();
+    std::copy(bytes.begin(), bytes.end(), command.begin());
   } else {
-    CommandFrame command;
-    if (frame.fd || !assembler_.accept(can_function(frame.id), frame.data, command)) return;
-    encode_command(command, std::span(command_).first<kCommandFrameSize>());
-    size = kCommandFrameSize;
+    CommandFrame whole;
+    if (frame.fd || !assembler_.accept(can_function(frame.id), frame.data, whole)) return 0;
+    encode_command(whole, command.first<kCommandFrameSize>());
   }
   ++counters_.commands;
-  if (command_size_ > 0) ++counters_.superseded;
-  command_size_ = size;
+  return kCommandFrameSize;
 }
 
 void CanDeviceLink::take_request(const CanReceived& frame) noexcept {

@@ -1,9 +1,10 @@
 // The device's end of a CAN link on a Linux board: firmware::DeviceLink over SocketCAN, classic or FD.
 //
-// Thread: open() [setup]; the rest [rt], the control period's: no wait, no allocation. Bound: receive_command() reads
-// at most CanSocket::kQueuedFrames frames; of service requests kWaitingRequests wait, more are dropped and counted.
-// Beyond the bounds, and when things fail: while the controller is bus-off nothing is sent (state frames are counted as
-// failed, the device's watchdog counts the missing commands as ever); it goes on when the kernel reports the restart
+// Thread: open() [setup]; the rest [rt], the control period's: no wait, no allocation. Bound: of frames
+// receive_command() reads at most CanSocket::kQueuedFrames until it says that there are no more; of service requests
+// kWaitingRequests wait, more are dropped and counted. Beyond the bounds, and when things fail: while the controller is
+// bus-off nothing is sent (state frames are counted as failed, the device's watchdog counts the missing commands as
+// ever); it goes on when the kernel reports the restart
 // (`ip link set can0 type can restart-ms 100` makes it by itself) or when any frame comes.
 #pragma once
 
@@ -22,7 +23,7 @@ struct CanDeviceOptions {
 
 struct CanDeviceCounters {
   std::uint64_t commands{0};     // whole ones
-  std::uint64_t superseded{0};   // whole, replaced by a newer one in the same period
+  std::uint64_t superseded{0};   // whole, beside another one of the same period
   std::uint64_t incomplete{0};   // commands of which a fragment never came
   std::uint64_t malformed{0};    // on our identifiers, no frames of ours
   std::uint64_t lost{0};         // for want of room: by the kernel, by the controller (once each time), requests
@@ -47,9 +48,10 @@ class CanDeviceLink {
   BusErrors bus_errors() const noexcept { return bus_errors_; }
 
  private:
-  void drain() noexcept;
-  void take(const CanReceived& frame) noexcept;
-  void take_command(const CanReceived& frame) noexcept;
+  bool read_batch() noexcept;
+  // The size of the command that the frame completes, in `command`; 0: none.
+  std::size_t take(const CanReceived& frame, std::span<std::byte, kMaxFrameSize> command) noexcept;
+  std::size_t take_command(const CanReceived& frame, std::span<std::byte, kMaxFrameSize> command) noexcept;
   void take_request(const CanReceived& frame) noexcept;
   void take_error(const CanReceived& frame) noexcept;
   bool send_fragments(const StateFrame& frame) noexcept;
@@ -58,8 +60,8 @@ class CanDeviceLink {
   CanSocket socket_;
   StateSplitter splitter_;
   CommandAssembler assembler_;
-  std::array<std::byte, kMaxFrameSize> command_{};
-  std::size_t command_size_{0};  // 0: none since the last look
+  unsigned batches_{0}, batch_size_{0}, next_in_batch_{0};  // of this period
+  bool command_seen_{false}, lost_{false};                  // in this period
   std::array<ServiceMessage, kWaitingRequests> requests_{};
   std::size_t first_request_{0}, waiting_requests_{0};
   bool bus_off_{false};

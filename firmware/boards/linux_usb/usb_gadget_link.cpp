@@ -83,6 +83,12 @@ void UsbGadgetLink::note_error(int error) noexcept {
   if (error != EINTR && error != ESHUTDOWN) sleep_us(1000);  // whatever it is, no busy loop at real-time priority
 }
 
+// FunctionFS halts an endpoint that is used the wrong way around.
+void UsbGadgetLink::halt(bool states) noexcept {
+  std::byte nothing{};
+  [[maybe_unused]] const ssize_t halted = states ? read(state_file_, &nothing, 1) : write(command_file_, &nothing, 1);
+}
+
 void UsbGadgetLink::read_commands() noexcept {
   std::array<std::byte, kUsbPacketSize> packet;
   while (!reader_.stopping()) {

@@ -3,12 +3,12 @@
 //
 // A read or write of a FunctionFS endpoint blocks until the host has asked, poll() does not work on endpoints, and what
 // asynchronous I/O has read is copied by a kernel worker of normal priority, which a busy board may hold up for long.
-// So each endpoint has a thread of its own that blocks in plain calls at real-time priority, and mailboxes of the
-// newest frame lie between them and the control period. A third thread answers endpoint 0: it hands a service request
-// to the control period and keeps the reply until the host fetches it. Thread: open(), close(), plug(), unplug()
-// [setup]; the four of DeviceLink [rt], the control period's alone: one atomic exchange and a copy each, send_state
-// also wakes the writer; counters() [any]. Bound: one service request at a time; one that is not answered within 200 ms
-// is given up.
+// So each endpoint has a thread of its own that blocks in plain calls at real-time priority, and a queue of
+// commands and a mailbox of the newest state lie between them and the control period. A third thread answers endpoint
+// 0: it hands a service request to the control period and keeps the reply until the host fetches it. Thread: open(),
+// close(), plug(), unplug() [setup]; the four of DeviceLink [rt], the control period's alone: one atomic exchange and a
+// copy each, send_state also wakes the writer; counters() [any]. Bound: one service request at a time; one that is not
+// answered within 200 ms is given up.
 #pragma once
 
 #include <atomic>
@@ -27,7 +27,7 @@ namespace tactus::firmware {
 // Since open().
 struct GadgetCounters {
   std::uint64_t commands_received{0};
-  std::uint64_t commands_superseded{0};  // replaced by a newer one before the control period looked
+  std::uint64_t commands_superseded{0};  // came before the control period had taken the one before
   std::uint64_t states_sent{0};          // fetched by the host
   std::uint64_t states_superseded{0};    // replaced by a newer one before the host fetched them
   std::uint64_t transfer_errors{0};      // transfers that ended with an error while the host had us configured
@@ -50,6 +50,9 @@ class UsbGadgetLink {
   // As if the cable were put in and pulled out; for tests.
   std::string plug() { return gadget_.bind(); }
   void unplug() noexcept { gadget_.unbind(); }
+  // Halts the endpoint of the states or of the commands until the host clears it; for tests. Waits for the end of the
+  // transfer that is under way, so not while no host uses the endpoint.
+  void halt(bool states) noexcept;
 
   bool configured() const noexcept { return configured_.load(std::memory_order_relaxed); }  // by the host
   bool realtime() const noexcept { return reader_.realtime() && writer_.realtime() && control_.realtime(); }
@@ -83,7 +86,8 @@ class UsbGadgetLink {
 
   UsbGadget gadget_;
   int control_file_{-1}, state_file_{-1}, command_file_{-1};
-  Mailbox commands_, states_;
+  CommandQueue commands_;
+  Mailbox states_;
   std::atomic<std::uint32_t> states_written_{0};  // the writer sleeps on it
   std::atomic<Service> service_state_{Service::kFree};
   ServiceMessage service_;

@@ -19,9 +19,20 @@ enum class BorderMode : std::uint32_t {
   kReplay = 2,  // the impulse itself, every sub-step (the paper)
   kFrozen = 3,  // unilateral contact against a neighbour at rest, impulse unlimited
   kGhost = 4,   // a contact like an inner one, friction included, against a ghost that answers to it (border_ghost.h)
+  // Replay behind a passivity filter: while the border has put into the members what its budget holds, the impulse of a
+  // contact is limited, sub-step by sub-step, to what does no work on its member, and the friction point pulls nothing
+  // back. The paper filters "to avoid energy gain" and does not say how: this is our filling-in,
+  // after the time-domain passivity control of Hannaford and Ryu (2002), with the tank for its energy observer.
+  kFiltered = 5,
 };
 
-inline constexpr std::uint32_t kNoGhost = 0xffffffffu;
+constexpr bool replays(BorderMode mode) noexcept {
+  return mode == BorderMode::kReplay || mode == BorderMode::kFiltered;
+}
+// What it puts into members is bounded by an energy budget.
+constexpr bool has_budget(BorderMode mode) noexcept {
+  return mode == BorderMode::kGhost || mode == BorderMode::kFiltered;
+}
 
 template <class T>
 struct BorderContact {

@@ -5,6 +5,9 @@
 // ground has none and the first of a row the row's. Frame: world. Units: SI. Thread: the owner of the World.
 #pragma once
 
+#include <algorithm>
+#include <span>
+
 #include "rt/base/ids.h"
 #include "rt/base/spatial.h"
 
@@ -34,5 +37,26 @@ struct BorderGhost {
   Admittance<T> admittance;  // of the centre
   Wrench<T> total_impulse;   // N s, N m s about the centre: by the members, over the cycle
 };
+
+// A ghost within a step.
+template <class T>
+struct GhostState {
+  BodyId outside{kNoBody};
+  Twist<T> velocity, before;  // now; before the warm start
+  Twist<T> drive;
+  Vec3<T> moved, turned;  // m, rad, since the start of the step
+  Wrench<T> impulse;      // N s, N m s, over the step
+  Admittance<T> admittance;
+};
+
+inline constexpr std::uint32_t kNoGhost = 0xffffffffu;
+
+// The index of the ghost of that body, among ghosts by id; kNoGhost: there is none.
+template <class Ghost>
+std::uint32_t find_ghost(std::span<Ghost> ghosts, BodyId outside) noexcept {
+  const auto at = std::lower_bound(ghosts.begin(), ghosts.end(), outside,
+                                   [](const Ghost& ghost, BodyId id) { return ghost.outside < id; });
+  return at != ghosts.end() && at->outside == outside ? static_cast<std::uint32_t>(at - ghosts.begin()) : kNoGhost;
+}
 
 }  // namespace tactus::physics

@@ -23,11 +23,13 @@ class BorderSolver {
   explicit BorderSolver(std::uint32_t border_contacts)  // [setup]
       : rows_(border_contacts), pairs_(border_contacts), ghosts_(border_contacts) {}
 
-  // `may_give`: false: ghosts do no work on members; to them they are at rest, unless they draw back.
+  // `budget_J`: what the border may put into members in the step; below 0, what it must take first. While nothing is
+  // left of it, sub-step by sub-step, it only takes: to members ghosts do not approach, and their friction, or what is
+  // replayed, is limited to what does no work on the member.
   // `bodies`: by slot, ascending ids. A contact whose member is not there exerts nothing.
   void prepare(std::span<BorderContact<T>> contacts, std::span<const BorderGhost<T>> ghosts, BorderMode mode,
                std::span<const Body<T>> bodies, SolverBodies<T> solver_bodies, T h, T impulse_scale, bool friction,
-               bool may_give) noexcept;
+               T budget_J) noexcept;
   void begin_sub_step(std::uint32_t j, SolverBodies<T> bodies) noexcept;  // before anything moves: books
   void apply_replay(SolverBodies<T> bodies) noexcept;
   void warm_start(SolverBodies<T> bodies) noexcept;
@@ -38,6 +40,8 @@ class BorderSolver {
   // `share` as for contacts.
   void store(std::span<BorderContact<T>> contacts, std::span<BorderGhost<T>> ghosts, T dt, T share) const noexcept;
   void keep_impulses(std::span<BorderContact<T>> contacts) const noexcept { store_impulses(contacts, T(1)); }
+  // From prepare to store: joints act on them, too. In the order of the world's; none without the ghost border.
+  std::span<GhostState<T>> ghosts() noexcept { return ghosts_.span(); }
 
  private:
   struct Row {
@@ -51,11 +55,12 @@ class BorderSolver {
     T cap{}, friction{};         // N s; -
     T normal_mass{}, tangent_mass{};
     // Against a ghost: which, the point from its centre [m], what a unit impulse on the member along n, t1, t2 does to
-    // it, and A' / A of the normal.
+    // it, A' / A of the normal, and the member's part of A.
     std::uint32_t ghost{kNoGhost};
     Vec3<T> ghost_r;
     Twist<T> ghost_answer[3];
-    T own_share{1};
+    T own_share{1}, member_share{};
+    bool slow{false};
     T normal_impulse{}, tangent_impulse[2]{};
     T demand[2]{}, step_demand[2]{};  // N s: what the rows would have taken without the disk; sum of the step
     T gap{};                          // m, at the start of the step
@@ -73,14 +78,6 @@ class BorderSolver {
     T cap{}, sum{};  // N s per sub-step: allowed, applied
   };
 
-  // A ghost within the step.
-  struct Ghost {
-    Twist<T> velocity, before;  // now; before the warm start
-    Twist<T> drive;
-    Vec3<T> moved, turned;  // m, rad, since the start of the step
-    Wrench<T> impulse;      // N s, N m s, over the step
-  };
-
   void meet_ghost(Row& row, const BorderContact<T>& contact, const BorderGhost<T>& ghost, T inverse_mass,
                   const SymMat3<T>& inertia, const Vec3<T>& point) noexcept;
   T normal_limit(const Row& row) const noexcept;
@@ -88,17 +85,24 @@ class BorderSolver {
   Vec3<T> slip(const Row& row, const SolverBody<T>& body) const noexcept;
   void push(const Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, T normal, T tangent1, T tangent2) noexcept;
   void rub(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia) noexcept;
+  void mark_slow(std::span<Row> of_member) noexcept;
+  Vec3<T> impulse_of(const Row& row) const noexcept;
+  T work_of(const Row& row, const SolverBody<T>& body) const noexcept;
+  void take_back_work(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, T allowed) noexcept;
+  void keep_budget(SolverBodies<T> bodies) noexcept;
   void hold_on_line(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule,
                     bool biased) noexcept;
+  void solve_row(Row& row, SolverBodies<T> bodies, const SweepRule<T>& rule, bool biased) noexcept;
   void press(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule, bool biased) noexcept;
   void store_impulses(std::span<BorderContact<T>> contacts, T share) const noexcept;
 
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;
-  BoundedVector<Ghost> ghosts_;  // as the world's
+  BoundedVector<GhostState<T>> ghosts_;  // as the world's
   BorderMode mode_{BorderMode::kCapped};
   T h_{};
-  bool may_give_{true};
+  bool replays_{false}, may_give_{true};  // of the mode; of the sub-step: something is left of the budget
+  T budget_J_{};                          // what is left of it
 };
 
 }  // namespace tactus::physics

@@ -24,8 +24,13 @@ struct Softness {
   // `hertz` [Hz], `damping_ratio` [-], `h` sub-step [s].
   static constexpr Softness make(T hertz, T damping_ratio, T h) noexcept {
     const T omega = T(2) * T(3.14159265358979323846) * hertz;
-    const T a1 = T(2) * damping_ratio + h * omega, a2 = h * omega * a1, a3 = T(1) / (T(1) + a2);
+    const T a1 = T(2) * damping_ratio + h * omega, a2 = added_inertia(hertz, damping_ratio, h), a3 = T(1) / (T(1) + a2);
     return {omega / a1, a2 * a3, a3};
+  }
+  // The inertia that spring and damper add to a step of `h` [s], in units of m: a2 = (h c + h^2 k) / m.
+  static constexpr T added_inertia(T hertz, T damping_ratio, T h) noexcept {
+    const T turn = T(2) * T(3.14159265358979323846) * hertz * h;
+    return turn * (T(2) * damping_ratio + turn);
   }
   static constexpr Softness rigid() noexcept { return {}; }
 };

@@ -52,10 +52,10 @@ struct JointEffort {
 
 template <class T>
 struct JointState {
-  JointEffort<T> effort;     // starts the next step
-  T force_N{}, torque_Nm{};  // mean over the last step, what the bodies do to each other through the joint
-  T coordinate{};            // at the end of the last step
-  std::uint32_t broken{0};   // 1: for good
+  JointEffort<T> effort;    // starts the next step
+  Vec3<T> force, torque;    // N, N m, world: on B, at its frame; mean over the last step
+  T coordinate{};           // at the end of the last step
+  std::uint32_t broken{0};  // 1: for good
 };
 
 }  // namespace tactus::physics

@@ -73,8 +73,34 @@ T angle_of(T s, T c) noexcept {
 template <class T>
 typename Joints<T>::Side Joints<T>::side(StageContext<T>& c, Row& row, std::uint32_t slot) noexcept {
   static constexpr SymMat3<T> kNone{};
-  if (slot == kOutside) return {row.outside, kNone};
-  return {c.motion[slot], c.inverse_inertia[slot]};
+  if (slot != kOutside) return {c.motion[slot], c.inverse_inertia[slot]};
+  if (row.ghost == kNoGhost) return {row.outside, kNone};
+  GhostState<T>& ghost = c.ghosts[row.ghost];
+  const Twist<T> seen = c.ghosts_may_give ? ghost.velocity : Twist<T>{};
+  row.outside.v = seen.linear, row.outside.w = seen.angular;
+  return {row.outside, kNone, &ghost};
+}
+
+// The impulses p at r [m, from the centre] and m on the body.
+template <class T>
+void Joints<T>::push(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& m) noexcept {
+  const Vec3<T> turning = cross(r, p) + m;
+  if (side.ghost != nullptr) {
+    const Twist<T> change = side.ghost->admittance * Wrench<T>{p, turning};
+    side.ghost->velocity.linear += change.linear, side.ghost->velocity.angular += change.angular;
+    side.body.v += change.linear, side.body.w += change.angular;
+    return;
+  }
+  side.body.v += side.body.inverse_mass * p;
+  side.body.w += side.inverse_inertia * turning;
+}
+
+// What a unit impulse along q at r does to the velocity along p there.
+template <class T>
+T Joints<T>::answer(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& q) noexcept {
+  if (side.ghost == nullptr) return inverse_effective_mass(side.body.inverse_mass, side.inverse_inertia, r, p, q);
+  const Twist<T> change = side.ghost->admittance * Wrench<T>{q, cross(r, q)};
+  return dot(p, change.linear + cross(change.angular, r));
 }
 
 template <class T>
@@ -123,10 +149,12 @@ template <class T>
 void Joints<T>::fill_masses(Row& row, const Side& a, const Side& b) const noexcept {
   const JointKind kind = joints_[row.joint].kind;
   const auto linear = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept {
-    return inverse_effective_mass(a.body.inverse_mass, a.inverse_inertia, row.r_a, p, q) +
-           inverse_effective_mass(b.body.inverse_mass, b.inverse_inertia, row.r_b, p, q);
+    return answer(a, row.r_a, p, q) + answer(b, row.r_b, p, q);
   };
-  const SymMat3<T> turning = a.inverse_inertia + b.inverse_inertia;
+  const auto turning_of = [](const Side& side) noexcept {
+    return side.ghost != nullptr ? side.ghost->admittance.angular : side.inverse_inertia;
+  };
+  const SymMat3<T> turning = turning_of(a) + turning_of(b);
   const auto angular = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept { return dot(turning * p, q); };
   row.linear_mass = mass_of(row.axes, locks_of(kind).linear, linear);
   row.angular_mass = mass_of(row.axes, locks_of(kind).angular, angular);
@@ -149,8 +177,12 @@ template <class T>
 void Joints<T>::begin_sub_step(StageContext<T>& c) noexcept {
   const T elapsed = static_cast<T>(c.sub_step) * c.h;
   for (Row& row : rows_) {
-    if (c.sub_step > 0) add_to_sums(row);
-    if (row.slot_a == kOutside || row.slot_b == kOutside) {
+    if (c.sub_step > 0) add_to_sums(c, row);
+    if (c.sub_step == 0 && row.anchored) row.ghost = find_ghost(c.ghosts, outside_of(row.joint, c.bodies));
+    if (row.ghost != kNoGhost) {
+      row.outside.delta_position = c.ghosts[row.ghost].moved;
+      row.outside.delta_rotation = quat_from_rotation_vector(c.ghosts[row.ghost].turned);
+    } else if (row.slot_a == kOutside || row.slot_b == kOutside) {
       row.outside.delta_position = elapsed * row.outside.v;
       row.outside.delta_rotation = quat_from_rotation_vector(elapsed * row.outside.w);
     }
@@ -159,7 +191,16 @@ void Joints<T>::begin_sub_step(StageContext<T>& c) noexcept {
     const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
     measure(c, row, a.body, b.body);
     fill_masses(row, a, b);
+    if (row.anchored) row.start_velocity = frame_velocity(c, row);
   }
+}
+
+// On the side that is here, of a joint with a body of another world.
+template <class T>
+Twist<T> Joints<T>::frame_velocity(const StageContext<T>& c, const Row& row) const noexcept {
+  const bool is_a = row.slot_a != kOutside;
+  const SolverBody<T>& body = c.motion[is_a ? row.slot_a : row.slot_b];
+  return {velocity_at(body, is_a ? row.r_a : row.r_b), body.w};
 }
 
 // `effort` on B, the opposite on A.
@@ -168,23 +209,33 @@ void Joints<T>::apply(const Row& row, const Side& a, const Side& b, const JointE
   Vec3<T> p = out_of(row.axes, effort.linear), m = out_of(row.axes, effort.angular);
   const T along = effort.drive + effort.lower + effort.upper;
   (joints_[row.joint].kind == JointKind::kHinge ? m : p) += along * row.axis;
-  a.body.v -= a.body.inverse_mass * p;
-  a.body.w -= a.inverse_inertia * (cross(row.r_a, p) + m);
-  b.body.v += b.body.inverse_mass * p;
-  b.body.w += b.inverse_inertia * (cross(row.r_b, p) + m);
+  push(a, row.r_a, -p, -m);
+  push(b, row.r_b, p, m);
 }
 
 template <class T>
-void Joints<T>::add_to_sums(Row& row) const noexcept {
+void Joints<T>::add_to_sums(StageContext<T>& c, Row& row) const noexcept {
   const Vec3<T> along = (row.now.drive + row.now.lower + row.now.upper) * row.axis;
   const bool turns = joints_[row.joint].kind == JointKind::kHinge;
-  row.sum_force += out_of(row.axes, row.now.linear) + (turns ? Vec3<T>{} : along);
-  row.sum_torque += out_of(row.axes, row.now.angular) + (turns ? along : Vec3<T>{});
+  const Vec3<T> force = out_of(row.axes, row.now.linear) + (turns ? Vec3<T>{} : along);
+  const Vec3<T> torque = out_of(row.axes, row.now.angular) + (turns ? along : Vec3<T>{});
+  row.sum_force += force, row.sum_torque += torque;
+  if (!row.anchored) return;
+  const Twist<T> end = frame_velocity(c, row);
+  const T on_b = dot(force, T(0.5) * (row.start_velocity.linear + end.linear)) +
+                 dot(torque, T(0.5) * (row.start_velocity.angular + end.angular));
+  c.report.border_joints_J += row.slot_b != kOutside ? on_b : -on_b;
 }
 
 template <class T>
 void Joints<T>::warm_start(StageContext<T>& c) noexcept {
   for (Row& row : rows_) apply(row, side(c, row, row.slot_a), side(c, row, row.slot_b), row.now);
+}
+
+// A ghost that may not give does not push out errors either.
+template <class T>
+bool may_push(const StageContext<T>& c, const auto& row) noexcept {
+  return row.ghost == kNoGhost || c.ghosts_may_give;
 }
 
 template <class T>
@@ -194,7 +245,7 @@ void Joints<T>::solve_axis(const StageContext<T>& c, Row& row, const Side& a, co
   const bool turns = joint.kind == JointKind::kHinge;
   const T mass = row.axis_mass;
   const Softness<T> soft = kBias ? c.rule.softness : Softness<T>::rigid();
-  const T push = soft.mass_scale * soft.bias_rate;
+  const T push = may_push(c, row) ? soft.mass_scale * soft.bias_rate : T(0);
   const auto speed = [&]() noexcept {
     if (turns) return dot(row.axis, b.body.w - a.body.w);
     return dot(row.axis, velocity_at(b.body, row.r_b) - velocity_at(a.body, row.r_a));
@@ -231,8 +282,9 @@ template <class T>
 template <bool kBias>
 void Joints<T>::solve(StageContext<T>& c) noexcept {
   const Softness<T> soft = kBias ? c.rule.softness : Softness<T>::rigid();
-  const T push = kBias ? soft.mass_scale * soft.bias_rate : T(0), leak = kBias ? soft.impulse_scale : T(0);
+  const T leak = kBias ? soft.impulse_scale : T(0);
   for (Row& row : rows_) {
+    const T push = kBias && may_push(c, row) ? soft.mass_scale * soft.bias_rate : T(0);
     const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
     const JointKind kind = joints_[row.joint].kind;
     const Locks locks = locks_of(kind);
@@ -283,21 +335,26 @@ void Joints<T>::finish(StageContext<T>& c) noexcept {
     const bool still =
         (row.slot_a == kOutside || c.held[row.slot_a] != 0) && (row.slot_b == kOutside || c.held[row.slot_b] != 0);
     if (still) continue;  // another solve's, or nobody's
-    add_to_sums(row);
+    add_to_sums(c, row);
     const Joint<T>& joint = joints_[row.joint];
     JointState<T>& state = states_[row.joint];
     const JointEffort<T> next = c.factor == T(1) ? row.now : row.kept + c.factor * (row.now + T(-1) * row.kept);
     state.effort = (T(1) / c.h) * next;
-    state.force_N = rate * norm(row.sum_force), state.torque_Nm = rate * norm(row.sum_torque);
+    state.force = rate * row.sum_force, state.torque = rate * row.sum_torque;
     state.coordinate = row.coordinate;
-    if (state.force_N <= joint.break_force_N && state.torque_Nm <= joint.break_torque_Nm) continue;
+    if (norm(state.force) <= joint.break_force_N && norm(state.torque) <= joint.break_torque_Nm) continue;
     state.broken = 1, state.effort = {};
     ++c.report.broken_joints;
   }
   for (Anchor& anchor : anchors_) {
     BodyMotion<T>& m = anchor.motion;
-    m.pose.position += c.settings.dt * m.velocity.linear;
-    m.pose.rotation = normalized(quat_from_rotation_vector(c.settings.dt * m.velocity.angular) * m.pose.rotation);
+    const std::uint32_t ghost = find_ghost(c.ghosts, outside_of(anchor.joint, c.bodies));
+    const bool known = ghost != kNoGhost;
+    const Vec3<T> moved = known ? c.ghosts[ghost].moved : c.settings.dt * m.velocity.linear;
+    const Vec3<T> turned = known ? c.ghosts[ghost].turned : c.settings.dt * m.velocity.angular;
+    if (known) m.velocity = c.ghosts[ghost].velocity;
+    m.pose.position += moved;
+    m.pose.rotation = normalized(quat_from_rotation_vector(turned) * m.pose.rotation);
   }
 }
 

@@ -135,10 +135,9 @@ void Joints<T>::add_row(StageContext<T>& c, std::uint32_t k, std::uint32_t slot_
   if (slot_a == kOutside || slot_b == kOutside) {
     const BodyId id = slot_a == kOutside ? joint.a : joint.b;
     const std::uint32_t fixed = slot_of(c.fixed_bodies, id);
-    if (fixed != kNoSlot)
-      row.outside_motion = {c.fixed_bodies[fixed].motion.pose, {}};
-    else if (id != kNoBody)
-      row.outside_motion = anchor_of(k)->motion;
+    row.anchored = fixed == kNoSlot && id != kNoBody;
+    if (fixed != kNoSlot) row.outside_motion = {c.fixed_bodies[fixed].motion.pose, {}};
+    if (row.anchored) row.outside_motion = anchor_of(k)->motion;
   }
   const Pose<T>& a = slot_a == kOutside ? row.outside_motion.pose : c.bodies[slot_a].motion.pose;
   const Pose<T>& b = slot_b == kOutside ? row.outside_motion.pose : c.bodies[slot_b].motion.pose;
@@ -147,6 +146,12 @@ void Joints<T>::add_row(StageContext<T>& c, std::uint32_t k, std::uint32_t slot_
   row.apart = (b.position - a.position) + (row.arm_b - row.arm_a);
   row.frame_a = a.rotation * joint.a_from_joint.rotation;
   row.frame_b = b.rotation * joint.b_from_joint.rotation;
+}
+
+// Of a joint with a body of another world: which one that is.
+template <class T>
+BodyId Joints<T>::outside_of(std::uint32_t joint, std::span<const Body<T>> bodies) const noexcept {
+  return slot_of(bodies, joints_[joint].b) == kNoSlot ? joints_[joint].b : joints_[joint].a;
 }
 
 template <class T>
@@ -162,7 +167,7 @@ void Joints<T>::separate_fixed(StageContext<T>& c) noexcept {
 template <class T>
 void Joints<T>::save(ByteWriter& out) const noexcept {
   for (const JointState<T>& s : states_)  // field by field: the struct has padding
-    out.put(s.effort), out.put(s.force_N), out.put(s.torque_Nm), out.put(s.coordinate), out.put(s.broken);
+    out.put(s.effort), out.put(s.force), out.put(s.torque), out.put(s.coordinate), out.put(s.broken);
   out.put(anchors_.size());
   for (const Anchor& anchor : anchors_) out.put(anchor.joint), out.put(anchor.motion);
 }
@@ -176,7 +181,7 @@ template <class T>
 bool Joints<T>::restore(ByteReader& in) noexcept {
   anchors_.clear();
   for (JointState<T>& s : states_)
-    in.get(s.effort), in.get(s.force_N), in.get(s.torque_Nm), in.get(s.coordinate), in.get(s.broken);
+    in.get(s.effort), in.get(s.force), in.get(s.torque), in.get(s.coordinate), in.get(s.broken);
   std::uint32_t count = 0;
   in.get(count);
   bool good = in.ok() && count <= anchors_.capacity();
@@ -187,7 +192,8 @@ bool Joints<T>::restore(ByteReader& in) noexcept {
            is_finite(anchor.motion.pose) && is_finite(anchor.motion.velocity) && anchors_.try_push(anchor);
   }
   for (JointState<T>& state : states_)
-    if (!is_finite_effort(state.effort) || state.broken > 1) state = {}, good = false;
+    if (!is_finite_effort(state.effort) || !is_finite(state.force) || !is_finite(state.torque) || state.broken > 1)
+      state = {}, good = false;
   return good;
 }
 

@@ -4,8 +4,9 @@
 // velocity level in the relax sweep. Three rows of forces are one 3 x 3 system in the joint's axes, three of torques
 // another; a direction that is free has no mass. Limits are unilateral rows by the rule of a contact, a motor is a row
 // of bounded effort. Axes, levers and masses are those of the start of the sub-step. Order in a sweep: joint after
-// joint by B's id, in a joint axis, torques, forces. A joint whose one body is another world's holds on to where that
-// one goes by its last known velocity (an anchor). Source: Catto, soft constraints; block rows as in his Box2D.
+// joint by B's id, in a joint axis, torques, forces. A joint whose one body is another world's holds on to its ghost,
+// which answers by its admittance (border_ghost.h); where there is none, to where that body goes by its last known
+// velocity (an anchor). Source: Catto, soft constraints; block rows as in his Box2D.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: linear in the
 // joints of the bodies that are here, x log bodies.
 #pragma once
@@ -55,10 +56,12 @@ class Joints {
   };
   struct Row {
     std::uint32_t joint{0}, slot_a{kOutside}, slot_b{kOutside};
-    Vec3<T> arm_a, arm_b, apart;   // m: from the centres to the frames, between the frames; at the start of the step
-    Quat<T> frame_a, frame_b;      // world_from_joint, at the start of the step
-    SolverBody<T> outside;         // of the side that has no slot
-    BodyMotion<T> outside_motion;  // at the start of the step
+    Vec3<T> arm_a, arm_b, apart;    // m: from the centres to the frames, between the frames; at the start of the step
+    Quat<T> frame_a, frame_b;       // world_from_joint, at the start of the step
+    SolverBody<T> outside;          // of the side that has no slot
+    BodyMotion<T> outside_motion;   // at the start of the step
+    bool anchored{false};           // that side is a body of another world,
+    std::uint32_t ghost{kNoGhost};  // and this its ghost
     // Of the sub-step.
     Axes<T> axes;
     Vec3<T> r_a, r_b, axis;  // m; axis: unit, of the coordinate
@@ -68,15 +71,18 @@ class Joints {
     T axis_mass{};
     JointEffort<T> now, kept;       // N s, N m s
     Vec3<T> sum_force, sum_torque;  // N s, N m s, on B, world, over the step
+    Twist<T> start_velocity;        // of the frame on the side that is here
   };
   struct Side {
     SolverBody<T>& body;
     const SymMat3<T>& inverse_inertia;
+    GhostState<T>* ghost{nullptr};  // the body is its image
   };
 
   static std::uint32_t slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept;
   std::span<const std::uint32_t> joints_of(BodyId id) const noexcept;
   const Anchor* anchor_of(std::uint32_t joint) const noexcept;
+  BodyId outside_of(std::uint32_t joint, std::span<const Body<T>> bodies) const noexcept;
   Side side(StageContext<T>& c, Row& row, std::uint32_t slot) noexcept;
   void measure(const StageContext<T>& c, Row& row, const SolverBody<T>& a, const SolverBody<T>& b) const noexcept;
   void fill_masses(Row& row, const Side& a, const Side& b) const noexcept;
@@ -97,7 +103,10 @@ class Joints {
   void keep(StageContext<T>& c) noexcept;
   void finish(StageContext<T>& c) noexcept;
   void apply(const Row& row, const Side& a, const Side& b, const JointEffort<T>& effort) const noexcept;
-  void add_to_sums(Row& row) const noexcept;
+  static void push(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& m) noexcept;
+  static T answer(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& q) noexcept;
+  Twist<T> frame_velocity(const StageContext<T>& c, const Row& row) const noexcept;
+  void add_to_sums(StageContext<T>& c, Row& row) const noexcept;
 
   std::span<const Joint<T>> joints_;
   BoundedVector<JointState<T>> states_;                // by joint

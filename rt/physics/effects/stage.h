@@ -10,6 +10,7 @@
 #include <array>
 
 #include "rt/base/bytes.h"
+#include "rt/physics/border/border_ghost.h"
 #include "rt/physics/capacity.h"
 #include "rt/physics/collision/pair_finder.h"
 #include "rt/physics/contact/contact.h"
@@ -57,6 +58,11 @@ struct StageContext {
   T h{};                      // s
   std::uint32_t sub_step{0};  // from 0
   T factor{1};                // kScale, kFinish
+
+  // From kBeginSubStep on: bodies of another world that this one knows by ghosts, by id. Where they may not give, they
+  // do no work on bodies of this world.
+  std::span<GhostState<T>> ghosts{};
+  bool ghosts_may_give{true};
 };
 
 template <class T>

@@ -1,4 +1,5 @@
 #include "tests/support/rt_guard.h"
+#include "tests/support/skip.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -38,7 +39,7 @@ Counts counts_of(Work&& work) {
 }  // namespace
 
 TEST_CASE("the guard counts allocations and frees of every kind", "[base]") {
-  if (!RtGuard::available()) return;
+  TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   const Counts with_malloc = counts_of([] {
     void* block = std::malloc(10);
     keep(block);
@@ -82,7 +83,7 @@ TEST_CASE("the guard counts allocations and frees of every kind", "[base]") {
 }
 
 TEST_CASE("the guard sees a vector grow, and one that has room not", "[base]") {
-  if (!RtGuard::available()) return;
+  TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   std::vector<int> numbers;
   numbers.reserve(4);
   const Counts within = counts_of([&] {
@@ -96,7 +97,7 @@ TEST_CASE("the guard sees a vector grow, and one that has room not", "[base]") {
 }
 
 TEST_CASE("the guard counts locks taken and waits on conditions", "[base]") {
-  if (!RtGuard::available()) return;
+  TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   std::mutex mutex;
   std::shared_mutex shared;
   std::condition_variable condition;
@@ -113,7 +114,7 @@ TEST_CASE("the guard counts locks taken and waits on conditions", "[base]") {
 }
 
 TEST_CASE("the guard counts its own thread only", "[base]") {
-  if (!RtGuard::available()) return;
+  TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   std::unique_ptr<int> made_elsewhere;
   std::thread other;
   std::mutex mutex;

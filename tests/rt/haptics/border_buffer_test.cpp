@@ -64,6 +64,42 @@ TEST_CASE("A buffer body that turns inner goes on from the global world's state 
   CHECK(bench.report->members[1].in_buffer == 0);
 }
 
+namespace {
+
+// The proxy, pressed by its weight on a slab in the buffer that nothing moves, for half a second.
+Bench resting_on_slab(double friction) {
+  SubWorldConfig config = ghost_config();
+  config.step.gravity = {0, 0, -9.81};
+  Bench bench(config);
+  auto slab = physics::make_dynamic_body<double>(5, physics::Shape<double>::box({0.2, 0.2, 0.05}), 1000, friction, {});
+  slab.gravity_scale = 0;
+  auto proxy = ball(config.proxy, {0, 0, 0.05 + kRadius});
+  proxy.friction = friction;
+  bench.next_with({proxy, slab});
+  REQUIRE(bench.snapshot->buffer.try_push(5));
+  bench.synchronise();
+  bench.step(500);
+  bench.next({config.proxy, 5});
+  return bench;
+}
+
+}  // namespace
+
+TEST_CASE("The proxy goes with a buffer body that it holds on to by friction, along the surface") {
+  const double friction = GENERATE(0.0, 0.5);
+  Bench bench = resting_on_slab(friction);
+  const Vec3d before = bench.motion(make_config().proxy).pose.position;
+  auto moved = bench.motion(5);
+  const Vec3d by{1e-4, -2e-4, 3e-4};
+  moved.pose.position += by;
+  REQUIRE(bench.snapshot->renewed.try_push({5, 0, moved}));
+  bench.synchronise();
+  const Vec3d carried = bench.motion(make_config().proxy).pose.position - before;
+  const Vec3d along = friction > 0 ? Vec3d{by.x, by.y, 0} : Vec3d{};
+  CHECK(norm(carried - along) < 1e-9);
+  CHECK(bench.sub_world.proxy().pose.position == bench.motion(make_config().proxy).pose.position);
+}
+
 TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodies are refused") {
   Bench bench = bench_with_buffer();
   haptics::BorderBuffer buffer;
@@ -72,7 +108,7 @@ TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodi
   REQUIRE(snapshot->buffer.try_push(2));
   physics::World<double> world(bench.sub_world.config().capacities);
   for (const auto& body : bench.sub_world.world().bodies()) REQUIRE(world.insert(body));
-  (void)buffer.adopt(*snapshot, world);
+  (void)buffer.adopt(*snapshot, make_config().proxy, world);
   std::vector<std::byte> bytes(haptics::BorderBuffer::kMostBytes);
   ByteWriter out(bytes);
   buffer.save(out);

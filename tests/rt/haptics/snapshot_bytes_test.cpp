@@ -13,7 +13,7 @@ using namespace tactus::haptics;
 
 namespace {
 
-constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + sizeof(physics::BodyMotion<double>);
+constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(physics::BodyMotion<double>);
 
 physics::BodyMotion<double> random_motion(test::Random& random) {
   return {{random.vector(10), quat_from_rotation_vector(random.vector(1))}, {random.vector(2), random.vector(5)}};

@@ -58,6 +58,7 @@ struct Bench {
   Posed tool;
   Vec3d last_force;
   double force_step_max{0};
+  bool deaf{false};  // the device hears no command
 
   TickOutput& tick(std::uint32_t operator_bits = 0, ReadStatus status = ReadStatus::kFresh) {
     auto& sample = in.device.sample;
@@ -72,6 +73,7 @@ struct Bench {
     if (sample.state != DeviceState::kBrake || out.command.wanted == DeviceState::kBrake)
       sample.state = out.command.wanted;
     if (out.command.rearm != 0) sample.state = DeviceState::kIdle;
+    if (!deaf) sample.echoed_sequence = out.command.sequence;
     force_step_max = std::max(force_step_max, norm(out.command.wrench.force - last_force));
     last_force = out.command.wrench.force;
     return out;

@@ -105,7 +105,7 @@ TEST_CASE("any fault latches, takes the force to zero within ten ticks, brakes, 
   CHECK(bench.force_step_max < 0.25);  // the ramp: at most 2 N and the damping's 2.5 N, over 200 ticks
 }
 
-TEST_CASE("missing frames fade the force by a tenth a tick, and the next frame brings it back under the slew limit") {
+TEST_CASE("missing frames fade the force by a tenth a tick, and it comes back by the ramp") {
   Bench bench;
   bench.hold({5e-3, 0, 0});
   const double whole = kStiffness * 5e-3;
@@ -114,12 +114,145 @@ TEST_CASE("missing frames fade the force by a tenth a tick, and the next frame b
     CHECK(bench.force() == Approx(whole * (1 - 0.1 * missed)).epsilon(1e-5));
     CHECK(((bench.out.status & kForceFading) != 0) == (missed >= 3));
   }
-  bench.tick();
-  CHECK(bench.force() == Approx(0.2 * whole + 5).epsilon(1e-5));
-  CHECK((bench.out.status & kSlewLimited) != 0);
+  for (int i = 1; i <= 80; ++i) {  // 0.1 s from nothing to all
+    bench.tick();
+    CHECK(bench.force() == Approx(whole * (0.2 + i / 100.0)).epsilon(1e-5));
+  }
   bench.tick();
   CHECK(bench.force() == Approx(whole).epsilon(1e-5));
+  CHECK((bench.out.status & kSlewLimited) == 0);
   CHECK(bench.out.fault == Fault::kNone);
+}
+
+TEST_CASE("one or two missing frames are no fade: the force comes back as it went, a tenth a tick") {
+  Bench bench;
+  bench.hold({5e-3, 0, 0});
+  const double whole = kStiffness * 5e-3;
+  for (const double share : {0.9, 0.8}) {
+    bench.tick(0, ReadStatus::kMissing);
+    CHECK(bench.force() == Approx(whole * share).epsilon(1e-5));
+  }
+  for (const double share : {0.9, 1.0}) {
+    bench.tick();
+    CHECK(bench.force() == Approx(whole * share).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a device that misses commands fades, and what it is told next is no more than it has left") {
+  Bench bench;
+  bench.hold({5e-3, 0, 0});
+  const double whole = kStiffness * 5e-3;
+  auto& missed = bench.in.device.sample.missed_commands;
+  for (missed = 1; missed <= 2; ++missed) {
+    bench.tick();
+    CHECK(bench.force() == Approx(whole).epsilon(1e-5));
+  }
+  // The host slept for a while: the first sample that it sees says seven.
+  missed = 7;
+  bench.tick();
+  CHECK(bench.force() == Approx(0.3 * whole).epsilon(1e-5));
+  missed = 0;
+  double last = bench.force();
+  for (int i = 0; i < 71; ++i) {  // 0.1 s from nothing to all
+    bench.tick();
+    CHECK(bench.force() - last <= 0.0101 * whole);
+    last = bench.force();
+  }
+  CHECK(last == Approx(whole).epsilon(1e-5));
+}
+
+TEST_CASE("a device that leaves FORCE by itself is a fault at once, and only a re-arm gives force again, by the ramp") {
+  const auto left = GENERATE(DeviceState::kIdle, DeviceState::kReset);
+  Bench bench;
+  bench.hold({5e-3, 0, 0});
+  REQUIRE(bench.force() > 9);
+  bench.in.device.sample.state = left;  // one sample: the next would say FORCE again
+  bench.tick();
+  CHECK(bench.out.fault == Fault::kDeviceLeftForce);
+  CHECK(bench.out.command.wrench == Wrenchd{});
+  CHECK(bench.out.command.wanted == DeviceState::kBrake);
+  for (int i = 0; i < 100; ++i) {
+    bench.tick(kArm);
+    REQUIRE(bench.out.fault == Fault::kDeviceLeftForce);
+    REQUIRE(bench.out.command.wrench == Wrenchd{});
+  }
+  bench.force_step_max = 0;
+  bench.tick(kRearm);
+  bench.tick();
+  bench.move({5e-3, 0, 0});
+  bench.run(250);
+  CHECK(bench.out.fault == Fault::kNone);
+  CHECK(bench.force() == Approx(kStiffness * 5e-3).epsilon(1e-5));
+  CHECK(bench.force_step_max < 0.25);
+}
+
+TEST_CASE("a device that accepts commands and refuses FORCE is a fault, and stays free to be moved") {
+  Bench bench;
+  bench.run(3);
+  bench.tick(kArm);
+  int ticks = 0;
+  for (; bench.out.fault == Fault::kNone && ticks < 20; ++ticks) {
+    bench.in.device.sample.state = DeviceState::kIdle;
+    bench.tick();
+  }
+  CHECK(ticks == 3);
+  CHECK(bench.out.fault == Fault::kForceRefused);
+  for (int i = 0; i < 100; ++i) {
+    bench.tick();
+    REQUIRE(bench.out.command.wrench == Wrenchd{});
+    REQUIRE(bench.out.command.wanted == DeviceState::kIdle);
+  }
+  bench.force_step_max = 0;
+  bench.tick(kRearm);
+  bench.tick();
+  bench.move({5e-3, 0, 0});
+  bench.run(250);
+  CHECK(bench.out.fault == Fault::kNone);
+  CHECK(bench.force() > 9);
+  CHECK(bench.force_step_max < 0.25);
+}
+
+TEST_CASE(
+    "at the end of a run the force fades without a step, then the device is told to go to IDLE, and nothing arms") {
+  Bench bench;
+  bench.hold({5e-3, 0, 0});
+  REQUIRE(bench.force() > 9);
+  bench.force_step_max = 0;
+  for (int i = 0; i < 50; ++i) bench.tick(loop::kEnd);
+  CHECK(bench.force_step_max < 0.21);
+  CHECK(bench.out.command.wrench == Wrenchd{});
+  for (int i = 0; i < 50; ++i) {
+    bench.tick(loop::kEnd | kArm);
+    REQUIRE(bench.out.command.wanted == DeviceState::kIdle);
+    REQUIRE(bench.out.command.wrench == Wrenchd{});
+    REQUIRE(bench.out.fault == Fault::kNone);
+  }
+}
+
+TEST_CASE("a device that has not heard yet that FORCE is wanted refuses nothing, and one that is told to leave may") {
+  Bench bench;
+  bench.run(3);
+  bench.deaf = true;
+  bench.tick(kArm);
+  for (int i = 0; i < 50; ++i) {
+    bench.in.device.sample.state = DeviceState::kIdle;
+    bench.tick();
+    REQUIRE(bench.out.fault == Fault::kNone);
+  }
+  bench.deaf = false;
+  bench.run(300);
+  CHECK(bench.out.command.wanted == DeviceState::kForce);
+  // Off and on again while the commands are under way: it goes to IDLE and back as it was told.
+  bench.tick(loop::kDisarm);
+  const auto heard = bench.out.command.sequence;
+  bench.deaf = true;
+  bench.tick(kArm);
+  for (const auto state : {DeviceState::kForce, DeviceState::kIdle, DeviceState::kForce}) {
+    bench.in.device.sample.state = state;
+    bench.in.device.sample.echoed_sequence = state == DeviceState::kForce ? heard - 1 : heard;
+    bench.tick();
+    REQUIRE(bench.out.fault == Fault::kNone);
+  }
 }
 
 TEST_CASE("a fault while idle brakes at once") {

@@ -1,6 +1,10 @@
 #include "rt/loop/tape_drain.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <cstring>
 #include <random>
 #include <thread>
@@ -184,6 +188,39 @@ TEST_CASE("an error of the tape is the status at the end, and the history goes o
   REQUIRE(drain.dump(dump.path(), "").ok());
   CHECK(records_of(dump.path()).size() == 1);
   CHECK(!drain.stop().ok());
+}
+
+TEST_CASE("a disk that takes no more ends the tape alone, and the ticks that are not on it are counted", "[loop]") {
+  const TemporaryFile file;
+  const auto all = some_records(5, 6000, 50);
+  const auto is_tick = [](const Record& record) { return record.kind == kTick; };
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);  // as the program does: the write fails instead
+  const rlimit small{50'000, before.rlim_max};
+  Ring ring(1 << 14);
+  DrainSettings settings = settings_of(1 << 12);
+  settings.tick_kind = kTick;
+  TapeDrain drain(ring, settings, tape_at(file.path()));
+  setrlimit(RLIMIT_FSIZE, &small);
+  for (const Record& record : all) {
+    REQUIRE(ring.try_push(record.kind, record.payload));
+    drain.drain();
+  }
+  const Status status = drain.stop();
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  REQUIRE(!status.ok());
+  CHECK_THAT(status.message(), Catch::Matchers::Contains(file.path()) && Catch::Matchers::Contains("File too large"));
+  auto reader = TapeReader::open(file.path());
+  REQUIRE(reader.ok());
+  TapeRecord record;
+  std::uint64_t written = 0;
+  while (reader.value()->next(record) == TapeRead::kRecord) written += record.kind == kTick ? 1u : 0u;
+  CHECK(written > 0);
+  const auto ticks = static_cast<std::uint64_t>(std::count_if(all.begin(), all.end(), is_tick));
+  CHECK(drain.counts().ticks_not_written == ticks - written);
+  CHECK(drain.counts().records == all.size());
 }
 
 TEST_CASE("the drain's own thread takes everything while the producer runs, and dumps meanwhile are whole", "[loop]") {

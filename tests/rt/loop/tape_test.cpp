@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/skip.h"
 #include "tests/support/temporary_file.h"
 
 using namespace tactus;
@@ -183,7 +184,7 @@ TEST_CASE("each kind of damage has its own line", "[loop]") {
     return read_tape(file.path());
   };
   CHECK(contains(changed(0, {'P', 'K'}).open_error, "is not a tape"));
-  CHECK(contains(changed(8, {9, 0, 0, 0}).open_error, "version 9; this program reads version 8"));
+  CHECK(contains(changed(8, {11, 0, 0, 0}).open_error, "version 11; this program reads version 10"));
   CHECK(contains(changed(12, {0xff, 0xff, 0xff, 0x7f}).open_error, "damaged header"));
   CHECK(contains(changed(41, {'x'}).open_error, "checksum"));
   CHECK(contains(changed(first + 4, {0xff, 0xff, 0xff, 0xff}).damage, "claims 4294967295 bytes"));
@@ -192,6 +193,54 @@ TEST_CASE("each kind of damage has its own line", "[loop]") {
   CHECK(contains(read_tape(file.path()).open_error, "is not a tape"));
   CHECK(contains(read_tape("/nonexistent/x.tape").open_error, "cannot be read"));
   CHECK(contains(read_tape("/tmp").open_error, "cannot be read"));
+}
+
+TEST_CASE("behind a damaged record the reader goes on at the next one, and says how many bytes are lost", "[loop]") {
+  const TemporaryFile file;
+  auto records = some_records(7, 6, 300);
+  for (std::size_t i = 0; i < records.size(); ++i) records[i].kind = 1 + static_cast<std::uint32_t>(i % 3);
+  write_tape(file.path(), records);
+  const Bytes whole = file.read();
+  std::vector<std::uint64_t> offsets = read_tape(file.path()).offsets;
+  offsets.push_back(whole.size());
+  constexpr std::uint32_t kKinds[] = {1, 2, 3};
+  for (std::size_t hit = 0; hit < records.size(); ++hit) {
+    for (std::uint64_t at = offsets[hit]; at < offsets[hit + 1]; ++at) {  // its kind, size, checksum and payload
+      Bytes damaged = whole;
+      damaged[at] ^= std::byte{0x55};
+      file.write(damaged);
+      auto reader = TapeReader::open(file.path());
+      REQUIRE(reader.ok());
+      TapeRecord record;
+      for (std::size_t i = 0; i < hit; ++i) REQUIRE(reader.value()->next(record) == TapeRead::kRecord);
+      REQUIRE(reader.value()->next(record) == TapeRead::kDamaged);
+      REQUIRE(reader.value()->skip_damage(kKinds) == offsets[hit + 1] - offsets[hit]);
+      for (std::size_t i = hit + 1; i < records.size(); ++i) {
+        REQUIRE(reader.value()->next(record) == TapeRead::kRecord);
+        REQUIRE(same({record.kind, Bytes(record.payload.begin(), record.payload.end())}, records[i]));
+      }
+      REQUIRE(reader.value()->next(record) == TapeRead::kEnd);
+    }
+  }
+}
+
+TEST_CASE("a search behind damage ends, whatever the bytes", "[loop]") {
+  const TemporaryFile file;
+  write_tape(file.path(), {{1, {}}});
+  Bytes bytes = file.read();
+  const std::size_t header = bytes.size() - 12;
+  // Each place of it claims to be a record of a megabyte.
+  for (int i = 0; i < 300'000; ++i)
+    for (const unsigned b : {0u, 0u, 16u, 0u}) bytes.push_back(static_cast<std::byte>(b));
+  bytes[header] ^= std::byte{0x10};
+  file.write(bytes);
+  auto reader = TapeReader::open(file.path());
+  REQUIRE(reader.ok());
+  TapeRecord record;
+  REQUIRE(reader.value()->next(record) == TapeRead::kDamaged);
+  constexpr std::uint32_t kKinds[] = {1u << 20};
+  CHECK(reader.value()->skip_damage(kKinds) == bytes.size() - header);
+  CHECK(reader.value()->next(record) == TapeRead::kEnd);
 }
 
 TEST_CASE("the reader takes any bytes: noise, and tapes with noise in them", "[loop]") {
@@ -241,7 +290,7 @@ TEST_CASE("what cannot be written is said, with the name of the tape", "[loop]")
 }
 
 TEST_CASE("a full disk is told when the tape is made, and stays told", "[loop]") {
-  if (access("/dev/full", W_OK) != 0) return;
+  TACTUS_NEEDS(access("/dev/full", W_OK) == 0, "there is no /dev/full");
   const auto full = TapeWriter::create("/dev/full", kText);
   REQUIRE(!full.ok());
   CHECK(contains(full.message(), "No space left"));

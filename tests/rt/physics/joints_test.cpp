@@ -72,8 +72,8 @@ TEST_CASE("A fixed joint carries a cantilever: force m g, torque m g L, sunk by 
   bench.add_cube(1, {lever, 0, 1});
   bench.run_seconds(2);
   CHECK(bench.report.joints == 1);
-  CHECK(bench.state().force_N == Approx(kMass * kGravity).epsilon(1e-4));
-  CHECK(bench.state().torque_Nm == Approx(kMass * kGravity * lever).epsilon(1e-3));
+  CHECK(norm(bench.state().force) == Approx(kMass * kGravity).epsilon(1e-4));
+  CHECK(norm(bench.state().torque) == Approx(kMass * kGravity * lever).epsilon(1e-3));
   // Less than the whole weight on the whole lever through the softest direction alone: F / (m w^2) (1 + m L^2 / I).
   const double omega = 2 * kPi * bench.settings.contact_hertz, inertia = kMass * 4 * kHalf * kHalf / 6;
   const double sag = kGravity / (omega * omega) * (1 + 2 * kMass * lever * lever / inertia);
@@ -119,7 +119,7 @@ TEST_CASE("A hinge turns about its axis alone, and its angle is the rotation of 
   CHECK(bench.world->kinetic_energy() <= energy * (1 + 1e-9));
   CHECK(bench.world->kinetic_energy() == Approx(energy).epsilon(5e-3));
   // The centripetal force m w^2 r.
-  CHECK(bench.state().force_N == Approx(kMass * 4 * 0.2).epsilon(1e-2));
+  CHECK(norm(bench.state().force) == Approx(kMass * 4 * 0.2).epsilon(1e-2));
 }
 
 TEST_CASE("A hinge stops at its limits, and its motor keeps its speed until the torque is not enough") {
@@ -160,7 +160,7 @@ TEST_CASE("A slider falls along its axis as a free body does, and stops at its l
   CHECK(norm(bench.motion(1).velocity.angular) < 1e-6);
   bench.run_seconds(1);
   CHECK(bench.state().coordinate == Approx(-0.2).margin(2e-5));
-  CHECK(bench.state().force_N == Approx(kMass * kGravity).epsilon(1e-5));
+  CHECK(norm(bench.state().force) == Approx(kMass * kGravity).epsilon(1e-5));
 }
 
 TEST_CASE("A distance joint is a rod where its limits agree and a rope where they do not") {
@@ -181,7 +181,7 @@ TEST_CASE("A distance joint is a rod where its limits agree and a rope where the
     CHECK(bench.motion(1).velocity.linear.z == Approx(-kGravity * bench.settings.dt).epsilon(1e-9));  // slack: falls
     bench.run_seconds(1.5);
     CHECK(bench.motion(1).pose.position.z == Approx(1.5).margin(2e-5));
-    CHECK(bench.state().force_N == Approx(kMass * kGravity).epsilon(1e-5));
+    CHECK(norm(bench.state().force) == Approx(kMass * kGravity).epsilon(1e-5));
   }
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("A chain of ten with 100 kg at its end hangs, and a cut of every sweep
   bench.add_box(10, {0.05, 0.05, 0.05}, 100, {0, 0, 3.05 - 1.0});
   SECTION("hangs") {
     bench.run_seconds(3);
-    CHECK(bench.state(0).force_N == Approx((0.9 + 100) * kGravity).epsilon(1e-2));
+    CHECK(norm(bench.state(0).force) == Approx((0.9 + 100) * kGravity).epsilon(1e-2));
     // Each joint gives by its load over m w^2, m the effective mass between its links: the compliance of contacts.
     const double omega = 2 * kPi * bench.settings.contact_hertz;
     double stretch = 0;

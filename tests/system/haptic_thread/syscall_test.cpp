@@ -1,10 +1,13 @@
 // What the haptic thread asks of the kernel after its start: the time, and the sleep to the next deadline. Held to that
-// by the kernel, in a process of its own; the same run counts allocations, locks and page faults.
+// by the kernel, in a process of its own; the same run counts allocations, locks and page faults. On every kind of
+// shape and joint, and in the situations that take another way through the tick: faults, cuts, a late world.
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <bit>
 #include <ctime>
 #include <thread>
 
@@ -28,6 +31,10 @@ struct Counts {
   bool filtered{false}, done{false};
   std::uint64_t ticks{0}, cycles{0}, allocations{0}, frees{0}, locks{0}, faults{0}, refused{0};
   long first_refused{-1};
+  std::uint64_t status_ticks[32]{}, latched{0};  // of the whole run: ticks with a StatusBit, faults
+  std::uint32_t joints{0};                       // most between two members
+
+  std::uint64_t with(StatusBit bit) const { return status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))]; }
 };
 
 enum class Pace { kRealTime, kAsFastAsItGoes };
@@ -36,15 +43,31 @@ struct Trial {
   std::uint64_t ticks{0};
   Pace pace{Pace::kRealTime};
   bool misbehave{false};  // one call too many, in one tick
+  const char* scene{"domino_row.toml"};
+  std::uint32_t members{4};                      // so that members come and go and there is a border
+  const char* inject{""};                        // as --inject, and each latched fault is taken back
+  std::uint32_t cut_at{~0u};                     // sweep at which every tick is cut
+  double budget{loop::GovernorConfig{}.budget};  // of the period, for the governor
+  std::vector<sim::Stall> stalls{};              // of the global world; in real time only
 };
 
 // The haptic thread's own work, as in a run: the driver's three stages, with a clock in the cut predicate.
-void one_tick(session::Session& session) noexcept {
-  static constexpr auto never = [](void*, std::uint32_t) noexcept { return MonotonicClock::now_ns() < 0; };
+void one_tick(session::Session& session, const Trial& trial) noexcept {
+  static constexpr auto fires = [](void* at, std::uint32_t sweep) noexcept {
+    return MonotonicClock::now_ns() < 0 || sweep >= *static_cast<const std::uint32_t*>(at);
+  };
+  std::uint32_t cut_at = trial.cut_at;
   session.driver->read();
-  session.driver->compute(session.operator_bits(), {never, nullptr});
+  session.driver->compute(session.operator_bits(), {fires, &cut_at});
   session.driver->write();
   session.count_tick();
+}
+
+std::uint32_t joints_between_members(const physics::World<double>& world) noexcept {
+  std::uint32_t count = 0;
+  if (const auto* joints = world.effects().find<physics::Joints<double>>())
+    joints->for_each_link(world.bodies(), [&](auto, auto, auto) noexcept { ++count; });
+  return count;
 }
 
 struct Ticks {
@@ -54,7 +77,8 @@ struct Ticks {
   std::optional<RtGuard> guard;
 
   bool operator()(const loop::TickTiming&) noexcept {
-    one_tick(session);
+    one_tick(session, trial);
+    counts.joints = std::max(counts.joints, joints_between_members(session.loop->sub_world().world()));
     if (session.stats.ticks == kWarmUp) {
       counts.filtered = install_syscall_filter(kAllowed);
       guard.emplace();
@@ -70,6 +94,8 @@ struct Ticks {
     counts.faults = guard->minor_faults() + guard->major_faults();
     counts.ticks = session.stats.ticks - kWarmUp, counts.cycles = session.stats.cycles;
     counts.refused = refused_syscalls(), counts.first_refused = first_refused_syscall();
+    std::copy_n(session.stats.status_ticks, std::size(counts.status_ticks), counts.status_ticks);
+    counts.latched = session.stats.fault_count;
     std::atomic_thread_fence(std::memory_order_seq_cst);
     static_cast<volatile bool&>(counts.done) = true;
     for (;;) MonotonicClock::sleep_until_ns(INT64_MAX);  // the end of a thread takes other calls; the process ends it
@@ -87,11 +113,18 @@ void run_fast(Ticks& ticks) noexcept {
 // In the child: the world and the recorder's drain on threads of their own.
 void run_child(const Trial& trial, Counts& counts) {
   session::RunOptions options = virtual_options();
-  options.members = 4;  // so that members come and go and there is a border
-  auto session = make_session(scene_file("domino_row.toml"), options);
+  options.members = trial.members;
+  options.inject = trial.inject;
+  options.rearm = true;
+  auto session = make_session(scene_file(trial.scene), options);
+  loop::GovernorConfig governor = session->governor->config();
+  governor.budget = trial.budget;
+  *session->governor = loop::Governor(governor);
   REQUIRE(session->record("").ok());
   set_denormals_flush();
-  sim::GlobalThread world(*session->global, *session->exchange, {});
+  sim::GlobalThreadOptions on_thread;
+  on_thread.stalls = trial.stalls;
+  sim::GlobalThread world(*session->global, *session->exchange, on_thread);
   REQUIRE(world.start().ok());
   REQUIRE(session->drain->start().ok());
   Ticks ticks{*session, trial, counts, std::nullopt};
@@ -161,6 +194,51 @@ TEST_CASE("as fast as it goes it asks for nothing either", "[no-asan][no-tsan]")
   const Counts counts = run_trial({.ticks = 20'000, .pace = Pace::kAsFastAsItGoes});
   check_clean(counts, 20'000);
   CHECK(counts.cycles > 1'800);
+}
+
+TEST_CASE("nor on joints, hulls and meshes, through which the border runs", "[no-asan][no-tsan]") {
+  const char* const scene = GENERATE("workshop.toml", "stones.toml", "terrain.toml", "chain.toml", "card_house.toml");
+  INFO(scene);
+  const Counts counts = run_trial({.ticks = 6'000, .pace = Pace::kAsFastAsItGoes, .scene = scene, .members = 8});
+  check_clean(counts, 6'000);
+  CHECK(counts.with(kProxyContact) > 500);
+  CHECK((counts.joints > 0) == (std::string(scene) == "workshop.toml"));
+}
+
+TEST_CASE("nor with faults that latch and are taken back", "[no-asan][no-tsan]") {
+  const char* const inject =
+      GENERATE("lost/state@1500+30", "corrupted/state@1500+40:3", "nan@1500+20", "frozen@1500+200", "wild@1500+20",
+               "teleport@1500+1000:0.1", "unplugged@1500+300", "estop@1500+300");
+  INFO(inject);
+  const Counts counts = run_trial({.ticks = 4'000, .pace = Pace::kAsFastAsItGoes, .inject = inject});
+  check_clean(counts, 4'000);
+  CHECK(counts.latched > 0);
+}
+
+TEST_CASE("nor where the solver is cut, and where the governor leaves out sub-steps and members",
+          "[no-asan][no-tsan]") {
+  const std::uint32_t sweep = GENERATE(0u, 1u, 3u);
+  const Counts cut = run_trial(
+      {.ticks = 3'000, .pace = Pace::kAsFastAsItGoes, .scene = "card_house.toml", .members = 32, .cut_at = sweep});
+  check_clean(cut, 3'000);
+  CHECK(cut.with(kSolverCut) > 2'000);
+  const Counts poor = run_trial(
+      {.ticks = 3'000, .pace = Pace::kAsFastAsItGoes, .scene = "pile250.toml", .members = 64, .budget = 0.02});
+  check_clean(poor, 3'000);
+  CHECK(poor.with(kSubStepsReduced) > 2'000);
+}
+
+TEST_CASE("nor with a world that is late, until the border is frozen and the force has faded", "[no-asan][no-tsan]") {
+  using std::chrono::milliseconds;
+  const Counts counts =
+      run_trial({.ticks = 3'000,
+                 .scene = "workshop.toml",
+                 .members = 8,
+                 .stalls = {{40, milliseconds(15)}, {60, milliseconds(100)}, {80, milliseconds(1000)}}});
+  check_clean(counts, 3'000);
+  CHECK(counts.with(kWorldLate) > 1'000);
+  CHECK(counts.with(kBorderFrozen) > 800);
+  CHECK(counts.with(kWorldFade) > 500);
 }
 
 TEST_CASE("ten million ticks: no allocation, no lock, no page fault, no system call", "[.][long]") {

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tools/experiment/coupling/reference_run.h"
+
 using namespace tactus;
 using namespace tactus::experiment;
 
@@ -74,9 +76,29 @@ TEST_CASE("A border costs accuracy, and what the study says is in its JSON and i
 }
 
 TEST_CASE("A force far beyond the direct coupling's is not stable, nor a shaking one, nor one that is gone") {
-  const HandInLoop direct{2, 0.01, 1.8};
+  const HandInLoop direct{2, 0.01, 1.8, 0, 0};
   CHECK(is_stable(direct, direct));
-  CHECK_FALSE(is_stable({4.1, 0.01, 1.8}, direct));
-  CHECK_FALSE(is_stable({2, 0.22, 1.8}, direct));
-  CHECK_FALSE(is_stable({2, 0.01, 0.8}, direct));
+  CHECK_FALSE(is_stable({4.1, 0.01, 1.8, 0, 0}, direct));
+  CHECK_FALSE(is_stable({2, 0.22, 1.8, 0, 0}, direct));
+  CHECK_FALSE(is_stable({2, 0.01, 0.8, 0, 0}, direct));
+}
+
+TEST_CASE("With the force of the direct coupling it is not stable where a body falls or energy comes from nowhere") {
+  const HandInLoop direct{2, 0.01, 1.8, 0, 0};
+  CHECK_FALSE(is_stable({2, 0.01, 1.8, 1, 0}, direct));
+  CHECK(is_stable({2, 0.01, 1.8, 0, 0.99 * kMostEnergyGain}, direct));
+  CHECK_FALSE(is_stable({2, 0.01, 1.8, 0, 1.01 * kMostEnergyGain}, direct));
+}
+
+TEST_CASE("Every ratio has as many cycles in a window, but for the spectrum's least and the script's most") {
+  CHECK(window_ticks(8) == 25 * 8);
+  CHECK(window_ticks(16) == 25 * 16);
+  CHECK(window_ticks(1) == kWindowTicks);
+  CHECK(window_ticks(100) == kLongestWindow);
+  for (const bool quick : {false, true})
+    for (const WindowPlace& place : window_places(quick)) {
+      const std::size_t end = place.start + kLongestWindow;
+      CHECK(end <= tick_at(place.hold ? HandTimes::kHeld : HandTimes::kEnd));
+      CHECK(place.start >= tick_at(place.hold ? HandTimes::kPressed : HandTimes::kHeld));
+    }
 }

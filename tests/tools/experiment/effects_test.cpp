@@ -5,6 +5,7 @@
 
 #include "sim/loader/scene_effects.h"
 #include "sim/loader/scene_load.h"
+#include "sim/loader/scene_report.h"
 
 using namespace tactus;
 using namespace tactus::experiment;
@@ -23,6 +24,18 @@ TEST_CASE("The scenes of experiment effects are good, and declare and use their 
         CHECK(sim::is_in_use(scene.value(), *effect) == (state == EffectState::kUsed));
     }
   }
+}
+
+TEST_CASE("What an effect costs is shown where it is above the spread of its measurement, and else the spread") {
+  sim::SceneReport report;
+  report.effects = {{"joints", true, true, "rows", 5.8, 16, 0.3}, {"rolling", true, true, "rows", -0.07, 16, 0.2}};
+  const std::string text = sim::to_text(report);
+  CHECK(text.find("measured: 5.8 us of 16 us") != std::string::npos);
+  CHECK(text.find("measured: below the measurement's spread of 0.2 us, of 16 us") != std::string::npos);
+  CHECK(text.find("-0.07") == std::string::npos);
+  const auto scene = sim::parse_scene(effect_scene("rolling", EffectState::kUsed), "rolling");
+  REQUIRE(scene.ok());
+  for (const EffectTime& time : time_effects(scene.value())) CHECK(time.spread_us >= 0);
 }
 
 TEST_CASE("A row is good where an effect that is not used costs at most 0.1 %") {

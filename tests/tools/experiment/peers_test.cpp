@@ -2,9 +2,13 @@
 
 #include <catch2/catch.hpp>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/skip.h"
 #include "tools/experiment/allocation_count.h"
+#include "tools/experiment/page.h"
 #include "tools/experiment/scaling.h"
 
 using namespace tactus::experiment;
@@ -33,11 +37,47 @@ TEST_CASE("A settled tiny pile rests, touches, and tactus allocates nothing in a
   CHECK(row.touching_pairs >= 8);  // each cube stands on something
   CHECK(row.contacts >= row.touching_pairs);
   CHECK(row.residual_speed_rms_m_per_s < 1e-2);
-  CHECK(row.penetration_max_m < 1e-3);
+  CHECK(row.quality.overlap_max_m < 1e-3);
+  CHECK(row.quality.overlap_mean_m <= row.quality.overlap_max_m);
+  CHECK(row.quality.escaped == 0);
+  CHECK(row.is_compared());
   CHECK(row.allocations_per_step == 0);
   CHECK(row.worst_over_median >= 1);
   CHECK(row.p99_us >= row.median_us);
   CHECK(row.ratio_to_bullet == 0);  // it did not run
+  CHECK(row.ratio_to_best_peer == 0);
+}
+
+TEST_CASE("A row that misses a gate is not compared, and nothing is compared with it") {
+  const auto row_of = [](const char* engine, double median_us) {
+    PeersRow row;
+    row.engine = engine, row.median_us = median_us;
+    return row;
+  };
+  std::vector<PeersRow> rows{row_of("tactus", 10), row_of("bullet", 100), row_of("bullet-tuned", 50),
+                             row_of("ode", 20)};
+  rows[3].missed_gate = "the deepest overlap";
+  compare(rows);
+  CHECK(rows[0].ratio_to_bullet == Approx(0.1));
+  CHECK(rows[0].ratio_to_best_peer == Approx(0.2));
+  CHECK(rows[2].ratio_to_best_peer == Approx(1));
+  CHECK(rows[3].ratio_to_bullet == 0);
+  rows[1].missed_gate = "the deepest overlap", rows[0].ratio_to_bullet = 0;
+  compare(rows);
+  CHECK(rows[0].ratio_to_bullet == 0);
+  rows[0].failure = "work was left out", rows[0].ratio_to_best_peer = 0;
+  compare(rows);
+  CHECK(rows[0].ratio_to_best_peer == 0);
+}
+
+TEST_CASE("Each gate is missed by what it is for") {
+  Quality good;
+  good.overlap_max_share = 0.24, good.overlap_mean_share = 0.019, good.travel_m = 0.06, good.rod_travel_m = 1;
+  CHECK(missed_gate(good).empty());
+  Quality deep = good, mean = good, gone = good, still = good, broken = good;
+  deep.overlap_max_share = 0.26, mean.overlap_mean_share = 0.021, gone.escaped = 1, still.travel_m = 0.04;
+  broken.complete = false;
+  for (const Quality& one : {deep, mean, gone, still, broken}) CHECK_FALSE(missed_gate(one).empty());
 }
 
 TEST_CASE("The rows have the keys that readers rely on") {
@@ -47,18 +87,59 @@ TEST_CASE("The rows have the keys that readers rely on") {
   REQUIRE(json.at("rows").size() == 1);
   const auto& first = json.at("rows").at(0);
   for (const char* key : {"scene", "engine", "median_us", "p99_us", "worst_over_median", "contacts", "touching_pairs",
-                          "residual_speed_rms_m_per_s", "penetration_max_m", "allocations_per_step", "ratio_to_bullet"})
+                          "residual_speed_rms_m_per_s", "penetration_max_m", "allocations_per_step", "ratio_to_bullet",
+                          "ratio_to_best_peer", "penetration_mean_m", "penetration_max_share", "travel_m", "escaped",
+                          "is_compared", "settings", "missed_gate"})
     CHECK(first.contains(key));
   CHECK(first.at("median_us") == 12.5);
   CHECK(first.at("ratio_to_bullet") == 1);
+  CHECK(first.at("ratio_to_best_peer").is_null());
+  const std::string csv = peers_csv({row});
+  CHECK(csv.find("overlap_mean [m]") != std::string::npos);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 2);
+  const std::string table = peers_table({row});
+  for (const char* head : {"mean mm", "deep mm", "travel m", "gates"}) CHECK(table.find(head) != std::string::npos);
+}
+
+TEST_CASE("The page of the rows is one file, or says what it needs") {
+  PeersRow row;
+  row.scene = "pile64-stirred", row.engine = "tactus", row.median_us = 12.5, row.ratio_to_best_peer = 0.5;
+  row.quality.overlap_mean_share = 0.001;
+  PeersRow peer = row;
+  peer.engine = "bullet", peer.missed_gate = "the deepest overlap";
+  const std::string path = (std::filesystem::temp_directory_path() / "tactus_peers_page_test.html").string();
+  const auto status = write_page("peers", peers_json({row, peer}), "tactus experiment peers", path);
+  if (!status.ok()) {
+    CHECK(status.message().find("matplotlib") != std::string::npos);
+    return;
+  }
+  std::ifstream in(path);
+  const std::string page((std::istreambuf_iterator<char>(in)), {});
+  std::filesystem::remove(path);
+  CHECK(page.find("the deepest overlap") != std::string::npos);
+  CHECK(page.find("<svg") != std::string::npos);
 }
 
 TEST_CASE("An allocation is counted") {
-  if (!allocations_are_counted()) return;
+  TACTUS_NEEDS(allocations_are_counted(), "counting allocations needs a build without a sanitizer");
   const auto before = allocation_count();
   auto* volatile number = new int(1);
   delete number;
   CHECK(allocation_count() == before + 1);
+}
+
+TEST_CASE("The program has no malloc of its own: a user's heap profiler sees what it allocates") {
+  FILE* pipe = popen("nm --defined-only " TACTUS_PROGRAM " 2>/dev/null", "r");
+  REQUIRE(pipe != nullptr);
+  std::string symbols;
+  char part[4096];
+  for (std::size_t got; (got = fread(part, 1, sizeof part, pipe)) > 0;) symbols.append(part, got);
+  pclose(pipe);
+  REQUIRE(symbols.find(" main\n") != std::string::npos);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)  // a sanitizer has one
+  for (const char* name : {" malloc\n", " calloc\n", " realloc\n", " free\n"})
+    CHECK(symbols.find(name) == std::string::npos);
+#endif
 }
 
 TEST_CASE("A world whose capacity is short says so") {

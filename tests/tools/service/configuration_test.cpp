@@ -1,6 +1,7 @@
 // The deployment's configuration: what it reads as, what is wrong with it, what may change while it runs.
 #include "tools/service/configuration.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <iterator>
@@ -67,7 +68,7 @@ TEST_CASE("all but the scene has a default") {
   CHECK(c.run.ratio == 0);
   CHECK(c.run.members == 0);
   CHECK(c.socket.empty());
-  CHECK(c.run.arm_at_start);
+  CHECK_FALSE(c.run.arm_at_start);
 }
 
 TEST_CASE("every mistake has its line, and none hides the next one") {
@@ -92,6 +93,29 @@ TEST_CASE("what does not go together is a mistake of the file") {
   CHECK_THAT(bad.message(), Contains("3 cores for 2 of --world-threads"));
   CHECK_FALSE(parse_configuration(std::string(kMaxConfigurationBytes + 1, '#'), "t.toml").ok());
   CHECK_FALSE(parse_configuration("scene = ", "t.toml").ok());
+}
+
+TEST_CASE("a core that the machine has not, and a socket without an absolute path, are mistakes with their lines") {
+  const std::string text = R"(scene = "/a.toml"
+[cores]
+haptic = 4
+world = "1,7"
+world_threads = 3
+[control]
+socket = "control"
+)";
+  const auto reading = read_configuration(text, "t.toml", std::vector<int>{0, 1, 2, 3});
+  CHECK_THAT(reading.mistakes,
+             Contains("t.toml:3:10: [cores] haptic: this machine has no core 4; accepted: one of 0, 1"));
+  CHECK_THAT(reading.mistakes, Contains("t.toml:4:9: [cores] world: this machine has no core 7"));
+  CHECK_THAT(reading.mistakes, Contains("2 cores for 3 of --world-threads"));
+  CHECK_THAT(reading.mistakes, Contains("t.toml:7:10: [control] socket: 'control' is no place for a socket"));
+  CHECK(std::count(reading.mistakes.begin(), reading.mistakes.end(), '\n') == 3);  // between four lines
+  CHECK(reading.configuration.run.scene == "/a.toml");
+  CHECK_THAT(
+      read_configuration("scene = \"/a\"\n[control]\nsocket = \"/" + std::string(107, 'x') + "\"\n", "t.toml", {})
+          .mistakes,
+      Contains("up to 107 characters"));
 }
 
 TEST_CASE("re-arming and the log may change while it runs, the rest needs a restart and is named") {

@@ -79,6 +79,9 @@ TEST_CASE("requests become operator bits, each once, and stop sets the flag") {
   CHECK(bench.ask("disarm")["ok"] == true);
   CHECK(bench.ask("rearm")["ok"] == true);
   CHECK(bench.requests.exchange(0) == (loop::kDisarm | loop::kRearm));
+  bench.server->tell_latched(false);
+  CHECK(bench.ask("rearm")["said"] == "nothing is latched: nothing was done");
+  CHECK(bench.requests.exchange(0) == loop::kRearm);  // one may have latched just now; the loop knows
   CHECK(bench.ask("reset")["ok"] == true);
   CHECK(bench.requests.exchange(0) == loop::kReset);
   CHECK_FALSE(bench.stop.load());
@@ -102,6 +105,30 @@ TEST_CASE("what is no request is refused, also where it is long or nothing") {
   }
   CHECK(bench.ask("arm")["ok"] == true);  // and it goes on
   CHECK(bench.requests.load() == loop::kArm);
+}
+
+TEST_CASE("an answer is JSON whatever was asked, and repeats at most 64 bytes of it") {
+  Bench bench;
+  const std::string long_line = std::string(kLongestEcho, 'x') + "yy";
+  for (const std::string& line : {std::string("\xff\xfe\x80"), std::string("\xc3"), std::string(3, '\0'), long_line}) {
+    const auto answer = nlohmann::json::parse(bench.server->answer(line), nullptr, /*allow_exceptions=*/false);
+    REQUIRE(answer.is_object());
+    CHECK(answer["ok"] == false);
+    CHECK_THAT(answer["said"].get<std::string>(), Contains("is no request") && !Contains("xy"));
+  }
+}
+
+TEST_CASE("what a reload throws is its answer, and the server goes on") {
+  const Folder folder;
+  std::atomic<std::uint32_t> requests{0};
+  std::atomic<bool> stop{false};
+  const auto server = ControlServer::open(folder.path / "control", requests, stop,
+                                          [](std::string&) -> Status { throw std::runtime_error("no disk"); });
+  REQUIRE(server.ok());
+  const auto answer = ask_control(folder.path / "control", "reload");
+  REQUIRE(answer.ok());
+  CHECK(nlohmann::json::parse(answer.value())["said"] == "no disk");
+  CHECK(ask_control(folder.path / "control", "arm").ok());
 }
 
 TEST_CASE("the socket is the group's, is taken over from a dead run and never from a living one") {

@@ -80,6 +80,21 @@ TEST_CASE("the report has percentiles by stage in us, overruns by cause and the 
   CHECK_THAT(to_text(made_result()), Contains("THE MACHINE") && Contains("tick       200") && Contains("late wake-up"));
 }
 
+TEST_CASE("of the latest ticks each says whether it was an overrun, and only those are own work") {
+  TimingResult r = made_result();
+  auto heavy = delayed_in_solve(500, 500'000);
+  heavy.cpu_ns += 500'000, heavy.foreseen_ns = 700'000;
+  r.books.add_loop(heavy);
+  r.books.finish();
+  CHECK_THAT(to_text(r),
+             Contains("OVERRUN: late wake-up") && Contains("in time: computing") && !Contains(": own work"));
+  const auto j = to_json(r);
+  CHECK(j["spikes"][0]["overrun"] == true);
+  CHECK(j["spikes"][1]["overrun"] == false);
+  CHECK(j["spikes"][1]["cause"] == "computing");
+  CHECK(j["overruns"]["own_work"] == 0);
+}
+
 TEST_CASE("the worst case is a scene that loads, with more bodies than may be members") {
   for (const unsigned members : {2u, 64u, 256u}) {
     const auto scene = sim::parse_scene(capacity_scene(members, 4, 10, 1000), "capacity");

@@ -53,6 +53,14 @@ if under_force few-lost; then
   verdict "five commands lost: fades and recovers" "$line"
 fi
 
+if under_force old-commands; then
+  mark
+  tell 'old_commands 500'
+  sleep 1
+  ! said '^fade' && ! said '^state FORCE' && report && [ "$(value state)" = 2 ]
+  verdict "an old command follows each good one: the good one counts" "$line"
+fi
+
 if under_force commands-lost; then mark; tell 'lost_commands 15'; brakes commands-lost; fi
 if under_force commands-corrupt; then mark; tell 'corrupt_commands 15'; brakes commands-corrupt; fi
 if under_force commands-repeated; then mark; tell 'repeated_commands 15'; brakes commands-repeated; fi

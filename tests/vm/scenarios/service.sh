@@ -49,6 +49,10 @@ systemctl start $unit
 verdict "systemctl start: it says that it is ready" "$(why)"
 wait_for runs
 verdict "its ticks go on" "$(why)"
+state | grep -q '"armed":false'
+verdict "no force is on before somebody asks" "$(state)"
+tactus control arm >/dev/null && wait_for armed
+verdict "armed over its socket" "$(state)"
 first=$(process)
 [ "$(stat -c %U "/proc/$first")" = tactus ]
 verdict "it runs as the user tactus" "$(stat -c %U "/proc/$first")"
@@ -85,6 +89,7 @@ systemctl restart $unit
 wait_for another_runs "$first"
 verdict "systemctl restart: it runs another scene" "was $first, is $(process); $(why)"
 first=$(process)
+tactus control arm >/dev/null
 
 sed -i 's/^interval_s = 1 /interval_s = 7 /' $configuration
 systemctl reload $unit
@@ -118,8 +123,13 @@ verdict "it is killed: it is started again" "$(why)"
 second=$(process)
 apt_get install /run/bench/tactus-0.1.1.deb
 verdict "it is upgraded while it runs" "$(why_apt)"
-[ "$(dpkg-query -W -f='${Version}' tactus)" = 0.1.1 ] && wait_for another_runs "$second"
-verdict "the new version runs" "$(dpkg-query -W tactus); was $second, is $(process); $(why)"
+[ "$(dpkg-query -W -f='${Version}' tactus)" = 0.1.1 ] && [ "$(process)" = "$second" ] && ticks_go_on
+verdict "the upgrade leaves the running service alone" "$(dpkg-query -W tactus); was $second, is $(process); $(why)"
+grep -q 'the service runs on' /tmp/apt.log
+verdict "and says so" "$(why_apt)"
+systemctl restart $unit
+wait_for another_runs "$second"
+verdict "restarted by hand, the new version runs" "was $second, is $(process); $(why)"
 grep -q '^interval_s = 7 ' $configuration
 verdict "the edited configuration is kept" "$(grep interval_s $configuration)"
 

@@ -67,7 +67,8 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
   for (const unsigned n : {base.members / 2, base.members * 2, base.members * 4})
     if (n > 0 && n / 2 < bodies) add("members", base.members, n, [n](Setting& s) { s.members = n; });
   for (const unsigned n : {2u, 4u, 8u, 16u}) add("ratio", base.ratio, n, [n](Setting& s) { s.ratio = n; });
-  for (const BorderMode border : {BorderMode::kGhost, BorderMode::kCapped, BorderMode::kReplay, BorderMode::kFrozen})
+  for (const BorderMode border :
+       {BorderMode::kGhost, BorderMode::kCapped, BorderMode::kReplay, BorderMode::kFiltered, BorderMode::kFrozen})
     add("border", sim::name_of(base.border), sim::name_of(border), [border](Setting& s) { s.border = border; });
   for (const CutOrder order : {CutOrder::kBestFirst, CutOrder::kBreadthFirst})
     add("extraction", sim::name_of(base.order), sim::name_of(order), [order](Setting& s) { s.order = order; });

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "sim/loader/scene_load.h"
+#include "tools/experiment/shared_files.h"
 
 namespace tactus::experiment {
 namespace {
@@ -44,7 +45,7 @@ Result<CouplingCase> case_of_file(const std::string& path) {
 }
 
 Result<sim::Scene> load_case_scene(const CouplingCase& one) {
-  return sim::load_scene(one.own_hand ? one.file : std::string(TACTUS_SCENES "/") + one.file);
+  return sim::load_scene(one.own_hand ? std::filesystem::path(one.file) : shared_file("scenes") / one.file);
 }
 
 Result<sim::Scene> load_coupling_case(const CouplingCase& one, std::uint64_t seed) {

@@ -5,20 +5,18 @@
 
 #include "sim/loader/choice_names.h"
 #include "tools/experiment/coupling/coupling_study.h"
+#include "tools/experiment/coupling/reference_run.h"
+#include "tools/json_text.h"
 
 namespace tactus::experiment {
 namespace {
 
 using nlohmann::ordered_json;
 
-std::string border_of(const Scheme& scheme) {
-  return scheme.coupling == haptics::CouplingScheme::kSubWorld ? std::string(sim::name_of(scheme.border)) : "-";
-}
-
 ordered_json to_json(const StudyRow& row) {
   return {{"scene", row.scene},
           {"coupling", sim::name_of(row.scheme.coupling)},
-          {"border", border_of(row.scheme)},
+          {"border", name_of_border(row.scheme)},
           {"ratio", row.scheme.ratio},
           {"members", row.members},
           {"stiffness_N_per_m", row.gains.stiffness_N_per_m},
@@ -43,6 +41,8 @@ ordered_json to_json(const StudyRow& row) {
           {"loop_peak_N", row.loop.peak_N},
           {"loop_shake_N", row.loop.shake_N},
           {"loop_hold_N", row.loop.hold_N},
+          {"loop_fallen", row.loop.fallen},
+          {"loop_energy_gain", row.loop.energy_gain},
           {"spectrum_N2", row.spectrum}};
 }
 
@@ -65,12 +65,13 @@ ordered_json to_json(const StudyScene& scene) {
 ordered_json to_json(const WholeRunRow& row) {
   return {{"scene", row.scene},
           {"coupling", sim::name_of(row.scheme.coupling)},
-          {"border", border_of(row.scheme)},
+          {"border", name_of_border(row.scheme)},
           {"ratio", row.scheme.ratio},
           {"members", row.members},
           {"stiffness_N_per_m", row.gains.stiffness_N_per_m},
           {"stiffness_Nm_per_rad", row.gains.stiffness_Nm_per_rad},
           {"seconds", row.seconds},
+          {"started_apart_m", row.apart_m},
           {"hand", row.closed_hand ? "closed" : "direct"},
           {"force_error", row.force_error},
           {"force_error_by_quarter", row.force_error_quarter},
@@ -98,14 +99,14 @@ std::string windows_table(const StudyReport& report) {
     text +=
         fmt::format("{:<11} {:>6} {:>9} {:>7} {:>7} {:>6.0f} % {:>8.2f} {:>12.2f} %\n", s.name, s.bodies, s.component,
                     s.members, s.contact_points, 100 * s.contact_share, s.force_rms_N, 100 * s.apart_force_error);
-  text += fmt::format("\n{:<11} {:<13} {:<7} {:>5} {:>7} {:>8} {:>8} {:>10} {:>9} {:>10} {:>10} {:>7}\n", "scene",
+  text += fmt::format("\n{:<11} {:<13} {:<8} {:>5} {:>7} {:>8} {:>8} {:>10} {:>9} {:>10} {:>10} {:>7}\n", "scene",
                       "coupling", "border", "ratio", "K N/m", "loss %", "gain %", "force err%", "sync N", "hold vib N",
                       "encoder N", "stable");
   for (const StudyRow& r : report.rows)
     text += fmt::format(
-        "{:<11} {:<13} {:<7} {:>5} {:>6.0f}{} {:>8.2f} {:>7.2f}{} {:>10.2f} {:>9.4f} {:>10.5f} {:>10.5f} "
+        "{:<11} {:<13} {:<8} {:>5} {:>6.0f}{} {:>8.2f} {:>7.2f}{} {:>10.2f} {:>9.4f} {:>10.5f} {:>10.5f} "
         "{:>7}\n",
-        r.scene, sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio, r.gains.stiffness_N_per_m,
+        r.scene, sim::name_of(r.scheme.coupling), name_of_border(r.scheme), r.scheme.ratio, r.gains.stiffness_N_per_m,
         r.lowered ? "!" : " ", 100 * r.energy.loss, 100 * r.energy.gain, r.at_rest ? "*" : " ", 100 * r.force_error,
         r.sync_step_N, r.hold_vibration_N, r.hold_vibration_encoder_N, r.stable ? "yes" : "NO");
   const bool lowered = std::any_of(report.rows.begin(), report.rows.end(), [](const StudyRow& r) { return r.lowered; });
@@ -113,11 +114,13 @@ std::string windows_table(const StudyReport& report) {
     text +=
         "\n!: the most stiffness that this coupling bears at this ratio; its row is against a direct run with the "
         "same.\n";
-  return text + fmt::format(
-                    "\n{} seeds, {} windows of {:g} s each, all from the state of a run with direct coupling. loss, "
-                    "gain: kinetic energy,\nby window. sync: 95 % of the steps of F - F_direct. vibration: std of F - "
-                    "F_direct, 20 to 500 Hz, while the hand holds.\n",
-                    report.seeds, report.windows, report.window_s);
+  return text +
+         fmt::format(
+             "\n{} seeds, {} windows of {} cycles each, at least {:g} s, all from the state of a run with direct "
+             "coupling.\nloss, gain: by window, of the kinetic energy of all bodies; *: these are at rest, it is "
+             "of the kinetic energy and what\nthe coupling's spring holds. sync: 95 % of the steps of F - "
+             "F_direct. vibration: std of F - F_direct, 20 to 500 Hz, while\nthe hand holds.\n",
+             report.seeds, report.windows, kWindowCycles, report.window_s);
 }
 
 }  // namespace
@@ -134,14 +137,15 @@ std::string study_json(const StudyReport& report) {
   ordered_json rows = ordered_json::array(), scenes = ordered_json::array();
   for (const StudyRow& row : report.rows) rows.push_back(to_json(row));
   for (const StudyScene& scene : report.scenes) scenes.push_back(to_json(scene));
-  return ordered_json{{"rows", rows},
-                      {"scenes", scenes},
-                      {"whole", whole},
-                      {"seeds", report.seeds},
-                      {"windows_per_seed", report.windows},
-                      {"window_s", report.window_s},
-                      {"spectrum_line_Hz", report.line_Hz}}
-      .dump(2);
+  return json_text(ordered_json{{"rows", rows},
+                                {"scenes", scenes},
+                                {"whole", whole},
+                                {"seeds", report.seeds},
+                                {"windows_per_seed", report.windows},
+                                {"window_cycles", kWindowCycles},
+                                {"window_least_s", report.window_s},
+                                {"spectrum_line_Hz", report.line_Hz}},
+                   2);
 }
 
 std::string study_csv(const StudyReport& report) {
@@ -149,15 +153,17 @@ std::string study_csv(const StudyReport& report) {
       "scene,coupling,border,ratio [1],stiffness [N/m],loss [1],gain [1],loss_worst_instant [1],gain_worst_instant [1],"
       "loss_speed_squared [1],gain_speed_squared [1],force_error_rms [1],force_error_hold [1],force_error_moving [1],"
       "force_error_worst_window [1],sync_step [N],hold_vibration [N],hold_vibration_worst [N],"
-      "hold_vibration_encoder [N],energy_basis,loop_peak [N],loop_shake [N],loop_hold [N],stable\n";
+      "hold_vibration_encoder [N],energy_basis,loop_peak [N],loop_shake [N],loop_hold [N],loop_fallen "
+      "[1],loop_energy_gain [1],stable\n";
   for (const StudyRow& r : report.rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
-                        sim::name_of(r.scheme.coupling), border_of(r.scheme), r.scheme.ratio, r.gains.stiffness_N_per_m,
-                        r.energy.loss, r.energy.gain, r.worst_instant.loss, r.worst_instant.gain, r.speed_squared.loss,
-                        r.speed_squared.gain, r.force_error, r.force_error_hold, r.force_error_moving,
-                        r.force_error_worst, r.sync_step_N, r.hold_vibration_N, r.hold_vibration_worst_N,
-                        r.hold_vibration_encoder_N, r.at_rest ? "kinetic and spring" : "kinetic", r.loop.peak_N,
-                        r.loop.shake_N, r.loop.hold_N, r.stable);
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
+                    sim::name_of(r.scheme.coupling), name_of_border(r.scheme), r.scheme.ratio,
+                    r.gains.stiffness_N_per_m, r.energy.loss, r.energy.gain, r.worst_instant.loss, r.worst_instant.gain,
+                    r.speed_squared.loss, r.speed_squared.gain, r.force_error, r.force_error_hold, r.force_error_moving,
+                    r.force_error_worst, r.sync_step_N, r.hold_vibration_N, r.hold_vibration_worst_N,
+                    r.hold_vibration_encoder_N, r.at_rest ? "kinetic and spring" : "kinetic", r.loop.peak_N,
+                    r.loop.shake_N, r.loop.hold_N, r.loop.fallen, r.loop.energy_gain, r.stable);
   return text;
 }
 

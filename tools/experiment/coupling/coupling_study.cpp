@@ -58,7 +58,8 @@ class SceneStudy {
       : request_(request), case_(one), profile_(profile), ratios_(ratios_of(request)), sums_(request.schemes.size()) {}
 
   Status measure(std::uint64_t seed);
-  void judge_stability();
+  Status judge_stability();
+  Status judge_poses();
   void add_to(StudyReport& report) const;
 
  private:
@@ -148,7 +149,7 @@ void SceneStudy::measure_group(const GainsGroup& group, bool scenes_own) {
     std::vector<Vec3d> encoded;
     if (window.hold) {
       start(direct, kDirect, reference, window);
-      encoded = run_window(direct, reference.encoded, reference, window, nullptr);
+      encoded = run_window(direct, reference.encoded, reference, window, kLongestWindow, nullptr);
     }
     if (scenes_own) measure_apart(reference, window);
     for (const std::size_t i : group.schemes) measure_scheme(i, reference, window, encoded);
@@ -167,7 +168,8 @@ void SceneStudy::start(CoupledWorlds& worlds, const Scheme& scheme, const Refere
 void SceneStudy::measure_apart(const ReferenceRun& reference, const Window& window) {
   CoupledWorlds apart = worlds(kDirect);
   apart.start_from({}, window.now, {}, {kApart_m, 0, 0});
-  const auto force = run_window(apart, reference.ideal, reference, window, window.hold ? nullptr : &apart_energy_);
+  const auto force =
+      run_window(apart, reference.ideal, reference, window, kWindowTicks, window.hold ? nullptr : &apart_energy_);
   apart_.add(force, std::span(reference.force).subspan(window.start, kWindowTicks));
 }
 
@@ -175,10 +177,12 @@ void SceneStudy::measure_scheme(std::size_t index, const ReferenceRun& reference
                                 std::span<const Vec3d> direct_encoded) {
   const Scheme& scheme = request_.schemes[index];
   RowSums& sums = sums_[index];
-  const auto wanted = std::span(reference.force).subspan(window.start, kWindowTicks);
+  const std::size_t ticks = window_ticks(scheme.ratio);
+  const auto wanted = std::span(reference.force).subspan(window.start, ticks);
   CoupledWorlds tested = worlds(scheme);
   start(tested, scheme, reference, window);
-  const auto force = run_window(tested, reference.ideal, reference, window, window.hold ? nullptr : &sums.energy);
+  const auto force =
+      run_window(tested, reference.ideal, reference, window, ticks, window.hold ? nullptr : &sums.energy);
   account_.component = std::max(account_.component, tested.component());
 
   ForceError error;
@@ -186,20 +190,20 @@ void SceneStudy::measure_scheme(std::size_t index, const ReferenceRun& reference
   (window.hold ? sums.hold : sums.moving).add(error);
   sums.worst = std::max(sums.worst, error.relative());
   std::vector<std::size_t> syncs;
-  for (std::size_t k = scheme.ratio; k < kWindowTicks; k += scheme.ratio) syncs.push_back(k);
+  for (std::size_t k = scheme.ratio; k < ticks; k += scheme.ratio) syncs.push_back(k);
   const auto steps = steps_at(force, wanted, syncs);
   sums.steps.insert(sums.steps.end(), steps.begin(), steps.end());
   if (!window.hold) return;
 
   const auto off = difference(force, wanted);
   sums.vibration.push_back(band_deviation(off, kHapticRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
-  const auto lines = power_spectrum(off);
+  const auto lines = power_spectrum(std::span(off).last(kWindowTicks));  // the same lines at every ratio
   sums.spectrum.resize(lines.size());
   for (std::size_t i = 0; i < lines.size(); ++i) sums.spectrum[i] += lines[i];
   ++sums.spectra;
   CoupledWorlds with_encoder = worlds(scheme);
   start(with_encoder, scheme, reference, window);
-  const auto encoded = run_window(with_encoder, reference.encoded, reference, window, nullptr);
+  const auto encoded = run_window(with_encoder, reference.encoded, reference, window, ticks, nullptr);
   sums.encoder_vibration.push_back(
       band_deviation(difference(encoded, direct_encoded), kHapticRate_Hz, kVibrationLow_Hz, kVibrationHigh_Hz));
 }
@@ -217,7 +221,7 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
     on_device = tested.tick(hand.encoded()).on_device;
     const double size = norm(on_device.force);
     // What no device would give is no number to go on with.
-    if (!is_finite(on_device) || size > 1e3) return {1e3, 1e3, 1e3};
+    if (!is_finite(on_device) || size > 1e3) return {1e3, 1e3, 1e3, 0, 0};
     loop.peak_N = std::max(loop.peak_N, size);
     if (k < first_held || k >= last_held) continue;
     held.push_back(on_device.force);
@@ -227,13 +231,30 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
   return loop;
 }
 
-void SceneStudy::judge_stability() {
+// The same run, with the poses and the energy of all bodies beside the direct run's (whole_run.h).
+Status SceneStudy::judge_poses() {
+  use_gains(own_gains_, scene_);
+  WholeRunRequest whole;
+  whole.scenes = {scene_}, whole.schemes = request_.schemes, whole.members = {options(kDirect).members};
+  whole.seconds = HandTimes::kEnd, whole.order = request_.order;
+  const auto rows = run_whole(whole, {});
+  if (!rows.ok()) return rows.status();
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    const WholeRunRow& row = rows.value()[i];
+    loops_[i].fallen = row.fallen;
+    loops_[i].energy_gain = (row.energy_gain_J - row.direct_energy_gain_J) / row.energy_at_play_J;
+  }
+  return Status::good();
+}
+
+Status SceneStudy::judge_stability() {
   loops_.resize(request_.schemes.size());
   for (GainsGroup& group : groups_) {
     use_gains(group.gains, scene_);
     group.direct_loop = close_loop(kDirect);
     for (const std::size_t i : group.schemes) loops_[i] = close_loop(request_.schemes[i]);
   }
+  return judge_poses();
 }
 
 void SceneStudy::add_to(StudyReport& report) const {
@@ -281,7 +302,7 @@ void SceneStudy::add_to(StudyReport& report) const {
 
 bool is_stable(const HandInLoop& loop, const HandInLoop& direct) {
   return loop.peak_N <= 1.5 * direct.peak_N + 1.0 && loop.shake_N <= direct.shake_N + 0.2 &&
-         loop.hold_N >= 0.5 * direct.hold_N;
+         loop.hold_N >= 0.5 * direct.hold_N && loop.fallen == 0 && loop.energy_gain <= kMostEnergyGain;
 }
 
 Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progress& progress) {
@@ -312,7 +333,7 @@ Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progre
       done += weight[c];
     }
     pace.say(fmt::format("scene {}, stability", one.name), done);
-    study.judge_stability();
+    if (const Status status = study.judge_stability(); !status.ok()) return status;
     done += weight[c];
     study.add_to(report);
   }

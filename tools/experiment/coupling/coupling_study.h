@@ -32,9 +32,11 @@ struct StudyRequest {
 
 // A run from rest with the hand in the loop, the device's own encoder and delay.
 struct HandInLoop {
-  double peak_N{0};   // largest force
-  double shake_N{0};  // 20 to 500 Hz while the hand holds
-  double hold_N{0};   // mean force while the hand holds
+  double peak_N{0};       // largest force
+  double shake_N{0};      // 20 to 500 Hz while the hand holds
+  double hold_N{0};       // mean force while the hand holds
+  unsigned fallen{0};     // bodies that do not stand where they do in the direct run (StandingRule)
+  double energy_gain{0};  // energy beyond the start and the hand's work, less the direct run's, of the energy at play
 };
 
 // Of one coupling on one scene; fractions, unless the name has a unit.
@@ -74,14 +76,17 @@ struct StudyReport {
   std::vector<StudyScene> scenes;
   std::vector<WholeRunRow> whole;  // beside the windows, see whole_run.h
   unsigned seeds{0}, windows{0};   // a seed
-  double window_s{0}, line_Hz{0};
+  double window_s{0}, line_Hz{0};  // the shortest window: kWindowCycles cycles, or that
 };
 
 // One line where a scene cannot be loaded or does not go with the schemes.
 Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progress& progress);
 
 // Stable: no force beyond 1.5 times the direct coupling's peak and 1 N more; while the hand holds, no more than 0.2 N
-// between 20 and 500 Hz beyond the direct coupling's, and at least half its force: nothing has given way.
+// between 20 and 500 Hz beyond the direct coupling's, and at least half its force: nothing has given way. At the end
+// every body stands (StandingRule), and at no time is there more energy than the direct run has by kMostEnergyGain of
+// the energy at play.
+inline constexpr double kMostEnergyGain = 0.1;
 bool is_stable(const HandInLoop& loop, const HandInLoop& direct);
 
 std::string study_table(const StudyReport& report);

@@ -1,5 +1,6 @@
 #include "tools/experiment/coupling/reference_run.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "rt/base/status.h"
@@ -8,10 +9,12 @@ namespace tactus::experiment {
 
 std::size_t tick_at(double time_s) { return static_cast<std::size_t>(std::llround(time_s * kHapticRate_Hz)); }
 
+std::size_t window_ticks(unsigned ratio) { return std::clamp(kWindowCycles * ratio, kWindowTicks, kLongestWindow); }
+
 std::vector<WindowPlace> window_places(bool quick) {
   if (quick) return {{tick_at(1.2), true}, {tick_at(2.05), false}};
-  return {{tick_at(0.95), true},  {tick_at(1.2), true},   {tick_at(1.45), true},
-          {tick_at(1.75), false}, {tick_at(2.05), false}, {tick_at(2.35), false}};
+  return {{tick_at(0.8), true},   {tick_at(1.05), true},   {tick_at(1.3), true},
+          {tick_at(1.75), false}, {tick_at(1.975), false}, {tick_at(2.2), false}};
 }
 
 Wrenchd ReferenceRun::mean_on_proxy(std::size_t tick, unsigned ticks) const {
@@ -51,10 +54,11 @@ ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size
 }
 
 std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
-                              const ReferenceRun& reference, const Window& window, EnergyBook* energy) {
+                              const ReferenceRun& reference, const Window& window, std::size_t ticks,
+                              EnergyBook* energy) {
   std::vector<Vec3d> force;
   const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
-  for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
+  for (std::size_t k = window.start; k < window.start + ticks; ++k) {
     if (energy != nullptr && k > window.start && worlds.at_synchronisation())
       energy->add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
     force.push_back(worlds.tick(targets[k]).on_device.force);

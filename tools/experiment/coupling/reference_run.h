@@ -39,7 +39,12 @@ struct WindowPlace {
 };
 
 inline constexpr double kHapticRate_Hz = 1000;
-inline constexpr std::size_t kWindowTicks = 200;
+inline constexpr std::size_t kWindowTicks = 200;  // the least, for the spectrum
+
+// A window is counted in cycles, so that every ratio has as many synchronisations: kWindowCycles of the ratio, but at
+// least kWindowTicks. The hand's script has room for kLongestWindow: beyond ratio 16 there are fewer cycles.
+inline constexpr std::size_t kWindowCycles = 25, kLongestWindow = 400;
+std::size_t window_ticks(unsigned ratio);
 
 std::size_t tick_at(double time_s);
 // Where the windows are in the hand's script (coupling_cases.h): half of them while it holds.
@@ -48,9 +53,10 @@ std::vector<WindowPlace> window_places(bool quick);
 ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size_t ticks,
                               std::span<const WindowPlace> places, std::span<const unsigned> ratios);
 
-// The force on the device, tick by tick, from where the worlds were started. `energy`, when given, gets what all bodies
-// have at the synchronisations.
+// The force on the device over `ticks`, tick by tick, from where the worlds were started. `energy`, when given, gets
+// what all bodies have at the synchronisations.
 std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
-                              const ReferenceRun& reference, const Window& window, EnergyBook* energy);
+                              const ReferenceRun& reference, const Window& window, std::size_t ticks,
+                              EnergyBook* energy);
 
 }  // namespace tactus::experiment

@@ -15,10 +15,10 @@ constexpr unsigned kReferenceSubSteps = 16, kReferenceRelaxSweeps = 2;
 
 // A window, timed part by part.
 std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& reference, const Window& window,
-                                SettingSums& sums) {
+                                std::size_t ticks, SettingSums& sums) {
   std::vector<Vec3d> force;
   const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
-  for (std::size_t k = window.start; k < window.start + kWindowTicks; ++k) {
+  for (std::size_t k = window.start; k < window.start + ticks; ++k) {
     if (!window.hold && k > window.start && worlds.at_synchronisation())
       sums.energy.add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
     const TickTimes times = timed_tick(worlds, reference.ideal[k]);
@@ -84,11 +84,11 @@ void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile,
   for (const Window& window : reference.windows) {
     CoupledWorlds worlds(solved, options, profile.properties);
     worlds.start_from(window.before[ratio], window.now, reference.mean_on_proxy(window.start, setting.ratio));
-    const auto wanted = std::span(reference.force).subspan(window.start, kWindowTicks);
-    const auto force = timed_window(worlds, reference, window, sums);
+    const auto wanted = std::span(reference.force).subspan(window.start, window_ticks(setting.ratio));
+    const auto force = timed_window(worlds, reference, window, wanted.size(), sums);
     sums.error.add(force, wanted);
     std::vector<std::size_t> syncs;
-    for (std::size_t k = setting.ratio; k < kWindowTicks; k += setting.ratio) syncs.push_back(k);
+    for (std::size_t k = setting.ratio; k < wanted.size(); k += setting.ratio) syncs.push_back(k);
     const auto steps = steps_at(force, wanted, syncs);
     sums.steps.insert(sums.steps.end(), steps.begin(), steps.end());
     if (window.hold) sums.vibration.push_back(band_deviation(difference(force, wanted), kHapticRate_Hz, 20, 500));

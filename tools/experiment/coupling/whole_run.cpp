@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "rt/base/denormals.h"
@@ -162,11 +163,13 @@ void compare_force(const Trace& run, const Trace& direct, WholeRunRow& row) {
     const std::size_t from = q * n / 4, to = (q + 1) * n / 4;
     ForceError quarter;
     quarter.add(std::span(force).subspan(from, to - from), std::span(direct.force).subspan(from, to - from));
-    row.force_error_quarter[q] = quarter.relative();
+    row.force_error_quarter[q] =
+        std::sqrt(quarter.error_squared / static_cast<double>(std::max<std::size_t>(1, to - from)));
     whole.add(quarter);
   }
   row.force_error = whole.relative();
   row.force_rms_N = std::sqrt(whole.reference_squared / static_cast<double>(n));
+  for (double& quarter : row.force_error_quarter) quarter = row.force_rms_N > 0 ? quarter / row.force_rms_N : 0;
 }
 
 double farthest(std::span<const Body<double>> a, std::span<const Body<double>> b) {
@@ -194,14 +197,9 @@ void compare_poses(const Trace& run, const Trace& direct, WholeRunRow& row) {
     const std::size_t at = compared * 3 / 4;
     row.drift_m = row.pose_off_m - farthest(run.poses[at], direct.poses[at]);
   }
-  for (std::size_t i = 0; i < std::min(run.end.size(), direct.end.size()); ++i) {
-    if (norm(direct.end[i].motion.velocity.linear) > StandingRule::kAtRest_m_per_s) continue;
-    const double extent = smallest_extent(direct.end[i].shape);
-    if (has_fallen(direct.poses.front()[i], direct.end[i], extent)) continue;
-    const double distance = off(run.end[i], direct.end[i]);
-    row.pose_off_share = std::max(row.pose_off_share, distance / extent);
-    if (distance > StandingRule::kShareOfExtent * extent || turned_over(run.end[i], direct.end[i])) ++row.fallen;
-  }
+  const Standing standing = judge_standing(direct.poses.front(), direct.end, run.end);
+  row.standing = standing.standing, row.fallen = static_cast<unsigned>(standing.fell.size());
+  row.pose_off_share = standing.most_off_share;
   row.stands = row.fallen == 0 && !run.lost;
 }
 
@@ -213,6 +211,7 @@ WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct)
   row.kinetic_J = run.kinetic_J, row.kinetic_over_work = run.kinetic_over_work;
   row.energy_gain_J = run.gain_J, row.direct_energy_gain_J = direct.gain_J;
   row.energy_at_play_J = direct.work_J + whole.weight_J();
+  row.direct_kinetic_J = direct.kinetic_J;
   row.border_work_J = run.border_work_J;
   return row;
 }
@@ -251,21 +250,56 @@ class DirectRun {
   Trace trace_;
 };
 
+WholeRunRow floor_row(const sim::Scene& scene, const DirectRun& own, const hal::DeviceProfile& profile,
+                      const WholeRunRequest& request) {
+  sim::Scene aside = scene;
+  aside.bodies[aside.proxy].motion.pose.position.x += WholeRunRequest::kApart_m;
+  const DirectRun apart(aside, own.gains(), profile, request);
+  WholeRunRow row = row_of(own.whole(), apart.trace(), own.trace());
+  row.scene = scene.name, row.scheme = {CouplingScheme::kDirect, physics::BorderMode::kCapped, 1};
+  row.seconds = request.seconds, row.apart_m = WholeRunRequest::kApart_m;
+  row.members = static_cast<unsigned>(own.trace().end.size());
+  row.gains = own.gains();
+  return row;
+}
+
 }  // namespace
+
+Standing judge_standing(std::span<const Body<double>> start, std::span<const Body<double>> direct_end,
+                        std::span<const Body<double>> end) {
+  Standing result;
+  for (std::size_t i = 0; i < std::min(end.size(), direct_end.size()); ++i) {
+    if (norm(direct_end[i].motion.velocity.linear) > StandingRule::kAtRest_m_per_s) continue;
+    const double extent = smallest_extent(direct_end[i].shape);
+    if (has_fallen(start[i], direct_end[i], extent)) continue;
+    ++result.standing;
+    const double share = off(end[i], direct_end[i]) / extent;
+    if (!is_finite(end[i].motion.pose)) {
+      result.most_off_share = std::numeric_limits<double>::infinity();
+      result.fell.push_back(end[i].id);
+      continue;
+    }
+    result.most_off_share = std::max(result.most_off_share, share);
+    if (share > StandingRule::kShareOfExtent || turned_over(end[i], direct_end[i])) result.fell.push_back(end[i].id);
+  }
+  return result;
+}
 
 Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const Progress& progress) {
   set_denormals_flush();
   std::vector<WholeRunRow> rows;
   double work = 0, done = 0;
   for (const sim::Scene& scene : request.scenes)
-    work += static_cast<double>(scene.bodies.size() * (1 + request.schemes.size() * request.members.size()));
+    work += static_cast<double>(scene.bodies.size() *
+                                ((request.floor ? 2 : 1) + request.schemes.size() * request.members.size()));
   const Pace pace(progress, work);
   for (const sim::Scene& scene : request.scenes) {
     const auto profile = session::find_description(scene.device.profile, {});
     if (!profile.ok()) return profile.status();
     pace.say(fmt::format("scene {}, direct", scene.name), done);
     const DirectRun own(scene, gains_of_scene(scene), profile.value(), request);
-    done += static_cast<double>(scene.bodies.size());
+    done += static_cast<double>(scene.bodies.size() * (request.floor ? 2 : 1));
+    if (request.floor) rows.push_back(floor_row(scene, own, profile.value(), request));
     for (const unsigned members : request.members)
       for (const Scheme& scheme : request.schemes) {
         pace.say(fmt::format("scene {}, ratio {}", scene.name, scheme.ratio), done);
@@ -282,10 +316,15 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
         for (const bool closed : {true, false}) {
           if (!closed && !request.hand_of_direct) continue;
           const auto targets = closed ? std::span<const haptics::DeviceTarget>() : std::span(direct.trace().target);
-          WholeRunRow row = row_of(direct.whole(), direct.whole().run(scheme, members, targets), direct.trace());
+          Trace run = direct.whole().run(scheme, members, targets);
+          WholeRunRow row = row_of(direct.whole(), run, direct.trace());
           row.scene = scene.name, row.scheme = scheme, row.seconds = request.seconds, row.closed_hand = closed;
           row.members = members > 0 ? members : scene.members;
           row.gains = gains;
+          if (request.keep_bodies) {
+            row.start = direct.trace().poses.front(), row.direct_end = direct.trace().end;
+            row.end = std::move(run.end);
+          }
           rows.push_back(std::move(row));
         }
         done += static_cast<double>(scene.bodies.size());
@@ -296,20 +335,20 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
 
 std::string whole_table(std::span<const WholeRunRow> rows) {
   std::string text = fmt::format(
-      "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n",
+      "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n",
       "scene", "coupling", "border", "ratio", "members", "K N/m", "hand", "force err%", "by quarter %", "off mm",
       "most mm", "of size%", "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
   for (const WholeRunRow& r : rows) {
     std::string quarters;
     for (const double q : r.force_error_quarter) quarters += fmt::format(" {:>6.2f}", 100 * q);
     text += fmt::format(
-        "{:<16} {:<13} {:<7} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
+        "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
         "{:>9.3f} "
         "{:>9.3f} {:>7}\n",
-        r.scene, sim::name_of(r.scheme.coupling), sim::name_of(r.scheme.border), r.scheme.ratio, r.members,
-        r.gains.stiffness_N_per_m, r.closed_hand ? "closed" : "direct", 100 * r.force_error, quarters,
-        1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m, 100 * r.pose_off_share, 1e3 * r.drift_m, 1e3 * r.deepest_m,
-        r.kinetic_over_work, 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
+        r.scene, (r.apart_m > 0 ? "1 um apart" : sim::name_of(r.scheme.coupling)), name_of_border(r.scheme),
+        r.scheme.ratio, r.members, r.gains.stiffness_N_per_m, r.closed_hand ? "closed" : "direct", 100 * r.force_error,
+        quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m, 100 * r.pose_off_share, 1e3 * r.drift_m,
+        1e3 * r.deepest_m, r.kinetic_over_work, 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
         r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
   }
   return text;
@@ -317,16 +356,17 @@ std::string whole_table(std::span<const WholeRunRow> rows) {
 
 std::string whole_csv(std::span<const WholeRunRow> rows) {
   std::string text =
-      "scene,coupling,border,ratio [1],members [1],stiffness [N/m],seconds [s],hand,force_error [1],force_error_q1 "
+      "scene,coupling,border,ratio [1],members [1],stiffness [N/m],seconds [s],started_apart [m],hand,force_error "
+      "[1],force_error_q1 "
       "[1],force_error_q2 "
       "[1],"
       "force_error_q3 [1],force_error_q4 [1],force_rms [N],pose_off [m],pose_off_most [m],pose_off_share [1],drift [m],"
       "deepest [m],direct_deepest [m],kinetic [J],kinetic_over_work [1],energy_gain [J],direct_energy_gain [J],"
       "energy_at_play [J],border_work [J],fallen [1],stands\n";
   for (const WholeRunRow& r : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                        r.scene, sim::name_of(r.scheme.coupling), sim::name_of(r.scheme.border), r.scheme.ratio,
-                        r.members, r.gains.stiffness_N_per_m, r.seconds, r.closed_hand ? "closed" : "direct",
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+                        r.scene, sim::name_of(r.scheme.coupling), name_of_border(r.scheme), r.scheme.ratio, r.members,
+                        r.gains.stiffness_N_per_m, r.seconds, r.apart_m, r.closed_hand ? "closed" : "direct",
                         r.force_error, r.force_error_quarter[0], r.force_error_quarter[1], r.force_error_quarter[2],
                         r.force_error_quarter[3], r.force_rms_N, r.pose_off_m, r.pose_off_most_m, r.pose_off_share,
                         r.drift_m, r.deepest_m, r.direct_deepest_m, r.kinetic_J, r.kinetic_over_work, r.energy_gain_J,

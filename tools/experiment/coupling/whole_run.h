@@ -26,7 +26,12 @@ struct WholeRunRequest {
   std::vector<unsigned> members{0};  // caps; 0: the scene's
   double seconds{10};
   bool hand_of_direct{false};  // also with the direct run's hand
+  // First, for each scene, the direct run beside another that starts with its proxy kApart_m aside: how far two direct
+  // runs go apart. What a coupling is off by less than that cannot be told from chance.
+  bool floor{false};
+  static constexpr double kApart_m = 1e-6;
   sim::CutOrder order{sim::CutOrder::kBestFirst};
+  bool keep_bodies{false};  // at the start and at the end of both runs, in the rows
 };
 
 // A body stands where, at the end, its centre is within half of its smallest extent of where the direct run has it,
@@ -39,6 +44,15 @@ struct StandingRule {
   static constexpr double kAtRest_m_per_s = 0.01;
 };
 
+// The rule, on bodies that move, in the order of their ids.
+struct Standing {
+  unsigned standing{0};      // bodies that count
+  std::vector<BodyId> fell;  // of these
+  double most_off_share{0};  // farthest of these from where the direct run has it, of its smallest extent
+};
+Standing judge_standing(std::span<const physics::Body<double>> start, std::span<const physics::Body<double>> direct_end,
+                        std::span<const physics::Body<double>> end);
+
 struct WholeRunRow {
   std::string scene;
   Scheme scheme;
@@ -46,9 +60,10 @@ struct WholeRunRow {
   haptics::CouplingGains gains;  // world units: the most that the coupling bears of the scene's; the direct run's too
   double seconds{0};
   bool closed_hand{true};
-  double force_error{0};  // RMS(F - F_direct) / RMS(F_direct), over the whole run
-  std::array<double, 4> force_error_quarter{};
-  double force_rms_N{0};                     // of the direct run
+  double apart_m{0};                            // above 0: a direct run that started so much aside
+  double force_error{0};                        // RMS(F - F_direct) / RMS(F_direct), over the whole run
+  std::array<double, 4> force_error_quarter{};  // of the quarter, over the RMS of F_direct of the whole run
+  double force_rms_N{0};                        // of the direct run
   double pose_off_m{0}, pose_off_most_m{0};  // farthest body from the direct run's: at the end, at any synchronisation
   double pose_off_share{0};  // at the end, of bodies that the direct run leaves at rest: of their smallest extent
   double drift_m{0};         // farthest body from the direct run's at the end, less the same at three quarters
@@ -58,9 +73,13 @@ struct WholeRunRow {
   double energy_gain_J{0};                   // largest excess of kinetic + potential energy over start + hand's work
   double direct_energy_gain_J{0};            // same, of the direct run
   double energy_at_play_J{0};                // hand's work without sign + weight of each body times its extent
-  unsigned fallen{0};                        // bodies
+  double direct_kinetic_J{0};                // largest kinetic energy of the direct run
+  unsigned standing{0};                      // bodies that the rule counts: the direct run leaves them standing
+  unsigned fallen{0};                        // of these
   bool stands{true};
   double border_work_J{0};  // done on members by the border
+  // Where the request keeps them: the bodies that move, in the order of their ids.
+  std::vector<physics::Body<double>> start, end, direct_end;
 };
 
 // One line where a scene does not go with the schemes.

@@ -190,8 +190,8 @@ double CaseWorld::carried_by_fixed() const {
 double CaseWorld::carried_between(BodyId a, BodyId b) const {
   double impulse = 0;
   for (const auto& contact : world.contacts()) {
-    if (contact.b_fixed) continue;
-    const BodyId first = world.bodies()[contact.slot_a].id, second = world.bodies()[contact.slot_b].id;
+    const auto others = contact.b_fixed ? world.fixed_bodies() : std::span<const physics::Body<double>>(world.bodies());
+    const BodyId first = world.bodies()[contact.slot_a].id, second = others[contact.slot_b].id;
     if (std::min(first, second) != std::min(a, b) || std::max(first, second) != std::max(a, b)) continue;
     for (std::uint32_t i = 0; i < contact.count; ++i) impulse += contact.points[i].total_normal_impulse;
   }
@@ -204,7 +204,12 @@ double CaseWorld::overlap_under(double load_N, double mass_kg) const {
 }
 
 // A corner is off a cube's centre by half an edge in both directions: 1/m + 2 half^2 / (m (2 half)^2 / 6) = 4/m.
-double face_mass(double mass, double other) { return 1 / (1 / mass + (other > 0 ? 1 / other : 0)); }
+double face_mass(double mass, double other, const Vec3d& half) {
+  // A corner's r x n against the box's inertia m (a^2 + c^2) / 3: 3 / m in all for a cube, 6 / m for a thin card.
+  const double at_corner =
+      1 + 3 / (1 + half.z * half.z / (half.x * half.x)) + 3 / (1 + half.z * half.z / (half.y * half.y));
+  return 4 / at_corner / (1 / mass + (other > 0 ? 1 / other : 0));
+}
 
 double tilt_of(const Quatd& rotation) {
   const Vec3d up = rotate(rotation, Vec3d{0, 0, 1});

@@ -82,8 +82,9 @@ class CaseWorld {
   bool finite_{true};
 };
 
-// Effective mass of the four corners in parallel of a cube's face on an equal face of a body of `other` kg; 0: fixed.
-double face_mass(double mass, double other);
+// Effective mass of the four corners in parallel of a box's face on an equal face of a box of `other` kg; 0: fixed.
+// `half`: of both, z across the face; a cube by default.
+double face_mass(double mass, double other, const Vec3d& half = {1, 1, 1});
 
 // How far a rotation has turned a body's z axis from the world's [rad].
 double tilt_of(const Quatd& rotation);

@@ -47,22 +47,24 @@ Outcome peg_in_hole(const Setting& setting) {
   world.add(
       physics::make_fixed_body<double>(kGround + 4, physics::Shape<double>::plane(), 0.2, {{0, 0, -0.5 * length}, {}}));
   world.add_box(0, {0.5 * side, 0.5 * side, 0.5 * length}, 0.1, 0.2, {});
-  double tilt = 0, energy = 0;
+  double tilt = 0, energy = 0, most = 0;
   for (const double way : {1.0, -1.0}) {
     world.hold(0, {{}, {0, way * torque, 0}});
     for (int k = world.steps_in(1); k > 0; --k) {
       world.step();
       energy = std::max(energy, world.world.kinetic_energy());
+      for (BodyId id = kGround; id < kGround + 4; ++id) most = std::max(most, world.carried_between(0, id));
     }
     tilt = std::max(tilt, tilt_of(world.body(0).motion.pose.rotation));
   }
   world.hold(0, {});
   world.run(1);
   Outcome outcome;
-  // Both walls give way by the overlap that contacts leave alone.
-  const double most = (clearance + 2 * world.settings.slop) / length;
-  outcome.relative("tilt, rad", tilt, most, 0.05);
-  outcome.at_most("kinetic energy, J", energy, torque * 2 * most);  // the torque's work
+  const double limit = clearance / length;
+  outcome.at_most("tilt, rad", tilt, 1.05 * limit);
+  outcome.holds("tilts until it touches", tilt > 0.95 * limit);
+  outcome.at_most("largest force of a wall, N", most, haptics::DeviceProperties{}.max_force_N);
+  outcome.at_most("kinetic energy, J", energy, torque * 2 * limit);  // the torque's work
   outcome.at_most("speed at the end, m/s", world.fastest(), 1e-4);
   world.close(outcome);
   return outcome;
@@ -78,7 +80,7 @@ Outcome into_a_corner(const Setting& setting) {
               to_y = quat_from_rotation_vector(Vec3d{-0.5 * kPi, 0, 0});
   world.add(physics::make_fixed_body<double>(kGround, physics::Shape<double>::plane(), 0.3, {{}, to_x}));
   world.add(physics::make_fixed_body<double>(kGround + 1, physics::Shape<double>::plane(), 0.3, {{}, to_y}));
-  world.add_sphere(0, radius, 0.5, 0.3, {2 * radius, 2 * radius, 0});
+  world.add_sphere(0, radius, 0.2, 0.3, {2 * radius, 2 * radius, 0});
   couple(world, 0, 2000, 5);
   const haptics::DeviceProperties device;
   haptics::ForceLimiter limiter{haptics::ForceLimiter::Config::of(device, setting.step_s), {}};
@@ -254,8 +256,10 @@ Outcome coupling_limit(const Setting& setting) {
 
 std::vector<HardCase> coupling_cases() {
   return {
-      {13, "peg in a hole", true, peg_in_hole},
-      {16, "proxy pulled a metre into a corner", false, into_a_corner},
+      {13, "peg in a hole", true, peg_in_hole,
+       "contacts leave an overlap of 10 um alone at either wall: tilts by 3.08 mrad, 2.63 allowed", "same"},
+      {16, "proxy pulled a metre into a corner", false, into_a_corner,
+       "the proxy of 0.2 kg feels all 2000 N of its spring, the device 30 N: 0.145 mm deep, 0.1 allowed"},
       {23, "proxy between two blocks of 100 kg", true, between_blocks},
       {30, "coupling at 0.9 and 1.1 of its limit", false, coupling_limit},
   };

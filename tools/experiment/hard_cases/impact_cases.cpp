@@ -19,13 +19,13 @@ Outcome impact_on_a_plate(const Setting& setting) {
   world.settings.gravity = {};
   world.add(physics::make_fixed_body<double>(kGround, physics::Shape<double>::box({0.1, 0.1, 0.001}), 0.5,
                                              {{0, 0, -0.001}, {}}));
-  const double radius = 0.01, mass = 0.1;
+  const double radius = 0.01, mass = 0.2;
   world.add_sphere(0, radius, mass, 0.5, {0, 0, 0.1034}, {0, 0, -10});
   const double energy = world.world.kinetic_energy();
   double deepest = 0, rebound = 0, most_energy = 0;
   for (int k = world.steps_in(0.2); k > 0; --k) {
     world.step();
-    deepest = std::max(deepest, radius - world.position(0).z);
+    deepest = std::max({deepest, radius - world.position(0).z, world.report.deepest_m});
     rebound = std::max(rebound, world.velocity(0).linear.z);
     most_energy = std::max(most_energy, world.world.kinetic_energy());
   }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/random.h"
 #include "tools/experiment/hard_cases/case_world.h"
+#include "tools/experiment/hard_cases/draw.h"
 
 namespace tactus::hard_cases {
 namespace {
@@ -18,22 +18,6 @@ using physics::ShapeKind;
 
 constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMostFriction = 5;
 constexpr unsigned kTicksOneWay = 10;
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : random_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * random_.uniform(); }
-  double logarithmic(double low, double high) { return low * std::exp(std::log(high / low) * uniform(0, 1)); }
-  bool chance(double p) { return uniform(0, 1) < p; }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(random_.next() % n); }
-  Vec3d vector(double most) {
-    const double x = uniform(-most, most), y = uniform(-most, most), z = uniform(-most, most);
-    return {x, y, z};
-  }
-
- private:
-  sim::Random random_;
-};
 
 // About `size` long; every third box is a sliver, up to 1:1000.
 Shape<double> random_shape(Draw& random, double size) {
@@ -94,8 +78,10 @@ RandomWorld make_random_world(std::uint64_t seed) {
 
 namespace {
 
+constexpr physics::Capacities kCapacities{32, 8, 1024, 256, 0};
+
 RandomRun run_once(const RandomWorld& random) {
-  CaseWorld world({}, random.contact_hertz, {32, 8, 1024, 256, 0});
+  CaseWorld world({}, random.contact_hertz, kCapacities);
   double mass = 0, weight_moment = 0;
   unsigned moving = 0;
   for (const Body<double>& body : random.bodies) {
@@ -158,46 +144,78 @@ RandomWorld shrink(RandomWorld world, const std::function<bool(const RandomWorld
   return world;
 }
 
-std::string to_scene(const RandomWorld& world, const std::string& broken_gate) {
-  const auto vector = [](const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); };
-  std::string text = fmt::format(
-      "# Random world {}, of which this is left: gate broken: {}.\n# {} ticks, {} by the device, device speed {} m/s.\n"
-      "title = \"Random world {}\"\neffects = [\"gravity\", \"friction\", \"gyroscopic\"]\n"
-      "[simulation]\ncontact_hertz_Hz = {}\nsub_steps = 4\nglobal_sub_steps_per_tick = 4\n"
-      "[device]\nposition_m = [0, 0, 0]\n[proxy]\nshape = \"sphere\"\nradius_m = 0.001\nmass_kg = 0.2\n"
-      "position_m = [0, 0, 1000]\n",
-      world.seed, broken_gate, world.ticks, world.held ? "the first body held" : "nothing held",
-      vector(world.device_speed_m_per_s), world.seed, world.contact_hertz);
-  for (const Body<double>& body : world.bodies) {
-    text += "[[body]]\n";
-    switch (body.shape.kind) {
-      case ShapeKind::kSphere:
-        text += fmt::format("shape = \"sphere\"\nradius_m = {}\n", body.shape.radius);
-        break;
-      case ShapeKind::kCapsule:
-        text += fmt::format("shape = \"capsule\"\nradius_m = {}\nlength_m = {}\n", body.shape.radius,
-                            2 * body.shape.half_length);
-        break;
-      case ShapeKind::kBox:
-        text += fmt::format("shape = \"box\"\nsize_m = {}\n", vector(2.0 * body.shape.half_extents));
-        break;
-      default:
-        text += "shape = \"plane\"\n";
-        break;
-    }
-    text += fmt::format("friction = {}\nposition_m = {}\n", body.friction, vector(body.motion.pose.position));
-    const Quatd& q = body.motion.pose.rotation;
-    const double sine = norm(q.vec());
-    if (sine > 0)
-      text += fmt::format("rotation_vector_rad = {}\n", vector((2 * std::atan2(sine, q.w) / sine) * q.vec()));
-    if (body.kind == BodyKind::kFixed) {
-      if (body.shape.kind != ShapeKind::kPlane) text += "fixed = true\n";
-      continue;
-    }
-    text += fmt::format("mass_kg = {}\nvelocity_m_per_s = {}\nangular_velocity_rad_per_s = {}\n", body.mass,
-                        vector(body.motion.velocity.linear), vector(body.motion.velocity.angular));
+RandomWorld settled(RandomWorld random, double seconds) {
+  CaseWorld world({}, random.contact_hertz, kCapacities);
+  for (Body<double>& body : random.bodies) {
+    body.gravity_scale = body.kind == BodyKind::kDynamic ? 1 : 0;
+    world.add(body);
   }
-  return text + "[hand]\npath = [{time_s = 0, position_m = [0, 0, 1000]}]\n";
+  random.held = false;
+  world.run(seconds);
+  for (Body<double>& body : random.bodies)
+    if (body.kind == BodyKind::kDynamic) body.motion = world.body(body.id).motion;
+  return random;
+}
+
+namespace {
+
+std::string in_toml(const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
+
+std::string in_toml(const Body<double>& body) {
+  std::string text = "[[body]]\n";
+  switch (body.shape.kind) {
+    case ShapeKind::kSphere:
+      text += fmt::format("shape = \"sphere\"\nradius_m = {}\n", body.shape.radius);
+      break;
+    case ShapeKind::kCapsule:
+      text += fmt::format("shape = \"capsule\"\nradius_m = {}\nlength_m = {}\n", body.shape.radius,
+                          2 * body.shape.half_length);
+      break;
+    case ShapeKind::kBox:
+      text += fmt::format("shape = \"box\"\nsize_m = {}\n", in_toml(2.0 * body.shape.half_extents));
+      break;
+    default:
+      text += "shape = \"plane\"\n";
+      break;
+  }
+  text += fmt::format("friction = {}\nposition_m = {}\n", body.friction, in_toml(body.motion.pose.position));
+  const Quatd& q = body.motion.pose.rotation;
+  const double sine = norm(q.vec());
+  if (sine > 0)
+    text += fmt::format("rotation_vector_rad = {}\n", in_toml((2 * std::atan2(sine, q.w) / sine) * q.vec()));
+  if (body.kind == BodyKind::kFixed) return text + (body.shape.kind != ShapeKind::kPlane ? "fixed = true\n" : "");
+  return text + fmt::format("mass_kg = {}\nvelocity_m_per_s = {}\nangular_velocity_rad_per_s = {}\n", body.mass,
+                            in_toml(body.motion.velocity.linear), in_toml(body.motion.velocity.angular));
+}
+
+}  // namespace
+
+std::string to_scene(const RandomWorld& world, const std::string& about, const ScriptedHand& hand, unsigned members) {
+  const std::string start = in_toml(hand.path.front().at_m);
+  std::string text = fmt::format(
+      "{}title = \"Random world {}\"\neffects = [\"gravity\", \"friction\", \"gyroscopic\"]\n"
+      "[simulation]\nratio = 8\nmembers = {}\ncontact_hertz_Hz = {}\nsub_steps = 4\n"
+      "global_sub_steps_per_tick = 4\n"
+      "[device]\nposition_m = {}\n"
+      "[coupling]\nstiffness_N_per_m = {}\ndamping_Ns_per_m = {}\n"
+      "[proxy]\nshape = \"sphere\"\nradius_m = {}\nmass_kg = {}\nfriction = {}\nposition_m = {}\n",
+      about, world.seed, members, world.contact_hertz, start, hand.stiffness_N_per_m, hand.damping_Ns_per_m,
+      hand.radius_m, hand.mass_kg, hand.friction, start);
+  for (const Body<double>& body : world.bodies) text += in_toml(body);
+  text += "[hand]\nrepeat = false\npath = [\n";
+  for (const auto& point : hand.path)
+    text += fmt::format("  {{time_s = {}, position_m = {}}},\n", point.time_s, in_toml(point.at_m));
+  return text + "]\n";
+}
+
+std::string to_scene(const RandomWorld& world, const std::string& broken_gate) {
+  constexpr unsigned kAll = 64;
+  const std::string about = fmt::format(
+      "# Random world {}, of which this is left: gate broken: {}.\n# {} ticks, {} by the device, device speed {} "
+      "m/s.\n",
+      world.seed, broken_gate, world.ticks, world.held ? "the first body held" : "nothing held",
+      in_toml(world.device_speed_m_per_s));
+  return to_scene(world, about, {}, kAll);
 }
 
 }  // namespace tactus::hard_cases

@@ -36,7 +36,25 @@ RandomRun run_twice(const RandomWorld& world);
 // The same failure with as few bodies and ticks as it takes: bodies are left out one by one while `fails`.
 RandomWorld shrink(RandomWorld world, const std::function<bool(const RandomWorld&)>& fails);
 
-// A scene file of it, for `tactus run` and for looking at.
+// What it has become after `seconds` with nothing held, in steps of 1 ms.
+RandomWorld settled(RandomWorld world, double seconds);
+
+// A proxy and the hand that moves it. Units: SI; frame: world.
+struct ScriptedHand {
+  struct Waypoint {
+    double time_s{0};
+    Vec3d at_m;
+  };
+  static constexpr double kOutOfTheWay_m = 1000;
+
+  double radius_m{1e-3}, mass_kg{0.2}, friction{0.5};       // of the proxy, a sphere
+  double stiffness_N_per_m{2000}, damping_Ns_per_m{5};      // of the coupling
+  std::vector<Waypoint> path{{0, {0, 0, kOutOfTheWay_m}}};  // the proxy begins at its start
+};
+
+// A scene file of it, for `tactus run` and for looking at. `about`: lines of a comment.
+std::string to_scene(const RandomWorld& world, const std::string& about, const ScriptedHand& hand, unsigned members);
+// With a hand that is out of the way.
 std::string to_scene(const RandomWorld& world, const std::string& broken_gate);
 
 }  // namespace tactus::hard_cases

@@ -1,4 +1,5 @@
 #include "tools/experiment/hard_cases/report.h"
+#include "tools/json_text.h"
 
 #include <fmt/format.h>
 
@@ -120,7 +121,7 @@ std::string report_json(const Report& report) {
                      {"stands", row.state.stands},
                      {"sag_mm", number(1e3 * row.state.sag_m)},
                      {"side_mm", number(1e3 * row.state.side_m)}});
-  return ordered_json{{"rows", rows}, {"peers", peers}}.dump(2);
+  return json_text(ordered_json{{"rows", rows}, {"peers", peers}}, 2);
 }
 
 std::string report_csv(const Report& report) {

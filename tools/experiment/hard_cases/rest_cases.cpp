@@ -32,20 +32,18 @@ Outcome rests(CaseWorld& world, BodyId id, int steps) {
   return outcome;
 }
 
-Outcome box_at_rest(const Setting& setting) {
+// 10^6 ticks, or as many seconds in steps of 10 ms.
+Outcome box_rests(const Vec3d& half, double mass, const Setting& setting) {
   CaseWorld world(setting);
   world.add_ground(kGround, 0.5);
-  world.add_box(0, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.05}, {}});
+  world.add_box(0, half, mass, 0.5, {{0, 0, half.z}, {}});
   return rests(world, 0, 1'000'000 / (setting.step_s > 5e-3 ? 10 : 1));
 }
 
-Outcome thin_card(const Setting& setting) {
-  CaseWorld world(setting);
-  world.add_ground(kGround, 0.5);
-  const Vec3d half{0.03175, 0.04445, 0.00015};
-  world.add_box(0, half, 0.002, 0.5, {{0, 0, half.z}, {}});
-  return rests(world, 0, 100'000 / (setting.step_s > 5e-3 ? 10 : 1));
-}
+Outcome box_at_rest(const Setting& setting) { return box_rests({0.05, 0.05, 0.05}, 1, setting); }
+Outcome thin_card(const Setting& setting) { return box_rests({0.03175, 0.04445, 0.00015}, 0.002, setting); }
+// A hundred times as long as it is wide: a card has no moments of inertia of 1 to 10,000, a strip of it has.
+Outcome strip(const Setting& setting) { return box_rests({0.05, 0.0005, 0.00015}, 0.002, setting); }
 
 Outcome long_thin_box(const Setting& setting) {
   CaseWorld world(setting);
@@ -110,6 +108,7 @@ std::vector<HardCase> rest_cases() {
       {1, "box at rest for a thousand seconds", true, box_at_rest},
       {12, "long thin box dropped on an edge", true, long_thin_box},
       {19, "card of 0.3 mm at rest", true, thin_card},
+      {104, "strip of 0.3 mm at rest, moments of inertia 1 to 10,000", true, strip},
       {21, "plate on 2000 redundant points", true, redundant_contacts},
       {40, "a kilometre from the origin", true, far_from_origin},
   };

@@ -58,10 +58,10 @@ class StackWorld : public CaseWorld {
   StackSpec spec_;
 };
 
-// Sinks as its loads say, and stays there for a minute once the sway of its start, ever less, has died.
-Outcome equal_cubes(unsigned count, double sways_s, const Setting& setting) {
+// Sinks as its loads say, and stays there for a minute. The study's stack of forty settles in 0.2 s.
+Outcome equal_cubes(unsigned count, const Setting& setting) {
   StackWorld world(equal_stack(count), setting);
-  world.run(sways_s);
+  world.run(1);
   const Vec3d settled = world.top();
   world.run(60);
   Outcome outcome;
@@ -72,8 +72,8 @@ Outcome equal_cubes(unsigned count, double sways_s, const Setting& setting) {
   return outcome;
 }
 
-Outcome twenty_cubes(const Setting& setting) { return equal_cubes(20, 20, setting); }
-Outcome forty_cubes(const Setting& setting) { return equal_cubes(40, 240, setting); }
+Outcome twenty_cubes(const Setting& setting) { return equal_cubes(20, setting); }
+Outcome forty_cubes(const Setting& setting) { return equal_cubes(40, setting); }
 
 Outcome hundred_on_a_tenth(const Setting& setting) {
   StackWorld world(heavy_on(100, 1, 0.1), setting);
@@ -166,9 +166,10 @@ Outcome card_house_of_three(const Setting& setting) {
 // Twenty cards of a millimetre; one is taken out of the middle and the rest comes down by its thickness.
 Outcome cards_in_a_stack(const Setting& setting) {
   const Vec3d half{0.03175, 0.04445, 0.0005};
+  const double mass = 0.007;
   CaseWorld world(setting);
   world.add_ground(kGround, 0.5);
-  for (BodyId id = 0; id < 20; ++id) world.add_box(id, half, 0.007, 0.5, {{0, 0, half.z * (2 * id + 1)}, {}});
+  for (BodyId id = 0; id < 20; ++id) world.add_box(id, half, mass, 0.5, {{0, 0, half.z * (2 * id + 1)}, {}});
   world.run(5);
   const double before = world.position(19).z;
   world.world.remove(10);
@@ -179,6 +180,16 @@ Outcome cards_in_a_stack(const Setting& setting) {
   outcome.near("came down by, m", before - settled.z, 2 * half.z, 50e-6);
   outcome.at_most("went to the side in its fall, m", std::hypot(settled.x, settled.y), 50e-6);
   outcome.at_most("top's drift in 60 s, m", norm(world.position(19) - settled), 10e-6);
+  double worst = 0, below = -half.z;
+  unsigned above = 19;  // of the first card, itself included: one was taken out
+  for (BodyId id = 0; id < 20; ++id) {
+    if (id == 10) continue;
+    const double z = world.position(id).z;
+    const double expected = world.overlap_under(above-- * mass * kGravity, face_mass(mass, id == 0 ? 0 : mass, half));
+    worst = std::max(worst, std::abs((below + 2 * half.z - z) / expected - 1));
+    below = z;
+  }
+  outcome.at_most("overlaps against k x, share", worst, 0.05);
   world.close(outcome);
   return outcome;
 }
@@ -194,7 +205,9 @@ StackState stack_in_tactus(const StackSpec& spec, double step_s) {
 std::vector<HardCase> stack_cases() {
   return {
       {2, "stack of twenty cubes", true, twenty_cubes},
-      {3, "stack of forty cubes", true, forty_cubes},
+      {3, "stack of forty cubes", true, forty_cubes,
+       "sways by 0.3 mm at first, half as much every 30 s: the top drifts by 114 um in the minute, 10 um allowed",
+       "same, by 111 um"},
       {4, "100 kg on 0.1 kg", true, hundred_on_a_tenth},
       {5, "100 kg on nine cubes of 0.1 kg", true, hundred_on_nine},
       {6, "card house of five levels at its threshold", true, card_house_threshold},

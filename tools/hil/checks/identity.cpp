@@ -61,8 +61,9 @@ std::string refusals(Bench& bench) {
 
 Finding check_identity(Bench& bench) {
   Finding finding;
-  finding.threshold = fmt::format("protocol {}; period, watchdog, quanta and limits as {} has them",
-                                  firmware::kProtocolVersion, bench.profile().name);
+  finding.threshold =
+      fmt::format("protocol {}, register_revision {} or above; period, watchdog, quanta and limits as {} has them",
+                  firmware::kProtocolVersion, firmware::kRegisterRevision, bench.profile().name);
   const auto protocol = bench.read(number::kProtocol), version = bench.read(number::kFirmware),
              revision = bench.read(number::kRevision), device_class = bench.read(number::kDeviceClass);
   for (const auto* answer : {&protocol, &version, &revision, &device_class})
@@ -73,6 +74,10 @@ Finding check_identity(Bench& bench) {
   const Status same =
       hal::check_identity(bench.profile(), static_cast<std::uint32_t>(bench.period_ns() / 1000), bench.link(), kAnswer);
   if (!same.ok()) finding.verdict = Verdict::kBad, finding.reason = same.message();
+  if (same.ok() && revision.value() < firmware::kRegisterRevision)
+    finding.verdict = Verdict::kBad,
+    finding.reason = fmt::format("register_revision is {}, this program's is {}: update the device's firmware",
+                                 revision.value(), firmware::kRegisterRevision);
   return finding;
 }
 

@@ -1,0 +1,25 @@
+// One register of a device on a link, asked for and read.
+//
+// Thread: [setup], [normal]; never the haptic thread. Bound: `patience`.
+#pragma once
+
+#include <fmt/format.h>
+
+#include "firmware/registers.h"
+#include "hal/frame_link.h"
+
+namespace tactus::hal {
+
+// One line on an error: no answer, or no such register.
+template <FrameLink Link>
+Result<std::uint32_t> read_register(Link& link, std::uint16_t number, std::uint8_t tag,
+                                    std::chrono::milliseconds patience) {
+  const firmware::ServiceMessage request{firmware::Operation::kRead, firmware::ServiceStatus::kGood, tag, number, 0};
+  const auto reply = link.call(request, patience);
+  if (!reply.ok()) return reply.status();
+  if (reply.value().status == firmware::ServiceStatus::kGood) return reply.value().value;
+  return Status::error(fmt::format("device: register {:#06x} is not there (status {}); update its firmware", number,
+                                   static_cast<unsigned>(reply.value().status)));
+}
+
+}  // namespace tactus::hal

@@ -1,0 +1,32 @@
+#include "sim/loader/body_label.h"
+
+#include <fmt/format.h>
+
+#include "sim/loader/scene_load.h"
+#include "sim/loader/scene_load_toml.h"
+
+namespace tactus::sim {
+
+std::string body_label(const Scene& scene, BodyId id) {
+  const std::string number = fmt::format("body {}", id);
+  SceneDiagnostics ignored;
+  TomlNode root;
+  if (!read_toml(scene.source, root, ignored)) return number;
+  const TomlNode *proxy = root.find("proxy"), *bodies = root.find("body"), *generated = root.find("generate");
+  if (id == scene.proxy) return proxy == nullptr ? "the proxy" : fmt::format("the proxy (line {})", proxy->line);
+  // Bodies come behind the proxy, in the order of the file, then what is generated.
+  const std::size_t index = id - 1;
+  if (bodies != nullptr && index < bodies->items.size()) {
+    const TomlNode& body = bodies->items[index];
+    const TomlNode* name = body.find("name");
+    return fmt::format("{} (line {})", name == nullptr ? number : "'" + name->text + "'", body.line);
+  }
+  for (std::size_t part = 0; part < scene.generated.size() && generated != nullptr; ++part) {
+    const GeneratedPart& made = scene.generated[part];
+    if (id >= made.first && id - made.first < made.count && part < generated->items.size())
+      return fmt::format("{} (of the [[generate]] of line {})", number, generated->items[part].line);
+  }
+  return number;
+}
+
+}  // namespace tactus::sim

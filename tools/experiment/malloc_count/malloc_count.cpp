@@ -1,0 +1,69 @@
+// Counts the allocations of each thread: a shared library with a malloc of its own, which tests link, and which
+// LD_PRELOAD puts before the program. The program itself has none, so that a user's own heap profiler sees everything.
+// Under a sanitizer, which has a malloc of its own, it is empty.
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+
+#if defined(__has_feature)
+#define TACTUS_HAS_FEATURE(feature) __has_feature(feature)
+#else
+#define TACTUS_HAS_FEATURE(feature) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || TACTUS_HAS_FEATURE(address_sanitizer) || \
+    TACTUS_HAS_FEATURE(thread_sanitizer)
+#define TACTUS_COUNTS 0
+#else
+#define TACTUS_COUNTS 1
+#endif
+
+#if TACTUS_COUNTS
+
+namespace {
+
+// Constant-initialised, without destructor and at a fixed place of each thread, so that counting itself can neither
+// allocate nor lock.
+[[gnu::tls_model("initial-exec")]] thread_local constinit std::uint64_t t_allocations = 0;
+
+}  // namespace
+
+// The C library keeps its allocator under these names too; operator new calls malloc.
+extern "C" {
+// Of the calling thread, since it began; experiment::allocation_count() asks for it by its name.
+std::uint64_t tactus_thread_allocations() { return t_allocations; }
+
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t size) {
+  ++t_allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++t_allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* block, std::size_t size) {
+  ++t_allocations;
+  return __libc_realloc(block, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  ++t_allocations;
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++t_allocations;
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
+  ++t_allocations;
+  void* got = __libc_memalign(alignment, size);
+  if (got == nullptr) return ENOMEM;
+  *block = got;
+  return 0;
+}
+}
+
+#endif

@@ -1,0 +1,49 @@
+// How deep bodies lie in each other, judged alike for every engine: from the poses that it reports, by tactus' own
+// collision functions, not by the engine's books.
+//
+// Judged are the bodies against each other, the walls and the stirrer's rods; a rod reaches into the floor, and that
+// does not count. Frame: that of the scene. Units: m; a share is of the thinner body's thickness
+// (rt/physics/overlap.h). Thread: one. Bound: the pairs of boxes that overlap, at most kMostPairs a body; pairs beyond
+// make `complete` false.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rt/physics/world.h"
+#include "sim/pair_grid.h"
+#include "tools/experiment/scene.h"
+
+namespace tactus::experiment {
+
+struct Overlaps {
+  double deepest_m{0}, deepest_share{0};
+  double mean_m{0}, mean_share{0};  // over the bodies, of each one's deepest; 0 where it overlaps nothing
+  bool complete{true};              // false: a pose is not finite, or there were too many pairs
+};
+
+class OverlapJudge {
+ public:
+  explicit OverlapJudge(const BoxScene& scene);
+  // `bodies`, `rods`: in the scene's order.
+  Overlaps judge(std::span<const Posed> bodies, std::span<const Posed> rods);
+
+ private:
+  void judge_pair(std::uint32_t a, const physics::Shape<double>& shape_b, const Posed& pose_b, std::uint32_t b);
+
+  static constexpr std::uint32_t kMostPairs = 64;
+  static constexpr std::uint32_t kNoBody = 0xffffffffu;
+
+  std::vector<physics::Shape<double>> shapes_;  // of the bodies, then of the rods
+  std::vector<physics::Hull<double>> hulls_;
+  std::uint32_t bodies_;
+  std::vector<physics::Shape<double>> wall_shapes_;
+  std::vector<Posed> wall_poses_;
+  sim::PairGrid grid_;
+  BoundedVector<physics::SlotPair> pairs_;
+  std::vector<Posed> poses_;                   // as the shapes
+  std::vector<physics::Aabb<double>> bounds_;  // as the shapes
+  std::vector<double> depth_m_, share_;        // by body: its deepest
+};
+
+}  // namespace tactus::experiment

@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/experiment/allocation_count.h"
+#include "tools/experiment/peers.h"
+#include "tools/json_text.h"
+
+namespace tactus::experiment {
+namespace {
+
+std::string ratio_or_dash(double ratio) { return ratio > 0 ? fmt::format("{:.3f}", ratio) : "-"; }
+
+}  // namespace
+
+std::string peers_table(const std::vector<PeersRow>& rows) {
+  constexpr double kMillimetres = 1e3, kPercent = 100;
+  std::string text =
+      fmt::format("{:<18} {:<15} {:>10} {:>10} {:>8} {:>9} {:>9} {:>8} {:>8} {:>8} {:>7} {:>8} {:>7} {:>7} {:>7}  {}\n",
+                  "scene", "engine", "median us", "p99 us", "worst/md", "contacts", "touching", "rms m/s", "mean mm",
+                  "deep mm", "deep %", "travel m", "allocs", "/bullet", "/best", "gates");
+  std::string scene, notes;
+  for (const PeersRow& row : rows) {
+    const Quality& q = row.quality;
+    text += fmt::format(
+        "{:<18} {:<15} {:>10.1f} {:>10.1f} {:>8.2f} {:>9.0f} {:>9.0f} {:>8.1e} {:>8.3f} {:>8.2f} {:>7.1f} {:>8.3f} "
+        "{:>7} {:>7} {:>7}  {}\n",
+        row.scene == scene ? "" : row.scene, row.engine, row.median_us, row.p99_us, row.worst_over_median, row.contacts,
+        row.touching_pairs, row.residual_speed_rms_m_per_s, kMillimetres * q.overlap_mean_m,
+        kMillimetres * q.overlap_max_m, kPercent * q.overlap_max_share, q.travel_m,
+        allocations_are_counted() ? fmt::format("{:.1f}", row.allocations_per_step) : "-",
+        ratio_or_dash(row.ratio_to_bullet), ratio_or_dash(row.ratio_to_best_peer), row.is_compared() ? "pass" : "FAIL");
+    if (row.scene != scene) notes += fmt::format("{}\n", row.scene);
+    notes += fmt::format("  {:<15} {}\n", row.engine, row.settings);
+    if (!row.failure.empty()) notes += fmt::format("  {:<15} DOES NOT COUNT: {}\n", "", row.failure);
+    if (!row.missed_gate.empty()) notes += fmt::format("  {:<15} FAILS ITS GATE: {}\n", "", row.missed_gate);
+    scene = row.scene;
+  }
+  return text +
+         fmt::format(
+             "\nCPU time of one thread; worst/md: the worst step over the median one, each the least of its runs; "
+             "allocs: per step.\nOverlaps are computed from the poses by tactus' collision functions, alike for all: "
+             "mean over the bodies, deepest,\ndeepest in shares of the thinner body. travel: mean path of a body. "
+             "/bullet, /best: to the median of Bullet at its\ndefaults, of the fastest peer that passes; - where one "
+             "of the two fails a gate: overlap at most {:.0f} % of a body,\n{:.0f} % in the mean, nothing outside the "
+             "box, stirred bodies travel {:.0f} % of the rods' path.\n\n",
+             kPercent * kMostOverlapShare, kPercent * kMostMeanOverlapShare, kPercent * kLeastTravelShare) +
+         notes;
+}
+
+std::string peers_json(const std::vector<PeersRow>& rows) {
+  using nlohmann::ordered_json;
+  const auto or_null = [](double value, bool known) { return known ? ordered_json(value) : ordered_json(nullptr); };
+  ordered_json list = ordered_json::array();
+  for (const PeersRow& row : rows) {
+    const Quality& q = row.quality;
+    list.push_back({{"scene", row.scene},
+                    {"engine", row.engine},
+                    {"median_us", row.median_us},
+                    {"p99_us", row.p99_us},
+                    {"worst_over_median", row.worst_over_median},
+                    {"contacts", row.contacts},
+                    {"touching_pairs", row.touching_pairs},
+                    {"residual_speed_rms_m_per_s", row.residual_speed_rms_m_per_s},
+                    {"penetration_mean_m", q.overlap_mean_m},
+                    {"penetration_mean_share", q.overlap_mean_share},
+                    {"penetration_max_m", q.overlap_max_m},
+                    {"penetration_max_share", q.overlap_max_share},
+                    {"travel_m", q.travel_m},
+                    {"rod_travel_m", q.rod_travel_m},
+                    {"escaped", q.escaped},
+                    {"allocations_per_step", or_null(row.allocations_per_step, allocations_are_counted())},
+                    {"ratio_to_bullet", or_null(row.ratio_to_bullet, row.ratio_to_bullet > 0)},
+                    {"ratio_to_best_peer", or_null(row.ratio_to_best_peer, row.ratio_to_best_peer > 0)},
+                    {"is_compared", row.is_compared()},
+                    {"settings", row.settings},
+                    {"missed_gate", row.missed_gate},
+                    {"failure", row.failure}});
+  }
+  return json_text(ordered_json{{"rows", list}}, 2);
+}
+
+std::string peers_csv(const std::vector<PeersRow>& rows) {
+  std::string text =
+      "scene,engine,median [us],p99 [us],worst_over_median [1],contacts [1],touching_pairs [1],residual_speed [m/s],"
+      "overlap_mean [m],overlap_mean_share [1],overlap_max [m],overlap_max_share [1],travel [m],rod_travel [m],"
+      "escaped [1],allocations_per_step [1],ratio_to_bullet [1],ratio_to_best_peer [1],is_compared [1],settings\n";
+  const auto or_empty = [](double value, bool known) { return known ? fmt::format("{}", value) : std::string(); };
+  for (const PeersRow& row : rows) {
+    const Quality& q = row.quality;
+    text += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", row.scene, row.engine, row.median_us,
+        row.p99_us, row.worst_over_median, row.contacts, row.touching_pairs, row.residual_speed_rms_m_per_s,
+        q.overlap_mean_m, q.overlap_mean_share, q.overlap_max_m, q.overlap_max_share, q.travel_m, q.rod_travel_m,
+        q.escaped, or_empty(row.allocations_per_step, allocations_are_counted()),
+        or_empty(row.ratio_to_bullet, row.ratio_to_bullet > 0),
+        or_empty(row.ratio_to_best_peer, row.ratio_to_best_peer > 0), row.is_compared() ? 1 : 0, row.settings);
+  }
+  return text;
+}
+
+}  // namespace tactus::experiment

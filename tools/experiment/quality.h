@@ -1,0 +1,51 @@
+// How well an engine simulated a scene while it was timed, judged alike for every engine, and the gates: a row that
+// misses one is not compared in time.
+//
+// Sampled between the timed blocks. Units in the names; a share is of the thinner body's thickness. Thread: one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/experiment/engine.h"
+#include "tools/experiment/overlap_judge.h"
+
+namespace tactus::experiment {
+
+struct Quality {
+  double overlap_mean_m{0}, overlap_mean_share{0};  // over bodies and samples
+  double overlap_max_m{0}, overlap_max_share{0};
+  double travel_m{0};        // mean over the bodies of their path, by the straight lines between samples
+  double rod_travel_m{0};    // the same of the stirrer's rods
+  std::uint32_t escaped{0};  // bodies whose centre was in a wall or the floor, or beyond all of them
+  bool complete{true};       // every pose was finite, and the judge had room for all pairs
+};
+
+class QualityBook {
+ public:
+  explicit QualityBook(const BoxScene& scene);
+  void start(const Engine& engine);  // of a run: paths begin here
+  void sample(const Engine& engine);
+  Quality result() const;  // of all runs; travel: of a run
+
+ private:
+  bool is_outside(const Vec3d& centre) const noexcept;
+
+  OverlapJudge judge_;
+  std::vector<Wall> walls_;
+  physics::Aabb<double> all_walls_;
+  std::vector<Posed> last_, last_rods_;
+  std::vector<std::uint8_t> escaped_;
+  Quality sum_;  // means are sums
+  double samples_{0}, runs_{0};
+};
+
+// The gates. A body that lies deeper than half its thickness leaves on the other side; half of that is the limit.
+inline constexpr double kMostOverlapShare = 0.25, kMostMeanOverlapShare = 0.02;
+// Of the rods' path, in a stirred scene: what is not pushed travels less.
+inline constexpr double kLeastTravelShare = 0.05;
+
+// Which gate it misses, in a line; empty: none.
+std::string missed_gate(const Quality& quality);
+
+}  // namespace tactus::experiment

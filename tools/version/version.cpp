@@ -1,0 +1,23 @@
+#include "tools/version/version.h"
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <tactus_commit.h>
+
+#include "rt/loop/realtime_setup.h"
+#include "rt/loop/tape.h"
+
+namespace tactus {
+
+std::string version() { return TACTUS_VERSION " (commit " TACTUS_COMMIT ")"; }
+
+std::string version_text() {
+  utsname kernel{};
+  uname(&kernel);
+  return fmt::format("tactus {}\nbuilt for    {}, by {}\ntape format  {}\nkernel       {}, {}", version(),
+                     loop::tape_isa_tag(), __VERSION__, loop::kTapeVersion, kernel.release,
+                     loop::kernel_is_preempt_rt() ? "PREEMPT_RT" : "not PREEMPT_RT");
+}
+
+}  // namespace tactus
