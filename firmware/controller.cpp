@@ -23,7 +23,8 @@ bool is_finite(float x) noexcept { return (std::bit_cast<std::uint32_t>(x) & 0x7
 // Far above any motor, far below where a square overflows.
 constexpr float kMaxPlausible = 1e6f;
 bool is_limit(float x) noexcept { return is_finite(x) && x >= 0.0f && x <= kMaxPlausible; }
-// N or N m: an effort below it is none. Squares of smaller ones underflow, and would pass any limit of a norm.
+// N or N m: an effort below it is none, before and after each scaling. Squares of smaller ones underflow: they would
+// pass any limit of a norm, and a base of them would count as none.
 constexpr float kLeastEffort = 1e-15f;
 
 float magnitude(float x) noexcept { return x < 0.0f ? -x : x; }
@@ -31,17 +32,22 @@ void count_up(std::uint32_t& counter) noexcept { counter += counter != kSaturate
 
 // The s from 0 to 1 at which base + s (sum - base) leaves the ball of radius max_norm; sum is outside, base inside.
 float share_within_norm(const float* base, const float* sum, float sum_squared, float max_norm) noexcept {
-  float base_squared = 0.0f, along = 0.0f, step_squared = 0.0f;
+  float base_squared = 0.0f, step_squared = 0.0f;
   for (unsigned i = 0; i < 3; ++i) {
     const float step = sum[i] - base[i];
-    base_squared += base[i] * base[i], along += base[i] * step, step_squared += step * step;
+    base_squared += base[i] * base[i];
+    step_squared += step * step;
   }
   if (base_squared == 0.0f) return max_norm / __builtin_sqrtf(sum_squared);
-  // |base|^2 + 2 s along + s^2 |step|^2 = max_norm^2
   const float room = max_norm * max_norm - base_squared;
   if (!(room > 0.0f) || !(step_squared > 0.0f)) return 0.0f;
-  const float root = __builtin_sqrtf(along * along + step_squared * room);
-  const float share = along > 0.0f ? room / (root + along) : (root - along) / step_squared;  // no cancellation
+  // With t = s |step| and the unit vector d along the step: t^2 + 2 t (base . d) + |base|^2 = max_norm^2. No power above
+  // the second: a fourth underflows at 1e-10 N.
+  const float length = __builtin_sqrtf(step_squared);
+  float along = 0.0f;
+  for (unsigned i = 0; i < 3; ++i) along += base[i] * ((sum[i] - base[i]) / length);
+  const float root = __builtin_sqrtf(along * along + room);
+  const float share = (along > 0.0f ? room / (root + along) : root - along) / length;  // no cancellation
   return share < 0.0f ? 0.0f : (share > 1.0f ? 1.0f : share);
 }
 
@@ -248,6 +254,7 @@ AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValue
     for (unsigned i = first; i < first + 3; ++i) {
       const float limit = max_effort[i];
       sum[i] = sum[i] > limit ? limit : (sum[i] < -limit ? -limit : sum[i]);
+      if (magnitude(sum[i]) < kLeastEffort) sum[i] = 0.0f;
     }
   }
   return sum;
