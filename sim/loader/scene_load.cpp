@@ -331,6 +331,16 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
   return finish({}, std::move(found), diagnostics);
 }
 
+std::vector<AskedKey> asked_keys(std::string_view text) {
+  std::vector<AskedKey> asked;
+  SceneDiagnostics found;
+  found.asked = &asked;
+  Scene scene;
+  TomlNode root;
+  if (read_toml(text, root, found)) SceneReader(root, scene, found, std::nullopt).read();
+  return asked;
+}
+
 double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept {
   double fewest = std::min(double(solver.sub_steps), solver.global_sub_steps_per_tick);
   if (solver.far_sub_steps_per_tick > 0) fewest = std::min(fewest, solver.far_sub_steps_per_tick);

@@ -157,7 +157,7 @@ int check_scene(const CheckOptions& options) {
 CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* scene = program.add_subcommand("scene", "Work with scene files (TOML).");
-  scene->footer("Example:\n  tactus scene check sim/scenes/card_house.toml");
+  scene->footer("Example:\n  tactus scene check sim/scenes/card_house.toml\n  tactus scene keys simulation");
   CLI::App* check =
       scene->add_subcommand("check", "Validate a scene; list the effects it calls for and what they cost.");
   check->footer(
@@ -171,6 +171,7 @@ CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
       ->capture_default_str();
   check->add_flag("--json", options->json, "one JSON object on stdout");
   check->callback([options, &exit_code] { exit_code = check_scene(*options); });
+  add_scene_keys_command(*scene, exit_code);
   return scene;
 }
 
