@@ -83,6 +83,7 @@ Error Session::Parts::build() {
 void Session::Parts::make_real_time() {
   const std::uint64_t bytes = std::bit_ceil(std::max<std::uint64_t>(options.history_ticks, 64) * kRecordBytes);
   ring = std::make_unique<Ring>(bytes);
+  dropped_before = 0;
   hand_over = std::make_unique<library::StateHandOver>();
   hand_over->bind(*session);
 }
@@ -123,14 +124,15 @@ void Session::Parts::step(std::uint64_t ticks) {
 // What the ring has, the newest history_ticks of it; returns how many are lost.
 std::uint64_t Session::Parts::take_ticks() {
   const std::size_t room = history.size();
-  std::uint64_t lost = 0, taken = 0;
+  std::uint64_t taken = 0;
   RingRecord record;
   Tick tick;
   while (ring->try_pop(record, std::as_writable_bytes(std::span<Tick, 1>(&tick, 1))) == Pop::kRecord) {
-    lost += record.lost_before;
     history[taken++ % room] = tick;
-    if (taken == 4 * room) break;  // the loop is faster than this: look again
   }
+  const std::uint64_t dropped = ring->dropped();
+  std::uint64_t lost = dropped - dropped_before;
+  dropped_before = dropped;
   history_size = static_cast<std::size_t>(std::min<std::uint64_t>(taken, room));
   if (taken > room) {
     lost += taken - room;

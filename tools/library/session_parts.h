@@ -37,7 +37,8 @@ struct Session::Parts {
   library::StateView view;
   bool view_is_old{true};
 
-  std::unique_ptr<Ring> ring;  // of ticks, in real time
+  std::unique_ptr<Ring> ring;       // of ticks, in real time
+  std::uint64_t dropped_before{0};  // ticks that it had no room for, at the last look
   std::unique_ptr<library::StateHandOver> hand_over;
 
   // Everything from the scene and the options; in the words of the command line where it fails.
