@@ -1,4 +1,5 @@
 // The front door in real time. Nothing here depends on how fast the machine is.
+#include <atomic>
 #include <thread>
 
 #include "tests/tools/library/library_bench.h"
@@ -68,11 +69,17 @@ TEST_CASE("a monitor or another thread ends a run, and a short history says what
   CHECK(lost > 0);
   CHECK(seen + lost == session.ticks_done());
   REQUIRE_FALSE(session.reset());
+  std::atomic<bool> ticks{false};
   std::thread other([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ticks.wait(false);
     session.stop();
   });
-  REQUIRE_FALSE(session.run(0));
+  REQUIRE_FALSE(session.run(0, [&](const Progress& progress) {
+    if (progress.ticks.empty()) return true;
+    ticks = true;
+    ticks.notify_all();
+    return true;
+  }));
   other.join();
   CHECK(session.ticks_done() > 0);
 }
