@@ -97,8 +97,9 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
     mistakes.push_back(fmt::format("--world-cpu: {} cores for {} of --world-threads; accepted: as many, or none",
                                    o.world_cpus.size(), o.world_threads));
   const auto choice = parse_device_choice(o.device);
-  look_at(choice.status());
-  const bool real = choice.ok() && choice.value().is_real(), taped = o.taped_device.has_value();
+  const bool taped = o.taped_device.has_value(), given = o.given_device || o.device == kGivenDevice;
+  if (!o.given_device && !(taped && given)) look_at(choice.status());
+  const bool real = choice.ok() && choice.value().is_real();
   if (o.virtual_time && real && !taped)
     mistakes.push_back(fmt::format("--virtual-time: {} keeps real time; accepted: with --device sim", o.device));
   if (!o.gpio.empty()) look_at(hal::parse_gpio_options(o.gpio).status());
@@ -106,7 +107,7 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
     mistakes.push_back("--gpio: lines are of real time; accepted: without --virtual-time");
   const auto script = split_inject_script(o.inject);
   look_at(script.status());
-  if (script.ok() && !script.value().device.empty() && real)
+  if (script.ok() && !script.value().device.empty() && (real || given))
     mistakes.push_back(fmt::format(
         "--inject: faults of the device are for the simulated one, not for {}; accepted: stall, reset, or --device sim",
         o.device));

@@ -26,9 +26,13 @@ enum class Accuracy {
 std::string_view name_of(Accuracy accuracy) noexcept;  // fast, balanced, accurate
 std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept;
 
+// RunOptions::device where a program brings its own; on a tape, too. No choice of the command line.
+inline constexpr const char* kGivenDevice = "own";
+
 struct RunOptions {
   std::filesystem::path scene;
   std::string device{"sim"};          // see device_choice.h
+  bool given_device{false};           // the caller brings the device; `device` is what people call it
   std::filesystem::path device_file;  // describes a real device; empty: the scene's profile does
   std::string gpio;                   // lines beside the link: e-stop, drive enable, probe, heartbeat; empty: none
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
