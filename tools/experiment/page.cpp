@@ -6,13 +6,17 @@
 
 #include <array>
 #include <csignal>
+#include <nlohmann/json.hpp>
 
 #include "tools/experiment/shared_files.h"
+#include "tools/json_text.h"
+#include "tools/version/provenance.h"
 
 namespace tactus::experiment {
 namespace {
 
-constexpr int kLibraryMissing = 3;  // the writer's own exit status, when it cannot draw
+// The writer's own exit status: it cannot draw; the file cannot be written.
+constexpr int kLibraryMissing = 3, kFileRefused = 4;
 
 bool write_all(int to, const std::string& text) {
   for (std::size_t done = 0; done < text.size();) {
@@ -40,16 +44,19 @@ Status write_page(const std::string& experiment, const std::string& json, const 
   if (child == 0) {
     dup2(pipe_ends[0], STDIN_FILENO);
     close(pipe_ends[0]), close(pipe_ends[1]);
-    execlp("python3", "python3", writer.c_str(), experiment.c_str(), command.c_str(), path.c_str(), nullptr);
+    execlp("python3", "python3", writer.c_str(), experiment.c_str(), path.c_str(), nullptr);
     _exit(kLibraryMissing);
   }
   close(pipe_ends[0]);
-  const bool written = write_all(pipe_ends[1], json);
+  const bool written = write_all(
+      pipe_ends[1], fmt::format("{{\"made\": {},\n\"data\": {}}}\n", json_text(to_json(provenance(command))), json));
   close(pipe_ends[1]);
   int status = 0;
   if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return Status::error("--page: the page's writer died");
   if (WEXITSTATUS(status) == kLibraryMissing) return missing;
-  if (WEXITSTATUS(status) != 0 || !written) return Status::error(fmt::format("--page: {}: cannot be written", path));
+  if (WEXITSTATUS(status) == kFileRefused) return Status::error(fmt::format("--page: {}: cannot be written", path));
+  if (WEXITSTATUS(status) != 0 || !written)
+    return Status::error(fmt::format("--page: {} failed, as it says above; no page was written", writer));
   return Status::good();
 }
 

@@ -1,4 +1,5 @@
-// The page of an experiment: one HTML file with its figures, drawn by tools/experiment_page with matplotlib.
+// The page of an experiment: one HTML file with its figures, drawn by tools/experiment_page with matplotlib,
+// and with date, version, machine and command.
 // Thread: one; runs another program and waits for it. Bound: none that matters, it is the end of an experiment.
 #pragma once
 

@@ -1,11 +1,16 @@
 """Random worlds with a sub-world: the counts, and the worst worlds drawn from the side and from above."""
-import matplotlib.pyplot as plt
-import numpy as np
+import html
 
-from pages.parts import COLOURS, share
+import numpy as np
+from matplotlib import ticker
+
+from pages import figure, theme
+from pages.numbers import count, exact, is_number, number, share
+from pages.page import Column
 
 SIDE, TOP = (0, 2), (0, 1)  # which two coordinates are drawn
 MOMENTS = (("start", "start"), ("direct", "direct, end"), ("sub_world", "sub-world, end"))
+FELL, PROXY, BODY = theme.SERIES[1], theme.SERIES[2], theme.SERIES[0]
 
 
 def rotation(w, x, y, z):
@@ -49,23 +54,30 @@ def draw_world(axis, world, key, view, window):
     low, high = window
     for body in world["fixed"]:
         if body["shape"] != "plane":
-            axis.fill(*outline(body, body["pose"], view).T, fc="#dddddd", ec="#888", lw=0.6)
+            axis.fill(*outline(body, body["pose"], view).T, fc=theme.GRID, ec=theme.MUTE, lw=0.6)
         else:  # what lies behind it, where it is seen from its edge
             out = rotation(*body["pose"][3:])[:, 2][list(view)]
             if np.hypot(*out) > 0.99:
                 at, along = np.array(body["pose"][:3])[list(view)], np.array([-out[1], out[0]])
                 far = 10 * max(high[0] - low[0], high[1] - low[1]) + np.hypot(*(at - low))
                 axis.fill(*np.array([at + far * along, at - far * along, at - far * along - far * out,
-                                     at + far * along - far * out]).T, fc="#eeeeee", ec="#888", lw=0.6, zorder=0)
+                                     at + far * along - far * out]).T, fc=theme.FILL, ec=theme.MUTE, lw=0.6, zorder=0)
+    away = 0
     for body in world["bodies"]:
         points = outline(body, body[key], view)
-        if points is None:
+        if points is None or (points.max(axis=0) < low).any() or (points.min(axis=0) > high).any():
+            away += 1
             continue
-        colour = COLOURS[1] if body["fell"] else COLOURS[2] if body["id"] == 0 else COLOURS[0]
+        colour = FELL if body["fell"] else PROXY if body["id"] == 0 else BODY
         axis.fill(*points.T, fc=colour, alpha=0.15)
-        axis.plot(*np.append(points, points[:1], axis=0).T, color=colour, lw=1.6 if body["fell"] else 1)
+        axis.plot(*np.append(points, points[:1], axis=0).T, color=colour, lw=1.8 if body["fell"] else 1,
+                  ls=(0, (3, 1)) if body["id"] == 0 else "-")
     axis.set_xlim(low[0], high[0]), axis.set_ylim(low[1], high[1])
-    axis.set_aspect("equal"), axis.grid(False), axis.tick_params(labelsize=7)
+    for line in (axis.xaxis, axis.yaxis):
+        line.set_major_locator(ticker.MaxNLocator(nbins=5))
+        line.set_major_formatter(ticker.FuncFormatter(lambda v, _: f"{v:.3g}"))
+    axis.grid(False)
+    return away
 
 
 def window_of(world):
@@ -77,41 +89,63 @@ def window_of(world):
     return {view: (points.min(axis=0) + points.max(axis=0)) / 2 for view, points in drawn.items()}, 0.75 * size
 
 
-def world_figure(world):
-    fig, axes = plt.subplots(2, 3, figsize=(9.6, 6.6), sharex=True, sharey="row", constrained_layout=True)
+def world_panels(page, world):
     middle, size = window_of(world)
-    for row, view, name in zip(axes, (SIDE, TOP), ("z [m], from the side", "y [m], from above")):
-        for axis, (key, title) in zip(row, MOMENTS):
-            draw_world(axis, world, key, view, (middle[view] - size, middle[view] + size))
-            if view == SIDE:
-                axis.set_title(title, fontsize=10)
-            else:
-                axis.set_xlabel("x [m]")
-        row[0].set_ylabel(name)
-    return fig
+    panels = []
+    for view, label, words in ((SIDE, "z [m]", "side"), (TOP, "y [m]", "above")):
+        for key, title in MOMENTS:
+            panel = figure.Panel(f"{title}, from the {words}" if view == SIDE else f"{title}, from {words}", "x [m]", label)
+            panel.fig.set_size_inches(figure.WIDTH, figure.WIDTH * 0.99)
+            panel.fig.subplots_adjust(left=0.2, right=0.96, bottom=0.15, top=0.91)  # square: a metre is as long on both axes
+            panel.axis.set_aspect("equal", adjustable="box")
+            away = draw_world(panel.axis, world, key, view, (middle[view] - size, middle[view] + size))
+            if away:
+                panel.note(f"{away} bod{'ies are' if away > 1 else 'y is'} outside of this window.")
+            panels.append(panel.drawn(f"{page.title} {world['seed']}"))
+    return panels
 
 
 def off_words(world):
-    return "lost" if world["off_share"] is None else f"{world['off_share']:.3g}"
+    return f"{number(world['off_share'])} of its smallest extent" if is_number(world["off_share"]) else "lost"
+
+
+def answer(data):
+    tried = data["worlds"] - len(data["left_out"])
+    if tried <= 0:
+        return "No random world was tried: none of those asked for can be made into a scene."
+    fallen = f", {data['still_fallen']} of them by a body that stood still in the direct run" if data["collapsed"] else ""
+    return (f"{data['collapsed']} of {tried} random worlds collapse{'s' if data['collapsed'] == 1 else ''} with the sub-world at "
+            f"ratio {data['ratio']} where the direct coupling leaves them standing{fallen}; {data['gain_energy']} "
+            f"gain{'s' if data['gain_energy'] == 1 else ''} energy.")
 
 
 def random_page(data, page, what):
-    page.findings([f"{data['collapsed']} of {data['worlds'] - len(data['left_out'])} random worlds collapse with the "
-                   f"sub-world, {data['still_fallen']} of them by a body that stood still in the direct run; in {data['by_chance']} more a body falls that another direct run does not leave there "
-                   f"either; {data['gain_energy']} gain energy."])
-    page.text(f"Worlds by seed, from {data['first']}, each with a hand for {data['seconds']:g} s: sub-world with ghosts at "
-              f"ratio {data['ratio']}, beside direct coupling from the same start. A world collapses where a body falls "
-              "that stands in the direct run and in a second direct run that starts 1 &micro;m apart; what comes to rest there after a way counts too. "
-              f"{data['with_border']} worlds have bodies outside of the sub-world; {data['standing_bodies']} bodies stand in "
+    page.answer(answer(data))
+    page.text(f"In {data['by_chance']} more a body falls that another direct run does not leave there either. Worlds by seed, from "
+              f"{data['first']}, each with a hand for {exact(data['seconds'])} s: sub-world with ghosts beside direct coupling "
+              "from the same start. A world collapses where a body falls that stands in the direct run and in a second direct run "
+              "that starts 1 µm apart; what comes to rest there after a way counts too. "
+              f"{data['with_border']} worlds have bodies outside of the sub-world; {count(data['standing_bodies'])} bodies stand in "
               f"the direct runs. Left out, since no scene file can be made of them: {len(data['left_out'])}.")
-    page.head("The worst")
-    for world in data["worst"]:
-        page.figure(world_figure(world),
-                    f"Seed {world['seed']}, {world['outcome']}: {world['members']} members; {len(world['fell'])} of "
-                    f"{world['standing']} bodies that stand fell (orange), the farthest is off by {off_words(world)} of its "
-                    "smallest extent. Green: the proxy.")
+    if data["worst"]:
+        page.head("The worst")
+        legend = [(figure.key(FELL, ls="-"), "fell, or is off by more than half of its extent"),
+                  (figure.key(PROXY, ls=(0, (3, 1))), "the hand's proxy"), (figure.key(BODY, ls="-"), "other bodies"),
+                  (figure.key(theme.MUTE, ls="-"), "fixed")]
+        for world in data["worst"]:
+            page.figure(world_panels(page, world),
+                        f"Seed {world['seed']}, {html.escape(world['outcome'])}: {world['members']} members; {len(world['fell'])} of "
+                        f"{world['standing']} bodies that stand fell, the farthest is off by {off_words(world)}.", legend)
     page.head("What falls or gains energy")
-    page.table(["seed", "outcome", "bodies that fell", "members", "standing", "off, sizes", "energy gained", "force error"],
-               [[w["seed"], w["outcome"], ", ".join(map(str, w["fell"])), w["members"], w["standing"], off_words(w),
-                 "-" if w["energy_gain_share"] is None else share(w["energy_gain_share"]),
-                 "-" if w["force_error"] is None else share(w["force_error"])] for w in data["noted"]])
+    if not data["noted"]:
+        page.text("Nothing.")
+        return
+    page.table([Column("seed", "of the world"), Column("outcome", "of the run with the sub-world", "t"),
+                Column("fell", "bodies by number", "w"), Column("members", "of the sub-world, at most"),
+                Column("standing", "bodies that stand in the direct run"), Column("off by", "the farthest body, of its smallest "
+                                                                                  "extent"),
+                Column("energy gained", "beyond the direct run, of the energy at play"),
+                Column("force error", "RMS, of the direct coupling's force")],
+               [[w["seed"], w["outcome"], ", ".join(map(str, w["fell"])) or "–", w["members"], w["standing"],
+                 number(w["off_share"]) if is_number(w["off_share"]) else "lost", share(w["energy_gain_share"]),
+                 share(w["force_error"])] for w in data["noted"]])

@@ -14,6 +14,7 @@
 #include "tools/timing/budget.h"
 #include "tools/timing/report.h"
 #include "tools/timing/trace.h"
+#include "tools/version/provenance.h"
 
 namespace tactus::tools {
 namespace {
@@ -69,6 +70,20 @@ void print_result(const timing::TimingResult& result, bool json) {
   for (const std::string& line : distorted) fmt::print("  {}\n", line);
 }
 
+// What a person types to get the like.
+std::string command_of(const TimingCommand& command) {
+  const timing::TimingOptions& o = command.options;
+  std::string text =
+      fmt::format("tactus timing --duration {:g} --rate {:g} --cpu {} --priority {} --ratio {} --load {}", o.duration_s,
+                  o.run.rate_Hz, o.run.cpu, o.run.priority, o.ratio, command.load);
+  text += o.run.scene.empty() ? fmt::format(" --members {} --sub-steps {}", o.members, o.sub_steps)
+                              : " --scene " + o.run.scene.string();
+  if (command.no_bare) text += " --no-bare";
+  if (o.os_noise) text += " --os-noise";
+  if (!command.against.empty()) text += " --against " + command.against;
+  return text + " --svg " + command.svg;
+}
+
 int run_timing_command(TimingCommand& command) {
   timing::TimingOptions& o = command.options;
   const auto load = timing::parse_load(command.load);
@@ -91,7 +106,7 @@ int run_timing_command(TimingCommand& command) {
     return complain("tactus timing: stopped before a tick was measured", kExitMachineCannot);
   print_result(*result, command.json);
   for (const int failed :
-       {write_file(command.svg, timing::to_svg(*result)),
+       {write_file(command.svg, timing::to_svg(*result, provenance(command_of(command)))),
         command.trace.empty() ? kExitGood : write_file(command.trace, timing::trace_json(result->books)),
         certify(command, *result)})
     if (failed != kExitGood) return failed;

@@ -11,6 +11,7 @@
 
 #include "rt/base/hash.h"
 #include "tools/json_text.h"
+#include "tools/version/provenance.h"
 
 namespace tactus::timing {
 namespace {
@@ -24,14 +25,6 @@ std::string line_of(const std::string& path) {
   std::string line;
   std::getline(file, line);
   return line;
-}
-
-std::string cpu_model() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2);
-  return "unknown";
 }
 
 std::string seal_of(const ordered_json& unsealed) {

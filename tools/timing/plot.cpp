@@ -68,66 +68,174 @@ std::string histogram_text(const std::vector<Curve>& curves, std::int64_t mark_n
   return text;
 }
 
-std::string histogram_svg(const std::string& title, const std::vector<Curve>& curves, std::int64_t mark_ns) {
-  constexpr double kWidth = 760, kHeight = 440, kLeft = 70, kRight = 20, kTop = 40, kBottom = 50;
-  std::uint64_t most = 10;
-  double longest_us = static_cast<double>(mark_ns) * 2e-3;
+namespace {
+
+// What is drawn where, px. Narrow, so that a window of 400 px still shows text that can be read.
+constexpr double kWidth = 560, kLeft = 96, kRight = 22, kPlotHeight = 300, kLine = 16;
+constexpr std::size_t kWordsBold = 58, kWords = 72;  // characters that fit a line of the sentence, of the rest
+
+// Text and paper are 4.5 : 1 apart or more, curves and paper 3 : 1, light and dark; printed it is light.
+constexpr const char* kStyle =
+    "<style>svg{--paper:#fff;--ink:#1a1a1b;--mute:#55595e;--grid:#e2e4e7;--c0:#0067a5;--c1:#c94f00;--c2:#00805d;"
+    "--c3:#6b4fb3;--limit:#b03a00;background:var(--paper);color-scheme:light dark;max-width:100%;height:auto;"
+    "font:12px 'DejaVu Sans',Verdana,sans-serif}"
+    "@media screen and (prefers-color-scheme:dark){svg{--paper:#14171a;--ink:#e6e6e7;--mute:#a9afb6;--grid:#33383e;"
+    "--c0:#5db5f2;--c1:#ff8d4d;--c2:#3fcfa3;--c3:#b9a6ff;--limit:#ff9a66}}"
+    "text{fill:var(--ink)}.answer{font-weight:bold;font-size:13px}.made{fill:var(--mute);font-size:11px}"
+    ".grid{stroke:var(--grid)}.limit{stroke:var(--limit);stroke-dasharray:6 3}.limit-word{fill:var(--limit)}"
+    ".series{fill:none}.s0{stroke:var(--c0);stroke-width:2.6}.s1{stroke:var(--c1);stroke-width:2;stroke-dasharray:7 3}"
+    ".s2{stroke:var(--c2);stroke-width:1.6;stroke-dasharray:2 2}"
+    ".s3{stroke:var(--c3);stroke-width:1.6;stroke-dasharray:8 3 2 3}</style>\n";
+
+std::string escaped(const std::string& words) {
+  std::string text;
+  for (const char c : words)
+    text += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
+  return text;
+}
+
+// Lines of at most so many bytes, broken at spaces; a word that is longer is cut.
+std::vector<std::string> wrapped(const std::string& words, std::size_t most) {
+  std::vector<std::string> lines{""};
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find(' ', at), std::min(words.size(), at + most));
+    const std::string word = words.substr(at, end - at);
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > most) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+    at = end < words.size() && words[end] == ' ' ? end + 1 : end;
+  }
+  return lines;
+}
+
+struct Decades {  // a logarithmic axis
+  double low, high, start, end;
+  double at(double value) const {
+    return start + (std::log10(std::max(value, std::pow(10, low))) - low) / (high - low) * (end - start);
+  }
+};
+
+class Drawing {
+ public:
+  void line(const char* kind, double x1, double y1, double x2, double y2) {
+    text_ += fmt::format("<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", kind, x1, y1,
+                         x2, y2);
+  }
+  void label(const char* kind, double x, double y, const char* anchor, const std::string& words) {
+    text_ += fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", kind, x, y,
+                         anchor, escaped(words));
+  }
+  void curve(std::size_t i, const Curve& curve, const std::string& points) {
+    text_ += fmt::format("<polyline class=\"series s{}\" data-series=\"{}\" points=\"{}\"/>\n", i, escaped(curve.name),
+                         points);
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+std::string number_text(double value) {
+  return value < 1e6 ? fmt::format("{:g}", value) : fmt::format("{:.0e}", value);
+}
+
+// From where the first curve begins to beyond the last and the deadline, in whole decades of us.
+Decades time_axis(const std::vector<Curve>& curves, double mark_us) {
+  double shortest_us = mark_us, longest_us = 2 * mark_us;
   for (const Curve& curve : curves) {
-    most = std::max(most, curve.times->count());
+    if (curve.times->count() == 0) continue;
     longest_us = std::max(longest_us, static_cast<double>(curve.times->max_ns()) * 1e-3);
+    std::uint32_t first = 0;
+    while (first + 1 < Histogram::kBuckets && curve.times->in_bucket(first) == 0) ++first;
+    shortest_us = std::min(shortest_us, static_cast<double>(Histogram::upper_bound_ns(first)) * 1e-3);
   }
-  const double low = 0, high = std::ceil(std::log10(longest_us)),
-               deep = std::ceil(std::log10(static_cast<double>(most)));
-  const auto x = [&](double us) {
-    return kLeft + (std::log10(std::max(us, 1.0)) - low) / (high - low) * (kWidth - kLeft - kRight);
-  };
-  const auto y = [&](double share) { return kTop - std::log10(share) / deep * (kHeight - kTop - kBottom); };
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" "
-      "font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n"
-      "<text x=\"{2}\" y=\"18\" font-size=\"14\">{3}</text>\n",
-      kWidth, kHeight, kLeft, title);
-  const auto line = [&](double x1, double y1, double x2, double y2, const char* colour) {
-    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x1, y1, x2,
-                       y2, colour);
-  };
-  const auto label = [&](double at_x, double at_y, const char* anchor, const std::string& words,
-                         const std::string& colour) {
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" fill=\"{}\">{}</text>\n", at_x, at_y, anchor,
-                       colour, words);
-  };
-  for (double d = low; d <= high; ++d) {
-    line(x(std::pow(10, d)), kTop, x(std::pow(10, d)), kHeight - kBottom, "#dddddd");
-    label(x(std::pow(10, d)), kHeight - kBottom + 18, "middle", time_text(std::pow(10, d)), "black");
+  const double low = std::floor(std::log10(std::max(shortest_us, 0.01)) + 1e-9);
+  return {low, std::max(low + 1, std::ceil(std::log10(longest_us))), kLeft, kWidth - kRight};
+}
+
+// The share of the ticks that took longer, as steps.
+std::string falling(const Histogram& times, const Decades& x, const Decades& y) {
+  const double all = static_cast<double>(times.count());
+  std::uint64_t above = times.count();
+  std::string points = fmt::format("{:.1f},{:.1f} ", x.start, y.at(1));
+  for (std::uint32_t i = 0; i < Histogram::kBuckets && above > 0; ++i) {
+    if (times.in_bucket(i) == 0) continue;
+    const double at_x = x.at(static_cast<double>(Histogram::upper_bound_ns(i)) * 1e-3);
+    points += fmt::format("{:.1f},{:.1f} ", at_x, y.at(all / static_cast<double>(above)));
+    above -= times.in_bucket(i);
+    if (above > 0) points += fmt::format("{:.1f},{:.1f} ", at_x, y.at(all / static_cast<double>(above)));
   }
-  for (double d = 0; d <= deep; ++d) {
-    line(kLeft, y(std::pow(10, -d)), kWidth - kRight, y(std::pow(10, -d)), "#dddddd");
-    label(kLeft - 8, y(std::pow(10, -d)) + 4, "end", d == 0 ? "all" : fmt::format("1 in {:g}", std::pow(10, d)),
-          "black");
-  }
-  const double at_mark = x(static_cast<double>(mark_ns) * 1e-3);
-  line(at_mark, kTop, at_mark, kHeight - kBottom, "#c00000");
-  label(at_mark - 4, kHeight - kBottom - 6, "end", "deadline", "#c00000");
-  double key_y = kTop + 16;
-  for (const Curve& curve : curves) {
-    const double all = static_cast<double>(curve.times->count());
-    if (all == 0) continue;
-    std::string points;
-    std::uint64_t above = curve.times->count();
-    for (std::uint32_t i = 0; i < Histogram::kBuckets && above > 0; ++i) {
-      if (curve.times->in_bucket(i) == 0) continue;
-      const double at_x = x(static_cast<double>(Histogram::upper_bound_ns(i)) * 1e-3);
-      points += fmt::format("{:.1f},{:.1f} ", at_x, y(static_cast<double>(above) / all));
-      above -= curve.times->in_bucket(i);
-      if (above > 0) points += fmt::format("{:.1f},{:.1f} ", at_x, y(static_cast<double>(above) / all));
+  return points;
+}
+
+// From all at the top down to one tick.
+void draw_axes(Drawing& drawing, const Decades& x, const Decades& y) {
+  const double top = y.start, bottom = y.end;
+  for (double d = x.low; d <= x.high; ++d)
+    for (const double lead : {1.0, 3.0}) {
+      const double value = lead * std::pow(10, d);
+      if (lead > 1 && (d == x.high || x.high - x.low > 4)) continue;
+      drawing.line("grid", x.at(value), top, x.at(value), bottom);
+      drawing.label("xtick", x.at(value), bottom + 18, "middle", number_text(value));
     }
-    svg += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" points=\"{}\"/>\n", curve.colour,
-                       points);
-    label(kWidth - kRight - 8, key_y, "end", curve.name, curve.colour);
-    key_y += 16;
+  for (double d = y.low; d <= y.high; ++d) {
+    const double at = y.at(std::pow(10, d));
+    drawing.line("grid", x.start, at, x.end, at);
+    drawing.label("ytick", x.start - 8, at + 4, "end", d == 0 ? "all" : "1 in " + number_text(std::pow(10, d)));
   }
-  label(0.5 * (kLeft + kWidth - kRight), kHeight - 12, "middle", "time; share of the ticks that took longer", "black");
-  return svg + "</svg>\n";
+  drawing.label("xlabel", 0.5 * (x.start + x.end), bottom + 38, "middle", "time [\u00b5s]");
+  drawing.label("ylabel", 8, top - 14, "start", "ticks that took longer [1 in N]");
+}
+
+// What was measured, each with its sample of a line; gives back where it ends.
+double draw_key(Drawing& drawing, const std::vector<const Curve*>& drawn, double top) {
+  for (std::size_t i = 0; i < drawn.size(); ++i, top += kLine) {
+    drawing.line(fmt::format("series s{}", i).c_str(), 8, top - 4, 48, top - 4);
+    drawing.label("key", 56, top, "start", drawn[i]->name);
+  }
+  return top;
+}
+
+}  // namespace
+
+std::string histogram_svg(const std::string& sentence, const Provenance& made, const std::vector<Curve>& curves,
+                          std::int64_t mark_ns) {
+  Drawing drawing;
+  double top = 24;
+  const auto write = [&](const char* kind, const std::string& words, std::size_t most) {
+    for (const std::string& line : wrapped(words, most)) {
+      drawing.label(kind, 8, top, "start", line);
+      top += kLine;
+    }
+    top += 3;
+  };
+  write("answer", sentence, kWordsBold);
+  for (const std::string& words :
+       {fmt::format("date: {}; version: {}, built for {}", made.date_utc, made.version, made.built_for),
+        "machine: " + made.machine, "command: " + made.command})
+    write("made", words, kWords);
+  std::vector<const Curve*> drawn;
+  std::uint64_t most = 10;
+  for (const Curve& curve : curves)
+    if (curve.times->count() > 0) {
+      drawn.push_back(&curve);
+      most = std::max(most, curve.times->count());
+    }
+  top = draw_key(drawing, drawn, top + 10) + 34;
+  const double mark_us = static_cast<double>(mark_ns) * 1e-3;
+  const Decades x = time_axis(curves, mark_us);
+  const Decades y{0, std::ceil(std::log10(static_cast<double>(most)) - 1e-9), top, top + kPlotHeight};
+  draw_axes(drawing, x, y);
+  for (std::size_t i = 0; i < drawn.size(); ++i) drawing.curve(i, *drawn[i], falling(*drawn[i]->times, x, y));
+  drawing.line("limit", x.at(mark_us), y.start, x.at(mark_us), y.end);
+  const bool right = x.at(mark_us) > x.start + 130;  // room for the words on its left
+  drawing.label("limit-word", x.at(mark_us) + (right ? -5 : 5), y.start + 14, right ? "end" : "start",
+                fmt::format("deadline, {}", time_text(mark_us)));
+  const double height = y.end + 52;
+  return fmt::format(
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} {1:.0f}\" "
+             "role=\"img\">\n<title>{2}</title>\n",
+             kWidth, height, escaped(sentence)) +
+         kStyle + drawing.text() + "</svg>\n";
 }
 
 }  // namespace tactus::timing

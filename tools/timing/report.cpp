@@ -115,9 +115,9 @@ std::string to_text(const TimingResult& r) {
       "capacity                   {} members declared, {} reached ({} ticks); {} contacts, {} points, {} border "
       "contacts\n\n",
       r.options.members, b.members_max, b.at_capacity, b.contacts_max, b.points_max, b.border_max);
-  std::vector<Curve> curves{{"done after the deadline's start", "#1f5fa8", &b.done}, {"wake-up", "#2a8a3a", &wake(r)}};
-  if (b.bare_ticks > 0) curves.push_back({"bare timer's wake-up", "#888888", &b.bare_wake});
-  if (r.cyclictest_wake.count() > 0) curves.push_back({"cyclictest's wake-up", "#888888", &r.cyclictest_wake});
+  std::vector<Curve> curves{{"done after the deadline's start", &b.done}, {"wake-up", &wake(r)}};
+  if (b.bare_ticks > 0) curves.push_back({"bare timer's wake-up", &b.bare_wake});
+  if (r.cyclictest_wake.count() > 0) curves.push_back({"cyclictest's wake-up", &r.cyclictest_wake});
   text += histogram_text(curves, b.settings().period_ns) + "\n" + stages_text(r);
   text += ratio_text(r, "bare timer", b.bare_wake) + ratio_text(r, "cyclictest", r.cyclictest_wake) + "\n";
   text += overruns_text(r) + "\n" + verdict_text(r);
@@ -182,13 +182,32 @@ ordered_json to_json(const TimingResult& r) {
   return j;
 }
 
-std::string to_svg(const TimingResult& r) {
+namespace {
+
+// What the plot shows, in one sentence.
+std::string answer(const TimingResult& r) {
   const Books& b = r.books;
-  return histogram_svg(fmt::format("{} ticks at {:g} Hz, {} members", b.ticks, r.options.run.rate_Hz, b.members_max),
-                       {{"done, from the deadline's start on", "#1f5fa8", &b.done},
-                        {"wake-up", "#2a8a3a", &wake(r)},
-                        {"wake-up of the bare timer", "#888888", &b.bare_wake},
-                        {"wake-up of cyclictest", "#b07000", &r.cyclictest_wake}},
+  const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];
+  const std::string overruns = b.overruns == 0
+                                   ? "none overran"
+                                   : fmt::format("{} overran, {} of them by the program's own work", b.overruns, own);
+  return fmt::format(
+      "Of {} ticks at {:g} Hz with {} members {}: half were done {:.0f} \u00b5s after their period's start, one in 100 "
+      "later than {:.0f} \u00b5s, the last {:.0f} \u00b5s, of {:.0f} \u00b5s; verdict: {}.",
+      b.ticks, r.options.run.rate_Hz, b.members_max, overruns, us(b.done.percentile_ns(50)),
+      us(b.done.percentile_ns(99)), us(b.done.max_ns()), static_cast<double>(b.settings().period_ns) * 1e-3,
+      name_of(r.verdict()));
+}
+
+}  // namespace
+
+std::string to_svg(const TimingResult& r, const Provenance& made) {
+  const Books& b = r.books;
+  return histogram_svg(answer(r), made,
+                       {{"done, from the deadline's start on", &b.done},
+                        {"wake-up of the loop", &wake(r)},
+                        {"wake-up of the bare timer", &b.bare_wake},
+                        {"wake-up of cyclictest", &r.cyclictest_wake}},
                        b.settings().period_ns);
 }
 

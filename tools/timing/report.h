@@ -5,13 +5,14 @@
 #include <string>
 
 #include "tools/timing/run_timing.h"
+#include "tools/version/provenance.h"
 
 namespace tactus::timing {
 
 std::string to_text(const TimingResult& result);
 nlohmann::ordered_json to_json(const TimingResult& result);
 // The plot that --svg writes.
-std::string to_svg(const TimingResult& result);
+std::string to_svg(const TimingResult& result, const Provenance& made);
 
 // p50 or p99 of the loop's wake-up over that of the other; 0 where there is none.
 double wake_ratio(const TimingResult& result, const Histogram& other, double percent);

@@ -30,7 +30,7 @@ TEST_CASE("the bars have each time once, in the row that ends at or above it, an
   Histogram h;
   for (int i = 0; i < 1000; ++i) h.record(3'000);
   h.record(1'500'000);
-  const std::string text = histogram_text({{"loop", "blue", &h}}, kPeriod_ns);
+  const std::string text = histogram_text({{"loop", &h}}, kPeriod_ns);
   CHECK_THAT(text, Contains("<= 5 us  \u2588") && Contains("1000\n") && Contains("deadline, 1 ms"));
   CHECK(text.find("<= 2 us") == std::string::npos);     // rows begin where there is something
   CHECK(text.find("deadline") < text.find("<= 2 ms"));  // what is below the line is late
@@ -39,11 +39,16 @@ TEST_CASE("the bars have each time once, in the row that ends at or above it, an
 
 TEST_CASE("the plot is an SVG with a curve for each histogram that has times") {
   const TimingResult r = made_result();
-  const std::string svg = to_svg(r);
+  const Provenance made{"2026-01-31 23:59 UTC", "1.2 (commit abc)", "x86-64-v3", "a CPU & <kernel>", "tactus timing"};
+  const std::string svg = to_svg(r, made);
   std::size_t curves = 0;
   for (std::size_t at = 0; (at = svg.find("<polyline", at)) != std::string::npos; ++at) ++curves;
   CHECK(curves == 3);  // done, wake-up, bare timer; no cyclictest
   CHECK_THAT(svg, Catch::StartsWith("<svg ") && Catch::EndsWith("</svg>\n") && Contains("deadline"));
+  CHECK_THAT(svg, Contains("Of 400 ticks at 1000 Hz") && Contains("1 overran, 0 of them by the program's own work"));
+  CHECK_THAT(
+      svg, Contains("2026-01-31 23:59 UTC") && Contains("1.2 (commit abc)") && Contains("a CPU &amp; &lt;kernel&gt;"));
+  CHECK_THAT(svg, Contains("prefers-color-scheme:dark") && Contains("[\u00b5s]"));
   CHECK(svg.find("nan") == std::string::npos);
 }
 

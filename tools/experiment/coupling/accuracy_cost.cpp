@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "rt/loop/governor.h"
 #include "sim/loader/choice_names.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
@@ -102,6 +103,7 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
   for (const Setting& setting : settings)
     if (std::find(ratios.begin(), ratios.end(), setting.ratio) == ratios.end()) ratios.push_back(setting.ratio);
   std::vector<SettingSums> sums(settings.size());
+  std::vector<std::vector<double>> errors(settings.size()), ticks_us(settings.size());  // by seed
   const double unit = moving_bodies(written.value());
   for (unsigned seed = 0; seed < request.seeds; ++seed) {
     auto scene = load_coupling_case(one, seed);
@@ -115,12 +117,19 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
     done += kReferenceWork * unit;
     for (std::size_t i = 0; i < settings.size(); ++i) {
       say(fmt::format("setting {} of {}", i + 1, settings.size()));
-      measure_setting(scene.value(), profile.value(), settings[i], reference, ratios, sums[i]);
+      SettingSums of_seed;
+      measure_setting(scene.value(), profile.value(), settings[i], reference, ratios, of_seed);
+      errors[i].push_back(of_seed.error.relative());
+      ticks_us[i].push_back(median(of_seed.ticks_us));
+      sums[i].add(of_seed);
       done += unit;
     }
   }
   const std::size_t first = report.points.size();
-  for (std::size_t i = 0; i < settings.size(); ++i) report.points.push_back(point_of(one.name, settings[i], sums[i]));
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    report.points.push_back(point_of(one.name, settings[i], sums[i]));
+    report.points.back().force_error_by_seed = errors[i], report.points.back().tick_us_by_seed = ticks_us[i];
+  }
   const CostPoint& base = report.points[first];
   for (const Change& change : changes_of(settings[0], moving_bodies(written.value()))) {
     const auto at = std::find(settings.begin(), settings.end(), change.setting) - settings.begin();
@@ -222,6 +231,7 @@ Result<CostReport> run_accuracy_cost(const CostRequest& request, const Progress&
   settle_on_core();
   CostReport report;
   report.seeds = request.seeds;
+  report.period_us = 1e6 / kHapticRate_Hz, report.budget_us = loop::GovernorConfig{}.budget * report.period_us;
   double work = 0, done = 0;
   for (const CouplingCase& one : request.cases) {
     const auto scene = load_coupling_case(one, 0);

@@ -19,7 +19,8 @@ struct CostPoint {
   std::string scene;
   Setting setting;
   bool is_default{false}, on_front{false};
-  double force_error{0};  // RMS(F - F_ref) / RMS(F_ref), over all windows
+  double force_error{0};                                     // RMS(F - F_ref) / RMS(F_ref), over all windows
+  std::vector<double> force_error_by_seed, tick_us_by_seed;  // the same, and the median tick, of each hand alone
   double hold_vibration_N{0}, sync_step_N{0};
   double loss{0}, gain{0};  // of kinetic energy, as coupling_study.h
   double tick_us_p50{0}, tick_us_p99{0}, tick_us_max{0};
@@ -45,6 +46,7 @@ struct CostReport {
   std::vector<CostPoint> points;
   std::vector<Notch> notches;
   unsigned seeds{0};
+  double period_us{0}, budget_us{0};  // of a tick: all of it, and what the governor gives to computing
 };
 
 // The settings that are measured on a scene, the default first.

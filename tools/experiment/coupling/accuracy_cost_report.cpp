@@ -68,6 +68,8 @@ std::string cost_json(const CostReport& report) {
                       {"extraction", sim::name_of(p.setting.order)},
                       {"world_precision", sim::name_of(p.setting.precision)},
                       {"force_error_rms", p.force_error},
+                      {"force_error_by_seed", p.force_error_by_seed},
+                      {"tick_us_p50_by_seed", p.tick_us_by_seed},
                       {"hold_vibration_N", p.hold_vibration_N},
                       {"sync_step_N", p.sync_step_N},
                       {"loss", p.loss},
@@ -91,7 +93,12 @@ std::string cost_json(const CostReport& report) {
                        {"global_us_before", n.global_us_before},
                        {"global_us_after", n.global_us_after},
                        {"sentence", sentence_of(n)}});
-  return json_text(ordered_json{{"points", points}, {"notches", notches}, {"seeds", report.seeds}}, 2);
+  return json_text(ordered_json{{"points", points},
+                                {"notches", notches},
+                                {"seeds", report.seeds},
+                                {"period_us", report.period_us},
+                                {"budget_us", report.budget_us}},
+                   2);
 }
 
 std::string cost_csv(const CostReport& report) {

@@ -13,7 +13,17 @@ namespace {
 
 using nlohmann::ordered_json;
 
+ordered_json to_json(const SeedFigures& one) {
+  return {{"force_error_rms", one.force_error},
+          {"loss", one.loss},
+          {"gain", one.gain},
+          {"sync_step_N", one.sync_step_N},
+          {"hold_vibration_N", one.hold_vibration_N}};
+}
+
 ordered_json to_json(const StudyRow& row) {
+  ordered_json by_seed = ordered_json::array();
+  for (const SeedFigures& one : row.by_seed) by_seed.push_back(to_json(one));
   return {{"scene", row.scene},
           {"coupling", sim::name_of(row.scheme.coupling)},
           {"border", name_of_border(row.scheme)},
@@ -43,6 +53,7 @@ ordered_json to_json(const StudyRow& row) {
           {"loop_hold_N", row.loop.hold_N},
           {"loop_fallen", row.loop.fallen},
           {"loop_energy_gain", row.loop.energy_gain},
+          {"by_seed", by_seed},
           {"spectrum_N2", row.spectrum}};
 }
 

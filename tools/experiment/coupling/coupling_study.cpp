@@ -42,7 +42,30 @@ struct RowSums {
   std::vector<double> steps, vibration, encoder_vibration;
   std::vector<double> spectrum;
   std::size_t spectra{0};
+
+  ForceError all() const {
+    ForceError sum = hold;
+    sum.add(moving);
+    return sum;
+  }
+  void add(const RowSums& other);
 };
+
+void append(std::vector<double>& to, const std::vector<double>& from) { to.insert(to.end(), from.begin(), from.end()); }
+
+void RowSums::add(const RowSums& other) {
+  hold.add(other.hold), moving.add(other.moving), energy.add(other.energy);
+  worst = std::max(worst, other.worst);
+  append(steps, other.steps), append(vibration, other.vibration), append(encoder_vibration, other.encoder_vibration);
+  spectrum.resize(std::max(spectrum.size(), other.spectrum.size()));
+  for (std::size_t i = 0; i < other.spectrum.size(); ++i) spectrum[i] += other.spectrum[i];
+  spectra += other.spectra;
+}
+
+SeedFigures figures_of(const RowSums& sums) {
+  const Deviation energy = sums.energy.kinetic();
+  return {sums.all().relative(), energy.loss, energy.gain, quantile(sums.steps, 0.95), median(sums.vibration)};
+}
 
 // The schemes that run with the same gains, and the scene with these for its own.
 struct GainsGroup {
@@ -55,7 +78,12 @@ struct GainsGroup {
 class SceneStudy {
  public:
   SceneStudy(const StudyRequest& request, const CouplingCase& one, const hal::DeviceProfile& profile)
-      : request_(request), case_(one), profile_(profile), ratios_(ratios_of(request)), sums_(request.schemes.size()) {}
+      : request_(request),
+        case_(one),
+        profile_(profile),
+        ratios_(ratios_of(request)),
+        sums_(request.schemes.size()),
+        by_seed_(request.schemes.size()) {}
 
   Status measure(std::uint64_t seed);
   Status judge_stability();
@@ -87,7 +115,9 @@ class SceneStudy {
   sim::Scene scene_;                  // with the hand of the last seed, and the gains of the group in question
   haptics::CouplingGains own_gains_;  // the scene's
   std::vector<GainsGroup> groups_;    // the scene's own gains first
-  std::vector<RowSums> sums_;
+  std::vector<RowSums> sums_;         // over the seeds that are done
+  std::vector<RowSums> seed_sums_;    // of the seed in question
+  std::vector<std::vector<SeedFigures>> by_seed_;
   std::vector<HandInLoop> loops_;
   StudyScene account_;
   ForceError apart_;
@@ -126,9 +156,14 @@ Status SceneStudy::measure(std::uint64_t seed) {
   if (!loaded.ok()) return loaded.status();
   scene_ = std::move(loaded).value();
   if (groups_.empty()) group_schemes(scene_);
+  seed_sums_.assign(request_.schemes.size(), {});
   for (const GainsGroup& group : groups_) {
     use_gains(group.gains, scene_);
     measure_group(group, &group == &groups_.front());
+  }
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    by_seed_[i].push_back(figures_of(seed_sums_[i]));
+    sums_[i].add(seed_sums_[i]);
   }
   return Status::good();
 }
@@ -176,7 +211,7 @@ void SceneStudy::measure_apart(const ReferenceRun& reference, const Window& wind
 void SceneStudy::measure_scheme(std::size_t index, const ReferenceRun& reference, const Window& window,
                                 std::span<const Vec3d> direct_encoded) {
   const Scheme& scheme = request_.schemes[index];
-  RowSums& sums = sums_[index];
+  RowSums& sums = seed_sums_[index];
   const std::size_t ticks = window_ticks(scheme.ratio);
   const auto wanted = std::span(reference.force).subspan(window.start, ticks);
   CoupledWorlds tested = worlds(scheme);
@@ -282,9 +317,8 @@ void SceneStudy::add_to(StudyReport& report) const {
     row.energy = sums.energy.kinetic();
     row.worst_instant = sums.energy.worst_instant();
     row.speed_squared = sums.energy.speed_squared();
-    ForceError all = sums.hold;
-    all.add(sums.moving);
-    row.force_error = all.relative();
+    row.force_error = sums.all().relative();
+    row.by_seed = by_seed_[i];
     row.force_error_hold = sums.hold.relative(), row.force_error_moving = sums.moving.relative();
     row.force_error_worst = sums.worst;
     row.sync_step_N = quantile(sums.steps, 0.95);

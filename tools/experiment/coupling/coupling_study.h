@@ -39,6 +39,11 @@ struct HandInLoop {
   double energy_gain{0};  // energy beyond the start and the hand's work, less the direct run's, of the energy at play
 };
 
+// Of the windows of one hand alone: how far the figures of a row depend on it.
+struct SeedFigures {
+  double force_error{0}, loss{0}, gain{0}, sync_step_N{0}, hold_vibration_N{0};
+};
+
 // Of one coupling on one scene; fractions, unless the name has a unit.
 struct StudyRow {
   std::string scene;
@@ -57,6 +62,7 @@ struct StudyRow {
   double hold_vibration_encoder_N{0};  // the same as the median, with the device's encoder
   bool stable{true};
   HandInLoop loop;
+  std::vector<SeedFigures> by_seed;
   std::vector<double> spectrum;  // of F - F_direct in hold windows, mean power by line [N^2]
 };
 

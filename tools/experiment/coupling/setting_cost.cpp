@@ -32,6 +32,15 @@ std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& refer
 
 }  // namespace
 
+void SettingSums::add(const SettingSums& other) {
+  const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  error.add(other.error), energy.add(other.energy);
+  append(vibration, other.vibration), append(steps, other.steps);
+  append(ticks_us, other.ticks_us), append(global_us, other.global_us);
+}
+
 unsigned least_sub_steps(double contact_Hz) {
   return static_cast<unsigned>(std::ceil(4 * contact_Hz / kHapticRate_Hz - 1e-9));
 }

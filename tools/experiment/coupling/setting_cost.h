@@ -44,12 +44,14 @@ unsigned moving_bodies(const sim::Scene& scene);
 ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& profile, std::size_t ticks,
                          std::span<const WindowPlace> places, std::span<const unsigned> ratios);
 
-// Over windows and hands.
+// Over windows, of one hand or of all.
 struct SettingSums {
   ForceError error;
   EnergyBook energy;
   std::vector<double> vibration, steps;     // N: of the hold windows; at synchronisations
   std::vector<double> ticks_us, global_us;  // a tick of the haptic side; a global step
+
+  void add(const SettingSums& other);
 };
 
 // Adds what the setting does on the reference's windows. Its ratio is one of `ratios`, as the reference was recorded.
