@@ -46,6 +46,9 @@ struct SceneDiagnostics {
 Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics = nullptr);
 Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics = nullptr);
 
+// 16 hexadecimal digits: which text a scene is of, what its files hold included (Scene::source). FNV-1a, 64 bit.
+std::string source_hash(std::string_view source);
+
 // The highest contact frequency that both worlds solve accurately: 0.25 / h for the longer of their sub-steps [Hz].
 // The global step of r ticks has r x global_sub_steps_per_tick sub-steps, so its sub-step does not depend on r.
 double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept;

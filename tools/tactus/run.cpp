@@ -8,18 +8,18 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "sim/loader/choice_names.h"
 #include "sim/loader/scene_load.h"
 #include "tools/doctor/system_view.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/service/run_service.h"
 #include "tools/session/open_link.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/timing/budget.h"
-#include "tools/version/version.h"
 
 namespace tactus::tools {
 namespace {
@@ -111,7 +111,8 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   if (logged || !command.control.empty()) {
     service::Configuration configuration = command.configuration;
     if (!command.control.empty()) configuration.socket = command.control;
-    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr);
+    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr,
+                                            {session.options.scene, sim::source_hash(session.scene.source)});
     if (!opened.ok()) return opened.status();
     service = std::move(opened).value();
   }
@@ -212,6 +213,14 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
   return Status::good();
 }
 
+// A line each, as they are shown.
+std::vector<std::string> warnings_of(const sim::SceneDiagnostics& found) {
+  std::vector<std::string> lines;
+  std::istringstream text(found.warning_message());
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
 int run_scene(const CLI::App& app, RunCommand& command) {
   if (const Status status = read_configuration(app, command); !status.ok()) {
     fmt::print(stderr, "{}\n", status.message());  // a line for each mistake in the file
@@ -220,11 +229,13 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   if (command.options.scene.empty())
     return complain("tactus run: SCENE is required; accepted: see tactus run --help", kExitBadInput);
   if (const Status status = read_words(command); !status.ok()) return complain(status.message(), kExitBadInput);
-  auto scene = sim::load_scene(command.options.scene);
+  sim::SceneDiagnostics found;
+  auto scene = sim::load_scene(command.options.scene, &found);
   if (!scene.ok()) {
     fmt::print(stderr, "tactus: {}\n", scene.message());
     return kExitBadInput;
   }
+  if (!found.warnings.empty()) fmt::print(stderr, "{}\n", found.warning_message());
   if (const int exit_code = keep_budget(command, scene.value()); exit_code != kExitGood) return exit_code;
   const auto profile = session::find_description(scene.value().device.profile, command.options.device_file);
   if (!profile.ok()) {
@@ -244,8 +255,8 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
   if (command.json) {
     auto object = to_json(summary.value());
-    object["version"] = version();
-    fmt::print("{}\n", json_text(object, 2));
+    object["scene_warnings"] = warnings_of(found);
+    fmt::print("{}\n", report_text(object, 2));
   } else {
     fmt::print("{}", to_text(summary.value()));
   }
