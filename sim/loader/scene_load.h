@@ -62,6 +62,9 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
 // What reading this text asks for, in the order of the questions, each key of a table once: see scene_keys.h.
 std::vector<AskedKey> asked_keys(std::string_view text);
 
+// 16 hexadecimal digits: which text a scene is of, what its files hold included (Scene::source). FNV-1a, 64 bit.
+std::string source_hash(std::string_view source);
+
 // The highest contact frequency that both worlds solve accurately: 0.25 / h for the longer of their sub-steps [Hz].
 // The global step of r ticks has r x global_sub_steps_per_tick sub-steps, so its sub-step does not depend on r.
 double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept;

@@ -7,10 +7,12 @@
 #include "hal/gpio/gpio_options.h"
 #include "rt/haptics/snapshot.h"
 #include "sim/loader/choice_names.h"
+#include "sim/loader/scene_load.h"
 #include "sim/worker_pool.h"
 #include "tools/json_text.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/inject_script.h"
+#include "tools/version/version.h"
 
 namespace tactus::session {
 namespace {
@@ -125,6 +127,9 @@ std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& d
                          const std::string& scene_source) {
   json text;
   text["tactus"] = "tape of a haptic thread";
+  text["made_by"] = "tactus " + version();
+  text["scene_file"] = o.scene.string();
+  text["scene_hash"] = sim::source_hash(scene_source);
   text["coupling"] = sim::name_of(o.coupling);
   text["border"] = sim::name_of(o.border);
   text["order"] = sim::name_of(o.order);
@@ -193,6 +198,9 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   if (!missing.empty()) return bad(fmt::format("has no '{}' among its 'device_properties'", missing));
   tape.scene_name = word("scene_name");
   tape.scene_source = word("scene");
+  tape.made_by = word("made_by");
+  tape.scene_file = word("scene_file");
+  tape.scene_hash = sim::source_hash(tape.scene_source);
   if (const Status status = check_options(o); !status.ok()) return bad("has " + status.message());
   return tape;
 }

@@ -69,14 +69,16 @@ struct RunOptions {
 std::vector<std::string> option_mistakes(const RunOptions& options);
 Status check_options(const RunOptions& options);
 
-// The header text of a tape: the options that the haptic thread's results depend on, the device's properties, and the
-// scene's own text.
+// The header text of a tape: who made it, of which scene (its file and the hash of its text), the options that the
+// haptic thread's results depend on, the device's properties, and the scene's own text.
 std::string to_tape_text(const RunOptions& options, const haptics::DeviceProperties& device,
                          const std::string& scene_name, const std::string& scene_source);
 
 struct TapeSettings {
   RunOptions options;
   std::string scene_name, scene_source;
+  std::string made_by;                 // version of the program; empty: it does not say
+  std::string scene_file, scene_hash;  // as given then; of scene_source
 };
 Result<TapeSettings> from_tape_text(const std::string& text);
 

@@ -11,13 +11,12 @@
 
 #include "tactus/tactus.h"
 #include "tools/doctor/system_view.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/library/access.h"
 #include "tools/service/run_service.h"
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/timing/budget.h"
-#include "tools/version/version.h"
 
 namespace tactus::tools {
 namespace {
@@ -99,7 +98,8 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   if (logged || !command.control.empty()) {
     service::Configuration configuration = command.configuration;
     if (!command.control.empty()) configuration.socket = command.control;
-    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr);
+    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr,
+                                            {session.options.scene, sim::source_hash(session.scene.source)});
     if (!opened.ok()) return opened.status();
     service = std::move(opened).value();
   }
@@ -214,6 +214,7 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   if (const Error error = complete_options(command)) return complain_of(error);
   Scene scene;
   if (const Error error = scene.load(command.scene)) return complain_of(error);
+  for (const std::string& line : scene.warnings()) fmt::print(stderr, "{}\n", line);
   if (const int exit_code = keep_budget(command, library::Access::scene(scene)); exit_code != kExitGood)
     return exit_code;
   Session session;
@@ -227,8 +228,8 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
   if (command.json) {
     auto object = to_json(summary.value());
-    object["version"] = version();
-    fmt::print("{}\n", json_text(object, 2));
+    object["scene_warnings"] = scene.warnings();
+    fmt::print("{}\n", report_text(object, 2));
   } else {
     fmt::print("{}", to_text(summary.value()));
   }
