@@ -35,6 +35,8 @@ constexpr Meaning kMeanings[] = {
     {"", "hull_file", "written by tactus into a tape: the vertices of a hull's file", ""},
     {"", "mesh_file", "written by tactus into a tape: the triangles of a mesh's file", ""},
 
+    {"", "motion_file", "written by tactus into a tape: the rows of the hand's file", ""},
+
     {"[simulation]", "ratio", "ticks of the haptic loop in one step of the global world", ""},
     {"[simulation]", "members", "most bodies of the haptic sub-world, the proxy included", ""},
     {"[simulation]", "sub_steps", "sub-steps of a tick in the haptic sub-world", ""},
@@ -74,7 +76,13 @@ constexpr Meaning kMeanings[] = {
 
     {"[hand]", "path", "way points: between two the target goes along 10u^3 - 15u^4 + 6u^5 and rests at each",
      "rests at the proxy"},
-    {"[hand]", "repeat", "the path starts again at its end; its last pose is then its first", ""},
+    {"[hand]", "repeat", "the motion starts again at its end; its last pose is then its first",
+     "true; false with a file"},
+    {"[hand]", "file",
+     "a recorded motion, CSV, in place of a path: time_s,position_x_m,position_y_m,position_z_m and, if it turns, "
+     "rotation_w,rotation_x,rotation_y,rotation_z (world_from_tool); from the scene's folder",
+     "none"},
+    {"[hand]", "interpolation", "between the rows of a file", ""},
     {"[hand]", "stiffness_N_per_m", "stiffness of the arm in translation", ""},
     {"[hand]", "damping_Ns_per_m", "damping of the arm in translation", ""},
     {"[hand]", "stiffness_Nm_per_rad", "stiffness of the arm in rotation", ""},
@@ -176,6 +184,8 @@ constexpr Meaning kMeanings[] = {
     {"[[hull_file]]", "name", "the file's name, as a body has it", ""},
     {"[[hull_file]]", "file_unit_m", "the length that the file calls 1", ""},
     {"[[hull_file]]", "points_m", "the hull's vertices", ""},
+    {"[[motion_file]]", "name", "the file's name, as [hand] has it", ""},
+    {"[[motion_file]]", "rows", "time, position, rotation (w, x, y, z): eight numbers a row", ""},
     {"[[mesh_file]]", "name", "the file's name, as a body has it", ""},
     {"[[mesh_file]]", "file_unit_m", "the length that the file calls 1", ""},
     {"[[mesh_file]]", "corners_m", "x, y, z of each corner", ""},
@@ -202,6 +212,7 @@ constexpr Purpose kPurposes[] = {
     {"[drag]", "Drag of a fluid: 1/2 density x coefficient x area x speed^2."},
     {"[[attraction]]", "A source that attracts bodies, as a magnet does."},
     {"[[hull_file]]", "In tapes alone: a hull's file, so that a tape replays without it."},
+    {"[[motion_file]]", "In tapes alone: the hand's file, so that a tape replays without it."},
     {"[[mesh_file]]", "In tapes alone: a mesh's file, so that a tape replays without it."},
 };
 
@@ -215,7 +226,8 @@ std::string head() {
   for (const auto& effect : known_effects()) effects += fmt::format("\"{}\", ", effect.name);
   return "effects = [" + effects +
          "]\n[simulation]\nglobal_sub_steps_per_tick = 16\n[[hull_file]]\n[[mesh_file]]\nname = \"a.stl\"\n"
-         "corners_m = [0, 0, 0, 1, 0, 0, 0, 1, 0]\ntriangles = [0, 1, 2]\n[proxy]\nshape = "
+         "corners_m = [0, 0, 0, 1, 0, 0, 0, 1, 0]\ntriangles = [0, 1, 2]\n"
+         "[[motion_file]]\nname = \"a.csv\"\nrows = [0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]\n[proxy]\nshape = "
          "\"sphere\"\n";
 }
 
@@ -253,7 +265,9 @@ std::vector<Variant> variants() {
     all.push_back({"[[joint]]", kind,
                    fmt::format("{}[[joint]]\nkind = \"{}\"\nb = \"proxy\"\nbreak_force_N = 1\nbreak_torque_Nm = 1\n",
                                head(), kind)});
-  all.push_back({"", "", head() + "[[attraction]]\n[hand]\npath = [{time_s = 0, position_m = [0, 0, 0]}]\n"});
+  all.push_back({"[hand]", "path", head() + "[hand]\npath = [{time_s = 0, position_m = [0, 0, 0]}]\n"});
+  all.push_back({"[hand]", "file", head() + "[hand]\nfile = \"a.csv\"\n"});
+  all.push_back({"", "", head() + "[[attraction]]\n"});
   return all;
 }
 

@@ -425,34 +425,6 @@ TEST_CASE("a norm too small to be squared holds all the same") {
   }
 }
 
-TEST_CASE("limits of any size hold, with the arm's weight, warm motors and a fading command") {
-  std::mt19937_64 random(11);
-  std::uniform_real_distribution<float> size(-40.0f, 6.0f), unit(-1.0f, 1.0f);
-  const auto any_size = [&] { return unit(random) * std::pow(10.0f, size(random)); };
-  for (int i = 0; i < 20000; ++i) {
-    Config config = configuration();
-    config.max_force_N = std::abs(any_size()), config.max_torque_Nm = std::abs(any_size());
-    for (float& effort : config.max_effort) effort = std::abs(any_size());
-    Bench b(config);
-    for (float& support : b.supervision.support) support = any_size();
-    for (float& share : b.supervision.effort_share) share = i % 3 == 0 ? std::abs(unit(random)) : 1.0f;
-    b.command(State::kIdle);
-    b.command(State::kForce, {any_size(), any_size(), any_size(), any_size(), any_size(), any_size()});
-    for (int missed = 0; missed < 6; ++missed) {
-      if (missed > 0) b.nothing();
-      for (unsigned first = 0; first < kAxes; first += 3) {
-        double norm_squared = 0.0;
-        for (unsigned k = first; k < first + 3; ++k) {
-          REQUIRE(std::abs(b.outputs.effort[k]) <= config.max_effort[k]);
-          norm_squared += std::pow(static_cast<double>(b.outputs.effort[k]), 2);
-        }
-        const auto limit = static_cast<double>(first == 0 ? config.max_force_N : config.max_torque_Nm);
-        REQUIRE(std::sqrt(norm_squared) <= limit * (1.0 + 1e-5) + 1e-30);
-      }
-    }
-  }
-}
-
 TEST_CASE("an axis without a motor gets no effort") {
   Config c = configuration();
   c.max_effort[3] = c.max_effort[4] = c.max_effort[5] = 0.0f;

@@ -97,6 +97,10 @@ TEST_CASE("a key is listed with the shapes, generators and joints that have it, 
   const auto& joint = table(language, "[[joint]]");
   CHECK(key(joint, "axis").only_with == "hinge, slider");
   CHECK(key(joint, "motor_torque_Nm").only_with == "hinge");
+  const auto& hand = table(language, "[hand]");
+  CHECK(key(hand, "path").only_with == "path");
+  CHECK(key(hand, "interpolation").only_with == "file");
+  CHECK(key(hand, "mass_kg").only_with.empty());
   const auto& simulation = table(language, "[simulation]");
   CHECK(values_of(key(simulation, "ratio").asked) == "1 to 64");
   CHECK(key(simulation, "ratio").fallback == "10");

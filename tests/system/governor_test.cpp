@@ -20,12 +20,6 @@ std::uint64_t ticks_with(const session::RunSummary& summary, StatusBit bit) {
   return summary.stats.status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))];
 }
 
-// Fires at that sweep of every tick.
-struct Cut {
-  std::uint32_t at;
-  static bool fired(void* self, std::uint32_t sweep) noexcept { return sweep >= static_cast<const Cut*>(self)->at; }
-};
-
 }  // namespace
 
 TEST_CASE("with time to spare no tick has fewer sub-steps and no cycle fewer members") {
@@ -46,14 +40,15 @@ TEST_CASE("with too little time ticks with fewer sub-steps and cycles with fewer
 
 TEST_CASE("a cut at a sweep is counted, and says at which") {
   auto session = make_session(scene_file("card_house.toml"), virtual_options());
-  Cut cut{GENERATE(0u, 1u, 3u)};
+  const std::uint32_t sweep = GENERATE(0u, 1u, 3u);
   run(*session, 100);
+  loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick(*session->driver, 0);
+  timed_tick.cut_at(sweep);
   for (int tick = 0; tick < 20; ++tick) {
-    session->driver->read();
-    const loop::TickOutput& out = session->driver->compute(session->operator_bits(), {&Cut::fired, &cut});
-    session->driver->write();
+    timed_tick({}, [&]() noexcept { return session->operator_bits(); });
     session->count_tick();
-    REQUIRE(out.cut_sweep == cut.at);
+    const loop::TickOutput& out = session->driver->output();
+    REQUIRE(out.cut_sweep == sweep);
     REQUIRE((out.status & kSolverCut) != 0);
   }
   CHECK(ticks_with(session->summary(), kSolverCut) == 20);

@@ -18,6 +18,7 @@ TEST_CASE("a hundred thousand ticks of the haptic thread allocate nothing, lock 
   REQUIRE(session->record("").ok());
   sim::SnapshotServer server(*session->global, *session->exchange);
   server.publish_first();
+  loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick(*session->driver, 0);
   std::uint64_t allocations = 0, frees = 0, locks = 0, faults = 0;
   // Code comes from its file page by page when it first runs; a real run has locked it all before it starts. So every
   // path of a tick has to have run once: until then the hand has been through its motion.
@@ -26,9 +27,7 @@ TEST_CASE("a hundred thousand ticks of the haptic thread allocate nothing, lock 
     server.serve();
     {
       RtGuard guard;
-      session->driver->read();
-      session->driver->compute(session->operator_bits(), {});
-      session->driver->write();
+      timed_tick({}, [&]() noexcept { return session->operator_bits(); });
       session->count_tick();
       if (tick >= kWarmUp) {
         allocations += guard.allocations(), frees += guard.frees(), locks += guard.locks();

@@ -12,16 +12,11 @@
 #include "rt/loop/periodic_thread.h"
 #include "sim/global_thread.h"
 #include "tools/caught.h"
-#include "tools/session/arm_gate.h"
 #include "tools/session/stolen_time.h"
 
 namespace tactus::session {
 namespace {
 
-// The cut fires this far into the period: what is left is for the relax sweep in reserve and for the device.
-constexpr double kCutShare = 0.85;
-// The last ticks of a run on a real device: its force fades, then it goes to IDLE and is not left to its watchdog.
-constexpr double kEnd_s = 2 * loop::kEndFade_s;
 // Lines of refused re-arms that a summary keeps.
 constexpr std::size_t kMostRefusals = 16;
 
@@ -33,172 +28,6 @@ int last_allowed_cpu() {
     if (CPU_ISSET(cpu, &set)) return cpu;
   return -1;
 }
-
-struct Deadline {
-  std::int64_t cut_ns{0};
-  loop::TickProbe* probe{nullptr};
-  static bool passed(void* self, std::uint32_t) noexcept {
-    const auto& deadline = *static_cast<const Deadline*>(self);
-    const std::int64_t now_ns = MonotonicClock::now_ns();
-    if (deadline.probe != nullptr) deadline.probe->sweep_begins(now_ns);
-    return now_ns > deadline.cut_ns;
-  }
-};
-
-// The haptic thread's tick: the driver's three stages, each timed, and the books.
-class RealtimeTick {
- public:
-  RealtimeTick(Session& session, LiveStatus& live, std::atomic<std::uint32_t>& requests, std::uint64_t most_ticks,
-               ArmGate& gate, const RealtimeHooks& hooks)
-      : session_(session),
-        probe_(hooks.probe),
-        taps_(hooks.taps),
-        gpio_(session.gpio.get()),
-        live_(live),
-        requests_(requests),
-        gate_(gate),
-        most_ticks_(most_ticks),
-        period_ns_(static_cast<std::int64_t>(session.options.period_s() * 1e9)),
-        real_(session.simulated() == nullptr),
-        end_ticks_(static_cast<std::uint64_t>(std::llround(kEnd_s * session.options.rate_Hz))) {}
-
-  bool operator()(const loop::TickTiming& timing) noexcept {
-    if (probe_ != nullptr && !probe_begins(timing)) return true;
-    Driver& driver = *session_.driver;
-    cpu_began_ns_ = MonotonicClock::thread_cpu_ns();
-    if (gpio_ != nullptr) gpio_->probe(true);
-    driver.read();
-    const std::int64_t read_ns = MonotonicClock::now_ns();
-    if (probe_ != nullptr) probe_->read_done(read_ns);
-    Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_)),
-                      probe_};
-    const loop::TickOutput& out = driver.compute(operator_bits(), {&Deadline::passed, &deadline},
-                                                 probe_ != nullptr ? probe_->stages() : loop::StageObserver{});
-    const std::int64_t computed_ns = MonotonicClock::now_ns();
-    driver.write();
-    if (gpio_ != nullptr) show_on_lines(out);
-    const std::int64_t wrote_ns = MonotonicClock::now_ns();
-    if (probe_ != nullptr) probe_ends(out, computed_ns, wrote_ns);
-
-    compute.record(computed_ns - read_ns);
-    forecast.add(driver.plan().predicted_ns, static_cast<double>(computed_ns - read_ns));
-    device.record((read_ns - timing.woke_ns) + (wrote_ns - computed_ns));
-    session_.count_tick();
-    if (taps_.ticked != nullptr) taps_.ticked(taps_.context, driver);
-    judge(timing, wrote_ns);
-    show(out);
-    return session_.stats.ticks < most_ticks_ && ended_ticks_ < end_ticks_;
-  }
-
-  // [normal] The loop ends by itself, after the force has faded and the device has had time to go to IDLE.
-  void end() noexcept { ending_.store(true, std::memory_order_relaxed); }
-  bool must_end() const noexcept { return real_; }
-
-  Histogram compute, device;
-  loop::ForecastStats forecast;
-  std::uint64_t late_wake{0}, own_work{0}, interrupted{0};
-
- private:
-  // What is asked of the loop in this tick, by whoever may.
-  std::uint32_t operator_bits() noexcept {
-    constexpr auto relaxed = std::memory_order_relaxed;
-    const std::uint32_t requests = requests_.load(relaxed) != 0 ? requests_.exchange(0, relaxed) : 0u;
-    std::uint32_t bits = gate_.pass(session_.operator_bits(requests));
-    if (real_ && (ending_.load(relaxed) || session_.stats.ticks + end_ticks_ >= most_ticks_)) {
-      bits |= loop::kEnd;
-      ++ended_ticks_;
-    }
-    if (gpio_ != nullptr && gpio_->estop()) bits |= loop::kStopLine;
-    return bits;
-  }
-
-  void judge(const loop::TickTiming& timing, std::int64_t ended_ns) noexcept {
-    const bool overran = ended_ns > timing.scheduled_ns + period_ns_;
-    if (overran) {
-      const auto wake_late_ns = static_cast<double>(timing.woke_ns - timing.scheduled_ns);
-      const auto used_ns = static_cast<double>(MonotonicClock::thread_cpu_ns() - cpu_began_ns_);
-      const double predicted_ns = session_.driver->plan().predicted_ns;
-      switch (loop::classify_overrun(wake_late_ns, used_ns, predicted_ns, static_cast<double>(period_ns_))) {
-        case loop::OverrunCause::kLateWake:
-          ++late_wake;
-          break;
-        case loop::OverrunCause::kOwnWork:
-          ++own_work;
-          break;
-        case loop::OverrunCause::kInterrupted:
-          ++interrupted;
-          break;
-      }
-    }
-  }
-
-  // False: the window is not the loop's.
-  bool probe_begins(const loop::TickTiming& timing) noexcept {
-    switch (probe_->window(timing)) {
-      case loop::WindowKind::kLoop:
-        probe_->begin(timing);
-        return true;
-      case loop::WindowKind::kBare:
-        probe_->bare(timing);
-        return false;
-      case loop::WindowKind::kRest:
-        probe_->rest(timing, period_ns_);
-        return false;
-    }
-    return true;
-  }
-  void probe_ends(const loop::TickOutput& out, std::int64_t computed_ns, std::int64_t wrote_ns) noexcept {
-    loop::TickTimes& times = probe_->times();
-    times.foreseen_ns = static_cast<std::int64_t>(session_.driver->plan().predicted_ns);
-    times.members = out.members, times.contacts = out.contacts, times.points = out.points, times.border = out.border;
-    times.sub_steps = session_.driver->sub_steps();
-    probe_->end(computed_ns, wrote_ns);
-  }
-
-  // The drives are enabled as long as force is wanted; a fault takes the line back with the command that brakes.
-  void show_on_lines(const loop::TickOutput& out) noexcept {
-    gpio_->enable(out.command.wanted == haptics::DeviceState::kForce);
-    gpio_->heartbeat();
-    gpio_->probe(false);
-  }
-
-  void show(const loop::TickOutput& out) noexcept {
-    constexpr auto relaxed = std::memory_order_relaxed;
-    live_.ticks.store(session_.stats.ticks, relaxed);
-    live_.overruns.store(late_wake + own_work + interrupted, relaxed);
-    live_.late_cycles.store(session_.stats.late_cycles, relaxed);
-    live_.force_N.store(norm(out.command.wrench.force), relaxed);
-    live_.members.store(out.members, relaxed);
-    live_.contacts.store(out.contacts, relaxed);
-    live_.border.store(out.border, relaxed);
-    live_.status.store(out.status, relaxed);
-    const haptics::DeviceSample& sample = session_.driver->sample();
-    live_.device_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
-    live_.device_limits.store(sample.limits, relaxed);
-    if (out.fault == Fault::kNone || sample.device_fault != 0) live_.device_fault.store(sample.device_fault, relaxed);
-    if (static_cast<std::uint32_t>(out.fault) != live_.fault.load(relaxed)) {
-      live_.fault_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
-      live_.fault_limits.store(sample.limits, relaxed);
-    }
-    live_.fault_count.store(session_.stats.fault_count, relaxed);
-    live_.fault.store(static_cast<std::uint32_t>(out.fault), relaxed);
-    live_.resets.store(session_.loop->sub_world().epoch(), relaxed);
-  }
-
-  Session& session_;
-  loop::TickProbe* probe_;  // null: nobody looks into the tick
-  RealtimeTaps taps_;
-  hal::GpioLines* gpio_;  // null: no lines
-  LiveStatus& live_;
-  std::atomic<std::uint32_t>& requests_;
-  ArmGate& gate_;
-  std::uint64_t most_ticks_;
-  std::int64_t period_ns_;
-  bool real_;  // the device outlives the run
-  std::uint64_t end_ticks_, ended_ticks_{0};
-  std::atomic<bool> ending_{false};
-  std::int64_t cpu_began_ns_{0};  // the thread's own clock at the start of the tick
-};
 
 // The cost model of the core that the loop will run on, measured at its priority.
 Status calibrate_governor(Session& session, const loop::SetupRequest& setup, loop::Calibration& result) {
@@ -307,7 +136,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
                               : ~std::uint64_t{0};
   ArmGate gate(session.same_device);
   std::vector<std::string> refusals;
-  RealtimeTick tick(session, live, requests, most_ticks, gate, hooks);
+  RealtimeTick tick(session, live, requests, most_ticks, gate, hooks.probe, hooks.taps);
   loop::PeriodicThread<RealtimeTick> thread(tick);
   const auto began = std::chrono::steady_clock::now();
   if (const Status status = session.device->start(); !status.ok()) return status;

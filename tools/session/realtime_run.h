@@ -7,31 +7,12 @@
 #include <functional>
 #include <string>
 
-#include "rt/loop/tick_probe.h"
-#include "tools/session/session.h"
+#include "tools/session/realtime_tick.h"
 
 namespace tactus::session {
 
-// What the screen shows while it runs. Written by the haptic thread, each value by itself.
-struct LiveStatus {
-  std::atomic<std::uint64_t> ticks{0}, overruns{0}, late_cycles{0}, fault_count{0};
-  std::atomic<double> force_N{0};
-  std::atomic<std::uint32_t> members{0}, contacts{0}, border{0}, status{0}, fault{0}, resets{0};
-  std::atomic<std::uint32_t> device_state{0}, device_fault{0}, device_limits{0};  // what the device says of itself
-  std::atomic<std::uint32_t> fault_state{0}, fault_limits{0};                     // when the fault latched
-};
-
 // The latched fault with what the device says of it; empty if none is.
 std::string fault_line(const LiveStatus& live);
-
-// Beside the haptic thread and the global world's: called by them, so functions with their context.
-struct RealtimeTaps {
-  // [rt] After each tick of the loop, by the haptic thread: no allocation, lock, wait, log or throw.
-  void (*ticked)(void* context, const Driver& driver) noexcept {nullptr};
-  // After each step, by the global world's thread, which waits for it.
-  void (*stepped)(void* context, const sim::GlobalWorld& world) noexcept {nullptr};
-  void* context{nullptr};
-};
 
 struct RealtimeHooks {
   // Called every `look_every` by the calling thread. Returns false to end the run.

@@ -13,7 +13,7 @@ double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps
   return predict_ns(loop::CostModel{}, counts, sub_steps);
 }
 
-VirtualRun::VirtualRun(Session& session) : session_(session) {
+VirtualRun::VirtualRun(Session& session) : session_(session), timed_tick_(*session.driver, 0) {
   if (session.global == nullptr) return;
   server_.emplace(*session.global, *session.exchange);
   server_->publish_first();
@@ -25,13 +25,11 @@ Status VirtualRun::check(const Session& session) {
 
 const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
   if (server_) serve_world();
-  session_.driver->read();
-  const loop::TickOutput& out = session_.driver->compute(session_.operator_bits(asked), {});
-  session_.driver->write();
+  timed_tick_({}, [&]() noexcept { return session_.operator_bits(asked); });
   session_.count_tick();
   if (session_.drain != nullptr && tick_ % 64 == 0) session_.drain->drain();
   ++tick_;
-  return out;
+  return session_.driver->output();
 }
 
 void VirtualRun::serve_world() {

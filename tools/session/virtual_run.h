@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "rt/loop/timed_tick.h"
 #include "tools/session/session.h"
 
 namespace tactus::session {
@@ -34,6 +35,7 @@ class VirtualRun {
   std::uint64_t stall_ticks();
 
   Session& session_;
+  loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick_;
   std::optional<sim::SnapshotServer> server_;  // none with the direct coupling
   std::uint64_t tick_{0};
   std::size_t next_stall_{0};

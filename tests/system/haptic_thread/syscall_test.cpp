@@ -16,6 +16,7 @@
 #include "tests/support/rt_guard.h"
 #include "tests/support/syscall_filter.h"
 #include "tests/system/session_bench.h"
+#include "tools/session/realtime_tick.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -51,18 +52,6 @@ struct Trial {
   std::vector<sim::Stall> stalls{};              // of the global world; in real time only
 };
 
-// The haptic thread's own work, as in a run: the driver's three stages, with a clock in the cut predicate.
-void one_tick(session::Session& session, const Trial& trial) noexcept {
-  static constexpr auto fires = [](void* at, std::uint32_t sweep) noexcept {
-    return MonotonicClock::now_ns() < 0 || sweep >= *static_cast<const std::uint32_t*>(at);
-  };
-  std::uint32_t cut_at = trial.cut_at;
-  session.driver->read();
-  session.driver->compute(session.operator_bits(), {fires, &cut_at});
-  session.driver->write();
-  session.count_tick();
-}
-
 std::uint32_t joints_between_members(const physics::World<double>& world) noexcept {
   std::uint32_t count = 0;
   if (const auto* joints = world.effects().find<physics::Joints<double>>())
@@ -70,14 +59,19 @@ std::uint32_t joints_between_members(const physics::World<double>& world) noexce
   return count;
 }
 
+// The body of the haptic thread as a run has it, and the watch over it.
 struct Ticks {
   session::Session& session;
   const Trial& trial;
   Counts& counts;
-  std::optional<RtGuard> guard;
+  session::LiveStatus live{};
+  std::atomic<std::uint32_t> requests{0};
+  session::ArmGate gate{session.same_device};
+  session::RealtimeTick tick{session, live, requests, ~std::uint64_t{0}, gate};
+  std::optional<RtGuard> guard{};
 
-  bool operator()(const loop::TickTiming&) noexcept {
-    one_tick(session, trial);
+  bool operator()(const loop::TickTiming& timing) noexcept {
+    tick(timing);
     counts.joints = std::max(counts.joints, joints_between_members(session.loop->sub_world().world()));
     if (session.stats.ticks == kWarmUp) {
       counts.filtered = install_syscall_filter(kAllowed);
@@ -106,7 +100,10 @@ struct Ticks {
 void run_fast(Ticks& ticks) noexcept {
   const auto& snapshots = ticks.session.exchange->snapshots;
   const auto& loop = *ticks.session.loop;
-  for (bool go = true; go; go = ticks({}))
+  // No deadline in this run is ever past.
+  loop::TickTiming timing;
+  timing.scheduled_ns = timing.woke_ns = INT64_MAX / 2;
+  for (bool go = true; go; go = ticks(timing))
     while (loop.wants_snapshot() && snapshots.try_read(loop.next_cycle()) == nullptr) {}
 }
 
@@ -127,7 +124,8 @@ void run_child(const Trial& trial, Counts& counts) {
   sim::GlobalThread world(*session->global, *session->exchange, on_thread);
   REQUIRE(world.start().ok());
   REQUIRE(session->drain->start().ok());
-  Ticks ticks{*session, trial, counts, std::nullopt};
+  Ticks ticks{*session, trial, counts};
+  ticks.tick.cut_at(trial.cut_at);
   loop::PeriodicThread<Ticks> periodic(ticks);
   std::thread fast;
   if (trial.pace == Pace::kRealTime) {
