@@ -202,7 +202,14 @@ class SceneReader {
   EffectReader effects_;
 };
 
-std::string lines_of(const std::string& name, const std::vector<Mistake>& list, const char* label) {
+void sort_by_place(std::vector<Mistake>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const Mistake& a, const Mistake& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+}
+
+std::string lines_of(const std::string& name, std::vector<Mistake> list, const char* label) {
+  sort_by_place(list);
   std::string text;
   for (const Mistake& m : list) {
     const std::string place = m.line == 0 ? "" : fmt::format(":{}:{}", m.line, m.column);
@@ -213,12 +220,6 @@ std::string lines_of(const std::string& name, const std::vector<Mistake>& list, 
     text += (text.empty() ? "" : "\n") + line;
   }
   return text;
-}
-
-void sort_by_place(std::vector<Mistake>& list) {
-  std::stable_sort(list.begin(), list.end(), [](const Mistake& a, const Mistake& b) {
-    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
-  });
 }
 
 Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diagnostics) {
