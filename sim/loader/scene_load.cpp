@@ -246,6 +246,9 @@ Result<Scene> parse(std::string_view text, std::string_view name, const std::opt
     reader.read();
     kept = reader.kept_files();
   }
+  if (text.size() + kept.size() > kMaxSceneBytes && found.ok())  // a tape that carries it could not be read
+    found.add({0, 0, "the file", fmt::format("{} bytes with what its files hold", text.size() + kept.size()),
+               fmt::format("at most {} bytes: fewer rows, corners or triangles", kMaxSceneBytes)});
   if (found.ok()) scene.source = std::string(text) + kept;
   return finish(std::move(scene), std::move(found), diagnostics);
 }

@@ -172,6 +172,8 @@ TEST_CASE("mistakes about a recorded motion name the scene's line and the file's
   CHECK_THAT(folder.wrong("file = \"good.csv\"\npath = []\n"),
              Contains("path: there is a file already; accepted: path or file"));
   CHECK_THAT(folder.wrong("file = \"good.csv\"\ninterpolation = \"spline\"\n"), Contains("cubic, linear"));
+  CHECK_THAT(folder.wrong("file = \"good.csv\"\n#" + std::string(kMaxSceneBytes - 300, ' ') + "\n"),
+             Contains("bytes with what its files hold; accepted: at most 4194304 bytes: fewer rows"));
   CHECK_THAT(folder.wrong("interpolation = \"cubic\"\n"), Contains("interpolation: there is no file"));
   CHECK_THAT(folder.wrong("fiel = \"m.csv\"\n"), Contains("did you mean file?") && Contains(" file, interpolation, "));
   folder.write("away.csv", "time_s,position_x_m,position_y_m,position_z_m\n0,0,0,0\n1,0.1,0,0\n");
