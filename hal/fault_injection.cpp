@@ -103,7 +103,7 @@ Result<InjectedFault> parse_fault(std::string_view whole) {
   if (rule == nullptr) {
     std::string known;
     for (const KindRule& r : kRules) known += (known.empty() ? "" : ", ") + std::string(r.word);
-    return complain(whole, "unknown kind \"" + std::string(word) + "\", known are " + known);
+    return complain(whole, "unknown kind \"" + std::string(word) + "\"; accepted of the device: " + known);
   }
   fault.kind = rule->kind, fault.direction = rule->usual_direction;
 

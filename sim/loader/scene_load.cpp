@@ -202,7 +202,14 @@ class SceneReader {
   EffectReader effects_;
 };
 
-std::string lines_of(const std::string& name, const std::vector<Mistake>& list, const char* label) {
+void sort_by_place(std::vector<Mistake>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const Mistake& a, const Mistake& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+}
+
+std::string lines_of(const std::string& name, std::vector<Mistake> list, const char* label) {
+  sort_by_place(list);
   std::string text;
   for (const Mistake& m : list) {
     const std::string place = m.line == 0 ? "" : fmt::format(":{}:{}", m.line, m.column);
@@ -213,12 +220,6 @@ std::string lines_of(const std::string& name, const std::vector<Mistake>& list, 
     text += (text.empty() ? "" : "\n") + line;
   }
   return text;
-}
-
-void sort_by_place(std::vector<Mistake>& list) {
-  std::stable_sort(list.begin(), list.end(), [](const Mistake& a, const Mistake& b) {
-    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
-  });
 }
 
 Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diagnostics) {
@@ -245,6 +246,9 @@ Result<Scene> parse(std::string_view text, std::string_view name, const std::opt
     reader.read();
     kept = reader.kept_files();
   }
+  if (text.size() + kept.size() > kMaxSceneBytes && found.ok())  // a tape that carries it could not be read
+    found.add({0, 0, "the file", fmt::format("{} bytes with what its files hold", text.size() + kept.size()),
+               fmt::format("at most {} bytes: fewer rows, corners or triangles", kMaxSceneBytes)});
   if (found.ok()) scene.source = std::string(text) + kept;
   return finish(std::move(scene), std::move(found), diagnostics);
 }

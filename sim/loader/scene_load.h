@@ -50,7 +50,8 @@ struct SceneDiagnostics {
   bool ok() const noexcept { return mistakes.empty(); }
   bool full() const noexcept { return mistakes.size() >= kMaxReportedMistakes; }
   void add(Mistake mistake);  // counts it only, where full
-  // One line each: "scenes/x.toml:12:3: [body.3] mass_kg: -1 is not a mass; accepted: a number >= 1e-06 and <= 1e+06".
+  // One line each, by line and column: "scenes/x.toml:12:3: [body.3] mass_kg: -1 is not a mass; accepted: a number >=
+  // 1e-06 and <= 1e+06".
   std::string message() const;
   std::string warning_message() const;
 };

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "rt/base/rotation_vector.h"
 #include "sim/loader/scene_load_files.h"
 
@@ -30,6 +33,14 @@ struct Leg {
     return {time_s, move * (1 / time_s), rotation_vector_of(rotation_of(b) * conjugate(rotation_of(a))) * (1 / time_s)};
   }
 };
+
+// At a row between two legs. A cubic that begins or ends at more than three times a leg's mean speed goes beyond the
+// leg's ends (Fritsch and Carlson, 1980): where a pause meets a quick move, it would swing out by most of the move.
+Vec3d velocity_between(const Vec3d& to, const Vec3d& from, double share_of_to) {
+  const Vec3d parabola = share_of_to * to + (1 - share_of_to) * from;
+  const double most = 3 * std::min(norm(to), norm(from)), speed = norm(parabola);
+  return speed > most ? parabola * (most / speed) : parabola;
+}
 
 }  // namespace
 
@@ -148,8 +159,8 @@ void HandReader::add_rows(const std::vector<MotionRow>& rows) {
   for (const MotionRow& row : rows)
     path.push_back({row[0], {row[1], row[2], row[3]}, rotation_vector_of(rotation_of(row))});
   if (scene_.hand.motion != HandMotion::kCubic) return;
-  // The velocity at a row is that of the parabola through it and its neighbours. At the ends it is 0, or, where the
-  // path goes on at its beginning, that of the neighbours there.
+  // The velocity at a row is that of the parabola through it and its neighbours, as far as that does not overshoot. At
+  // the ends it is 0, or, where the path goes on at its beginning, that of the neighbours there.
   const std::size_t last = rows.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
     const bool inner = i > 0 && i < last;
@@ -157,8 +168,8 @@ void HandReader::add_rows(const std::vector<MotionRow>& rows) {
     const Leg to = inner ? Leg::between(rows[i - 1], rows[i]) : Leg::between(rows[last - 1], rows[last]);
     const Leg from = inner ? Leg::between(rows[i], rows[i + 1]) : Leg::between(rows[0], rows[1]);
     const double share = from.time_s / (to.time_s + from.time_s);
-    path[i].velocity_m_per_s = share * to.velocity + (1 - share) * from.velocity;
-    path[i].angular_velocity_rad_per_s = share * to.angular_velocity + (1 - share) * from.angular_velocity;
+    path[i].velocity_m_per_s = velocity_between(to.velocity, from.velocity, share);
+    path[i].angular_velocity_rad_per_s = velocity_between(to.angular_velocity, from.angular_velocity, share);
   }
 }
 

@@ -128,6 +128,17 @@ TEST_CASE("a hand that is recorded has the file's path, its velocities by its ne
   CHECK(folder.load("file = \"circle.csv\"\ninterpolation = \"linear\"\n").hand.motion == HandMotion::kLinear);
 }
 
+TEST_CASE("where a pause meets a quick move, a recorded hand does not swing out") {
+  const Folder folder;
+  folder.write(
+      "m.csv",
+      "time_s,position_x_m,position_y_m,position_z_m\n0,0,0,0\n1,0,0,0\n1.01,0.01,0,0\n1.11,0.02,0,0\n2,1,0,0\n");
+  const auto path = folder.load("file = \"m.csv\"\n").hand.path;
+  CHECK(path[1].velocity_m_per_s == Vec3d{});  // before it there is a pause
+  // The parabola has (0.1 x 1 + 0.01 x 0.1) / 0.11 m/s there; the slower leg has 0.1.
+  CHECK(norm(path[2].velocity_m_per_s - Vec3d{0.3, 0, 0}) < 1e-12);
+}
+
 TEST_CASE("the source of a scene with a recorded motion needs no file any more") {
   const Folder folder;
   folder.write("circle.csv", circle(50));
@@ -161,6 +172,8 @@ TEST_CASE("mistakes about a recorded motion name the scene's line and the file's
   CHECK_THAT(folder.wrong("file = \"good.csv\"\npath = []\n"),
              Contains("path: there is a file already; accepted: path or file"));
   CHECK_THAT(folder.wrong("file = \"good.csv\"\ninterpolation = \"spline\"\n"), Contains("cubic, linear"));
+  CHECK_THAT(folder.wrong("file = \"good.csv\"\n#" + std::string(kMaxSceneBytes - 300, ' ') + "\n"),
+             Contains("bytes with what its files hold; accepted: at most 4194304 bytes: fewer rows"));
   CHECK_THAT(folder.wrong("interpolation = \"cubic\"\n"), Contains("interpolation: there is no file"));
   CHECK_THAT(folder.wrong("fiel = \"m.csv\"\n"), Contains("did you mean file?") && Contains(" file, interpolation, "));
   folder.write("away.csv", "time_s,position_x_m,position_y_m,position_z_m\n0,0,0,0\n1,0.1,0,0\n");
@@ -190,10 +203,9 @@ TEST_CASE("a motion that is too fast for the device, or beyond its reach, is a p
              Contains("[hand] file m.csv:4: asks for 25.7 rad/s; accepted: at most 10 rad/s"));
   CHECK_THAT(problem(first + "3,0.5,0,0,1,0,0,0\n4,0.2,0,0,1,0,0,0\n"),
              Contains("[hand] file m.csv:4: leaves the device's workspace: 0.5 m from its middle"));
-  // 0.9 m/s in the mean between two rows at rest: with the parabola through the neighbours half of it at both ends, so
-  // the cubic has 1.5 x 0.9 - 0.5 x 0.45 m/s in the middle.
+  // 0.9 m/s in the mean between two pauses, where it rests: a cubic has 1.5 times that in the middle.
   CHECK_THAT(problem("0,0,0,0,1,0,0,0\n0.1,0,0,0,1,0,0,0\n0.2,0.09,0,0,1,0,0,0\n0.3,0.09,0,0,1,0,0,0\n"),
-             Contains("m.csv:4: asks for 1.12 m/s"));
+             Contains("m.csv:4: asks for 1.35 m/s"));
   const auto report = report_on(folder.load("file = \"m.csv\"\n"), device, 1e-3);
   CHECK_THAT(to_text(report), Contains("m.csv, 4 rows, cubic in between"));
 }

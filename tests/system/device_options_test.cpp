@@ -1,12 +1,14 @@
 // Which device a run asks for, what goes together with it, and what a tape keeps of it.
 #include <nlohmann/json.hpp>
 
+#include "sim/loader/scene_load.h"
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/open_device.h"
 #include "tools/session/replay.h"
 #include "tools/session/stolen_time.h"
+#include "tools/version/version.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -63,6 +65,7 @@ TEST_CASE("what a real device cannot do is refused before anything is opened") {
 TEST_CASE("a tape brings back every property of the device, to the bit") {
   session::RunOptions options;
   options.device = "can:can0:7";
+  options.scene = "here/x.toml";
   haptics::DeviceProperties device;
   device.has_rotation = false;
   device.max_force_N = 12.1, device.delay_s = 1.0 / 3.0, device.coulomb_friction_Nm = 4.9e-324;
@@ -71,6 +74,9 @@ TEST_CASE("a tape brings back every property of the device, to the bit") {
   INFO(tape.message());
   REQUIRE(tape.ok());
   CHECK(tape.value().options.device == "can:can0:7");
+  CHECK(tape.value().made_by == "tactus " + version());
+  CHECK(tape.value().scene_file == "here/x.toml");
+  CHECK(tape.value().scene_hash == sim::source_hash("title = \"x\""));
   REQUIRE(tape.value().options.taped_device.has_value());
   const haptics::DeviceProperties& back = *tape.value().options.taped_device;
   CHECK(back.has_rotation == device.has_rotation);

@@ -32,6 +32,9 @@ Result<std::unique_ptr<RunService>> RunService::open(const Configuration& config
     auto control = ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload), can_reset);
     if (!control.ok()) return control.status();
     service->control_ = std::move(control).value();
+    session::LiveStatus not_yet;  // who asks before the loop runs learns that
+    not_yet.status.store(kNotArmed, std::memory_order_relaxed);
+    service->control_->tell(state_json(not_yet, 0, 0, service->name_));
   }
   return service;
 }

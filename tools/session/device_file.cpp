@@ -161,13 +161,7 @@ class DeviceReader {
   sim::SceneDiagnostics& diagnostics_;
 };
 
-Status refused(sim::SceneDiagnostics& diagnostics) {
-  std::stable_sort(diagnostics.mistakes.begin(), diagnostics.mistakes.end(),
-                   [](const sim::Mistake& a, const sim::Mistake& b) {
-                     return std::pair(a.line, a.column) < std::pair(b.line, b.column);
-                   });
-  return Status::error(diagnostics.message());
-}
+Status refused(const sim::SceneDiagnostics& diagnostics) { return Status::error(diagnostics.message()); }
 
 }  // namespace
 

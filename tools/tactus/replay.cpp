@@ -81,7 +81,8 @@ CLI::App* add_replay_command(CLI::App& program, int& exit_code) {
   CLI::App* command = program.add_subcommand("replay", "Run a tape again and compare every output, bit by bit.");
   command->footer(
       "The tape holds what the device said, what the global world sent and what the governor chose; the replay\n"
-      "computes every tick anew. Where a record is damaged, it says what is lost and goes on at the next keyframe.\n"
+      "computes every tick anew, and says which version made the tape and of which scene. Where a record is damaged,\n"
+      "it says what is lost and goes on at the next keyframe.\n"
       "Exit status: 0 the same bits; 1 different, or a part of the tape is lost; 2 no such tape.\n\n"
       "Example:\n  tactus run sim/scenes/card_house.toml --duration 5 --record my.tape\n  tactus replay my.tape");
   command->add_option("TAPE", options->tape, "what `tactus run --record` wrote")->required();

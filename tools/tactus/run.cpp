@@ -61,7 +61,9 @@ Error complete_options(RunCommand& command) {
   return library::Access::check(o, command.duration_s);
 }
 
-void show_live(const session::LiveStatus& live, double elapsed_s, std::uint64_t& last_ticks, double& last_s) {
+// On a terminal the line is written over by the next one.
+void show_live(const session::LiveStatus& live, double elapsed_s, bool terminal, std::uint64_t& last_ticks,
+               double& last_s) {
   const std::uint64_t ticks = live.ticks.load(std::memory_order_relaxed);
   const double rate_Hz = elapsed_s > last_s ? static_cast<double>(ticks - last_ticks) / (elapsed_s - last_s) : 0;
   last_ticks = ticks, last_s = elapsed_s;
@@ -73,12 +75,12 @@ void show_live(const session::LiveStatus& live, double elapsed_s, std::uint64_t&
   }
   const auto fault = static_cast<Fault>(live.fault.load(std::memory_order_relaxed));
   if (fault != Fault::kNone) notes = fmt::format(" FAULT {} (Enter re-arms)", static_cast<unsigned>(fault));
-  fmt::print(
-      stderr,
-      "\r\033[K{:6.1f} s {:5.0f} Hz  force {:5.2f} N  members {:3}  contacts {:3}  border {:3}  overruns {} |{:.80}",
-      elapsed_s, rate_Hz, live.force_N.load(std::memory_order_relaxed), live.members.load(std::memory_order_relaxed),
-      live.contacts.load(std::memory_order_relaxed), live.border.load(std::memory_order_relaxed),
-      live.overruns.load(std::memory_order_relaxed), notes);
+  fmt::print(stderr,
+             "{}{:6.1f} s {:5.0f} Hz  force {:5.2f} N  members {:3}  contacts {:3}  border {:3}  overruns {} |{:.80}{}",
+             terminal ? "\r\033[K" : "", elapsed_s, rate_Hz, live.force_N.load(std::memory_order_relaxed),
+             live.members.load(std::memory_order_relaxed), live.contacts.load(std::memory_order_relaxed),
+             live.border.load(std::memory_order_relaxed), live.overruns.load(std::memory_order_relaxed), notes,
+             terminal ? "" : "\n");
 }
 
 // Enter on the keyboard, or r and Enter; nothing where standard input is none.
@@ -128,8 +130,7 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
     }
     // On a terminal the line moves; in a log it comes every two seconds.
     if (terminal || (!json && elapsed_s >= next_line_s)) {
-      show_live(live, elapsed_s, last_ticks, last_s);
-      if (!terminal) fmt::print(stderr, "\n");
+      show_live(live, elapsed_s, terminal, last_ticks, last_s);
       next_line_s += 2;
     }
     return true;

@@ -168,7 +168,9 @@ CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
   CLI::App* check =
       scene->add_subcommand("check", "Validate a scene; list the effects it calls for and what they cost.");
   check->footer(
-      "Every mistake gets a line: file, line, column, key, what is wrong, what is accepted.\n"
+      "Every mistake gets a line: file, line, column, key, what is wrong, what is accepted. Warnings do not refuse a\n"
+      "scene: an effect that nothing uses, a hull that fills what its file leaves open. The README is the guide to\n"
+      "the keys.\n"
       "Exit status: 0 the scene is good; 1 it will not run well, by the problems listed; 2 it is no scene.\n\n"
       "Example:\n  tactus scene check sim/scenes/card_house.toml\n"
       "  tactus scene check --json sim/scenes/pile700.toml");

@@ -64,10 +64,10 @@ CLI::App* add_tune_command(CLI::App& program, int& exit_code) {
       "Sub-steps, relax sweeps, members and ratio are changed a notch at a time, from what the scene says, as long as\n"
       "the error of the force falls and the tick stays below 0.6 of its millisecond, the governor's budget. The error\n"
       "is measured in virtual time on the scene's own hand, against all bodies at 1 kHz; so the scene has at most 256\n"
-      "that move, and its hand touches something in its first 6 s (with --quick 3 s). Then the choice is run in real "
-      "time on the simulated device. Contacts are never made stiffer or\n"
-      "softer: what that would cost is said. Exit status: 0 good; 1 nothing fits, or the choice does not hold; 2 bad\n"
-      "usage or scene; 3 the budget is not this machine's.\n\n"
+      "that move, and its hand touches something in its first 6 s (with --quick 3 s). Then the choice is run in real\n"
+      "time on the simulated device. Contacts are never made stiffer or softer: what that would cost is said.\n"
+      "Exit status: 0 good; 1 nothing fits, or the choice does not hold; 2 bad usage or scene; 3 the budget is not\n"
+      "this machine's.\n\n"
       "Examples:\n  tactus tune sim/scenes/stack20.toml\n  tactus tune sim/scenes/pile250.toml --cpu 3 --budget "
       "budget.json --json");
   app->add_option("SCENE", request.file, "the scene, such as sim/scenes/stack20.toml")->required();

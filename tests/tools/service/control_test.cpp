@@ -16,6 +16,7 @@
 #include "tools/service/event_log.h"
 #include "tools/service/monitor.h"
 #include "tools/service/notify.h"
+#include "tools/version/version.h"
 
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
@@ -170,7 +171,7 @@ TEST_CASE("an event comes once in its interval, with how often it was held back,
 TEST_CASE("the monitor tells what changed, and that the loop is alive") {
   session::LiveStatus live;
   const std::string lines = written([&](EventLog& log) {
-    Monitor monitor(log);
+    Monitor monitor(log, {"a.toml", "0123456789abcdef"});
     monitor.look(live, 0.2);
     CHECK_FALSE(monitor.alive());
     live.ticks = 200;
@@ -185,8 +186,13 @@ TEST_CASE("the monitor tells what changed, and that the loop is alive") {
     CHECK_FALSE(monitor.alive());
   });
   CHECK_THAT(lines,
-             Contains("running rate_Hz=1000\narmed\noverruns count=3 total=3\nfault code=") && Contains("standstill"));
-  const auto state = nlohmann::json::parse(state_json(live, 1.0, 1000));
+             Contains("running rate_Hz=1000 version=\"" + version() +
+                      "\" scene=a.toml scene_hash=0123456789abcdef\narmed\noverruns count=3 total=3\nfault code=") &&
+                 Contains("standstill"));
+  const auto state = nlohmann::json::parse(state_json(live, 1.0, 1000, {"a.toml", "0123456789abcdef"}));
+  CHECK(state["version"] == version());
+  CHECK(state["scene_file"] == "a.toml");
+  CHECK(state["scene_hash"] == "0123456789abcdef");
   CHECK(state["ticks"] == 600);
   CHECK(state["overruns"] == 3);
   CHECK(state["fault"] == static_cast<std::uint32_t>(Fault::kEmergencyStop));
@@ -209,7 +215,7 @@ TEST_CASE("the log says when force comes and goes, and not twice where a fault t
     live.ticks = 1000, live.status = kNotArmed, live.fault = static_cast<std::uint32_t>(Fault::kEmergencyStop);
     monitor.look(live, 4.0);
   });
-  CHECK_THAT(lines, StartsWith("running rate_Hz=1000\narmed\ndisarmed\narmed\nfault code="));
+  CHECK_THAT(lines, StartsWith("running rate_Hz=1000 ") && Contains("\narmed\ndisarmed\narmed\nfault code="));
   CHECK(std::count(lines.begin(), lines.end(), '\n') == 5);
 }
 
