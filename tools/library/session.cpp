@@ -50,23 +50,23 @@ Summary to_public(const session::RunSummary& from) {
 }  // namespace
 
 Error Access::open(Session& session, const Scene& scene, const Options& options, Device* device) {
-  (void)session.close();
   auto parts = std::make_unique<Session::Parts>();
   auto read = library::run_options(options);
+  parts->scene = scene, parts->options = options, parts->device = device;  // perhaps of the session that is closed now
+  (void)session.close();
   session.parts_.reset();
   if (!read.ok()) return {Kind::kOption, read.message()};
   parts->run_options = std::move(read).value();
   if (device != nullptr) {
-    if (options.device != "sim" || !options.device_file.empty())
+    if (parts->options.device != "sim" || !parts->options.device_file.empty())
       return {Kind::kOption,
               fmt::format("--device: '{:.64}' beside a Device of the program's own; accepted: sim, or no Device",
-                          options.device)};
+                          parts->options.device)};
     parts->run_options.given_device = true;
     parts->run_options.device = session::kGivenDevice;
     if (const Status status = session::check_options(parts->run_options); !status.ok())
       return {Kind::kOption, status.message()};
   }
-  parts->scene = scene, parts->options = options, parts->device = device;
   Error error;
   if (const Status status = caught([&] { error = parts->build(); }); !status.ok())
     return {Kind::kMachine, "Session::open: " + status.message()};

@@ -60,6 +60,21 @@ TEST_CASE("reset gives the same bits again, in the same memory") {
   CHECK(session.bodies()[session.scene().proxy()].position_m == moved.position_m);
 }
 
+TEST_CASE("a session is opened anew with what it was opened with") {
+  Options options;
+  options.members = 9;
+  Session session = session_of(scene_of("press.toml"), options);
+  step(session, 300);
+  const std::uint64_t hash = session.state_hash();
+  const Error error = session.open(session.scene(), session.options());
+  INFO(error.message());
+  REQUIRE_FALSE(error);
+  CHECK(session.options().members == 9);
+  CHECK(session.ticks_done() == 0);
+  step(session, 300);
+  CHECK(session.state_hash() == hash);
+}
+
 TEST_CASE("two sessions in one program do not know of each other") {
   Session one = session_of(scene_of("press.toml")), other = session_of(scene_of("press.toml"));
   for (int i = 0; i < 10; ++i) step(one, 60), step(other, 60);

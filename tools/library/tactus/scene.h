@@ -19,7 +19,7 @@ namespace library {
 struct Access;
 }
 
-/// What a body looks like. Numbers are those of `shape` in a scene's text.
+/// What a body looks like; named as in the text of a scene.
 enum class Shape : std::uint32_t {
   kSphere = 0,   ///< `radius_m`
   kCapsule = 1,  ///< `radius_m`, and `half_length_m` from the centre to the centres of its caps, along its own z

@@ -18,6 +18,15 @@
 /// With CMake `find_package(tactus)` and `target_link_libraries(... tactus::tactus)`; without it
 /// `g++ -std=c++20 program.cpp $(pkg-config --cflags --libs tactus)`. Units are SI and in the names; the frame is the
 /// world's unless a name or its description says otherwise.
+/// \namespace tactus
+/// All that is public. What is in tactus::library is not.
+///
+/// \example first_touch.cpp
+/// Five seconds of a scene in virtual time.
+/// \example own_device.cpp
+/// A device that the library does not know.
+/// \example real_time.cpp
+/// A run in real time, its monitor, and a fault that is taken back.
 #pragma once
 
 #include "tactus/device.h"

@@ -14,7 +14,8 @@ namespace tactus {
 using Vector3 = std::array<double, 3>;
 /// A rotation as a unit quaternion: w, x, y, z. (1, 0, 0, 0) turns nothing.
 using Quaternion = std::array<double, 4>;
-/// A body's number: its place in the scene, from 0 without gaps, in the order of the file, generated ones at the end.
+/// A body's number: its place in the scene, from 0 without gaps: the proxy, the bodies in the order of the file, then
+/// what is generated.
 using BodyNumber = std::uint32_t;
 
 }  // namespace tactus
