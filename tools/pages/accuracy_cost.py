@@ -74,8 +74,8 @@ def answer(scenes, data):
     never = [html.escape(s.name) for s in off if not s.halved()]
     halving = []
     if costs:
-        halving.append(f"changes the median tick by {span(costs, lambda v: micro(v) + ' µs')}, on {len(costs)} of {len(known)} "
-                       f"scene{'s' if len(known) > 1 else ''}")
+        halving.append(f"changes the median tick by {span(costs, lambda v: micro(v) + ' µs')}"
+                       + (f", on {len(costs)} of {len(known)} scenes," if len(costs) > 1 else ""))
     if never:
         halving.append(f"{'and ' if costs else ''}cannot be done by any measured setting on {listed(never)}")
     halving = " ".join(halving) or "has no meaning, for the default has no error"
@@ -147,11 +147,11 @@ def front_figure(scenes, data, page):
         if s.front:
             for p in s.front:
                 whiskers(panel, p, x, y, theme.SERIES[0])
-            panel.axis.plot(*zip(*map(at, s.front)), marker="o", ms=4.5, lw=1.2, color=theme.SERIES[0], gid="series front")
+            panel.axis.plot(*zip(*map(at, s.front)), marker="o", ms=4.5, lw=1.2, color=theme.SERIES[0], gid="series the front")
         if s.default:
             whiskers(panel, s.default, x, y, theme.SERIES[1])
             panel.axis.plot(*[[v] for v in at(s.default)], ls="none", marker="*", ms=10, mfc="none", mec=theme.SERIES[1], mew=1.3,
-                            gid="series default")
+                            gid="series the default")
         left = label_points(panel.axis, [(*at(p), s.names[id(p)]) for p in s.front])
         panel.note("; ".join(f"<b>{s.names[id(p)]}</b> " + html.escape(setting_words(p, s.default) if s.default else
                                                                      setting_words(p)) for p in s.front) or "No front.")

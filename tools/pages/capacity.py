@@ -70,7 +70,11 @@ def load_figure(data, page):
         panel = figure.Panel(title, "cubes [1]", "time / time that there is [1]")
         x.apply(panel.axis, "x"), y.apply(panel.axis, "y")
         panel.line(1, "too slow")
+        same = figure.coincident({c: [(p["bodies"], load) for p, load in loads if p["coupling"] == c] for c in couplings})
         for i, coupling in enumerate(couplings):
+            if coupling in same:
+                panel.note(f"{html.escape(coupling)} has the points of {html.escape(same[coupling])}.")
+                continue
             mine = [(x.place(p["bodies"])[0], *y.place(load), load, p) for p, load in loads if p["coupling"] == coupling]
             panel.off_scale(coupling, [f"{number(load)} at {count(p['bodies'])}" for _, _, off, load, p in mine if off])
             look = theme.style(i)

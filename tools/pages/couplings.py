@@ -3,7 +3,7 @@ import html
 import math
 
 from pages import figure, theme
-from pages.numbers import at_most, count, exact, is_number, listed, number, share, unit
+from pages.numbers import at_most, count, exact, is_number, listed, number, share, times, unit
 from pages.page import Cell, Column
 
 OURS = "ghost"  # the border that ships: targets are its alone
@@ -78,7 +78,7 @@ class Windows:
             series = {}
             for r in (r for r in self.rows if r["scene"] == scene):
                 seeds = [factor * s[key] for s in r.get("by_seed", []) if is_number(s[key])]
-                value = factor * r[key] if is_number(r[key]) else math.nan
+                value = times(r[key], factor)
                 series.setdefault(self.name(r), {})[r["ratio"]] = (
                     value, min(seeds, default=None), max(seeds, default=None), not r["stable"])
             figure.stepped(panel, self.ratios, series, scale, words, self.index_of)
@@ -126,7 +126,7 @@ class Windows:
         if not curves:
             return
         x = figure.Scale([at for scene in curves.values() for points in scene.values() for at, _ in points])
-        y = figure.Scale([v for scene in curves.values() for points in scene.values() for _, v in points], floor=1e-8, cap=100)
+        y = figure.Scale([v for scene in curves.values() for points in scene.values() for _, v in points], floor=1e-8, cap=100, far=1e12)
         panels = []
         for scene, by_name in curves.items():
             panel = figure.Panel(scene, "frequency [Hz]", "amplitude of a line [N]")
@@ -257,8 +257,8 @@ def whole_name(row, several):
 
 
 def gained(row):
-    at_play = row["energy_at_play_J"]
-    return (row["energy_gain_J"] - row["direct_energy_gain_J"]) / at_play if is_number(at_play) and at_play > 0 else math.nan
+    energies = [row[key] for key in ("energy_gain_J", "direct_energy_gain_J", "energy_at_play_J")]
+    return (energies[0] - energies[1]) / energies[2] if all(map(is_number, energies)) and energies[2] > 0 else math.nan
 
 
 def whole_sentences(rows):
@@ -296,7 +296,7 @@ def whole_runs(rows, page):
                 panel.line(scale.place(100 * r["force_error"])[0], "1 um apart", ls=figure.FLOOR_DASHES)
         series = {}
         for r in (r for r in tested if r["scene"] == scene):
-            value = 100 * r["force_error"] if is_number(r["force_error"]) else math.nan
+            value = times(r["force_error"], 100)
             series.setdefault(whole_name(r, several), {})[r["ratio"]] = (value, None, None, not r["stands"])
         figure.stepped(panel, ratios, series, scale, lambda v: share(v / 100), index_of)
         panels.append(panel.drawn(f"{page.title} whole"))
@@ -317,7 +317,7 @@ def whole_runs(rows, page):
                 Column("energy gained", "beyond the direct run, of the energy at play"), Column("stands", "every body, at the end")],
                [[r["scene"], "1 µm apart" if r["started_apart_m"] > 0 else r["coupling"], r["border"], r["ratio"], r["members"],
                  r["hand"], share(r["force_error"]), " / ".join(share(q) for q in r["force_error_by_quarter"]),
-                 number(1e3 * r["pose_off_m"]), number(1e3 * r["pose_off_most_m"]), number(1e3 * r["drift_m"]),
+                 number(times(r["pose_off_m"], 1e3)), number(times(r["pose_off_most_m"], 1e3)), number(times(r["drift_m"], 1e3)),
                  number(r["kinetic_over_work"]), share(gained(r)),
                  "yes" if r["stands"] else Cell(f"NO, {r['fallen']} fell", "bad")] for r in rows])
 

@@ -2,7 +2,7 @@
 import html
 
 from pages import figure, theme
-from pages.numbers import count, is_number, listed, number, share, unit
+from pages.numbers import count, is_number, listed, number, share, times, unit
 from pages.page import Cell, Column
 
 
@@ -44,7 +44,7 @@ def engine_figure(rows, page):
         for r in mine:
             look = theme.style(numbered[r["engine"]])
             place, off = x.place(r["median_us"])
-            high, off_y = y.place(100 * r["penetration_mean_share"] if is_number(r["penetration_mean_share"]) else None)
+            high, off_y = y.place(times(r["penetration_mean_share"], 100))
             if place is None or high is None:
                 panel.note(f"No finite number: {html.escape(r['engine'])}.")
                 continue
@@ -95,8 +95,8 @@ def engines_page(data, page, what):
                 Column("rods", "path of the stirring rods, m"), Column("left", "bodies that left the box"),
                 Column("gates", "pass, or what is missed", "w")],
                [[r["scene"], r["engine"], number(r["median_us"]), number(r["p99_us"]), number(r["ratio_to_bullet"]),
-                 number(r["ratio_to_best_peer"]), number(1e3 * r["penetration_mean_m"]) if is_number(r["penetration_mean_m"])
-                 else "n/a", number(1e3 * r["penetration_max_m"]) if is_number(r["penetration_max_m"]) else "n/a",
+                 number(r["ratio_to_best_peer"]), number(times(r["penetration_mean_m"], 1e3)),
+                 number(times(r["penetration_max_m"], 1e3)),
                  share(r["penetration_max_share"]), number(r["travel_m"]), number(r["rod_travel_m"]), count(r["escaped"]),
                  Cell(html.escape(r["missed_gate"] or r["failure"] or "pass"), "" if r["is_compared"] else "bad")] for r in rows])
     page.head("Settings")

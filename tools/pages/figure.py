@@ -38,10 +38,10 @@ def log_ticks(low, high, most=7):
 class Scale:
     """A logarithmic axis for some values: its ends, and where each value is drawn."""
 
-    def __init__(self, values, floor=None, cap=None, also=()):
+    def __init__(self, values, floor=None, cap=None, also=(), far=FAR):
         good = sorted(v for v in values if numbers.is_number(v) and v > 0)
         middle = good[len(good) // 2] if good else 1.0
-        shown = [v for v in good if v <= min(cap or math.inf, FAR * middle) and (floor is None or v >= floor)]
+        shown = [v for v in good if v <= min(cap or math.inf, far * middle) and (floor is None or v >= floor)]
         shown += [v for v in also if numbers.is_number(v) and v > 0] or ([] if shown else [floor or middle])
         low, high = min(shown), max(shown)
         if floor is not None and any(numbers.is_number(v) and v < floor for v in values):
@@ -94,10 +94,11 @@ class Panel:
     def __init__(self, title, x_label, y_label):
         self.title, self.notes = title, []
         self.fig, self.axis = plt.subplots(figsize=(WIDTH, HEIGHT))
-        self.fig.subplots_adjust(left=0.19, right=0.965, bottom=0.18, top=0.9)
-        self.axis.set_title(title if len(title) < 44 else title[:42] + "…")
+        self.fig.subplots_adjust(left=0.21, right=0.945, bottom=0.18, top=0.9)
+        self.axis.set_title(title if len(title) <= 34 else title[:33] + "…")
         self.axis.set_xlabel(x_label)
         self.axis.set_ylabel(y_label)
+        self.axis.yaxis.set_label_coords(0.045, 0.54, transform=self.fig.transFigure)  # the same whatever the ticks say
 
     def note(self, markup):
         self.notes.append(markup)

@@ -9,6 +9,10 @@ def is_number(value):
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
+def times(value, factor):
+    return factor * value if is_number(value) else math.nan
+
+
 def power_of_ten(exponent):
     return "10" + str(exponent).translate(SUPERSCRIPT)
 
@@ -30,7 +34,7 @@ def grouped(text):
     """12345 -> 12 345, by a narrow space that does not break; a minus sign that is one."""
     sign, text = ("−", text[1:]) if text.startswith("-") else ("", text)
     whole, dot, rest = text.partition(".")
-    return sign + (f"{int(whole):,}".replace(",", " ") if len(whole) > 4 else whole) + dot + rest
+    return sign + (f"{int(whole):,}".replace(",", "\u202f") if len(whole) > 4 else whole) + dot + rest
 
 
 def exact(value):

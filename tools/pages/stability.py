@@ -2,7 +2,7 @@
 import html
 
 from pages import figure, theme
-from pages.numbers import exact, is_number, number, share, unit
+from pages.numbers import exact, is_number, number, times, unit
 from pages.page import Cell, Column
 
 # factor: (key, scale to what is written, how it is written)
@@ -52,10 +52,10 @@ def map_figure(data, page):
             for key, ls, lw in ((FORMULA, "-", 1.2), (ALLOWED, (0, (4, 2)), 1), (LINE, (0, (1, 1.5)), 1)):
                 drawn = [r for r in mine if is_number(r[key]) and 0 < r[key]]
                 panel.axis.plot([r["damping_Ns_per_m"] for r in drawn], [r[key] for r in drawn], color=look["color"], ls=ls, lw=lw,
-                                gid=f"series {words} {key}")
+                                gid=f"series {words}")
             seen = [r for r in mine if is_number(r[MEASURED]) and r[MEASURED] > 0]
             panel.axis.plot([r["damping_Ns_per_m"] for r in seen], [y.place(r[MEASURED])[0] for r in seen], ls="none",
-                            marker=look["marker"], ms=5, mfc=look["color"], mec="none", gid=f"series {words} measured")
+                            marker=look["marker"], ms=5, mfc=look["color"], mec="none", gid=f"series {words}")
         panels.append(panel.drawn(f"{page.title} map"))
     legend = [(figure.key(look_of[words]["color"], look_of[words]["marker"]), words) for words in values]
     legend += [(figure.key(theme.MUTE, "o"), "mark: measured"), (figure.key(theme.MUTE, ls="-"), "formula"),
@@ -95,7 +95,7 @@ def stability_page(data, page, what):
                 Column("formula", "N/m; 0: none is stable"), Column("allowed", "by tactus run, N/m"),
                 Column("measured / formula", "below the allowed share: not safe")],
                [[r["factor"], exact(r["rate_Hz"]), exact(r["delay_ticks"]), exact(r["jitter_ticks"]),
-                 number(1e6 * r["quantum_m"]), number(r["damping_Ns_per_m"]),
+                 number(times(r["quantum_m"], 1e6)), number(r["damping_Ns_per_m"]),
                  Cell(number(r[MEASURED]), "bad" if is_number(r[MEASURED]) and r[MEASURED] < r[ALLOWED] else ""),
                  number(r[FORMULA]), number(r[ALLOWED]),
                  number(r[MEASURED] / r[FORMULA]) if is_number(r[MEASURED]) and is_number(r[FORMULA]) and r[FORMULA] > 0 else "–"]

@@ -71,7 +71,7 @@ td.good{color:var(--good)}td.bad{color:var(--bad);font-weight:bold}
 .columns dd::after{content:"; "}.columns div:last-child dd::after{content:"."}
 @page{size:A4;margin:12mm}
 @media print{body{margin:0;max-width:none;font-size:10pt}.wide{overflow:visible}
-table{font-size:7pt;width:auto}th,td{padding:1px 3px;white-space:normal}td.w{min-width:0}
+table{font-size:7pt;width:auto}th,td{padding:1px 3px;white-space:normal}th,.t{overflow-wrap:anywhere}td.w{min-width:0}
 figure,.panel,tr{break-inside:avoid}h2{break-after:avoid}}
 """
 
