@@ -31,6 +31,12 @@ class Numbers(unittest.TestCase):
                              (12.34, "12.3×"), (314927889.7107, "over 1000×"), (-0.00001, "> −0.01 %"), (None, "n/a")):
             self.assertEqual(numbers.share(value), words)
 
+    def test_differences_have_a_sign_and_are_rounded(self):
+        for value, words in ((0.034, "+3.40 points"), (-0.5, "−50.0 points"), (1e-6, "about 0"), (0, "0"), (None, "n/a")):
+            self.assertEqual(numbers.points(value), words)
+        for value, words in ((5.4567, "+5.46"), (-0.0163, "−0.02"), (0.001, "0"), (-48.71, "−48.7"), (None, "n/a")):
+            self.assertEqual(numbers.micro(value), words)
+
     def test_chosen_numbers_keep_their_digits(self):
         for value, words in ((1000, "1000"), (0.5, "0.5"), (100.0, "100"), (12500, "12\u202f500")):
             self.assertEqual(numbers.exact(value), words)

@@ -31,6 +31,12 @@ def worst_words(rows, key, write=share, bound=False):
     return f"{at_most(row[key], write) if bound else write(row[key])} ({html.escape(row['scene'])})"
 
 
+def name_of(row, several):
+    """"sub-world (ghost)"; with the cap on members where several ran."""
+    more = [row["border"]] * (row["border"] != "-") + [f"{row['members']} members"] * several
+    return row["coupling"] + (f" ({', '.join(more)})" if more else "")
+
+
 def newton(value):
     return unit(value, "N")
 
@@ -57,8 +63,7 @@ class Windows:
         self.ratio = 8 if 8 in compared else compared[-1] if compared else None
 
     def name(self, row):
-        words = row["coupling"] if row["border"] == "-" else f"{row['coupling']}, {row['border']}"
-        return f"{words}, {row['members']} members" if len(self.caps[row["scene"]]) > 1 else words
+        return name_of(row, len(self.caps[row["scene"]]) > 1)
 
     def at_ratio(self, series=None):
         return [r for r in self.rows if r["ratio"] == self.ratio and series in (None, self.name(r))]
@@ -68,7 +73,7 @@ class Windows:
         each scene has of its own."""
         panels = []
         every = [factor * r[key] for r in self.rows if is_number(r[key])]
-        scale = figure.Scale(every, floor=floor, cap=cap, also=[at for at, _ in limits])  # scenes are compared too
+        scale = figure.Scale(every, floor, cap, [at for at, _ in limits], far=math.inf)  # scenes are compared too
         for scene, about in self.scenes.items():
             panel = figure.Panel(scene, "ratio [ticks per global step]", label)
             for at, name in limits:
@@ -126,7 +131,7 @@ class Windows:
         if not curves:
             return
         x = figure.Scale([at for scene in curves.values() for points in scene.values() for at, _ in points])
-        y = figure.Scale([v for scene in curves.values() for points in scene.values() for _, v in points], floor=1e-8, cap=100, far=1e12)
+        y = figure.Scale([v for scene in curves.values() for points in scene.values() for _, v in points], floor=1e-8, cap=100, far=math.inf)
         panels = []
         for scene, by_name in curves.items():
             panel = figure.Panel(scene, "frequency [Hz]", "amplitude of a line [N]")
@@ -251,11 +256,6 @@ class Windows:
                     for r in self.data["rows"]])
 
 
-def whole_name(row, several):
-    words = row["coupling"] if row["border"] == "-" else f"{row['coupling']}, {row['border']}"
-    return f"{words}, {row['members']} members" if several else words
-
-
 def gained(row):
     energies = [row[key] for key in ("energy_gain_J", "direct_energy_gain_J", "energy_at_play_J")]
     return (energies[0] - energies[1]) / energies[2] if all(map(is_number, energies)) and energies[2] > 0 else math.nan
@@ -264,8 +264,8 @@ def gained(row):
 def whole_sentences(rows):
     """One for each coupling and border, over all ratios and hands."""
     sentences = []
-    for name in unique(whole_name(r, False) for r in rows if r["started_apart_m"] == 0):
-        mine = [r for r in rows if whole_name(r, False) == name and r["started_apart_m"] == 0]
+    for name in unique(name_of(r, False) for r in rows if r["started_apart_m"] == 0):
+        mine = [r for r in rows if name_of(r, False) == name and r["started_apart_m"] == 0]
         felt = [r for r in mine if is_number(r["force_rms_N"]) and r["force_rms_N"] > 0]
         fallen = unique(f"{html.escape(r['scene'])} at ratio {r['ratio']}" for r in mine if not r["stands"])
         runs = len(unique((r["scene"], r["ratio"]) for r in mine))
@@ -282,11 +282,11 @@ def whole_runs(rows, page):
     page.text("From rest, with the scene's own hand. One run each: no spread.")
     tested = [r for r in rows if r["started_apart_m"] == 0 and r["hand"] == "closed"]
     several = len(unique((r["scene"], r["members"]) for r in tested)) > len(unique(r["scene"] for r in tested))
-    names = unique(whole_name(r, several) for r in tested)
+    names = unique(name_of(r, several) for r in tested)
     ratios = sorted(unique(r["ratio"] for r in tested))
     index_of = {name: i for i, name in enumerate(names)}
     scale = figure.Scale([100 * r["force_error"] for r in tested if is_number(r["force_error"])], floor=0.01, cap=1000,
-                         also=[100 * NOTICED])
+                         also=[100 * NOTICED], far=math.inf)
     panels = []
     for scene in unique(r["scene"] for r in tested):
         panel = figure.Panel(scene, "ratio [ticks per global step]", "force error [%]")
@@ -297,7 +297,7 @@ def whole_runs(rows, page):
         series = {}
         for r in (r for r in tested if r["scene"] == scene):
             value = times(r["force_error"], 100)
-            series.setdefault(whole_name(r, several), {})[r["ratio"]] = (value, None, None, not r["stands"])
+            series.setdefault(name_of(r, several), {})[r["ratio"]] = (value, None, None, not r["stands"])
         figure.stepped(panel, ratios, series, scale, lambda v: share(v / 100), index_of)
         panels.append(panel.drawn(f"{page.title} whole"))
     legend = figure.series_keys(names) + [(figure.key(theme.INK, "x"), "a body does not stand at the end"),
@@ -330,7 +330,7 @@ def answer(windows, names, what):
     over = f"over {scenes} scene{'s' if scenes != 1 else ''} and {hands} hand{'s' if hands != 1 else ''}"
     if what == "energy-loss":
         own = next((n for n in names if OURS in n), names[0])
-        return (f"At ratio {windows.ratio} the {html.escape(own.replace(', ', ' with border ', 1))} puts the force off by "
+        return (f"At ratio {windows.ratio} the {html.escape(own)} puts the force off by "
                 f"{worst_words(rows(own), 'force_error_rms', bound=True)}, {over}; of the energy it loses "
                 f"{worst_words(rows(own), 'loss', bound=True)} and gains {worst_words(rows(own), 'gain', bound=True)}; it is "
                 f"{wild_words(rows(own))}.")

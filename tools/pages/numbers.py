@@ -44,7 +44,9 @@ def exact(value):
 
 def micro(value):
     """A signed difference of times in µs: hundredths at most."""
-    return signed(round(value, 2)) if is_number(value) else NOTHING
+    if not is_number(value) or abs(value) >= 10:
+        return signed(value)
+    return f"{value:+.2f}".replace("-", "−") if round(value, 2) else "0"
 
 
 def count(value):
@@ -72,6 +74,11 @@ def share(value):
     return f"{number(100 * value) if abs(value) >= 0.1 else grouped(f'{100 * value:.2f}')} %"
 
 
+def said(value):
+    """A share in a sentence."""
+    return share(value).replace("< ", "less than ")
+
+
 def at_most(value, write=share):
     """For a sentence: "at most 3.1 %", "less than 0.01 %", "none"."""
     words = write(value)
@@ -82,6 +89,8 @@ def points(value):
     """A difference of shares, signed, in percentage points."""
     if not is_number(value):
         return NOTHING
+    if abs(value) < 5e-5:
+        return "about 0" if value else "0"
     return f"{'+' if value > 0 else ''}{share(value).replace('%', 'points')}"
 
 
