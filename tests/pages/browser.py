@@ -26,6 +26,7 @@ def missing():
 class Browser:
     def __enter__(self):
         from selenium import webdriver
+        from selenium.common.exceptions import WebDriverException
         from selenium.webdriver.chrome.options import Options
         from selenium.webdriver.chrome.service import Service
         self.profile = tempfile.mkdtemp()
@@ -36,7 +37,13 @@ class Browser:
                      f"user-data-dir={self.profile}"):
             options.add_argument("--" + word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+        for tries_left in (2, 1, 0):  # a busy machine may need longer than the driver waits
+            try:
+                self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+                break
+            except WebDriverException:
+                if tries_left == 0:
+                    raise
         self.driver.set_page_load_timeout(300)  # a busy machine
         self.driver.set_script_timeout(300)
         return self

@@ -144,8 +144,7 @@ def front_figure(scenes, data, page):
         inside = [p for p in rest if p not in off]
         if inside:
             panel.axis.plot(*zip(*map(at, inside)), ls="none", marker="o", ms=3.2, mfc="none", mec=theme.MUTE, mew=0.8)
-        if [p for p in rest if p in off]:
-            panel.axis.plot(*zip(*(at(p) for p in rest if p in off)), ls="none", marker="^", ms=5, mfc="none", mec=theme.MUTE)
+        panel.beyond([at(p)[0] for p in rest if p in off], [at(p)[1] for p in rest if p in off], theme.MUTE)
         if s.front:
             for p in s.front:
                 whiskers(panel, p, x, y, theme.SERIES[0])

@@ -78,6 +78,8 @@ def load_figure(data, page):
             mine = [(x.place(p["bodies"])[0], *y.place(load), load, p) for p, load in loads if p["coupling"] == coupling]
             panel.off_scale(coupling, [f"{number(load)} at {count(p['bodies'])}" for _, _, off, load, p in mine if off])
             look = theme.style(i)
+            panel.beyond([m[0] for m in mine if m[2]], [m[1] for m in mine if m[2]], look["color"])
+            mine = [m for m in mine if not m[2]]
             panel.axis.plot([m[0] for m in mine], [m[1] for m in mine], ls="none", marker=look["marker"], ms=6 - 0.5 * i,
                             mfc="none" if i % 2 else look["color"], mec=look["color"], mew=1,
                             gid=f"series {html.escape(coupling)}")

@@ -50,6 +50,8 @@ def engine_figure(rows, page):
                 continue
             if off or off_y:
                 panel.off_scale(r["engine"], [f"{unit(r['median_us'], 'µs')}, overlap {share(r['penetration_mean_share'])}"])
+                panel.beyond([place], [high], look["color"])
+                continue
             late = x.place(r["p99_us"])[0]
             if late is not None and late > place:
                 panel.axis.plot([place, late], [high, high], color=look["color"], lw=1, alpha=0.6)

@@ -60,7 +60,7 @@ class Scale:
     def place(self, value):
         """(where it is drawn, whether it is off the scale); nowhere for what is no number."""
         if not numbers.is_number(value):
-            return None, value == math.inf or value is not None
+            return None, False
         if value < self.least:
             return self.least, False
         return (self.high / (self.high / self.low) ** 0.03, True) if value > self.high else (value, False)
@@ -108,6 +108,11 @@ class Panel:
         if words:
             self.note(f"Off the scale, {html.escape(series)}: {html.escape(', '.join(words))}.")
 
+    def beyond(self, xs, ys, color):
+        """Marks of what is off the scale, at its edge."""
+        if xs:
+            self.axis.plot(xs, ys, ls="none", marker="^", ms=6.5, mfc="none", mec=color)
+
     def line(self, at, name, which="h", ls=(0, (4, 3))):
         """A limit, where the axis reaches it."""
         draw = self.axis.axhline if which == "h" else self.axis.axvline
@@ -139,7 +144,7 @@ def stepped(panel, steps, series, scale, words, index_of):
                 continue
             if beyond:
                 off.append(f"{words(value)} at {step}")
-                axis.plot([x], [y], ls="none", marker="^", ms=size + 1.5, mfc="none", mec=look["color"])
+                panel.beyond([x], [y], look["color"])
             else:
                 if least is not None and most is not None and most > least:
                     low, high = scale.place(least)[0], scale.place(most)[0]

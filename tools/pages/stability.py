@@ -44,7 +44,10 @@ def map_figure(data, page):
             mine = sorted((r for r in data["rows"] if r["factor"] == factor and value_words(r) == words),
                           key=lambda r: r["damping_Ns_per_m"])
             look = look_of[words]
-            none = [number(r["damping_Ns_per_m"]) for r in mine if not (is_number(r[MEASURED]) and r[MEASURED] > 0)]
+            lost = [number(r["damping_Ns_per_m"]) for r in mine if not is_number(r[MEASURED])]
+            if lost:
+                panel.note(f"{words}: no finite number at {', '.join(lost)} N s/m.")
+            none = [number(r["damping_Ns_per_m"]) for r in mine if is_number(r[MEASURED]) and r[MEASURED] <= 0]
             if none:
                 panel.note(f"{words}: no stiffness is stable at {', '.join(none)} N s/m.")
             off = [f"{unit(r[MEASURED], 'N/m')} at {number(r['damping_Ns_per_m'])} N s/m" for r in mine if y.place(r[MEASURED])[1]]
@@ -54,6 +57,9 @@ def map_figure(data, page):
                 panel.axis.plot([r["damping_Ns_per_m"] for r in drawn], [r[key] for r in drawn], color=look["color"], ls=ls, lw=lw,
                                 gid=f"series {words}")
             seen = [r for r in mine if is_number(r[MEASURED]) and r[MEASURED] > 0]
+            beyond = [r for r in seen if y.place(r[MEASURED])[1]]
+            panel.beyond([r["damping_Ns_per_m"] for r in beyond], [y.place(r[MEASURED])[0] for r in beyond], look["color"])
+            seen = [r for r in seen if r not in beyond]
             panel.axis.plot([r["damping_Ns_per_m"] for r in seen], [y.place(r[MEASURED])[0] for r in seen], ls="none",
                             marker=look["marker"], ms=5, mfc=look["color"], mec="none", gid=f"series {words}")
         panels.append(panel.drawn(f"{page.title} map"))
