@@ -32,7 +32,7 @@ class Numbers(unittest.TestCase):
             self.assertEqual(numbers.share(value), words)
 
     def test_differences_have_a_sign_and_are_rounded(self):
-        for value, words in ((0.034, "+3.40 points"), (-0.5, "−50.0 points"), (1e-6, "about 0"), (0, "0"), (None, "n/a")):
+        for value, words in ((0.034, "+3.40 points"), (-0.5, "−50.0 points"), (3e8, "+3.00·10¹⁰ points"), (1e-6, "about 0"), (0, "0"), (None, "n/a")):
             self.assertEqual(numbers.points(value), words)
         for value, words in ((5.4567, "+5.46"), (-0.0163, "−0.02"), (0.001, "0"), (-48.71, "−48.7"), (None, "n/a")):
             self.assertEqual(numbers.micro(value), words)
@@ -95,7 +95,7 @@ class Sentences(unittest.TestCase):
     def test_no_number_is_worse_than_any(self):
         data = made.windows(["stack", "pile"], made.COUPLINGS[:1], [8])
         data["rows"][-1]["force_error_rms"] = None
-        self.assertIn("n/a (pile)", coupling_answer(data, "energy-loss"))
+        self.assertIn("an unknown amount (pile)", coupling_answer(data, "energy-loss"))
 
     def test_no_coupling_is_said(self):
         self.assertIn("Nothing can be compared", coupling_answer(made.windows(["stack"], [], []), "couplings"))

@@ -80,7 +80,9 @@ def said(value):
 
 
 def at_most(value, write=share):
-    """For a sentence: "at most 3.1 %", "less than 0.01 %", "none"."""
+    """For a sentence: "at most 3.1 %", "less than 0.01 %"."""
+    if not is_number(value):
+        return "an unknown amount"
     words = write(value)
     return f"less than {words[2:]}" if words.startswith("< ") else f"at most {words}"
 
@@ -91,6 +93,8 @@ def points(value):
         return NOTHING
     if abs(value) < 5e-5:
         return "about 0" if value else "0"
+    if abs(value) >= 10:
+        return f"{signed(100 * value)} points"
     return f"{'+' if value > 0 else ''}{share(value).replace('%', 'points')}"
 
 
