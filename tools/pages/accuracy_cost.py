@@ -9,7 +9,7 @@ from pages import figure, theme
 from pages.couplings import NOTICED
 from pages.figure import tick_words
 from pages.labels import label_points
-from pages.numbers import count, exact, is_number, listed, micro, number, points, said, share, unit
+from pages.numbers import count, exact, is_number, listed, micro, number, points, said, share, times, unit
 from pages.page import Cell, Column
 
 KEYS = [("sub_steps", "{} sub-steps"), ("relax_sweeps", "relax sweeps: {}"), ("friction_sweeps", "friction {}"),
@@ -81,12 +81,12 @@ def answer(scenes, data):
         halving.append(f"{'and ' if costs else ''}cannot be done by any measured setting on {listed(never)}")
     halving = " ".join(halving) or "has no meaning, for the default has no error"
     errors = span([(s.default["force_error_rms"], s.name) for s in known], said)
-    times = span([(s.default["tick_us_p50"], s.name) for s in known], lambda v: unit(v, "µs"))
+    takes = span([(s.default["tick_us_p50"], s.name) for s in known], lambda v: unit(v, "µs"))
     felt = [html.escape(s.name) for s in known if s.default["force_error_rms"] > NOTICED]
     noticed = (f"beyond the 7 % that a hand notices on {listed(felt)}" if felt else "on each scene below the 7 % that a hand "
                "notices" if len(known) > 1 else "below the 7 % that a hand notices")
     budget = f" of the {exact(data['budget_us'])} µs that a tick may compute" if is_number(data.get("budget_us")) else ""
-    return (f"On this PC halving the default's force error {halving}; the default's median tick takes {times}{budget}, for a force "
+    return (f"On this PC halving the default's force error {halving}; the default's median tick takes {takes}{budget}, for a force "
             f"that is off by {errors}, {noticed}.")
 
 
@@ -126,8 +126,11 @@ def front_figure(scenes, data, page):
     budget = [data["budget_us"]] if is_number(data.get("budget_us")) else []
     for s in scenes:
         panel = figure.Panel(s.name, "median tick [µs]", "force error [%]")
-        x = figure.Scale([p["tick_us_p50"] for p in s.points], also=budget)
-        y = figure.Scale([100 * p["force_error_rms"] for p in s.points], floor=1e-3, cap=1000, also=[100 * NOTICED])
+        shown = [p for p in s.points if p["on_front"] or p["is_default"]]  # those whose spread is drawn
+        spread = lambda key: [v for p in shown for v in p.get(key) or []]
+        x = figure.Scale([p["tick_us_p50"] for p in s.points] + spread("tick_us_p50_by_seed"), also=budget)
+        y = figure.Scale([times(v, 100) for v in [p["force_error_rms"] for p in s.points] + spread("force_error_by_seed")],
+                         floor=1e-3, cap=1000, also=[100 * NOTICED])
         x.apply(panel.axis, "x"), y.apply(panel.axis, "y")
         panel.line(100 * NOTICED, "7 %")
         for at in budget:

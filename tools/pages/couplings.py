@@ -72,7 +72,8 @@ class Windows:
         """One panel for each scene: `key` by ratio. limits: (value, words) of lines in all panels; `floor_of`: a line that
         each scene has of its own."""
         panels = []
-        every = [factor * r[key] for r in self.rows if is_number(r[key])]
+        every = [times(one[key], factor) for r in self.rows for one in (r, *r.get("by_seed", []))]
+        every += [times(about[floor_of], factor) for about in self.scenes.values()] if floor_of else []
         scale = figure.Scale(every, floor, cap, [at for at, _ in limits], far=math.inf)  # scenes are compared too
         for scene, about in self.scenes.items():
             panel = figure.Panel(scene, "ratio [ticks per global step]", label)
@@ -285,14 +286,15 @@ def whole_runs(rows, page):
     names = unique(name_of(r, several) for r in tested)
     ratios = sorted(unique(r["ratio"] for r in tested))
     index_of = {name: i for i, name in enumerate(names)}
-    scale = figure.Scale([100 * r["force_error"] for r in tested if is_number(r["force_error"])], floor=0.01, cap=1000,
+    apart = [r for r in rows if r["started_apart_m"] > 0]
+    scale = figure.Scale([times(r["force_error"], 100) for r in tested + apart], floor=0.01, cap=1000,
                          also=[100 * NOTICED], far=math.inf)
     panels = []
     for scene in unique(r["scene"] for r in tested):
         panel = figure.Panel(scene, "ratio [ticks per global step]", "force error [%]")
         panel.line(100 * NOTICED, "7 %")
-        for r in rows:
-            if r["scene"] == scene and r["started_apart_m"] > 0 and is_number(r["force_error"]):
+        for r in apart:
+            if r["scene"] == scene and is_number(r["force_error"]):
                 panel.line(scale.place(100 * r["force_error"])[0], "1 um apart", ls=figure.FLOOR_DASHES)
         series = {}
         for r in (r for r in tested if r["scene"] == scene):
@@ -311,12 +313,12 @@ def whole_runs(rows, page):
                 Column("border", "how members feel the outside", "t"), Column("ratio", "haptic ticks per global step"),
                 Column("members", "cap of the sub-world"), Column("hand", "closed: its arm in the loop of the run; direct: the "
                                                                   "arm's motion of the direct run", "t"),
-                Column("force error", "over the whole run"), Column("by quarter", "of the run, each over the whole run's force"),
-                Column("off at end", "mean distance of bodies from the direct run's, mm"), Column("off at most", "of a body, mm"),
-                Column("drift", "mm"), Column("kinetic / work", "kinetic energy over the hand's work"),
+                Column("force error", "over the whole run"), Column("by quarter", "of the run, each over the whole run's force, in %"),
+                Column("off at end", "the farthest body from where the direct run has it, mm"), Column("off at most", "the same at any synchronisation, mm"),
+                Column("drift", "off at end, less the same at three quarters, mm"), Column("kinetic / work", "kinetic energy over the hand's work and the potential energy that was released"),
                 Column("energy gained", "beyond the direct run, of the energy at play"), Column("stands", "every body, at the end")],
                [[r["scene"], "1 µm apart" if r["started_apart_m"] > 0 else r["coupling"], r["border"], r["ratio"], r["members"],
-                 r["hand"], share(r["force_error"]), " / ".join(share(q) for q in r["force_error_by_quarter"]),
+                 r["hand"], share(r["force_error"]), " / ".join(share(q).replace(" %", "") for q in r["force_error_by_quarter"]),
                  number(times(r["pose_off_m"], 1e3)), number(times(r["pose_off_most_m"], 1e3)), number(times(r["drift_m"], 1e3)),
                  number(r["kinetic_over_work"]), share(gained(r)),
                  "yes" if r["stands"] else Cell(f"NO, {r['fallen']} fell", "bad")] for r in rows])
