@@ -150,7 +150,7 @@ class Sentences(unittest.TestCase):
         data["rows"][5]["ratio_to_best_peer"] = 1.25
         self.assertIn("0.500 times (pile64) to 1.25 times (pile1000-stirred)", engines.answer(data["rows"]))
         self.assertIn("faster on 1 of 2", engines.answer(data["rows"]))
-        self.assertIn("pile64: no engine to compare with", engines.answer(made.awkward_peers()["rows"]))
+        self.assertIn("not compared: pile64", engines.answer(made.awkward_peers()["rows"]))
         self.assertIn("No time of tactus can be compared", engines.answer(data["rows"][1:5]))
 
     def test_random_worlds_are_counted_without_those_left_out(self):

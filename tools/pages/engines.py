@@ -17,7 +17,7 @@ def own_rows(rows):
 def answer(rows):
     compared = [r for r in own_rows(rows) if is_number(r["ratio_to_best_peer"])]
     left_out = [r["scene"] for r in own_rows(rows) if not is_number(r["ratio_to_best_peer"])]
-    rest = f"; {listed(map(html.escape, left_out))}: no engine to compare with" if left_out else ""
+    rest = f"; not compared: {listed(map(html.escape, left_out))}" if left_out else ""
     if not compared:
         return "No time of tactus can be compared: on no scene do both tactus and a peer pass the gates."
     low = min(compared, key=lambda r: r["ratio_to_best_peer"])
