@@ -6,20 +6,16 @@ import string
 from matplotlib import ticker
 
 from pages import figure, theme
-from pages.couplings import NOTICED
 from pages.figure import tick_words
 from pages.labels import label_points
 from pages.numbers import count, exact, is_number, listed, micro, number, points, said, share, times, unit
 from pages.page import Cell, Column
+from pages.rows import NOTICED, unique
 
 KEYS = [("sub_steps", "{} sub-steps"), ("relax_sweeps", "relax sweeps: {}"), ("friction_sweeps", "friction {}"),
         ("contact_Hz", "contacts {} Hz"), ("members", "{} members"), ("ratio", "ratio {}"), ("border", "border {}"),
         ("extraction", "{}"), ("world_precision", "world {}")]
 CHEAPER = 0.05  # of a time: less is within what one run differs from the next
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
 
 
 def setting_words(point, base=None):

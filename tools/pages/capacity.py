@@ -4,12 +4,9 @@ import html
 from pages import figure, theme
 from pages.numbers import count, exact, is_number, number, share
 from pages.page import Cell, Column
+from pages.rows import unique
 
 TARGET = {"coupling": "sub-world", "rate_Hz": 1000, "ratio": 10, "bodies": 5000}  # ours: sim/scenes/pile5000.toml
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
 
 
 def bracket(row):

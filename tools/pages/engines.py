@@ -4,10 +4,7 @@ import html
 from pages import figure, theme
 from pages.numbers import count, is_number, listed, number, share, times, unit
 from pages.page import Cell, Column
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
+from pages.rows import unique
 
 
 def own_rows(rows):

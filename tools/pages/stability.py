@@ -4,15 +4,12 @@ import html
 from pages import figure, theme
 from pages.numbers import exact, is_number, number, times, unit
 from pages.page import Cell, Column
+from pages.rows import unique
 
 # factor: (key, scale to what is written, how it is written)
 FACTORS = {"rate": ("rate_Hz", 1, "{} Hz"), "delay": ("delay_ticks", 1, "delay of {} ticks"),
            "jitter": ("jitter_ticks", 1, "jitter of up to {} ticks"), "quantum": ("quantum_m", 1e6, "encoder step of {} µm")}
 MEASURED, FORMULA, ALLOWED, LINE = "measured_N_per_m", "formula_N_per_m", "allowed_N_per_m", "line_N_per_m"
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
 
 
 def value_words(row):
