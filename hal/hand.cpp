@@ -24,20 +24,6 @@ bool is_finite_and_at_least(double x, double least) noexcept { return std::isfin
 
 }  // namespace
 
-Vec3d rotation_vector_of(const Quatd& q) noexcept {
-  const Vec3d v = q.w < 0.0 ? -q.vec() : q.vec();
-  const double s = norm(v), c = std::abs(q.w);
-  if (s < 1e-12) return 2.0 * v;
-  // The angle whose sine and cosine are s and c, in [0, pi/2]: x += sin(angle - x) cubes the error, which starts
-  // below 0.34. Own arithmetic, so that every build has the same bits.
-  double half_angle = 1.5707963267948966 * s;
-  for (int i = 0; i < 4; ++i) {
-    const auto x = sin_cos(half_angle);
-    half_angle += s * x.cos - c * x.sin;
-  }
-  return v * (2.0 * half_angle / s);
-}
-
 HandModel::HandModel(const HandParameters& parameters, std::span<const HandWaypoint> path) : parameters_(parameters) {
   if (path.empty()) return;
   const auto pose_of = [](const HandWaypoint& w) {
@@ -47,8 +33,13 @@ HandModel::HandModel(const HandParameters& parameters, std::span<const HandWaypo
   start_s_ = path.front().time_s, end_s_ = path.back().time_s;
   segments_.reserve(path.size());
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    segments_.push_back(
-        Segment::between(pose_of(path[i]), pose_of(path[i + 1]), path[i].time_s, path[i + 1].time_s - path[i].time_s));
+    const HandWaypoint &from = path[i], &to = path[i + 1];
+    Segment segment = Segment::between(pose_of(from), pose_of(to), from.time_s, to.time_s - from.time_s);
+    segment.motion = parameters.motion;
+    segment.start_velocity = from.velocity_m_per_s, segment.end_velocity = to.velocity_m_per_s;
+    segment.start_turn_rate = from.angular_velocity_rad_per_s;
+    segment.end_turn_rate = rate_of_rotation_vector(segment.turn, to.angular_velocity_rad_per_s);
+    segments_.push_back(segment);
   }
 }
 
@@ -108,10 +99,46 @@ HandModel::Segment HandModel::Segment::between(const Posed& from, const Posed& t
 }
 
 HandTarget HandModel::Segment::at(double time_s) const noexcept {
-  const SmoothStep step = smooth_step(std::min((time_s - start_s) / duration_s, 1.0));
+  const double u = std::min((time_s - start_s) / duration_s, 1.0);
+  switch (motion) {
+    case HandMotion::kLinear:
+      return linear_at(u);
+    case HandMotion::kCubic:
+      return cubic_at(u);
+    case HandMotion::kSmoothStep:
+      break;
+  }
+  return smooth_at(u);
+}
+
+HandTarget HandModel::Segment::smooth_at(double u) const noexcept {
+  const SmoothStep step = smooth_step(u);
   const double rate = step.rate / duration_s;
   return {{position + move * step.share, normalized(quat_from_rotation_vector(turn * step.share) * rotation)},
           {move * rate, turn * rate}};
+}
+
+HandTarget HandModel::Segment::linear_at(double u) const noexcept {
+  const double rate = 1.0 / duration_s;
+  return {{position + move * u, normalized(quat_from_rotation_vector(turn * u) * rotation)},
+          {move * rate, turn * rate}};
+}
+
+HandTarget HandModel::Segment::cubic_at(double u) const noexcept {
+  // Hermite's polynomials of the way, and of the rates at the start and the end; their derivatives by u.
+  const double way = u * u * (3.0 - 2.0 * u), start = u * (1.0 - u) * (1.0 - u), end = u * u * (u - 1.0);
+  const double way_rate = 6.0 * u * (1.0 - u), start_rate = (1.0 - u) * (1.0 - 3.0 * u), end_rate = u * (3.0 * u - 2.0);
+  const auto value = [&](const Vec3d& move_by, const Vec3d& v0, const Vec3d& v1) {
+    return move_by * way + (v0 * start + v1 * end) * duration_s;
+  };
+  const auto derivative = [&](const Vec3d& move_by, const Vec3d& v0, const Vec3d& v1) {
+    return move_by * (way_rate / duration_s) + v0 * start_rate + v1 * end_rate;
+  };
+  const Vec3d turned = value(turn, start_turn_rate, end_turn_rate);
+  return {
+      {position + value(move, start_velocity, end_velocity), normalized(quat_from_rotation_vector(turned) * rotation)},
+      {derivative(move, start_velocity, end_velocity),
+       angular_velocity_of(turned, derivative(turn, start_turn_rate, end_turn_rate))}};
 }
 
 }  // namespace tactus::hal

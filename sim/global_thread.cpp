@@ -13,7 +13,7 @@ constexpr std::chrono::nanoseconds kLongestSleep{5'000'000};
 }  // namespace
 
 GlobalThread::GlobalThread(GlobalWorld& world, haptics::Exchange& exchange, GlobalThreadOptions options)
-    : server_(world, exchange), options_(std::move(options)) {}
+    : world_(world), server_(world, exchange), options_(std::move(options)) {}
 
 GlobalThread::~GlobalThread() { stop(); }
 
@@ -52,7 +52,12 @@ void GlobalThread::run() noexcept {
     longest_step_ns_.store(std::max(time_ns, longest_step_ns_.load(std::memory_order_relaxed)),
                            std::memory_order_relaxed);
     cycles_.fetch_add(1, std::memory_order_relaxed);
+    tell();
   }
+}
+
+void GlobalThread::tell() const noexcept {
+  if (options_.stepped.stepped != nullptr) options_.stepped.stepped(options_.stepped.context, world_);
 }
 
 void GlobalThread::stall_before(std::uint64_t report) noexcept {

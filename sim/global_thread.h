@@ -21,10 +21,17 @@ struct Stall {
   std::chrono::nanoseconds duration{0};
 };
 
+// Told of each step, by the thread, which waits for it. A function and its context; the default is nobody.
+struct StepObserver {
+  void (*stepped)(void* context, const GlobalWorld& world) noexcept {nullptr};
+  void* context{nullptr};
+};
+
 struct GlobalThreadOptions {
   int cpu{-1};  // to run on; -1: wherever
   std::chrono::nanoseconds poll_period{50'000};
   std::vector<Stall> stalls;
+  StepObserver stepped{};
 };
 
 class GlobalThread {
@@ -50,9 +57,11 @@ class GlobalThread {
 
  private:
   void run() noexcept;
+  void tell() const noexcept;
   void stall_before(std::uint64_t report) noexcept;
   void sleep(std::chrono::nanoseconds duration) const noexcept;
 
+  const GlobalWorld& world_;
   SnapshotServer server_;
   GlobalThreadOptions options_;
   Histogram step_times_;

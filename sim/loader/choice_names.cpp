@@ -34,6 +34,13 @@ constexpr Names<FrictionSweeps, 3> kFrictionSweeps{
 constexpr Names<Reach, 2> kReaches{{{Reach::kTwoCycles, "two-cycles"}, {Reach::kPaper, "paper"}}};
 
 template <class Choice, std::size_t kCount>
+constexpr std::array<Choice, kCount> choices_of(const Names<Choice, kCount>& names) noexcept {
+  std::array<Choice, kCount> choices{};
+  for (std::size_t i = 0; i < kCount; ++i) choices[i] = names[i].first;
+  return choices;
+}
+
+template <class Choice, std::size_t kCount>
 std::string_view find_name(const Names<Choice, kCount>& names, Choice choice) noexcept {
   for (const auto& [value, name] : names)
     if (value == choice) return name;
@@ -55,6 +62,15 @@ std::string_view name_of(CutOrder order) noexcept { return find_name(kCutOrders,
 std::string_view name_of(Reach reach) noexcept { return find_name(kReaches, reach); }
 std::string_view name_of(SweepPrecision precision) noexcept { return find_name(kPrecisions, precision); }
 std::string_view name_of(FrictionSweeps sweeps) noexcept { return find_name(kFrictionSweeps, sweeps); }
+
+std::span<const CouplingScheme> all_coupling_schemes() noexcept {
+  static constexpr auto kAll = choices_of(kCouplingSchemes);
+  return kAll;
+}
+std::span<const BorderMode> all_border_modes() noexcept {
+  static constexpr auto kAll = choices_of(kBorderModes);
+  return kAll;
+}
 
 std::optional<CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept {
   return find_choice(kCouplingSchemes, word);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "rt/haptics/coupling_scheme.h"
@@ -18,6 +19,10 @@ std::string_view name_of(CutOrder order) noexcept;                     // best-f
 std::string_view name_of(Reach reach) noexcept;                        // two-cycles, paper
 std::string_view name_of(physics::SweepPrecision precision) noexcept;  // double, mixed
 std::string_view name_of(physics::FrictionSweeps sweeps) noexcept;     // auto, relax, every
+
+// Every choice there is, once, in the order of its number.
+std::span<const haptics::CouplingScheme> all_coupling_schemes() noexcept;
+std::span<const physics::BorderMode> all_border_modes() noexcept;
 
 // Empty for a word that names nothing.
 std::optional<haptics::CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept;

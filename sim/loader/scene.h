@@ -61,20 +61,28 @@ struct DevicePlacement {
   std::string profile{"virtuose6d"};  // a simulated device: virtuose6d or desk3d
 };
 
-// The hand's scripted target at a time, world frame; between way points the motion is a smooth step (C2).
+// The hand's scripted target at a time, world frame.
 struct HandWaypoint {
   double time_s{0};
   Vec3d position_m;
-  Vec3d rotation_vector_rad;  // of the tool, about the world's axes
+  Vec3d rotation_vector_rad;                               // of the tool, about the world's axes
+  Vec3d velocity_m_per_s{}, angular_velocity_rad_per_s{};  // of the target there; for kCubic alone
 };
+
+// Between way points: a smooth step (C2, at rest at each), a straight line, or a cubic through all (C1).
+enum class HandMotion { kSmoothStep, kLinear, kCubic };
 
 // A simulated hand: an arm's impedance that follows way points. Stiffness and damping are those of a human arm.
 struct HandScript {
   std::vector<HandWaypoint> path;  // times ascending, from 0
-  bool repeat{true};               // the path starts again at its end; its last pose is then its first
+  HandMotion motion{HandMotion::kSmoothStep};
+  std::string file;   // a recorded motion's, as the scene names it; way point i is in its line i + kFirstMotionLine
+  bool repeat{true};  // the path starts again at its end; its last pose is then its first
   double stiffness_N_per_m{400}, damping_Ns_per_m{12}, mass_kg{0.5};
   double stiffness_Nm_per_rad{4}, damping_Nms_per_rad{0.1};
 };
+
+inline constexpr unsigned kFirstMotionLine = 2;  // of the file: the first has the names of the columns
 
 struct SolverChoice {
   double contact_hertz{250}, contact_damping_ratio{10};

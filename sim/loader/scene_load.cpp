@@ -7,9 +7,11 @@
 #include <fstream>
 #include <optional>
 
+#include "rt/base/hash.h"
 #include "rt/haptics/snapshot.h"
 #include "sim/loader/choice_names.h"
 #include "sim/loader/scene_load_effects.h"
+#include "sim/loader/scene_load_hand.h"
 #include "sim/loader/scene_load_parts.h"
 #include "sim/loader/scene_load_reader.h"
 
@@ -30,11 +32,13 @@ class SceneReader {
         diagnostics_(diagnostics),
         hulls_(scene, diagnostics, folder),
         meshes_(scene, diagnostics, folder),
+        hand_(scene, diagnostics, folder),
         effects_(scene, diagnostics) {}
 
   void read() {
     hulls_.read_kept(root_.array("hull_file", kMaxSceneHulls));
     meshes_.read_kept(root_.array("mesh_file", kMaxSceneBodies));
+    hand_.read_kept(root_.array("motion_file", 1));
     scene_.title = root_.text("title", "", 200);
     effects_.read_list(root_);
     read_gravity();
@@ -48,12 +52,12 @@ class SceneReader {
     read_generators();
     effects_.read_joints(root_);
     effects_.read_attraction(root_);
-    read_hand();
+    hand_.read(table("hand"));
     root_.finish();
     effects_.finish(root_);
     check_card_houses();
   }
-  std::string kept_files() const { return hulls_.kept() + meshes_.kept(); }
+  std::string kept_files() const { return hulls_.kept() + meshes_.kept() + hand_.kept(); }
 
  private:
   TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
@@ -160,57 +164,6 @@ class SceneReader {
     }
   }
 
-  void read_hand() {
-    TableReader t = table("hand");
-    HandScript& hand = scene_.hand;
-    hand.repeat = t.flag("repeat", hand.repeat);
-    hand.stiffness_N_per_m = t.number("stiffness_N_per_m", hand.stiffness_N_per_m, kStiffness);
-    hand.damping_Ns_per_m = t.number("damping_Ns_per_m", hand.damping_Ns_per_m, kDamping);
-    hand.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", hand.stiffness_Nm_per_rad, kStiffness);
-    hand.damping_Nms_per_rad = t.number("damping_Nms_per_rad", hand.damping_Nms_per_rad, kDamping);
-    hand.mass_kg = t.number("mass_kg", hand.mass_kg, {"a mass of a hand", 0, 10});
-    unsigned number = 0;
-    for (const TomlNode& node : t.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
-    check_path(t);
-    t.finish();
-  }
-
-  void read_waypoint(const TomlNode& node, unsigned number) {
-    TableReader t(&node, fmt::format("[hand] path.{}", number), diagnostics_);
-    if (!t.there()) return;
-    HandWaypoint point;
-    t.require("time_s", "a number");
-    point.time_s = t.number("time_s", 0, {"a time", 0, 3600});
-    point.position_m = t.vector("position_m", {}, {"a place", -1e4, 1e4});
-    t.require("position_m", "[x, y, z]");
-    point.rotation_vector_rad = t.vector("rotation_vector_rad", {}, {"a rotation", -10, 10});
-    auto& path = scene_.hand.path;
-    if (path.empty() && point.time_s != 0)
-      t.mistake("time_s", fmt::format("the path begins at {} s", point.time_s), "0");
-    if (!path.empty() && point.time_s <= path.back().time_s)
-      t.mistake("time_s", fmt::format("{} s is not after {} s", point.time_s, path.back().time_s), "ascending times");
-    path.push_back(point);
-    t.finish();
-  }
-
-  void check_path(TableReader& t) {
-    auto& path = scene_.hand.path;
-    if (scene_.proxy == kNoBody) return;
-    const Vec3d proxy = scene_.bodies[scene_.proxy].motion.pose.position;
-    if (path.empty()) {
-      path.push_back({0, proxy, {}});  // without a path the hand rests where the proxy is
-      return;
-    }
-    const auto& first = path.front();
-    const auto& last = path.back();
-    if (scene_.hand.repeat &&
-        (first.position_m != last.position_m || first.rotation_vector_rad != last.rotation_vector_rad))
-      t.mistake("path", "repeats, and does not end where it begins", "a last pose like the first, or repeat = false");
-    if (norm(first.position_m - proxy) > 1e-3)
-      t.warning("path", fmt::format("begins {:.3g} m from the proxy", norm(first.position_m - proxy)),
-                "a first way point at the proxy's position_m");
-  }
-
   physics::Body<double>& add(physics::Body<double> body) {
     body.id = static_cast<BodyId>(scene_.bodies.size());
     scene_.bodies.push_back(body);
@@ -245,6 +198,7 @@ class SceneReader {
   SceneDiagnostics& diagnostics_;
   HullReader hulls_;
   MeshReader meshes_;
+  HandReader hand_;
   EffectReader effects_;
 };
 
@@ -329,6 +283,22 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
   found.name = path.string();
   found.add({0, 0, "the file", "cannot be read", "the path of a scene file, such as sim/scenes/card_house.toml"});
   return finish({}, std::move(found), diagnostics);
+}
+
+std::vector<AskedKey> asked_keys(std::string_view text) {
+  std::vector<AskedKey> asked;
+  SceneDiagnostics found;
+  found.asked = &asked;
+  Scene scene;
+  TomlNode root;
+  if (read_toml(text, root, found)) SceneReader(root, scene, found, std::nullopt).read();
+  return asked;
+}
+
+std::string source_hash(std::string_view source) {
+  Fnv1a hash;
+  hash.add_text(source);
+  return fmt::format("{:016x}", hash.value());
 }
 
 double max_contact_hertz(const SolverChoice& solver, double tick_s) noexcept {

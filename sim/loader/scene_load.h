@@ -28,11 +28,24 @@ struct Mistake {
   std::string accepted;         // what would do
 };
 
+// A key that the loader asked a table for, whether it was there or not: the scene language as it is read.
+struct AskedKey {
+  enum class Type { kUnknown, kNumber, kCount, kSeed, kFlag, kText, kWord, kVector, kTable, kArray };
+  std::string table{};  // "[simulation]", "[[body]]", "[hand] path"; empty: the file's own keys
+  std::string key{};    // "mass_kg"
+  Type type{Type::kUnknown};
+  std::string fallback{};            // as one would write it; empty: none
+  double low{0}, high{0};            // of a number, a count, each component of a vector; of an array, entries at most
+  std::vector<std::string> words{};  // what a word may be
+  bool required{false};
+};
+
 struct SceneDiagnostics {
-  std::string name;               // as given: the file
-  std::vector<Mistake> mistakes;  // by line and column
-  std::vector<Mistake> warnings;  // same
-  std::size_t left_out{0};        // mistakes beyond kMaxReportedMistakes
+  std::string name;                       // as given: the file
+  std::vector<Mistake> mistakes;          // by line and column
+  std::vector<Mistake> warnings;          // same
+  std::size_t left_out{0};                // mistakes beyond kMaxReportedMistakes
+  std::vector<AskedKey>* asked{nullptr};  // null: nobody wants to know
 
   bool ok() const noexcept { return mistakes.empty(); }
   bool full() const noexcept { return mistakes.size() >= kMaxReportedMistakes; }
@@ -45,6 +58,12 @@ struct SceneDiagnostics {
 // The scene, or an error whose message is that of the diagnostics. `diagnostics`, when given, is filled in any case.
 Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics = nullptr);
 Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics = nullptr);
+
+// What reading this text asks for, in the order of the questions, each key of a table once: see scene_keys.h.
+std::vector<AskedKey> asked_keys(std::string_view text);
+
+// 16 hexadecimal digits: which text a scene is of, what its files hold included (Scene::source). FNV-1a, 64 bit.
+std::string source_hash(std::string_view source);
 
 // The highest contact frequency that both worlds solve accurately: 0.25 / h for the longer of their sub-steps [Hz].
 // The global step of r ticks has r x global_sub_steps_per_tick sub-steps, so its sub-step does not depend on r.

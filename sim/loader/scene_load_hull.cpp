@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/loader/hull_gap.h"
+#include "sim/loader/mesh_files.h"
 #include "sim/loader/scene_load_files.h"
 #include "sim/loader/shape_files.h"
 
@@ -95,7 +97,39 @@ std::optional<HullOfBody> HullReader::read_file(TableReader& body) {
   auto built = build(body, "file", points);
   if (!built) return std::nullopt;
   if (given == given_.end()) kept_ += table_of(key.first, key.second, built->vertices);
+  if (given == given_.end()) compare_with_mesh(body, *folder_ / key.first, key.second, *built);
   return of_file_[key] = add(*built);
+}
+
+// A hull fills what its file leaves open; nobody shall be surprised by what they feel there. A file of corners alone
+// has no surface to compare with.
+void HullReader::compare_with_mesh(TableReader& body, const std::filesystem::path& file, double unit_m,
+                                   const BuiltHull& built) {
+  auto soup = read_triangle_file(file);
+  if (!soup.ok()) {
+    if (soup.message().find("holds no triangles") != std::string::npos) return;
+    const auto [what, accepted] = halves_of(soup.message());
+    body.warning("file", fmt::format("its hull is not compared with its triangles: {}", what), accepted);
+    return;
+  }
+  for (Vec3d& corner : soup.value().corners) corner = corner * unit_m;
+  const auto gap = find_hull_gap(weld(soup.value()), built.hull, built.given_from_body);
+  if (!gap.ok()) {
+    const auto [what, accepted] = halves_of(gap.message());
+    body.warning("file", fmt::format("its hull is not compared with its triangles: it {}", what), accepted);
+    return;
+  }
+  const HullGap& found = gap.value();
+  if (found.open_edges > 0)
+    body.warning("file",
+                 fmt::format("its surface is open: it ends at {} edges, and the hull closes it", found.open_edges),
+                 "a closed surface");
+  if (found.gap_m > kSmallestGap_m)
+    body.warning("file",
+                 fmt::format("is not convex: between its surface and its hull, which is what is felt, there are up to "
+                             "{:.3g} mm, at [{:.4g}, {:.4g}, {:.4g}] m in its own frame",
+                             1e3 * found.gap_m, found.at_m.x, found.at_m.y, found.at_m.z),
+                 "a convex shape; what is hollow or branches is built from several bodies");
 }
 
 std::optional<BuiltHull> HullReader::build(TableReader& body, const char* key, std::span<const Vec3d> points) {

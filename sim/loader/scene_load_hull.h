@@ -43,6 +43,7 @@ class HullReader {
 
   std::optional<HullOfBody> read_file(TableReader& body);
   std::optional<BuiltHull> build(TableReader& body, const char* key, std::span<const Vec3d> points);
+  void compare_with_mesh(TableReader& body, const std::filesystem::path& file, double unit_m, const BuiltHull& built);
   HullOfBody add(const BuiltHull& built);
 
   Scene& scene_;

@@ -22,6 +22,18 @@ std::string list_of(std::span<const std::string_view> words) {
   return list;
 }
 
+// "[body.3] path.2" is of the table "[[body]] path".
+std::string table_name(std::string where) {
+  const auto dot = where.find('.'), end = where.find(']');
+  const bool of_array = dot != std::string::npos && end != std::string::npos && dot < end;
+  if (of_array) where = "[" + where.substr(0, dot) + "]" + where.substr(end);
+  const auto number = where.find('.');
+  return number == std::string::npos ? where : where.substr(0, number);
+}
+
+std::string as_written(const Vec3d& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x, v.y, v.z); }
+std::string in_quotes(const std::string& text) { return text.empty() ? text : fmt::format("\"{}\"", text); }
+
 }  // namespace
 
 TableReader::TableReader(const TomlNode* table, std::string where, SceneDiagnostics& diagnostics)
@@ -35,6 +47,19 @@ TableReader::TableReader(const TomlNode* table, std::string where, SceneDiagnost
 const TomlNode* TableReader::find(const char* key) {
   if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
   return table_ == nullptr ? nullptr : table_->find(key);
+}
+
+void TableReader::note(const char* key, AskedKey question) {
+  auto& asked = *diagnostics_.asked;
+  question.table = table_name(where_), question.key = key;
+  const auto same = [&](const AskedKey& a) { return a.table == question.table && a.key == question.key; };
+  const auto found = std::find_if(asked.begin(), asked.end(), same);
+  if (found == asked.end()) return asked.push_back(std::move(question));
+  question.required |= found->required;
+  if (found->type == AskedKey::Type::kUnknown)
+    *found = std::move(question);
+  else
+    found->required = question.required;
 }
 
 bool TableReader::has(std::string_view key) { return table_ != nullptr && table_->find(key) != nullptr; }
@@ -59,6 +84,7 @@ void TableReader::warning(const char* key, std::string what, std::string accepte
 }
 
 bool TableReader::require(const char* key, const char* accepted_text) {
+  if (is_asked_about()) note(key, {.required = true});
   if (find(key) != nullptr) return true;
   if (table_ != nullptr) mistake(key, "missing", accepted_text);
   return false;
@@ -69,6 +95,11 @@ void TableReader::refuse(const char* key, std::string what, std::string accepted
 }
 
 double TableReader::number(const char* key, double fallback, const Range& range) {
+  if (is_asked_about())
+    note(key, {.type = AskedKey::Type::kNumber,
+               .fallback = fmt::format("{:g}", fallback),
+               .low = range.low,
+               .high = range.high});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   if (is_number(*node) && !outside(node->number, range)) return node->number;
@@ -77,6 +108,11 @@ double TableReader::number(const char* key, double fallback, const Range& range)
 }
 
 unsigned TableReader::count(const char* key, unsigned fallback, const Range& range) {
+  if (is_asked_about())
+    note(key, {.type = AskedKey::Type::kCount,
+               .fallback = fmt::format("{}", fallback),
+               .low = range.low,
+               .high = range.high});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   if (node->kind == TomlKind::kInteger && !outside(node->number, range)) return static_cast<unsigned>(node->integer);
@@ -91,6 +127,7 @@ unsigned TableReader::count(const char* key, unsigned fallback, const Range& ran
 }
 
 std::uint64_t TableReader::seed(const char* key, std::uint64_t fallback) {
+  if (is_asked_about()) note(key, {.type = AskedKey::Type::kSeed, .fallback = fmt::format("{}", fallback)});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   if (node->kind == TomlKind::kInteger && node->integer >= 0) return static_cast<std::uint64_t>(node->integer);
@@ -99,6 +136,7 @@ std::uint64_t TableReader::seed(const char* key, std::uint64_t fallback) {
 }
 
 bool TableReader::flag(const char* key, bool fallback) {
+  if (is_asked_about()) note(key, {.type = AskedKey::Type::kFlag, .fallback = fallback ? "true" : "false"});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   if (node->kind == TomlKind::kBoolean) return node->boolean;
@@ -107,6 +145,8 @@ bool TableReader::flag(const char* key, bool fallback) {
 }
 
 std::string TableReader::text(const char* key, std::string fallback, std::size_t longest) {
+  if (is_asked_about())
+    note(key, {.type = AskedKey::Type::kText, .fallback = in_quotes(fallback), .high = static_cast<double>(longest)});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
@@ -119,6 +159,8 @@ std::string TableReader::text(const char* key, std::string fallback, std::size_t
 }
 
 std::string TableReader::word(const char* key, std::string fallback, std::initializer_list<const char*> words) {
+  if (is_asked_about())
+    note(key, {.type = AskedKey::Type::kWord, .fallback = in_quotes(fallback), .words = {words.begin(), words.end()}});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   const std::vector<std::string_view> known(words.begin(), words.end());
@@ -133,6 +175,9 @@ std::string TableReader::word(const char* key, std::string fallback, std::initia
 }
 
 Vec3d TableReader::vector(const char* key, const Vec3d& fallback, const Range& range) {
+  if (is_asked_about())
+    note(key,
+         {.type = AskedKey::Type::kVector, .fallback = as_written(fallback), .low = range.low, .high = range.high});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
   const std::string wanted = fmt::format("[x, y, z], each {}", accepted(range));
@@ -159,6 +204,7 @@ Posed TableReader::pose() {
 }
 
 const TomlNode* TableReader::table(const char* key) {
+  if (is_asked_about()) note(key, {.type = AskedKey::Type::kTable});
   const TomlNode* node = find(key);
   if (node == nullptr || node->kind == TomlKind::kTable) return node;
   mistake(key, node->shown() + " is not a table", fmt::format("a table: [{}]", key));
@@ -166,6 +212,7 @@ const TomlNode* TableReader::table(const char* key) {
 }
 
 std::span<const TomlNode> TableReader::array(const char* key, std::size_t longest) {
+  if (is_asked_about()) note(key, {.type = AskedKey::Type::kArray, .high = static_cast<double>(longest)});
   const TomlNode* node = find(key);
   if (node == nullptr) return {};
   if (node->kind == TomlKind::kArray && node->items.size() <= longest) return node->items;

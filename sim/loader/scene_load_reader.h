@@ -55,6 +55,9 @@ class TableReader {
 
  private:
   const TomlNode* find(const char* key);
+  // Adds the question to SceneDiagnostics::asked, or completes it. Only where is_asked_about().
+  void note(const char* key, AskedKey question);
+  bool is_asked_about() const noexcept { return diagnostics_.asked != nullptr; }
   Mistake at(const char* key, std::string what, std::string accepted);
 
   const TomlNode* table_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rt/base/rotation_vector.h"
 #include "rt/physics/collision/collide_mesh.h"
 #include "rt/physics/collision/manifold.h"
 #include "rt/physics/shapes/mesh_query.h"
@@ -128,25 +129,71 @@ StartContacts find_start_contacts(const Scene& scene) {
   return start;
 }
 
+// The largest speed on the way from one place to the next, by the motion in between. `v_a`, `v_b`: the rates there, of
+// a cubic, whose rate is a parabola: taken at sixteen places.
+double fastest_between(HandMotion motion, const Vec3d& way, double time_s, const Vec3d& v_a, const Vec3d& v_b) {
+  if (motion == HandMotion::kSmoothStep) return 15.0 / 8.0 * norm(way) / time_s;
+  if (motion == HandMotion::kLinear) return norm(way) / time_s;
+  double fastest = 0;
+  for (int i = 0; i <= 16; ++i) {
+    const double u = i / 16.0;
+    fastest = std::max(
+        fastest, norm(way * (6 * u * (1 - u) / time_s) + v_a * ((1 - u) * (1 - 3 * u)) + v_b * (u * (3 * u - 2))));
+  }
+  return fastest;
+}
+
+const char* word_of(HandMotion motion) {
+  switch (motion) {
+    case HandMotion::kLinear:
+      return "linear";
+    case HandMotion::kCubic:
+      return "cubic";
+    case HandMotion::kSmoothStep:
+      break;
+  }
+  return "smooth step";
+}
+
 HandReport report_hand(const Scene& scene, const haptics::DeviceProperties& device) {
   HandReport report;
   report.device_max_speed_m_per_s = device.max_speed_m_per_s;
+  report.device_max_angular_speed_rad_per_s = device.max_angular_speed_rad_per_s;
   report.workspace_radius_m = device.workspace_radius_m;
   const auto& path = scene.hand.path;
   if (path.empty()) return report;
+  report.file = scene.hand.file;
+  report.motion = word_of(scene.hand.motion);
+  report.points = path.size();
   report.duration_s = path.back().time_s;
   const Vec3d middle = scene.device.world_from_device.position;
+  const auto note = [](double value, double& most, std::size_t i, std::size_t& at) {
+    if (value > most) most = value, at = i;
+  };
   for (std::size_t i = 0; i < path.size(); ++i) {
-    report.farthest_m = std::max(report.farthest_m, norm(path[i].position_m - middle) / scene.device.motion_scale);
+    note(norm(path[i].position_m - middle) / scene.device.motion_scale, report.farthest_m, i, report.farthest);
     if (i == 0) continue;
-    const double way = norm(path[i].position_m - path[i - 1].position_m) / scene.device.motion_scale;
-    report.max_speed_m_per_s =
-        std::max(report.max_speed_m_per_s, 15.0 / 8.0 * way / (path[i].time_s - path[i - 1].time_s));
+    const HandWaypoint &a = path[i - 1], &b = path[i];
+    const double time_s = b.time_s - a.time_s;
+    note(fastest_between(scene.hand.motion, b.position_m - a.position_m, time_s, a.velocity_m_per_s,
+                         b.velocity_m_per_s) /
+             scene.device.motion_scale,
+         report.max_speed_m_per_s, i, report.fastest);
+    const Vec3d turn = rotation_vector_of(quat_from_rotation_vector(b.rotation_vector_rad) *
+                                          conjugate(quat_from_rotation_vector(a.rotation_vector_rad)));
+    note(fastest_between(scene.hand.motion, turn, time_s, a.angular_velocity_rad_per_s, b.angular_velocity_rad_per_s),
+         report.max_angular_speed_rad_per_s, i, report.fastest_turn);
   }
   return report;
 }
 
-void find_problems(const Scene& scene, SceneReport& report) {
+// "[hand] path.3", or the line of the file, where the way point or row is.
+std::string hand_place(const HandReport& hand, std::size_t i) {
+  return hand.file.empty() ? fmt::format("[hand] path.{}", i + 1)
+                           : fmt::format("[hand] file {}:{}:", hand.file, i + kFirstMotionLine);
+}
+
+void find_problems(const Scene& scene, bool device_rotates, SceneReport& report) {
   const auto problem = [&report](std::string text) { report.problems.push_back(std::move(text)); };
   if (!report.coupling.accepted) {
     const auto axis = [&](const char* name, const haptics::AxisVerdict& verdict, const char* unit,
@@ -163,14 +210,19 @@ void find_problems(const Scene& scene, SceneReport& report) {
     problem(fmt::format("{} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
                         body_label(scene, report.start.deepest_a), body_label(scene, report.start.deepest_b),
                         report.start.deepest_m, kMostOverlapAtStart_m));
-  if (report.hand.farthest_m > report.hand.workspace_radius_m)
+  const HandReport& hand = report.hand;
+  if (hand.farthest_m > hand.workspace_radius_m)
     problem(
-        fmt::format("[hand] path leaves the device's workspace: {:.3g} m from its middle; accepted: at most {:g} m "
+        fmt::format("{} leaves the device's workspace: {:.3g} m from its middle; accepted: at most {:g} m "
                     "(move [device], or raise motion_scale)",
-                    report.hand.farthest_m, report.hand.workspace_radius_m));
-  if (report.hand.max_speed_m_per_s > report.hand.device_max_speed_m_per_s)
-    problem(fmt::format("[hand] path asks for {:.3g} m/s; accepted: at most {:g} m/s, what the device can do",
-                        report.hand.max_speed_m_per_s, report.hand.device_max_speed_m_per_s));
+                    hand_place(hand, hand.farthest), hand.farthest_m, hand.workspace_radius_m));
+  if (hand.max_speed_m_per_s > hand.device_max_speed_m_per_s)
+    problem(fmt::format("{} asks for {:.3g} m/s; accepted: at most {:g} m/s, what the device can do",
+                        hand_place(hand, hand.fastest), hand.max_speed_m_per_s, hand.device_max_speed_m_per_s));
+  if (device_rotates && hand.max_angular_speed_rad_per_s > hand.device_max_angular_speed_rad_per_s)
+    problem(fmt::format("{} asks for {:.3g} rad/s; accepted: at most {:g} rad/s, what the device can do",
+                        hand_place(hand, hand.fastest_turn), hand.max_angular_speed_rad_per_s,
+                        hand.device_max_angular_speed_rad_per_s));
   if (scene.solver.contact_hertz > report.max_contact_hertz_Hz)
     problem(fmt::format("contact_hertz_Hz: {:g} at this rate; accepted: at most {:g}", scene.solver.contact_hertz,
                         report.max_contact_hertz_Hz));
@@ -216,7 +268,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.capacity.sub_world_contacts =
       static_cast<unsigned>(std::ceil(report.capacity.contacts_per_body * report.capacity.members_possible));
   report.capacity.global_sub_steps = scene.solver.global_sub_steps(scene.ratio);
-  find_problems(scene, report);
+  find_problems(scene, device.has_rotation, report);
   return report;
 }
 

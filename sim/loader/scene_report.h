@@ -43,8 +43,14 @@ struct PenetrationReport {
 
 struct HandReport {
   double duration_s{0};
+  std::string file;             // of a recorded motion; empty: a path in the scene
+  std::string motion;           // between its way points or rows: "smooth step", "linear", "cubic"
+  std::size_t points{0};        // way points or rows
   double max_speed_m_per_s{0};  // of the device's tool on the scripted path; 15/8 of the mean on a smooth step
   double device_max_speed_m_per_s{0};
+  double max_angular_speed_rad_per_s{0}, device_max_angular_speed_rad_per_s{0};
+  std::size_t fastest{0}, fastest_turn{0},
+      farthest{0};       // way point or row, from 0: the end of the fastest way; the farthest
   double farthest_m{0};  // of the path from the middle of the device's workspace, in the device's metres
   double workspace_radius_m{0};
 };

@@ -73,10 +73,12 @@ std::string to_text(const SceneReport& r) {
                       r.start.points, r.start.deepest_m);
   text += "coupling\n" + axis_line("translation", r.coupling.translation, "N/m");
   text += axis_line("rotation", r.coupling.rotation, "N m/rad");
-  text +=
-      fmt::format("hand\n  {:<12}{:g} s, up to {:.3g} m/s of the device's {:g}; {:.3g} m from the middle, of {:g}\n",
-                  "path", r.hand.duration_s, r.hand.max_speed_m_per_s, r.hand.device_max_speed_m_per_s,
-                  r.hand.farthest_m, r.hand.workspace_radius_m);
+  text += fmt::format(
+      "hand\n  {:<12}{:g} s, up to {:.3g} m/s of the device's {:g}; {:.3g} m from the middle, of {:g}{}\n", "path",
+      r.hand.duration_s, r.hand.max_speed_m_per_s, r.hand.device_max_speed_m_per_s, r.hand.farthest_m,
+      r.hand.workspace_radius_m,
+      r.hand.file.empty() ? ""
+                          : fmt::format("; {}, {} rows, {} in between", r.hand.file, r.hand.points, r.hand.motion));
   text += fmt::format("room\n  {:<12}{} of a cap of {}; about {} contacts, by {:.2f} a body at the start\n",
                       "sub-world", r.capacity.members_possible, r.capacity.member_cap, r.capacity.sub_world_contacts,
                       r.capacity.contacts_per_body);

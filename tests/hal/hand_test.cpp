@@ -122,3 +122,71 @@ TEST_CASE("a path that cannot be followed is refused by number") {
   CHECK_THAT(message(repeat, {{0, {}, {}}, {1, {1, 0, 0}, {}}}), Catch::Contains("repeats"));
   CHECK(message(repeat, kPath).empty());
 }
+
+namespace {
+
+// Uneven times, a turn about another axis in each leg, velocities that no neighbour suggests.
+HandModel cubic_hand() {
+  HandParameters p;
+  p.motion = HandMotion::kCubic;
+  const std::vector<HandWaypoint> path{{0, {0, 0, 0}, {0, 0, 0}, {0.1, 0, 0}, {0, 0.5, 0}},
+                                       {0.4, {0.03, 0.01, 0}, {0.3, 0, 0.2}, {0.05, -0.1, 0.02}, {1, 0, -0.5}},
+                                       {1.0, {0.02, -0.04, 0.02}, {0.3, 0.9, 0}, {0, 0.2, 0}, {0, 0, 2}},
+                                       {1.2, {0, 0, 0}, {0, 0.2, 0}, {}, {}}};
+  return HandModel(p, path);
+}
+
+}  // namespace
+
+TEST_CASE("a linear target is a share of the way and the turn, at a constant speed in each leg") {
+  HandParameters p;
+  p.motion = HandMotion::kLinear;
+  const HandModel hand(p, kPath);
+  const HandTarget t = hand.target_at(0.6);
+  CHECK(difference(t.pose.position, {0.02, 0, 0}) < 1e-15);
+  CHECK(difference(t.pose.rotation, quat_from_rotation_vector(Vec3d{0, 0, 0.1})) < 1e-14);
+  CHECK(difference(t.twist.linear, {0.2, 0, 0}) < 1e-12);
+  CHECK(difference(t.twist.angular, {0, 0, 1}) < 1e-12);
+}
+
+TEST_CASE("a cubic target goes through each way point with the velocity that it names") {
+  const HandModel hand = cubic_hand();
+  const auto at = [&](double t, const Vec3d& x, const Vec3d& r, const Vec3d& v, const Vec3d& w) {
+    for (const double side : {-1e-9, 1e-9}) {
+      const HandTarget target = hand.target_at(t + side);
+      CHECK(difference(target.pose.position, x) < 1e-9);
+      CHECK(difference(target.pose.rotation, quat_from_rotation_vector(r)) < 1e-8);
+      CHECK(difference(target.twist.linear, v) < 1e-6);
+      CHECK(difference(target.twist.angular, w) < 1e-6);
+    }
+  };
+  at(0.4, {0.03, 0.01, 0}, {0.3, 0, 0.2}, {0.05, -0.1, 0.02}, {1, 0, -0.5});
+  at(1.0, {0.02, -0.04, 0.02}, {0.3, 0.9, 0}, {0, 0.2, 0}, {0, 0, 2});
+  // Hermite half way between two places at distance m with velocities a and b, T apart: m / 2 + T (a - b) / 8.
+  CHECK(difference(hand.target_at(0.2).pose.position, Vec3d{0.015, 0.005, 0} + 0.05 * Vec3d{0.05, 0.1, -0.02}) < 1e-15);
+}
+
+TEST_CASE("a cubic target's twist is the derivative of its pose") {
+  const HandModel hand = cubic_hand();
+  const double dt = 1e-5;
+  for (double t = 0.01; t < 1.19; t += 0.00137) {
+    if (std::abs(t - 0.4) < dt || std::abs(t - 1.0) < dt) continue;  // there the acceleration steps
+    const HandTarget before = hand.target_at(t - 0.5 * dt), now = hand.target_at(t),
+                     after = hand.target_at(t + 0.5 * dt);
+    const Vec3d v = (after.pose.position - before.pose.position) * (1.0 / dt);
+    const Vec3d w = small_rotation_vector(after.pose.rotation * conjugate(before.pose.rotation)) * (1.0 / dt);
+    REQUIRE(difference(v, now.twist.linear) < 1e-7);
+    REQUIRE(difference(w, now.twist.angular) < 1e-7);
+  }
+}
+
+TEST_CASE("the rate of a rotation vector and the angular velocity are each other's inverse") {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> number(-1.5, 1.5);
+  for (int i = 0; i < 1000; ++i) {
+    const double size = i % 4 == 0 ? 1e-4 : 1;
+    const Vec3d r = Vec3d{number(random), number(random), number(random)} * size;
+    const Vec3d w{number(random), number(random), number(random)};
+    REQUIRE(difference(angular_velocity_of(r, rate_of_rotation_vector(r, w)), w) < 1e-12);
+  }
+}

@@ -127,3 +127,69 @@ TEST_CASE("Every mistake in a hull says what is wrong and what would do") {
   CHECK_THAT(loading("file = \"ball.obj\"\n"),
              Contains("the hull has 100 vertices; accepted: at most 64") && Contains("coarser"));
 }
+
+namespace {
+
+// Solid shapes as OBJ text, outward faces.
+std::string obj_box(const Vec3d& low, const Vec3d& high, unsigned first, bool lid = true) {
+  std::string text;
+  for (int i = 0; i < 8; ++i)
+    text += fmt::format("v {} {} {}\n", (i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y,
+                        (i & 4) != 0 ? high.z : low.z);
+  const auto face = [&](unsigned a, unsigned b, unsigned c, unsigned d) {
+    text += fmt::format("f {} {} {} {}\n", a + first, b + first, c + first, d + first);
+  };
+  face(1, 3, 4, 2), face(1, 2, 6, 5), face(3, 7, 8, 4), face(1, 5, 7, 3), face(2, 4, 8, 6);
+  if (lid) face(5, 6, 8, 7);
+  return text;
+}
+
+std::vector<std::string> warnings_for(const std::string& obj, const std::string& keys = "file_unit_m = 0.001\n") {
+  const Folder folder;
+  folder.write("shape.obj", obj);
+  folder.write("x.toml", hull("file = \"shape.obj\"\nmass_kg = 1\n" + keys) + kProxy);
+  SceneDiagnostics found;
+  const auto scene = load_scene(folder.path / "x.toml", &found);
+  INFO(scene.message());
+  REQUIRE(scene.ok());
+  // What is taken from the tape is not compared again.
+  SceneDiagnostics again;
+  REQUIRE(parse_scene(scene.value().source, "y", &again).ok());
+  CHECK(again.warnings.empty());
+  std::vector<std::string> list;
+  for (const auto& w : found.warnings) list.push_back(fmt::format("{}:{} {}; {}", w.line, w.where, w.what, w.accepted));
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("A convex closed file is taken as a hull without a word, and so are corners alone") {
+  CHECK(warnings_for(obj_box({0, 0, 0}, {100, 60, 30}, 0)).empty());
+  CHECK(warnings_for("v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\n").empty());
+}
+
+TEST_CASE("The largest gap between a file's surface and its hull is said, in mm, and where") {
+  // Two cubes of 20 mm, 60 mm apart: in the middle of the hull's sides the nearest surface is 30 mm away.
+  const auto apart = warnings_for(obj_box({0, 0, 0}, {20, 20, 20}, 0) + obj_box({80, 0, 0}, {100, 20, 20}, 8));
+  REQUIRE(apart.size() == 1);
+  CHECK_THAT(apart[0], Contains("3:[body.1] file is not convex") && Contains("up to 30 mm, at [0.05, ") &&
+                           Contains("several bodies"));
+  // A notch of 40 x 40 mm from a corner of a cube of 100 mm: the corner inside is 40 / sqrt 2 mm below the hull.
+  const auto notch = warnings_for(
+      "v 0 0 0\nv 100 0 0\nv 100 60 0\nv 60 60 0\nv 60 100 0\nv 0 100 0\n"
+      "v 0 0 100\nv 100 0 100\nv 100 60 100\nv 60 60 100\nv 60 100 100\nv 0 100 100\n"
+      "f 1 6 5 4\nf 1 4 3 2\nf 7 8 9 10\nf 7 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 "
+      "1 7 12\n");
+  REQUIRE(notch.size() == 1);
+  CHECK_THAT(notch[0], Contains("up to 28.3 mm, at [0.06, 0.06, "));
+}
+
+TEST_CASE("A file whose surface is open is said to be open, with what the hull closes") {
+  // A box of 100 x 60 x 30 mm without its lid: the middle of the lid is 30 mm from the walls and from the bottom.
+  const auto open = warnings_for(obj_box({0, 0, 0}, {100, 60, 30}, 0, false));
+  REQUIRE(open.size() == 2);
+  CHECK_THAT(open[0] + open[1], Contains("its surface is open: it ends at 4 edges") && Contains("up to 30 mm"));
+  const auto broken = warnings_for(obj_box({0, 0, 0}, {100, 60, 30}, 0) + "f 1 2 99\n");
+  REQUIRE(broken.size() == 1);
+  CHECK_THAT(broken[0], Contains("its hull is not compared with its triangles") && Contains(":15: \"99\" is none of"));
+}

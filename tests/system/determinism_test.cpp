@@ -3,7 +3,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
+#include <vector>
 
+#include "sim/loader/choice_names.h"
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
 #include "tools/session/realtime_run.h"
@@ -17,6 +21,20 @@ namespace {
 std::uint64_t hash_of_run(const std::string& file, const session::RunOptions& options, std::uint64_t ticks) {
   auto session = make_session(scene_file(file), options);
   return run(*session, ticks).state_hash;
+}
+
+// Every one there is, a run of the test each.
+haptics::CouplingScheme any_coupling() {
+  const auto all = sim::all_coupling_schemes();
+  return GENERATE_COPY(from_range(all.begin(), all.end()));
+}
+// The sub-world with every border; the others have none.
+std::pair<haptics::CouplingScheme, physics::BorderMode> any_coupling_and_border() {
+  std::vector<std::pair<haptics::CouplingScheme, physics::BorderMode>> all;
+  for (const auto coupling : sim::all_coupling_schemes())
+    if (coupling != haptics::CouplingScheme::kSubWorld) all.emplace_back(coupling, physics::BorderMode::kGhost);
+  for (const auto border : sim::all_border_modes()) all.emplace_back(haptics::CouplingScheme::kSubWorld, border);
+  return GENERATE_COPY(from_range(all.begin(), all.end()));
 }
 
 std::string program_output(const std::string& command) {
@@ -42,9 +60,7 @@ TEST_CASE("the same run in virtual time gives the same bits twice, and others wi
 TEST_CASE("a recorded run on a triangle mesh replays with the same bits, whatever the coupling") {
   const TemporaryFile tape;
   session::RunOptions options = virtual_options();
-  options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect,
-                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic,
-                              haptics::CouplingScheme::kPlanes, haptics::CouplingScheme::kLinearised);
+  options.coupling = any_coupling();
   options.record = tape.path();
   options.inject = "stall@900+60";  // members outrun the triangles that came with the snapshot
   auto session = make_session(scene_file("terrain.toml"), options);
@@ -73,10 +89,7 @@ TEST_CASE("recording changes no bit") {
 TEST_CASE("a recorded virtual run replays with the same bits, whatever the coupling and the border") {
   const TemporaryFile tape;
   session::RunOptions options = virtual_options();
-  options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect,
-                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kStatic,
-                              haptics::CouplingScheme::kPlanes, haptics::CouplingScheme::kLinearised);
-  options.border = GENERATE(physics::BorderMode::kGhost, physics::BorderMode::kCapped, physics::BorderMode::kReplay);
+  std::tie(options.coupling, options.border) = any_coupling_and_border();
   options.record = tape.path();
   options.members = 8;
   options.inject = "lost/state@700+4,stall@900+60";

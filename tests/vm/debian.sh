@@ -6,8 +6,9 @@
 # unpacks into its memory: what a scenario does to it is gone with the guest. In its name are the release, systemd's
 # version, and the hash of this file and of the packages in it.
 
-# What a machine has beside Debian's smallest set and what the package itself depends on.
-debian_packages=(systemd-sysv udev)
+# What a machine has beside Debian's smallest set and what the package itself depends on; of what it suggests, what draws
+# its pages.
+debian_packages=(systemd-sysv udev python3-matplotlib)
 
 # Debian's own package lists that apt has here, as lines for a sources.list.
 debian_sources() {

@@ -71,7 +71,7 @@ run_debian() {
   for file in "$@"; do add_file "$bench/scenarios/$file.sh" "bench/scenarios/$file.sh"; done
   chmod +x "$scratch/root/bench/boot_debian"
   echo "$*" >"$scratch/root/bench/scenarios.list"
-  disk=$debian_root memory_MiB=2048 append='rdinit=/bench/boot_debian systemd.wants=bench.service systemd.getty_auto=no' boot |
+  disk=$debian_root memory_MiB=3072 append='rdinit=/bench/boot_debian systemd.wants=bench.service systemd.getty_auto=no' boot |
     tee "$log" | show_verdicts
   echo "  guest 'debian' took $((SECONDS - start)) s"
 }

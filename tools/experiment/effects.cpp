@@ -14,7 +14,7 @@
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
@@ -191,7 +191,7 @@ std::string effects_json(const std::vector<EffectRow>& rows) {
                     {"instructions_unused", number(row.instructions[1])},
                     {"instructions_used", number(row.instructions[2])}});
   }
-  return json_text(ordered_json{{"rows", list}}, 2);
+  return report_text(ordered_json{{"rows", list}}, 2);
 }
 
 namespace {

@@ -4,7 +4,7 @@
 
 #include "tools/experiment/allocation_count.h"
 #include "tools/experiment/peers.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
@@ -77,7 +77,7 @@ std::string peers_json(const std::vector<PeersRow>& rows) {
                     {"missed_gate", row.missed_gate},
                     {"failure", row.failure}});
   }
-  return json_text(ordered_json{{"rows", list}}, 2);
+  return report_text(ordered_json{{"rows", list}}, 2);
 }
 
 std::string peers_csv(const std::vector<PeersRow>& rows) {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/experiment/scaling.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
@@ -59,7 +59,7 @@ std::string scaling_json(const ScalingReport& report) {
          {"ns_per_point", row.ns_per_point},
          {"instructions_per_step", row.instructions > 0 ? ordered_json(row.instructions) : ordered_json(nullptr)},
          {"failure", row.failure}});
-  return json_text(
+  return report_text(
       ordered_json{{"rows", list},
                    {"exponent", report.exponent},
                    {"instruction_exponent", report.instruction_exponent > 0 ? ordered_json(report.instruction_exponent)

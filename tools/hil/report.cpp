@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/hil/suite.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::hil {
 namespace {
@@ -87,7 +87,7 @@ std::string to_json_text(const SuiteReport& report) {
     for (const auto& step : report.setup.steps)
       object["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
   }
-  return json_text(object, 2);
+  return report_text(object, 2);
 }
 
 std::string to_junit(const SuiteReport& report) {

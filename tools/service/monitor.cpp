@@ -6,7 +6,7 @@
 
 #include "hal/device_words.h"
 #include "rt/base/status.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::service {
 namespace {
@@ -17,7 +17,7 @@ std::string number(std::uint64_t value) { return fmt::format("{}", value); }
 
 }  // namespace
 
-std::string state_json(const session::LiveStatus& live, double elapsed_s, double rate_Hz) {
+std::string state_json(const session::LiveStatus& live, double elapsed_s, double rate_Hz, const RunName& run) {
   nlohmann::ordered_json conditions = nlohmann::ordered_json::array();
   const std::uint32_t status = live.status.load(relaxed);
   for (std::uint32_t bit = 0; bit < 32; ++bit)
@@ -25,24 +25,26 @@ std::string state_json(const session::LiveStatus& live, double elapsed_s, double
       conditions.push_back(std::string(name));
   const auto fault = static_cast<Fault>(live.fault.load(relaxed));
   const auto device_state = static_cast<haptics::DeviceState>(live.device_state.load(relaxed));
-  return json_text(nlohmann::ordered_json{{"ok", true},
-                                          {"elapsed_s", elapsed_s},
-                                          {"ticks", live.ticks.load(relaxed)},
-                                          {"rate_Hz", rate_Hz},
-                                          {"armed", (status & kNotArmed) == 0},
-                                          {"force_N", live.force_N.load(relaxed)},
-                                          {"members", live.members.load(relaxed)},
-                                          {"contacts", live.contacts.load(relaxed)},
-                                          {"border_contacts", live.border.load(relaxed)},
-                                          {"overruns", live.overruns.load(relaxed)},
-                                          {"late_cycles", live.late_cycles.load(relaxed)},
-                                          {"resets", live.resets.load(relaxed)},
-                                          {"conditions", conditions},
-                                          {"fault", static_cast<std::uint32_t>(fault)},
-                                          {"fault_text", fault_line(live)},
-                                          {"device_state", hal::name_of(device_state)},
-                                          {"device_fault", live.device_fault.load(relaxed)},
-                                          {"device_limits", live.device_limits.load(relaxed)}});
+  return report_text(nlohmann::ordered_json{{"ok", true},
+                                            {"scene_file", run.scene.string()},
+                                            {"scene_hash", run.scene_hash},
+                                            {"elapsed_s", elapsed_s},
+                                            {"ticks", live.ticks.load(relaxed)},
+                                            {"rate_Hz", rate_Hz},
+                                            {"armed", (status & kNotArmed) == 0},
+                                            {"force_N", live.force_N.load(relaxed)},
+                                            {"members", live.members.load(relaxed)},
+                                            {"contacts", live.contacts.load(relaxed)},
+                                            {"border_contacts", live.border.load(relaxed)},
+                                            {"overruns", live.overruns.load(relaxed)},
+                                            {"late_cycles", live.late_cycles.load(relaxed)},
+                                            {"resets", live.resets.load(relaxed)},
+                                            {"conditions", conditions},
+                                            {"fault", static_cast<std::uint32_t>(fault)},
+                                            {"fault_text", fault_line(live)},
+                                            {"device_state", hal::name_of(device_state)},
+                                            {"device_fault", live.device_fault.load(relaxed)},
+                                            {"device_limits", live.device_limits.load(relaxed)}});
 }
 
 void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
@@ -52,7 +54,12 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
   alive_ = ticks > ticks_;
   if (elapsed_s > last_s_) rate_Hz_ = static_cast<double>(ticks - ticks_) / (elapsed_s - last_s_);
   if (!started_ && ticks > 0)
-    log_.event(Level::kInfo, "running", {{"rate_Hz", fmt::format("{:.0f}", rate_Hz_)}}, elapsed_s);
+    log_.event(Level::kInfo, "running",
+               {{"rate_Hz", fmt::format("{:.0f}", rate_Hz_)},
+                {"version", version()},
+                {"scene", name_.scene.string()},
+                {"scene_hash", name_.scene_hash}},
+               elapsed_s);
   started_ = started_ || ticks > 0;
   if (overruns > overruns_)
     log_.event(Level::kWarning, "overruns", {{"count", number(overruns - overruns_)}, {"total", number(overruns)}},

@@ -2,19 +2,27 @@
 // watchdog. Thread: one, normal. Time comes from the caller.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <utility>
 
 #include "tools/service/event_log.h"
 #include "tools/session/realtime_run.h"
 
 namespace tactus::service {
 
-// One JSON object: ticks, rate, force, members, contacts, overruns, late cycles, conditions, fault.
-std::string state_json(const session::LiveStatus& live, double elapsed_s, double rate_Hz);
+// What a run is of: for its log and its state.
+struct RunName {
+  std::filesystem::path scene;
+  std::string scene_hash;  // of its text
+};
+
+// One JSON object: version, scene, ticks, rate, force, members, contacts, overruns, late cycles, conditions, fault.
+std::string state_json(const session::LiveStatus& live, double elapsed_s, double rate_Hz, const RunName& run = {});
 
 class Monitor {
  public:
-  explicit Monitor(EventLog& log) : log_(log) {}
+  explicit Monitor(EventLog& log, RunName name = {}) : log_(log), name_(std::move(name)) {}
 
   // Events for what has changed since the last call: the start, force on and off, overruns, a late world, a
   // fault and its end.
@@ -25,6 +33,7 @@ class Monitor {
 
  private:
   EventLog& log_;
+  RunName name_;
   bool started_{false}, alive_{false}, armed_{false};
   std::uint64_t ticks_{0}, overruns_{0}, late_cycles_{0};
   std::uint32_t fault_{0}, resets_{0};

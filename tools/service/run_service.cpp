@@ -13,18 +13,19 @@ constexpr double kRearmAfter_s = 1.0;
 
 }  // namespace
 
-RunService::RunService(const Configuration& configuration, std::filesystem::path file)
+RunService::RunService(const Configuration& configuration, std::filesystem::path file, RunName name)
     : configuration_(configuration),
       file_(std::move(file)),
+      name_(std::move(name)),
       rearm_(configuration.run.rearm),
       log_interval_s_(configuration.log_interval_s),
       log_(stderr, EventLog::to_journal(), configuration.log_interval_s),
-      monitor_(log_) {}
+      monitor_(log_, name_) {}
 
 Result<std::unique_ptr<RunService>> RunService::open(const Configuration& configuration,
                                                      const std::filesystem::path& file, std::atomic<bool>& stop,
-                                                     bool can_reset) {
-  std::unique_ptr<RunService> service(new RunService(configuration, file));
+                                                     bool can_reset, RunName name) {
+  std::unique_ptr<RunService> service(new RunService(configuration, file, std::move(name)));
   if (!configuration.socket.empty()) {
     ControlServer::Reload reload;
     if (!file.empty()) reload = [raw = service.get()](std::string& said) { return raw->reload(said); };
@@ -66,7 +67,7 @@ void RunService::look(const session::LiveStatus& live, double elapsed_s) {
     control_->tell_latched(live.fault.load(std::memory_order_relaxed) != 0 ||
                            live.device_state.load(std::memory_order_relaxed) == braked);
   }
-  if (control_ != nullptr) control_->tell(state_json(live, elapsed_s, monitor_.rate_Hz()));
+  if (control_ != nullptr) control_->tell(state_json(live, elapsed_s, monitor_.rate_Hz(), name_));
   if (monitor_.alive()) {
     if (!ready_) (void)notify("READY=1");
     ready_ = true;

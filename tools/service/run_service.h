@@ -16,9 +16,9 @@ namespace tactus::service {
 class RunService {
  public:
   // `file` is the one that `configuration` came from: reload reads it again. Where it names no socket there is none.
-  // `can_reset`: the run has a global world.
+  // `can_reset`: the run has a global world. `name`: for the log.
   static Result<std::unique_ptr<RunService>> open(const Configuration& configuration, const std::filesystem::path& file,
-                                                  std::atomic<bool>& stop, bool can_reset);
+                                                  std::atomic<bool>& stop, bool can_reset, RunName name);
   ~RunService();
 
   // OperatorBit, for RealtimeHooks.
@@ -30,11 +30,12 @@ class RunService {
   void say(const std::string& line);
 
  private:
-  RunService(const Configuration& configuration, std::filesystem::path file);
+  RunService(const Configuration& configuration, std::filesystem::path file, RunName name);
   Status reload(std::string& said);
 
   Configuration configuration_;
   std::filesystem::path file_;
+  RunName name_;
   std::atomic<std::uint32_t> requests_{0};
   std::atomic<bool> rearm_;
   std::atomic<double> log_interval_s_;

@@ -49,9 +49,10 @@ struct Deadline {
 class RealtimeTick {
  public:
   RealtimeTick(Session& session, LiveStatus& live, std::atomic<std::uint32_t>& requests, std::uint64_t most_ticks,
-               ArmGate& gate, loop::TickProbe* probe)
+               ArmGate& gate, const RealtimeHooks& hooks)
       : session_(session),
-        probe_(probe),
+        probe_(hooks.probe),
+        taps_(hooks.taps),
         gpio_(session.gpio.get()),
         live_(live),
         requests_(requests),
@@ -83,6 +84,7 @@ class RealtimeTick {
     forecast.add(driver.plan().predicted_ns, static_cast<double>(computed_ns - read_ns));
     device.record((read_ns - timing.woke_ns) + (wrote_ns - computed_ns));
     session_.count_tick();
+    if (taps_.ticked != nullptr) taps_.ticked(taps_.context, driver);
     judge(timing, wrote_ns);
     show(out);
     return session_.stats.ticks < most_ticks_ && ended_ticks_ < end_ticks_;
@@ -185,7 +187,8 @@ class RealtimeTick {
 
   Session& session_;
   loop::TickProbe* probe_;  // null: nobody looks into the tick
-  hal::GpioLines* gpio_;    // null: no lines
+  RealtimeTaps taps_;
+  hal::GpioLines* gpio_;  // null: no lines
   LiveStatus& live_;
   std::atomic<std::uint32_t>& requests_;
   ArmGate& gate_;
@@ -238,7 +241,7 @@ void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& 
             std::vector<std::string>& refusals) {
   const auto began = std::chrono::steady_clock::now();
   while (thread.running() && !stop.load(std::memory_order_relaxed)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::this_thread::sleep_for(hooks.look_every);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
     if (hooks.asked) {
       const std::uint32_t asked = hooks.asked();
@@ -289,6 +292,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
     sim::GlobalThreadOptions world_options;
     if (!options.world_cpus.empty()) world_options.cpu = options.world_cpus.front();
     world_options.stalls = wall_clock_stalls(session);
+    world_options.stepped = {hooks.taps.stepped, hooks.taps.context};
     world.emplace(*session.global, *session.exchange, world_options);
     if (const Status status = world->start(); !status.ok()) return status;
   }
@@ -303,7 +307,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
                               : ~std::uint64_t{0};
   ArmGate gate(session.same_device);
   std::vector<std::string> refusals;
-  RealtimeTick tick(session, live, requests, most_ticks, gate, hooks.probe);
+  RealtimeTick tick(session, live, requests, most_ticks, gate, hooks);
   loop::PeriodicThread<RealtimeTick> thread(tick);
   const auto began = std::chrono::steady_clock::now();
   if (const Status status = session.device->start(); !status.ok()) return status;

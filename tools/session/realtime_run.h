@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <string>
 
@@ -23,8 +24,17 @@ struct LiveStatus {
 // The latched fault with what the device says of it; empty if none is.
 std::string fault_line(const LiveStatus& live);
 
+// Beside the haptic thread and the global world's: called by them, so functions with their context.
+struct RealtimeTaps {
+  // [rt] After each tick of the loop, by the haptic thread: no allocation, lock, wait, log or throw.
+  void (*ticked)(void* context, const Driver& driver) noexcept {nullptr};
+  // After each step, by the global world's thread, which waits for it.
+  void (*stepped)(void* context, const sim::GlobalWorld& world) noexcept {nullptr};
+  void* context{nullptr};
+};
+
 struct RealtimeHooks {
-  // Called about five times a second by the calling thread. Returns false to end the run.
+  // Called every `look_every` by the calling thread. Returns false to end the run.
   std::function<bool(const LiveStatus&, double elapsed_s)> show;
   // OperatorBit: what the operator asked for since the last call.
   std::function<std::uint32_t()> asked;
@@ -34,6 +44,8 @@ struct RealtimeHooks {
   std::function<void(const std::string&)> say;
   // Looks into every tick, and may take windows for itself; null: nobody does.
   loop::TickProbe* probe{nullptr};
+  RealtimeTaps taps{};
+  std::chrono::milliseconds look_every{200};
 };
 
 // Returns when the duration is over, a hook or `stop` ends it. The error is the system's or the tape's.

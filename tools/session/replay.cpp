@@ -181,6 +181,9 @@ Result<ReplayReport> replay(const std::string& path, const std::function<void(do
 
   ReplayReport report;
   report.scene_name = settings.value().scene_name;
+  report.scene_file = settings.value().scene_file;
+  report.scene_hash = settings.value().scene_hash;
+  report.made_by = settings.value().made_by;
   if (tape.isa_tag() != loop::tape_isa_tag())
     report.warning = fmt::format("the tape was made with {}, this program is {}: bits may differ", tape.isa_tag(),
                                  loop::tape_isa_tag());

@@ -22,7 +22,8 @@ struct ReplayReport {
   std::uint64_t lost_bytes{0};           // there
   std::uint64_t lost_ticks{0};           // there, by the ticks' own numbers; behind the last one that is read: unknown
   std::string damage;                    // the first of them, in one line
-  std::string scene_name;
+  std::string scene_name, scene_file, scene_hash;
+  std::string made_by;  // the program that wrote the tape; empty: the tape does not say
   std::string warning;  // it is of another instruction set
   std::uint64_t state_hash{0};
 

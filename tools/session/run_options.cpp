@@ -7,10 +7,12 @@
 #include "hal/gpio/gpio_options.h"
 #include "rt/haptics/snapshot.h"
 #include "sim/loader/choice_names.h"
+#include "sim/loader/scene_load.h"
 #include "sim/worker_pool.h"
 #include "tools/json_text.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/inject_script.h"
+#include "tools/version/version.h"
 
 namespace tactus::session {
 namespace {
@@ -97,8 +99,9 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
     mistakes.push_back(fmt::format("--world-cpu: {} cores for {} of --world-threads; accepted: as many, or none",
                                    o.world_cpus.size(), o.world_threads));
   const auto choice = parse_device_choice(o.device);
-  look_at(choice.status());
-  const bool real = choice.ok() && choice.value().is_real(), taped = o.taped_device.has_value();
+  const bool taped = o.taped_device.has_value(), given = o.given_device || o.device == kGivenDevice;
+  if (!o.given_device && !(taped && given)) look_at(choice.status());
+  const bool real = choice.ok() && choice.value().is_real();
   if (o.virtual_time && real && !taped)
     mistakes.push_back(fmt::format("--virtual-time: {} keeps real time; accepted: with --device sim", o.device));
   if (!o.gpio.empty()) look_at(hal::parse_gpio_options(o.gpio).status());
@@ -106,7 +109,7 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
     mistakes.push_back("--gpio: lines are of real time; accepted: without --virtual-time");
   const auto script = split_inject_script(o.inject);
   look_at(script.status());
-  if (script.ok() && !script.value().device.empty() && real)
+  if (script.ok() && !script.value().device.empty() && (real || given))
     mistakes.push_back(fmt::format(
         "--inject: faults of the device are for the simulated one, not for {}; accepted: stall, reset, or --device sim",
         o.device));
@@ -124,6 +127,9 @@ std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& d
                          const std::string& scene_source) {
   json text;
   text["tactus"] = "tape of a haptic thread";
+  text["made_by"] = "tactus " + version();
+  text["scene_file"] = o.scene.string();
+  text["scene_hash"] = sim::source_hash(scene_source);
   text["coupling"] = sim::name_of(o.coupling);
   text["border"] = sim::name_of(o.border);
   text["order"] = sim::name_of(o.order);
@@ -192,6 +198,9 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   if (!missing.empty()) return bad(fmt::format("has no '{}' among its 'device_properties'", missing));
   tape.scene_name = word("scene_name");
   tape.scene_source = word("scene");
+  tape.made_by = word("made_by");
+  tape.scene_file = word("scene_file");
+  tape.scene_hash = sim::source_hash(tape.scene_source);
   if (const Status status = check_options(o); !status.ok()) return bad("has " + status.message());
   return tape;
 }

@@ -26,9 +26,13 @@ enum class Accuracy {
 std::string_view name_of(Accuracy accuracy) noexcept;  // fast, balanced, accurate
 std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept;
 
+// RunOptions::device where a program brings its own; on a tape, too. No choice of the command line.
+inline constexpr const char* kGivenDevice = "own";
+
 struct RunOptions {
   std::filesystem::path scene;
   std::string device{"sim"};          // see device_choice.h
+  bool given_device{false};           // the caller brings the device; `device` is what people call it
   std::filesystem::path device_file;  // describes a real device; empty: the scene's profile does
   std::string gpio;                   // lines beside the link: e-stop, drive enable, probe, heartbeat; empty: none
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
@@ -65,14 +69,16 @@ struct RunOptions {
 std::vector<std::string> option_mistakes(const RunOptions& options);
 Status check_options(const RunOptions& options);
 
-// The header text of a tape: the options that the haptic thread's results depend on, the device's properties, and the
-// scene's own text.
+// The header text of a tape: who made it, of which scene (its file and the hash of its text), the options that the
+// haptic thread's results depend on, the device's properties, and the scene's own text.
 std::string to_tape_text(const RunOptions& options, const haptics::DeviceProperties& device,
                          const std::string& scene_name, const std::string& scene_source);
 
 struct TapeSettings {
   RunOptions options;
   std::string scene_name, scene_source;
+  std::string made_by;                 // version of the program; empty: it does not say
+  std::string scene_file, scene_hash;  // as given then; of scene_source
 };
 Result<TapeSettings> from_tape_text(const std::string& text);
 

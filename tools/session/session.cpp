@@ -107,6 +107,18 @@ unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
   return options.ratio != 0 ? options.ratio : scene.ratio;
 }
 
+static hal::HandMotion hand_motion_of(sim::HandMotion motion) {
+  switch (motion) {
+    case sim::HandMotion::kLinear:
+      return hal::HandMotion::kLinear;
+    case sim::HandMotion::kCubic:
+      return hal::HandMotion::kCubic;
+    case sim::HandMotion::kSmoothStep:
+      break;
+  }
+  return hal::HandMotion::kSmoothStep;
+}
+
 // The scene says where the hand goes in the world; the device wants it in its own frame.
 hal::HandModel make_hand(const sim::Scene& scene) {
   const sim::HandScript& script = scene.hand;
@@ -114,8 +126,10 @@ hal::HandModel make_hand(const sim::Scene& scene) {
   std::vector<hal::HandWaypoint> path;
   for (const sim::HandWaypoint& waypoint : script.path) {
     const Quatd rotation = device_from_world.rotation * quat_from_rotation_vector(waypoint.rotation_vector_rad);
+    const Vec3d velocity = rotate(device_from_world.rotation, waypoint.velocity_m_per_s);
     path.push_back({waypoint.time_s, (device_from_world * waypoint.position_m) * (1.0 / scene.device.motion_scale),
-                    hal::rotation_vector_of(rotation)});
+                    hal::rotation_vector_of(rotation), velocity * (1.0 / scene.device.motion_scale),
+                    rotate(device_from_world.rotation, waypoint.angular_velocity_rad_per_s)});
   }
   hal::HandParameters parameters;
   parameters.stiffness_N_per_m = script.stiffness_N_per_m;
@@ -124,6 +138,7 @@ hal::HandModel make_hand(const sim::Scene& scene) {
   parameters.stiffness_Nm_per_rad = script.stiffness_Nm_per_rad;
   parameters.damping_Nms_per_rad = script.damping_Nms_per_rad;
   parameters.repeat = script.repeat;
+  parameters.motion = hand_motion_of(script.motion);
   return hal::HandModel(parameters, path);
 }
 
@@ -310,6 +325,7 @@ RunSummary Session::summary() const {
   summary.options = options;
   summary.scene_name = scene.name;
   summary.scene_title = scene.title;
+  summary.scene_hash = sim::source_hash(scene.source);
   summary.ratio = ratio;
   summary.gains = gains_of(scene, options, device->properties());
   summary.members_cap = members;

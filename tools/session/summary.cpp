@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/device_words.h"
+#include "hal/printable.h"
 #include "sim/loader/choice_names.h"
+#include "tools/version/version.h"
 
 namespace tactus::session {
 namespace {
@@ -241,6 +243,8 @@ std::string to_text(const RunSummary& s) {
   text += fmt::format("run                    {} ticks at {:g} Hz, ratio {}, {} coupling, border {}, device {}\n",
                       s.stats.ticks, s.options.rate_Hz, s.ratio, sim::name_of(s.options.coupling),
                       sim::name_of(s.options.border), s.options.device);
+  text += fmt::format("made by                tactus {}; scene {}, text {}\n", version(),
+                      hal::printable(s.options.scene.string()), s.scene_hash);
   if (s.gains.lowered())
     text += fmt::format("coupling               {}: the most that {} bears at this ratio\n", lowered_text(s.gains),
                         sim::name_of(s.options.coupling));
@@ -283,6 +287,8 @@ std::string to_text(const RunSummary& s) {
 json to_json(const RunSummary& s) {
   json j;
   j["scene"] = s.scene_name;
+  j["scene_file"] = s.options.scene.string();
+  j["scene_hash"] = s.scene_hash;
   const Verdict verdict = judge(s);
   j["verdict"] = verdict.line();
   j["level"] = name_of(verdict.level());

@@ -21,6 +21,7 @@ namespace tactus::session {
 struct RunSummary {
   RunOptions options;
   std::string scene_name, scene_title;
+  std::string scene_hash;                   // of its text, what its files hold included
   std::vector<std::string> scene_problems;  // of `tactus scene check`, for this device and rate
   unsigned ratio{0}, members_cap{0}, sub_steps{0};
   SchemeGains gains;

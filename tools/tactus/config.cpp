@@ -8,7 +8,7 @@
 
 #include "sim/loader/scene_load.h"
 #include "tools/doctor/system_view.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/service/configuration.h"
 #include "tools/session/device_file.h"
 #include "tools/tactus/commands.h"
@@ -58,7 +58,7 @@ int check_file(const ConfigOptions& options) {
   std::string good;
   const std::vector<std::string> problems = problems_of(options, good);
   if (options.json)
-    fmt::print("{}\n", json_text(nlohmann::ordered_json{{"good", problems.empty()}, {"problems", problems}}, 2));
+    fmt::print("{}\n", report_text(nlohmann::ordered_json{{"good", problems.empty()}, {"problems", problems}}, 2));
   else if (problems.empty())
     fmt::print("{}\n", good);
   for (const std::string& problem : problems) fmt::print(stderr, "{}\n", problem);

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/doctor/examine.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 
 namespace tactus::tools {
@@ -57,7 +57,7 @@ void print_json(const Report& report) {
   for (const Finding& f : report.findings)
     rows.push_back({{"check", f.check}, {"verdict", doctor::name_of(f.verdict)}, {"found", f.found}, {"cure", f.cure}});
   const nlohmann::ordered_json object{{"rows", rows}, {"cpu", report.cpu}, {"representative", report.representative()}};
-  fmt::print("{}\n", json_text(object, 2));
+  fmt::print("{}\n", report_text(object, 2));
 }
 
 int examine(DoctorOptions options) {

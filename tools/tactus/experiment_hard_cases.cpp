@@ -11,7 +11,7 @@
 #include "tools/experiment/hard_cases/report.h"
 #include "tools/experiment/hard_cases/trial_report.h"
 #include "tools/experiment/page.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 
@@ -49,7 +49,7 @@ int run_random_worlds(const HardCasesOptions& options) {
   }
   if (options.json)
     fmt::print("{}\n",
-               json_text(nlohmann::ordered_json{{"worlds", options.random}, {"broken", broken}, {"rows", rows}}, 2));
+               report_text(nlohmann::ordered_json{{"worlds", options.random}, {"broken", broken}, {"rows", rows}}, 2));
   else
     fmt::print("{} of {} random worlds from seed {} broke a gate\n", broken, options.random, options.first);
   return broken == 0 ? kExitGood : kExitVerdictBad;

@@ -1,6 +1,6 @@
 // tactus replay TAPE: run a tape again and compare every output, bit by bit.
 #include "tools/session/replay.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -29,7 +29,10 @@ int run_replay(const ReplayOptions& options) {
   const session::ReplayReport& r = result.value();
   if (options.json) {
     const nlohmann::ordered_json object{{"tape", options.tape},
+                                        {"made_by", r.made_by},
                                         {"scene", r.scene_name},
+                                        {"scene_file", r.scene_file},
+                                        {"scene_hash", r.scene_hash},
                                         {"good", r.good()},
                                         {"same_bits", r.same_bits()},
                                         {"ticks", r.ticks},
@@ -48,7 +51,7 @@ int run_replay(const ReplayOptions& options) {
                                         {"damage", r.damage},
                                         {"warning", r.warning},
                                         {"state_hash", fmt::format("{:016x}", r.state_hash)}};
-    fmt::print("{}\n", json_text(object, 2));
+    fmt::print("{}\n", report_text(object, 2));
     return r.good() ? kExitGood : kExitVerdictBad;
   }
   if (!r.warning.empty()) fmt::print(stderr, "tactus: warning: {}\n", r.warning);
@@ -56,6 +59,9 @@ int run_replay(const ReplayOptions& options) {
                         : r.damages != 0 ? "DAMAGED; the same bits in what can be read"
                                          : "the same bits";
   fmt::print("tactus replay: {} ({})\n", options.tape, verdict);
+  fmt::print("  made by              {}\n", r.made_by.empty() ? "a program that did not say" : r.made_by);
+  fmt::print("  of the scene         {}, {}, text {}\n", r.scene_name, r.scene_file, r.scene_hash);
+  fmt::print("  replayed by          tactus {}\n", version());
   fmt::print("  ticks                {} on the tape, {} compared, {} different\n", r.ticks, r.compared, r.different);
   fmt::print("  keyframes            {}, {} different; {} snapshots\n", r.keyframes, r.keyframes_different,
              r.snapshots);

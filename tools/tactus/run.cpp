@@ -9,17 +9,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "sim/loader/choice_names.h"
-#include "sim/loader/scene_load.h"
+#include "tactus/tactus.h"
 #include "tools/doctor/system_view.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
+#include "tools/library/access.h"
 #include "tools/service/run_service.h"
-#include "tools/session/open_link.h"
 #include "tools/session/realtime_run.h"
-#include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/timing/budget.h"
-#include "tools/version/version.h"
 
 namespace tactus::tools {
 namespace {
@@ -29,49 +26,39 @@ constexpr double kDefaultVirtual_s = 10;
 std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM
 void ask_to_stop(int) { g_stop.store(true); }
 
-struct Words {
-  std::string coupling{"sub-world"}, border{"ghost"}, accuracy{"balanced"}, order{"best-first"}, reach{"two-cycles"},
-      world_cpus, precision{"mixed"};
-};
-
 struct RunCommand {
-  session::RunOptions options;
-  Words words;
-  std::filesystem::path budget, config, control;
+  Options options;
+  double duration_s{0};
+  bool virtual_time{false};
+  std::string world_cpus;
+  std::filesystem::path scene, record, budget, config, control;
   service::Configuration configuration;
   bool json{false};
 };
 
-Status read_words(RunCommand& command) {
-  const Words& w = command.words;
-  session::RunOptions& o = command.options;
-  const auto unknown = [](const char* option, const std::string& word, const char* accepted) {
-    return Status::error(fmt::format("tactus run: {}: '{}' is none; accepted: {}", option, word, accepted));
-  };
-  const auto coupling = sim::parse_coupling_scheme(w.coupling);
-  if (!coupling)
-    return unknown("--coupling", w.coupling, "sub-world, direct, interpolation, static, plane, planes, linearised");
-  const auto border = sim::parse_border_mode(w.border);
-  if (!border) return unknown("--border", w.border, "ghost, capped, replay, filtered, frozen");
-  const auto order = sim::parse_cut_order(w.order);
-  if (!order) return unknown("--order", w.order, "best-first, breadth-first");
-  const auto reach = sim::parse_reach(w.reach);
-  if (!reach) return unknown("--reach", w.reach, "two-cycles, paper");
-  const auto precision = sim::parse_precision(w.precision);
-  if (!precision) return unknown("--world-precision", w.precision, "double, mixed");
-  o.world_precision = *precision;
-  const auto accuracy = session::parse_accuracy(w.accuracy);
-  if (!accuracy) return unknown("--accuracy", w.accuracy, "fast, balanced, accurate");
-  o.accuracy = *accuracy;
-  const auto world_cpus = doctor::parse_cpu_list(w.world_cpus);
-  if (!world_cpus) return unknown("--world-cpu", w.world_cpus, "numbers of cores, such as 2 or 1,3-4");
+// What an error of the library is to the program: the exit status by who can do something about it.
+int complain_of(const Error& error) {
+  if (error.kind() == Error::Kind::kFile) {
+    fmt::print(stderr, "tactus: {}\n", error.message());  // a line for each mistake in the file
+    return kExitBadInput;
+  }
+  return complain("tactus run: " + error.message(),
+                  error.kind() == Error::Kind::kMachine ? kExitMachineCannot : kExitBadInput);
+}
+
+Error complete_options(RunCommand& command) {
+  Options& o = command.options;
+  const auto wrong = [](std::string text) { return Error(Error::Kind::kOption, std::move(text)); };
+  const auto world_cpus = doctor::parse_cpu_list(command.world_cpus);
+  if (!world_cpus)
+    return wrong(
+        fmt::format("--world-cpu: '{}' is none; accepted: numbers of cores, such as 2 or 1,3-4", command.world_cpus));
   o.world_cpus = *world_cpus;
-  o.coupling = *coupling, o.border = *border, o.order = *order, o.reach = *reach;
-  if (o.virtual_time && o.duration_s == 0) o.duration_s = kDefaultVirtual_s;
-  if (o.virtual_time && !command.control.empty())
-    return Status::error("tactus run: --control: a virtual clock waits for nobody; accepted: without --virtual-time");
-  const Status status = check_options(o);
-  return status.ok() ? status : Status::error("tactus run: " + status.message());
+  o.real_time = !command.virtual_time;
+  if (command.virtual_time && command.duration_s == 0) command.duration_s = kDefaultVirtual_s;
+  if (command.virtual_time && !command.control.empty())
+    return wrong("--control: a virtual clock waits for nobody; accepted: without --virtual-time");
+  return library::Access::check(o, command.duration_s);
 }
 
 void show_live(const session::LiveStatus& live, double elapsed_s, std::uint64_t& last_ticks, double& last_s) {
@@ -111,11 +98,15 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   if (logged || !command.control.empty()) {
     service::Configuration configuration = command.configuration;
     if (!command.control.empty()) configuration.socket = command.control;
-    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr);
+    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr,
+                                            {session.options.scene, sim::source_hash(session.scene.source)});
     if (!opened.ok()) return opened.status();
     service = std::move(opened).value();
   }
-  if (const Status status = session.record(session.options.record.string()); !status.ok()) return status;
+  // Without a tape, too: a fault leaves the last seconds.
+  session.options.record = command.record;
+  if (const Status status = session.record(command.record.string()); !status.ok()) return status;
+  session.options.duration_s = command.duration_s;
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGTERM, ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);  // who reads the status lines may go: the device is driven on
@@ -153,26 +144,27 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   return summary;
 }
 
-Result<session::RunSummary> run_in_virtual_time(session::Session& session) {
-  if (!session.options.record.empty())
-    if (const Status status = session.record(session.options.record.string()); !status.ok()) return status;
-  const auto ticks = static_cast<std::uint64_t>(std::llround(session.options.duration_s * session.options.rate_Hz));
+Result<session::RunSummary> run_in_virtual_time(Session& session, const RunCommand& command) {
+  constexpr std::uint64_t kStride = 50;  // between two looks at the progress
+  if (!command.record.empty())
+    if (const Error error = session.record(command.record)) return Status::error(error.message());
+  const auto ticks = static_cast<std::uint64_t>(std::llround(command.duration_s * command.options.rate_Hz));
   const bool terminal = isatty(STDERR_FILENO) != 0;
-  auto summary = session::run_virtual(session, ticks, [&](const loop::TickOutput& out) {
-    if (terminal && out.tick % 500 == 0)
-      fmt::print(stderr, "\r\033[Kvirtual time {:.1f} of {:.1f} s",
-                 static_cast<double>(out.tick) * session.options.period_s(), session.options.duration_s);
-    return !g_stop.load(std::memory_order_relaxed);
-  });
+  while (session.ticks_done() < ticks && !g_stop.load(std::memory_order_relaxed)) {
+    if (const Error error = session.step(std::min(kStride, ticks - session.ticks_done())))
+      return Status::error(error.message());
+    if (terminal && session.ticks_done() % 500 == 0)
+      fmt::print(stderr, "\r\033[Kvirtual time {:.1f} of {:.1f} s", session.time_s(), command.duration_s);
+  }
   if (terminal) fmt::print(stderr, "\r\033[K");
-  return summary;
+  return library::Access::summary(session);
 }
 
 // Held against what was measured on this machine; may lower the cap of members.
 int keep_budget(RunCommand& command, const sim::Scene& scene) {
   if (command.budget.empty()) return kExitGood;
-  session::RunOptions& o = command.options;
-  if (o.virtual_time)
+  Options& o = command.options;
+  if (command.virtual_time)
     return complain("tactus run: --budget: is of real time; accepted: without --virtual-time", kExitBadInput);
   const auto budget = timing::load_budget(command.budget.string());
   if (!budget.ok()) return complain("tactus run: --budget: " + budget.message(), kExitBadInput);
@@ -194,9 +186,9 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
   if (!read.ok()) return read.status();
   command.configuration = std::move(read).value();
   const session::RunOptions& from = command.configuration.run;
-  session::RunOptions& o = command.options;
+  Options& o = command.options;
   const auto given = [&](const char* option) { return app.count(option) > 0; };
-  if (!given("SCENE")) o.scene = from.scene;
+  if (!given("SCENE")) command.scene = from.scene;
   if (!given("--device")) o.device = from.device;
   if (!given("--device-file")) o.device_file = from.device_file;
   if (!given("--gpio")) o.gpio = from.gpio;
@@ -206,7 +198,7 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
   if (!given("--cpu")) o.cpu = from.cpu;
   if (!given("--priority")) o.priority = from.priority;
   if (!given("--world-threads")) o.world_threads = from.world_threads;
-  if (!given("--world-cpu")) command.words.world_cpus = fmt::format("{}", fmt::join(from.world_cpus, ","));
+  if (!given("--world-cpu")) command.world_cpus = fmt::format("{}", fmt::join(from.world_cpus, ","));
   if (!given("--budget")) command.budget = command.configuration.budget;
   o.arm_at_start = from.arm_at_start;
   return Status::good();
@@ -217,35 +209,27 @@ int run_scene(const CLI::App& app, RunCommand& command) {
     fmt::print(stderr, "{}\n", status.message());  // a line for each mistake in the file
     return kExitBadInput;
   }
-  if (command.options.scene.empty())
+  if (command.scene.empty())
     return complain("tactus run: SCENE is required; accepted: see tactus run --help", kExitBadInput);
-  if (const Status status = read_words(command); !status.ok()) return complain(status.message(), kExitBadInput);
-  auto scene = sim::load_scene(command.options.scene);
-  if (!scene.ok()) {
-    fmt::print(stderr, "tactus: {}\n", scene.message());
-    return kExitBadInput;
-  }
-  if (const int exit_code = keep_budget(command, scene.value()); exit_code != kExitGood) return exit_code;
-  const auto profile = session::find_description(scene.value().device.profile, command.options.device_file);
-  if (!profile.ok()) {
-    fmt::print(stderr, "tactus: {}\n", profile.message());  // a line for each mistake in the file
-    return kExitBadInput;
-  }
-  auto hardware = session::open_hardware(command.options, profile.value());
-  if (!hardware.ok()) return complain("tactus run: " + hardware.message(), kExitMachineCannot);
-  auto session = session::Session::create(std::move(scene).value(), command.options, std::move(hardware).value());
-  if (!session.ok()) return complain("tactus run: " + session.message(), kExitBadInput);
-  const std::string lowered = lowered_text(session.value()->summary().gains);
+  if (const Error error = complete_options(command)) return complain_of(error);
+  Scene scene;
+  if (const Error error = scene.load(command.scene)) return complain_of(error);
+  for (const std::string& line : scene.warnings()) fmt::print(stderr, "{}\n", line);
+  if (const int exit_code = keep_budget(command, library::Access::scene(scene)); exit_code != kExitGood)
+    return exit_code;
+  Session session;
+  if (const Error error = library::Access::open(session, scene, command.options)) return complain_of(error);
+  session::Session& inner = library::Access::session(session);
+  const std::string lowered = lowered_text(inner.summary().gains);
   if (!lowered.empty())
     fmt::print(stderr, "tactus run: {}: the most that --coupling {} bears at ratio {}\n", lowered,
-               command.words.coupling, session.value()->ratio);
-  auto summary = command.options.virtual_time ? run_in_virtual_time(*session.value())
-                                              : run_in_real_time(*session.value(), command);
+               command.options.coupling, inner.ratio);
+  auto summary = command.virtual_time ? run_in_virtual_time(session, command) : run_in_real_time(inner, command);
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
   if (command.json) {
     auto object = to_json(summary.value());
-    object["version"] = version();
-    fmt::print("{}\n", json_text(object, 2));
+    object["scene_warnings"] = scene.warnings();
+    fmt::print("{}\n", report_text(object, 2));
   } else {
     fmt::print("{}", to_text(summary.value()));
   }
@@ -255,8 +239,8 @@ int run_scene(const CLI::App& app, RunCommand& command) {
 }
 
 void add_options(CLI::App& app, RunCommand& command) {
-  session::RunOptions& o = command.options;
-  app.add_option("SCENE", o.scene, "the scene, such as sim/scenes/card_house.toml; or --config names it");
+  Options& o = command.options;
+  app.add_option("SCENE", command.scene, "the scene, such as sim/scenes/card_house.toml; or --config names it");
   app.add_option(
       "--config", command.config,
       "a deployment's configuration, see `tactus config check --help`: what no option says it says, and the\n"
@@ -265,41 +249,40 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--device", o.device, "sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE")->capture_default_str();
   app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
-  app.add_option("--coupling", command.words.coupling,
+  app.add_option("--coupling", o.coupling,
                  "sub-world, direct, interpolation, static, plane, planes or linearised. interpolation delays the\n"
                  "proxy by a global step: where the scene's stiffness is too much for that, it is lowered and said")
       ->capture_default_str();
   app.add_flag("--keep-gains", o.keep_gains,
                "the scene's gains or none: refuse them, with the limit, where the coupling is\n"
                "not stable with them");
-  app.add_option("--border", command.words.border,
-                 "of the sub-world: ghost, capped, replay (the paper's), filtered or frozen")
+  app.add_option("--border", o.border, "of the sub-world: ghost, capped, replay (the paper's), filtered or frozen")
       ->capture_default_str();
-  app.add_option("--order", command.words.order, "in which the contact graph is cut: best-first or breadth-first")
+  app.add_option("--order", o.order, "in which the contact graph is cut: best-first or breadth-first")
       ->capture_default_str();
-  app.add_option("--reach", command.words.reach, "of the boundary cube: two-cycles or paper")->capture_default_str();
-  app.add_option("--accuracy", command.words.accuracy,
+  app.add_option("--reach", o.reach, "of the boundary cube: two-cycles or paper")->capture_default_str();
+  app.add_option("--accuracy", o.accuracy,
                  "fast: half the scene's members and sub-steps; balanced: as it says; accurate: twice of both")
       ->capture_default_str();
   app.add_option("--rate", o.rate_Hz, "haptic ticks a second [Hz]")->capture_default_str();
   app.add_option("--ratio", o.ratio, "haptic ticks per global step; default: the scene's");
   app.add_option("--members", o.members, "most bodies in the sub-world, the proxy included; default: by the accuracy");
-  app.add_option("--duration", o.duration_s, "seconds to run; default: until stopped, in virtual time 10");
+  app.add_option("--duration", command.duration_s, "seconds to run; default: until stopped, in virtual time 10");
   app.add_option("--cpu", o.cpu, "core of the haptic thread; default: the last one allowed")
       ->check(CLI::Range(0, 1023));
   app.add_option("--world-threads", o.world_threads,
                  "threads that share the steps of the global world; the results are the same bits")
       ->capture_default_str();
-  app.add_option("--world-precision", command.words.precision,
+  app.add_option("--world-precision", o.world_precision,
                  "of the global world: double, or mixed, where its contacts are solved in single precision")
       ->capture_default_str();
-  app.add_option("--world-cpu", command.words.world_cpus,
+  app.add_option("--world-cpu", command.world_cpus,
                  "cores of the global world, one for each of its threads, such as 2 or 1,3-4; default: any.\n"
                  "More threads than one want cores of their own, that of the haptic thread not among them");
   app.add_option("--priority", o.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
       ->capture_default_str();
-  app.add_flag("--virtual-time", o.virtual_time, "one thread on a virtual clock: the same bits every time");
-  app.add_option("--record", o.record, "write a tape here, for `tactus replay`");
+  app.add_flag("--virtual-time", command.virtual_time, "one thread on a virtual clock: the same bits every time");
+  app.add_option("--record", command.record, "write a tape here, for `tactus replay`");
   app.add_option("--budget", command.budget,
                  "hold the run against this file of `tactus timing --certify`: refused on another machine, at a\n"
                  "higher rate or with more sub-steps than measured; with more members it runs with fewer");

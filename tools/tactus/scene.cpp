@@ -9,7 +9,7 @@
 #include "sim/loader/scene_load.h"
 #include "sim/loader/scene_report.h"
 #include "tools/experiment/effects.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/session/verdict.h"
 #include "tools/tactus/commands.h"
 
@@ -95,9 +95,14 @@ ordered_json to_json(const sim::SceneReport& r) {
             {"rotation", to_json(r.coupling.rotation, "Nm_per_rad", "Nms_per_rad")}}},
           {"start", {{"contacts", r.start.contacts}, {"points", r.start.points}, {"deepest_m", r.start.deepest_m}}},
           {"hand",
-           {{"duration_s", r.hand.duration_s},
+           {{"file", r.hand.file},
+            {"motion", r.hand.motion},
+            {"points", r.hand.points},
+            {"duration_s", r.hand.duration_s},
             {"max_speed_m_per_s", r.hand.max_speed_m_per_s},
             {"device_max_speed_m_per_s", r.hand.device_max_speed_m_per_s},
+            {"max_angular_speed_rad_per_s", r.hand.max_angular_speed_rad_per_s},
+            {"device_max_angular_speed_rad_per_s", r.hand.device_max_angular_speed_rad_per_s},
             {"farthest_m", r.hand.farthest_m},
             {"workspace_radius_m", r.hand.workspace_radius_m}}},
           {"capacity",
@@ -126,7 +131,7 @@ int check_scene(const CheckOptions& options) {
                       {"mistakes", to_json(diagnostics.mistakes)},
                       {"warnings", to_json(diagnostics.warnings)}};
   if (!scene.ok()) {
-    if (options.json) fmt::print("{}\n", json_text(object, 2));
+    if (options.json) fmt::print("{}\n", report_text(object, 2));
     fmt::print(stderr, "tactus: {}\n", scene.message());
     return kExitBadInput;
   }
@@ -141,13 +146,15 @@ int check_scene(const CheckOptions& options) {
   if (options.json) {
     object["name"] = report.name;
     object["title"] = report.title;
+    object["scene_hash"] = sim::source_hash(scene.value().source);
     object["good"] = verdict.level() == session::Level::kGood;
     object["verdict"] = name_of(verdict.level());
     object["rules"] = session::to_json(verdict);
     object["report"] = to_json(report);
-    fmt::print("{}\n", json_text(object, 2));
+    fmt::print("{}\n", report_text(object, 2));
   } else {
-    fmt::print("{}verdict: {}\n", sim::to_text(report), name_of(verdict.level()));
+    fmt::print("{}text {}, checked by tactus {}\nverdict: {}\n", sim::to_text(report),
+               sim::source_hash(scene.value().source), version(), name_of(verdict.level()));
   }
   return verdict.exit_code();
 }
@@ -157,7 +164,7 @@ int check_scene(const CheckOptions& options) {
 CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* scene = program.add_subcommand("scene", "Work with scene files (TOML).");
-  scene->footer("Example:\n  tactus scene check sim/scenes/card_house.toml");
+  scene->footer("Example:\n  tactus scene check sim/scenes/card_house.toml\n  tactus scene keys simulation");
   CLI::App* check =
       scene->add_subcommand("check", "Validate a scene; list the effects it calls for and what they cost.");
   check->footer(
@@ -171,6 +178,7 @@ CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
       ->capture_default_str();
   check->add_flag("--json", options->json, "one JSON object on stdout");
   check->callback([options, &exit_code] { exit_code = check_scene(*options); });
+  add_scene_keys_command(*scene, exit_code);
   return scene;
 }
 

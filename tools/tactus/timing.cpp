@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/doctor/examine.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 #include "tools/timing/budget.h"
@@ -62,7 +62,7 @@ void print_result(const timing::TimingResult& result, bool json) {
   if (json) {
     auto object = to_json(result);
     object["representative"] = distorted.empty();
-    fmt::print("{}\n", json_text(object, 2));
+    fmt::print("{}\n", report_text(object, 2));
     return;
   }
   fmt::print("{}", to_text(result));

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 #include "tools/tune/tune.h"
 
 namespace tactus::tune {
@@ -100,34 +100,34 @@ std::string tune_json(const TuneReport& r) {
     one["fits"] = step.fits, one["sentence"] = sentence_of(step, r.chosen, r.limits);
     further.push_back(one);
   }
-  return json_text(ordered_json{{"scene", r.scene},
-                                {"bodies", r.bodies},
-                                {"windows", r.windows},
-                                {"trials", r.trials},
-                                {"core_factor", r.core_factor},
-                                {"limits",
-                                 {{"tick_us", r.limits.tick_us},
-                                  {"global_us_per_tick", r.limits.global_us},
-                                  {"members", r.limits.members},
-                                  {"sub_steps", r.limits.sub_steps}}},
-                                {"written", to_json(r.written)},
-                                {"chosen", to_json(r.chosen)},
-                                {"fits", r.fits},
-                                {"real",
-                                 {{"duration_s", r.real.duration_s},
-                                  {"tick_us_p50", r.real.tick_us_p50},
-                                  {"tick_us_p99", r.real.tick_us_p99},
-                                  {"tick_us_max", r.real.tick_us_max},
-                                  {"lost_to_own_work", r.real.lost},
-                                  {"reduced_share", r.real.reduced_share},
-                                  {"restrained_share", r.real.restrained_share},
-                                  {"late_share", r.real.late_share},
-                                  {"degraded", r.real.degraded},
-                                  {"holds", r.real.holds()}}},
-                                {"command", command_of(r)},
-                                {"snippet", snippet_of(r)},
-                                {"further", further}},
-                   2);
+  return report_text(ordered_json{{"scene", r.scene},
+                                  {"bodies", r.bodies},
+                                  {"windows", r.windows},
+                                  {"trials", r.trials},
+                                  {"core_factor", r.core_factor},
+                                  {"limits",
+                                   {{"tick_us", r.limits.tick_us},
+                                    {"global_us_per_tick", r.limits.global_us},
+                                    {"members", r.limits.members},
+                                    {"sub_steps", r.limits.sub_steps}}},
+                                  {"written", to_json(r.written)},
+                                  {"chosen", to_json(r.chosen)},
+                                  {"fits", r.fits},
+                                  {"real",
+                                   {{"duration_s", r.real.duration_s},
+                                    {"tick_us_p50", r.real.tick_us_p50},
+                                    {"tick_us_p99", r.real.tick_us_p99},
+                                    {"tick_us_max", r.real.tick_us_max},
+                                    {"lost_to_own_work", r.real.lost},
+                                    {"reduced_share", r.real.reduced_share},
+                                    {"restrained_share", r.real.restrained_share},
+                                    {"late_share", r.real.late_share},
+                                    {"degraded", r.real.degraded},
+                                    {"holds", r.real.holds()}}},
+                                  {"command", command_of(r)},
+                                  {"snippet", snippet_of(r)},
+                                  {"further", further}},
+                     2);
 }
 
 }  // namespace tactus::tune

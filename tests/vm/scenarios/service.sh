@@ -45,6 +45,12 @@ verdict "installing starts nothing" "$(systemctl is-active $unit) $(systemctl is
 tactus config check $configuration >/tmp/config 2>&1
 verdict "the installed configuration is good" "$(tail -n 1 /tmp/config)"
 
+# A page from what is installed, by a user without rights.
+setpriv --reuid nobody --regid nogroup --clear-groups env HOME=/tmp MPLCONFIGDIR=/tmp tactus experiment energy-loss \
+  --quick --scenes stack --borders ghost --ratios 8 --page /tmp/page.html >/tmp/page.log 2>&1
+[ $? = 0 ] && grep -q '</html>' /tmp/page.html
+verdict "the installed package writes a page" "$(tail -n 2 /tmp/page.log | tr '\n' ' ')"
+
 systemctl start $unit
 verdict "systemctl start: it says that it is ready" "$(why)"
 wait_for runs

@@ -5,7 +5,7 @@
 
 #include "sim/loader/choice_names.h"
 #include "tools/experiment/coupling/accuracy_cost.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
@@ -93,7 +93,7 @@ std::string cost_json(const CostReport& report) {
                        {"global_us_before", n.global_us_before},
                        {"global_us_after", n.global_us_after},
                        {"sentence", sentence_of(n)}});
-  return json_text(ordered_json{{"points", points},
+  return report_text(ordered_json{{"points", points},
                                 {"notches", notches},
                                 {"seeds", report.seeds},
                                 {"period_us", report.period_us},

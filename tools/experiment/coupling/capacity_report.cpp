@@ -4,7 +4,7 @@
 
 #include "sim/loader/choice_names.h"
 #include "tools/experiment/coupling/capacity.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::experiment {
 
@@ -46,8 +46,8 @@ std::string capacity_json(const CapacityReport& report) {
                       {"step_us_p50", p.step_us_p50},
                       {"step_us_p90", p.step_us_p90},
                       {"fits", p.fits()}});
-  return json_text(ordered_json{{"rows", rows}, {"points", points}, {"members", report.members}, {"runs", report.runs}},
-                   2);
+  return report_text(
+      ordered_json{{"rows", rows}, {"points", points}, {"members", report.members}, {"runs", report.runs}}, 2);
 }
 
 std::string capacity_csv(const CapacityReport& report) {

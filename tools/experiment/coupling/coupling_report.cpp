@@ -6,7 +6,7 @@
 #include "sim/loader/choice_names.h"
 #include "tools/experiment/coupling/coupling_study.h"
 #include "tools/experiment/coupling/reference_run.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
@@ -148,15 +148,15 @@ std::string study_json(const StudyReport& report) {
   ordered_json rows = ordered_json::array(), scenes = ordered_json::array();
   for (const StudyRow& row : report.rows) rows.push_back(to_json(row));
   for (const StudyScene& scene : report.scenes) scenes.push_back(to_json(scene));
-  return json_text(ordered_json{{"rows", rows},
-                                {"scenes", scenes},
-                                {"whole", whole},
-                                {"seeds", report.seeds},
-                                {"windows_per_seed", report.windows},
-                                {"window_cycles", kWindowCycles},
-                                {"window_least_s", report.window_s},
-                                {"spectrum_line_Hz", report.line_Hz}},
-                   2);
+  return report_text(ordered_json{{"rows", rows},
+                                  {"scenes", scenes},
+                                  {"whole", whole},
+                                  {"seeds", report.seeds},
+                                  {"windows_per_seed", report.windows},
+                                  {"window_cycles", kWindowCycles},
+                                  {"window_least_s", report.window_s},
+                                  {"spectrum_line_Hz", report.line_Hz}},
+                     2);
 }
 
 std::string study_csv(const StudyReport& report) {

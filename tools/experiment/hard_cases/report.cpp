@@ -1,5 +1,5 @@
 #include "tools/experiment/hard_cases/report.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 #include <fmt/format.h>
 
@@ -121,7 +121,7 @@ std::string report_json(const Report& report) {
                      {"stands", row.state.stands},
                      {"sag_mm", number(1e3 * row.state.sag_m)},
                      {"side_mm", number(1e3 * row.state.side_m)}});
-  return json_text(ordered_json{{"rows", rows}, {"peers", peers}}, 2);
+  return report_text(ordered_json{{"rows", rows}, {"peers", peers}}, 2);
 }
 
 std::string report_csv(const Report& report) {

@@ -1,5 +1,5 @@
 #include "tools/experiment/hard_cases/trial_report.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 #include <fmt/format.h>
 
@@ -145,20 +145,20 @@ std::string trial_json(const TrialReport& report) {
   ordered_json noted = ordered_json::array(), worst = ordered_json::array();
   for (const RandomTrial& trial : report.noted) noted.push_back(figures_json(trial));
   for (const RandomTrial& trial : report.worst) worst.push_back(drawn_json(trial));
-  return json_text(ordered_json{{"worlds", report.worlds},
-                                {"first", report.first},
-                                {"ratio", kTrialRatio},
-                                {"seconds", kTrial_s},
-                                {"left_out", report.left_out},
-                                {"with_border", report.with_border},
-                                {"standing_bodies", report.standing},
-                                {"collapsed", report.collapsed()},
-                                {"still_fallen", report.still_fallen()},
-                                {"by_chance", report.by_chance()},
-                                {"gain_energy", report.gain_energy()},
-                                {"noted", noted},
-                                {"worst", worst}},
-                   2);
+  return report_text(ordered_json{{"worlds", report.worlds},
+                                  {"first", report.first},
+                                  {"ratio", kTrialRatio},
+                                  {"seconds", kTrial_s},
+                                  {"left_out", report.left_out},
+                                  {"with_border", report.with_border},
+                                  {"standing_bodies", report.standing},
+                                  {"collapsed", report.collapsed()},
+                                  {"still_fallen", report.still_fallen()},
+                                  {"by_chance", report.by_chance()},
+                                  {"gain_energy", report.gain_energy()},
+                                  {"noted", noted},
+                                  {"worst", worst}},
+                     2);
 }
 
 }  // namespace tactus::hard_cases

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/experiment/stability/stability_map.h"
-#include "tools/json_text.h"
+#include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
@@ -66,24 +66,24 @@ std::string map_json(const MapReport& report) {
                     {"line_N_per_m", r.line_N_per_m},
                     {"allowed_N_per_m", r.allowed_N_per_m}});
   const auto& g = report.suggested;
-  return json_text(ordered_json{{"device", report.device},
-                                {"rate_Hz", report.rate_Hz},
-                                {"rows", rows},
-                                {"least_measured_over_formula", report.least_of_formula},
-                                {"allowed_share", haptics::kAllowedStiffnessShare},
-                                {"unsafe", report.unsafe},
-                                {"wake",
-                                 {{"source", report.wake.source},
-                                  {"degraded", report.wake.degraded},
-                                  {"p50_us", 1e6 * report.wake.typical_s},
-                                  {"p99_9_us", 1e6 * report.wake.late_s},
-                                  {"max_us", 1e6 * report.wake.latest_s}}},
-                                {"suggested",
-                                 {{"stiffness_N_per_m", g.stiffness_N_per_m},
-                                  {"damping_Ns_per_m", g.damping_Ns_per_m},
-                                  {"stiffness_Nm_per_rad", g.stiffness_Nm_per_rad},
-                                  {"damping_Nms_per_rad", g.damping_Nms_per_rad}}}},
-                   2);
+  return report_text(ordered_json{{"device", report.device},
+                                  {"rate_Hz", report.rate_Hz},
+                                  {"rows", rows},
+                                  {"least_measured_over_formula", report.least_of_formula},
+                                  {"allowed_share", haptics::kAllowedStiffnessShare},
+                                  {"unsafe", report.unsafe},
+                                  {"wake",
+                                   {{"source", report.wake.source},
+                                    {"degraded", report.wake.degraded},
+                                    {"p50_us", 1e6 * report.wake.typical_s},
+                                    {"p99_9_us", 1e6 * report.wake.late_s},
+                                    {"max_us", 1e6 * report.wake.latest_s}}},
+                                  {"suggested",
+                                   {{"stiffness_N_per_m", g.stiffness_N_per_m},
+                                    {"damping_Ns_per_m", g.damping_Ns_per_m},
+                                    {"stiffness_Nm_per_rad", g.stiffness_Nm_per_rad},
+                                    {"damping_Nms_per_rad", g.damping_Nms_per_rad}}}},
+                     2);
 }
 
 std::string map_csv(const MapReport& report) {

@@ -1,0 +1,45 @@
+// The [hand] of a scene: way points in the text, or a recorded motion in a file beside it.
+//
+// A file's rows are kept in the scene's source as a [[motion_file]] table at its end, as hulls and meshes are, so that
+// a tape replays without the file. Thread: [setup]. Mistakes go to the reader's diagnostics.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "sim/loader/motion_file.h"
+#include "sim/loader/scene.h"
+#include "sim/loader/scene_load_reader.h"
+
+namespace tactus::sim {
+
+class HandReader {
+ public:
+  // `folder`: where the names of files start; none: no file is opened.
+  HandReader(Scene& scene, SceneDiagnostics& diagnostics, std::optional<std::filesystem::path> folder)
+      : scene_(scene), diagnostics_(diagnostics), folder_(std::move(folder)) {}
+
+  // The [[motion_file]] tables of the text.
+  void read_kept(std::span<const TomlNode> tables);
+  // The scene's proxy is read before.
+  void read(TableReader hand);
+
+  // What the source must have at its end so that it needs no file.
+  const std::string& kept() const { return kept_; }
+
+ private:
+  void read_waypoint(const TomlNode& node, unsigned number);
+  void read_file(TableReader& hand);
+  bool open_file(TableReader& hand, const std::string& name, std::vector<MotionRow>& rows);
+  void add_rows(const std::vector<MotionRow>& rows);
+  void check_path(TableReader& hand, const char* key);
+
+  Scene& scene_;
+  SceneDiagnostics& diagnostics_;
+  std::optional<std::filesystem::path> folder_;
+  std::map<std::string, std::vector<MotionRow>> given_;  // from the text
+  std::string kept_;
+};
+
+}  // namespace tactus::sim

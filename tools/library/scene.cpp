@@ -1,0 +1,118 @@
+#include "tactus/scene.h"
+
+#include "sim/loader/body_label.h"
+#include "sim/loader/scene_load.h"
+#include "tools/library/access.h"
+#include "tools/library/values.h"
+
+namespace tactus {
+namespace {
+
+using library::Access;
+using library::to_public;
+
+static_assert(static_cast<std::uint32_t>(Shape::kSphere) == static_cast<std::uint32_t>(physics::ShapeKind::kSphere) &&
+              static_cast<std::uint32_t>(Shape::kCapsule) == static_cast<std::uint32_t>(physics::ShapeKind::kCapsule) &&
+              static_cast<std::uint32_t>(Shape::kBox) == static_cast<std::uint32_t>(physics::ShapeKind::kBox) &&
+              static_cast<std::uint32_t>(Shape::kPlane) == static_cast<std::uint32_t>(physics::ShapeKind::kPlane) &&
+              static_cast<std::uint32_t>(Shape::kHull) == static_cast<std::uint32_t>(physics::ShapeKind::kHull) &&
+              static_cast<std::uint32_t>(Shape::kMesh) == static_cast<std::uint32_t>(physics::ShapeKind::kMesh));
+
+// A message that begins with the scene's name in each line.
+Error take(Result<sim::Scene> read, const sim::SceneDiagnostics& said, std::shared_ptr<const void>& scene,
+           std::vector<std::string>& warnings) {
+  if (!read.ok()) return {Error::Kind::kFile, read.message()};
+  scene = std::make_shared<const sim::Scene>(std::move(read).value());
+  warnings.clear();
+  const std::string lines = said.warning_message();
+  for (std::size_t from = 0; from < lines.size();) {
+    const std::size_t end = std::min(lines.find('\n', from), lines.size());
+    if (end > from) warnings.push_back(lines.substr(from, end - from));
+    from = end + 1;
+  }
+  return {};
+}
+
+const physics::Body<double>* body_of(const sim::Scene* scene, BodyNumber number) noexcept {
+  return scene != nullptr && number < scene->bodies.size() ? &scene->bodies[number] : nullptr;
+}
+
+}  // namespace
+
+const sim::Scene& library::Access::scene(const Scene& scene) {
+  return *static_cast<const sim::Scene*>(scene.scene_.get());
+}
+
+Error Scene::load(const std::filesystem::path& file) {
+  sim::SceneDiagnostics said;
+  return take(sim::load_scene(file, &said), said, scene_, warnings_);
+}
+
+Error Scene::parse(std::string_view text, std::string_view name) {
+  sim::SceneDiagnostics said;
+  return take(sim::parse_scene(text, name, &said), said, scene_, warnings_);
+}
+
+std::string Scene::name() const { return empty() ? std::string() : Access::scene(*this).name; }
+std::string Scene::title() const { return empty() ? std::string() : Access::scene(*this).title; }
+std::string Scene::text() const { return empty() ? std::string() : Access::scene(*this).source; }
+BodyNumber Scene::proxy() const noexcept { return empty() ? 0 : Access::scene(*this).proxy; }
+
+std::uint32_t Scene::bodies() const noexcept {
+  return empty() ? 0 : static_cast<std::uint32_t>(Access::scene(*this).bodies.size());
+}
+
+double Scene::hand_duration_s() const noexcept {
+  return empty() || Access::scene(*this).hand.path.empty() ? 0.0 : Access::scene(*this).hand.path.back().time_s;
+}
+
+BodyInfo Scene::body(BodyNumber number) const noexcept {
+  const physics::Body<double>* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
+  if (body == nullptr) return {};
+  BodyInfo info;
+  info.shape = static_cast<Shape>(body->shape.kind);
+  info.radius_m = body->shape.kind == physics::ShapeKind::kHull ? 0.0 : body->shape.radius;
+  info.half_length_m = body->shape.half_length;
+  info.half_extents_m = to_public(body->shape.half_extents);
+  info.fixed = body->kind == physics::BodyKind::kFixed;
+  info.mass_kg = body->mass;
+  info.inertia_kg_m2 = to_public(body->inertia);
+  info.friction = body->friction;
+  info.position_m = to_public(body->motion.pose.position);
+  info.rotation = to_public(body->motion.pose.rotation);
+  return info;
+}
+
+std::string Scene::body_name(BodyNumber number) const {
+  if (body_of(static_cast<const sim::Scene*>(scene_.get()), number) == nullptr) return {};
+  if (number == proxy()) return "proxy";
+  // "'door' (line 12)", "body 3 (line 20)"
+  std::string label = sim::body_label(Access::scene(*this), number);
+  label.resize(std::min(label.rfind(" ("), label.size()));
+  return label.size() > 1 && label.front() == '\'' ? label.substr(1, label.size() - 2) : label;
+}
+
+std::vector<Vector3> Scene::corners(BodyNumber number) const {
+  std::vector<Vector3> corners;
+  const physics::Body<double>* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
+  if (body == nullptr) return corners;
+  const sim::Scene& scene = Access::scene(*this);
+  if (body->shape.kind == physics::ShapeKind::kHull) {
+    const physics::Hull<double>& hull = scene.hulls[body->shape.index];
+    for (std::uint32_t i = 0; i < hull.topology.vertices; ++i) corners.push_back(to_public(hull.vertex(i)));
+  } else if (body->shape.kind == physics::ShapeKind::kMesh) {
+    for (const Vec3d& corner : scene.meshes[body->shape.index].corners) corners.push_back(to_public(corner));
+  }
+  return corners;
+}
+
+std::vector<std::array<std::uint32_t, 3>> Scene::triangles(BodyNumber number) const {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  const physics::Body<double>* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
+  if (body == nullptr || body->shape.kind != physics::ShapeKind::kMesh) return triangles;
+  for (const physics::MeshTriangle& triangle : Access::scene(*this).meshes[body->shape.index].triangles)
+    triangles.push_back(triangle.corner);
+  return triangles;
+}
+
+}  // namespace tactus

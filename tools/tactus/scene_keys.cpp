@@ -1,0 +1,232 @@
+// tactus scene keys: the scene language, written from the loader's own list.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "sim/loader/scene_keys.h"
+#include "tools/json_text.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+using nlohmann::ordered_json;
+using sim::AskedKey;
+using sim::SceneKey;
+using sim::SceneTable;
+
+struct KeysOptions {
+  std::string table;
+  bool markdown{false}, man{false}, schema{false};
+};
+
+std::string title_of(const SceneTable& table) { return table.name.empty() ? "the file" : table.name; }
+
+// "number, N/m, 0 to 100000"
+std::string kind_of(const SceneKey& key) {
+  std::string text = sim::type_of(key.asked);
+  const std::string unit = sim::unit_of(key.asked), values = sim::values_of(key.asked);
+  if (!unit.empty()) text += ", " + unit;
+  if (!values.empty()) text += (key.asked.type == AskedKey::Type::kWord ? ": " : ", ") + values;
+  return text;
+}
+
+std::string default_of(const SceneKey& key) {
+  if (key.asked.required) return "required";
+  return key.fallback.empty() ? "none" : key.fallback;
+}
+
+std::string with_of(const SceneKey& key) { return key.only_with.empty() ? "" : fmt::format(" ({})", key.only_with); }
+
+void print_text(const std::vector<SceneTable>& language) {
+  for (const SceneTable& table : language) {
+    fmt::print("{}\n  {}\n", title_of(table), table.purpose);
+    for (const SceneKey& key : table.keys)
+      fmt::print("  {}{}\n      {}\n      {}; default: {}\n", key.asked.key, with_of(key), key.meaning, kind_of(key),
+                 default_of(key));
+    fmt::print("\n");
+  }
+}
+
+// In a cell of a table a bar would end it.
+std::string cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+  return text;
+}
+
+void print_markdown(const std::vector<SceneTable>& language) {
+  for (const SceneTable& table : language) {
+    fmt::print("### {}\n\n{}\n\n| key | type, unit, range | default | meaning |\n| --- | --- | --- | --- |\n",
+               table.name.empty() ? "The file" : fmt::format("`{}`", table.name), table.purpose);
+    for (const SceneKey& key : table.keys)
+      fmt::print("| `{}`{} | {} | {} | {} |\n", key.asked.key, with_of(key), cell(kind_of(key)), cell(default_of(key)),
+                 cell(key.meaning));
+    fmt::print("\n");
+  }
+}
+
+std::string roff(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else
+      out += c;
+  }
+  return out;
+}
+
+void print_man(const std::vector<SceneTable>& language) {
+  fmt::print(
+      ".TH TACTUS.SCENE 5 \"\" \"tactus\" \"File Formats\"\n.SH NAME\ntactus.scene \\- a scene of tactus\n"
+      ".SH DESCRIPTION\nA scene is a TOML file: the bodies, the effects that are simulated, the proxy, the device's "
+      "place and what the simulated hand does. Units are SI, in the keys' names; rotations are vectors, axis times "
+      "angle; the world's z is up. \\fBtactus scene check\\fR \\fIFILE\\fR names every mistake with its line.\n"
+      ".SH TABLES\n");
+  for (const SceneTable& table : language) {
+    fmt::print(".SS {}\n{}\n", roff(title_of(table)), roff(table.purpose));
+    for (const SceneKey& key : table.keys)
+      fmt::print(".TP\n.BR {} \"{}\"\n{}.\n{}; default: {}.\n", roff(key.asked.key), roff(with_of(key)),
+                 roff(key.meaning), roff(kind_of(key)), roff(default_of(key)));
+  }
+  fmt::print(".SH SEE ALSO\n.BR tactus (1), tactus.toml (5)\n");
+}
+
+ordered_json schema_of(const SceneKey& key) {
+  ordered_json j;
+  switch (key.asked.type) {
+    case AskedKey::Type::kNumber:
+      j = {{"type", "number"}, {"minimum", key.asked.low}, {"maximum", key.asked.high}};
+      break;
+    case AskedKey::Type::kCount:
+      j = {{"type", "integer"}, {"minimum", key.asked.low}, {"maximum", key.asked.high}};
+      break;
+    case AskedKey::Type::kSeed:
+      j = {{"type", "integer"}, {"minimum", 0}};
+      break;
+    case AskedKey::Type::kFlag:
+      j = {{"type", "boolean"}};
+      break;
+    case AskedKey::Type::kText:
+      j = {{"type", "string"}, {"maxLength", static_cast<unsigned>(key.asked.high)}};
+      break;
+    case AskedKey::Type::kWord:
+      j = {{"enum", key.asked.words}};
+      break;
+    case AskedKey::Type::kVector:
+      j = {{"type", "array"},
+           {"items", {{"type", "number"}, {"minimum", key.asked.low}, {"maximum", key.asked.high}}},
+           {"minItems", 3},
+           {"maxItems", 3}};
+      break;
+    case AskedKey::Type::kArray:
+      j = {{"type", "array"}, {"maxItems", static_cast<unsigned>(key.asked.high)}};
+      break;
+    default:
+      j = {{"type", "object"}};
+      break;
+  }
+  std::string text = key.meaning;
+  if (!key.only_with.empty()) text += fmt::format("; of {}", key.only_with);
+  if (!key.asked.required && !key.fallback.empty()) text += fmt::format("; default {}", key.fallback);
+  j["description"] = text;
+  return j;
+}
+
+ordered_json schema_of(const SceneTable& table) {
+  ordered_json properties = ordered_json::object(), required = ordered_json::array();
+  for (const SceneKey& key : table.keys) {
+    const std::string& name = key.asked.key;
+    if (properties.contains(name)) {  // another generator's range or default: what one of them accepts
+      auto& other = properties[name];
+      if (!other.contains("anyOf")) other = {{"anyOf", ordered_json::array({other})}};
+      other["anyOf"].push_back(schema_of(key));
+      continue;
+    }
+    properties[name] = schema_of(key);
+    if (key.asked.required && key.only_with.empty()) required.push_back(name);
+  }
+  return {{"type", "object"},
+          {"description", table.purpose},
+          {"properties", properties},
+          {"required", required},
+          {"additionalProperties", false}};
+}
+
+ordered_json schema_of(const std::vector<SceneTable>& language) {
+  ordered_json root = schema_of(language.front());
+  for (const SceneTable& table : language) {
+    if (table.name.empty()) continue;
+    // "[[body]] path": the list `path` of each entry of the list `body`.
+    const bool is_list = table.name.rfind("[[", 0) == 0;
+    const std::size_t begin = is_list ? 2 : 1, end = table.name.find(']');
+    const std::string name = table.name.substr(begin, end - begin);
+    const std::size_t blank = table.name.find(' ');
+    ordered_json& own = root["properties"][name];
+    if (blank == std::string::npos) {
+      (is_list ? own["items"] : own) = schema_of(table);
+    } else {
+      (is_list ? own["items"] : own)["properties"][table.name.substr(blank + 1)]["items"] = schema_of(table);
+    }
+  }
+  root["properties"]["effects"]["items"] = {{"type", "string"}};
+  root["properties"]["body"]["items"]["properties"]["points_m"]["items"] = {
+      {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 3}, {"maxItems", 3}};
+  ordered_json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "a scene of tactus"}};
+  schema.update(root);
+  return schema;
+}
+
+bool is_called(const SceneTable& table, const std::string& name) {
+  return table.name == name || table.name == "[" + name + "]" || table.name == "[[" + name + "]]";
+}
+
+int print_keys(const KeysOptions& options) {
+  auto language = sim::scene_language();
+  if (options.schema) {
+    fmt::print("{}\n", json_text(schema_of(language), 2));
+    return 0;
+  }
+  if (!options.table.empty()) {
+    std::string all;
+    for (const SceneTable& table : language)
+      if (!table.name.empty()) all += (all.empty() ? "" : ", ") + table.name;
+    std::erase_if(language, [&](const SceneTable& table) { return !is_called(table, options.table); });
+    if (language.empty()) {
+      fmt::print(stderr, "tactus: scene keys: '{}' is not a table; accepted: {}\n", options.table, all);
+      return kExitBadInput;
+    }
+  }
+  if (options.markdown)
+    print_markdown(language);
+  else if (options.man)
+    print_man(language);
+  else
+    print_text(language);
+  return 0;
+}
+
+}  // namespace
+
+void add_scene_keys_command(CLI::App& scene, int& exit_code) {
+  auto options = std::make_shared<KeysOptions>();
+  CLI::App* keys = scene.add_subcommand("keys", "List the scene language: every table, key, unit, range and default.");
+  keys->footer(
+      "The list is what the loader itself asks of a scene, so it is never out of date.\n"
+      "Exit status: 0; 2 there is no such table.\n\n"
+      "Example:\n  tactus scene keys simulation\n  tactus scene keys --json-schema > tactus-scene.schema.json");
+  keys->add_option("TABLE", options->table, "one table, such as body or '[[body]] path'; default: all");
+  auto* markdown = keys->add_flag("--markdown", options->markdown, "tables for a page");
+  auto* man = keys->add_flag("--man", options->man, "the manual page tactus.scene(5)");
+  auto* schema = keys->add_flag("--json-schema", options->schema,
+                                "a JSON schema (2020-12), for editors and for programs that write scenes");
+  markdown->excludes(man)->excludes(schema);
+  man->excludes(schema);
+  keys->callback([options, &exit_code] { exit_code = print_keys(*options); });
+}
+
+}  // namespace tactus::tools
