@@ -6,19 +6,16 @@ import string
 from matplotlib import ticker
 
 from pages import figure, theme
-from pages.couplings import NOTICED
 from pages.figure import tick_words
 from pages.labels import label_points
-from pages.numbers import count, exact, is_number, listed, micro, number, points, share, unit
+from pages.numbers import count, exact, is_number, listed, micro, number, points, said, share, times, unit
 from pages.page import Cell, Column
+from pages.rows import NOTICED, unique
 
 KEYS = [("sub_steps", "{} sub-steps"), ("relax_sweeps", "relax sweeps: {}"), ("friction_sweeps", "friction {}"),
         ("contact_Hz", "contacts {} Hz"), ("members", "{} members"), ("ratio", "ratio {}"), ("border", "border {}"),
         ("extraction", "{}"), ("world_precision", "world {}")]
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
+CHEAPER = 0.05  # of a time: less is within what one run differs from the next
 
 
 def setting_words(point, base=None):
@@ -74,18 +71,18 @@ def answer(scenes, data):
     never = [html.escape(s.name) for s in off if not s.halved()]
     halving = []
     if costs:
-        halving.append(f"changes the median tick by {span(costs, lambda v: micro(v) + ' µs')}, on {len(costs)} of {len(known)} "
-                       f"scene{'s' if len(known) > 1 else ''}")
+        halving.append(f"changes the median tick by {span(costs, lambda v: micro(v) + ' µs')}"
+                       + (f", on {len(costs)} of {len(known)} scenes," if len(costs) > 1 else ""))
     if never:
         halving.append(f"{'and ' if costs else ''}cannot be done by any measured setting on {listed(never)}")
     halving = " ".join(halving) or "has no meaning, for the default has no error"
-    errors = span([(s.default["force_error_rms"], s.name) for s in known], share)
-    times = span([(s.default["tick_us_p50"], s.name) for s in known], lambda v: unit(v, "µs"))
+    errors = span([(s.default["force_error_rms"], s.name) for s in known], said)
+    takes = span([(s.default["tick_us_p50"], s.name) for s in known], lambda v: unit(v, "µs"))
     felt = [html.escape(s.name) for s in known if s.default["force_error_rms"] > NOTICED]
-    noticed = (f"beyond the 7 % that a hand notices on {listed(felt)}" if felt else "below the 7 % that a hand notices on each"
-               if len(known) > 1 else "below the 7 % that a hand notices")
+    noticed = (f"beyond the 7 % that a hand notices on {listed(felt)}" if felt else "on each scene below the 7 % that a hand "
+               "notices" if len(known) > 1 else "below the 7 % that a hand notices")
     budget = f" of the {exact(data['budget_us'])} µs that a tick may compute" if is_number(data.get("budget_us")) else ""
-    return (f"On this PC halving the default's force error {halving}; the default's median tick takes {times}{budget}, for a force "
+    return (f"On this PC halving the default's force error {halving}; the default's median tick takes {takes}{budget}, for a force "
             f"that is off by {errors}, {noticed}.")
 
 
@@ -100,12 +97,13 @@ def sentences(scenes):
         within = [p for p in s.front if p["force_error_rms"] <= error]
         best, cheapest = min(s.front, key=lambda p: p["force_error_rms"]), min(within, key=lambda p: p["tick_us_p50"],
                                                                              default=s.default)
-        words = ("no setting is as accurate and cheaper" if s.default["on_front"] else
-                 f"{s.names[id(cheapest)]} ({html.escape(setting_words(cheapest, s.default))}) is as accurate for "
+        words = (f"no setting as accurate is cheaper by {exact(100 * CHEAPER)} % or more"
+                 if cheapest["tick_us_p50"] > (1 - CHEAPER) * time else
+                 f"{s.names[id(cheapest)]} ({html.escape(setting_words(cheapest, s.default))}) is at least as accurate for "
                  f"{unit(cheapest['tick_us_p50'], 'µs')}")
-        lines.append(f"{name}: the default's force is off by {share(error)} for a median tick of {unit(time, 'µs')}; {words}. The "
+        lines.append(f"{name}: the default's force is off by {said(error)} for a median tick of {unit(time, 'µs')}; {words}. The "
                      f"most accurate, {s.names[id(best)]} ({html.escape(setting_words(best, s.default))}), is off by "
-                     f"{share(best['force_error_rms'])} and takes {unit(best['tick_us_p50'], 'µs')}.")
+                     f"{said(best['force_error_rms'])} and takes {unit(best['tick_us_p50'], 'µs')}.")
     return lines
 
 
@@ -124,8 +122,11 @@ def front_figure(scenes, data, page):
     budget = [data["budget_us"]] if is_number(data.get("budget_us")) else []
     for s in scenes:
         panel = figure.Panel(s.name, "median tick [µs]", "force error [%]")
-        x = figure.Scale([p["tick_us_p50"] for p in s.points], also=budget)
-        y = figure.Scale([100 * p["force_error_rms"] for p in s.points], floor=1e-3, cap=1000, also=[100 * NOTICED])
+        shown = [p for p in s.points if p["on_front"] or p["is_default"]]  # those whose spread is drawn
+        spread = lambda key: [v for p in shown for v in p.get(key) or []]
+        x = figure.Scale([p["tick_us_p50"] for p in s.points] + spread("tick_us_p50_by_seed"), also=budget)
+        y = figure.Scale([times(v, 100) for v in [p["force_error_rms"] for p in s.points] + spread("force_error_by_seed")],
+                         floor=1e-3, cap=1000, also=[100 * NOTICED])
         x.apply(panel.axis, "x"), y.apply(panel.axis, "y")
         panel.line(100 * NOTICED, "7 %")
         for at in budget:
@@ -142,16 +143,15 @@ def front_figure(scenes, data, page):
         inside = [p for p in rest if p not in off]
         if inside:
             panel.axis.plot(*zip(*map(at, inside)), ls="none", marker="o", ms=3.2, mfc="none", mec=theme.MUTE, mew=0.8)
-        if [p for p in rest if p in off]:
-            panel.axis.plot(*zip(*(at(p) for p in rest if p in off)), ls="none", marker="^", ms=5, mfc="none", mec=theme.MUTE)
+        panel.beyond([at(p)[0] for p in rest if p in off], [at(p)[1] for p in rest if p in off], theme.MUTE)
         if s.front:
             for p in s.front:
                 whiskers(panel, p, x, y, theme.SERIES[0])
-            panel.axis.plot(*zip(*map(at, s.front)), marker="o", ms=4.5, lw=1.2, color=theme.SERIES[0], gid="series front")
+            panel.axis.plot(*zip(*map(at, s.front)), marker="o", ms=4.5, lw=1.2, color=theme.SERIES[0], gid="series the front")
         if s.default:
             whiskers(panel, s.default, x, y, theme.SERIES[1])
             panel.axis.plot(*[[v] for v in at(s.default)], ls="none", marker="*", ms=10, mfc="none", mec=theme.SERIES[1], mew=1.3,
-                            gid="series default")
+                            gid="series the default")
         left = label_points(panel.axis, [(*at(p), s.names[id(p)]) for p in s.front])
         panel.note("; ".join(f"<b>{s.names[id(p)]}</b> " + html.escape(setting_words(p, s.default) if s.default else
                                                                      setting_words(p)) for p in s.front) or "No front.")

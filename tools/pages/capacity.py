@@ -4,12 +4,9 @@ import html
 from pages import figure, theme
 from pages.numbers import count, exact, is_number, number, share
 from pages.page import Cell, Column
+from pages.rows import unique
 
 TARGET = {"coupling": "sub-world", "rate_Hz": 1000, "ratio": 10, "bodies": 5000}  # ours: sim/scenes/pile5000.toml
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
 
 
 def bracket(row):
@@ -70,10 +67,16 @@ def load_figure(data, page):
         panel = figure.Panel(title, "cubes [1]", "time / time that there is [1]")
         x.apply(panel.axis, "x"), y.apply(panel.axis, "y")
         panel.line(1, "too slow")
+        same = figure.coincident({c: [(p["bodies"], load) for p, load in loads if p["coupling"] == c] for c in couplings})
         for i, coupling in enumerate(couplings):
+            if coupling in same:
+                panel.note(f"{html.escape(coupling)} has the points of {html.escape(same[coupling])}.")
+                continue
             mine = [(x.place(p["bodies"])[0], *y.place(load), load, p) for p, load in loads if p["coupling"] == coupling]
             panel.off_scale(coupling, [f"{number(load)} at {count(p['bodies'])}" for _, _, off, load, p in mine if off])
             look = theme.style(i)
+            panel.beyond([m[0] for m in mine if m[2]], [m[1] for m in mine if m[2]], look["color"])
+            mine = [m for m in mine if not m[2]]
             panel.axis.plot([m[0] for m in mine], [m[1] for m in mine], ls="none", marker=look["marker"], ms=6 - 0.5 * i,
                             mfc="none" if i % 2 else look["color"], mec=look["color"], mew=1,
                             gid=f"series {html.escape(coupling)}")

@@ -3,36 +3,14 @@ import html
 import math
 
 from pages import figure, theme
-from pages.numbers import at_most, count, exact, is_number, listed, number, share, unit
+from pages.numbers import count, exact, is_number, listed, number, share, times
 from pages.page import Cell, Column
+from pages.rows import NOTICED, name_of, newton, unique, worst, worst_words
+from pages.whole_runs import whole_runs, whole_sentences
 
 OURS = "ghost"  # the border that ships: targets are its alone
 TARGETS = [(8, "loss", 0.01, "energy lost"), (8, "gain", 0.001, "energy gained"), (16, "loss", 0.02, "energy lost"),
            (8, "force_error_rms", 0.05, "force error"), (8, "hold_vibration_N", 0.01, "vibration while the hand holds")]
-NOTICED = 0.07  # of a force: the difference that a hand just notices (Pang, Tan, Durlach 1991)
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
-
-
-def worst(rows, key):
-    """The row with the largest finite value; no number at all is worse."""
-    return max(rows, key=lambda r: r[key] if is_number(r[key]) else math.inf, default=None)
-
-
-def worst_words(rows, key, write=share, bound=False):
-    """The worst value and its scene; in a sentence with "at most" before it."""
-    row = worst(rows, key)
-    if not row:
-        return "not measured"
-    if bound and row[key] == 0:
-        return "none"
-    return f"{at_most(row[key], write) if bound else write(row[key])} ({html.escape(row['scene'])})"
-
-
-def newton(value):
-    return unit(value, "N")
 
 
 def wild_words(rows):
@@ -57,8 +35,7 @@ class Windows:
         self.ratio = 8 if 8 in compared else compared[-1] if compared else None
 
     def name(self, row):
-        words = row["coupling"] if row["border"] == "-" else f"{row['coupling']}, {row['border']}"
-        return f"{words}, {row['members']} members" if len(self.caps[row["scene"]]) > 1 else words
+        return name_of(row, len(self.caps[row["scene"]]) > 1)
 
     def at_ratio(self, series=None):
         return [r for r in self.rows if r["ratio"] == self.ratio and series in (None, self.name(r))]
@@ -67,8 +44,9 @@ class Windows:
         """One panel for each scene: `key` by ratio. limits: (value, words) of lines in all panels; `floor_of`: a line that
         each scene has of its own."""
         panels = []
-        every = [factor * r[key] for r in self.rows if is_number(r[key])]
-        scale = figure.Scale(every, floor=floor, cap=cap, also=[at for at, _ in limits])  # scenes are compared too
+        every = [times(one[key], factor) for r in self.rows for one in (r, *r.get("by_seed", []))]
+        every += [times(about[floor_of], factor) for about in self.scenes.values()] if floor_of else []
+        scale = figure.Scale(every, floor, cap, [at for at, _ in limits], far=math.inf)  # scenes are compared too
         for scene, about in self.scenes.items():
             panel = figure.Panel(scene, "ratio [ticks per global step]", label)
             for at, name in limits:
@@ -78,7 +56,7 @@ class Windows:
             series = {}
             for r in (r for r in self.rows if r["scene"] == scene):
                 seeds = [factor * s[key] for s in r.get("by_seed", []) if is_number(s[key])]
-                value = factor * r[key] if is_number(r[key]) else math.nan
+                value = times(r[key], factor)
                 series.setdefault(self.name(r), {})[r["ratio"]] = (
                     value, min(seeds, default=None), max(seeds, default=None), not r["stable"])
             figure.stepped(panel, self.ratios, series, scale, words, self.index_of)
@@ -126,7 +104,7 @@ class Windows:
         if not curves:
             return
         x = figure.Scale([at for scene in curves.values() for points in scene.values() for at, _ in points])
-        y = figure.Scale([v for scene in curves.values() for points in scene.values() for _, v in points], floor=1e-8, cap=100)
+        y = figure.Scale([v for scene in curves.values() for points in scene.values() for _, v in points], floor=1e-8, cap=100, far=math.inf)
         panels = []
         for scene, by_name in curves.items():
             panel = figure.Panel(scene, "frequency [Hz]", "amplitude of a line [N]")
@@ -251,77 +229,6 @@ class Windows:
                     for r in self.data["rows"]])
 
 
-def whole_name(row, several):
-    words = row["coupling"] if row["border"] == "-" else f"{row['coupling']}, {row['border']}"
-    return f"{words}, {row['members']} members" if several else words
-
-
-def gained(row):
-    at_play = row["energy_at_play_J"]
-    return (row["energy_gain_J"] - row["direct_energy_gain_J"]) / at_play if is_number(at_play) and at_play > 0 else math.nan
-
-
-def whole_sentences(rows):
-    """One for each coupling and border, over all ratios and hands."""
-    sentences = []
-    for name in unique(whole_name(r, False) for r in rows if r["started_apart_m"] == 0):
-        mine = [r for r in rows if whole_name(r, False) == name and r["started_apart_m"] == 0]
-        felt = [r for r in mine if is_number(r["force_rms_N"]) and r["force_rms_N"] > 0]
-        fallen = unique(f"{html.escape(r['scene'])} at ratio {r['ratio']}" for r in mine if not r["stands"])
-        runs = len(unique((r["scene"], r["ratio"]) for r in mine))
-        sentences.append(
-            f"<b>{html.escape(name)}</b>, whole runs of {exact(mine[0]['seconds'])} s: "
-            + (f"the force is off by {worst_words(felt, 'force_error', bound=True)}" if felt else "nobody feels a force")
-            + f"; gained of the energy at play: {worst_words([{**r, 'gained': gained(r)} for r in mine], 'gained', bound=True)}; "
-            + (f"bodies fall in {len(fallen)} of {runs}: {', '.join(fallen)}." if fallen else "every body stands."))
-    return sentences
-
-
-def whole_runs(rows, page):
-    page.head(f"Whole runs of {exact(rows[0]['seconds'])} s")
-    page.text("From rest, with the scene's own hand. One run each: no spread.")
-    tested = [r for r in rows if r["started_apart_m"] == 0 and r["hand"] == "closed"]
-    several = len(unique((r["scene"], r["members"]) for r in tested)) > len(unique(r["scene"] for r in tested))
-    names = unique(whole_name(r, several) for r in tested)
-    ratios = sorted(unique(r["ratio"] for r in tested))
-    index_of = {name: i for i, name in enumerate(names)}
-    scale = figure.Scale([100 * r["force_error"] for r in tested if is_number(r["force_error"])], floor=0.01, cap=1000,
-                         also=[100 * NOTICED])
-    panels = []
-    for scene in unique(r["scene"] for r in tested):
-        panel = figure.Panel(scene, "ratio [ticks per global step]", "force error [%]")
-        panel.line(100 * NOTICED, "7 %")
-        for r in rows:
-            if r["scene"] == scene and r["started_apart_m"] > 0 and is_number(r["force_error"]):
-                panel.line(scale.place(100 * r["force_error"])[0], "1 um apart", ls=figure.FLOOR_DASHES)
-        series = {}
-        for r in (r for r in tested if r["scene"] == scene):
-            value = 100 * r["force_error"] if is_number(r["force_error"]) else math.nan
-            series.setdefault(whole_name(r, several), {})[r["ratio"]] = (value, None, None, not r["stands"])
-        figure.stepped(panel, ratios, series, scale, lambda v: share(v / 100), index_of)
-        panels.append(panel.drawn(f"{page.title} whole"))
-    legend = figure.series_keys(names) + [(figure.key(theme.INK, "x"), "a body does not stand at the end"),
-                                          (figure.key(ls=figure.LIMIT_DASHES), "7 %: a hand notices"),
-                                          (figure.key(ls=figure.FLOOR_DASHES), "two direct runs that start 1 µm apart")]
-    if panels:
-        page.figure(panels, "Force error over the whole run, RMS(F − F<sub>direct</sub>) / RMS(F<sub>direct</sub>), the hand in "
-                    "the run's own loop.", legend)
-    page.table([Column("scene", "the world", "t"), Column("coupling", "the scheme; 1 µm apart: a direct run whose proxy starts "
-                                                          "1 µm aside", "t"),
-                Column("border", "how members feel the outside", "t"), Column("ratio", "haptic ticks per global step"),
-                Column("members", "cap of the sub-world"), Column("hand", "closed: its arm in the loop of the run; direct: the "
-                                                                  "arm's motion of the direct run", "t"),
-                Column("force error", "over the whole run"), Column("by quarter", "of the run, each over the whole run's force"),
-                Column("off at end", "mean distance of bodies from the direct run's, mm"), Column("off at most", "of a body, mm"),
-                Column("drift", "mm"), Column("kinetic / work", "kinetic energy over the hand's work"),
-                Column("energy gained", "beyond the direct run, of the energy at play"), Column("stands", "every body, at the end")],
-               [[r["scene"], "1 µm apart" if r["started_apart_m"] > 0 else r["coupling"], r["border"], r["ratio"], r["members"],
-                 r["hand"], share(r["force_error"]), " / ".join(share(q) for q in r["force_error_by_quarter"]),
-                 number(1e3 * r["pose_off_m"]), number(1e3 * r["pose_off_most_m"]), number(1e3 * r["drift_m"]),
-                 number(r["kinetic_over_work"]), share(gained(r)),
-                 "yes" if r["stands"] else Cell(f"NO, {r['fallen']} fell", "bad")] for r in rows])
-
-
 def answer(windows, names, what):
     scenes, hands = len(windows.scenes), windows.data["seeds"]
     if not names:
@@ -330,7 +237,7 @@ def answer(windows, names, what):
     over = f"over {scenes} scene{'s' if scenes != 1 else ''} and {hands} hand{'s' if hands != 1 else ''}"
     if what == "energy-loss":
         own = next((n for n in names if OURS in n), names[0])
-        return (f"At ratio {windows.ratio} the {html.escape(own.replace(', ', ' with border ', 1))} puts the force off by "
+        return (f"At ratio {windows.ratio} the {html.escape(own)} puts the force off by "
                 f"{worst_words(rows(own), 'force_error_rms', bound=True)}, {over}; of the energy it loses "
                 f"{worst_words(rows(own), 'loss', bound=True)} and gains {worst_words(rows(own), 'gain', bound=True)}; it is "
                 f"{wild_words(rows(own))}.")

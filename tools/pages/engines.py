@@ -2,12 +2,9 @@
 import html
 
 from pages import figure, theme
-from pages.numbers import count, is_number, listed, number, share, unit
+from pages.numbers import count, is_number, listed, number, share, times, unit
 from pages.page import Cell, Column
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
+from pages.rows import unique
 
 
 def own_rows(rows):
@@ -17,7 +14,7 @@ def own_rows(rows):
 def answer(rows):
     compared = [r for r in own_rows(rows) if is_number(r["ratio_to_best_peer"])]
     left_out = [r["scene"] for r in own_rows(rows) if not is_number(r["ratio_to_best_peer"])]
-    rest = f"; {listed(map(html.escape, left_out))}: no engine to compare with" if left_out else ""
+    rest = f"; not compared: {listed(map(html.escape, left_out))}" if left_out else ""
     if not compared:
         return "No time of tactus can be compared: on no scene do both tactus and a peer pass the gates."
     low = min(compared, key=lambda r: r["ratio_to_best_peer"])
@@ -44,12 +41,14 @@ def engine_figure(rows, page):
         for r in mine:
             look = theme.style(numbered[r["engine"]])
             place, off = x.place(r["median_us"])
-            high, off_y = y.place(100 * r["penetration_mean_share"] if is_number(r["penetration_mean_share"]) else None)
+            high, off_y = y.place(times(r["penetration_mean_share"], 100))
             if place is None or high is None:
                 panel.note(f"No finite number: {html.escape(r['engine'])}.")
                 continue
             if off or off_y:
                 panel.off_scale(r["engine"], [f"{unit(r['median_us'], 'µs')}, overlap {share(r['penetration_mean_share'])}"])
+                panel.beyond([place], [high], look["color"])
+                continue
             late = x.place(r["p99_us"])[0]
             if late is not None and late > place:
                 panel.axis.plot([place, late], [high, high], color=look["color"], lw=1, alpha=0.6)
@@ -95,8 +94,8 @@ def engines_page(data, page, what):
                 Column("rods", "path of the stirring rods, m"), Column("left", "bodies that left the box"),
                 Column("gates", "pass, or what is missed", "w")],
                [[r["scene"], r["engine"], number(r["median_us"]), number(r["p99_us"]), number(r["ratio_to_bullet"]),
-                 number(r["ratio_to_best_peer"]), number(1e3 * r["penetration_mean_m"]) if is_number(r["penetration_mean_m"])
-                 else "n/a", number(1e3 * r["penetration_max_m"]) if is_number(r["penetration_max_m"]) else "n/a",
+                 number(r["ratio_to_best_peer"]), number(times(r["penetration_mean_m"], 1e3)),
+                 number(times(r["penetration_max_m"], 1e3)),
                  share(r["penetration_max_share"]), number(r["travel_m"]), number(r["rod_travel_m"]), count(r["escaped"]),
                  Cell(html.escape(r["missed_gate"] or r["failure"] or "pass"), "" if r["is_compared"] else "bad")] for r in rows])
     page.head("Settings")

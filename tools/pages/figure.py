@@ -38,10 +38,10 @@ def log_ticks(low, high, most=7):
 class Scale:
     """A logarithmic axis for some values: its ends, and where each value is drawn."""
 
-    def __init__(self, values, floor=None, cap=None, also=()):
+    def __init__(self, values, floor=None, cap=None, also=(), far=FAR):
         good = sorted(v for v in values if numbers.is_number(v) and v > 0)
         middle = good[len(good) // 2] if good else 1.0
-        shown = [v for v in good if v <= min(cap or math.inf, FAR * middle) and (floor is None or v >= floor)]
+        shown = [v for v in good if v <= min(cap or math.inf, far * middle) and (floor is None or v >= floor)]
         shown += [v for v in also if numbers.is_number(v) and v > 0] or ([] if shown else [floor or middle])
         low, high = min(shown), max(shown)
         if floor is not None and any(numbers.is_number(v) and v < floor for v in values):
@@ -60,7 +60,7 @@ class Scale:
     def place(self, value):
         """(where it is drawn, whether it is off the scale); nowhere for what is no number."""
         if not numbers.is_number(value):
-            return None, value == math.inf or value is not None
+            return None, False
         if value < self.least:
             return self.least, False
         return (self.high / (self.high / self.low) ** 0.03, True) if value > self.high else (value, False)
@@ -94,10 +94,11 @@ class Panel:
     def __init__(self, title, x_label, y_label):
         self.title, self.notes = title, []
         self.fig, self.axis = plt.subplots(figsize=(WIDTH, HEIGHT))
-        self.fig.subplots_adjust(left=0.19, right=0.965, bottom=0.18, top=0.9)
-        self.axis.set_title(title if len(title) < 44 else title[:42] + "…")
+        self.fig.subplots_adjust(left=0.21, right=0.945, bottom=0.18, top=0.9)
+        self.axis.set_title(title if len(title) <= 34 else title[:33] + "…")
         self.axis.set_xlabel(x_label)
         self.axis.set_ylabel(y_label)
+        self.axis.yaxis.set_label_coords(0.045, 0.54, transform=self.fig.transFigure)  # the same whatever the ticks say
 
     def note(self, markup):
         self.notes.append(markup)
@@ -106,6 +107,11 @@ class Panel:
         """Says what is beyond the axis, a note for each series."""
         if words:
             self.note(f"Off the scale, {html.escape(series)}: {html.escape(', '.join(words))}.")
+
+    def beyond(self, xs, ys, color):
+        """Marks of what is off the scale, at its edge."""
+        if xs:
+            self.axis.plot(xs, ys, ls="none", marker="^", ms=6.5, mfc="none", mec=color)
 
     def line(self, at, name, which="h", ls=(0, (4, 3))):
         """A limit, where the axis reaches it."""
@@ -138,7 +144,7 @@ def stepped(panel, steps, series, scale, words, index_of):
                 continue
             if beyond:
                 off.append(f"{words(value)} at {step}")
-                axis.plot([x], [y], ls="none", marker="^", ms=size + 1.5, mfc="none", mec=look["color"])
+                panel.beyond([x], [y], look["color"])
             else:
                 if least is not None and most is not None and most > least:
                     low, high = scale.place(least)[0], scale.place(most)[0]

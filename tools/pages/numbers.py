@@ -9,6 +9,10 @@ def is_number(value):
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
+def times(value, factor):
+    return factor * value if is_number(value) else math.nan
+
+
 def power_of_ten(exponent):
     return "10" + str(exponent).translate(SUPERSCRIPT)
 
@@ -30,7 +34,7 @@ def grouped(text):
     """12345 -> 12 345, by a narrow space that does not break; a minus sign that is one."""
     sign, text = ("−", text[1:]) if text.startswith("-") else ("", text)
     whole, dot, rest = text.partition(".")
-    return sign + (f"{int(whole):,}".replace(",", " ") if len(whole) > 4 else whole) + dot + rest
+    return sign + (f"{int(whole):,}".replace(",", "\u202f") if len(whole) > 4 else whole) + dot + rest
 
 
 def exact(value):
@@ -40,7 +44,9 @@ def exact(value):
 
 def micro(value):
     """A signed difference of times in µs: hundredths at most."""
-    return signed(round(value, 2)) if is_number(value) else NOTHING
+    if not is_number(value) or abs(value) >= 10:
+        return signed(value)
+    return f"{value:+.2f}".replace("-", "−") if round(value, 2) else "0"
 
 
 def count(value):
@@ -68,8 +74,15 @@ def share(value):
     return f"{number(100 * value) if abs(value) >= 0.1 else grouped(f'{100 * value:.2f}')} %"
 
 
+def said(value):
+    """A share in a sentence."""
+    return share(value).replace("< ", "less than ")
+
+
 def at_most(value, write=share):
-    """For a sentence: "at most 3.1 %", "less than 0.01 %", "none"."""
+    """For a sentence: "at most 3.1 %", "less than 0.01 %"."""
+    if not is_number(value):
+        return "an unknown amount"
     words = write(value)
     return f"less than {words[2:]}" if words.startswith("< ") else f"at most {words}"
 
@@ -78,6 +91,10 @@ def points(value):
     """A difference of shares, signed, in percentage points."""
     if not is_number(value):
         return NOTHING
+    if abs(value) < 5e-5:
+        return "about 0" if value else "0"
+    if abs(value) >= 10:
+        return f"{signed(100 * value)} points"
     return f"{'+' if value > 0 else ''}{share(value).replace('%', 'points')}"
 
 

@@ -86,7 +86,7 @@ def window_of(world):
     drawn = {view: np.concatenate([o for b in world["bodies"] if b["fell"] or b["id"] == 0 for key in ("start", "direct")
                                    if (o := outline(b, b[key], view)) is not None]) for view in (SIDE, TOP)}
     size = max(np.ptp(points, axis=0).max() for points in drawn.values())
-    return {view: (points.min(axis=0) + points.max(axis=0)) / 2 for view, points in drawn.items()}, 0.75 * size
+    return {view: (points.min(axis=0) + points.max(axis=0)) / 2 for view, points in drawn.items()}, 1.2 * size
 
 
 def world_panels(page, world):
@@ -96,7 +96,7 @@ def world_panels(page, world):
         for key, title in MOMENTS:
             panel = figure.Panel(f"{title}, from the {words}" if view == SIDE else f"{title}, from {words}", "x [m]", label)
             panel.fig.set_size_inches(figure.WIDTH, figure.WIDTH * 0.99)
-            panel.fig.subplots_adjust(left=0.2, right=0.96, bottom=0.15, top=0.91)  # square: a metre is as long on both axes
+            panel.fig.subplots_adjust(left=0.2, right=0.94, bottom=0.15, top=0.89)  # square: a metre is as long on both axes
             panel.axis.set_aspect("equal", adjustable="box")
             away = draw_world(panel.axis, world, key, view, (middle[view] - size, middle[view] + size))
             if away:

@@ -2,17 +2,14 @@
 import html
 
 from pages import figure, theme
-from pages.numbers import exact, is_number, number, share, unit
+from pages.numbers import exact, is_number, number, times, unit
 from pages.page import Cell, Column
+from pages.rows import unique
 
 # factor: (key, scale to what is written, how it is written)
 FACTORS = {"rate": ("rate_Hz", 1, "{} Hz"), "delay": ("delay_ticks", 1, "delay of {} ticks"),
            "jitter": ("jitter_ticks", 1, "jitter of up to {} ticks"), "quantum": ("quantum_m", 1e6, "encoder step of {} µm")}
 MEASURED, FORMULA, ALLOWED, LINE = "measured_N_per_m", "formula_N_per_m", "allowed_N_per_m", "line_N_per_m"
-
-
-def unique(values):
-    return list(dict.fromkeys(values))
 
 
 def value_words(row):
@@ -44,7 +41,10 @@ def map_figure(data, page):
             mine = sorted((r for r in data["rows"] if r["factor"] == factor and value_words(r) == words),
                           key=lambda r: r["damping_Ns_per_m"])
             look = look_of[words]
-            none = [number(r["damping_Ns_per_m"]) for r in mine if not (is_number(r[MEASURED]) and r[MEASURED] > 0)]
+            lost = [number(r["damping_Ns_per_m"]) for r in mine if not is_number(r[MEASURED])]
+            if lost:
+                panel.note(f"{words}: no finite number at {', '.join(lost)} N s/m.")
+            none = [number(r["damping_Ns_per_m"]) for r in mine if is_number(r[MEASURED]) and r[MEASURED] <= 0]
             if none:
                 panel.note(f"{words}: no stiffness is stable at {', '.join(none)} N s/m.")
             off = [f"{unit(r[MEASURED], 'N/m')} at {number(r['damping_Ns_per_m'])} N s/m" for r in mine if y.place(r[MEASURED])[1]]
@@ -52,10 +52,13 @@ def map_figure(data, page):
             for key, ls, lw in ((FORMULA, "-", 1.2), (ALLOWED, (0, (4, 2)), 1), (LINE, (0, (1, 1.5)), 1)):
                 drawn = [r for r in mine if is_number(r[key]) and 0 < r[key]]
                 panel.axis.plot([r["damping_Ns_per_m"] for r in drawn], [r[key] for r in drawn], color=look["color"], ls=ls, lw=lw,
-                                gid=f"series {words} {key}")
+                                gid=f"series {words}")
             seen = [r for r in mine if is_number(r[MEASURED]) and r[MEASURED] > 0]
+            beyond = [r for r in seen if y.place(r[MEASURED])[1]]
+            panel.beyond([r["damping_Ns_per_m"] for r in beyond], [y.place(r[MEASURED])[0] for r in beyond], look["color"])
+            seen = [r for r in seen if r not in beyond]
             panel.axis.plot([r["damping_Ns_per_m"] for r in seen], [y.place(r[MEASURED])[0] for r in seen], ls="none",
-                            marker=look["marker"], ms=5, mfc=look["color"], mec="none", gid=f"series {words} measured")
+                            marker=look["marker"], ms=5, mfc=look["color"], mec="none", gid=f"series {words}")
         panels.append(panel.drawn(f"{page.title} map"))
     legend = [(figure.key(look_of[words]["color"], look_of[words]["marker"]), words) for words in values]
     legend += [(figure.key(theme.MUTE, "o"), "mark: measured"), (figure.key(theme.MUTE, ls="-"), "formula"),
@@ -95,7 +98,7 @@ def stability_page(data, page, what):
                 Column("formula", "N/m; 0: none is stable"), Column("allowed", "by tactus run, N/m"),
                 Column("measured / formula", "below the allowed share: not safe")],
                [[r["factor"], exact(r["rate_Hz"]), exact(r["delay_ticks"]), exact(r["jitter_ticks"]),
-                 number(1e6 * r["quantum_m"]), number(r["damping_Ns_per_m"]),
+                 number(times(r["quantum_m"], 1e6)), number(r["damping_Ns_per_m"]),
                  Cell(number(r[MEASURED]), "bad" if is_number(r[MEASURED]) and r[MEASURED] < r[ALLOWED] else ""),
                  number(r[FORMULA]), number(r[ALLOWED]),
                  number(r[MEASURED] / r[FORMULA]) if is_number(r[MEASURED]) and is_number(r[FORMULA]) and r[FORMULA] > 0 else "–"]

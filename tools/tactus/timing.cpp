@@ -71,11 +71,11 @@ void print_result(const timing::TimingResult& result, bool json) {
 }
 
 // What a person types to get the like.
-std::string command_of(const TimingCommand& command) {
+std::string command_of(const TimingCommand& command, int cpu) {
   const timing::TimingOptions& o = command.options;
   std::string text =
       fmt::format("tactus timing --duration {:g} --rate {:g} --cpu {} --priority {} --ratio {} --load {}", o.duration_s,
-                  o.run.rate_Hz, o.run.cpu, o.run.priority, o.ratio, command.load);
+                  o.run.rate_Hz, cpu, o.run.priority, o.ratio, command.load);
   text += o.run.scene.empty() ? fmt::format(" --members {} --sub-steps {}", o.members, o.sub_steps)
                               : " --scene " + o.run.scene.string();
   if (command.no_bare) text += " --no-bare";
@@ -106,7 +106,7 @@ int run_timing_command(TimingCommand& command) {
     return complain("tactus timing: stopped before a tick was measured", kExitMachineCannot);
   print_result(*result, command.json);
   for (const int failed :
-       {write_file(command.svg, timing::to_svg(*result, provenance(command_of(command)))),
+       {write_file(command.svg, timing::to_svg(*result, provenance(command_of(command, result->options.run.cpu)))),
         command.trace.empty() ? kExitGood : write_file(command.trace, timing::trace_json(result->books)),
         certify(command, *result)})
     if (failed != kExitGood) return failed;

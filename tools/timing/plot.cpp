@@ -72,7 +72,7 @@ namespace {
 
 // What is drawn where, px. Narrow, so that a window of 400 px still shows text that can be read.
 constexpr double kWidth = 560, kLeft = 96, kRight = 22, kPlotHeight = 300, kLine = 16;
-constexpr std::size_t kWordsBold = 58, kWords = 72;  // characters that fit a line of the sentence, of the rest
+constexpr std::size_t kWordsBold = 68, kWords = 84;  // characters that fit a line of the sentence, of the rest
 
 // Text and paper are 4.5 : 1 apart or more, curves and paper 3 : 1, light and dark; printed it is light.
 constexpr const char* kStyle =
@@ -82,7 +82,7 @@ constexpr const char* kStyle =
     "@media screen and (prefers-color-scheme:dark){svg{--paper:#14171a;--ink:#e6e6e7;--mute:#a9afb6;--grid:#33383e;"
     "--c0:#5db5f2;--c1:#ff8d4d;--c2:#3fcfa3;--c3:#b9a6ff;--limit:#ff9a66}}"
     "text{fill:var(--ink)}.answer{font-weight:bold;font-size:13px}.made{fill:var(--mute);font-size:11px}"
-    ".grid{stroke:var(--grid)}.limit{stroke:var(--limit);stroke-dasharray:6 3}.limit-word{fill:var(--limit)}"
+    ".grid{stroke:var(--grid)}.limit{stroke:var(--limit);stroke-dasharray:4 2 1 2;stroke-width:1.4}"
     ".series{fill:none}.s0{stroke:var(--c0);stroke-width:2.6}.s1{stroke:var(--c1);stroke-width:2;stroke-dasharray:7 3}"
     ".s2{stroke:var(--c2);stroke-width:1.6;stroke-dasharray:2 2}"
     ".s3{stroke:var(--c3);stroke-width:1.6;stroke-dasharray:8 3 2 3}</style>\n";
@@ -187,12 +187,14 @@ void draw_axes(Drawing& drawing, const Decades& x, const Decades& y) {
 }
 
 // What was measured, each with its sample of a line; gives back where it ends.
-double draw_key(Drawing& drawing, const std::vector<const Curve*>& drawn, double top) {
+double draw_key(Drawing& drawing, const std::vector<const Curve*>& drawn, double mark_us, double top) {
   for (std::size_t i = 0; i < drawn.size(); ++i, top += kLine) {
     drawing.line(fmt::format("series s{}", i).c_str(), 8, top - 4, 48, top - 4);
     drawing.label("key", 56, top, "start", drawn[i]->name);
   }
-  return top;
+  drawing.line("limit", 8, top - 4, 48, top - 4);
+  drawing.label("key", 56, top, "start", "deadline, " + time_text(mark_us));
+  return top + kLine;
 }
 
 }  // namespace
@@ -220,16 +222,13 @@ std::string histogram_svg(const std::string& sentence, const Provenance& made, c
       drawn.push_back(&curve);
       most = std::max(most, curve.times->count());
     }
-  top = draw_key(drawing, drawn, top + 10) + 34;
   const double mark_us = static_cast<double>(mark_ns) * 1e-3;
+  top = draw_key(drawing, drawn, mark_us, top + 10) + 34;
   const Decades x = time_axis(curves, mark_us);
   const Decades y{0, std::ceil(std::log10(static_cast<double>(most)) - 1e-9), top, top + kPlotHeight};
   draw_axes(drawing, x, y);
   for (std::size_t i = 0; i < drawn.size(); ++i) drawing.curve(i, *drawn[i], falling(*drawn[i]->times, x, y));
   drawing.line("limit", x.at(mark_us), y.start, x.at(mark_us), y.end);
-  const bool right = x.at(mark_us) > x.start + 130;  // room for the words on its left
-  drawing.label("limit-word", x.at(mark_us) + (right ? -5 : 5), y.start + 14, right ? "end" : "start",
-                fmt::format("deadline, {}", time_text(mark_us)));
   const double height = y.end + 52;
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} {1:.0f}\" "

@@ -196,7 +196,7 @@ std::string answer(const TimingResult& r) {
       "later than {:.0f} \u00b5s, the last {:.0f} \u00b5s, of {:.0f} \u00b5s; verdict: {}.",
       b.ticks, r.options.run.rate_Hz, b.members_max, overruns, us(b.done.percentile_ns(50)),
       us(b.done.percentile_ns(99)), us(b.done.max_ns()), static_cast<double>(b.settings().period_ns) * 1e-3,
-      name_of(r.verdict()));
+      verdict_line(r));
 }
 
 }  // namespace
@@ -204,7 +204,7 @@ std::string answer(const TimingResult& r) {
 std::string to_svg(const TimingResult& r, const Provenance& made) {
   const Books& b = r.books;
   return histogram_svg(answer(r), made,
-                       {{"done, from the deadline's start on", &b.done},
+                       {{"done, from the period's start on", &b.done},
                         {"wake-up of the loop", &wake(r)},
                         {"wake-up of the bare timer", &b.bare_wake},
                         {"wake-up of cyclictest", &r.cyclictest_wake}},

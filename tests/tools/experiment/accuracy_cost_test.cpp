@@ -66,6 +66,14 @@ TEST_CASE("Accuracy has a price: more sub-steps cost more, and all that was meas
         "world_precision", "force_error_rms", "tick_us_p50", "tick_us_p99", "instructions", "on_front"})
     CHECK(json["points"][0].contains(key));
   CHECK(std::any_of(json["points"].begin(), json["points"].end(), [](const auto& p) { return p["on_front"] == true; }));
+  // One hand: what is said of it is what is said of all.
+  for (const CostPoint& point : report.value().points) {
+    CHECK(point.force_error_by_seed == std::vector<double>{point.force_error});
+    CHECK(point.tick_us_by_seed == std::vector<double>{point.tick_us_p50});
+  }
+  CHECK(json["points"][0]["force_error_by_seed"].size() == 1);
+  CHECK(json["period_us"] == 1000);
+  CHECK(json["budget_us"] == Approx(600));  // what the governor gives to computing
   // All bodies members: no border, so that what is left is the solver's own error, below that of a border that keeps
   // the outside at rest.
   const auto whole = std::find_if(report.value().points.begin(), report.value().points.end(),

@@ -11,12 +11,12 @@ using namespace tactus::experiment;
 
 namespace {
 
-StudyReport study_of(const std::string& scene, const std::vector<Scheme>& schemes) {
+StudyReport study_of(const std::string& scene, const std::vector<Scheme>& schemes, unsigned seeds = 1) {
   StudyRequest request;
   for (const CouplingCase& one : coupling_cases())
     if (one.name == scene) request.cases.push_back(one);
   request.schemes = schemes;
-  request.seeds = 1;
+  request.seeds = seeds;
   request.quick = true;
   auto report = run_coupling_study(request, {});
   REQUIRE(report.ok());
@@ -54,6 +54,23 @@ TEST_CASE("The direct coupling measured against itself has no error") {
   CHECK(row.stable);
   CHECK(report.scenes[0].contact_share > 0.8);
   CHECK(report.scenes[0].apart_force_error > 0);
+}
+
+TEST_CASE("Each hand's figures stand beside those of all, which lie among them") {
+  const StudyReport report = study_of("chain", {{kSubWorld, physics::BorderMode::kFrozen, 8}}, 2);
+  REQUIRE(report.rows.size() == 1);
+  const StudyRow& row = report.rows[0];
+  REQUIRE(row.by_seed.size() == 2);
+  const auto [least, most] = std::minmax(row.by_seed[0].force_error, row.by_seed[1].force_error);
+  CHECK(least < most);
+  CHECK(row.force_error > least);
+  CHECK(row.force_error < most);
+  const auto json = nlohmann::json::parse(study_json(report));
+  CHECK(json["rows"][0]["by_seed"][1]["force_error_rms"] == row.by_seed[1].force_error);
+  // The first of two is the only one of one: hands are counted down.
+  const StudyRow alone = study_of("chain", {{kSubWorld, physics::BorderMode::kFrozen, 8}}).rows[0];
+  CHECK(alone.by_seed.size() == 1);
+  CHECK(alone.by_seed[0].force_error == row.by_seed[1].force_error);
 }
 
 TEST_CASE("A border costs accuracy, and what the study says is in its JSON and its CSV") {

@@ -10,6 +10,7 @@
 #include "tools/experiment/allocation_count.h"
 #include "tools/experiment/page.h"
 #include "tools/experiment/scaling.h"
+#include "tools/version/provenance.h"
 
 using namespace tactus::experiment;
 
@@ -118,6 +119,14 @@ TEST_CASE("The page of the rows is one file, or says what it needs") {
   std::filesystem::remove(path);
   CHECK(page.find("the deepest overlap") != std::string::npos);
   CHECK(page.find("<svg") != std::string::npos);
+  const tactus::Provenance made = tactus::provenance("tactus experiment peers");
+  for (const std::string& words : {made.version, made.built_for, made.command})
+    CHECK(page.find(words) != std::string::npos);
+  const auto refused =
+      write_page("peers", peers_json({row, peer}), "tactus experiment peers", "/nonexistent/page.html");
+  CHECK(refused.message() == "--page: /nonexistent/page.html: cannot be written");
+  const auto failed = write_page("peers", "{}", "tactus experiment peers", path);
+  CHECK(failed.message().find("failed, as it says above") != std::string::npos);
 }
 
 TEST_CASE("An allocation is counted") {
