@@ -117,7 +117,8 @@ void Session::Parts::step(std::uint64_t ticks) {
   }
   stop.store(false, std::memory_order_relaxed);
   history_size = static_cast<std::size_t>(std::min<std::uint64_t>(done, room));
-  if (done > room) std::ranges::rotate(history, history.begin() + static_cast<std::ptrdiff_t>(done % room));
+  if (done > room)
+    std::rotate(history.begin(), history.begin() + static_cast<std::ptrdiff_t>(done % room), history.end());
   view_is_old = view_is_old || done > 0;
 }
 
@@ -136,7 +137,7 @@ std::uint64_t Session::Parts::take_ticks() {
   history_size = static_cast<std::size_t>(std::min<std::uint64_t>(taken, room));
   if (taken > room) {
     lost += taken - room;
-    std::ranges::rotate(history, history.begin() + static_cast<std::ptrdiff_t>(taken % room));
+    std::rotate(history.begin(), history.begin() + static_cast<std::ptrdiff_t>(taken % room), history.end());
   }
   if (history_size > 0) last = history[history_size - 1];
   return lost;
