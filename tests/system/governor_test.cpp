@@ -1,6 +1,7 @@
 // What the governor of a run chose, as the run counts it.
 #include <bit>
 
+#include "rt/loop/timed_tick.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;

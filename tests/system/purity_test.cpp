@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <mutex>
 
+#include "rt/loop/timed_tick.h"
 #include "tests/support/rt_guard.h"
 #include "tests/support/skip.h"
 #include "tests/system/session_bench.h"

@@ -1,6 +1,7 @@
 #include "tools/session/virtual_run.h"
 
 #include "rt/base/denormals.h"
+#include "rt/loop/timed_tick.h"
 
 namespace tactus::session {
 
@@ -13,7 +14,7 @@ double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps
   return predict_ns(loop::CostModel{}, counts, sub_steps);
 }
 
-VirtualRun::VirtualRun(Session& session) : session_(session), timed_tick_(*session.driver, 0) {
+VirtualRun::VirtualRun(Session& session) : session_(session) {
   if (session.global == nullptr) return;
   server_.emplace(*session.global, *session.exchange);
   server_->publish_first();
@@ -25,7 +26,9 @@ Status VirtualRun::check(const Session& session) {
 
 const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
   if (server_) serve_world();
-  timed_tick_({}, [&]() noexcept { return session_.operator_bits(asked); });
+  // The driver is another one after Session::record.
+  loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick(*session_.driver, 0);
+  timed_tick({}, [&]() noexcept { return session_.operator_bits(asked); });
   session_.count_tick();
   if (session_.drain != nullptr && tick_ % 64 == 0) session_.drain->drain();
   ++tick_;

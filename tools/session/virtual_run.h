@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 
-#include "rt/loop/timed_tick.h"
 #include "tools/session/session.h"
 
 namespace tactus::session {
@@ -35,7 +34,6 @@ class VirtualRun {
   std::uint64_t stall_ticks();
 
   Session& session_;
-  loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick_;
   std::optional<sim::SnapshotServer> server_;  // none with the direct coupling
   std::uint64_t tick_{0};
   std::size_t next_stall_{0};
