@@ -142,6 +142,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
                   static_cast<std::uint32_t>(scene.effect_data.joints.size()),
                   physics::Softness<double>::added_inertia(settings_.contact_hertz, settings_.contact_damping_ratio,
                                                            settings_.dt)),
+      buffer_choice_(capacities_for(scene).bodies),
       bounds_(capacities_for(scene).bodies),
       free_(capacities_for(scene).bodies),
       held_(capacities_for(scene).bodies) {

@@ -22,6 +22,7 @@
 #include "sim/energy_book.h"
 #include "sim/interface/approach.h"
 #include "sim/interface/border_log.h"
+#include "sim/interface/buffer_choice.h"
 #include "sim/interface/extraction.h"
 #include "sim/island_manager.h"
 #include "sim/loader/scene.h"
@@ -51,6 +52,9 @@ struct GlobalStatistics {
   std::uint32_t comparisons{0};                      // of boxes, to find its contacts
   std::uint32_t most_pairs{0}, most_contacts{0}, most_members{0}, most_component{0}, most_border_points{0};
   std::uint32_t most_close_left_out{0};
+  // Members that the global world keeps for their uneven masses (buffer_choice.h): at once, and cycles with any.
+  std::uint32_t most_uneven_members{0};
+  std::uint64_t uneven_cycles{0};
   std::uint64_t joins{0}, leaves{0};
   std::uint64_t dropped_entries{0};  // of snapshots: border points and warm starts that did not fit
   std::uint64_t rejected_states{0};  // members whose reported state was not finite
@@ -178,6 +182,7 @@ class GlobalWorld {
   ContactGraph graph_;
   Approach approach_;
   BorderLog border_log_;
+  BufferChoice buffer_choice_;
   std::vector<Device> devices_;
   std::vector<Touch> touches_;
   std::vector<physics::Aabb<double>> bounds_;

@@ -127,19 +127,15 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   count(device, next);
 }
 
-// The last buffer's bodies get the state found here. The new one has the members that an outside body touches or a
-// joint holds; never the proxy, which the device holds.
+// The last buffer's bodies get the state found here.
 void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
   const auto bodies = islands_.bodies();
   for (const std::uint32_t place : device.extraction.members())
     if (device.buffer[place] != 0)
       (void)next.renewed.try_push({bodies[place].id, 0, bodies[place].motion});  // as many as members, at most
-  std::fill(device.buffer.begin(), device.buffer.end(), std::uint8_t{0});
-  for (const Touch& touch : graph_.touches()) {
-    const bool a = device.extraction.is_member(touch.a);
-    if (a != device.extraction.is_member(touch.b)) device.buffer[a ? touch.a : touch.b] = 1;
-  }
-  device.buffer[device.proxy] = 0;
+  const std::uint32_t uneven = buffer_choice_.choose(bodies, device.extraction, graph_, device.proxy, device.buffer);
+  statistics_.most_uneven_members = std::max(statistics_.most_uneven_members, uneven);
+  if (uneven > 0) ++statistics_.uneven_cycles;
   for (const std::uint32_t place : device.extraction.members())
     if (device.buffer[place] != 0) (void)next.buffer.try_push(bodies[place].id);
 }

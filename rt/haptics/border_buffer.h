@@ -1,5 +1,5 @@
-// The buffer of a sub-world: the members that touch outside bodies. Both worlds simulate them, and the global world
-// keeps their state. The other members, the inner ones, are the sub-world's own; the proxy always is.
+// The buffer of a sub-world: the members that touch outside bodies, and groups of uneven masses. Both worlds simulate
+// them, the global world keeps their state. The other members, the inner ones, are the sub-world's own, as the proxy.
 //
 // A sub-world knows what rests on its outermost members only by ghosts (border_ghost.h). If it owned those members,
 // each error of a ghost would be imposed on the global world, come back with the next snapshot, and add up: a stack
@@ -22,7 +22,7 @@
 // comes to lie elsewhere at the synchronisation, they have slid on each other without sliding: the sum of it lets the
 // proxy creep, off a plank that it presses in within 20 s. So the proxy goes with the body's point that it holds,
 // along the surface. In whole runs of 20 s (tests/border/README.md) the force in the crib at ratio 16 is then off by
-// 2.8 % instead of 7.5 %, that on a hanging link by 8 to 17 % instead of 23 to 25 %.
+// 2.8 % instead of 7.5 %.
 // Thread: construction is [setup]; the rest [rt], the haptic thread. Frame: world. Units: SI. Bound: kMaxMembers
 // bodies. Source: restricted additive Schwarz with overlap (Cai, Sarkis 1999).
 #pragma once

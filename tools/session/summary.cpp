@@ -221,6 +221,16 @@ std::string border_energy_text(const RunSummary& s) {
       s.global.border_work_J, s.global.imposed_energy_J, s.global.handed_back_energy_J);
 }
 
+// Cuts that no border holds were not made: who of the members was left to the global world, and why.
+std::string uneven_text(const RunSummary& s) {
+  if (!s.has_global || s.global.uneven_cycles == 0) return {};
+  return fmt::format(
+      "border at uneven masses\n  up to {} members in {} cycles were left to the global world: masses linked to them "
+      "differ "
+      "by more than {:g}\n",
+      s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMostUneven);
+}
+
 }  // namespace
 
 bool RunSummary::fault_latched() const noexcept {
@@ -267,7 +277,7 @@ std::string to_text(const RunSummary& s) {
   if (s.simulated())
     text += fmt::format("  {:<22} by the hand {:+.4f} J, by the motors {:+.4f} J\n", "work on the device",
                         s.hand_work_J, s.motor_work_J);
-  text += border_energy_text(s);
+  text += border_energy_text(s) + uneven_text(s);
   text += status_text(s);
   text += faults_text(s);
   if (s.stats.capacity_bits != 0)
@@ -388,6 +398,8 @@ json to_json(const RunSummary& s) {
     border["global_work_on_members_J"] = s.global.border_work_J;
     border["imposed_J"] = s.global.imposed_energy_J;
     border["returned_J"] = s.global.handed_back_energy_J;
+    j["global_world"]["uneven_members_most"] = s.global.most_uneven_members;
+    j["global_world"]["uneven_cycles"] = s.global.uneven_cycles;
   }
   if (s.simulated()) {
     j["energy"]["hand_work_J"] = s.hand_work_J;

@@ -175,14 +175,13 @@ void BorderSolver<T>::press(Row& row, SolverBody<T>& body, const SymMat3<T>& ine
   T bias{};
   if (gap > T(0)) {
     bias = gap * rule.inverse_h;
-  } else if (biased) {
+  } else if (biased && may_give_) {  // else rigid: nothing is pushed out, and nothing let go
     soft = rule.softness;
     if (row.ghost != kNoGhost) {
       soft.mass_scale = T(1) / (T(1) + row.own_share * soft.impulse_scale / soft.mass_scale);
       soft.impulse_scale = T(1) - soft.mass_scale;
     }
-    if (may_give_)
-      bias = std::max(soft.mass_scale * soft.bias_rate * std::min(T(0), gap + rule.slop), -rule.max_push_speed);
+    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(T(0), gap + rule.slop), -rule.max_push_speed);
   }
   const T u = dot(row.n, slip(row, body));
   const T wanted =

@@ -83,6 +83,13 @@ void Joints<T>::enter(StageTable<T>& table) noexcept {
 }
 
 template <class T>
+bool Joints<T>::is_sound(const Anchor& anchor) noexcept {
+  const Vec3<T>& i = anchor.inverse_inertia;
+  return is_finite(anchor.motion.pose) && is_finite(anchor.motion.velocity) && std::isfinite(anchor.inverse_mass) &&
+         anchor.inverse_mass >= T(0) && is_finite(i) && i.x >= T(0) && i.y >= T(0) && i.z >= T(0);
+}
+
+template <class T>
 std::uint32_t Joints<T>::slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept {
   return id == kNoBody ? kNoSlot : find_slot(bodies, id);
 }
@@ -137,7 +144,12 @@ void Joints<T>::add_row(StageContext<T>& c, std::uint32_t k, std::uint32_t slot_
     const std::uint32_t fixed = slot_of(c.fixed_bodies, id);
     row.anchored = fixed == kNoSlot && id != kNoBody;
     if (fixed != kNoSlot) row.outside_motion = {c.fixed_bodies[fixed].motion.pose, {}};
-    if (row.anchored) row.outside_motion = anchor_of(k)->motion;
+    if (row.anchored) {
+      const Anchor& anchor = *anchor_of(k);
+      row.outside_motion = anchor.motion;
+      row.own_inverse_mass = anchor.inverse_mass;
+      row.own_inverse_inertia = rotate_diagonal(anchor.motion.pose.rotation, anchor.inverse_inertia);
+    }
   }
   const Pose<T>& a = slot_a == kOutside ? row.outside_motion.pose : c.bodies[slot_a].motion.pose;
   const Pose<T>& b = slot_b == kOutside ? row.outside_motion.pose : c.bodies[slot_b].motion.pose;
@@ -169,7 +181,8 @@ void Joints<T>::save(ByteWriter& out) const noexcept {
   for (const JointState<T>& s : states_)  // field by field: the struct has padding
     out.put(s.effort), out.put(s.force), out.put(s.torque), out.put(s.coordinate), out.put(s.broken);
   out.put(anchors_.size());
-  for (const Anchor& anchor : anchors_) out.put(anchor.joint), out.put(anchor.motion);
+  for (const Anchor& anchor : anchors_)
+    out.put(anchor.joint), out.put(anchor.motion), out.put(anchor.inverse_mass), out.put(anchor.inverse_inertia);
 }
 
 template <class T>
@@ -187,9 +200,9 @@ bool Joints<T>::restore(ByteReader& in) noexcept {
   bool good = in.ok() && count <= anchors_.capacity();
   for (std::uint32_t i = 0; good && i < count; ++i) {
     Anchor anchor;
-    in.get(anchor.joint), in.get(anchor.motion);
+    in.get(anchor.joint), in.get(anchor.motion), in.get(anchor.inverse_mass), in.get(anchor.inverse_inertia);
     good = in.ok() && anchor.joint < joints_.size() && (i == 0 || anchors_[i - 1].joint < anchor.joint) &&
-           is_finite(anchor.motion.pose) && is_finite(anchor.motion.velocity) && anchors_.try_push(anchor);
+           is_sound(anchor) && anchors_.try_push(anchor);
   }
   for (JointState<T>& state : states_)
     if (!is_finite_effort(state.effort) || !is_finite(state.force) || !is_finite(state.torque) || state.broken > 1)
@@ -198,7 +211,7 @@ bool Joints<T>::restore(ByteReader& in) noexcept {
 }
 
 // Count, then for each joint with a body inside: its number, whether it is broken (1), whether one of its bodies is
-// outside (2), its effort, and the outside body's motion where there is one.
+// outside (2), its effort, and the outside body's motion and inverse masses where there is one.
 template <class T>
 void Joints<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
                           std::span<const std::uint8_t> inside) const noexcept {
@@ -223,7 +236,10 @@ void Joints<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
   out.put(count);
   each([&](std::uint32_t k, std::uint32_t beyond) noexcept {
     out.put(k), out.put(states_[k].broken | (beyond != kNoSlot ? kAnchored : 0u)), out.put(states_[k].effort);
-    if (beyond != kNoSlot) out.put(bodies[beyond].motion);
+    if (beyond == kNoSlot) return;
+    const Body<T>& body = bodies[beyond];
+    out.put(body.motion), out.put(T(1) / body.mass);
+    out.put(Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
   });
 }
 
@@ -243,10 +259,8 @@ bool Joints<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, bool 
     std::uint32_t flags = 0;
     JointEffort<T> effort;
     in.get(anchor.joint), in.get(flags), in.get(effort);
-    if ((flags & kAnchored) != 0) in.get(anchor.motion);
-    if (!in.ok() || anchor.joint >= joints_.size() || !is_finite_effort(effort) || !is_finite(anchor.motion.pose) ||
-        !is_finite(anchor.motion.velocity))
-      return false;
+    if ((flags & kAnchored) != 0) in.get(anchor.motion), in.get(anchor.inverse_mass), in.get(anchor.inverse_inertia);
+    if (!in.ok() || anchor.joint >= joints_.size() || !is_finite_effort(effort) || !is_sound(anchor)) return false;
     const Joint<T>& joint = joints_[anchor.joint];
     JointState<T>& state = states_[anchor.joint];
     const bool known =

@@ -6,7 +6,13 @@
 // of bounded effort. Axes, levers and masses are those of the start of the sub-step. Order in a sweep: joint after
 // joint by B's id, in a joint axis, torques, forces. A joint whose one body is another world's holds on to its ghost,
 // which answers by its admittance (border_ghost.h); where there is none, to where that body goes by its last known
-// velocity (an anchor). Source: Catto, soft constraints; block rows as in his Box2D.
+// velocity (an anchor).
+// Against a ghost the spring is that of the two bodies alone, whatever moves with the outside one, as a border
+// contact's is (border_solver.h): with A = J W J^T of body and ghost and A' that of the two bodies, the biased sweep
+// solves (A + A' / a2) dp = -(u + rate error + A' / a2 p), a2 of softness.h. With A for A' a ghost that much moves with
+// makes the spring up to twice as firm as the global world's: what hangs on it is lifted by half of its sag in each
+// cycle and put back at each synchronisation (tests/border/hanging.toml: 2.7 um of 6), and what holds it by friction
+// slips. Source: Catto, soft constraints; block rows as in his Box2D.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: linear in the
 // joints of the bodies that are here, x log bodies.
 #pragma once
@@ -53,6 +59,8 @@ class Joints {
   struct Anchor {
     std::uint32_t joint{0};
     BodyMotion<T> motion;
+    T inverse_mass{};         // 1/kg,
+    Vec3<T> inverse_inertia;  // 1/(kg m^2), body frame: of that body alone, whatever moves with it
   };
   struct Row {
     std::uint32_t joint{0}, slot_a{kOutside}, slot_b{kOutside};
@@ -69,6 +77,12 @@ class Joints {
     T coordinate{};
     SymMat3<T> linear_mass, angular_mass;
     T axis_mass{};
+    // Against a ghost, in the biased sweep: (A + A' / a2)^-1 and A' / a2, of forces, torques and the coordinate; and
+    // what the ghost's body is alone (0: nothing moves it).
+    T own_inverse_mass{};
+    SymMat3<T> own_inverse_inertia;  // world
+    SymMat3<T> linear_soft_mass, linear_give, angular_soft_mass, angular_give;
+    T axis_soft_mass{}, axis_give{};
     JointEffort<T> now, kept;       // N s, N m s
     Vec3<T> sum_force, sum_torque;  // N s, N m s, on B, world, over the step
     Twist<T> start_velocity;        // of the frame on the side that is here
@@ -79,6 +93,7 @@ class Joints {
     GhostState<T>* ghost{nullptr};  // the body is its image
   };
 
+  static bool is_sound(const Anchor& anchor) noexcept;
   static std::uint32_t slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept;
   std::span<const std::uint32_t> joints_of(BodyId id) const noexcept;
   const Anchor* anchor_of(std::uint32_t joint) const noexcept;
@@ -86,6 +101,8 @@ class Joints {
   Side side(StageContext<T>& c, Row& row, std::uint32_t slot) noexcept;
   void measure(const StageContext<T>& c, Row& row, const SolverBody<T>& a, const SolverBody<T>& b) const noexcept;
   void fill_masses(Row& row, const Side& a, const Side& b) const noexcept;
+  void fill_give(Row& row, const Side& a, const Side& b, const Softness<T>& softness) const noexcept;
+  void take_own_mass(Row& row, const StageContext<T>& c) const noexcept;
   void add_row(StageContext<T>& c, std::uint32_t joint, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
 
   void find_active(StageContext<T>& c) noexcept;

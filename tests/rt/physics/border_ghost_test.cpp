@@ -85,6 +85,18 @@ TEST_CASE("A load sinks as deep into a ghost as into the outside body, whatever 
   CHECK(std::abs(b.velocity().x) < 1e-6);
 }
 
+TEST_CASE("With an empty tank a ghost still carries a load") {
+  GhostBench b({});
+  const double load = 9;
+  for (int k = 0; k < 1000; ++k) {
+    b.bench.world.border_budget_J = 0;
+    b.pull({-load, 0, 0});
+    b.bench.step();
+  }
+  CHECK(std::abs(b.contact().gap) < 1e-8);
+  CHECK(b.contact().step_normal_impulse == Approx(load * b.bench.settings.dt).epsilon(1e-6));
+}
+
 TEST_CASE("A hand that pushes a member feels the mass of all that moves with the ghost") {
   const double row = 15 * kMass, force = 4;
   GhostBench b(free_mass(row));

@@ -125,3 +125,46 @@ TEST_CASE("A ghost that may not give does no work on a body through a joint") {
   else
     CHECK(one.border_J <= 0);
 }
+
+namespace {
+
+// B hangs below A, by a joint halfway between them; A is known by a ghost that all but nothing moves.
+struct HangingBench : Bench {
+  static constexpr double kBelow = 0.1;
+
+  explicit HangingBench(JointKind kind) : Bench(kind) {
+    Joint<double>& joint = joints[0];
+    joint.a_from_joint = {{0, 0, -0.5 * kBelow}, {}}, joint.b_from_joint = {{0, 0, 0.5 * kBelow}, {}};
+    if (kind == JointKind::kDistance) joint.a_from_joint = joint.b_from_joint = {}, joint.low = joint.high = kBelow;
+    Bench both(kind);
+    REQUIRE(both.world.insert(body_of(kA)));
+    both.tell_of_a(*this);
+    add_ghost();
+    world.border_ghosts()[0].admittance = {SymMat3<double>::identity(1e-9), SymMat3<double>::identity(1e-9), {}};
+    world.bodies()[0].motion = {{{0, 0, -kBelow}, {}}, {}};
+    settings.gravity = {0, 0, -kGravity};
+  }
+  double sag() const { return -kBelow - motion(kB).pose.position.z; }
+};
+
+}  // namespace
+
+TEST_CASE("What hangs on a ghost hangs as low as on its body, whatever moves with that") {
+  const auto kind = GENERATE(JointKind::kFixed, JointKind::kBall, JointKind::kSlider, JointKind::kDistance);
+  CAPTURE(static_cast<int>(kind));
+  HangingBench b(kind);
+  if (kind == JointKind::kSlider) b.joints[0].limited = true, b.joints[0].low = b.joints[0].high = 0;
+  b.step(400);
+  // k = m w^2 of the pair's own mass: with the ghost's it would be that of B alone.
+  const double omega = 2 * 3.14159265358979323846 * b.settings.contact_hertz;
+  CHECK(b.sag() == Approx(kMassB * kGravity * (1 / kMassA + 1 / kMassB) / (omega * omega)).epsilon(0.01));
+}
+
+TEST_CASE("With an empty tank a ghost still holds what hangs on it") {
+  const auto kind = GENERATE(JointKind::kFixed, JointKind::kBall, JointKind::kDistance);
+  CAPTURE(static_cast<int>(kind));
+  HangingBench b(kind);
+  b.world.border_budget_J = 0;
+  b.step(1000);
+  CHECK(std::abs(b.sag()) < 1e-6);
+}
