@@ -41,8 +41,8 @@ float share_within_norm(const float* base, const float* sum, float sum_squared, 
   if (base_squared == 0.0f) return max_norm / __builtin_sqrtf(sum_squared);
   const float room = max_norm * max_norm - base_squared;
   if (!(room > 0.0f) || !(step_squared > 0.0f)) return 0.0f;
-  // With t = s |step| and the unit vector d along the step: t^2 + 2 t (base . d) + |base|^2 = max_norm^2. No power above
-  // the second: a fourth underflows at 1e-10 N.
+  // With t = s |step| and the unit vector d along the step: t^2 + 2 t (base . d) + |base|^2 = max_norm^2. No power
+  // above the second: a fourth underflows at 1e-10 N.
   const float length = __builtin_sqrtf(step_squared);
   float along = 0.0f;
   for (unsigned i = 0; i < 3; ++i) along += base[i] * ((sum[i] - base[i]) / length);

@@ -81,7 +81,7 @@ constexpr EffectInfo kEffects[] = {
     {"texture", &Effects::texture, has_grain, "no body has a texture_height_m",
      "a look at every contact; three sines a point of the proxy's on a grained surface"},
     {"transients", &Effects::transients, rings, "no body has a transient_strength_Ns_per_m",
-     "a look at every contact; a sine and a cosine for each blow that still rings"},
+     "a look at every contact; a sine and a cosine for each impact that still rings"},
 };
 
 template <class T>

@@ -143,7 +143,8 @@ void EffectReader::read_body(TableReader& table, Body<double>& body) {
   if (table.flag("kinematic", false) && body.kind == BodyKind::kDynamic) return read_script(table, body);
   if (table.has("kinematic") && body.kind == BodyKind::kFixed && table.flag("kinematic", false))
     table.mistake("kinematic", "a fixed body does not move", "false, or no fixed");
-  table.refuse("path", "only a kinematic body follows a path", "kinematic = true, or no path");
+  for (const char* key : {"path", "repeat_path"})
+    table.refuse(key, "only a kinematic body follows a path", std::string("kinematic = true, or no ") + key);
 }
 
 void EffectReader::read_script(TableReader& table, Body<double>& body) {

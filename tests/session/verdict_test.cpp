@@ -56,7 +56,7 @@ TEST_CASE("a run against which nothing is to be said is good, in one word") {
   CHECK(verdict.line() == "good");
   CHECK(verdict.text().empty());
   CHECK(verdict.exit_code() == 0);
-  CHECK(verdict.rulings.size() == 10);
+  CHECK(verdict.rulings.size() == 11);
 }
 
 TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure, and how to cure it") {
@@ -65,6 +65,8 @@ TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure
        [](RunSummary& s) {
          REQUIRE(s.stats.faults.try_push({5, Fault::kEmergencyStop, 0}));
        }},
+      {"samples", Level::kDegraded, "in 20 ticks no sample came, in 5 it was refused",
+       [](RunSummary& s) { s.stats.ticks = 2000, s.stats.status_ticks[0] = 20, s.stats.status_ticks[2] = 5; }},
       {"own-work", Level::kBad, "1 ticks were lost to the program's own work",
        [](RunSummary& s) { s.overruns_own_work = 1; }},
       {"scene", Level::kBad, "bodies 1 and 2 overlap by 0.02 m",

@@ -19,7 +19,8 @@ struct Access {
   // Ranges and combinations of the options alone. `duration_s`: of the run, 0 until stopped.
   static Error check(const Options& options, double duration_s);
   static Error open(Session& session, const Scene& scene, const Options& options, Device* device = nullptr);
-  static const sim::Scene& scene(const Scene& scene);    // not of an empty one
+  static const sim::Scene& scene(const Scene& scene);  // not of an empty one
+  static const std::filesystem::path& file(const Scene& scene);
   static session::Session& session(Session& session);    // of an open one
   static session::RunSummary summary(Session& session);  // of one that was opened; ends a tape
 };

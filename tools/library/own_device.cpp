@@ -93,7 +93,7 @@ Status OwnDevice::start() {
 
 void OwnDevice::read(haptics::DeviceInput& input) noexcept {
   ++reads_;
-  DeviceSample sample = last_;
+  DeviceSample sample{last_.position_m, last_.rotation, 0, 0};
   const Reading reading = device_.read(sample);
   if (reading == Reading::kFresh) {
     last_ = sample;

@@ -43,14 +43,20 @@ const sim::Scene& library::Access::scene(const Scene& scene) {
   return *static_cast<const sim::Scene*>(scene.scene_.get());
 }
 
+const std::filesystem::path& library::Access::file(const Scene& scene) { return scene.file_; }
+
 Error Scene::load(const std::filesystem::path& file) {
   sim::SceneDiagnostics said;
-  return take(sim::load_scene(file, &said), said, scene_, warnings_);
+  Error error = take(sim::load_scene(file, &said), said, scene_, warnings_);
+  if (!error) file_ = file;
+  return error;
 }
 
 Error Scene::parse(std::string_view text, std::string_view name) {
   sim::SceneDiagnostics said;
-  return take(sim::parse_scene(text, name, &said), said, scene_, warnings_);
+  Error error = take(sim::parse_scene(text, name, &said), said, scene_, warnings_);
+  if (!error) file_.clear();
+  return error;
 }
 
 std::string Scene::name() const { return empty() ? std::string() : Access::scene(*this).name; }

@@ -57,6 +57,7 @@ Error Access::open(Session& session, const Scene& scene, const Options& options,
   session.parts_.reset();
   if (!read.ok()) return {Kind::kOption, read.message()};
   parts->run_options = std::move(read).value();
+  parts->run_options.scene = file(parts->scene);
   if (device != nullptr) {
     if (parts->options.device != "sim" || !parts->options.device_file.empty())
       return {Kind::kOption,

@@ -12,7 +12,9 @@
 #include <chrono>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "rt/loop/haptic_loop.h"
 #include "tools/caught.h"
@@ -26,11 +28,14 @@ constexpr int kLookEvery_ms = 100;  // for the end of the run
 class File {
  public:
   explicit File(int number) : number_(number) {}
+  File(File&& other) noexcept : number_(other.release()) {}
+  File& operator=(File&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
   ~File() {
     if (number_ >= 0) close(number_);
   }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
   int number() const { return number_; }
   int release() { return std::exchange(number_, -1); }
 
@@ -45,23 +50,43 @@ bool fill_address(const std::filesystem::path& socket, sockaddr_un& address) {
   return true;
 }
 
-// Up to the end of the line, the other side's end, or the end of the patience with the whole line.
-std::string read_line(int connection) {
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::milliseconds(kPatience_ms);
-  const auto left_ms = [&] {
-    const auto left = give_up - std::chrono::steady_clock::now();
-    return static_cast<int>(std::max<std::int64_t>(0, std::chrono::ceil<std::chrono::milliseconds>(left).count()));
-  };
-  std::string line;
-  char byte = 0;
-  pollfd waiting{connection, POLLIN, 0};
-  // A signal to this thread is no end of a line.
-  while (line.size() < kLongestLine && TEMP_FAILURE_RETRY(poll(&waiting, 1, left_ms())) > 0 &&
-         TEMP_FAILURE_RETRY(read(connection, &byte, 1)) == 1) {
-    if (byte == '\n') break;
-    line += byte;
-  }
-  return line;
+using Clock = std::chrono::steady_clock;
+
+// One that has asked, or is about to.
+struct Client {
+  File connection;
+  Clock::time_point give_up;
+  std::string line{};
+  bool complete{false};  // the line has ended, the other side has, or it is too long
+};
+
+// What is there, without waiting.
+void receive(Client& client) {
+  char bytes[kLongestLine];
+  const ssize_t count =
+      TEMP_FAILURE_RETRY(recv(client.connection.number(), bytes, kLongestLine - client.line.size(), MSG_DONTWAIT));
+  if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return;
+  const std::string_view came(bytes, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  const std::size_t end = came.find('\n');
+  client.line += came.substr(0, end);
+  client.complete = came.empty() || end != std::string_view::npos || client.line.size() >= kLongestLine;
+}
+
+// What else the other side has sent, or else the close would take the answer back from it.
+void drain(int connection) {
+  char bytes[4096];
+  for (int i = 0; i < 64 && TEMP_FAILURE_RETRY(recv(connection, bytes, sizeof bytes, MSG_DONTWAIT)) > 0; ++i) {}
+}
+
+bool is_served(const sockaddr_un& address) {
+  const File connection(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (connect(connection.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return true;
+  return errno != ECONNREFUSED && errno != ENOENT;  // busy, or somebody else's: not ours to take away
+}
+
+std::uint64_t inode_of(const std::filesystem::path& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 ? status.st_ino : 0;
 }
 
 std::string good(const std::string& said) { return json_text(nlohmann::json{{"ok", true}, {"said", said}}); }
@@ -80,17 +105,17 @@ Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::filesystem
   };
   sockaddr_un address{};
   if (!fill_address(socket, address)) return fail("the path is too long");
-  // What a run before left behind; one that somebody serves is not taken away from them.
-  if (ask_control(socket, "state").ok()) return fail("another run serves it");
+  // What a run before left behind; one that somebody serves, however slowly, is not taken away from them.
+  if (is_served(address)) return fail("another run serves it");
   if (struct stat status{}; stat(socket.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) unlink(socket.c_str());
-  File listener(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  File listener(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (listener.number() < 0) return fail(strerrordesc_np(errno));
   const mode_t before = umask(0117);
   const bool bound = bind(listener.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   const int error = errno;
   umask(before);
   if (!bound) return fail(strerrordesc_np(error));
-  if (listen(listener.number(), 4) != 0) return fail(strerrordesc_np(errno));
+  if (listen(listener.number(), static_cast<int>(kMostClients)) != 0) return fail(strerrordesc_np(errno));
   return std::unique_ptr<ControlServer>(
       new ControlServer(listener.release(), socket, requests, stop, std::move(reload), can_reset));
 }
@@ -103,13 +128,14 @@ ControlServer::ControlServer(int listener, std::filesystem::path socket, std::at
       stop_(stop),
       reload_(std::move(reload)),
       can_reset_(can_reset),
+      inode_(inode_of(socket_)),
       thread_([this] { serve(); }) {}
 
 ControlServer::~ControlServer() {
   closing_.store(true, std::memory_order_relaxed);
   thread_.join();
   close(listener_);
-  unlink(socket_.c_str());
+  if (inode_of(socket_) == inode_) unlink(socket_.c_str());  // not one that is somebody else's by now
 }
 
 void ControlServer::tell(std::string state) {
@@ -126,6 +152,9 @@ std::string ControlServer::answer(const std::string& line) {
     const std::lock_guard lock(mutex_);
     return state_;
   }
+  const bool ending = stop_.load(std::memory_order_relaxed);
+  if (ending && (line == "arm" || line == "rearm" || line == "reset" || line == "reload"))
+    return bad("the run is ending: nothing was done");
   if (line == "arm") return ask(loop::kArm, "armed: force on, with the device where it is");
   if (line == "rearm")
     return ask(loop::kRearm, latched_.load(std::memory_order_relaxed)
@@ -151,24 +180,46 @@ std::string ControlServer::answer(const std::string& line) {
                          line.substr(0, kLongestEcho), long_line ? " and more" : ""));
 }
 
-void ControlServer::serve_one(int connection) {
+void ControlServer::serve_one(int connection, const std::string& line) {
   std::string text;
-  const Status status = caught([&] { text = answer(read_line(connection)); });
+  const Status status = caught([&] { text = answer(line); });
   if (!status.ok()) text = bad(status.message());
   text += '\n';
   (void)send(connection, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);  // an answer fits the socket's buffer
+  drain(connection);
 }
 
 void ControlServer::serve() {
-  pollfd waiting{listener_, POLLIN, 0};
+  std::vector<Client> clients;  // the oldest first
   while (!closing_.load(std::memory_order_relaxed)) {
-    if (poll(&waiting, 1, kLookEvery_ms) <= 0) continue;
-    const File connection(accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC));
+    // No memory even for an answer: there is none.
+    (void)caught([&] { serve_round(clients); });
+  }
+}
+
+template <class Clients>
+void ControlServer::serve_round(Clients& clients) {
+  std::vector<pollfd> waiting{{listener_, POLLIN, 0}};
+  for (const Client& client : clients) waiting.push_back({client.connection.number(), POLLIN, 0});
+  (void)poll(waiting.data(), waiting.size(), kLookEvery_ms);
+  for (std::size_t i = 0; i < clients.size(); ++i)
+    if (waiting[i + 1].revents != 0) receive(clients[i]);
+  if (waiting[0].revents != 0) {
+    File connection(accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC));
     if (connection.number() >= 0)
-      (void)caught([&] { serve_one(connection.number()); });  // no memory even for an answer: there is none
+      clients.push_back({std::move(connection), Clock::now() + std::chrono::milliseconds(kPatience_ms)});
     else
       (void)poll(nullptr, 0, kLookEvery_ms);  // out of files: the connection stays and would be asked for at once
   }
+  const auto now = Clock::now();
+  const auto is_over = [&](const Client& client) {
+    const bool crowded_out = clients.size() > kMostClients && &client == &clients.front();
+    if (!client.complete && now < client.give_up && !crowded_out) return false;
+    serve_one(client.connection.number(), client.line);
+    return true;
+  };
+  for (auto client = clients.begin(); client != clients.end();)
+    client = is_over(*client) ? clients.erase(client) : std::next(client);
 }
 
 Result<std::string> ask_control(const std::filesystem::path& socket, const std::string& line) {

@@ -6,8 +6,9 @@
 //   stop      end the run
 // Who may write to the socket may do all of it: its mode is 0660, its folder the service's. Thread: construction and
 // destruction [setup]; it serves on a thread of its own, of normal priority; tell() by one normal thread.
-// Bound: one connection at a time, kLongestLine bytes in within kPatience_ms, or what came until then is answered. Any
-// bytes may come: an answer repeats at most kLongestEcho of them, and what its making throws is the answer.
+// Bound: kMostClients connections at once, of more the oldest is answered and closed; kLongestLine bytes in within
+// kPatience_ms, or what came until then is answered. Who is slow to ask keeps nobody waiting. Any bytes may come: an
+// answer repeats at most kLongestEcho of them, and what its making throws is the answer.
 #pragma once
 
 #include <atomic>
@@ -25,6 +26,7 @@ namespace tactus::service {
 inline constexpr std::size_t kLongestLine = 256;
 inline constexpr std::size_t kLongestEcho = 64;  // of what was sent, in an answer
 inline constexpr int kPatience_ms = 1000;
+inline constexpr std::size_t kMostClients = 16;
 
 class ControlServer {
  public:
@@ -49,7 +51,9 @@ class ControlServer {
   ControlServer(int listener, std::filesystem::path socket, std::atomic<std::uint32_t>& requests,
                 std::atomic<bool>& stop, Reload reload, bool can_reset);
   void serve();
-  void serve_one(int connection);
+  template <class Clients>
+  void serve_round(Clients& clients);
+  void serve_one(int connection, const std::string& line);
 
   int listener_;
   std::filesystem::path socket_;
@@ -57,6 +61,7 @@ class ControlServer {
   std::atomic<bool>& stop_;
   Reload reload_;
   bool can_reset_;
+  std::uint64_t inode_;  // of the socket that was bound
   std::atomic<bool> closing_{false}, latched_{true};
   std::mutex mutex_;
   std::string state_{"{}"};

@@ -210,7 +210,8 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
     return Status::error("--inject: reset: the direct coupling has no global world that could begin anew");
   auto faults = hal::parse_fault_script(script.value().device);
   if (!faults.ok())
-    return Status::error("--inject: " + faults.message() + "; of the world stall@TICK+TICKS; of the operator reset@TICK");
+    return Status::error("--inject: " + faults.message() +
+                         "; of the world stall@TICK+TICKS; of the operator reset@TICK");
   const bool simulated = hardware.device == nullptr;
   if (simulated) {
     const auto profile = find_description(scene.device.profile, {});

@@ -35,6 +35,22 @@ Ruling fault_of(const RunSummary& s) {
           "see the faults below; Enter or --rearm takes one back"};
 }
 
+// What the hand felt without a sample was a fading force, or none.
+Ruling samples_of(const RunSummary& s) {
+  const auto ticks_with = [&](StatusBit bit) {
+    return s.stats.status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))];
+  };
+  const std::uint64_t missing = ticks_with(kFrameMissing), rejected = ticks_with(kInputRejected);
+  return {"samples",
+          "ticks without a sample of the device that could be used",
+          "%",
+          100 * std::min(1.0, share_of(missing + rejected, s.stats.ticks)),
+          1,
+          kInfinite,
+          fmt::format("in {} ticks no sample came, in {} it was refused, of {}", missing, rejected, s.stats.ticks),
+          "see the faults and conditions below; `tactus hil` looks at the link"};
+}
+
 Ruling own_work_of(const RunSummary& s) {
   return {"own-work",
           "ticks lost to own work",
@@ -236,7 +252,7 @@ double most_lost_of_10000(std::uint64_t ticks) noexcept {
 }
 
 std::vector<Ruling> judge_simulation(const RunSummary& s) {
-  std::vector<Ruling> rulings{fault_of(s), scene_of(s.scene_problems), overlap_of(s)};
+  std::vector<Ruling> rulings{fault_of(s), samples_of(s), scene_of(s.scene_problems), overlap_of(s)};
   add_energy(s, rulings);
   rulings.push_back(border_of(s));
   rulings.push_back(capacity_of(s));

@@ -303,7 +303,7 @@ CLI::App* add_run_command(CLI::App& program, int& exit_code) {
   run->footer(
       "While it runs, a status line shows rate, force, members, contacts, overruns; Ctrl-C ends it, Enter re-arms "
       "after\n"
-      "a fault, r and Enter have the scene begin anew. Exit status: 0 good or degraded, or with --config told to "
+      "a fault, r and Enter reset the scene. Exit status: 0 good or degraded, or with --config told to "
       "stop;\n"
       "1 the verdict is bad: a fault is latched at the end, a tick was lost to the program's own work, or the "
       "simulation\n"

@@ -94,11 +94,11 @@ std::string cost_json(const CostReport& report) {
                        {"global_us_after", n.global_us_after},
                        {"sentence", sentence_of(n)}});
   return report_text(ordered_json{{"points", points},
-                                {"notches", notches},
-                                {"seeds", report.seeds},
-                                {"period_us", report.period_us},
-                                {"budget_us", report.budget_us}},
-                   2);
+                                  {"notches", notches},
+                                  {"seeds", report.seeds},
+                                  {"period_us", report.period_us},
+                                  {"budget_us", report.budget_us}},
+                     2);
 }
 
 std::string cost_csv(const CostReport& report) {

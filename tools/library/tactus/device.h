@@ -76,11 +76,12 @@ class Device {
   /// [setup] Just before the first tick, and again after Session::reset. An error ends that call, as kMachine.
   /// \param period_s of a tick
   virtual Error start([[maybe_unused]] double period_s) { return {}; }
-  /// [rt] The newest sample. Where it is not kFresh, `sample` is not looked at.
+  /// [rt] The newest sample. `sample` comes with the pose of the last fresh one, no button and no fault. Where the
+  /// result is not kFresh, it is not looked at.
   virtual Reading read(DeviceSample& sample) noexcept = 0;
   /// [rt] What the hand shall feel from now on.
   virtual void write(const DeviceCommand& command) noexcept = 0;
-  /// [setup] After the last tick, by the thread that ends the session; the last command was without force.
+  /// [setup] By Session::close, reset, open or the destructor; the last command was without force.
   virtual void stop() noexcept {}
 };
 

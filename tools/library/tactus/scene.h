@@ -86,6 +86,7 @@ class Scene {
   friend struct library::Access;
   std::shared_ptr<const void> scene_;
   std::vector<std::string> warnings_;
+  std::filesystem::path file_;  // that it was loaded from; empty: none
 };
 
 }  // namespace tactus

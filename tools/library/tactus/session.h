@@ -124,7 +124,8 @@ class Session {
   /// Points that press between members and outside bodies. Empty in a Monitor: there the haptic thread has them.
   std::span<const BorderContact> border_contacts() const;
 
-  /// Of everything that the next tick of the haptic loop depends on: equal for runs of the same bits. 0 in a Monitor.
+  /// Of the sub-world: poses, velocities, contacts and couplings of its bodies. Equal for runs of the same bits. With
+  /// the plane couplings the sub-world is the proxy alone. 0 in a Monitor.
   std::uint64_t state_hash() const noexcept;
   /// What was changed about what was asked for, such as gains lowered for the coupling; one line each.
   std::vector<std::string> notes() const;
