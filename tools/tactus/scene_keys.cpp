@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "sim/loader/scene_effects.h"
 #include "sim/loader/scene_keys.h"
 #include "tools/json_text.h"
 #include "tools/tactus/commands.h"
@@ -173,7 +174,10 @@ ordered_json schema_of(const std::vector<SceneTable>& language) {
       (is_list ? own["items"] : own)["properties"][table.name.substr(blank + 1)]["items"] = schema_of(table);
     }
   }
-  root["properties"]["effects"]["items"] = {{"type", "string"}};
+  ordered_json effects = ordered_json::array();
+  for (const auto& effect : sim::known_effects()) effects.push_back(effect.name);
+  root["properties"]["effects"]["items"] = {{"enum", effects}};
+  root["properties"]["effects"]["uniqueItems"] = true;
   root["properties"]["body"]["items"]["properties"]["points_m"]["items"] = {
       {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 3}, {"maxItems", 3}};
   ordered_json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "a scene of tactus"}};
