@@ -19,14 +19,19 @@ using physics::ShapeKind;
 constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMostFriction = 5;
 constexpr unsigned kTicksOneWay = 10;
 
+// Draws are statements of their own: compilers evaluate the arguments of a call in different orders, and a seed must be
+// the same world everywhere.
+
 // About `size` long; every third box is a sliver, up to 1:1000.
 Shape<double> random_shape(Draw& random, double size) {
   switch (random.below(3)) {
     case 0:
       return Shape<double>::sphere(0.5 * size);
-    case 1:
-      return Shape<double>::capsule(std::max(random.uniform(0.05, 0.3) * size, 0.5 * kSmallest_m),
-                                    random.uniform(0.05, 0.4) * size);
+    case 1: {
+      const double half_length = random.uniform(0.05, 0.4) * size;
+      const double radius = std::max(random.uniform(0.05, 0.3) * size, 0.5 * kSmallest_m);
+      return Shape<double>::capsule(radius, half_length);
+    }
     default:
       break;
   }
@@ -63,10 +68,12 @@ RandomWorld make_random_world(std::uint64_t seed) {
   }
   if (random.chance(0.8))
     world.bodies.push_back(physics::make_fixed_body<double>(count, Shape<double>::plane(), random.uniform(0, 1), {}));
-  if (random.chance(0.3))
+  if (random.chance(0.3)) {
+    const Posed pose{random.vector(room), quat_from_rotation_vector(random.vector(3))};
+    const double friction = random.uniform(0, kMostFriction);
     world.bodies.push_back(physics::make_fixed_body<double>(
-        count + 1, Shape<double>::box({0.5 * room, 0.5 * room, 0.5 * room}), random.uniform(0, kMostFriction),
-        {random.vector(room), quat_from_rotation_vector(random.vector(3))}));
+        count + 1, Shape<double>::box({0.5 * room, 0.5 * room, 0.5 * room}), friction, pose));
+  }
   world.held = random.chance(0.4);
   if (world.held) {
     world.bodies[0].gravity_scale = 0;
