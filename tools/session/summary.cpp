@@ -226,8 +226,7 @@ std::string uneven_text(const RunSummary& s) {
   if (!s.has_global || s.global.uneven_cycles == 0) return {};
   return fmt::format(
       "border at uneven masses\n  up to {} members in {} cycles were left to the global world: masses linked to them "
-      "differ "
-      "by more than {:g}\n",
+      "differ by more than {:g}\n",
       s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMostUneven);
 }
 
