@@ -13,7 +13,6 @@
 namespace tactus::sim {
 namespace {
 
-using haptics::CouplingScheme;
 using haptics::SubWorldReport;
 using haptics::WorldSnapshot;
 using physics::Body;
@@ -98,7 +97,8 @@ double energy_of(const Body<double>& body, const Vec3d& gravity) noexcept {
 }  // namespace
 
 Status check_global_options(const Scene& scene, const GlobalOptions& options) {
-  if (options.coupling == CouplingScheme::kDirect)
+  const haptics::CouplingTraits coupling = traits_of(options.coupling);
+  if (!coupling.global_world)
     return Status::error("direct coupling runs the whole world at the haptic rate: it has no global world");
   if (options.reach.ratio == 0 || !(options.reach.tick_period_s > 0))
     return Status::error("the ratio must be 1 or more, and the tick period above 0 s");
@@ -106,7 +106,7 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
     return Status::error("solver.global_sub_steps_per_tick is 0: give 0.1 or more");
   if (scene.proxy >= scene.bodies.size() || scene.bodies[scene.proxy].kind != BodyKind::kDynamic)
     return Status::error("the scene's proxy must be one of its dynamic bodies");
-  if (options.coupling == CouplingScheme::kInterpolation && !options.more_proxies.empty())
+  if (coupling.proxy_alone() && !options.more_proxies.empty())
     return Status::error("the interpolation coupling holds one proxy: use sub-world with several devices");
   if (options.more_proxies.size() >= physics::kMaxSprings)
     return Status::error(fmt::format("{} devices asked for: 1 to {} are possible", options.more_proxies.size() + 1,
@@ -129,6 +129,8 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
 GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     : scene_(&scene),
       options_(options),
+      coupling_(traits_of(options.coupling)),
+      border_(traits_of(options.border_mode)),
       settings_(settings_for(scene, options)),
       bounds_settings_(settings_),
       world_(world_of(scene, options)),
@@ -156,8 +158,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
-  statistics_.energy.complete =
-      options.coupling == CouplingScheme::kSubWorld && devices_.size() == 1 && energy_can_be_booked(scene);
+  statistics_.energy.complete = coupling_.border && devices_.size() == 1 && energy_can_be_booked(scene);
   thinnest_m_ = physics::thinnest<double>(scene.bodies);
   if (scene.sleeping.from_start) sleep_from_start();
   asleep_J_ = islands_.potential_energy(settings_.gravity);
@@ -222,7 +223,7 @@ void GlobalWorld::fill_first(std::uint32_t device, std::uint64_t cycle, std::uin
                              WorldSnapshot& next) noexcept {
   find_touches_at_rest();
   fill_snapshot(device, cycle, budget, next);
-  if (options_.coupling == CouplingScheme::kSubWorld) foresee_border(device, next);
+  if (coupling_.border) foresee_border(device, next);
 }
 
 // The books go on, the world does not.
@@ -282,7 +283,7 @@ void GlobalWorld::step(const SubWorldReport& report, WorldSnapshot& next) noexce
 
 void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& report) noexcept {
   Device& device = devices_[device_index];
-  if (options_.coupling == CouplingScheme::kInterpolation) {
+  if (!coupling_.imposes_motion) {
     take_target(device, report);
     device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
     wake_near(device);
@@ -292,19 +293,15 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   impose_motion(device, report);
   keep_energy_book(report);
   wake_near(device);
-  if (options_.coupling == CouplingScheme::kSubWorld) {
+  if (coupling_.border) {
     haptics::read_effects(report.effects, true, world_);
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
-    // With ghosts nothing: the global world keeps what the border moves (border_buffer.h).
-    const HandBack back =
-        options_.border_mode == physics::BorderMode::kGhost
-            ? HandBack{}
-            : hand_back_border(report.border.span(), slots_of_all_members(), options_.border_mode, world_);
+    const HandBack back = hand_back_border(report.border.span(), slots_of_all_members(), border_.returns, world_);
     statistics_.handed_back_impulse_Ns += back.magnitude_Ns;
     statistics_.handed_back_energy_J += back.energy_J;
     statistics_.handed_back_skipped += back.skipped;
   }
-  if (options_.coupling == CouplingScheme::kSubWorld) {
+  if (coupling_.device_load == haptics::DeviceLoad::kSpring) {
     take_target(device, report);
     return;
   }
@@ -328,22 +325,15 @@ void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noex
 // as the proxy itself will, to second order in the step; a force held over the step would drive it apart from that.
 // A device that does not hold the proxy brings it to rest. The other couplings hold a wrench (impose).
 void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
-  if (options_.coupling != CouplingScheme::kInterpolation && options_.coupling != CouplingScheme::kSubWorld) return;
+  if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
   for (std::uint32_t d = 0; d < devices_.size(); ++d) {
-    const haptics::DeviceTarget& target = devices_[d].target;
+    haptics::DeviceTarget ahead = devices_[d].target;
+    if (ahead.engaged)
+      ahead.pose = {ahead.pose.position + elapsed_s * ahead.velocity.linear,
+                    quat_from_rotation_vector(elapsed_s * ahead.velocity.angular) * ahead.pose.rotation};
+    const std::uint32_t slot = slot_of(devices_[d]);
     physics::PoseSpring<double> spring;
-    spring.enabled = true;
-    spring.slot = slot_of(devices_[d]);
-    spring.damping_Ns_per_m = options_.gains.damping_Ns_per_m;
-    spring.damping_Nms_per_rad = options_.gains.damping_Nms_per_rad;
-    spring.target = world_.bodies()[spring.slot].motion.pose;
-    if (target.engaged) {
-      spring.stiffness_N_per_m = options_.gains.stiffness_N_per_m;
-      spring.stiffness_Nm_per_rad = options_.gains.stiffness_Nm_per_rad;
-      spring.target = {target.pose.position + elapsed_s * target.velocity.linear,
-                       quat_from_rotation_vector(elapsed_s * target.velocity.angular) * target.pose.rotation};
-      spring.target_velocity = target.velocity;
-    }
+    haptics::aim_spring(options_.gains, ahead, slot, world_.bodies()[slot].motion.pose, spring);
     world_.device_spring(d) = spring;
   }
 }
@@ -356,7 +346,7 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
     const std::int32_t found = world_.slot_of(member.id);
     if (found < 0) continue;
     const auto slot = static_cast<std::uint32_t>(found);
-    if (member.in_buffer != 0 || (options_.coupling == CouplingScheme::kStatic && member.id != device.id)) continue;
+    if (member.in_buffer != 0 || (coupling_.members_frozen && member.id != device.id)) continue;
     if (!is_finite(member.motion.pose) || !is_finite(member.motion.velocity)) {
       ++statistics_.rejected_states;
       continue;
@@ -399,7 +389,7 @@ void GlobalWorld::note_member_velocities() noexcept {
 }
 
 void GlobalWorld::add_border_work() noexcept {
-  if (options_.coupling != CouplingScheme::kSubWorld || !has_budget(options_.border_mode)) return;
+  if (!coupling_.border || !border_.has_budget) return;
   for (Device& device : devices_) {
     const double work_J = border_work_J(world_, velocity_before_, member_slots(device), pass_s_);
     device.border_work_J += work_J, statistics_.border_work_J += work_J;
@@ -412,9 +402,9 @@ void GlobalWorld::add_border_work() noexcept {
 std::uint32_t GlobalWorld::passes_of_step() noexcept {
   if (islands_.awake().size() > kMostInPasses) return 1;
   for (const Device& device : devices_)
-    if (device.has_border && options_.border_mode != physics::BorderMode::kGhost) return 1;
+    if (device.has_border && !border_.ghosts) return 1;
   member_slots_.clear();
-  if (devices_.size() == 1 && options_.coupling != CouplingScheme::kInterpolation)
+  if (devices_.size() == 1 && coupling_.imposes_motion)
     for (const std::uint32_t place : islands_.awake())
       member_slots_.push_back(devices_[0].extraction.is_member(place) && devices_[0].buffer[place] == 0 ? 1 : 0);
   return std::gcd(physics::passes_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);

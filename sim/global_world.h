@@ -170,6 +170,8 @@ class GlobalWorld {
 
   const Scene* scene_;
   GlobalOptions options_;
+  haptics::CouplingTraits coupling_;
+  physics::BorderTraits border_;
   WorkerPool* pool_{nullptr};  // null: nobody shares the work
   bool stepped_{false};        // since the scene began
   double pass_s_{0};           // of the last pass of the last step: what the contacts' impulses are of

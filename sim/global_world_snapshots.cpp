@@ -9,7 +9,6 @@
 
 namespace tactus::sim {
 
-using haptics::CouplingScheme;
 using haptics::WorldSnapshot;
 using physics::Body;
 
@@ -22,7 +21,7 @@ void GlobalWorld::find_touches() noexcept {
     touch.a = place[touch.a], touch.b = place[touch.b];
     touches_.push_back(touch);
   }
-  if (options_.coupling == CouplingScheme::kSubWorld) add_approaching();
+  if (coupling_.border) add_approaching();
   add_joined();
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
 }
@@ -93,7 +92,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
     free_[other.proxy] = 0;
     for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
   }
-  if (feels_proxy_alone(options_.coupling)) budget = 1;
+  if (coupling_.proxy_alone()) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
 
@@ -114,15 +113,14 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.effects.clear();
   fill_joiners(device, next);
   fill_near_triangles(bodies, world_.fixed_bodies(), meshes_, members, device.proxy, options_.reach, next);
-  if (options_.coupling == CouplingScheme::kSubWorld) {
+  if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
-    if (options_.border_mode == physics::BorderMode::kGhost) choose_buffer(device, next);
+    if (border_.ghosts) choose_buffer(device, next);
     if (stepped_) fill_border(device, next);
   }
-  if (feels_planes(options_.coupling) && stepped_)
-    fill_proxy_planes(world_, device.id, pass_s_,
-                      options_.coupling == CouplingScheme::kPlane ? 1 : haptics::kMaxProxyPlanes, next.border);
+  if (coupling_.proxy_planes > 0 && stepped_)
+    fill_proxy_planes(world_, device.id, pass_s_, coupling_.proxy_planes, next.border);
   device.has_border = !next.border.empty();
   count(device, next);
 }
@@ -146,7 +144,7 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
   const auto members = member_slots(device);
   next.dropped +=
       border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
-  if (options_.border_mode != physics::BorderMode::kGhost) return;
+  if (!border_.ghosts) return;
   next.dropped += border_log_.fill_outside(world_, members, pass_s_, sub_step_s(), next.border.span(), next.outside);
 }
 
@@ -154,7 +152,7 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
 // sub-world's.
 void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexcept {
   next.joiners.clear();
-  const bool renew = options_.coupling == CouplingScheme::kStatic;
+  const bool renew = coupling_.members_frozen;
   for (const std::uint32_t place : device.extraction.members())
     if (device.extraction.is_joiner(place) || (renew && place != device.proxy))
       TACTUS_CHECK(next.joiners.try_push(islands_.bodies()[place]), place, 0);

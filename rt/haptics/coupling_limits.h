@@ -25,15 +25,10 @@
 // stands behind the coupling.
 #pragma once
 
+#include "rt/haptics/coupling_gains.h"
 #include "rt/haptics/device.h"
 
 namespace tactus::haptics {
-
-struct CouplingGains {
-  double stiffness_N_per_m{2000}, damping_Ns_per_m{5};
-  double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
-  friend constexpr bool operator==(const CouplingGains&, const CouplingGains&) noexcept = default;
-};
 
 // The share of the limit that is allowed. The limit is that of a simulated mass within 3 %; a proxy that is no rigid
 // wall, a device description that is off and a delay that varies take the rest.

@@ -41,18 +41,17 @@ HeldProxy PlaneCoupling::follow(const DeviceTarget& target, const Tick& tick) no
 }
 
 HeldProxy PlaneCoupling::keep(PlaneSet& set, const DeviceTarget& target, const Tick& tick) noexcept {
-  const bool linearised = tick.scheme == CouplingScheme::kLinearised;
   const double surface_moves_s = tick.in_cycle < tick.ratio ? tick.period_s : 0.0;
   ProxyPlanes planes;
   for (const ContactPlane& contact : set.planes) {
-    if (linearised && contact.press_N <= 0) continue;
+    if (tick.planes_hold && contact.press_N <= 0) continue;
     const Vec3d arm = rotate(target.pose.rotation, contact.anchor);
     (void)planes.try_push({contact.normal, contact.height - dot(contact.normal, arm), contact.friction,
                            set.held + surface_moves_s * contact.surface_velocity, contact.surface_velocity});
   }
   const Vec3d wanted = target.pose.position + tick.lead_s * target.velocity.linear;
-  const HeldProxy held = linearised ? keep_on(planes.span(), wanted, target.velocity.linear)
-                                    : keep_above(planes.span(), wanted, target.velocity.linear);
+  const HeldProxy held = tick.planes_hold ? keep_on(planes.span(), wanted, target.velocity.linear)
+                                          : keep_above(planes.span(), wanted, target.velocity.linear);
   set.held = held.position;
   return held;
 }

@@ -22,7 +22,6 @@
 #include <span>
 
 #include "rt/base/bytes.h"
-#include "rt/haptics/coupling_scheme.h"
 #include "rt/haptics/plane_projection.h"
 #include "rt/haptics/snapshot.h"
 
@@ -31,7 +30,7 @@ namespace tactus::haptics {
 class PlaneCoupling {
  public:
   struct Tick {
-    CouplingScheme scheme{CouplingScheme::kPlane};
+    bool planes_hold{false};  // CouplingTraits
     double period_s{1e-3};
     std::uint32_t in_cycle{0}, ratio{1};  // the tick's number in its cycle, 0 first; ticks per cycle
     double lead_s{0};                     // the coupling's damping / stiffness

@@ -2,17 +2,21 @@
 //
 // Between two synchronisations it is a World of its own, with the device on a spring and the border contacts as rows.
 // At a synchronisation it first reports (H(n): its members as they are) and then adopts (G(n): who is a member now,
-// joiners' state, border impulses). Members are never overwritten from outside. The coupling scheme decides which
-// part of that happens. Thread: construction and set_members are [setup]; the rest [rt], the haptic thread.
-// Frame: world. Units: SI. Bound: kMaxMembers members, kMaxBorderPoints border contacts; what does not fit is counted.
-// Source: the paper, sections 2 and 3.3.
+// joiners' state, border impulses). Members are never overwritten from outside, but for the buffer of a ghost border
+// (border_buffer.h). The coupling scheme's traits decide which part of that happens, and its local model what a tick
+// is: members in their world, the interpolated proxy, or the proxy on planes. Thread: construction and set_members are
+// [setup]; the rest [rt], the haptic thread. Frame: world. Units: SI. Bound: kMaxMembers members, kMaxBorderPoints
+// border contacts; what does not fit is counted. Source: the paper, sections 2 and 3.3.
 #pragma once
 
 #include "rt/haptics/border_buffer.h"
+#include "rt/haptics/border_import.h"
+#include "rt/haptics/border_tank.h"
+#include "rt/haptics/coupling_gains.h"
 #include "rt/haptics/coupling_scheme.h"
-#include "rt/haptics/interpolation_coupling.h"
+#include "rt/haptics/device_track.h"
 #include "rt/haptics/plane_coupling.h"
-#include "rt/haptics/snapshot.h"
+#include "rt/haptics/proxy_interpolation.h"
 #include "rt/physics/world.h"
 
 namespace tactus::haptics {
@@ -22,9 +26,8 @@ struct SubWorldConfig {
   physics::BorderMode border_mode{physics::BorderMode::kCapped};
   std::uint32_t ratio{10};  // ticks per cycle
   BodyId proxy{0};
-  physics::StepSettings<double> step;                   // dt is the tick; sub_steps is what the governor may lower
-  double stiffness_N_per_m{2000}, damping_Ns_per_m{5};  // coupling, world units
-  double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
+  physics::StepSettings<double> step;  // dt is the tick; sub_steps is what the governor may lower
+  CouplingGains gains;                 // world units
   physics::Capacities capacities;
   physics::Hulls<double> hulls;           // of the bodies' shapes; they must outlive the sub-world
   physics::Meshes<double> meshes;         // same
@@ -59,16 +62,16 @@ class SubWorld {
 
   const physics::BodyMotion<double>& proxy() const noexcept { return proxy_; }
   std::uint32_t members() const noexcept { return static_cast<std::uint32_t>(world_.bodies().size()); }
-  std::uint32_t border_contacts() const noexcept { return border_count_; }
+  std::uint32_t border_contacts() const noexcept { return world_.border_contacts().size(); }
   std::uint32_t buffer_bodies() const noexcept { return buffer_.size(); }
   std::uint32_t ticks_in_cycle() const noexcept { return state_.ticks_in_cycle; }
-  bool exchanges() const noexcept { return config_.scheme != CouplingScheme::kDirect; }
+  bool exchanges() const noexcept { return coupling_.global_world; }
   double proxy_work_J() const noexcept { return state_.proxy_work_J; }  // done on the proxy by the coupling, so far
   double border_work_J() const noexcept;                                // done on members by the border, so far
   // Kinetic energy that the members gained when the buffer took the global world's state, so far; with sign.
   double buffer_gain_J() const noexcept { return state_.buffer_gain_J; }
-  double border_tank_J() const noexcept { return state_.tank_J; }  // what the ghost border may still do, 0 or more
-  double border_owed_J() const noexcept { return state_.owed_J; }  // what it did beyond that, 0 or more
+  double border_tank_J() const noexcept { return state_.tank.stored_J; }  // what the border may still put in
+  double border_owed_J() const noexcept { return state_.tank.owed_J; }    // what it put in beyond that
   const physics::World<double>& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;
@@ -78,15 +81,6 @@ class SubWorld {
   std::size_t save_size_bound() const noexcept;
 
  private:
-  // The tank of the ghost border: what ghosts put into the members they must have taken out before, or the outside
-  // bodies must have given it in the global step; and a little to start with. Of a tick
-  //   change of (tank - owed) = W_global / r - W_ghosts,
-  // both works on members, normal and friction, with sign: where outside bodies take energy from members, ghosts must
-  // take it too. A sub-step's rows give no more than is in the tank (BorderSolver::keep_budget), with an empty one they
-  // only take; joints, and outside bodies that take, may go beyond: that is owed and paid first. So at any time
-  // contacts with ghosts have put in at most kTankAtStart_J and what outside bodies did.
-  static constexpr double kTankAtStart_J = 0.01;
-
   struct State {  // everything that is not in world_ and that the next tick depends on
     std::uint32_t ticks_in_cycle{0};
     std::uint32_t last_sub_steps{0};
@@ -95,47 +89,49 @@ class SubWorld {
     std::uint32_t padding{0};
     Posed proxy_start;      // of the epoch wanted
     Wrenchd cycle_impulse;  // N s, N m s: on the proxy by the coupling, this cycle
-    InterpolationCoupling interpolation;
+    DeviceTrack device;
+    ProxyInterpolation interpolated;
     double border_work_J{0};
     double buffer_gain_J{0};
     double proxy_work_J{0};
-    double tank_J{kTankAtStart_J}, owed_J{0};
-    double credit_J{0};  // of a tick: the global step's work / ratio
+    BorderTank tank;  // where the border has a budget
   };
 
+  // sub_world_report.cpp
   void fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
   void report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
   void report_border(SubWorldReport& report) const noexcept;
+
   void forget_world(std::uint32_t epoch) noexcept;
   void change_members(const WorldSnapshot& snapshot) noexcept;
-  void renew_border(const WorldSnapshot& snapshot) noexcept;
-  void renew_ghosts(const WorldSnapshot& snapshot) noexcept;
-  void put_in_tank(double energy_J) noexcept;
-  double tick_credit_J() const noexcept;
-  void take_near_triangles(std::span<const physics::NearRegion<double>> regions,
-                           std::span<const std::uint32_t> triangles) noexcept;
+  void adopt_border(const WorldSnapshot& snapshot) noexcept;
   void adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept;
+  void adopt_near_triangles(const WorldSnapshot& snapshot) noexcept;
   void freeze_all_but_proxy() noexcept;
-  void apply_lateness(SubWorldStep& result) noexcept;
-  void aim_spring(const DeviceTarget& target) noexcept;
-  void step_world(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
-                  SubWorldStep& result) noexcept;
+
+  WorldLateness apply_lateness() noexcept;
+  double tank_credit_J() const noexcept;
+  void step_members(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
+                    SubWorldStep& result) noexcept;
+  physics::StepReport<double> step_world(const physics::StepSettings<double>& settings,
+                                         const physics::CutPredicate& cut, SubWorldStep& result) noexcept;
   void step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept;
   void step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept;
   void feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept;
+  void add_cycle_impulse(const Wrenchd& impulse) noexcept;
   bool proxy_touches() const noexcept;
 
   SubWorldConfig config_;
+  CouplingTraits coupling_;
+  physics::BorderTraits border_;
   physics::World<double> world_;
-  BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
-  BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew_border
   // As adopted; none without meshes. They never show in a result (near_triangles.h), so they are no part of the state.
   BoundedVector<physics::NearRegion<double>> near_regions_;
   BoundedVector<std::uint32_t> near_triangles_;
   physics::BodyMotion<double> proxy_;
+  BorderImport border_import_;
   BorderBuffer buffer_;   // empty but with the ghost border
   PlaneCoupling planes_;  // empty but with the couplings that feel planes
-  std::uint32_t border_count_{0};
   State state_;
 };
 

@@ -17,12 +17,6 @@ constexpr double kResetFade_s = 0.05, kResetRest_s = 0.1;
 // An overlap of less than this part of the scene's thinnest body is not asked for its share: most ticks look no closer.
 constexpr double kSharesFrom = 0.05;
 
-haptics::CouplingGains gains_at_hand(const LoopConfig& config) noexcept {
-  const double s2 = config.placement.motion_scale * config.placement.motion_scale;
-  return {s2 * config.sub_world.stiffness_N_per_m, s2 * config.sub_world.damping_Ns_per_m,
-          config.sub_world.stiffness_Nm_per_rad, config.sub_world.damping_Nms_per_rad};
-}
-
 }  // namespace
 
 HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body<double>> fixed_bodies)
@@ -31,7 +25,8 @@ HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body<d
       .period_s = config.period_s, .device = config.device, .emergency_stop_fault = config.emergency_stop_fault};
   velocity_.config = haptics::VelocityEstimator::Config::of(config.device, config.period_s);
   placement_.config = config.placement;
-  passivity_.config = haptics::Passivity::Config::of(config.device, gains_at_hand(config), config.period_s);
+  passivity_.config = haptics::Passivity::Config::of(
+      config.device, config.sub_world.gains.at_hand(config.placement.motion_scale), config.period_s);
   limiter_.config = haptics::ForceLimiter::Config::of(config.device, config.period_s);
 }
 
@@ -210,8 +205,8 @@ double HapticLoop::recovered_share(double world_scale, bool world_fades) noexcep
 haptics::StoredEnergy HapticLoop::stored_energy(const TickOutput& out) const noexcept {
   const Vec3d stretch = out.target.position - out.proxy.pose.position;
   const Vec3d twist = small_rotation_vector(out.target.rotation * conjugate(out.proxy.pose.rotation));
-  return {0.5 * config_.sub_world.stiffness_N_per_m * norm_squared(stretch),
-          0.5 * config_.sub_world.stiffness_Nm_per_rad * norm_squared(twist)};
+  return {0.5 * config_.sub_world.gains.stiffness_N_per_m * norm_squared(stretch),
+          0.5 * config_.sub_world.gains.stiffness_Nm_per_rad * norm_squared(twist)};
 }
 
 void HapticLoop::shape_force(TickOutput& out) noexcept {

@@ -27,7 +27,7 @@ namespace tactus::loop {
 
 static_assert(std::endian::native == std::endian::little, "the tape's numbers are written as they are in memory");
 
-inline constexpr std::uint32_t kTapeVersion = 11;           // 11: inverse masses of bodies held by joints, in effects
+inline constexpr std::uint32_t kTapeVersion = 12;           // 12: the sub-world's state in parts
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 

@@ -270,7 +270,7 @@ bool World<T>::is_consistent() const noexcept {
     if (w.count > kMaxManifoldPoints) return false;
   for (const auto& spring : springs_)
     if (spring.enabled && spring.slot >= bodies_.size()) return false;
-  return border_mode >= BorderMode::kCapped && border_mode <= BorderMode::kFiltered;
+  return !traits_of(border_mode).name.empty();
 }
 
 template <class T>

@@ -214,8 +214,10 @@ void BorderLog::collect_loads(const physics::World<double>& world, std::span<con
 }
 
 HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
-                          physics::BorderMode mode, physics::World<double>& world) noexcept {
+                          physics::BorderTraits::Return returned, physics::World<double>& world) noexcept {
+  using Return = physics::BorderTraits::Return;
   HandBack result;
+  if (returned == Return::kNothing) return result;
   for (std::size_t i = 0; i < returns.size(); ++i) {
     const BorderReturn& entry = returns[i];
     const std::int32_t found = world.slot_of(entry.outside);
@@ -228,7 +230,7 @@ HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const
     // Once for every pair: a pair's returns follow each other.
     const bool first_of_pair =
         i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
-    if (!replays(mode) && first_of_pair) {
+    if (returned == Return::kChange && first_of_pair) {
       const Contact<double>* contact = physics::find_contact<double>(world.contacts(), entry.member, entry.outside);
       if (contact != nullptr) take_back(*contact, outside, world, result);
     }

@@ -81,9 +81,9 @@ class BorderLog {
 double border_work_J(const physics::World<double>& world, std::span<const Twistd> before,
                      std::span<const std::uint8_t> members, double step_s) noexcept;
 
-// Applies the report's tangential impulses to the outside bodies. Call before the next step. `members` by slot: of
-// the cycle that begins.
+// Applies the report's tangential impulses to the outside bodies, as the border returns them. Call before the next
+// step. `members` by slot: of the cycle that begins.
 HandBack hand_back_border(std::span<const haptics::BorderReturn> returns, std::span<const std::uint8_t> members,
-                          physics::BorderMode mode, physics::World<double>& world) noexcept;
+                          physics::BorderTraits::Return returned, physics::World<double>& world) noexcept;
 
 }  // namespace tactus::sim

@@ -14,18 +14,6 @@ using physics::SweepPrecision;
 template <class Choice, std::size_t kCount>
 using Names = std::array<std::pair<Choice, std::string_view>, kCount>;
 
-constexpr Names<CouplingScheme, 7> kCouplingSchemes{{{CouplingScheme::kSubWorld, "sub-world"},
-                                                     {CouplingScheme::kDirect, "direct"},
-                                                     {CouplingScheme::kInterpolation, "interpolation"},
-                                                     {CouplingScheme::kStatic, "static"},
-                                                     {CouplingScheme::kPlane, "plane"},
-                                                     {CouplingScheme::kPlanes, "planes"},
-                                                     {CouplingScheme::kLinearised, "linearised"}}};
-constexpr Names<BorderMode, 5> kBorderModes{{{BorderMode::kGhost, "ghost"},
-                                             {BorderMode::kCapped, "capped"},
-                                             {BorderMode::kReplay, "replay"},
-                                             {BorderMode::kFiltered, "filtered"},
-                                             {BorderMode::kFrozen, "frozen"}}};
 constexpr Names<CutOrder, 2> kCutOrders{
     {{CutOrder::kBestFirst, "best-first"}, {CutOrder::kBreadthFirst, "breadth-first"}}};
 constexpr Names<SweepPrecision, 2> kPrecisions{{{SweepPrecision::kFull, "double"}, {SweepPrecision::kSingle, "mixed"}}};
@@ -33,12 +21,7 @@ constexpr Names<FrictionSweeps, 3> kFrictionSweeps{
     {{FrictionSweeps::kAuto, "auto"}, {FrictionSweeps::kRelax, "relax"}, {FrictionSweeps::kEvery, "every"}}};
 constexpr Names<Reach, 2> kReaches{{{Reach::kTwoCycles, "two-cycles"}, {Reach::kPaper, "paper"}}};
 
-template <class Choice, std::size_t kCount>
-constexpr std::array<Choice, kCount> choices_of(const Names<Choice, kCount>& names) noexcept {
-  std::array<Choice, kCount> choices{};
-  for (std::size_t i = 0; i < kCount; ++i) choices[i] = names[i].first;
-  return choices;
-}
+std::string_view or_unknown(std::string_view name) noexcept { return name.empty() ? "unknown" : name; }
 
 template <class Choice, std::size_t kCount>
 std::string_view find_name(const Names<Choice, kCount>& names, Choice choice) noexcept {
@@ -54,28 +37,31 @@ std::optional<Choice> find_choice(const Names<Choice, kCount>& names, std::strin
   return std::nullopt;
 }
 
+template <class Choice, std::size_t kCount>
+std::vector<std::string> names_of(const std::array<Choice, kCount>& list) {
+  std::vector<std::string> names;
+  for (const Choice choice : list) names.emplace_back(traits_of(choice).name);
+  return names;
+}
+
 }  // namespace
 
-std::string_view name_of(CouplingScheme scheme) noexcept { return find_name(kCouplingSchemes, scheme); }
-std::string_view name_of(BorderMode mode) noexcept { return find_name(kBorderModes, mode); }
+std::string_view name_of(CouplingScheme scheme) noexcept { return or_unknown(traits_of(scheme).name); }
+std::string_view name_of(BorderMode mode) noexcept { return or_unknown(traits_of(mode).name); }
 std::string_view name_of(CutOrder order) noexcept { return find_name(kCutOrders, order); }
 std::string_view name_of(Reach reach) noexcept { return find_name(kReaches, reach); }
 std::string_view name_of(SweepPrecision precision) noexcept { return find_name(kPrecisions, precision); }
 std::string_view name_of(FrictionSweeps sweeps) noexcept { return find_name(kFrictionSweeps, sweeps); }
 
-std::span<const CouplingScheme> all_coupling_schemes() noexcept {
-  static constexpr auto kAll = choices_of(kCouplingSchemes);
-  return kAll;
-}
-std::span<const BorderMode> all_border_modes() noexcept {
-  static constexpr auto kAll = choices_of(kBorderModes);
-  return kAll;
-}
+std::vector<std::string> coupling_names() { return names_of(haptics::kCouplingSchemes); }
+std::vector<std::string> border_names() { return names_of(physics::kBorderModes); }
 
 std::optional<CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept {
-  return find_choice(kCouplingSchemes, word);
+  return tactus::find_choice(haptics::kCouplingSchemes, word);
 }
-std::optional<BorderMode> parse_border_mode(std::string_view word) noexcept { return find_choice(kBorderModes, word); }
+std::optional<BorderMode> parse_border_mode(std::string_view word) noexcept {
+  return tactus::find_choice(physics::kBorderModes, word);
+}
 std::optional<CutOrder> parse_cut_order(std::string_view word) noexcept { return find_choice(kCutOrders, word); }
 std::optional<Reach> parse_reach(std::string_view word) noexcept { return find_choice(kReaches, word); }
 std::optional<SweepPrecision> parse_precision(std::string_view word) noexcept { return find_choice(kPrecisions, word); }

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "rt/haptics/coupling_scheme.h"
 #include "rt/physics/border/border_contact.h"
@@ -20,9 +21,9 @@ std::string_view name_of(Reach reach) noexcept;                        // two-cy
 std::string_view name_of(physics::SweepPrecision precision) noexcept;  // double, mixed
 std::string_view name_of(physics::FrictionSweeps sweeps) noexcept;     // auto, relax, every
 
-// Every choice there is, once, in the order of its number.
-std::span<const haptics::CouplingScheme> all_coupling_schemes() noexcept;
-std::span<const physics::BorderMode> all_border_modes() noexcept;
+// All of them, in the order of help texts.
+std::vector<std::string> coupling_names();
+std::vector<std::string> border_names();
 
 // Empty for a word that names nothing.
 std::optional<haptics::CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "rt/haptics/coupling_gains.h"
 #include "rt/physics/body.h"
 #include "rt/physics/effects/effects.h"
 #include "rt/physics/shapes/mesh.h"
@@ -45,12 +46,6 @@ struct SleepingChoice {
   double max_speed_m_per_s{0.01};  // of a body's surface: below, it counts as at rest
   double after_s{0.5};             // at rest for as long as that: it may sleep
   bool from_start{false};          // what does not move at the start sleeps until something comes near
-};
-
-// Gains of the coupling between device and proxy.
-struct CouplingGains {
-  double stiffness_N_per_m{2000}, damping_Ns_per_m{5};
-  double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
 };
 
 // Where the device's frame is in the scene, and how much larger its motion is there. Power is conserved: the force on
@@ -136,7 +131,7 @@ struct Scene {
   std::vector<MeshAccount> mesh_accounts;               // of each mesh
   BodyId proxy{kNoBody};
   DevicePlacement device;
-  CouplingGains coupling;
+  haptics::CouplingGains coupling;  // of device and proxy, world units
   HandScript hand;
   SolverChoice solver;
   SleepingChoice sleeping;

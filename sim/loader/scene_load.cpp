@@ -116,7 +116,7 @@ class SceneReader {
 
   void read_coupling() {
     TableReader t = table("coupling");
-    CouplingGains& gains = scene_.coupling;
+    haptics::CouplingGains& gains = scene_.coupling;
     gains.stiffness_N_per_m = t.number("stiffness_N_per_m", gains.stiffness_N_per_m, kStiffness);
     gains.damping_Ns_per_m = t.number("damping_Ns_per_m", gains.damping_Ns_per_m, kDamping);
     gains.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", gains.stiffness_Nm_per_rad, kStiffness);

@@ -252,10 +252,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.penetration = {1 / (scene.bodies[scene.proxy].mass * omega * omega), 1 / (report.lightest_kg * omega * omega)};
 
   const double s2 = scene.device.motion_scale * scene.device.motion_scale;
-  report.coupling =
-      haptics::check_coupling({s2 * scene.coupling.stiffness_N_per_m, s2 * scene.coupling.damping_Ns_per_m,
-                               scene.coupling.stiffness_Nm_per_rad, scene.coupling.damping_Nms_per_rad},
-                              device, tick_s);
+  report.coupling = haptics::check_coupling(scene.coupling.at_hand(scene.device.motion_scale), device, tick_s);
   haptics::AxisVerdict& linear = report.coupling.translation;  // the device's axis, in the units of the scene's keys
   for (double* value :
        {&linear.stiffness, &linear.stiffness_limit, &linear.stiffness_allowed, &linear.damping, &linear.damping_limit})

@@ -10,7 +10,7 @@ using namespace tactus;
 
 namespace {
 
-Status created(const sim::CouplingGains& gains, double late_s = 0) {
+Status created(const haptics::CouplingGains& gains, double late_s = 0) {
   sim::Scene scene = test::scene_text(test::kPressScene);
   scene.coupling = gains;
   session::RunOptions options = test::virtual_options();
@@ -21,7 +21,7 @@ Status created(const sim::CouplingGains& gains, double late_s = 0) {
 }  // namespace
 
 TEST_CASE("a run refuses gains beyond the limit in one line, and what it says to use it accepts") {
-  sim::CouplingGains gains;
+  haptics::CouplingGains gains;
   gains.stiffness_N_per_m = 5000;
   const std::string said = created(gains).message();
   CHECK_THAT(said, Catch::Contains("not stable at 1000 Hz") && Catch::Contains("use stiffness_N_per_m = "));
@@ -47,7 +47,7 @@ TEST_CASE("with a motion scale all figures are those that stand in the scene") {
 }
 
 TEST_CASE("gains that the device bears may be too much for a machine that wakes the loop late") {
-  const sim::CouplingGains gains;  // of a scene that says nothing
+  const haptics::CouplingGains gains;  // of a scene that says nothing
   CHECK(created(gains).ok());
   const std::string said = created(gains, 0.4e-3).message();
   CHECK_THAT(said, Catch::Contains("that wakes up to 400 us late"));

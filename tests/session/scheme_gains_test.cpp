@@ -61,7 +61,7 @@ TEST_CASE("interpolation's stiffness is lowered to the allowed share of its limi
   CHECK(found.gains.stiffness_N_per_m > 0.99 * haptics::kAllowedStiffnessShare * found.stiffness_limit_N_per_m);
   CHECK(found.gains.stiffness_Nm_per_rad <= haptics::kAllowedStiffnessShare * found.stiffness_limit_Nm_per_rad);
   CHECK(found.gains.damping_Ns_per_m == scene.coupling.damping_Ns_per_m);
-  CHECK(loop_config(scene, options, device).sub_world.stiffness_N_per_m == found.gains.stiffness_N_per_m);
+  CHECK(loop_config(scene, options, device).sub_world.gains.stiffness_N_per_m == found.gains.stiffness_N_per_m);
   CHECK(global_options(scene, options, device).gains.stiffness_N_per_m == found.gains.stiffness_N_per_m);
   CHECK(contains(lowered_text(found), "N/m (limit "));
   CHECK(check_gains(scene, options, device).ok());

@@ -86,7 +86,7 @@ TEST_CASE(
   const auto angular_before = world->bodies()[0].motion.velocity.angular;
   const Vec3d j1{0.3, -0.1, 0}, j2{0.05, 0.2, 0};
   const auto given = returns(j1, j2);
-  const HandBack back = hand_back_border(given, kCardIsMember, physics::BorderMode::kReplay, *world);
+  const HandBack back = hand_back_border(given, kCardIsMember, Return::kImpulse, *world);
   const Vec3d change = momentum_of(*world, 0) - before;
   CHECK(norm(change + (j1 + j2)) < 1e-14);
   CHECK(norm(back.impulse_Ns + (j1 + j2)) < 1e-14);
@@ -103,12 +103,12 @@ TEST_CASE("Otherwise only what the global step did not do itself is handed on") 
   REQUIRE(norm(friction) == Approx(0.4 * kPress_N * kStep_s).epsilon(0.01));  // it slides
   const Vec3d before = momentum_of(*world, 0);
   SECTION("the same friction in both worlds: nothing is left to hand on") {
-    hand_back_border(returns(-0.25 * friction, -0.75 * friction), kCardIsMember, physics::BorderMode::kCapped, *world);
+    hand_back_border(returns(-0.25 * friction, -0.75 * friction), kCardIsMember, Return::kChange, *world);
     CHECK(norm(momentum_of(*world, 0) - before) < 1e-15);
   }
   SECTION("another friction in the sub-world: the difference") {
     const Vec3d j1{0.3, -0.1, 0}, j2{0.05, 0.2, 0};
-    hand_back_border(returns(j1, j2), kCardIsMember, physics::BorderMode::kCapped, *world);
+    hand_back_border(returns(j1, j2), kCardIsMember, Return::kChange, *world);
     CHECK(norm(momentum_of(*world, 0) - before + (j1 + j2 + friction)) < 1e-14);
   }
 }
@@ -134,8 +134,7 @@ TEST_CASE("The work of outside bodies on members is what changes their energy, n
 TEST_CASE("What outside bodies gained in energy is booked") {
   auto world = card_on_slab();
   const double before = world->kinetic_energy();
-  const HandBack back =
-      hand_back_border(returns({-1, 0, 0}, {0, 2, 0}), kCardIsMember, physics::BorderMode::kReplay, *world);
+  const HandBack back = hand_back_border(returns({-1, 0, 0}, {0, 2, 0}), kCardIsMember, Return::kImpulse, *world);
   CHECK(back.energy_J == Approx(world->kinetic_energy() - before));
   CHECK(back.magnitude_Ns == Approx(3));
 }
@@ -144,7 +143,7 @@ TEST_CASE("A body that is a member by now gets nothing: its own world moves it")
   auto world = card_on_slab();
   const Vec3d before = momentum_of(*world, 0);
   const std::vector<std::uint8_t> both{1, 1};
-  const HandBack back = hand_back_border(returns({1, 0, 0}, {1, 0, 0}), both, physics::BorderMode::kReplay, *world);
+  const HandBack back = hand_back_border(returns({1, 0, 0}, {1, 0, 0}), both, Return::kImpulse, *world);
   CHECK(back.skipped == 2);
   CHECK(momentum_of(*world, 0) == before);
 }
@@ -154,7 +153,7 @@ TEST_CASE("A return of an unknown body, or one that is not a number, changes not
   const std::uint64_t before = world->state_hash();
   auto broken = returns({std::nan(""), 0, 0}, {1, 0, 0});
   broken[1].outside = 77;
-  hand_back_border(broken, kCardIsMember, physics::BorderMode::kReplay, *world);
+  hand_back_border(broken, kCardIsMember, Return::kImpulse, *world);
   CHECK(world->state_hash() == before);
 }
 

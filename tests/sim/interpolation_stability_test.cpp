@@ -36,7 +36,7 @@ bool dies_out(double proxy_kg, unsigned ratio, double stiffness, double damping)
   config.scheme = CouplingScheme::kInterpolation;
   config.ratio = ratio;
   config.step.dt = kTick_s;
-  config.stiffness_N_per_m = stiffness, config.damping_Ns_per_m = damping;
+  config.gains.stiffness_N_per_m = stiffness, config.gains.damping_Ns_per_m = damping;
   config.capacities = {.bodies = 1, .fixed_bodies = 1, .pairs = 1, .contacts = 1, .border_contacts = 1};
   haptics::SubWorld sub_world(config, {});
   const auto snapshot = std::make_unique<haptics::WorldSnapshot>();

@@ -25,15 +25,15 @@ std::uint64_t hash_of_run(const std::string& file, const session::RunOptions& op
 
 // Every one there is, a run of the test each.
 haptics::CouplingScheme any_coupling() {
-  const auto all = sim::all_coupling_schemes();
+  const auto all = haptics::kCouplingSchemes;
   return GENERATE_COPY(from_range(all.begin(), all.end()));
 }
 // The sub-world with every border; the others have none.
 std::pair<haptics::CouplingScheme, physics::BorderMode> any_coupling_and_border() {
   std::vector<std::pair<haptics::CouplingScheme, physics::BorderMode>> all;
-  for (const auto coupling : sim::all_coupling_schemes())
+  for (const auto coupling : haptics::kCouplingSchemes)
     if (coupling != haptics::CouplingScheme::kSubWorld) all.emplace_back(coupling, physics::BorderMode::kGhost);
-  for (const auto border : sim::all_border_modes()) all.emplace_back(haptics::CouplingScheme::kSubWorld, border);
+  for (const auto border : physics::kBorderModes) all.emplace_back(haptics::CouplingScheme::kSubWorld, border);
   return GENERATE_COPY(from_range(all.begin(), all.end()));
 }
 

@@ -114,11 +114,11 @@ TEST_CASE("every scene has a pinned row for every coupling, and for every border
   for (const auto& entry : std::filesystem::directory_iterator(TACTUS_SOURCE_DIR "/sim/scenes")) {
     if (entry.path().extension() != ".toml") continue;
     const std::string scene = entry.path().filename();
-    for (const auto coupling : sim::all_coupling_schemes()) {
+    for (const auto coupling : haptics::kCouplingSchemes) {
       INFO(scene << ' ' << sim::name_of(coupling));
       CHECK(has(scene, sim::name_of(coupling), ""));
     }
-    for (const auto border : sim::all_border_modes()) {
+    for (const auto border : physics::kBorderModes) {
       INFO(scene << ' ' << sim::name_of(border));
       CHECK(has(scene, "sub-world", sim::name_of(border)));
     }

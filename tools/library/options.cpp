@@ -33,7 +33,8 @@ constexpr std::pair<std::string_view, std::string_view> kOwnWords[] = {
 };
 
 template <class T>
-Status read_word(const char* option, const std::string& word, std::optional<T> found, const char* accepted, T& value) {
+Status read_word(const char* option, const std::string& word, std::optional<T> found, std::string_view accepted,
+                 T& value) {
   if (!found) return Status::error(fmt::format("{}: '{:.64}' is none; accepted: {}", option, word, accepted));
   value = *found;
   return Status::good();
@@ -42,9 +43,9 @@ Status read_word(const char* option, const std::string& word, std::optional<T> f
 Status read_words(const Options& from, session::RunOptions& to) {
   const Status statuses[] = {
       read_word("--coupling", from.coupling, sim::parse_coupling_scheme(from.coupling),
-                "sub-world, direct, interpolation, static, plane, planes, linearised", to.coupling),
-      read_word("--border", from.border, sim::parse_border_mode(from.border), "ghost, capped, replay, filtered, frozen",
-                to.border),
+                fmt::format("{}", fmt::join(sim::coupling_names(), ", ")), to.coupling),
+      read_word("--border", from.border, sim::parse_border_mode(from.border),
+                fmt::format("{}", fmt::join(sim::border_names(), ", ")), to.border),
       read_word("--order", from.order, sim::parse_cut_order(from.order), "best-first, breadth-first", to.order),
       read_word("--reach", from.reach, sim::parse_reach(from.reach), "two-cycles, paper", to.reach),
       read_word("--world-precision", from.world_precision, sim::parse_precision(from.world_precision), "double, mixed",

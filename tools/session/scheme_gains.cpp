@@ -14,16 +14,9 @@
 namespace tactus::session {
 namespace {
 
-using haptics::CouplingScheme;
-
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 double square(double x) { return x * x; }
-
-haptics::CouplingGains of_scene(const sim::Scene& scene) {
-  const sim::CouplingGains& c = scene.coupling;
-  return {c.stiffness_N_per_m, c.damping_Ns_per_m, c.stiffness_Nm_per_rad, c.damping_Nms_per_rad};
-}
 
 // What the scheme allows of a stiffness with this limit.
 double allowed(double limit) { return limit == kNone ? kNone : haptics::kAllowedStiffnessShare * limit; }
@@ -56,28 +49,41 @@ Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, c
                                              use.stiffness_N_per_m, use.damping_Ns_per_m);
 }
 
-// Of the scheme alone, one axis.
-Status refuse_scheme_gains(const sim::Scene& scene, const RunOptions& options, double asked, double damping,
-                           double limit, const char* what, const char* stiff, const char* damp, const char* key) {
+// Translation or rotation, in the units of the scene's keys.
+struct ScenesAxis {
+  const char *name, *key, *stiffness_unit, *damping_unit;
+  double stiffness, damping;  // asked for
+  double used, limit;         // of the stiffness, by the scheme
+};
+
+std::array<ScenesAxis, 2> axes_of(const SchemeGains& g) {
+  return {{{"translational", "stiffness_N_per_m", "N/m", "N s/m", g.asked.stiffness_N_per_m, g.asked.damping_Ns_per_m,
+            g.gains.stiffness_N_per_m, g.stiffness_limit_N_per_m},
+           {"rotational", "stiffness_Nm_per_rad", "N m/rad", "N m s/rad", g.asked.stiffness_Nm_per_rad,
+            g.asked.damping_Nms_per_rad, g.gains.stiffness_Nm_per_rad, g.stiffness_limit_Nm_per_rad}}};
+}
+
+// Of the scheme alone.
+Status refuse_scheme_gains(const sim::Scene& scene, const RunOptions& options, const ScenesAxis& axis) {
   const std::string instead =
-      limit > 0 ? fmt::format("use {} = {:g}, a lower --ratio, or the scene without --keep-gains", key,
-                              sim::rounded_down(allowed(limit)))
-                : std::string("no stiffness is stable with that damping: use a lower --ratio or less damping");
+      axis.limit > 0 ? fmt::format("use {} = {:g}, a lower --ratio, or the scene without --keep-gains", axis.key,
+                                   sim::rounded_down(allowed(axis.limit)))
+                     : std::string("no stiffness is stable with that damping: use a lower --ratio or less damping");
   return Status::error(fmt::format(
       "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable with --coupling {} at ratio {}, which "
       "delays the proxy by {:g} ms; accepted: up to {:.4g} {} ({:g} of the limit {:.4g}); {}",
-      scene.name, what, asked, stiff, damping, damp, sim::name_of(options.coupling), ratio_of(scene, options),
-      1e3 * ratio_of(scene, options) * options.period_s(), allowed(limit), stiff, haptics::kAllowedStiffnessShare,
-      limit, instead));
+      scene.name, axis.name, axis.stiffness, axis.stiffness_unit, axis.damping, axis.damping_unit,
+      sim::name_of(options.coupling), ratio_of(scene, options), 1e3 * ratio_of(scene, options) * options.period_s(),
+      allowed(axis.limit), axis.stiffness_unit, haptics::kAllowedStiffnessShare, axis.limit, instead));
 }
 
 }  // namespace
 
 SchemeGains gains_of(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
   SchemeGains result;
-  result.gains = result.asked = of_scene(scene);
+  result.gains = result.asked = scene.coupling;
   result.stiffness_limit_N_per_m = result.stiffness_limit_Nm_per_rad = kNone;
-  if (options.coupling != CouplingScheme::kInterpolation) return result;
+  if (traits_of(options.coupling).model != haptics::LocalModel::kInterpolatedProxy) return result;
   const double s2 = square(scene.device.motion_scale);
   const physics::Body<double>& proxy = scene.bodies[scene.proxy];
   const unsigned ratio = ratio_of(scene, options);
@@ -96,35 +102,21 @@ SchemeGains gains_of(const sim::Scene& scene, const RunOptions& options, const h
 }
 
 Status check_gains(const sim::Scene& scene, const RunOptions& options, const haptics::DeviceProperties& device) {
-  const double s2 = square(scene.device.motion_scale);
-  const haptics::CouplingGains asked = of_scene(scene);
-  const auto verdict = haptics::check_coupling({s2 * asked.stiffness_N_per_m, s2 * asked.damping_Ns_per_m,
-                                                asked.stiffness_Nm_per_rad, asked.damping_Nms_per_rad},
-                                               device, options.period_s(), options.late_s);
+  const auto verdict = haptics::check_coupling(scene.coupling.at_hand(scene.device.motion_scale), device,
+                                               options.period_s(), options.late_s);
   if (!verdict.accepted) return refuse_device_gains(scene, options, device, verdict);
-  const SchemeGains found = gains_of(scene, options, device);
-  const auto refused = [&](double stiffness, double used, double limit) {
-    return used < stiffness && (options.keep_gains || limit <= 0);
-  };
-  if (refused(asked.stiffness_N_per_m, found.gains.stiffness_N_per_m, found.stiffness_limit_N_per_m))
-    return refuse_scheme_gains(scene, options, asked.stiffness_N_per_m, asked.damping_Ns_per_m,
-                               found.stiffness_limit_N_per_m, "translational", "N/m", "N s/m", "stiffness_N_per_m");
-  if (refused(asked.stiffness_Nm_per_rad, found.gains.stiffness_Nm_per_rad, found.stiffness_limit_Nm_per_rad))
-    return refuse_scheme_gains(scene, options, asked.stiffness_Nm_per_rad, asked.damping_Nms_per_rad,
-                               found.stiffness_limit_Nm_per_rad, "rotational", "N m/rad", "N m s/rad",
-                               "stiffness_Nm_per_rad");
+  for (const ScenesAxis& axis : axes_of(gains_of(scene, options, device)))
+    if (axis.used < axis.stiffness && (options.keep_gains || axis.limit <= 0))
+      return refuse_scheme_gains(scene, options, axis);
   return Status::good();
 }
 
 std::string lowered_text(const SchemeGains& found) {
   std::string text;
-  const auto add = [&](double asked, double used, double limit, const char* unit) {
-    if (used < asked)
-      text +=
-          fmt::format("{}stiffness {:g} -> {:g} {} (limit {:.4g})", text.empty() ? "" : ", ", asked, used, unit, limit);
-  };
-  add(found.asked.stiffness_N_per_m, found.gains.stiffness_N_per_m, found.stiffness_limit_N_per_m, "N/m");
-  add(found.asked.stiffness_Nm_per_rad, found.gains.stiffness_Nm_per_rad, found.stiffness_limit_Nm_per_rad, "N m/rad");
+  for (const ScenesAxis& axis : axes_of(found))
+    if (axis.used < axis.stiffness)
+      text += fmt::format("{}stiffness {:g} -> {:g} {} (limit {:.4g})", text.empty() ? "" : ", ", axis.stiffness,
+                          axis.used, axis.stiffness_unit, axis.limit);
   return text;
 }
 

@@ -34,8 +34,8 @@ std::uint32_t dynamic_bodies_of(const sim::Scene& scene) {
 }
 
 unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
-  if (options.coupling == haptics::CouplingScheme::kDirect) return dynamic_bodies_of(scene);
-  if (haptics::feels_proxy_alone(options.coupling)) return 1;
+  if (!traits_of(options.coupling).global_world) return dynamic_bodies_of(scene);
+  if (traits_of(options.coupling).proxy_alone()) return 1;
   if (options.all_members) return std::min(dynamic_bodies_of(scene), haptics::kMaxMembers);
   if (options.members != 0) return options.members;
   if (options.accuracy == Accuracy::kFast) return std::max(1u, scene.members / 2);
@@ -89,9 +89,8 @@ haptics::DevicePlacement::Config placement_of(const sim::Scene& scene, const hap
 // One contact frequency in both worlds, and both worlds must resolve it: at most a quarter of the sub-step rate.
 Status check_frequency(const sim::Scene& scene, const RunOptions& options) {
   const double haptic_Hz = 0.25 * scene.solver.sub_steps * options.rate_Hz;
-  const double global_Hz = options.coupling == haptics::CouplingScheme::kDirect
-                               ? haptic_Hz
-                               : sim::max_contact_hertz(scene.solver, options.period_s());
+  const double global_Hz =
+      !traits_of(options.coupling).global_world ? haptic_Hz : sim::max_contact_hertz(scene.solver, options.period_s());
   const double limit_Hz = std::min(haptic_Hz, global_Hz);
   if (scene.solver.contact_hertz <= limit_Hz * (1 + 1e-9)) return Status::good();
   return Status::error(fmt::format(
@@ -103,7 +102,7 @@ Status check_frequency(const sim::Scene& scene, const RunOptions& options) {
 }  // namespace
 
 unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
-  if (options.coupling == haptics::CouplingScheme::kDirect) return 1;
+  if (!traits_of(options.coupling).global_world) return 1;
   return options.ratio != 0 ? options.ratio : scene.ratio;
 }
 
@@ -174,11 +173,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.ratio = ratio_of(scene, options);
   sub.proxy = scene.proxy;
   sub.step = step_settings(scene, options);
-  const haptics::CouplingGains gains = gains_of(scene, options, device).gains;
-  sub.stiffness_N_per_m = gains.stiffness_N_per_m;
-  sub.damping_Ns_per_m = gains.damping_Ns_per_m;
-  sub.stiffness_Nm_per_rad = gains.stiffness_Nm_per_rad;
-  sub.damping_Nms_per_rad = gains.damping_Nms_per_rad;
+  sub.gains = gains_of(scene, options, device).gains;
   sub.hulls = scene.hulls;
   sub.meshes = scene.meshes;
   sub.effects = sim::effect_setups(scene);
@@ -190,7 +185,7 @@ std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOp
                                             const haptics::DeviceProperties& device) {
   const auto fixed = fixed_bodies_of(scene);
   auto loop = std::make_unique<loop::HapticLoop>(loop_config(scene, options, device), fixed);
-  if (options.coupling == haptics::CouplingScheme::kDirect) loop->set_members(scene.bodies);
+  if (!traits_of(options.coupling).global_world) loop->set_members(scene.bodies);
   return loop;
 }
 
@@ -206,7 +201,7 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   auto script = split_inject_script(options.inject);
   if (!script.ok()) return script.status();
   session->stalls = script.value().stalls, session->resets = script.value().resets;
-  if (!session->resets.empty() && options.coupling == haptics::CouplingScheme::kDirect)
+  if (!session->resets.empty() && !traits_of(options.coupling).global_world)
     return Status::error("--inject: reset: the direct coupling has no global world that could begin anew");
   auto faults = hal::parse_fault_script(script.value().device);
   if (!faults.ok())
@@ -238,7 +233,7 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   governor.min_members = std::min(governor.min_members, governor.members);
   session->governor = std::make_unique<loop::Governor>(governor);
 
-  if (options.coupling != haptics::CouplingScheme::kDirect) {
+  if (traits_of(options.coupling).global_world) {
     const sim::GlobalOptions global = global_options(scene, options, device);
     if (const Status status = sim::check_global_options(scene, global); !status.ok()) return status;
     session->global = std::make_unique<sim::GlobalWorld>(scene, global);

@@ -47,7 +47,7 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
       ->check(CLI::Range(1.0, 600.0));
   command.add_option("--borders", options.borders, "borders, separated by commas; all that are compared by default")
       ->delimiter(',')
-      ->check(CLI::IsMember({"ghost", "capped", "replay", "filtered", "frozen"}));
+      ->check(CLI::IsMember(sim::border_names()));
   command.add_option("--ratios", options.ratios, "ticks per global step, separated by commas; default 1,2,4,8,16")
       ->delimiter(',')
       ->check(CLI::Range(1, 100));
@@ -92,11 +92,10 @@ std::vector<experiment::Scheme> schemes_of(const CouplingOptions& options,
   const auto& borders = options.borders;
   std::vector<experiment::Scheme> chosen;
   for (experiment::Scheme scheme : schemes) {
-    if (!borders.empty() && scheme.coupling == haptics::CouplingScheme::kSubWorld &&
+    if (!borders.empty() && scheme.traits().border &&
         std::find(borders.begin(), borders.end(), sim::name_of(scheme.border)) == borders.end())
       continue;
-    if (scheme.coupling == haptics::CouplingScheme::kDirect) {
-      scheme.ratio = 1;
+    if (scheme.direct()) {
       chosen.push_back(scheme);
       continue;
     }
@@ -133,7 +132,7 @@ Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOption
     request.scenes.back().members = one.members;
   }
   for (const auto& scheme : study.schemes)
-    if (scheme.coupling != haptics::CouplingScheme::kDirect) request.schemes.push_back(scheme);
+    if (!scheme.direct()) request.schemes.push_back(scheme);
   if (!options.members.empty()) request.members = options.members;
   request.seconds = options.whole_s;
   request.hand_of_direct = !options.quick;

@@ -30,7 +30,8 @@ int run_capacity(const CapacityOptions& options) {
   request.ratios = options.ratios;
   if (request.ratios.empty())
     request.ratios = options.quick ? std::vector<unsigned>{10} : std::vector<unsigned>{2, 4, 10, 16};
-  for (const std::string& word : options.couplings) request.couplings.push_back(*sim::parse_coupling_scheme(word));
+  for (const std::string& word : options.couplings)
+    request.couplings.push_back({.coupling = *sim::parse_coupling_scheme(word)});
   request.members = options.members;
   request.most_bodies = options.most;
   if (options.quick) request.ticks = 200, request.runs = 3;

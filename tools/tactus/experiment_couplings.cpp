@@ -33,17 +33,8 @@ void add_couplings(CLI::App& experiment, int& exit_code) {
       "\nExample:\n  tactus experiment couplings --quick\n  tactus experiment couplings --csv couplings.csv --page "
       "couplings.html");
   add_coupling_options(*command, *options);
-  command->callback([options, &exit_code] {
-    using haptics::CouplingScheme;
-    using physics::BorderMode;
-    exit_code = run_coupling_experiment(*options, {{CouplingScheme::kDirect, BorderMode::kCapped, 1},
-                                                   {CouplingScheme::kSubWorld, BorderMode::kGhost, 0},
-                                                   {CouplingScheme::kStatic, BorderMode::kCapped, 0},
-                                                   {CouplingScheme::kInterpolation, BorderMode::kCapped, 0},
-                                                   {CouplingScheme::kPlane, BorderMode::kCapped, 0},
-                                                   {CouplingScheme::kPlanes, BorderMode::kCapped, 0},
-                                                   {CouplingScheme::kLinearised, BorderMode::kCapped, 0}});
-  });
+  command->callback(
+      [options, &exit_code] { exit_code = run_coupling_experiment(*options, experiment::every_coupling()); });
 }
 
 }  // namespace tactus::tools

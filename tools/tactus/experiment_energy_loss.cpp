@@ -30,15 +30,8 @@ void add_energy_loss(CLI::App& experiment, int& exit_code) {
       "  tactus experiment energy-loss --seeds 0 --whole 10 --scene my.toml --members 8,16 --ratios 8,16 --borders "
       "ghost");
   add_coupling_options(*command, *options);
-  command->callback([options, &exit_code] {
-    using haptics::CouplingScheme;
-    using physics::BorderMode;
-    exit_code = run_coupling_experiment(*options, {{CouplingScheme::kSubWorld, BorderMode::kGhost, 0},
-                                                   {CouplingScheme::kSubWorld, BorderMode::kCapped, 0},
-                                                   {CouplingScheme::kSubWorld, BorderMode::kReplay, 0},
-                                                   {CouplingScheme::kSubWorld, BorderMode::kFiltered, 0},
-                                                   {CouplingScheme::kSubWorld, BorderMode::kFrozen, 0}});
-  });
+  command->callback(
+      [options, &exit_code] { exit_code = run_coupling_experiment(*options, experiment::every_border()); });
 }
 
 }  // namespace tactus::tools

@@ -251,13 +251,16 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
   app.add_option("--coupling", o.coupling,
-                 "sub-world, direct, interpolation, static, plane, planes or linearised. interpolation delays the\n"
-                 "proxy by a global step: where the scene's stiffness is too much for that, it is lowered and said")
+                 fmt::format("{}. interpolation delays the\n"
+                             "proxy by a global step: where the scene's stiffness is too much for that, it is lowered "
+                             "and said",
+                             fmt::join(sim::coupling_names(), ", ")))
       ->capture_default_str();
   app.add_flag("--keep-gains", o.keep_gains,
                "the scene's gains or none: refuse them, with the limit, where the coupling is\n"
                "not stable with them");
-  app.add_option("--border", o.border, "of the sub-world: ghost, capped, replay (the paper's), filtered or frozen")
+  app.add_option("--border", o.border,
+                 fmt::format("of the sub-world: {}; replay is the paper's", fmt::join(sim::border_names(), ", ")))
       ->capture_default_str();
   app.add_option("--order", o.order, "in which the contact graph is cut: best-first or breadth-first")
       ->capture_default_str();

@@ -5,6 +5,11 @@
 // to the member. Units: SI. Thread: the owner of the World.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "rt/base/choice.h"
 #include "rt/base/ids.h"
 #include "rt/base/spatial.h"
 #include "rt/physics/border/border_ghost.h"
@@ -26,13 +31,46 @@ enum class BorderMode : std::uint32_t {
   kFiltered = 5,
 };
 
-constexpr bool replays(BorderMode mode) noexcept {
-  return mode == BorderMode::kReplay || mode == BorderMode::kFiltered;
+// What tells the modes apart: the solver of border contacts and both sides of the exchange ask for these alone.
+struct BorderTraits {
+  std::string_view name;        // in options, JSON and tables
+  bool ghosts{false};           // the outside body is a ghost that answers, with friction as between members; no limit
+  bool replays{false};          // the global step's impulse acts, sub-step by sub-step
+  bool limited{false};          // a pair's impulse is at most the global step's: impulse_rate x time, over its points
+  bool surface_moves{false};    // the outside surface and its friction point move with outside_velocity
+  bool has_budget{false};       // what it puts into members is bounded by an energy budget
+  double budget_at_start_J{0};  // what of it is there before anything was taken out
+  // What the global world does with the impulses that the sub-world found on outside bodies.
+  enum class Return : std::uint32_t {
+    kNothing,  // none: the global world keeps its own state of what stands at the border
+    kImpulse,  // applies them: friction then counts in both worlds (the paper)
+    kChange,   // applies their difference to what its own contacts did
+  } returns{Return::kNothing};
+};
+
+// Of a number that is no mode: without a name.
+constexpr BorderTraits traits_of(BorderMode mode) noexcept {
+  using enum BorderMode;
+  using Return = BorderTraits::Return;
+  switch (mode) {
+    case kCapped:
+      return {.name = "capped", .limited = true, .surface_moves = true, .returns = Return::kChange};
+    case kReplay:
+      return {.name = "replay", .replays = true, .limited = true, .returns = Return::kImpulse};
+    case kFrozen:
+      return {.name = "frozen", .returns = Return::kChange};
+    case kGhost:
+      return {.name = "ghost", .ghosts = true, .has_budget = true, .budget_at_start_J = 0.01};
+    case kFiltered:
+      return {.name = "filtered", .replays = true, .limited = true, .has_budget = true, .returns = Return::kImpulse};
+  }
+  return {};
 }
-// What it puts into members is bounded by an energy budget.
-constexpr bool has_budget(BorderMode mode) noexcept {
-  return mode == BorderMode::kGhost || mode == BorderMode::kFiltered;
-}
+
+// In the order of help texts and tables.
+inline constexpr std::array kBorderModes{BorderMode::kGhost, BorderMode::kCapped, BorderMode::kReplay,
+                                         BorderMode::kFiltered, BorderMode::kFrozen};
+static_assert(lists_every_choice(kBorderModes), "a mode that has traits is not in the list, or twice");
 
 template <class T>
 struct BorderContact {

@@ -26,11 +26,10 @@ template <class T>
 void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<const BorderGhost<T>> ghosts,
                               BorderMode mode, std::span<const Body<T>> bodies, SolverBodies<T> solver_bodies, T h,
                               T impulse_scale, bool friction, T budget_J) noexcept {
-  mode_ = mode;
+  rule_ = traits_of(mode);
   budget_J_ = budget_J;
-  replays_ = replays(mode);
   h_ = h;
-  ghosts_.resize(mode == BorderMode::kGhost ? static_cast<std::uint32_t>(ghosts.size()) : 0);
+  ghosts_.resize(rule_.ghosts ? static_cast<std::uint32_t>(ghosts.size()) : 0);
   for (std::uint32_t g = 0; g < ghosts_.size(); ++g) {
     ghosts_[g] = {};
     ghosts_[g].outside = ghosts[g].outside, ghosts_[g].admittance = ghosts[g].admittance;
@@ -53,13 +52,13 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<co
     const T mass = solver_bodies.motion[row.slot].inverse_mass;
     if (mass == T(0)) continue;  // frozen: nothing moves it
     row.active = true;
-    row.holds = friction && (mode == BorderMode::kGhost || !c.friction_free);
+    row.holds = friction && (rule_.ghosts || !c.friction_free);
     row.n = c.normal;
     const auto [t1, t2] = tangents_of(row.n);
     row.t1 = t1, row.t2 = t2;
     row.r = rotate(member->motion.pose.rotation, c.member_anchor);
     row.offset = member->motion.pose.position + row.r - c.line_point;
-    row.neighbour_velocity = mode == BorderMode::kCapped ? c.outside_velocity : Vec3<T>{};
+    row.neighbour_velocity = rule_.surface_moves ? c.outside_velocity : Vec3<T>{};
     row.cap = c.impulse_rate * h;
     row.gap = c.gap;
     row.friction = c.friction;
@@ -68,9 +67,9 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<co
     row.tangent_mass = tangent_mass_of(inverse_effective_mass(mass, inertia, row.r, t1, t1),
                                        inverse_effective_mass(mass, inertia, row.r, t2, t2),
                                        inverse_effective_mass(mass, inertia, row.r, t1, t2));
-    if (mode == BorderMode::kGhost && c.ghost < ghosts_.size())
+    if (rule_.ghosts && c.ghost < ghosts_.size())
       meet_ghost(row, c, ghosts[c.ghost], mass, inertia, member->motion.pose.position + row.r);
-    else if (mode == BorderMode::kGhost)
+    else if (rule_.ghosts)
       row.active = false;
     const T scale = impulse_scale != T(1) ? impulse_scale : T(1);
     row.normal_impulse = scale * c.normal_impulse;
@@ -83,7 +82,7 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<co
     mark_slow(rows_.span().subspan(k, end - k));
   }
   // A pair that the other world found touching without pressing may not push: its rows would cost and do nothing.
-  if (mode == BorderMode::kFrozen || mode == BorderMode::kGhost) return;
+  if (!rule_.limited) return;
   for (Row& row : rows_)
     if (pairs_[row.pair].cap == T(0)) row.active = false;
 }
@@ -130,7 +129,7 @@ void BorderSolver<T>::meet_ghost(Row& row, const BorderContact<T>& contact, cons
 // The most that the normal row may push in a sub-step: what the pair's other points leave of its cap.
 template <class T>
 T BorderSolver<T>::normal_limit(const Row& row) const noexcept {
-  if (mode_ == BorderMode::kFrozen || mode_ == BorderMode::kGhost) return std::numeric_limits<T>::max();
+  if (!rule_.limited) return std::numeric_limits<T>::max();
   const Pair& pair = pairs_[row.pair];
   return std::max(T(0), pair.cap - (pair.sum - row.normal_impulse));
 }
@@ -211,7 +210,7 @@ void BorderSolver<T>::begin_sub_step(std::uint32_t j, SolverBodies<T> bodies) no
 
 template <class T>
 void BorderSolver<T>::apply_replay(SolverBodies<T> bodies) noexcept {
-  if (!replays_) return;
+  if (!rule_.replays) return;
   for (Row& row : rows_) {
     if (!row.active) continue;
     SolverBody<T>& body = bodies.motion[row.slot];
@@ -231,7 +230,7 @@ void BorderSolver<T>::warm_start(SolverBodies<T> bodies) noexcept {
   for (Row& row : rows_) {
     if (!row.active) continue;
     T normal{};
-    if (!replays_) {
+    if (!rule_.replays) {
       const T wanted = row.normal_impulse;
       row.normal_impulse = T(0);
       row.normal_impulse = std::clamp(wanted, T(0), normal_limit(row));
@@ -296,7 +295,7 @@ void BorderSolver<T>::solve_row(Row& row, SolverBodies<T> bodies, const SweepRul
   if (!row.active) return;
   SolverBody<T>& body = bodies.motion[row.slot];
   const SymMat3<T>& inertia = bodies.inverse_inertia[row.slot];
-  if (!replays_) press(row, body, inertia, rule, biased);
+  if (!rule_.replays) press(row, body, inertia, rule, biased);
   if (!row.holds) return;
   if (row.ghost == kNoGhost)
     hold_on_line(row, body, inertia, rule, biased);
@@ -385,7 +384,7 @@ void BorderSolver<T>::scale_impulses(T factor) noexcept {
                       scaled(ghost.before.angular, ghost.velocity.angular)};
   }
   for (Row& row : rows_) {
-    if (!replays_) row.normal_impulse *= factor;
+    if (!rule_.replays) row.normal_impulse *= factor;
     row.tangent_impulse[0] *= factor, row.tangent_impulse[1] *= factor;
     row.demand[0] *= factor, row.demand[1] *= factor;
   }
@@ -413,7 +412,7 @@ void BorderSolver<T>::store(std::span<BorderContact<T>> contacts, std::span<Bord
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     const Row& row = rows_[k];
     BorderContact<T>& c = contacts[k];
-    if (mode_ == BorderMode::kCapped) c.line_point += dt * c.outside_velocity;
+    if (rule_.surface_moves) c.line_point += dt * c.outside_velocity;
     c.step_normal_impulse = row.step_normal, c.step_tangent_impulse = row.step_tangent;
     c.total_normal_impulse += row.step_normal, c.total_tangent_impulse += row.step_tangent;
     c.work += row.work;

@@ -99,10 +99,10 @@ class BorderSolver {
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;
   BoundedVector<GhostState<T>> ghosts_;  // as the world's
-  BorderMode mode_{BorderMode::kCapped};
   T h_{};
-  bool replays_{false}, may_give_{true};  // of the mode; of the sub-step: something is left of the budget
-  T budget_J_{};                          // what is left of it
+  BorderTraits rule_;    // of the mode
+  bool may_give_{true};  // in the sub-step: something is left of the budget
+  T budget_J_{};         // what is left of it
 };
 
 }  // namespace tactus::physics

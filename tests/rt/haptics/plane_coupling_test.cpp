@@ -128,19 +128,20 @@ TEST_CASE("planes: the spring between device and proxy is felt, and the proxy al
   const double deep = 2e-3;
   bench.step(1, target_at({0.01, 0, kRadius - deep}));
   CHECK((bench.last.status & kProxyContact) != 0);
-  check_close(bench.last.on_device.force, {0, 0, config.stiffness_N_per_m * deep}, 1e-9);
+  check_close(bench.last.on_device.force, {0, 0, config.gains.stiffness_N_per_m * deep}, 1e-9);
   check_close(bench.motion(kProxy).pose.position, {0.01, 0, kRadius}, 1e-12);
   CHECK(same_bits(bench.motion(kProxy), bench.sub_world.proxy()));
 
   bench.step(1, target_at({0.01, 0, kRadius + deep}));  // the hand withdraws
-  const double pull = scheme == CouplingScheme::kLinearised ? config.stiffness_N_per_m * deep : 0;
+  const double pull = scheme == CouplingScheme::kLinearised ? config.gains.stiffness_N_per_m * deep : 0;
   check_close(bench.last.on_device.force, {0, 0, -pull}, 1e-9);
 
   bench.next({kProxy});
   bench.synchronise();
   REQUIRE(bench.report->members.size() == 1);
   CHECK(bench.report->members[0].id == kProxy);
-  check_close(bench.report->mean_device_wrench.force, {0, 0, 0.5 * (pull - config.stiffness_N_per_m * deep)}, 1e-9);
+  check_close(bench.report->mean_device_wrench.force, {0, 0, 0.5 * (pull - config.gains.stiffness_N_per_m * deep)},
+              1e-9);
   bench.step(config.ratio, target_at({0.01, 0, kRadius - deep}));  // no contact any more
   CHECK(bench.last.on_device == Wrenchd{});
 }
@@ -154,7 +155,7 @@ TEST_CASE("planes: a proxy turns with the device, and its contact point with it"
   bench.step(1, target_at({0, 0, -0.9 * kRadius}, over));
   CHECK(bench.last.on_device == Wrenchd{});
   bench.step(1, target_at({0, 0, -1.1 * kRadius}, over));
-  CHECK(bench.last.on_device.force.z == Approx(config.stiffness_N_per_m * 0.1 * kRadius));
+  CHECK(bench.last.on_device.force.z == Approx(config.gains.stiffness_N_per_m * 0.1 * kRadius));
   CHECK(norm(bench.last.on_device.torque) == 0);
 }
 
@@ -166,7 +167,7 @@ TEST_CASE("planes: a dragged proxy is held up to its coefficient of friction, an
   adopt_old(bench, {support(kProxy, 1, mu)});
   bench.step(1, target_at({0, 0, kRadius - deep}));
   bench.step(1, target_at({0.99 * mu * deep, 0, kRadius - deep}));
-  CHECK(bench.last.on_device.force.x == Approx(-0.99 * mu * config.stiffness_N_per_m * deep));
+  CHECK(bench.last.on_device.force.x == Approx(-0.99 * mu * config.gains.stiffness_N_per_m * deep));
   CHECK(std::abs(bench.motion(kProxy).pose.position.x) < 1e-12);
   bench.step(1, target_at({1.01 * mu * deep, 0, kRadius - deep}));
   CHECK(bench.motion(kProxy).pose.position.x == Approx(0.01 * mu * deep));
@@ -176,13 +177,13 @@ TEST_CASE("planes: a dragged proxy is held up to its coefficient of friction, an
     const DeviceTarget moving{true, {{1.01 * mu * deep + 1e-3 * k, 0, kRadius - deep}, {}}, {{0.05, 0, -0.02}, {}}};
     bench.step(1, moving);
     const Vec3d& force = bench.last.on_device.force;
-    REQUIRE(force.z == Approx(config.stiffness_N_per_m * deep + config.damping_Ns_per_m * 0.02));
+    REQUIRE(force.z == Approx(config.gains.stiffness_N_per_m * deep + config.gains.damping_Ns_per_m * 0.02));
     REQUIRE(force.x == Approx(-mu * force.z));
   }
   // Let go and taken again elsewhere, nothing of the past holds.
   bench.step(1);
   bench.step(1, target_at({1, 0, kRadius - deep}));
-  check_close(bench.last.on_device.force, {0, 0, config.stiffness_N_per_m * deep}, 1e-9);
+  check_close(bench.last.on_device.force, {0, 0, config.gains.stiffness_N_per_m * deep}, 1e-9);
 }
 
 TEST_CASE("planes: what friction holds goes along with the surface, and stands still with a late world's") {
@@ -193,7 +194,7 @@ TEST_CASE("planes: what friction holds goes along with the surface, and stands s
   adopt_old(bench, {belt});
   const double deep = 5e-3;
   bench.step(config.ratio, target_at({0, 0, kRadius - deep}));
-  const double carried_N = config.stiffness_N_per_m * 0.1 * config.ratio * kTick_s;
+  const double carried_N = config.gains.stiffness_N_per_m * 0.1 * config.ratio * kTick_s;
   CHECK(bench.last.on_device.force.x == Approx(carried_N));
   bench.step(2, target_at({0, 0, kRadius - deep}));
   CHECK(bench.last.on_device.force.x == Approx(carried_N));

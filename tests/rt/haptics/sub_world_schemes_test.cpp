@@ -72,9 +72,10 @@ TEST_CASE("interpolation: the spring is felt, and where the device is goes up wi
   for (std::uint32_t i = 1; i <= config.ratio; ++i) {
     bench.step(1, target);
     const Vec3d proxy{0.01 * i / config.ratio, 0, 0}, proxy_velocity{0.01 / (config.ratio * kTick_s), 0, 0};
-    const Vec3d force = config.stiffness_N_per_m * (at - proxy) + config.damping_Ns_per_m * (velocity - proxy_velocity);
+    const Vec3d force =
+        config.gains.stiffness_N_per_m * (at - proxy) + config.gains.damping_Ns_per_m * (velocity - proxy_velocity);
     check_close(bench.last.on_device.force, -force, 1e-9);
-    check_close(bench.last.on_device.torque, -config.stiffness_Nm_per_rad * rotated, 1e-5);
+    check_close(bench.last.on_device.torque, -config.gains.stiffness_Nm_per_rad * rotated, 1e-5);
   }
   // At the end of the last tick. It did not hold the proxy when the cycle began: its own velocity counts.
   bench.synchronise();
@@ -114,7 +115,7 @@ TEST_CASE("static: only the proxy moves, the others keep their bits though pushe
   CHECK(same_bits(bench.motion(2), falling));
   CHECK((bench.last.status & kProxyContact) != 0);
   // It rests on the frozen cube, and the hand carries the spring.
-  CHECK(bench.last.on_device.force.z == Approx(config.stiffness_N_per_m * 2e-3).epsilon(0.05));
+  CHECK(bench.last.on_device.force.z == Approx(config.gains.stiffness_N_per_m * 2e-3).epsilon(0.05));
   CHECK(std::abs(bench.motion(kProxy).pose.position.z - 0.2 - kRadius) < 1e-4);
 
   const auto held = bench.motion(kProxy);

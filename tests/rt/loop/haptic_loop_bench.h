@@ -33,8 +33,8 @@ inline LoopConfig make_config(CouplingScheme scheme = CouplingScheme::kDirect) {
   config.sub_world.ratio = 5;
   config.sub_world.proxy = kProxy;
   config.sub_world.step.dt = config.period_s;
-  config.sub_world.stiffness_N_per_m = kStiffness;
-  config.sub_world.stiffness_Nm_per_rad = kRotationStiffness;
+  config.sub_world.gains.stiffness_N_per_m = kStiffness;
+  config.sub_world.gains.stiffness_Nm_per_rad = kRotationStiffness;
   config.sub_world.capacities = {.bodies = 8, .fixed_bodies = 2, .pairs = 32, .contacts = 32, .border_contacts = 4};
   config.emergency_stop_fault = kEmergencyStop;
   return config;

@@ -267,7 +267,7 @@ TEST_CASE("a fault while idle brakes at once") {
 TEST_CASE("a wrench of our own that is no number is never sent, latches and brakes at once") {
   // The stretch of the interpolation is not held back by a solver: 1e308 N/m and 10 m are no number.
   LoopConfig config = make_config(CouplingScheme::kInterpolation);
-  config.sub_world.stiffness_N_per_m = 1e308;
+  config.sub_world.gains.stiffness_N_per_m = 1e308;
   config.placement.motion_scale = 1e4;
   Bench bench(config);
   const auto snapshot = std::make_unique<haptics::WorldSnapshot>();

@@ -96,7 +96,7 @@ TEST_CASE("disarming ends the force under the slew limit, and wins over what els
 
 TEST_CASE("what a disarmed loop owes the passivity book is not braked for") {
   LoopConfig config = make_config();
-  config.sub_world.damping_Ns_per_m = 0.1;
+  config.sub_world.gains.damping_Ns_per_m = 0.1;
   config.device.damping_Ns_per_m = 0.05;
   Bench bench(config);
   bench.run(3);
@@ -169,7 +169,7 @@ TEST_CASE("at 2 and 2.5 times the accepted gain the passivity controller holds a
   device.max_force_N = device.continuous_force_N = 1e6;  // nothing but the controller bounds the energy
   device.max_speed_m_per_s = 1e4, device.workspace_radius_m = 1e3;
   const auto accepted = haptics::check_coupling({}, device, config.period_s).translation.stiffness_allowed;
-  config.sub_world.stiffness_N_per_m = share * accepted;
+  config.sub_world.gains.stiffness_N_per_m = share * accepted;
   Bench bench(config);
   bench.run(3);
   bench.tick(kArm);

@@ -24,7 +24,7 @@ TEST_CASE("Every heap that is timed is there, with its contacts and its budget")
   CapacityRequest request;
   request.rates_Hz = {1000};
   request.ratios = {10};
-  request.couplings = {tactus::haptics::CouplingScheme::kDirect, tactus::haptics::CouplingScheme::kSubWorld};
+  request.couplings = {tactus::experiment::kDirectScheme, {}};
   request.most_bodies = 25;
   request.ticks = 10;
   const auto report = run_capacity(request, {});

@@ -16,8 +16,6 @@
 namespace tactus::experiment {
 namespace {
 
-using haptics::CouplingScheme;
-
 constexpr unsigned kLeastBodies = 25;
 constexpr unsigned kLeastSteps = 40;
 // Five sub-steps in 10 ms bring columns of eight cubes to rest (3e-5 m/s), of twelve not (1e-3 m/s).
@@ -108,17 +106,16 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   const auto profile = session::find_description(scene.value().device.profile, {});
   if (!profile.ok()) return profile.status();
   session::RunOptions options;
-  options.coupling = point.coupling;
+  point.scheme.set(options);
   options.rate_Hz = point.rate_Hz;
-  options.ratio = point.ratio;
   options.members = request.members;
   CoupledWorlds worlds(scene.value(), options, profile.value().properties);
   worlds.start_at_rest();
   Vec3d start = scene.value().bodies[scene.value().proxy].motion.pose.position;
   const auto rest = static_cast<unsigned>(std::lround(kSettle_s * point.rate_Hz));
   const auto settle = rest + static_cast<unsigned>(std::lround(kPress_s * point.rate_Hz));
-  const bool direct = point.coupling == CouplingScheme::kDirect;
-  const unsigned timed = direct ? request.ticks : std::max(request.ticks, kLeastSteps * point.ratio);
+  const unsigned timed =
+      point.scheme.direct() ? request.ticks : std::max(request.ticks, kLeastSteps * point.scheme.ratio);
   std::vector<double>& ticks_us = times.ticks_us.emplace_back();
   std::vector<double>& steps_us = times.steps_us.emplace_back();
   for (unsigned k = 0; k < settle + timed; ++k) {
@@ -135,7 +132,7 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   point.tick_us_p50 = median(tick_us), point.tick_us_p99 = quantile(tick_us, 0.99);
   point.step_us_p50 = median(step_us), point.step_us_p90 = quantile(step_us, 0.9);
   point.tick_load = point.tick_us_p99 / period_us;
-  point.step_load = point.step_us_p90 / (point.ratio * period_us);
+  point.step_load = point.step_us_p90 / (point.scheme.ratio * period_us);
   return point;
 }
 
@@ -164,23 +161,24 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
   report.members = request.members, report.runs = request.runs;
   // A search is as long as any other, nearly: most of it goes into its largest heaps.
   double work = 0, done = 0;
-  for (const CouplingScheme coupling : request.couplings)
+  for (const Scheme& scheme : request.couplings)
     work += static_cast<double>(request.rates_Hz.size()) *
-            (coupling == CouplingScheme::kDirect ? 1.0 : static_cast<double>(request.ratios.size()));
+            (scheme.direct() ? 1.0 : static_cast<double>(request.ratios.size()));
   const Pace pace(progress, work);
   for (const double rate_Hz : request.rates_Hz) {
     unsigned direct_bodies = 0;
-    for (const CouplingScheme coupling : request.couplings) {
-      const bool direct = coupling == CouplingScheme::kDirect;
-      for (const unsigned ratio : direct ? std::vector<unsigned>{1} : request.ratios) {
-        CapacityRow row{coupling, rate_Hz, ratio, 0, 0, {}, 0};
+    for (Scheme scheme : request.couplings) {
+      for (const unsigned ratio : scheme.direct() ? std::vector<unsigned>{1} : request.ratios) {
+        scheme.ratio = ratio;
+        CapacityRow row{scheme, rate_Hz, 0, 0, {}, 0};
         Status failed = Status::good();
         const auto fits = [&](unsigned bodies) {
           if (!failed.ok()) return false;
-          pace.say(fmt::format("{} at {:g} Hz, ratio {}: {} bodies", sim::name_of(coupling), rate_Hz, ratio, bodies),
-                   done);
+          pace.say(
+              fmt::format("{} at {:g} Hz, ratio {}: {} bodies", sim::name_of(scheme.coupling), rate_Hz, ratio, bodies),
+              done);
           CapacityPoint point;
-          point.coupling = coupling, point.rate_Hz = rate_Hz, point.ratio = ratio, point.bodies = bodies;
+          point.scheme = scheme, point.rate_Hz = rate_Hz, point.bodies = bodies;
           HeapTimes times;
           while (times.ticks_us.size() < request.runs) {
             const auto timed = time_heap(request, point, times);
@@ -196,7 +194,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
         const Bracket bracket = find_capacity(kLeastBodies, request.most_bodies, fits);
         if (!failed.ok()) return failed;
         row.bodies = bracket.fits, row.too_many = bracket.too_many;
-        if (direct) direct_bodies = bracket.fits;
+        if (scheme.direct()) direct_bodies = bracket.fits;
         if (direct_bodies > 0) row.quotient = static_cast<double>(row.bodies) / direct_bodies;
         report.rows.push_back(row);
         done += 1;

@@ -12,6 +12,7 @@
 
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_scheme.h"
+#include "tools/experiment/coupling/scheme.h"
 #include "tools/experiment/progress.h"
 
 namespace tactus::experiment {
@@ -19,7 +20,7 @@ namespace tactus::experiment {
 struct CapacityRequest {
   std::vector<double> rates_Hz;
   std::vector<unsigned> ratios;
-  std::vector<haptics::CouplingScheme> couplings;
+  std::vector<Scheme> couplings;  // with every ratio; the direct one has none
   unsigned members{64};
   unsigned most_bodies{20000};
   unsigned ticks{400};  // timed, of each heap; at least 40 global steps
@@ -30,9 +31,9 @@ struct CapacityRequest {
 
 // One heap, timed.
 struct CapacityPoint {
-  haptics::CouplingScheme coupling{haptics::CouplingScheme::kDirect};
+  Scheme scheme{kDirectScheme};
   double rate_Hz{1000};
-  unsigned ratio{1}, bodies{0}, contact_points{0};  // points: of the whole world
+  unsigned bodies{0}, contact_points{0};  // points: of the whole world
   double tick_us_p50{0}, tick_us_p99{0};
   double step_us_p50{0}, step_us_p90{0};  // global; 0 with the direct coupling
   double tick_load{0}, step_load{0};      // p99 of the ticks, p90 of the global steps, over what they may take
@@ -41,9 +42,8 @@ struct CapacityPoint {
 };
 
 struct CapacityRow {
-  haptics::CouplingScheme coupling{haptics::CouplingScheme::kDirect};
+  Scheme scheme{kDirectScheme};
   double rate_Hz{1000};
-  unsigned ratio{1};
   unsigned bodies{0};    // sustained; 0: not even the smallest heap
   unsigned too_many{0};  // the smallest heap that was not; 0: none was found
   std::string breaks;    // what was too slow there: tick, global step

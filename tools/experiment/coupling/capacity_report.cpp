@@ -12,10 +12,10 @@ std::string capacity_table(const CapacityReport& report) {
   std::string text = fmt::format("{:<14} {:>7} {:>5} {:>9} {:>9} {:>12} {:>14}\n", "coupling", "rate Hz", "ratio",
                                  "bodies", "too many", "times direct", "breaks by");
   for (const CapacityRow& row : report.rows)
-    text += fmt::format("{:<14} {:>7g} {:>5} {:>9} {:>9} {:>12} {:>14}\n", sim::name_of(row.coupling), row.rate_Hz,
-                        row.ratio, row.bodies, row.too_many > 0 ? fmt::format("{}", row.too_many) : "-",
-                        row.quotient > 0 ? fmt::format("{:.1f}", row.quotient) : "-",
-                        row.breaks.empty() ? "-" : row.breaks);
+    text += fmt::format(
+        "{:<14} {:>7g} {:>5} {:>9} {:>9} {:>12} {:>14}\n", sim::name_of(row.scheme.coupling), row.rate_Hz,
+        row.scheme.ratio, row.bodies, row.too_many > 0 ? fmt::format("{}", row.too_many) : "-",
+        row.quotient > 0 ? fmt::format("{:.1f}", row.quotient) : "-", row.breaks.empty() ? "-" : row.breaks);
   return text +
          fmt::format(
              "\nCubes in a heap, all awake, stirred by the proxy; sub-world of {} members. CPU time of one thread, the "
@@ -28,17 +28,17 @@ std::string capacity_json(const CapacityReport& report) {
   using nlohmann::ordered_json;
   ordered_json rows = ordered_json::array(), points = ordered_json::array();
   for (const CapacityRow& row : report.rows)
-    rows.push_back({{"coupling", sim::name_of(row.coupling)},
+    rows.push_back({{"coupling", sim::name_of(row.scheme.coupling)},
                     {"rate_Hz", row.rate_Hz},
-                    {"ratio", row.ratio},
+                    {"ratio", row.scheme.ratio},
                     {"bodies", row.bodies},
                     {"too_many", row.too_many > 0 ? ordered_json(row.too_many) : ordered_json(nullptr)},
                     {"breaks_by", row.breaks},
                     {"times_direct", row.quotient > 0 ? ordered_json(row.quotient) : ordered_json(nullptr)}});
   for (const CapacityPoint& p : report.points)
-    points.push_back({{"coupling", sim::name_of(p.coupling)},
+    points.push_back({{"coupling", sim::name_of(p.scheme.coupling)},
                       {"rate_Hz", p.rate_Hz},
-                      {"ratio", p.ratio},
+                      {"ratio", p.scheme.ratio},
                       {"bodies", p.bodies},
                       {"contact_points", p.contact_points},
                       {"tick_us_p50", p.tick_us_p50},
@@ -55,8 +55,9 @@ std::string capacity_csv(const CapacityReport& report) {
       "coupling,rate [Hz],ratio [1],bodies [1],contact_points [1],tick_p50 [us],tick_p99 [us],global_step_p50 [us],"
       "global_step_p90 [us],fits\n";
   for (const CapacityPoint& p : report.points)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", sim::name_of(p.coupling), p.rate_Hz, p.ratio, p.bodies,
-                        p.contact_points, p.tick_us_p50, p.tick_us_p99, p.step_us_p50, p.step_us_p90, p.fits());
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{}\n", sim::name_of(p.scheme.coupling), p.rate_Hz, p.scheme.ratio,
+                    p.bodies, p.contact_points, p.tick_us_p50, p.tick_us_p99, p.step_us_p50, p.step_us_p90, p.fits());
   return text;
 }
 

@@ -1,12 +1,11 @@
 #include "tools/experiment/coupling/coupled_worlds.h"
 
+#include "tools/experiment/coupling/scheme.h"
 #include "tools/experiment/timing.h"
 #include "tools/session/session.h"
 
 namespace tactus::experiment {
 namespace {
-
-using haptics::CouplingScheme;
 
 void add_motion(const physics::Body<double>& body, Motion& sum) noexcept {
   sum.kinetic_J += kinetic_energy(body);
@@ -17,13 +16,13 @@ void add_motion(const physics::Body<double>& body, Motion& sum) noexcept {
 
 CoupledWorlds::CoupledWorlds(const sim::Scene& scene, const session::RunOptions& options,
                              const haptics::DeviceProperties& device)
-    : config_(session::loop_config(scene, options, device).sub_world) {
+    : config_(session::loop_config(scene, options, device).sub_world), coupling_(traits_of(options.coupling)) {
   std::vector<physics::Body<double>> fixed;
   for (const auto& body : scene.bodies) (body.kind == physics::BodyKind::kFixed ? fixed : at_rest_).push_back(body);
   // Room for all bodies, so that the state of a direct run fits.
   session::RunOptions direct = options;
-  direct.coupling = CouplingScheme::kDirect;
-  const bool is_direct = options.coupling == CouplingScheme::kDirect;
+  direct.coupling = kDirectScheme.coupling;
+  const bool is_direct = !coupling_.global_world;
   if (is_direct || at_rest_.size() <= haptics::kMaxMembers)
     config_.capacities = session::loop_config(scene, direct, device).sub_world.capacities;
   sub_world_ = std::make_unique<haptics::SubWorld>(config_, fixed);
@@ -53,7 +52,7 @@ void CoupledWorlds::start_from(const Moment& before, const Moment& now, const Wr
   report_->device = device_that_holds(before, on_proxy);
   global_->impose(0, *report_);
   haptics::WorldSnapshot& first = *snapshots_[0];
-  if (config_.scheme == CouplingScheme::kInterpolation) {  // which moves from where the proxy was a cycle ago
+  if (coupling_.model == haptics::LocalModel::kInterpolatedProxy) {  // which moves from where the proxy was a cycle ago
     global_->fill_snapshot(0, 1, haptics::kMaxMembers, first);
     first.warm_starts.clear();
     sub_world_->synchronise(first, *report_);
@@ -64,7 +63,7 @@ void CoupledWorlds::start_from(const Moment& before, const Moment& now, const Wr
   first.cycle = 0;
   first.warm_starts.clear();  // the members are there already, with what their contacts hold
   device_before_ = device_that_holds(now, on_proxy);
-  if (feels_planes(config_.scheme)) sub_world_->synchronise(first, *report_);  // planes that were there before
+  if (coupling_.proxy_planes > 0) sub_world_->synchronise(first, *report_);  // planes that were there before
 }
 
 // Where a device is that moves with the proxy and pulls at it so.
@@ -72,8 +71,8 @@ haptics::DeviceTarget CoupledWorlds::device_that_holds(const Moment& moment, con
   for (const auto& body : moment.bodies) {
     if (body.id != config_.proxy) continue;
     const auto& [pose, velocity] = body.motion;
-    const Vec3d stretch = on_proxy.force * (1 / config_.stiffness_N_per_m);
-    const Vec3d twist = on_proxy.torque * (1 / config_.stiffness_Nm_per_rad);
+    const Vec3d stretch = on_proxy.force * (1 / config_.gains.stiffness_N_per_m);
+    const Vec3d twist = on_proxy.torque * (1 / config_.gains.stiffness_Nm_per_rad);
     return {true, {pose.position + stretch, quat_from_rotation_vector(twist) * pose.rotation}, velocity};
   }
   return {};
@@ -132,19 +131,19 @@ const haptics::SubWorldStep& CoupledWorlds::tick(const haptics::DeviceTarget& ta
   return step(target);
 }
 
+// Is the haptic side's motion of a member the one that counts?
+bool CoupledWorlds::haptic_side_moves(BodyId member) const noexcept {
+  return coupling_.imposes_motion && (!coupling_.members_frozen || member == config_.proxy);
+}
+
 Motion CoupledWorlds::motion() const noexcept {
   Motion sum;
   const auto& inner = sub_world_->world();
-  const auto scheme = config_.scheme;
   for (const auto& body : inner.bodies())
-    if (scheme != CouplingScheme::kInterpolation && (scheme != CouplingScheme::kStatic || body.id == config_.proxy))
-      add_motion(body, sum);
+    if (haptic_side_moves(body.id)) add_motion(body, sum);
   if (!exchanges()) return sum;
-  for (const auto& body : global_->bodies()) {
-    const bool counted = scheme != CouplingScheme::kInterpolation && inner.slot_of(body.id) >= 0 &&
-                         (scheme != CouplingScheme::kStatic || body.id == config_.proxy);
-    if (!counted) add_motion(body, sum);
-  }
+  for (const auto& body : global_->bodies())
+    if (inner.slot_of(body.id) < 0 || !haptic_side_moves(body.id)) add_motion(body, sum);
   return sum;
 }
 
@@ -157,8 +156,7 @@ void CoupledWorlds::bodies(std::vector<physics::Body<double>>& all) const {
     return;
   }
   for (const auto& body : global_->bodies()) {
-    const std::int32_t slot =
-        config_.scheme == CouplingScheme::kSubWorld || body.id == config_.proxy ? inner.slot_of(body.id) : -1;
+    const std::int32_t slot = coupling_.border || body.id == config_.proxy ? inner.slot_of(body.id) : -1;
     all.push_back(slot >= 0 ? inner.bodies()[static_cast<std::size_t>(slot)] : body);
     if (slot < 0 && body.id == config_.proxy && !first_) all.back().motion = sub_world_->proxy();
   }

@@ -65,7 +65,10 @@ class CoupledWorlds {
   void shift_proxy(const Moment& now, const Vec3d& shift);
   haptics::DeviceTarget device_that_holds(const Moment& moment, const Wrenchd& on_proxy) const;
 
+  bool haptic_side_moves(BodyId member) const noexcept;
+
   haptics::SubWorldConfig config_;
+  haptics::CouplingTraits coupling_;
   std::unique_ptr<haptics::SubWorld> sub_world_;
   std::unique_ptr<sim::GlobalWorld> global_;  // null with the direct coupling
   std::vector<physics::Body<double>> at_rest_;

@@ -16,8 +16,6 @@
 namespace tactus::experiment {
 namespace {
 
-using haptics::CouplingScheme;
-
 constexpr double kApart_m = 1e-6;
 constexpr double kVibrationLow_Hz = 20, kVibrationHigh_Hz = 500;
 
@@ -27,11 +25,6 @@ std::vector<unsigned> ratios_of(const StudyRequest& request) {
   std::sort(ratios.begin(), ratios.end());
   ratios.erase(std::unique(ratios.begin(), ratios.end()), ratios.end());
   return ratios;
-}
-
-void use_gains(const haptics::CouplingGains& gains, sim::Scene& scene) {
-  scene.coupling = {gains.stiffness_N_per_m, gains.damping_Ns_per_m, gains.stiffness_Nm_per_rad,
-                    gains.damping_Nms_per_rad};
 }
 
 // What a row is made of, over windows and seeds.
@@ -96,7 +89,7 @@ class SceneStudy {
   session::RunOptions options(const Scheme& scheme) const;
   CoupledWorlds worlds(const Scheme& scheme) const { return {scene_, options(scheme), profile_.properties}; }
   ScriptedArm arm() const {
-    const auto config = session::loop_config(scene_, options(kDirect), profile_.properties);
+    const auto config = session::loop_config(scene_, options(kDirectScheme), profile_.properties);
     return {profile_, session::make_hand(scene_), config.placement, config.period_s};
   }
   void measure_apart(const ReferenceRun& reference, const Window& window);
@@ -105,8 +98,6 @@ class SceneStudy {
   void start(CoupledWorlds& worlds, const Scheme& scheme, const ReferenceRun& reference, const Window& window) const;
 
   HandInLoop close_loop(const Scheme& scheme) const;
-
-  static constexpr Scheme kDirect{CouplingScheme::kDirect, physics::BorderMode::kCapped, 1};
 
   const StudyRequest& request_;
   const CouplingCase& case_;
@@ -127,9 +118,7 @@ class SceneStudy {
 
 session::RunOptions SceneStudy::options(const Scheme& scheme) const {
   session::RunOptions options;
-  options.coupling = scheme.coupling;
-  options.border = scheme.border;
-  options.ratio = scheme.ratio;
+  scheme.set(options);
   options.members = request_.members > 0 ? request_.members : case_.members;
   options.order = request_.order;
   options.rate_Hz = kHapticRate_Hz;
@@ -141,7 +130,7 @@ void SceneStudy::group_schemes(const sim::Scene& scene) {
   const auto gains = [&](const Scheme& scheme) {
     return session::gains_of(scene, options(scheme), profile_.properties).gains;
   };
-  own_gains_ = gains(kDirect);
+  own_gains_ = gains(kDirectScheme);
   groups_ = {{own_gains_, {}, {}}};
   for (std::size_t i = 0; i < request_.schemes.size(); ++i) {
     const haptics::CouplingGains wanted = gains(request_.schemes[i]);
@@ -158,7 +147,7 @@ Status SceneStudy::measure(std::uint64_t seed) {
   if (groups_.empty()) group_schemes(scene_);
   seed_sums_.assign(request_.schemes.size(), {});
   for (const GainsGroup& group : groups_) {
-    use_gains(group.gains, scene_);
+    scene_.coupling = group.gains;
     measure_group(group, &group == &groups_.front());
   }
   for (std::size_t i = 0; i < sums_.size(); ++i) {
@@ -169,7 +158,7 @@ Status SceneStudy::measure(std::uint64_t seed) {
 }
 
 void SceneStudy::measure_group(const GainsGroup& group, bool scenes_own) {
-  CoupledWorlds direct = worlds(kDirect);
+  CoupledWorlds direct = worlds(kDirectScheme);
   ScriptedArm hand = arm();
   const auto at = window_places(request_.quick);
   const ReferenceRun reference = record_reference(direct, hand, tick_at(HandTimes::kEnd), at, ratios_);
@@ -183,7 +172,7 @@ void SceneStudy::measure_group(const GainsGroup& group, bool scenes_own) {
     }
     std::vector<Vec3d> encoded;
     if (window.hold) {
-      start(direct, kDirect, reference, window);
+      start(direct, kDirectScheme, reference, window);
       encoded = run_window(direct, reference.encoded, reference, window, kLongestWindow, nullptr);
     }
     if (scenes_own) measure_apart(reference, window);
@@ -201,7 +190,7 @@ void SceneStudy::start(CoupledWorlds& worlds, const Scheme& scheme, const Refere
 }
 
 void SceneStudy::measure_apart(const ReferenceRun& reference, const Window& window) {
-  CoupledWorlds apart = worlds(kDirect);
+  CoupledWorlds apart = worlds(kDirectScheme);
   apart.start_from({}, window.now, {}, {kApart_m, 0, 0});
   const auto force =
       run_window(apart, reference.ideal, reference, window, kWindowTicks, window.hold ? nullptr : &apart_energy_);
@@ -268,9 +257,9 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
 
 // The same run, with the poses and the energy of all bodies beside the direct run's (whole_run.h).
 Status SceneStudy::judge_poses() {
-  use_gains(own_gains_, scene_);
+  scene_.coupling = own_gains_;
   WholeRunRequest whole;
-  whole.scenes = {scene_}, whole.schemes = request_.schemes, whole.members = {options(kDirect).members};
+  whole.scenes = {scene_}, whole.schemes = request_.schemes, whole.members = {options(kDirectScheme).members};
   whole.seconds = HandTimes::kEnd, whole.order = request_.order;
   const auto rows = run_whole(whole, {});
   if (!rows.ok()) return rows.status();
@@ -285,8 +274,8 @@ Status SceneStudy::judge_poses() {
 Status SceneStudy::judge_stability() {
   loops_.resize(request_.schemes.size());
   for (GainsGroup& group : groups_) {
-    use_gains(group.gains, scene_);
-    group.direct_loop = close_loop(kDirect);
+    scene_.coupling = group.gains;
+    group.direct_loop = close_loop(kDirectScheme);
     for (const std::size_t i : group.schemes) loops_[i] = close_loop(request_.schemes[i]);
   }
   return judge_poses();
@@ -295,7 +284,7 @@ Status SceneStudy::judge_stability() {
 void SceneStudy::add_to(StudyReport& report) const {
   StudyScene account = account_;
   account.name = case_.name;
-  account.members = options(kDirect).members;
+  account.members = options(kDirectScheme).members;
   account.contact_share = touching_ / ticks_;
   account.force_rms_N = std::sqrt(force_squared_ / ticks_);
   account.apart_force_error = apart_.relative();

@@ -57,7 +57,7 @@ std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::
                               const ReferenceRun& reference, const Window& window, std::size_t ticks,
                               EnergyBook* energy) {
   std::vector<Vec3d> force;
-  const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
+  const double stiffness_N_per_m = worlds.sub_world().config().gains.stiffness_N_per_m;
   for (std::size_t k = window.start; k < window.start + ticks; ++k) {
     if (energy != nullptr && k > window.start && worlds.at_synchronisation())
       energy->add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);

@@ -1,23 +1,46 @@
-// A coupling scheme as an experiment runs it. Thread: [any].
+// A coupling scheme with its border and ratio, as an experiment runs it. Thread: [any].
 #pragma once
 
 #include <string_view>
+#include <vector>
 
-#include "rt/haptics/coupling_scheme.h"
-#include "rt/physics/border/border_contact.h"
 #include "sim/loader/choice_names.h"
+#include "tools/session/run_options.h"
 
 namespace tactus::experiment {
 
 struct Scheme {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border{physics::BorderMode::kGhost};  // of the sub-world coupling
+  physics::BorderMode border{physics::BorderMode::kGhost};  // where the coupling has one
   unsigned ratio{8};                                        // ticks per global step
+
+  constexpr haptics::CouplingTraits traits() const noexcept { return traits_of(coupling); }
+  constexpr bool direct() const noexcept { return !traits().global_world; }
+  friend constexpr bool operator==(const Scheme&, const Scheme&) noexcept = default;
+  void set(session::RunOptions& options) const {
+    options.coupling = coupling, options.border = border, options.ratio = ratio;
+  }
 };
+
+// What the others are held against.
+inline constexpr Scheme kDirectScheme{.coupling = haptics::CouplingScheme::kDirect, .ratio = 1};
+
+// Every coupling with the border that ships, the direct one first; the sub-world with every border.
+inline std::vector<Scheme> every_coupling() {
+  std::vector<Scheme> schemes{kDirectScheme};
+  for (const auto coupling : haptics::kCouplingSchemes)
+    if (coupling != kDirectScheme.coupling) schemes.push_back({.coupling = coupling});
+  return schemes;
+}
+inline std::vector<Scheme> every_border() {
+  std::vector<Scheme> schemes;
+  for (const auto border : physics::kBorderModes) schemes.push_back({.border = border});
+  return schemes;
+}
 
 // "-" where the coupling has none.
 inline std::string_view name_of_border(const Scheme& scheme) {
-  return scheme.coupling == haptics::CouplingScheme::kSubWorld ? sim::name_of(scheme.border) : "-";
+  return scheme.traits().border ? sim::name_of(scheme.border) : "-";
 }
 
 }  // namespace tactus::experiment

@@ -8,8 +8,6 @@
 namespace tactus::experiment {
 namespace {
 
-using haptics::CouplingScheme;
-
 // Of the run that all settings are measured against.
 constexpr unsigned kReferenceSubSteps = 16, kReferenceRelaxSweeps = 2;
 
@@ -17,7 +15,7 @@ constexpr unsigned kReferenceSubSteps = 16, kReferenceRelaxSweeps = 2;
 std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& reference, const Window& window,
                                 std::size_t ticks, SettingSums& sums) {
   std::vector<Vec3d> force;
-  const double stiffness_N_per_m = worlds.sub_world().config().stiffness_N_per_m;
+  const double stiffness_N_per_m = worlds.sub_world().config().gains.stiffness_N_per_m;
   for (std::size_t k = window.start; k < window.start + ticks; ++k) {
     if (!window.hold && k > window.start && worlds.at_synchronisation())
       sums.energy.add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
@@ -55,13 +53,11 @@ sim::Scene with(sim::Scene scene, const Setting& setting) {
   return scene;
 }
 
-session::RunOptions options_of(const Setting& setting, haptics::CouplingScheme coupling) {
+session::RunOptions options_of(const Setting& setting) {
   session::RunOptions options;
-  options.coupling = coupling;
-  options.border = setting.border;
+  setting.scheme.set(options);
   options.order = setting.order;
   options.world_precision = setting.precision;
-  options.ratio = setting.ratio;
   options.members = setting.members;
   options.rate_Hz = kHapticRate_Hz;
   return options;
@@ -78,7 +74,7 @@ ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& prof
   sim::Scene fine = scene;
   fine.solver.sub_steps = kReferenceSubSteps;
   fine.solver.relax_sweeps = kReferenceRelaxSweeps;
-  const auto options = options_of({}, CouplingScheme::kDirect);
+  const auto options = options_of({.scheme = kDirectScheme});
   CoupledWorlds direct(fine, options, profile.properties);
   const auto config = session::loop_config(fine, options, profile.properties);
   ScriptedArm arm(profile, session::make_hand(fine), config.placement, config.period_s);
@@ -88,16 +84,17 @@ ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& prof
 void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const Setting& setting,
                      const ReferenceRun& reference, std::span<const unsigned> ratios, SettingSums& sums) {
   const sim::Scene solved = with(scene, setting);
-  const auto options = options_of(setting, CouplingScheme::kSubWorld);
-  const auto ratio = static_cast<std::size_t>(std::find(ratios.begin(), ratios.end(), setting.ratio) - ratios.begin());
+  const auto options = options_of(setting);
+  const auto ratio =
+      static_cast<std::size_t>(std::find(ratios.begin(), ratios.end(), setting.scheme.ratio) - ratios.begin());
   for (const Window& window : reference.windows) {
     CoupledWorlds worlds(solved, options, profile.properties);
-    worlds.start_from(window.before[ratio], window.now, reference.mean_on_proxy(window.start, setting.ratio));
-    const auto wanted = std::span(reference.force).subspan(window.start, window_ticks(setting.ratio));
+    worlds.start_from(window.before[ratio], window.now, reference.mean_on_proxy(window.start, setting.scheme.ratio));
+    const auto wanted = std::span(reference.force).subspan(window.start, window_ticks(setting.scheme.ratio));
     const auto force = timed_window(worlds, reference, window, wanted.size(), sums);
     sums.error.add(force, wanted);
     std::vector<std::size_t> syncs;
-    for (std::size_t k = setting.ratio; k < wanted.size(); k += setting.ratio) syncs.push_back(k);
+    for (std::size_t k = setting.scheme.ratio; k < wanted.size(); k += setting.scheme.ratio) syncs.push_back(k);
     const auto steps = steps_at(force, wanted, syncs);
     sums.steps.insert(sums.steps.end(), steps.begin(), steps.end());
     if (window.hold) sums.vibration.push_back(band_deviation(difference(force, wanted), kHapticRate_Hz, 20, 500));

@@ -11,12 +11,12 @@
 
 #include "hal/profiles.h"
 #include "rt/haptics/coupling_scheme.h"
-#include "rt/physics/border/border_contact.h"
 #include "rt/physics/step.h"
 #include "rt/physics/sweep_precision.h"
 #include "sim/interface/extraction.h"
 #include "tools/experiment/coupling/force_measures.h"
 #include "tools/experiment/coupling/reference_run.h"
+#include "tools/experiment/coupling/scheme.h"
 
 namespace tactus::experiment {
 
@@ -24,8 +24,8 @@ struct Setting {
   unsigned sub_steps{4}, relax_sweeps{1};
   physics::FrictionSweeps friction{physics::FrictionSweeps::kAuto};
   double contact_Hz{250};
-  unsigned members{64}, ratio{8};
-  physics::BorderMode border{physics::BorderMode::kGhost};
+  unsigned members{64};
+  Scheme scheme{};  // the sub-world coupling
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};  // of the global world
   friend bool operator==(const Setting&, const Setting&) = default;
@@ -36,7 +36,7 @@ unsigned least_sub_steps(double contact_Hz);
 
 // The scene and the options of a run with this setting.
 sim::Scene with(sim::Scene scene, const Setting& setting);
-session::RunOptions options_of(const Setting& setting, haptics::CouplingScheme coupling);
+session::RunOptions options_of(const Setting& setting);
 
 unsigned moving_bodies(const sim::Scene& scene);
 

@@ -18,7 +18,6 @@
 namespace tactus::experiment {
 namespace {
 
-using haptics::CouplingScheme;
 using physics::Body;
 
 // Poses are compared at a multiple of every ratio that is accepted for this, so that each run is at a synchronisation.
@@ -83,9 +82,7 @@ class WholeRun {
 
   session::RunOptions options(const Scheme& scheme, unsigned members) const {
     session::RunOptions options;
-    options.coupling = scheme.coupling;
-    options.border = scheme.border;
-    options.ratio = scheme.ratio;
+    scheme.set(options);
     options.members = members > 0 ? members : scene_.members;
     options.order = order_;
     options.rate_Hz = kHapticRate_Hz;
@@ -216,14 +213,8 @@ WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct)
   return row;
 }
 
-haptics::CouplingGains gains_of_scene(const sim::Scene& scene) {
-  const sim::CouplingGains& c = scene.coupling;
-  return {c.stiffness_N_per_m, c.damping_Ns_per_m, c.stiffness_Nm_per_rad, c.damping_Nms_per_rad};
-}
-
 sim::Scene with_gains(sim::Scene scene, const haptics::CouplingGains& gains) {
-  scene.coupling = {gains.stiffness_N_per_m, gains.damping_Ns_per_m, gains.stiffness_Nm_per_rad,
-                    gains.damping_Nms_per_rad};
+  scene.coupling = gains;
   return scene;
 }
 
@@ -235,7 +226,7 @@ class DirectRun {
       : gains_(gains),
         scene_(with_gains(scene, gains)),
         whole_(scene_, profile, request.seconds, request.order),
-        trace_(whole_.run({CouplingScheme::kDirect, physics::BorderMode::kCapped, 1}, 0, {})) {}
+        trace_(whole_.run(kDirectScheme, 0, {})) {}
   DirectRun(const DirectRun&) = delete;  // whole_ refers to scene_
   DirectRun& operator=(const DirectRun&) = delete;
 
@@ -256,7 +247,7 @@ WholeRunRow floor_row(const sim::Scene& scene, const DirectRun& own, const hal::
   aside.bodies[aside.proxy].motion.pose.position.x += WholeRunRequest::kApart_m;
   const DirectRun apart(aside, own.gains(), profile, request);
   WholeRunRow row = row_of(own.whole(), apart.trace(), own.trace());
-  row.scene = scene.name, row.scheme = {CouplingScheme::kDirect, physics::BorderMode::kCapped, 1};
+  row.scene = scene.name, row.scheme = kDirectScheme;
   row.seconds = request.seconds, row.apart_m = WholeRunRequest::kApart_m;
   row.members = static_cast<unsigned>(own.trace().end.size());
   row.gains = own.gains();
@@ -297,7 +288,7 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
     const auto profile = session::find_description(scene.device.profile, {});
     if (!profile.ok()) return profile.status();
     pace.say(fmt::format("scene {}, direct", scene.name), done);
-    const DirectRun own(scene, gains_of_scene(scene), profile.value(), request);
+    const DirectRun own(scene, scene.coupling, profile.value(), request);
     done += static_cast<double>(scene.bodies.size() * (request.floor ? 2 : 1));
     if (request.floor) rows.push_back(floor_row(scene, own, profile.value(), request));
     for (const unsigned members : request.members)
@@ -305,7 +296,7 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
         pace.say(fmt::format("scene {}, ratio {}", scene.name, scheme.ratio), done);
         const session::RunOptions options = own.whole().options(scheme, members);
         const haptics::DeviceProperties& device = profile.value().properties;
-        if (scheme.coupling != CouplingScheme::kDirect) {
+        if (!scheme.direct()) {
           const Status status = sim::check_global_options(scene, session::global_options(scene, options, device));
           if (!status.ok()) return status;
         }

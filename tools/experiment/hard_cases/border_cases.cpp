@@ -7,6 +7,7 @@
 #include "rt/base/check.h"
 #include "rt/base/hash.h"
 #include "tools/experiment/coupling/coupled_worlds.h"
+#include "tools/experiment/coupling/scheme.h"
 #include "tools/experiment/hard_cases/case_scene.h"
 #include "tools/experiment/hard_cases/case_world.h"
 #include "tools/experiment/hard_cases/cases.h"
@@ -70,10 +71,9 @@ struct RowRun {
   std::uint64_t hash{0};
 };
 
-RowRun push_row(const sim::Scene& scene, haptics::CouplingScheme coupling, physics::BorderMode border) {
+RowRun push_row(const sim::Scene& scene, const experiment::Scheme& scheme) {
   session::RunOptions options;
-  options.coupling = coupling, options.border = border;
-  options.ratio = coupling == haptics::CouplingScheme::kDirect ? 1 : kRatio;
+  scheme.set(options);
   options.members = kMembers;
   experiment::CoupledWorlds worlds(scene, options, {});
   worlds.start_at_rest();
@@ -105,9 +105,9 @@ Outcome row_with_border(const Setting& setting) {
   Fnv1a hash;
   for (const auto& kind : kinds) {
     const sim::Scene scene = row_scene(setting, kind.wall_off_m);
-    const RowRun direct = push_row(scene, haptics::CouplingScheme::kDirect, physics::BorderMode::kGhost);
+    const RowRun direct = push_row(scene, experiment::kDirectScheme);
     for (const auto& border : borders) {
-      const RowRun cut = push_row(scene, haptics::CouplingScheme::kSubWorld, border.mode);
+      const RowRun cut = push_row(scene, {.border = border.mode, .ratio = kRatio});
       double off = 0, all = 0;
       for (std::size_t k = 0; k < kRowTicks; ++k)
         off += std::pow(cut.force_N[k] - direct.force_N[k], 2), all += std::pow(direct.force_N[k], 2);

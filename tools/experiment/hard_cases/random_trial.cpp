@@ -137,7 +137,7 @@ ScriptedHand random_hand(const RandomWorld& world, Draw& random) {
 experiment::WholeRunRequest request_of(sim::Scene scene) {
   experiment::WholeRunRequest request;
   request.scenes.push_back(std::move(scene));
-  request.schemes = {{haptics::CouplingScheme::kSubWorld, physics::BorderMode::kGhost, kTrialRatio}};
+  request.schemes = {{.ratio = kTrialRatio}};
   request.seconds = kTrial_s;
   request.keep_bodies = true;
   return request;

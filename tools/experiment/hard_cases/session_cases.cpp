@@ -9,6 +9,7 @@
 #include "rt/base/check.h"
 #include "rt/base/hash.h"
 #include "sim/loader/scene_load.h"
+#include "tools/experiment/coupling/scheme.h"
 #include "tools/experiment/hard_cases/case_scene.h"
 #include "tools/experiment/hard_cases/case_world.h"
 #include "tools/experiment/hard_cases/cases.h"
@@ -260,7 +261,7 @@ Outcome stack_border(const Setting& setting) {
     const double top = 0.05 * layers;
     const std::vector<Waypoint> path{{0, {0, 0, top + 0.012}}, {1, {0, 0, top + 0.002}}, {1.1, {0, 0, top + 0.002}}};
     session::RunOptions direct;
-    direct.coupling = haptics::CouplingScheme::kDirect;
+    direct.coupling = experiment::kDirectScheme.coupling;
     const Watched reference = watch(make_scene(setting, 1500, path, bodies, 8, layers + 1), direct, 12'000);
     const Watched cut = watch(make_scene(setting, 1500, path, bodies, 8, layers / 2), {}, 12'000);
     gate(reference, outcome), gate(cut, outcome);

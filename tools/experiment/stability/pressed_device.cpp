@@ -7,6 +7,7 @@
 #include "rt/haptics/sub_world.h"
 #include "rt/haptics/velocity_estimator.h"
 #include "sim/random.h"
+#include "tools/experiment/coupling/scheme.h"
 
 namespace tactus::experiment {
 namespace {
@@ -63,10 +64,10 @@ hal::HandModel pressing_hand() {
 // A ball that is as far as the tool, and just touches the wall below.
 haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, double damping) {
   haptics::SubWorldConfig config;
-  config.scheme = haptics::CouplingScheme::kDirect;
+  config.scheme = kDirectScheme.coupling;
   config.proxy = kProxy;
   config.step.dt = 1 / timing.rate_Hz;
-  config.stiffness_N_per_m = stiffness, config.damping_Ns_per_m = damping;
+  config.gains.stiffness_N_per_m = stiffness, config.gains.damping_Ns_per_m = damping;
   config.capacities = {.bodies = 1, .fixed_bodies = 1, .pairs = 4, .contacts = 4};
   const auto wall = physics::make_fixed_body<double>(kWall, physics::Shape<double>::plane(), 0.5, {});
   haptics::SubWorld world(config, {&wall, 1});
