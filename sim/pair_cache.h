@@ -34,20 +34,13 @@ class PairCache {
   // Appends the pairs of overlapping boxes, each once. False: some did not fit.
   [[nodiscard]] bool find(std::span<const physics::Aabb<double>> bounds,
                           BoundedVector<physics::SlotPair>& pairs) noexcept;
-  [[nodiscard]] bool find(std::span<const physics::Aabb<float>> bounds,
-                          BoundedVector<physics::SlotPair>& pairs) noexcept;
 
   const Work& work() const noexcept { return work_; }
 
  private:
-  template <class T>
-  bool find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
-  template <class T>
-  void note_moved(std::span<const physics::Aabb<T>> bounds) noexcept;
-  template <class T>
-  bool rebuild(std::span<const physics::Aabb<T>> bounds) noexcept;
-  template <class T>
-  bool refresh(std::span<const physics::Aabb<T>> bounds) noexcept;
+  void note_moved(std::span<const physics::Aabb<double>> bounds) noexcept;
+  bool rebuild(std::span<const physics::Aabb<double>> bounds) noexcept;
+  bool refresh(std::span<const physics::Aabb<double>> bounds) noexcept;
   bool find_pairs_of_moved() noexcept;
   bool merge_found() noexcept;
 

@@ -19,15 +19,6 @@
 
 namespace tactus::sim {
 
-// Exact: broad phases compute in double, whatever the world's precision.
-template <class T>
-physics::Aabb<double> widened(const physics::Aabb<T>& box) noexcept {
-  const auto wide = [](const Vec3<T>& v) {
-    return Vec3d{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-  };
-  return {wide(box.lower), wide(box.upper)};
-}
-
 class PairGrid {
  public:
   // What the last find did: counts, which grow the same on every machine.
@@ -42,8 +33,6 @@ class PairGrid {
 
   // Appends the pairs of overlapping boxes, each once, a and b in no particular order. False: some did not fit.
   [[nodiscard]] bool find(std::span<const physics::Aabb<double>> bounds,
-                          BoundedVector<physics::SlotPair>& pairs) noexcept;
-  [[nodiscard]] bool find(std::span<const physics::Aabb<float>> bounds,
                           BoundedVector<physics::SlotPair>& pairs) noexcept;
 
   const Work& work() const noexcept { return work_; }
@@ -71,12 +60,8 @@ class PairGrid {
     bool all{true};  // none was left out
   };
 
-  template <class T>
-  bool find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
-  template <class T>
-  void choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept;
-  template <class T>
-  void fill_table(std::span<const physics::Aabb<T>> bounds) noexcept;
+  void choose_levels(std::span<const physics::Aabb<double>> bounds) noexcept;
+  void fill_table(std::span<const physics::Aabb<double>> bounds) noexcept;
   bool find_from(std::uint32_t begin, std::uint32_t end, Found& found) const noexcept;
   bool find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept;
   int level_of(const physics::Aabb<double>& box) const noexcept;

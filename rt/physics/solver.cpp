@@ -213,6 +213,5 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
 
 template class Solver<double>;
 template class Solver<double, float>;
-template class Solver<float>;
 
 }  // namespace tactus::physics

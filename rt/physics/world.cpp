@@ -433,6 +433,5 @@ void World<T>::solve_far(const FarRegion& far, const StepSettings<T>& settings, 
 }
 
 template class World<double>;
-template class World<float>;
 
 }  // namespace tactus::physics

@@ -13,8 +13,8 @@ using test::PhysicsBench;
 constexpr double kHalf = 0.05, kMass = 0.2;
 constexpr double kRigid = 1e5;  // a2 of contacts that give way to nothing
 
-PhysicsBench<> make_bench() {
-  PhysicsBench<> bench(physics::Capacities{64, 2, 256, 256, 0});
+PhysicsBench make_bench() {
+  PhysicsBench bench(physics::Capacities{64, 2, 256, 256, 0});
   bench.settings.dt = 0.01, bench.settings.sub_steps = 10;
   return bench;
 }
@@ -26,14 +26,14 @@ OutsideAnswer found(const physics::World<double>& world, std::uint32_t slot, std
   admittance.index(world, added_inertia, step_s);
   return admittance.find(slot, members);
 }
-physics::Admittance<double> answer_of(const PhysicsBench<>& bench, std::uint32_t slot,
+physics::Admittance<double> answer_of(const PhysicsBench& bench, std::uint32_t slot,
                                       std::vector<std::uint8_t> members) {
   return found(bench.world, slot, std::move(members)).admittance;
 }
 
 // A row of cubes along x without gravity, the first pushed so that all press on each other.
-PhysicsBench<> pushed_row(std::uint32_t count, double friction) {
-  PhysicsBench<> bench = make_bench();
+PhysicsBench pushed_row(std::uint32_t count, double friction) {
+  PhysicsBench bench = make_bench();
   bench.settings.gravity = {};
   for (std::uint32_t k = 0; k < count; ++k)
     bench.add_box(k, {kHalf, kHalf, kHalf}, kMass, friction, {{2 * kHalf * k, 0, 0}, {}});
@@ -47,7 +47,7 @@ PhysicsBench<> pushed_row(std::uint32_t count, double friction) {
 }  // namespace
 
 TEST_CASE("A body that nothing touches answers with its own mass and inertia") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_box(0, {0.02, 0.03, 0.04}, kMass, 0.5, {{1, 2, 3}, quat_from_rotation_vector(Vec3d{0.3, -0.2, 0.5})});
   bench.step();
   const auto w = answer_of(bench, 0, {});
@@ -62,7 +62,7 @@ TEST_CASE("A body that nothing touches answers with its own mass and inertia") {
 }
 
 TEST_CASE("A cube that stands on the ground answers to no push, as far as its friction holds") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 3, kHalf, kMass, 0.5);
   bench.run(50);
@@ -73,7 +73,7 @@ TEST_CASE("A cube that stands on the ground answers to no push, as far as its fr
 }
 
 TEST_CASE("On slippery ground it gives way sideways, and not downwards") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0);
   bench.add_stack(0, 1, kHalf, kMass, 0);
   bench.run(50);
@@ -85,21 +85,21 @@ TEST_CASE("On slippery ground it gives way sideways, and not downwards") {
 TEST_CASE("The first outside body of a row answers with the mass of the whole row behind it") {
   const auto count = GENERATE(2u, 5u, 17u);
   const double friction = GENERATE(0.0, 0.5);
-  const PhysicsBench<> bench = pushed_row(count, friction);
+  const PhysicsBench bench = pushed_row(count, friction);
   const auto w = answer_of(bench, 1, {1});
   CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / (kMass * (count - 1))).epsilon(1e-3));
   if (friction == 0) CHECK((w * Wrenchd{{0, 1, 0}, {}}).linear.y >= (1 - 1e-3) / (kMass * (count - 1)));
 }
 
 TEST_CASE("A row longer than is followed counts as far as it is followed") {
-  const PhysicsBench<> bench = pushed_row(45, 0);
+  const PhysicsBench bench = pushed_row(45, 0);
   const auto w = answer_of(bench, 1, {1});
   const double counted = (w * Wrenchd{{1, 0, 0}, {}}).linear.x * kMass;
   CHECK(counted == Approx(1.0 / BorderAdmittance::kMostBodies).epsilon(0.01));
 }
 
 TEST_CASE("An answer never gains energy: work of any wrench on its own answer is not negative") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.4);
   test::Random random(7);
   for (BodyId k = 0; k < 12; ++k)
@@ -119,7 +119,7 @@ TEST_CASE("An answer never gains energy: work of any wrench on its own answer is
 }
 
 TEST_CASE("A contact gives way as its spring and damper do over the cycle") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 1, kHalf, kMass, 0.5);
   bench.run(50);
@@ -132,7 +132,7 @@ TEST_CASE("A contact gives way as its spring and damper do over the cycle") {
 
 TEST_CASE(
     "A body that nothing holds goes on as it moves, and so do bodies that press on each other and move together") {
-  PhysicsBench<> bench = pushed_row(5, 0.5);
+  PhysicsBench bench = pushed_row(5, 0.5);
   const Twistd moving{{0.3, -0.1, 0.2}, {}};
   for (auto& body : bench.world.bodies()) body.motion.velocity = moving;
   const Twistd goes_on = found(bench.world, 2, {1}).velocity;
@@ -146,14 +146,14 @@ TEST_CASE(
 }
 
 TEST_CASE("Bodies that press on each other and move apart go on with their common momentum") {
-  PhysicsBench<> bench = pushed_row(3, 0);
+  PhysicsBench bench = pushed_row(3, 0);
   const double speed[3] = {0, 0.2, -0.1};  // the first is a member
   for (int k = 0; k < 3; ++k) bench.world.bodies()[std::size_t(k)].motion.velocity = {{speed[k], 0, 0}, {}};
   CHECK(found(bench.world, 1, {1}).velocity.linear.x == Approx(0.05).epsilon(1e-3));
 }
 
 TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its velocity of the instant") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 1, kHalf, kMass, 0.5);
   bench.run(50);
@@ -167,7 +167,7 @@ TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its ve
 
 TEST_CASE("A cube that trembles on the ground stays, one that slides or is carried goes on") {
   const double friction = GENERATE(0.0, 0.5);
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, friction);
   bench.add_stack(0, 1, kHalf, kMass, friction);
   bench.run(50);

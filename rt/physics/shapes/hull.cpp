@@ -167,21 +167,4 @@ HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topolog
   return HullFault::kNone;
 }
 
-Hull<float> narrowed(const Hull<double>& hull) noexcept {
-  const auto f = [](double value) { return static_cast<float>(value); };
-  const auto v = [f](const Vec3d& value) { return Vec3<float>{f(value.x), f(value.y), f(value.z)}; };
-  Hull<float> out;
-  out.topology = hull.topology;
-  for (std::uint32_t i = 0; i < kMaxHullVertices; ++i)
-    out.x[i] = f(hull.x[i]), out.y[i] = f(hull.y[i]), out.z[i] = f(hull.z[i]);
-  for (std::uint32_t i = 0; i < hull.topology.faces; ++i)
-    out.normals[i] = v(hull.normals[i]), out.offsets[i] = f(hull.offsets[i]);
-  for (std::uint32_t i = 0; i < hull.topology.edges; ++i) out.edge_reach[i] = f(hull.edge_reach[i]);
-  out.inner_radius = f(hull.inner_radius), out.bounding_radius = f(hull.bounding_radius);
-  // Rounding moves the vertices by 6e-8 of their size against the planes.
-  out.flatness = f(hull.flatness + 1e-6 * hull.bounding_radius), out.least_width = f(hull.least_width);
-  out.half_extents = v(hull.half_extents), out.volume = f(hull.volume), out.inertia_per_kg = v(hull.inertia_per_kg);
-  return out;
-}
-
 }  // namespace tactus::physics

@@ -87,9 +87,6 @@ enum class HullFault : std::uint32_t {
 [[nodiscard]] HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull<double>& hull,
                                   Posed& given_from_body) noexcept;
 
-// The same hull in single precision.
-Hull<float> narrowed(const Hull<double>& hull) noexcept;
-
 constexpr bool HullTopology::close() noexcept {
   edges = 0;
   for (std::uint32_t face = 0; face < faces; ++face) {

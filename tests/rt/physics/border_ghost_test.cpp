@@ -15,7 +15,7 @@ Admittance<double> free_mass(double mass) { return {SymMat3<double>::identity(1 
 // A cube at the origin without gravity, hard to turn, whose face towards -x touches the ghost of an outside body:
 // normal +x. Nothing holds the ghost but its admittance.
 struct GhostBench {
-  PhysicsBench<> bench{[] {
+  PhysicsBench bench{[] {
     Capacities capacities;
     capacities.border_contacts = 4;
     return capacities;

@@ -12,7 +12,7 @@ constexpr double kMass = 0.5, kHalf = 0.05;
 
 // A cube at the origin without gravity whose lower face an outside body touches, pushing up (+z) with `rate` newtons.
 // It is made hard to turn: pressed on one point it would tip over, as mechanics says.
-BorderContact<double>& add_border(PhysicsBench<>& bench, BorderMode mode, double rate, double friction = 0) {
+BorderContact<double>& add_border(PhysicsBench& bench, BorderMode mode, double rate, double friction = 0) {
   bench.settings.gravity = {};
   bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
   bench.body(3).inertia = {1e6, 1e6, 1e6};
@@ -27,14 +27,14 @@ BorderContact<double>& add_border(PhysicsBench<>& bench, BorderMode mode, double
   return bench.world.border_contacts()[0];
 }
 
-PhysicsBench<> make_bench() {
+PhysicsBench make_bench() {
   Capacities capacities;
   capacities.border_contacts = 4;
-  return PhysicsBench<>(capacities);
+  return PhysicsBench(capacities);
 }
 
 // Keeps a pull of `force` newtons on the cube at the height of its lower face, so that it does not turn.
-void pull(PhysicsBench<>& bench, const Vec3d& force) {
+void pull(PhysicsBench& bench, const Vec3d& force) {
   bench.world.apply_wrench(bench.slot(3), {force, cross(Vec3d{0, 0, -kHalf}, force)});
 }
 

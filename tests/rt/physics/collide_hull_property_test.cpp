@@ -268,34 +268,3 @@ TEST_CASE("A hull that is not in the list, and a pose that is not finite, touch 
     }
   });
 }
-
-TEST_CASE("In single precision a hull's gap is the same to a micrometre") {
-  for_random_pairs(12, 100, [](const Pair& p, Random&) {
-    const auto shape = [](const Shape<double>& s) {
-      const auto f = [](double v) { return static_cast<float>(v); };
-      return Shape<float>{s.kind,
-                          s.index,
-                          f(s.radius),
-                          f(s.half_length),
-                          {f(s.half_extents.x), f(s.half_extents.y), f(s.half_extents.z)}};
-    };
-    const auto pose = [](const Posed& q) {
-      const auto f = [](double v) { return static_cast<float>(v); };
-      return Pose<float>{{f(q.position.x), f(q.position.y), f(q.position.z)},
-                         {f(q.rotation.w), f(q.rotation.x), f(q.rotation.y), f(q.rotation.z)}};
-    };
-    std::vector<Hull<float>> hulls;
-    for (const auto& hull : p.hulls) hulls.push_back(narrowed(hull));
-    AxisCache cache;
-    const auto m =
-        collide(shape(p.a), pose(p.pose_a), shape(p.b), pose(p.pose_b), static_cast<float>(kMargin), cache, hulls);
-    const double truth = gap(p);
-    if (truth <= kMargin - 1e-5) REQUIRE(m.count >= 1);
-    for (std::uint32_t i = 0; i < m.count; ++i) REQUIRE(std::isfinite(m.points[i].separation));
-    if (m.count > 0 && truth > 0) {
-      double least = static_cast<double>(m.points[0].separation);
-      for (std::uint32_t i = 1; i < m.count; ++i) least = std::min(least, static_cast<double>(m.points[i].separation));
-      REQUIRE(least <= truth + 1e-6);
-    }
-  });
-}

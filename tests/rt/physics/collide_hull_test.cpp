@@ -119,7 +119,7 @@ TEST_CASE("A capsule lies on a hull's face with two points, and along its edge t
 
 TEST_CASE("A tower of hulls stands, as deep in each other as boxes are") {
   HullBench bench({box_hull({0.05, 0.05, 0.05}).hull});
-  tactus::test::PhysicsBench<> boxes;
+  tactus::test::PhysicsBench boxes;
   boxes.settings = bench.settings;
   boxes.add_ground(100, 0.5);
   boxes.add_stack(0, 5, 0.05, 0.3, 0.5);

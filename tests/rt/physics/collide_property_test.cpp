@@ -201,30 +201,3 @@ TEST_CASE("A pose that is not finite touches nothing") {
     REQUIRE(touch(p).count == 0);
   }
 }
-
-TEST_CASE("Single precision finds what double precision finds") {
-  for_random_pairs(9, 200, [](const Pair& p, Random&) {
-    const auto narrow = [](const Vec3d& v) {
-      return Vec3<float>{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-    };
-    const auto narrow_shape = [&](const Shape<double>& s) {
-      return Shape<float>{s.kind, s.index, static_cast<float>(s.radius), static_cast<float>(s.half_length),
-                          narrow(s.half_extents)};
-    };
-    const auto narrow_pose = [&](const Posed& pose) {
-      const Quatd& q = pose.rotation;
-      return Pose<float>{narrow(pose.position), Quat<float>{static_cast<float>(q.w), static_cast<float>(q.x),
-                                                            static_cast<float>(q.y), static_cast<float>(q.z)}};
-    };
-    AxisCache cache;
-    const Manifold<float> m = collide(narrow_shape(p.a), narrow_pose(p.pose_a), narrow_shape(p.b),
-                                      narrow_pose(p.pose_b), static_cast<float>(kMargin), cache);
-    const double truth = gap(p);
-    if (truth <= kMargin - 1e-5) REQUIRE(m.count > 0);
-    if (m.count == 0) return;
-    float least = m.points[0].separation;
-    for (std::uint32_t i = 1; i < m.count; ++i) least = std::min(least, m.points[i].separation);
-    REQUIRE(static_cast<double>(least) <= truth + 1e-5);
-    REQUIRE(std::abs(norm(m.normal) - 1.0f) < 1e-5f);
-  });
-}

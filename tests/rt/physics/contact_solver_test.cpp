@@ -16,7 +16,7 @@ template <class T>
 struct Heap {
   std::vector<SolverBody<T>> motion;
   std::vector<SymMat3<T>> inverse_inertia;
-  std::vector<Contact<T>> contacts;
+  std::vector<Contact<double>> contacts;
   Capacities capacities;
 
   SolverBodies<T> bodies() { return {motion, inverse_inertia}; }
@@ -42,19 +42,19 @@ Heap<T> random_heap(std::uint64_t seed, std::uint32_t bodies, std::uint32_t cont
     heap.inverse_inertia.push_back(i % 7 == 6 ? SymMat3<T>{} : SymMat3<T>::identity(inertia));
   }
   for (std::uint32_t k = 0; k < contacts; ++k) {
-    Contact<T> c;
+    Contact<double> c;
     c.slot_a = hub ? 0 : static_cast<std::uint32_t>(random(0, bodies - 1.001));
     c.slot_b = c.slot_a + 1 + static_cast<std::uint32_t>(random(0, bodies - c.slot_a - 1.001));
     c.b_fixed = k % 5 == 4;
-    c.normal = normalized_or(vec(1), Vec3<T>{T(0), T(0), T(1)});
-    c.friction = number(0, 1);
+    c.normal = normalized_or(random.vector(1), Vec3d{0, 0, 1});
+    c.friction = random(0, 1);
     c.count = 1 + k % 4;
     for (std::uint32_t i = 0; i < c.count; ++i) {
-      ContactPoint<T>& p = c.points[i];
-      p.from_a = vec(0.05), p.from_b = vec(0.05);
-      p.separation = number(-1e-3, 1e-3);
-      p.normal_impulse = number(0, 0.1), p.tangent_impulse[0] = number(-0.02, 0.02);
-      p.tangent_impulse[1] = number(-0.02, 0.02);
+      ContactPoint<double>& p = c.points[i];
+      p.from_a = random.vector(0.05), p.from_b = random.vector(0.05);
+      p.separation = random(-1e-3, 1e-3);
+      p.normal_impulse = random(0, 0.1), p.tangent_impulse[0] = random(-0.02, 0.02);
+      p.tangent_impulse[1] = random(-0.02, 0.02);
     }
     heap.contacts.push_back(c);
   }
@@ -66,7 +66,7 @@ template <class T, int kWidth>
 void solve_steps(Heap<T>& heap) {
   ContactSolver<T, kWidth> solver(heap.capacities);
   const SweepRule<T> rule{Softness<T>::make(T(250), T(10), T(2.5e-4)), T(4000), T(1e-5), T(0.25)};
-  solver.prepare(std::span<const Contact<T>>(heap.contacts), heap.bodies());
+  solver.prepare(std::span<const Contact<double>>(heap.contacts), heap.bodies());
   for (int sub_step = 0; sub_step < 3; ++sub_step) {
     solver.warm_start(heap.bodies(), rule);
     solver.solve_biased(heap.bodies(), rule, sub_step > 0);
@@ -75,7 +75,7 @@ void solve_steps(Heap<T>& heap) {
     solver.scale_impulses(T(0.75));
   }
   solver.relax(heap.bodies(), rule, false, false);
-  solver.store(std::span(heap.contacts), T(1));
+  solver.store(std::span(heap.contacts), 1.0);
 }
 
 template <class T>
@@ -93,7 +93,7 @@ void check_same_bits(std::uint64_t seed, std::uint32_t bodies, std::uint32_t con
   }
   for (std::size_t k = 0; k < one.contacts.size(); ++k)
     for (std::uint32_t i = 0; i < one.contacts[k].count; ++i) {
-      const ContactPoint<T>&p = one.contacts[k].points[i], &q = wide.contacts[k].points[i];
+      const ContactPoint<double>&p = one.contacts[k].points[i], &q = wide.contacts[k].points[i];
       REQUIRE(p.normal_impulse == q.normal_impulse);
       REQUIRE(p.tangent_impulse[0] == q.tangent_impulse[0]);
       REQUIRE(p.tangent_impulse[1] == q.tangent_impulse[1]);

@@ -37,8 +37,8 @@ std::vector<Body<double>> heap(std::uint64_t seed) {
   return bodies;
 }
 
-std::unique_ptr<PhysicsBench<>> bench_with(const std::vector<Body<double>>& bodies, double tolerance_m) {
-  auto bench = std::make_unique<PhysicsBench<>>();
+std::unique_ptr<PhysicsBench> bench_with(const std::vector<Body<double>>& bodies, double tolerance_m) {
+  auto bench = std::make_unique<PhysicsBench>();
   bench->settings.recycle_tolerance_m = tolerance_m;
   for (const Body<double>& body : bodies) REQUIRE(bench->world.insert(body));
   return bench;
@@ -184,7 +184,7 @@ TEST_CASE("A world restored in every step gives the same bits: what waits is no 
   auto world = bench_with(bodies, 5e-5);
   for (int k = 0; k < 600; ++k) {
     plain->step();
-    auto other = std::make_unique<PhysicsBench<>>();
+    auto other = std::make_unique<PhysicsBench>();
     const auto bytes = bytes_of(world->world);
     ByteReader in(bytes);
     REQUIRE(other->world.restore(in));
@@ -198,7 +198,7 @@ TEST_CASE("A world restored in every step gives the same bits: what waits is no 
 
 TEST_CASE("A body that is put elsewhere from outside is found there at once") {
   for (const double tolerance : {0.0, 5e-5}) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     bench.settings.gravity = {}, bench.settings.recycle_tolerance_m = tolerance;
     bench.add_box(1, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0}, {}});
     bench.add_box(2, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.1 - 1e-5}, {}});

@@ -46,7 +46,7 @@ TEST_CASE("The tree of static geometry finds what the brute-force test finds, an
 }
 
 TEST_CASE("Bodies rest on the one of many fixed blocks that is under them, also one that came later") {
-  PhysicsBench<> bench({64, 512, 512, 256, 0});
+  PhysicsBench bench({64, 512, 512, 256, 0});
   for (BodyId i = 0; i < 400; ++i)
     bench.world.insert(make_fixed_body<double>(i, Shape<double>::box({0.1, 0.1, 0.1}), 0.5,
                                                {{0.3 * (i % 20), 0.3 * (i / 20), -0.1}, {}}));

@@ -16,7 +16,7 @@ namespace {
 constexpr double kHalf = 0.05;
 
 // Columns of cubes, each turned by any angle and a little tilted, that fall on a floor and lean on each other.
-void add_columns(PhysicsBench<>& bench, std::uint64_t seed) {
+void add_columns(PhysicsBench& bench, std::uint64_t seed) {
   test::Random random(seed);
   bench.add_ground(1000, 0.5);
   for (BodyId id = 0; id < 54; ++id) {
@@ -27,7 +27,7 @@ void add_columns(PhysicsBench<>& bench, std::uint64_t seed) {
   }
 }
 
-double fastest(const PhysicsBench<>& bench) {
+double fastest(const PhysicsBench& bench) {
   double speed = 0;
   for (const Body<double>& body : bench.world.bodies()) speed = std::max(speed, norm(body.motion.velocity.linear));
   return speed;
@@ -43,7 +43,7 @@ double sum_of_impulses(const Contact<double>& contact) {
 TEST_CASE("Columns of cubes come to rest, in steps of 1 ms and in steps of 10 ms") {
   for (const double dt : {1e-3, 1e-2})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
-      PhysicsBench<> bench;
+      PhysicsBench bench;
       bench.settings.dt = dt, bench.settings.sub_steps = dt > 5e-3 ? 10 : 4;
       bench.settings.contact_hertz = std::min(250.0, 0.2 * bench.settings.sub_steps / dt);
       add_columns(bench, seed);

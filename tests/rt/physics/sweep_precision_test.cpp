@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kHalf = 0.05;
 
-struct MixedBench : PhysicsBench<> {
+struct MixedBench : PhysicsBench {
   MixedBench() { world = World<double>({}, {}, {}, {}, SweepPrecision::kSingle); }
 };
 
-double fastest(const PhysicsBench<>& bench) {
+double fastest(const PhysicsBench& bench) {
   double speed = 0;
   for (const Body<double>& body : bench.world.bodies()) speed = std::max(speed, norm(body.motion.velocity.linear));
   return speed;

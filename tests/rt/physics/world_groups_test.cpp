@@ -9,7 +9,7 @@ using tactus::test::PhysicsBench;
 namespace {
 
 // Three stacks of three on the ground; body 10 s + k is the k-th of stack s.
-void add_stacks(PhysicsBench<>& bench) {
+void add_stacks(PhysicsBench& bench) {
   bench.add_ground(1, 0.5);
   for (BodyId stack = 1; stack <= 3; ++stack)
     for (BodyId k = 0; k < 3; ++k)
@@ -34,7 +34,7 @@ std::vector<BodyId> ids(const World<double>& world) {
 }  // namespace
 
 TEST_CASE("Many bodies that leave at once leave the others, their contacts, wrenches and the spring as they were") {
-  PhysicsBench<> one, other;
+  PhysicsBench one, other;
   for (auto* bench : {&one, &other}) {
     add_stacks(*bench);
     bench->run(50);
@@ -60,7 +60,7 @@ TEST_CASE("Many bodies that leave at once leave the others, their contacts, wren
 }
 
 TEST_CASE("Many bodies that come at once, between the others, are as if they had come one by one") {
-  PhysicsBench<> one, other;
+  PhysicsBench one, other;
   std::vector<Body<double>> coming;
   for (auto* bench : {&one, &other}) {
     add_stacks(*bench);
@@ -83,7 +83,7 @@ TEST_CASE("Many bodies that come at once, between the others, are as if they had
 }
 
 TEST_CASE("Many bodies for whom there is no room: none comes, and the report says so") {
-  PhysicsBench<> bench({10, 4, 64, 64, 0});
+  PhysicsBench bench({10, 4, 64, 64, 0});
   add_stacks(bench);
   std::vector<Body<double>> coming;
   for (BodyId id = 40; id < 42; ++id)

@@ -32,7 +32,7 @@ std::vector<Body<double>> heap(std::uint64_t seed) {
   return bodies;
 }
 
-void insert_all(PhysicsBench<>& bench, const std::vector<Body<double>>& bodies) {
+void insert_all(PhysicsBench& bench, const std::vector<Body<double>>& bodies) {
   for (const Body<double>& body : bodies) REQUIRE(bench.world.insert(body));
 }
 
@@ -62,7 +62,7 @@ bool slots_match(const World<double>& world) {
 TEST_CASE("The same world stepped twice gives the same bits") {
   std::vector<std::uint64_t> hashes[2];
   for (auto& list : hashes) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     insert_all(bench, heap(1));
     for (int k = 0; k < 300; ++k) bench.step(), list.push_back(bench.world.state_hash());
     CHECK(bench.report.contacts > 10);
@@ -72,7 +72,7 @@ TEST_CASE("The same world stepped twice gives the same bits") {
 
 TEST_CASE("Bodies inserted in any order have the slots of their ids and give the same bits") {
   const std::vector<Body<double>> sorted = heap(2);
-  PhysicsBench<> reference;
+  PhysicsBench reference;
   insert_all(reference, sorted);
   reference.run(100);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -80,7 +80,7 @@ TEST_CASE("Bodies inserted in any order have the slots of their ids and give the
     Random random(seed);
     for (std::size_t i = shuffled.size() - 1; i > 0; --i)
       std::swap(shuffled[i], shuffled[static_cast<std::size_t>(random(0, static_cast<double>(i) + 0.999))]);
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     insert_all(bench, shuffled);
     for (std::uint32_t slot = 0; slot < bench.world.bodies().size(); ++slot)
       CHECK(bench.world.slot_of(bench.world.bodies()[slot].id) == static_cast<std::int32_t>(slot));
@@ -90,7 +90,7 @@ TEST_CASE("Bodies inserted in any order have the slots of their ids and give the
 }
 
 TEST_CASE("Bodies that come and go far away change no bit of the others") {
-  PhysicsBench<> alone, visited;
+  PhysicsBench alone, visited;
   insert_all(alone, heap(3));
   insert_all(visited, heap(3));
   for (int k = 0; k < 200; ++k) {
@@ -108,7 +108,7 @@ TEST_CASE("Bodies that come and go far away change no bit of the others") {
 }
 
 TEST_CASE("Inserting and removing moves the slots of contacts, spring and frozen flags along") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_ground(100, 0.5);
   for (BodyId id = 10; id < 14; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.3 * (id - 10), 0, 0.05});
   bench.world.device_spring().enabled = true;
@@ -138,7 +138,7 @@ TEST_CASE("Inserting and removing moves the slots of contacts, spring and frozen
 }
 
 TEST_CASE("An id that is there already is refused, whatever its kind") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_ground(4, 0.5);
   bench.add_sphere(5, 0.05, 0.2, 0.5, {0, 0, 1});
   const auto sphere = [](BodyId id) { return make_dynamic_body<double>(id, Shape<double>::sphere(0.1), 1.0, 0.5, {}); };
@@ -153,7 +153,7 @@ TEST_CASE("An id that is there already is refused, whatever its kind") {
 TEST_CASE("Each capacity that runs out sets its bit, counts and is kept") {
   Capacities capacities;
   capacities.bodies = 6, capacities.fixed_bodies = 1;
-  PhysicsBench<> bench(capacities);
+  PhysicsBench bench(capacities);
   bench.add_ground(0, 0.5);
   for (BodyId id = 1; id <= 6; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.2 * id, 0, 0.0501 - 1e-5 * id});
   const auto sphere = make_dynamic_body<double>(7, Shape<double>::sphere(0.1), 1.0, 0.5, {});
@@ -173,7 +173,7 @@ TEST_CASE("Each capacity that runs out sets its bit, counts and is kept") {
 TEST_CASE("Beyond the capacity of pairs those with the highest keys are dropped") {
   Capacities capacities;
   capacities.pairs = 4;
-  PhysicsBench<> bench(capacities);
+  PhysicsBench bench(capacities);
   bench.add_ground(0, 0.5);
   for (BodyId id = 1; id <= 7; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.2 * id, 0, 0.0499});
   bench.step();
@@ -183,7 +183,7 @@ TEST_CASE("Beyond the capacity of pairs those with the highest keys are dropped"
   for (std::uint32_t i = 0; i < 4; ++i) CHECK(bench.world.contacts()[i].key == PairKey::of(i + 1, 0, true));
   // The same with pairs of dynamic bodies, in whatever order the finder finds them.
   for (const bool reversed : {false, true}) {
-    PhysicsBench<> row(capacities);
+    PhysicsBench row(capacities);
     row.settings.gravity = {};
     for (BodyId id = 1; id <= 6; ++id) row.add_sphere(id, 0.05, 0.2, 0.5, {0.0999 * id, 0, 0});
     row.world.begin_step(row.settings);
@@ -202,7 +202,7 @@ TEST_CASE("Beyond the capacity of pairs those with the highest keys are dropped"
 TEST_CASE("Beyond the capacity of contacts the deepest are kept, ties by the lower key") {
   Capacities capacities;
   capacities.contacts = 3;
-  PhysicsBench<> bench(capacities);
+  PhysicsBench bench(capacities);
   bench.add_ground(0, 0.5);
   const double depth[] = {1e-5, 4e-5, 2e-5, 5e-5, 2e-5, 2e-5};  // kept: 2 and 4, and of the ties the first, 3
   for (BodyId id = 1; id <= 6; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.2 * id, 0, 0.05 - depth[id - 1]});
@@ -216,7 +216,7 @@ TEST_CASE("Beyond the capacity of contacts the deepest are kept, ties by the low
 }
 
 TEST_CASE("Pairs that touch nothing, pairs given twice and pairs given backwards change no bit") {
-  PhysicsBench<> plain, noisy;
+  PhysicsBench plain, noisy;
   insert_all(plain, heap(4));
   insert_all(noisy, heap(4));
   for (int k = 0; k < 200; ++k) {
@@ -236,7 +236,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
   Capacities capacities;
   capacities.border_contacts = 2;
   const auto make = [&] {
-    auto bench = std::make_unique<PhysicsBench<>>(capacities);
+    auto bench = std::make_unique<PhysicsBench>(capacities);
     insert_all(*bench, heap(5));
     return bench;
   };
@@ -258,7 +258,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
   ByteWriter out(bytes);
   bench->world.save(out);
   REQUIRE(out.ok());
-  PhysicsBench<> copy(capacities);
+  PhysicsBench copy(capacities);
   copy.add_sphere(77, 0.1, 1, 0.5, {});  // whatever was there is gone afterwards
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
   REQUIRE(copy.world.restore(in));
@@ -279,7 +279,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
 }
 
 TEST_CASE("Bytes that are short or hold too much are refused and leave an empty world") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   insert_all(bench, heap(6));
   bench.run(50);
   std::vector<std::byte> bytes(bench.world.save_size_bound());
@@ -288,7 +288,7 @@ TEST_CASE("Bytes that are short or hold too much are refused and leave an empty 
   std::vector<std::size_t> sizes{out.size() - 1};
   for (std::size_t size = 0; size < out.size(); size += 1 + size / 20) sizes.push_back(size);
   for (const std::size_t size : sizes) {
-    PhysicsBench<> copy;
+    PhysicsBench copy;
     ByteReader in(std::span<const std::byte>(bytes).first(size));
     CHECK_FALSE(copy.world.restore(in));
     CHECK(copy.world.bodies().empty());
@@ -296,13 +296,13 @@ TEST_CASE("Bytes that are short or hold too much are refused and leave an empty 
   }
   Capacities small;
   small.bodies = 4;
-  PhysicsBench<> copy(small);
+  PhysicsBench copy(small);
   ByteReader in(bytes);
   CHECK_FALSE(copy.world.restore(in));
 }
 
 TEST_CASE("Damaged bytes are refused or give a world that can be asked, never a slot that is not there") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   insert_all(bench, heap(8));
   bench.run(50);
   std::vector<std::byte> bytes(bench.world.save_size_bound());
@@ -313,7 +313,7 @@ TEST_CASE("Damaged bytes are refused or give a world that can be asked, never a 
   for (int k = 0; k < 2000; ++k) {
     std::vector<std::byte> damaged(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(out.size()));
     damaged[static_cast<std::size_t>(random(0, static_cast<double>(out.size())))] ^= std::byte{0x80};
-    PhysicsBench<> copy;
+    PhysicsBench copy;
     ByteReader in(damaged);
     if (!copy.world.restore(in)) {
       ++refused;
@@ -331,15 +331,15 @@ TEST_CASE("Damaged bytes are refused or give a world that can be asked, never a 
 }
 
 TEST_CASE("Impulses given from another world start a contact as if it had been here all along") {
-  const auto make = [](PhysicsBench<>& bench) {
+  const auto make = [](PhysicsBench& bench) {
     bench.add_ground(0, 0.5, 0.1);
     bench.add_stack(1, 4, 0.05, 0.2, 0.5);
   };
-  PhysicsBench<> old;
+  PhysicsBench old;
   make(old);
   old.run(1000);
-  PhysicsBench<> with, without;
-  for (PhysicsBench<>* bench : {&with, &without}) {
+  PhysicsBench with, without;
+  for (PhysicsBench* bench : {&with, &without}) {
     bench->add_ground(0, 0.5, 0.1);
     for (const Body<double>& body : old.world.bodies()) REQUIRE(bench->world.insert(body));
   }
@@ -356,11 +356,11 @@ TEST_CASE("Impulses given from another world start a contact as if it had been h
 }
 
 TEST_CASE("Impulses of a pair that does not touch are dropped after the next step") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   bench.add_ground(0, 0.5);
   bench.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0.2});
-  PhysicsBench<> touching;
+  PhysicsBench touching;
   touching.add_ground(0, 0.5);
   touching.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0.05});
   touching.run(10);
@@ -368,7 +368,7 @@ TEST_CASE("Impulses of a pair that does not touch are dropped after the next ste
   WarmStart<double> given = World<double>::warm_start_of(touching.world.contacts()[0], touching.h());
   given.normal_force[0] = 100;
   REQUIRE(bench.world.add_warm_start(given));
-  PhysicsBench<> fresh;
+  PhysicsBench fresh;
   fresh.settings.gravity = {};
   fresh.add_ground(0, 0.5);
   fresh.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0.2});
@@ -383,7 +383,7 @@ TEST_CASE("Impulses of a pair that does not touch are dropped after the next ste
 }
 
 TEST_CASE("A frozen body stays as it is, bears any load and goes on with its velocity") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0}, {0, 0, 1});
   bench.add_sphere(2, 0.05, 50, 0.5, {0, 0, 0.1001});
   bench.world.set_frozen(0, true);
@@ -403,7 +403,7 @@ TEST_CASE("A frozen body stays as it is, bears any load and goes on with its vel
 TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of them moves or falls") {
   Random random(4);
   for (int n = 0; n < 2000; ++n) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     bench.settings.dt = n % 2 == 0 ? 1e-3 : 1e-2;
     bench.settings.sub_steps = n % 3 == 0 ? 1 : 5;
     const double half = random(0.005, 0.05), speed = random(0, 1), turn = random(0, 3);
@@ -435,7 +435,7 @@ TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of 
 }
 
 TEST_CASE("What a body with the fewer sub-steps falls on is found, though the others take more") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.dt = 1e-2, bench.settings.sub_steps = 1;
   const double gap = 0.999 * fall_in_step(bench.settings);
   bench.add_ground(9, 0.5);
@@ -446,7 +446,7 @@ TEST_CASE("What a body with the fewer sub-steps falls on is found, though the ot
 }
 
 TEST_CASE("The bounds of a step hold what a body moves in it, and no more than the largest margin, however fast") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_box(1, {0.05, 0.02, 0.01}, 0.2, 0.5, {{0, 0, 1}, quat_from_rotation_vector(Vec3d{1, 2, 3})},
                 {{1, -2, 0.5}, {10, 5, -20}});
   bench.world.begin_step(bench.settings);
