@@ -21,7 +21,7 @@ Twistd mean_velocity(const Posed& from, const Posed& to, double time_s) noexcept
 
 }  // namespace
 
-void InterpolationCoupling::adopt(const physics::BodyMotion<double>& proxy, bool first) noexcept {
+void InterpolationCoupling::adopt(const physics::BodyMotion& proxy, bool first) noexcept {
   global_proxy[0] = first ? proxy : global_proxy[1];
   global_proxy[1] = proxy;
   device_before = device;
@@ -33,8 +33,8 @@ DeviceTarget InterpolationCoupling::report(std::uint32_t ticks, double period_s)
   return {true, device, whole_cycle ? mean_velocity(device_before, device, ticks * period_s) : device_velocity};
 }
 
-physics::BodyMotion<double> InterpolationCoupling::proxy_in(std::uint32_t tick, std::uint32_t ratio,
-                                                            double period_s) const noexcept {
+physics::BodyMotion InterpolationCoupling::proxy_in(std::uint32_t tick, std::uint32_t ratio,
+                                                    double period_s) const noexcept {
   const Posed &from = global_proxy[0].pose, &to = global_proxy[1].pose;
   const bool late = tick >= ratio;
   const double share = late ? 1.0 : static_cast<double>(tick + 1) / ratio;

@@ -19,15 +19,15 @@ namespace tactus::haptics {
 
 // Copied to the tape byte by byte: no padding.
 struct InterpolationCoupling {
-  physics::BodyMotion<double> global_proxy[2];  // in G(n-1), in G(n)
-  Posed device;                                 // where the last tick had the device at its end, world
-  Twistd device_velocity;                       // in that tick, world
-  Posed device_before;                          // `device` when the cycle began
-  std::uint32_t engaged_ticks{0};               // without a break, up to the last tick; counts no further than 2^31
+  physics::BodyMotion global_proxy[2];  // in G(n-1), in G(n)
+  Posed device;                         // where the last tick had the device at its end, world
+  Twistd device_velocity;               // in that tick, world
+  Posed device_before;                  // `device` when the cycle began
+  std::uint32_t engaged_ticks{0};       // without a break, up to the last tick; counts no further than 2^31
   std::uint32_t padding{0};
 
   // At a synchronisation: `proxy` is that of G(n). With `first` nothing came before it.
-  void adopt(const physics::BodyMotion<double>& proxy, bool first) noexcept;
+  void adopt(const physics::BodyMotion& proxy, bool first) noexcept;
   // At a synchronisation, before adopt: what the report says of the device after a cycle of `ticks`.
   DeviceTarget report(std::uint32_t ticks, double period_s) const noexcept;
   // Where the device is now, and how fast in the last tick.
@@ -35,7 +35,7 @@ struct InterpolationCoupling {
     return engaged_ticks == 0 ? DeviceTarget{} : DeviceTarget{true, device, device_velocity};
   }
   // In tick `tick` of the cycle, 0 first: the proxy that the device feels. After the cycle it waits at its end.
-  physics::BodyMotion<double> proxy_in(std::uint32_t tick, std::uint32_t ratio, double period_s) const noexcept;
+  physics::BodyMotion proxy_in(std::uint32_t tick, std::uint32_t ratio, double period_s) const noexcept;
   // Once a tick: what the device did in it.
   void note(const DeviceTarget& target, double period_s) noexcept;
 };

@@ -24,7 +24,7 @@ bool contains(std::span<const BodyId> sorted, BodyId id) noexcept {
 }
 
 // What moves them, too.
-void slow_down(std::span<physics::BorderGhost<double>> ghosts, double share) noexcept {
+void slow_down(std::span<physics::BorderGhost> ghosts, double share) noexcept {
   for (auto& ghost : ghosts) {
     ghost.velocity = {share * ghost.velocity.linear, share * ghost.velocity.angular};
     ghost.drive = {share * ghost.drive.linear, share * ghost.drive.angular};
@@ -33,7 +33,7 @@ void slow_down(std::span<physics::BorderGhost<double>> ghosts, double share) noe
 
 }  // namespace
 
-SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
+SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body> fixed_bodies)
     : config_(config),
       world_(config.capacities, config.hulls, config.meshes, config.effects),
       outside_velocity_(config.capacities.border_contacts),
@@ -51,7 +51,7 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<d
   spring.damping_Nms_per_rad = config.damping_Nms_per_rad;
 }
 
-void SubWorld::set_members(std::span<const physics::Body<double>> bodies) noexcept {
+void SubWorld::set_members(std::span<const physics::Body> bodies) noexcept {
   for (const auto& body : bodies) {
     if (body.kind != physics::BodyKind::kDynamic) continue;
     TACTUS_CHECK(world_.insert(body), body.id, bodies.size());
@@ -135,7 +135,7 @@ void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& rep
     const bool high_stays = contains(snapshot.members.span(), contact.key.high());
     const bool one_leaves = contact.b_fixed ? !contains(snapshot.members.span(), world_.bodies()[contact.slot_a].id)
                                             : !(low_stays && high_stays);
-    if (one_leaves && !report.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s))) return;
+    if (one_leaves && !report.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s))) return;
   }
 }
 
@@ -208,7 +208,7 @@ void SubWorld::renew_border(const WorldSnapshot& snapshot) noexcept {
   for (const BorderPoint& point : snapshot.border) {
     const std::int32_t slot = world_.slot_of(point.member);
     if (slot < 0) continue;
-    physics::BorderContact<double> contact;
+    physics::BorderContact contact;
     contact.member = point.member, contact.outside = point.outside, contact.feature = point.feature;
     contact.normal = point.normal;
     contact.member_anchor = point.member_anchor;
@@ -243,7 +243,7 @@ void SubWorld::renew_ghosts(const WorldSnapshot& snapshot) noexcept {
   auto& ghosts = world_.border_ghosts();
   ghosts.clear();
   for (const OutsideBody& body : snapshot.outside) {
-    physics::BorderGhost<double> ghost;
+    physics::BorderGhost ghost;
     ghost.outside = body.id;
     ghost.centre = body.centre;
     ghost.velocity = body.velocity;
@@ -265,7 +265,7 @@ void SubWorld::put_in_tank(double energy_J) noexcept {
   state_.owed_J = std::max(0.0, -balance);
 }
 
-void SubWorld::take_near_triangles(std::span<const physics::NearRegion<double>> regions,
+void SubWorld::take_near_triangles(std::span<const physics::NearRegion> regions,
                                    std::span<const std::uint32_t> triangles) noexcept {
   if (config_.meshes.empty()) return;
   near_regions_.resize(static_cast<std::uint32_t>(regions.size()));
@@ -333,7 +333,7 @@ void SubWorld::aim_spring(const DeviceTarget& target) noexcept {
 
 void SubWorld::step_world(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
                           SubWorldStep& result) noexcept {
-  physics::StepSettings<double> settings = config_.step;
+  physics::StepSettings settings = config_.step;
   settings.sub_steps = sub_steps;
   aim_spring(target);
   const Posed held_at =
@@ -427,7 +427,7 @@ double SubWorld::border_work_J() const noexcept {
 std::uint64_t SubWorld::state_hash() const noexcept {
   Fnv1a hash;
   hash.add(world_.state_hash());
-  hash.add_bytes(std::as_bytes(std::span<const physics::BodyMotion<double>, 1>(&proxy_, 1)));
+  hash.add_bytes(std::as_bytes(std::span<const physics::BodyMotion, 1>(&proxy_, 1)));
   return hash.value();
 }
 

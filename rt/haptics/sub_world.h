@@ -22,28 +22,28 @@ struct SubWorldConfig {
   physics::BorderMode border_mode{physics::BorderMode::kCapped};
   std::uint32_t ratio{10};  // ticks per cycle
   BodyId proxy{0};
-  physics::StepSettings<double> step;                   // dt is the tick; sub_steps is what the governor may lower
+  physics::StepSettings step;                           // dt is the tick; sub_steps is what the governor may lower
   double stiffness_N_per_m{2000}, damping_Ns_per_m{5};  // coupling, world units
   double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
   physics::Capacities capacities;
-  physics::Hulls<double> hulls;           // of the bodies' shapes; they must outlive the sub-world
-  physics::Meshes<double> meshes;         // same
-  physics::EffectSetups<double> effects;  // same, what they look into
+  physics::Hulls hulls;           // of the bodies' shapes; they must outlive the sub-world
+  physics::Meshes meshes;         // same
+  physics::EffectSetups effects;  // same, what they look into
 };
 
 struct SubWorldStep {
   Wrenchd on_device;  // N, N m, world: the mean over the tick of what the coupling does to the device
-  physics::StepReport<double> report;
+  physics::StepReport report;
   std::uint32_t status{0};  // StatusBit: world late, border frozen, world fade, proxy contact, capacity, cut
   double force_scale{1};    // below 1 while the world is lost: the output path applies it
 };
 
 class SubWorld {
  public:
-  SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies);
+  SubWorld(const SubWorldConfig& config, std::span<const physics::Body> fixed_bodies);
 
   // [setup] The members before the first tick, without a snapshot (direct coupling: every dynamic body).
-  void set_members(std::span<const physics::Body<double>> bodies) noexcept;
+  void set_members(std::span<const physics::Body> bodies) noexcept;
 
   // A synchronisation: fills H(n) with what was, then takes over G(n).
   void synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept;
@@ -57,7 +57,7 @@ class SubWorld {
   // One tick. `sub_steps` as the governor chose.
   SubWorldStep step(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut) noexcept;
 
-  const physics::BodyMotion<double>& proxy() const noexcept { return proxy_; }
+  const physics::BodyMotion& proxy() const noexcept { return proxy_; }
   std::uint32_t members() const noexcept { return static_cast<std::uint32_t>(world_.bodies().size()); }
   std::uint32_t border_contacts() const noexcept { return border_count_; }
   std::uint32_t buffer_bodies() const noexcept { return buffer_.size(); }
@@ -69,7 +69,7 @@ class SubWorld {
   double buffer_gain_J() const noexcept { return state_.buffer_gain_J; }
   double border_tank_J() const noexcept { return state_.tank_J; }  // what the ghost border may still do, 0 or more
   double border_owed_J() const noexcept { return state_.owed_J; }  // what it did beyond that, 0 or more
-  const physics::World<double>& world() const noexcept { return world_; }
+  const physics::World& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;
 
@@ -112,7 +112,7 @@ class SubWorld {
   void renew_ghosts(const WorldSnapshot& snapshot) noexcept;
   void put_in_tank(double energy_J) noexcept;
   double tick_credit_J() const noexcept;
-  void take_near_triangles(std::span<const physics::NearRegion<double>> regions,
+  void take_near_triangles(std::span<const physics::NearRegion> regions,
                            std::span<const std::uint32_t> triangles) noexcept;
   void adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept;
   void freeze_all_but_proxy() noexcept;
@@ -126,13 +126,13 @@ class SubWorld {
   bool proxy_touches() const noexcept;
 
   SubWorldConfig config_;
-  physics::World<double> world_;
-  BoundedVector<Vec3d> outside_velocity_;  // per border contact, as adopted: fades while the world is late
-  BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew_border
+  physics::World world_;
+  BoundedVector<Vec3d> outside_velocity_;           // per border contact, as adopted: fades while the world is late
+  BoundedVector<physics::BorderContact> replaced_;  // scratch of renew_border
   // As adopted; none without meshes. They never show in a result (near_triangles.h), so they are no part of the state.
-  BoundedVector<physics::NearRegion<double>> near_regions_;
+  BoundedVector<physics::NearRegion> near_regions_;
   BoundedVector<std::uint32_t> near_triangles_;
-  physics::BodyMotion<double> proxy_;
+  physics::BodyMotion proxy_;
   BorderBuffer buffer_;   // empty but with the ghost border
   PlaneCoupling planes_;  // empty but with the couplings that feel planes
   std::uint32_t border_count_{0};

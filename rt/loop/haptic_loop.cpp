@@ -25,7 +25,7 @@ haptics::CouplingGains gains_at_hand(const LoopConfig& config) noexcept {
 
 }  // namespace
 
-HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body<double>> fixed_bodies)
+HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body> fixed_bodies)
     : config_(config), sub_world_(config.sub_world, fixed_bodies) {
   guard_.config = {
       .period_s = config.period_s, .device = config.device, .emergency_stop_fault = config.emergency_stop_fault};

@@ -19,15 +19,14 @@ PhysicsBench make_bench() {
   return bench;
 }
 
-OutsideAnswer found(const physics::World<double>& world, std::uint32_t slot, std::vector<std::uint8_t> members,
+OutsideAnswer found(const physics::World& world, std::uint32_t slot, std::vector<std::uint8_t> members,
                     double added_inertia = kRigid, double step_s = 0.01) {
   BorderAdmittance admittance(64, 256, 4);
   members.resize(64, 0);
   admittance.index(world, added_inertia, step_s);
   return admittance.find(slot, members);
 }
-physics::Admittance<double> answer_of(const PhysicsBench& bench, std::uint32_t slot,
-                                      std::vector<std::uint8_t> members) {
+physics::Admittance answer_of(const PhysicsBench& bench, std::uint32_t slot, std::vector<std::uint8_t> members) {
   return found(bench.world, slot, std::move(members)).admittance;
 }
 
@@ -185,27 +184,27 @@ namespace {
 
 // A step's world with effects, without gravity.
 struct EffectBench {
-  physics::World<double> world;
+  physics::World world;
 
-  explicit EffectBench(const physics::EffectSetups<double>& setups)
-      : world(physics::Capacities{64, 2, 256, 256, 0}, physics::Hulls<double>{}, physics::Meshes<double>{}, setups) {}
+  explicit EffectBench(const physics::EffectSetups& setups)
+      : world(physics::Capacities{64, 2, 256, 256, 0}, physics::Hulls{}, physics::Meshes{}, setups) {}
   void add_cube(BodyId id, const Vec3d& at) {
-    REQUIRE(world.insert(physics::make_dynamic_body<double>(id, physics::Shape<double>::box({kHalf, kHalf, kHalf}),
-                                                            kMass, 0.5, {at, {}})));
+    REQUIRE(
+        world.insert(physics::make_dynamic_body(id, physics::Shape::box({kHalf, kHalf, kHalf}), kMass, 0.5, {at, {}})));
   }
-  physics::Admittance<double> answer_of(std::uint32_t slot) {
-    physics::StepSettings<double> settings;
+  physics::Admittance answer_of(std::uint32_t slot) {
+    physics::StepSettings settings;
     settings.gravity = {};
     world.begin_step(settings);
-    find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     (void)world.finish_step(settings);
     return found(world, slot, {}).admittance;
   }
 };
 
-physics::EffectSetups<double> setups_of(const std::vector<physics::Joint<double>>& joints) {
-  physics::EffectSetups<double> setups;
-  std::get<physics::Joints<double>::Setup>(setups) = {joints};
+physics::EffectSetups setups_of(const std::vector<physics::Joint>& joints) {
+  physics::EffectSetups setups;
+  std::get<physics::Joints::Setup>(setups) = {joints};
   return setups;
 }
 
@@ -213,7 +212,7 @@ physics::EffectSetups<double> setups_of(const std::vector<physics::Joint<double>
 
 TEST_CASE("A door answers about its hinge alone, with its inertia there, and not where its motor holds it") {
   const bool held = GENERATE(false, true);
-  physics::Joint<double> hinge;
+  physics::Joint hinge;
   const double lever = 0.3;
   hinge.kind = physics::JointKind::kHinge, hinge.b = 0;
   hinge.a_from_joint.position = {0, 0, 1}, hinge.b_from_joint.position = {-lever, 0, 0};
@@ -230,7 +229,7 @@ TEST_CASE("A door answers about its hinge alone, with its inertia there, and not
 }
 
 TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
-  physics::Joint<double> joint;
+  physics::Joint joint;
   joint.kind = GENERATE(physics::JointKind::kFixed, physics::JointKind::kSlider, physics::JointKind::kDistance);
   const bool rod = joint.kind == physics::JointKind::kDistance;
   joint.a = 0, joint.b = 1, joint.limited = rod, joint.low = joint.high = rod ? 0.5 : 0;
@@ -248,8 +247,8 @@ TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
 
 TEST_CASE("A kinematic body answers to nothing, and is a wall to what presses on it") {
   const std::vector<physics::KinematicScript> scripts{{1, 0, 0, false}};
-  physics::EffectSetups<double> setups;
-  std::get<physics::Kinematics<double>::Setup>(setups) = {scripts, {}};
+  physics::EffectSetups setups;
+  std::get<physics::Kinematics::Setup>(setups) = {scripts, {}};
   EffectBench bench(setups);
   bench.add_cube(0, {0, 0, 0});
   bench.add_cube(1, {2 * kHalf, 0, 0});

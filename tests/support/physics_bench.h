@@ -18,14 +18,14 @@ struct PhysicsBench {
     settings.gravity = {0.0, 0.0, -kGravity};
   }
 
-  physics::World<double> world;
-  physics::StepSettings<double> settings;
-  physics::StepReport<double> report;
+  physics::World world;
+  physics::StepSettings settings;
+  physics::StepReport report;
   physics::CutPredicate cut;
 
   void step() {
     world.begin_step(settings);
-    find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     report = world.finish_step(settings, cut);
   }
   void run(int steps) {
@@ -33,7 +33,7 @@ struct PhysicsBench {
   }
   void run_seconds(double seconds) { run(static_cast<int>(std::lround(seconds / settings.dt))); }
 
-  physics::Body<double>& body(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))]; }
+  physics::Body& body(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))]; }
   Vec3d& position(BodyId id) { return body(id).motion.pose.position; }
   Twistd& velocity(BodyId id) { return body(id).motion.velocity; }
   std::uint32_t slot(BodyId id) { return static_cast<std::uint32_t>(world.slot_of(id)); }
@@ -42,17 +42,16 @@ struct PhysicsBench {
   // The ground z = 0, tilted so that downhill is +x.
   void add_ground(BodyId id, double friction, double slope_rad = 0.0) {
     const Quatd tilt = quat_from_rotation_vector(Vec3d{0.0, slope_rad, 0.0});
-    world.insert(physics::make_fixed_body<double>(id, physics::Shape<double>::plane(), friction, {{}, tilt}));
+    world.insert(physics::make_fixed_body(id, physics::Shape::plane(), friction, {{}, tilt}));
   }
   void add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at, const Vec3d& velocity = {}) {
-    auto made =
-        physics::make_dynamic_body<double>(id, physics::Shape<double>::sphere(radius), mass, friction, {at, {}});
+    auto made = physics::make_dynamic_body(id, physics::Shape::sphere(radius), mass, friction, {at, {}});
     made.motion.velocity.linear = velocity;
     world.insert(made);
   }
   void add_box(BodyId id, const Vec3d& half, double mass, double friction, const Posed& pose,
                const Twistd& velocity = {}) {
-    auto made = physics::make_dynamic_body<double>(id, physics::Shape<double>::box(half), mass, friction, pose);
+    auto made = physics::make_dynamic_body(id, physics::Shape::box(half), mass, friction, pose);
     made.motion.velocity = velocity;
     world.insert(made);
   }

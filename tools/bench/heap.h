@@ -13,10 +13,10 @@ inline constexpr double kEdge_m = 0.1;
 
 // `cubes` cubes of 0.1 m, 1 kg on the ground, in layers of brick-like offsets, after half a second.
 struct Heap {
-  physics::World<double> world;
-  physics::StepSettings<double> settings;
+  physics::World world;
+  physics::StepSettings settings;
   sim::PairCache pair_cache;
-  physics::StepReport<double> report;
+  physics::StepReport report;
 
   explicit Heap(std::uint32_t cubes, physics::SweepPrecision precision = physics::SweepPrecision::kFull)
       : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}, {}, {}, {}, precision),
@@ -30,10 +30,10 @@ struct Heap {
       const double shift = z % 2 == 1 ? half : 0.0, pitch = 1.02 * kEdge_m;
       const Vec3d at{pitch * static_cast<double>(i % side) + shift,
                      pitch * static_cast<double>(i / side % side) + shift, half + 2.0 * half * static_cast<double>(z)};
-      static_cast<void>(world.insert(
-          physics::make_dynamic_body<double>(i, physics::Shape<double>::box({half, half, half}), 1.0, 0.5, {at, {}})));
+      static_cast<void>(
+          world.insert(physics::make_dynamic_body(i, physics::Shape::box({half, half, half}), 1.0, 0.5, {at, {}})));
     }
-    static_cast<void>(world.insert(physics::make_fixed_body<double>(cubes, physics::Shape<double>::plane(), 0.5, {})));
+    static_cast<void>(world.insert(physics::make_fixed_body(cubes, physics::Shape::plane(), 0.5, {})));
     for (int i = 0; i < 500; ++i) step();
   }
 

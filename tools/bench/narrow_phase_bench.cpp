@@ -32,7 +32,7 @@ void boxes_collide(benchmark::State& state) {
   set_denormals_flush();
   const auto lie = static_cast<int>(state.range(0));
   const bool remembers = state.range(1) != 0;
-  const auto box = physics::Shape<double>::box({0.5, 0.5, 0.5});
+  const auto box = physics::Shape::box({0.5, 0.5, 0.5});
   Posed lower = lower_pose(lie), upper = upper_pose(lie);
   physics::AxisCache cache;
   std::uint32_t points = 0;

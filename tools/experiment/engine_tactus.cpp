@@ -45,8 +45,8 @@ physics::Capacities capacities_of(const BoxScene& scene) {
           (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256, 0};
 }
 
-physics::StepSettings<double> settings_of(const BoxScene& scene, unsigned sub_steps) {
-  physics::StepSettings<double> settings;
+physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {
+  physics::StepSettings settings;
   settings.dt = scene.step_s;
   settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 10 : 4;
   settings.contact_hertz = std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s);
@@ -62,9 +62,9 @@ std::vector<physics::KinematicScript> scripts_of(const BoxScene& scene) {
   return scripts;
 }
 
-physics::EffectSetups<double> effects_of(const std::vector<physics::KinematicScript>& scripts) {
-  physics::EffectSetups<double> setups;
-  std::get<physics::Kinematics<double>::Setup>(setups).scripts = scripts;
+physics::EffectSetups effects_of(const std::vector<physics::KinematicScript>& scripts) {
+  physics::EffectSetups setups;
+  std::get<physics::Kinematics::Setup>(setups).scripts = scripts;
   return setups;
 }
 
@@ -90,19 +90,19 @@ class TactusEngine final : public Engine {
     BodyId id = 0;
     const double friction = scene.friction;
     for (const Cube& cube : scene.cubes) {
-      auto body = physics::make_dynamic_body<double>(id++, shape_of(scene, cube), cube.mass_kg, friction,
-                                                     {cube.position, cube.rotation});
+      auto body = physics::make_dynamic_body(id++, shape_of(scene, cube), cube.mass_kg, friction,
+                                             {cube.position, cube.rotation});
       body.inertia = inertia_of(scene, cube);
       insert(body);
     }
     for (std::uint32_t i = 0; i < scripts_.size(); ++i) add_rod(i, id++, friction);
     for (const Wall& wall : scene.walls)
-      insert(physics::make_fixed_body<double>(id++, physics::Shape<double>::box(wall.half_extents_m), friction,
-                                              {wall.position, wall.rotation}));
+      insert(physics::make_fixed_body(id++, physics::Shape::box(wall.half_extents_m), friction,
+                                      {wall.position, wall.rotation}));
   }
 
   void step() override {
-    const std::span<physics::Body<double>> rods = world_.bodies().subspan(cubes_);
+    const std::span<physics::Body> rods = world_.bodies().subspan(cubes_);
     for (std::size_t i = 0; i < rods.size(); ++i) {
       auto& motion = rods[i].motion;
       motion.velocity = stirrer_->velocity_over(i, motion.pose.position, time_s_, step_s_);
@@ -159,27 +159,27 @@ class TactusEngine final : public Engine {
   }
 
  private:
-  void insert(const physics::Body<double>& body) { TACTUS_CHECK(world_.insert(body), body.id, world_.bodies().size()); }
+  void insert(const physics::Body& body) { TACTUS_CHECK(world_.insert(body), body.id, world_.bodies().size()); }
 
   // Its mass counts for nothing: to the others it is infinitely heavy.
   void add_rod(std::size_t rod, BodyId id, double friction) {
     const Posed at = stirrer_->pose_at(rod, 0);
-    insert(physics::make_dynamic_body<double>(id, physics::Shape<double>::box(stirrer_->half_extents_m), 1.0, friction,
-                                              {at.position, {}}));
+    insert(physics::make_dynamic_body(id, physics::Shape::box(stirrer_->half_extents_m), 1.0, friction,
+                                      {at.position, {}}));
   }
 
   double step_s_;
-  physics::StepSettings<double> settings_;
+  physics::StepSettings settings_;
   bool is_global_, times_broad_phase_;
   double broad_phase_us_{0};
   std::vector<physics::KinematicScript> scripts_;
-  std::vector<physics::Hull<double>> hulls_;
-  physics::World<double> world_;
+  std::vector<physics::Hull> hulls_;
+  physics::World world_;
   sim::PairCache pair_cache_;
   sim::WorkerPool pool_;
   std::optional<Stirrer> stirrer_;
   std::uint32_t cubes_;
-  physics::StepReport<double> report_;
+  physics::StepReport report_;
   std::uint32_t lost_{0};  // CapacityBit
   double time_s_{0};
 };

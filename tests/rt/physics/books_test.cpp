@@ -67,7 +67,7 @@ TEST_CASE("The hash of the state changes with every bit that counts, and with no
   bench.add_sphere(1, 0.1, 1, 0.5, {1, 2, 3}, {4, 5, 6});
   bench.add_sphere(2, 0.1, 1, 0.5, {2, 2, 3});
   const std::uint64_t hash = bench.world.state_hash();
-  BodyMotion<double>& motion = bench.body(1).motion;
+  BodyMotion& motion = bench.body(1).motion;
   double* const fields[] = {&motion.pose.position.x,   &motion.pose.position.y,    &motion.pose.position.z,
                             &motion.pose.rotation.w,   &motion.pose.rotation.x,    &motion.pose.rotation.y,
                             &motion.pose.rotation.z,   &motion.velocity.linear.x,  &motion.velocity.linear.y,

@@ -13,16 +13,14 @@ using tactus::test::PhysicsBench;
 namespace {
 
 // A box whose principal inertias are as given (kg m^2), far from everything.
-Body<double> free_body(const Vec3d& inertia, const Vec3d& w) {
-  Body<double> body = make_dynamic_body<double>(1, Shape<double>::sphere(0.01), 1.0, 0.0, {});
+Body free_body(const Vec3d& inertia, const Vec3d& w) {
+  Body body = make_dynamic_body(1, Shape::sphere(0.01), 1.0, 0.0, {});
   body.inertia = inertia;
   body.motion.velocity.angular = w;
   return body;
 }
 
-Vec3d spin_in_body(const Body<double>& body) {
-  return rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
-}
+Vec3d spin_in_body(const Body& body) { return rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular); }
 
 // Complete elliptic integral of the first kind by the arithmetic-geometric mean.
 double elliptic_k(double modulus_squared) {

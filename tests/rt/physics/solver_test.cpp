@@ -102,7 +102,7 @@ TEST_CASE("Each cube of a stack of twenty sinks as deep as its load and its effe
   }
   // The bottom carries all of it.
   double carried = 0;
-  for (const Contact<double>& contact : bench.world.contacts())
+  for (const Contact& contact : bench.world.contacts())
     for (std::uint32_t i = 0; contact.b_fixed && i < contact.count; ++i)
       carried += contact.points[i].total_normal_impulse / bench.settings.dt;
   CHECK(carried == Approx(20 * mass * kGravity).epsilon(1e-4));
@@ -140,9 +140,8 @@ TEST_CASE("With friction in every sweep a wedge at its locking angle comes back 
     bench.settings.gravity = {}, bench.settings.contact_hertz = 1000;
     bench.settings.relax_sweeps = relax_sweeps, bench.settings.friction_sweeps = sweeps;
     for (const int side : {-1, 1})
-      bench.world.insert(
-          make_fixed_body<double>(static_cast<BodyId>(side + 1), Shape<double>::plane(), friction,
-                                  {{}, quat_from_rotation_vector(Vec3d{0, side * tactus::test::kPi / 4, 0})}));
+      bench.world.insert(make_fixed_body(static_cast<BodyId>(side + 1), Shape::plane(), friction,
+                                         {{}, quat_from_rotation_vector(Vec3d{0, side * tactus::test::kPi / 4, 0})}));
     bench.add_box(1, {half, half, half}, 0.2, friction,
                   {{0, 0, half * std::sqrt(2.0)}, quat_from_rotation_vector(Vec3d{0, tactus::test::kPi / 4, 0})});
     const int ramp = 500;
@@ -178,7 +177,7 @@ TEST_CASE("Bodies that only meet each other keep their momentum and never gain e
       // away.
       const double trace = relax_sweeps == 1 ? 1e-3 : 1e-5;
       double energy = start_energy, size = 0, allowed = 0;
-      for (const Body<double>& body : bench.world.bodies()) size += body.mass * norm(body.motion.velocity.linear);
+      for (const Body& body : bench.world.bodies()) size += body.mass * norm(body.motion.velocity.linear);
       std::uint32_t touched = 0;
       for (int k = 0; k < 400; ++k) {
         bench.step();
@@ -186,7 +185,7 @@ TEST_CASE("Bodies that only meet each other keep their momentum and never gain e
         REQUIRE(bench.world.kinetic_energy() <= energy + trace * start_energy);
         energy = bench.world.kinetic_energy();
         // Lever arms and inertia are those of the step's start: moments are off by what moves within the step.
-        for (const Contact<double>& contact : bench.world.contacts())
+        for (const Contact& contact : bench.world.contacts())
           for (std::uint32_t i = 0; i < contact.count; ++i) {
             const Twistd &a = bench.world.bodies()[contact.slot_a].motion.velocity,
                          &b = bench.world.bodies()[contact.slot_b].motion.velocity;
@@ -209,9 +208,9 @@ TEST_CASE("Friction stays within the cone at every point") {
   std::uint32_t sliding = 0;
   for (int k = 0; k < 300; ++k) {
     bench.step();
-    for (const Contact<double>& contact : bench.world.contacts())
+    for (const Contact& contact : bench.world.contacts())
       for (std::uint32_t i = 0; i < contact.count; ++i) {
-        const ContactPoint<double>& p = contact.points[i];
+        const ContactPoint& p = contact.points[i];
         const double bound = contact.friction * p.total_normal_impulse, rubbed = norm(p.total_friction);
         REQUIRE(p.total_normal_impulse >= 0);
         REQUIRE(rubbed <= bound * (1 + 1e-9) + 1e-18);
@@ -312,7 +311,7 @@ TEST_CASE("A cut at any sweep leaves every sub-step done, a finite state and no 
       CHECK(probe.asked == at);
       CHECK(probe.times == at + 1);  // never asked again
       CHECK(norm(bench.position(11) - bench.thrown(x0, v0, bench.settings.sub_steps)) < 1e-12);
-      for (const Body<double>& body : bench.world.bodies())
+      for (const Body& body : bench.world.bodies())
         REQUIRE((is_finite(body.motion.pose) && is_finite(body.motion.velocity)));
       // Overlaps are pushed out: the whole step gives that much, and a cut no more than one push speed of every body
       // on top of it.
@@ -321,7 +320,7 @@ TEST_CASE("A cut at any sweep leaves every sub-step done, a finite state and no 
       uncut.run(steps);
       const double whole = uncut.world.kinetic_energy() + uncut.world.potential_energy(bench.settings.gravity);
       double mass = 0;
-      for (const Body<double>& body : bench.world.bodies()) mass += body.mass;
+      for (const Body& body : bench.world.bodies()) mass += body.mass;
       const double pushed = 0.5 * mass * bench.settings.max_push_speed * bench.settings.max_push_speed;
       const double now = bench.world.kinetic_energy() + bench.world.potential_energy(bench.settings.gravity);
       CHECK(now <= std::max(energy, whole) + pushed);
@@ -344,7 +343,7 @@ TEST_CASE("A resting stack does not move when every step is cut at its first swe
   CHECK(bench.report.cut_sweep == 0);
   CHECK(bench.position(3).z == Approx(before).margin(1e-6));
   double carried = 0;
-  for (const Contact<double>& contact : bench.world.contacts())
+  for (const Contact& contact : bench.world.contacts())
     for (std::uint32_t i = 0; contact.b_fixed && i < contact.count; ++i)
       carried += contact.points[i].total_normal_impulse / bench.settings.dt;
   CHECK(carried == Approx(0.6 * kGravity).epsilon(0.01));  // totals count the sub-steps without sweeps too
