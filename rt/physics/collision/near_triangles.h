@@ -6,7 +6,6 @@
 // list asks the tree, which is bounded too (mesh_query.h).
 #pragma once
 
-#include <algorithm>
 #include <span>
 
 #include "rt/physics/shapes/mesh_query.h"
@@ -25,17 +24,7 @@ struct NearTriangles {
   std::span<const std::uint32_t> triangles;  // of each region ascending
 
   void find(const Mesh& mesh, BodyId body, std::uint32_t mesh_index, const Aabb& box,
-            TriangleList& found) const noexcept {
-    const auto before = [](const NearRegion& r, std::pair<BodyId, std::uint32_t> key) noexcept {
-      return r.body != key.first ? r.body < key.first : r.mesh < key.second;
-    };
-    const auto at = std::lower_bound(regions.begin(), regions.end(), std::pair(body, mesh_index), before);
-    const bool holds = at != regions.end() && at->body == body && at->mesh == mesh_index && at->box.holds(box);
-    if (holds)
-      choose_triangles(mesh, box, triangles.subspan(at->first, at->count), found);
-    else
-      find_triangles(mesh, box, found);
-  }
+            TriangleList& found) const noexcept;
 };
 
 }  // namespace tactus::physics
