@@ -25,7 +25,7 @@ BoxGrid::BoxGrid(std::uint32_t max_bodies)
   mask_ = static_cast<std::uint32_t>(head_.size()) - 1;
 }
 
-void BoxGrid::insert(std::uint32_t body, const physics::Aabb<double>& box) noexcept {
+void BoxGrid::insert(std::uint32_t body, const physics::Aabb& box) noexcept {
   TACTUS_CHECK(body < entries_.size() && !entries_[body].inside, body, entries_.size());
   const std::uint32_t level = level_of(box);
   const Cell cell = cell_of(box.lower, level);
@@ -60,7 +60,7 @@ std::uint64_t BoxGrid::Cells::count() const noexcept {
   return face * std::min(side(low.z, high.z), std::uint64_t{1} << 21);
 }
 
-std::uint32_t BoxGrid::level_of(const physics::Aabb<double>& box) noexcept {
+std::uint32_t BoxGrid::level_of(const physics::Aabb& box) noexcept {
   const Vec3d e = box.upper - box.lower;
   const double size = std::max(e.x, std::max(e.y, e.z)) / kFill;
   if (!std::isfinite(size) || !is_finite(box.lower)) return kTop;
@@ -81,7 +81,7 @@ BoxGrid::Cell BoxGrid::cell_of(const Vec3d& corner, std::uint32_t level) noexcep
 }
 
 // A box that overlaps this one has its lower corner in the cells under this box or in those just before them.
-BoxGrid::Cells BoxGrid::cells_under(const physics::Aabb<double>& box, std::uint32_t level) noexcept {
+BoxGrid::Cells BoxGrid::cells_under(const physics::Aabb& box, std::uint32_t level) noexcept {
   if (level == kTop) return {{0, 0, 0}, {0, 0, 0}};
   const Cell low = cell_of(box.lower, level);
   return {{low.x - 1, low.y - 1, low.z - 1}, cell_of(box.upper, level)};

@@ -19,14 +19,14 @@ class BoxGrid {
  public:
   explicit BoxGrid(std::uint32_t max_bodies);
 
-  void insert(std::uint32_t body, const physics::Aabb<double>& box) noexcept;
+  void insert(std::uint32_t body, const physics::Aabb& box) noexcept;
   void remove(std::uint32_t body) noexcept;
   void clear() noexcept;  // linear in boxes + cells
   std::uint32_t size() const noexcept { return size_; }
 
   // Calls found(body) for each box that overlaps; it must not insert or remove.
   template <class F>
-  void find(const physics::Aabb<double>& box, F&& found) const noexcept {
+  void find(const physics::Aabb& box, F&& found) const noexcept {
     for (std::uint32_t level = 0; level < kLevels; ++level) {
       if (population_[level] == 0) continue;
       const Cells cells = cells_under(box, level);
@@ -52,21 +52,21 @@ class BoxGrid {
     std::uint64_t count() const noexcept;
   };
   struct Entry {
-    physics::Aabb<double> box;
+    physics::Aabb box;
     Cell cell{};
     std::uint32_t level{0}, bucket{0};
     std::uint32_t next{kNone}, before{kNone};  // in the bucket's list
     bool inside{false};
   };
 
-  static std::uint32_t level_of(const physics::Aabb<double>& box) noexcept;
+  static std::uint32_t level_of(const physics::Aabb& box) noexcept;
   static std::int64_t coordinate(double x_m, std::uint32_t level) noexcept;
   static Cell cell_of(const Vec3d& corner, std::uint32_t level) noexcept;
-  static Cells cells_under(const physics::Aabb<double>& box, std::uint32_t level) noexcept;
+  static Cells cells_under(const physics::Aabb& box, std::uint32_t level) noexcept;
   std::uint32_t bucket_of(const Cell& cell, std::uint32_t level) const noexcept;
 
   template <class F>
-  void scan(const Cells& cells, std::uint32_t level, const physics::Aabb<double>& box, F&& found) const noexcept {
+  void scan(const Cells& cells, std::uint32_t level, const physics::Aabb& box, F&& found) const noexcept {
     for (std::int64_t z = cells.low.z; z <= cells.high.z; ++z)
       for (std::int64_t y = cells.low.y; y <= cells.high.y; ++y)
         for (std::int64_t x = cells.low.x; x <= cells.high.x; ++x) {
@@ -80,7 +80,7 @@ class BoxGrid {
   }
   // Where the box covers more cells than there are bodies.
   template <class F>
-  void scan_all(std::uint32_t level, const physics::Aabb<double>& box, F&& found) const noexcept {
+  void scan_all(std::uint32_t level, const physics::Aabb& box, F&& found) const noexcept {
     for (std::uint32_t body = 0; body < entries_.size(); ++body) {
       const Entry& entry = entries_[body];
       if (entry.inside && entry.level == level && entry.box.overlaps(box)) found(body);

@@ -7,7 +7,7 @@
 namespace tactus::sim {
 namespace {
 
-double inverse_mass_at(const physics::Body<double>& body, const Vec3d& arm, const Vec3d& n) noexcept {
+double inverse_mass_at(const physics::Body& body, const Vec3d& arm, const Vec3d& n) noexcept {
   const Vec3d turned = rotate_inverse(body.motion.pose.rotation, cross(arm, n));
   return 1 / body.mass + turned.x * turned.x / body.inertia.x + turned.y * turned.y / body.inertia.y +
          turned.z * turned.z / body.inertia.z;
@@ -21,7 +21,7 @@ bool energy_can_be_booked(const Scene& scene) noexcept {
                       [](const auto& joint) { return joint.driven; });
 }
 
-double contact_springs_J(const physics::World<double>& world, double contact_hertz, double slop_m) noexcept {
+double contact_springs_J(const physics::World& world, double contact_hertz, double slop_m) noexcept {
   const double omega = 2 * std::numbers::pi * contact_hertz;
   const auto moved = [&world](std::uint32_t slot, const Vec3d& arm) {
     const Posed &start = world.last_poses()[slot], &now = world.bodies()[slot].motion.pose;

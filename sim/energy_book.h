@@ -52,6 +52,6 @@ bool energy_can_be_booked(const Scene& scene) noexcept;
 
 // Of the contacts that the last step found, where its bodies are now: k e^2 / 2 with k = m w^2 of each point and e
 // what it overlaps beyond the slop that contacts leave alone.
-double contact_springs_J(const physics::World<double>& world, double contact_hertz, double slop_m) noexcept;
+double contact_springs_J(const physics::World& world, double contact_hertz, double slop_m) noexcept;
 
 }  // namespace tactus::sim

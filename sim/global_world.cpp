@@ -39,7 +39,7 @@ constexpr std::uint32_t kTrianglesPerBody = 64;
 
 std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
   return static_cast<std::uint32_t>(
-      std::count_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body<double>& b) { return b.kind == kind; }));
+      std::count_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.kind == kind; }));
 }
 
 physics::Capacities capacities_for(const Scene& scene) noexcept {
@@ -53,8 +53,8 @@ physics::Capacities capacities_for(const Scene& scene) noexcept {
   return capacities;
 }
 
-physics::StepSettings<double> settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
-  physics::StepSettings<double> settings;
+physics::StepSettings settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
+  physics::StepSettings settings;
   settings.dt = options.reach.ratio * options.reach.tick_period_s;
   settings.sub_steps = scene.solver.global_sub_steps(options.reach.ratio);
   settings.contact_hertz = scene.solver.contact_hertz;
@@ -77,9 +77,9 @@ std::uint32_t touches_for(const Scene& scene) noexcept {
 }
 
 // The scene's moving and fixed bodies, all at once.
-physics::World<double> world_of(const Scene& scene, const GlobalOptions& options) {
-  physics::World<double> world(capacities_for(scene), scene.hulls, scene.meshes, global_effect_setups(scene),
-                               options.precision);
+physics::World world_of(const Scene& scene, const GlobalOptions& options) {
+  physics::World world(capacities_for(scene), scene.hulls, scene.meshes, global_effect_setups(scene),
+                       options.precision);
   for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
   world.index_fixed_bodies();
   return world;
@@ -90,7 +90,7 @@ Vec3d at_most(const Vec3d& v, double length) noexcept {
   return own > length ? v * (length / own) : v;
 }
 
-double energy_of(const Body<double>& body, const Vec3d& gravity) noexcept {
+double energy_of(const Body& body, const Vec3d& gravity) noexcept {
   return kinetic_energy(body) - body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
 }
 
@@ -159,7 +159,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
   statistics_.energy.complete = coupling_.border && devices_.size() == 1 && energy_can_be_booked(scene);
-  thinnest_m_ = physics::thinnest<double>(scene.bodies);
+  thinnest_m_ = physics::thinnest(scene.bodies);
   if (scene.sleeping.from_start) sleep_from_start();
   asleep_J_ = islands_.potential_energy(settings_.gravity);
   asleep_of_ = islands_.fell_asleep() + islands_.woke_up();
@@ -205,8 +205,7 @@ void GlobalWorld::share_work(WorkerPool& pool) {
   pair_cache_.share_work(pool.executor(), pool.threads());
 }
 
-void GlobalWorld::set_state(std::span<const Body<double>> bodies,
-                            std::span<const physics::WarmStart<double>> contacts) noexcept {
+void GlobalWorld::set_state(std::span<const Body> bodies, std::span<const physics::WarmStart> contacts) noexcept {
   for (const auto& body : bodies)
     if (const std::int32_t slot = world_.slot_of(body.id); slot >= 0)
       world_.bodies()[static_cast<std::uint32_t>(slot)].motion = body.motion;
@@ -332,7 +331,7 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
       ahead.pose = {ahead.pose.position + elapsed_s * ahead.velocity.linear,
                     quat_from_rotation_vector(elapsed_s * ahead.velocity.angular) * ahead.pose.rotation};
     const std::uint32_t slot = slot_of(devices_[d]);
-    physics::PoseSpring<double> spring;
+    physics::PoseSpring spring;
     haptics::aim_spring(options_.gains, ahead, slot, world_.bodies()[slot].motion.pose, spring);
     world_.device_spring(d) = spring;
   }
@@ -351,7 +350,7 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
       ++statistics_.rejected_states;
       continue;
     }
-    Body<double>& body = world_.bodies()[slot];
+    Body& body = world_.bodies()[slot];
     before += energy_of(body, settings_.gravity);
     body.motion = member.motion;
     after += energy_of(body, settings_.gravity);
@@ -360,7 +359,7 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
   device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
 }
 
-physics::StepReport<double> GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t passes) noexcept {
+physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t passes) noexcept {
   const auto settings = physics::settings_of_pass(settings_, passes);
   hold_proxy(pass * settings.dt);
   const auto bounds_settings = physics::settings_of_pass(bounds_settings_, passes);
@@ -413,7 +412,7 @@ std::uint32_t GlobalWorld::passes_of_step() noexcept {
 // An overlap that is no larger share of the thinnest body than what was seen is none of its own either.
 void GlobalWorld::look_at_overlaps(double deepest_m) noexcept {
   if (!(deepest_m > statistics_.overlap.share * thinnest_m_)) return;
-  const physics::Overlap<double> deepest = physics::deepest_overlap(world_);
+  const physics::Overlap deepest = physics::deepest_overlap(world_);
   if (deepest.share > statistics_.overlap.share) statistics_.overlap = deepest;
 }
 
@@ -431,7 +430,7 @@ void GlobalWorld::keep_energy_book(const SubWorldReport& report) noexcept {
 
 void GlobalWorld::advance() noexcept {
   const std::uint32_t passes = passes_of_step();
-  physics::StepReport<double> report;
+  physics::StepReport report;
   std::uint32_t comparisons = 0;
   for (Device& device : devices_) device.border_work_J = 0;
   for (std::uint32_t pass = 0; pass < passes; ++pass) {

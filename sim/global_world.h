@@ -68,7 +68,7 @@ struct GlobalStatistics {
   std::uint64_t handed_back_skipped{0};
   double stopped_energy_J{0};  // kinetic: of bodies that fell asleep
   double deepest_m{0};
-  physics::Overlap<double> overlap;  // of all contacts so far the one that is deepest for how thick its bodies are
+  physics::Overlap overlap;  // of all contacts so far the one that is deepest for how thick its bodies are
   EnergyBook energy;
   std::uint32_t broken_joints{0};  // by now
   std::uint32_t resets{0};         // how often the scene has begun anew
@@ -86,8 +86,7 @@ class GlobalWorld {
   void share_work(WorkerPool& pool);
 
   // [setup] Goes on from another world's state: the motion of moving bodies, and what their contacts hold.
-  void set_state(std::span<const physics::Body<double>> bodies,
-                 std::span<const physics::WarmStart<double>> contacts) noexcept;
+  void set_state(std::span<const physics::Body> bodies, std::span<const physics::WarmStart> contacts) noexcept;
 
   // G(0): members chosen where the bodies are, nothing stepped yet.
   void first_snapshot(haptics::WorldSnapshot& first, std::uint32_t device = 0) noexcept;
@@ -103,9 +102,9 @@ class GlobalWorld {
   std::uint32_t devices() const noexcept { return static_cast<std::uint32_t>(devices_.size()); }
   std::uint32_t epoch() const noexcept { return statistics_.resets; }
 
-  const physics::World<double>& world() const noexcept { return world_; }  // those awake
+  const physics::World& world() const noexcept { return world_; }  // those awake
   // All moving bodies by id, those asleep included; as they were after the last step.
-  std::span<const physics::Body<double>> bodies() const noexcept { return islands_.bodies(); }
+  std::span<const physics::Body> bodies() const noexcept { return islands_.bodies(); }
   bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
   const GlobalStatistics& statistics() const noexcept { return statistics_; }
@@ -145,7 +144,7 @@ class GlobalWorld {
   void sleep() noexcept;
   physics::FarRegion far_region() noexcept;
   std::uint32_t passes_of_step() noexcept;
-  physics::StepReport<double> take_pass(std::uint32_t pass, std::uint32_t passes) noexcept;
+  physics::StepReport take_pass(std::uint32_t pass, std::uint32_t passes) noexcept;
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
   void take_target(Device& device, const haptics::SubWorldReport& report) noexcept;
@@ -175,10 +174,10 @@ class GlobalWorld {
   WorkerPool* pool_{nullptr};  // null: nobody shares the work
   bool stepped_{false};        // since the scene began
   double pass_s_{0};           // of the last pass of the last step: what the contacts' impulses are of
-  physics::StepSettings<double> settings_, bounds_settings_;  // the latter: with the sub-steps of the far region
-  physics::World<double> world_;
-  physics::Hulls<double> hulls_;
-  physics::Meshes<double> meshes_;
+  physics::StepSettings settings_, bounds_settings_;  // the latter: with the sub-steps of the far region
+  physics::World world_;
+  physics::Hulls hulls_;
+  physics::Meshes meshes_;
   IslandManager islands_;
   PairCache pair_cache_;
   ContactGraph graph_;
@@ -187,15 +186,15 @@ class GlobalWorld {
   BufferChoice buffer_choice_;
   std::vector<Device> devices_;
   std::vector<Touch> touches_;
-  std::vector<physics::Aabb<double>> bounds_;
-  std::vector<std::uint8_t> free_;              // by place: member of no other device's sub-world
-  std::vector<std::uint8_t> held_;              // by place: member of a sub-world
-  std::vector<std::uint8_t> member_slots_;      // by slot: member of the sub-world in question
-  std::vector<Twistd> velocity_before_;         // by slot, of members: as the pass began
-  std::vector<physics::Aabb<double>> regions_;  // by device: where nothing falls asleep
-  double thinnest_m_{0};                        // of all bodies
-  double asleep_J_{0};                          // potential energy of those that sleep,
-  std::uint64_t asleep_of_{0};                  // as many having fallen asleep or woken up by then
+  std::vector<physics::Aabb> bounds_;
+  std::vector<std::uint8_t> free_;          // by place: member of no other device's sub-world
+  std::vector<std::uint8_t> held_;          // by place: member of a sub-world
+  std::vector<std::uint8_t> member_slots_;  // by slot: member of the sub-world in question
+  std::vector<Twistd> velocity_before_;     // by slot, of members: as the pass began
+  std::vector<physics::Aabb> regions_;      // by device: where nothing falls asleep
+  double thinnest_m_{0};                    // of all bodies
+  double asleep_J_{0};                      // potential energy of those that sleep,
+  std::uint64_t asleep_of_{0};              // as many having fallen asleep or woken up by then
   double time_s_{0};
   GlobalStatistics statistics_;
 };

@@ -30,7 +30,7 @@ void GlobalWorld::wake_near(const Device& device) noexcept {
 // What each device's sub-world has, and where it may get more.
 void GlobalWorld::mark_held() noexcept {
   std::fill(held_.begin(), held_.end(), std::uint8_t{0});
-  if (const auto* kinematics = world_.effects().find<physics::Kinematics<double>>())  // at rest it may move any time
+  if (const auto* kinematics = world_.effects().find<physics::Kinematics>())  // at rest it may move any time
     for (const auto& script : kinematics->scripts())
       if (const std::int32_t place = islands_.place_of(script.id); place >= 0)
         held_[static_cast<std::size_t>(place)] = 1;

@@ -36,7 +36,7 @@ void GlobalWorld::add_approaching() noexcept {
 }
 
 void GlobalWorld::add_joined() noexcept {
-  const auto* joints = world_.effects().find<physics::Joints<double>>();
+  const auto* joints = world_.effects().find<physics::Joints>();
   if (joints == nullptr) return;
   const auto place = islands_.awake();
   const auto bodies = std::as_const(world_).bodies();
@@ -53,7 +53,7 @@ void GlobalWorld::add_joined() noexcept {
 
 // Before the first step nothing has pressed yet: what is within the tolerance counts as touching.
 void GlobalWorld::find_touches_at_rest() noexcept {
-  const std::span<const Body<double>> bodies = world_.bodies();
+  const std::span<const Body> bodies = world_.bodies();
   const auto place = islands_.awake();
   for (std::size_t slot = 0; slot < bodies.size(); ++slot)
     bounds_[slot] = physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, options_.touch_tolerance_m);
@@ -165,8 +165,7 @@ void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) no
   for (const auto& contact : world_.contacts()) {
     const std::uint32_t a = place[contact.slot_a], b = contact.b_fixed ? a : place[contact.slot_b];
     const bool joins = e.is_member(a) && e.is_member(b) && (e.is_joiner(a) || e.is_joiner(b));
-    if (joins && !next.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s())))
-      ++next.dropped;
+    if (joins && !next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
   }
 }
 

@@ -32,7 +32,7 @@ IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uin
 
 std::int32_t IslandManager::place_of(BodyId id) const noexcept {
   const auto at =
-      std::lower_bound(bodies_.begin(), bodies_.end(), id, [](const Body<double>& b, BodyId i) { return b.id < i; });
+      std::lower_bound(bodies_.begin(), bodies_.end(), id, [](const Body& b, BodyId i) { return b.id < i; });
   return at != bodies_.end() && at->id == id ? static_cast<std::int32_t>(at - bodies_.begin()) : -1;
 }
 
@@ -49,7 +49,7 @@ bool IslandManager::mark(std::uint32_t place) noexcept {
 
 bool IslandManager::wake(std::uint32_t place, World& world) noexcept { return mark(place) && wake_marked(world); }
 
-bool IslandManager::wake_in(const Aabb<double>& box, World& world) noexcept {
+bool IslandManager::wake_in(const Aabb& box, World& world) noexcept {
   if (grid_.size() == 0) return false;
   grid_.find(box, [this](std::uint32_t place) noexcept { mark(place); });
   return wake_marked(world);
@@ -57,7 +57,7 @@ bool IslandManager::wake_in(const Aabb<double>& box, World& world) noexcept {
 
 bool IslandManager::wake_touched(World& world) noexcept {
   if (grid_.size() == 0) return false;
-  for (const Aabb<double>& box : world.bounds()) grid_.find(box, [this](std::uint32_t place) noexcept { mark(place); });
+  for (const Aabb& box : world.bounds()) grid_.find(box, [this](std::uint32_t place) noexcept { mark(place); });
   return wake_marked(world);
 }
 
@@ -93,14 +93,14 @@ bool IslandManager::wake_marked(World& world) noexcept {
 physics::Islands IslandManager::find_islands(World& world) noexcept {
   physics::Islands islands({parents_.data(), awake_.size()});
   for (const auto& pair : world.dynamic_pairs()) islands.link(pair.a, pair.b);
-  if (const auto* joints = world.effects().find<physics::Joints<double>>())
+  if (const auto* joints = world.effects().find<physics::Joints>())
     joints->for_each_link(std::as_const(world).bodies(),
                           [&islands](std::uint32_t a, std::uint32_t b, std::uint32_t) noexcept { islands.link(a, b); });
   return islands;
 }
 
-std::span<const std::uint8_t> IslandManager::find_far(std::span<const std::uint8_t> held,
-                                                      std::span<const Aabb<double>> regions, World& world) noexcept {
+std::span<const std::uint8_t> IslandManager::find_far(std::span<const std::uint8_t> held, std::span<const Aabb> regions,
+                                                      World& world) noexcept {
   const auto count = static_cast<std::uint32_t>(awake_.size());
   const auto bounds = world.bounds();
   physics::Islands islands = find_islands(world);
@@ -135,15 +135,15 @@ void IslandManager::count_resting_as_slow() noexcept {
 }
 
 // Its bounds as begin_step would have them: what wakes it in the next step would also keep it from falling asleep.
-Aabb<double> IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept {
-  const Body<double>& body = bodies_[place];
+Aabb IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept {
+  const Body& body = bodies_[place];
   const double fall = physics::fall_in_step(settings);
-  physics::Reach<double> reach;
+  physics::Reach reach;
   reach.fallen = std::abs(body.gravity_scale) * fall;
   return physics::bounds_of(body.shape, body.motion.pose, physics::growth_of(reach, fall, settings));
 }
 
-void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const Aabb<double>> regions,
+void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const Aabb> regions,
                              const Settings& settings, double sub_step_s, World& world) noexcept {
   const auto slow = [this](std::uint32_t place) noexcept { return slow_steps_[place] >= rule_.steps; };
   if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
@@ -158,7 +158,7 @@ void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const
       stays = 1;
       continue;
     }
-    const Aabb<double> box = bounds_at_rest(place, settings);
+    const Aabb box = bounds_at_rest(place, settings);
     stays = std::any_of(regions.begin(), regions.end(), [&](const auto& region) { return region.overlaps(box); });
   }
 
@@ -183,7 +183,7 @@ void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const
 
 void IslandManager::lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept {
   const std::uint32_t place = awake_[slot];
-  Body<double>& body = bodies_[place];
+  Body& body = bodies_[place];
   stopped_energy_J_ += kinetic_energy(body);
   body.motion.velocity = {};
   island_of_[place] = island;
@@ -196,7 +196,7 @@ void IslandManager::lay_down_body(std::uint32_t slot, std::uint32_t island, cons
   grid_.insert(place, bounds_at_rest(place, settings));
 }
 
-void IslandManager::park(const physics::Contact<double>& contact, std::uint32_t island, double sub_step_s) noexcept {
+void IslandManager::park(const physics::Contact& contact, std::uint32_t island, double sub_step_s) noexcept {
   std::uint32_t at = free_parked_;
   if (at != kNone) {
     free_parked_ = parked_[at].next;

@@ -25,14 +25,14 @@ struct SleepRule {
 
 class IslandManager {
  public:
-  using World = physics::World<double>;
-  using Settings = physics::StepSettings<double>;
+  using World = physics::World;
+  using Settings = physics::StepSettings;
 
   // All bodies of the world, all awake.
   IslandManager(const SleepRule& rule, const World& world, std::uint32_t max_contacts);
 
   // By place; those awake as they were at the last follow().
-  std::span<const physics::Body<double>> bodies() const noexcept { return bodies_; }
+  std::span<const physics::Body> bodies() const noexcept { return bodies_; }
   // By slot: its place. Ascending.
   std::span<const std::uint32_t> awake() const noexcept { return awake_; }
   std::uint32_t asleep() const noexcept { return grid_.size(); }
@@ -42,20 +42,20 @@ class IslandManager {
 
   // --- before a step: put islands back into the world. True: some came, and slots have moved.
   bool wake(std::uint32_t place, World& world) noexcept;
-  bool wake_in(const physics::Aabb<double>& box, World& world) noexcept;
+  bool wake_in(const physics::Aabb& box, World& world) noexcept;
   bool wake_touched(World& world) noexcept;  // what the bounds of the world's bodies overlap, after begin_step
 
   // By slot, 1: hangs together with nobody that is held (by place, 1) or within one of the regions. Needs the pairs of
   // the step that has begun. Valid until the next call of anything here.
-  std::span<const std::uint8_t> find_far(std::span<const std::uint8_t> held,
-                                         std::span<const physics::Aabb<double>> regions, World& world) noexcept;
+  std::span<const std::uint8_t> find_far(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions,
+                                         World& world) noexcept;
 
   // --- after a step
   void follow(const World& world) noexcept;  // takes over motions, and counts
   // Takes islands that have been slow for long enough out of the world, but for those with a body that is held (by
   // place, 1) or within one of the regions. `settings`: those of begin_step; `sub_step_s`: of the contacts' impulses.
-  void lay_down(std::span<const std::uint8_t> held, std::span<const physics::Aabb<double>> regions,
-                const Settings& settings, double sub_step_s, World& world) noexcept;
+  void lay_down(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions, const Settings& settings,
+                double sub_step_s, World& world) noexcept;
   // Before the first step: what does not move has been slow for long enough. Needs the world's pairs.
   void count_resting_as_slow() noexcept;
 
@@ -69,21 +69,21 @@ class IslandManager {
  private:
   static constexpr std::uint32_t kAwake = 0xffffffffu, kNone = 0xffffffffu;
   struct Parked {  // a contact of a sleeping island
-    physics::WarmStart<double> warm_start;
+    physics::WarmStart warm_start;
     std::uint32_t next{kNone};
   };
 
-  physics::Aabb<double> bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept;
+  physics::Aabb bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept;
   physics::Islands find_islands(World& world) noexcept;
   bool mark(std::uint32_t place) noexcept;
   bool wake_marked(World& world) noexcept;
   void lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept;
-  void park(const physics::Contact<double>& contact, std::uint32_t island, double sub_step_s) noexcept;
+  void park(const physics::Contact& contact, std::uint32_t island, double sub_step_s) noexcept;
 
   SleepRule rule_;
-  std::vector<physics::Body<double>> bodies_;  // by place
-  std::vector<std::uint32_t> awake_;           // by slot
-  std::vector<std::uint32_t> slow_steps_;      // by place
+  std::vector<physics::Body> bodies_;      // by place
+  std::vector<std::uint32_t> awake_;       // by slot
+  std::vector<std::uint32_t> slow_steps_;  // by place
 
   // An island's name is the lowest place in it: its list of bodies begins there.
   std::vector<std::uint32_t> island_of_;     // by place; kAwake
@@ -98,7 +98,7 @@ class IslandManager {
   std::vector<std::uint32_t> parents_;                 // what the islands of a step are kept in
   std::vector<std::uint8_t> stays_, apart_;            // by slot: of an island, by its lowest slot; scratch
   std::vector<std::uint32_t> marked_, woken_, merge_;  // islands to wake; places; scratch
-  std::vector<physics::Body<double>> returning_;
+  std::vector<physics::Body> returning_;
   double stopped_energy_J_{0};
   std::uint64_t fell_asleep_{0}, woke_up_{0};
 };

@@ -15,9 +15,7 @@ constexpr std::size_t kFewMoved = 8;
 // Where rooms were of no use, this many steps pass before there are new ones.
 constexpr std::uint32_t kPause = 8;
 
-template <class T>
-Aabb<double> room_for(const Aabb<T>& narrow) noexcept {
-  const Aabb<double> box = widened(narrow);
+Aabb room_for(const Aabb& box) noexcept {
   const Vec3d extent = box.upper - box.lower;
   const double more = kRoom * std::min(extent.x, std::min(extent.y, extent.z));
   const Vec3d grown{more, more, more};
@@ -43,15 +41,7 @@ void PairCache::share_work(const physics::Executor& executor, std::uint32_t part
   grid_.share_work(executor, parts, kept_.capacity());
 }
 
-bool PairCache::find(std::span<const Aabb<double>> bounds, BoundedVector<SlotPair>& pairs) noexcept {
-  return find_in(bounds, pairs);
-}
-bool PairCache::find(std::span<const Aabb<float>> bounds, BoundedVector<SlotPair>& pairs) noexcept {
-  return find_in(bounds, pairs);
-}
-
-template <class T>
-bool PairCache::find_in(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>& pairs) noexcept {
+bool PairCache::find(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pairs) noexcept {
   TACTUS_CHECK(bounds.size() <= room_.size(), bounds.size(), room_.size());
   holds_ = holds_ && bounds.size() == count_;
   if (holds_) {
@@ -75,31 +65,28 @@ bool PairCache::find_in(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>
   return true;
 }
 
-template <class T>
-void PairCache::note_moved(std::span<const Aabb<T>> bounds) noexcept {
+void PairCache::note_moved(std::span<const Aabb> bounds) noexcept {
   moved_.clear();
   for (std::uint32_t body = 0; body < bounds.size(); ++body) {
-    const bool moved = !room_[body].holds(widened(bounds[body]));
+    const bool moved = !room_[body].holds(bounds[body]);
     has_moved_[body] = moved ? 1 : 0;
     if (moved) moved_.push_back(body);
   }
 }
 
-template <class T>
-bool PairCache::rebuild(std::span<const Aabb<T>> bounds) noexcept {
+bool PairCache::rebuild(std::span<const Aabb> bounds) noexcept {
   count_ = static_cast<std::uint32_t>(bounds.size());
   for (std::uint32_t body = 0; body < count_; ++body) room_[body] = room_for(bounds[body]);
   kept_.clear();
   in_space_ = false;
   age_ = 0;
-  if (!grid_.find(std::span<const Aabb<double>>(room_).first(count_), kept_)) return false;
+  if (!grid_.find(std::span<const Aabb>(room_).first(count_), kept_)) return false;
   order_.sort(kept_, count_);
   ++work_.rebuilt;
   return true;
 }
 
-template <class T>
-bool PairCache::refresh(std::span<const Aabb<T>> bounds) noexcept {
+bool PairCache::refresh(std::span<const Aabb> bounds) noexcept {
   ++work_.kept;
   if (moved_.empty()) return true;
   work_.moved += moved_.size();

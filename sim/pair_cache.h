@@ -32,38 +32,30 @@ class PairCache {
   void share_work(const physics::Executor& executor, std::uint32_t parts);
 
   // Appends the pairs of overlapping boxes, each once. False: some did not fit.
-  [[nodiscard]] bool find(std::span<const physics::Aabb<double>> bounds,
-                          BoundedVector<physics::SlotPair>& pairs) noexcept;
-  [[nodiscard]] bool find(std::span<const physics::Aabb<float>> bounds,
-                          BoundedVector<physics::SlotPair>& pairs) noexcept;
+  [[nodiscard]] bool find(std::span<const physics::Aabb> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
 
   const Work& work() const noexcept { return work_; }
 
  private:
-  template <class T>
-  bool find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
-  template <class T>
-  void note_moved(std::span<const physics::Aabb<T>> bounds) noexcept;
-  template <class T>
-  bool rebuild(std::span<const physics::Aabb<T>> bounds) noexcept;
-  template <class T>
-  bool refresh(std::span<const physics::Aabb<T>> bounds) noexcept;
+  void note_moved(std::span<const physics::Aabb> bounds) noexcept;
+  bool rebuild(std::span<const physics::Aabb> bounds) noexcept;
+  bool refresh(std::span<const physics::Aabb> bounds) noexcept;
   bool find_pairs_of_moved() noexcept;
   bool merge_found() noexcept;
 
   PairGrid grid_;
   BoxGrid rooms_in_space_;
   physics::PairOrder order_;
-  std::vector<physics::Aabb<double>> room_;  // by slot
-  std::vector<std::uint8_t> has_moved_;      // by slot: among `moved_`
-  std::vector<std::uint32_t> moved_;         // slots, ascending
-  BoundedVector<physics::SlotPair> kept_;    // by key: all whose rooms overlap
-  BoundedVector<physics::SlotPair> found_;   // of those that moved
-  std::uint32_t count_{0};                   // of bodies that have room
-  bool holds_{false};                        // `kept_` and `room_` do
-  bool in_space_{false};                     // `rooms_in_space_` has them all
-  std::uint32_t age_{0};                     // steps since all rooms were new
-  std::uint32_t pause_{0};                   // steps for which nothing is kept
+  std::vector<physics::Aabb> room_;         // by slot
+  std::vector<std::uint8_t> has_moved_;     // by slot: among `moved_`
+  std::vector<std::uint32_t> moved_;        // slots, ascending
+  BoundedVector<physics::SlotPair> kept_;   // by key: all whose rooms overlap
+  BoundedVector<physics::SlotPair> found_;  // of those that moved
+  std::uint32_t count_{0};                  // of bodies that have room
+  bool holds_{false};                       // `kept_` and `room_` do
+  bool in_space_{false};                    // `rooms_in_space_` has them all
+  std::uint32_t age_{0};                    // steps since all rooms were new
+  std::uint32_t pause_{0};                  // steps for which nothing is kept
   Work work_;
 };
 

@@ -12,7 +12,7 @@ constexpr double kFill = 0.999;
 // Cells beyond are folded into the last: still right, since folding never moves two cells further apart.
 constexpr double kFarthestCell = 1099511627776.0;  // 2^40
 
-double largest_extent(const physics::Aabb<double>& box) noexcept {
+double largest_extent(const physics::Aabb& box) noexcept {
   const Vec3d e = box.upper - box.lower;
   return std::max(e.x, std::max(e.y, e.z));
 }
@@ -41,15 +41,7 @@ void PairGrid::share_work(const physics::Executor& executor, std::uint32_t parts
   for (Part& part : parts_) part.pairs = BoundedVector<physics::SlotPair>(max_pairs);
 }
 
-bool PairGrid::find(std::span<const physics::Aabb<double>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
-  return find_in(bounds, pairs);
-}
-bool PairGrid::find(std::span<const physics::Aabb<float>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
-  return find_in(bounds, pairs);
-}
-
-template <class T>
-bool PairGrid::find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
+bool PairGrid::find(std::span<const physics::Aabb> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept {
   TACTUS_CHECK(bounds.size() <= entries_.size(), bounds.size(), entries_.size());
   work_ = {};
   count_ = static_cast<std::uint32_t>(bounds.size());
@@ -100,14 +92,13 @@ bool PairGrid::find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept {
 
 // The base cell fits the largest of the commonest octave of sizes, wherever that begins, tightly: a world of equal
 // bodies, however they are turned, has one level and pays for little air.
-template <class T>
-void PairGrid::choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept {
+void PairGrid::choose_levels(std::span<const physics::Aabb> bounds) noexcept {
   // Counted by quarters of an octave: the power of two above the fourth power.
   constexpr int kQuarters = 512, kOctave = 4;
   std::array<std::uint32_t, kQuarters> histogram{};
   std::array<double, kQuarters> largest{};
   for (const auto& box : bounds) {
-    const double extent = largest_extent(widened(box)), square = extent * extent;
+    const double extent = largest_extent(box), square = extent * extent;
     const auto quarter =
         static_cast<std::uint32_t>(std::clamp(power_above(square * square) + kQuarters / 2, 0, kQuarters - 1));
     ++histogram[quarter];
@@ -126,13 +117,12 @@ void PairGrid::choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept 
     cells_per_m_[static_cast<std::size_t>(level)] = std::ldexp(1.0 / base_cell_m_, kBaseLevel - level);
 }
 
-template <class T>
-void PairGrid::fill_table(std::span<const physics::Aabb<T>> bounds) noexcept {
+void PairGrid::fill_table(std::span<const physics::Aabb> bounds) noexcept {
   std::fill(start_.begin(), start_.end(), 0u);
   population_.fill(0);
   coarsest_ = 0;
   for (std::uint32_t body = 0; body < count_; ++body) {
-    const auto box = widened(bounds[body]);
+    const auto box = bounds[body];
     const auto level = static_cast<std::uint32_t>(level_of(box));
     level_[body] = level;
     bucket_[body] = bucket_of(cell_of(box.lower, level), level);
@@ -145,14 +135,14 @@ void PairGrid::fill_table(std::span<const physics::Aabb<T>> bounds) noexcept {
   // ends' table shifted by one.
   for (std::uint32_t body = count_; body-- > 0;) {
     Entry& entry = entries_[--start_[bucket_[body] + 1]];
-    const auto box = widened(bounds[body]);
+    const auto box = bounds[body];
     entry = {box, cell_of(box.lower, level_[body]), body, level_[body]};
   }
   for (std::size_t b = 0; b + 1 < start_.size(); ++b) start_[b] = start_[b + 1];
   start_.back() = count_;
 }
 
-int PairGrid::level_of(const physics::Aabb<double>& box) const noexcept {
+int PairGrid::level_of(const physics::Aabb& box) const noexcept {
   if (!is_finite(box.lower) || !is_finite(box.upper)) return kTopLevel;
   return std::clamp(kBaseLevel + power_above(largest_extent(box) / (kFill * base_cell_m_)), 0, kTopLevel);
 }

@@ -19,15 +19,6 @@
 
 namespace tactus::sim {
 
-// Exact: broad phases compute in double, whatever the world's precision.
-template <class T>
-physics::Aabb<double> widened(const physics::Aabb<T>& box) noexcept {
-  const auto wide = [](const Vec3<T>& v) {
-    return Vec3d{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-  };
-  return {wide(box.lower), wide(box.upper)};
-}
-
 class PairGrid {
  public:
   // What the last find did: counts, which grow the same on every machine.
@@ -41,10 +32,7 @@ class PairGrid {
   void share_work(const physics::Executor& executor, std::uint32_t parts, std::uint32_t max_pairs);
 
   // Appends the pairs of overlapping boxes, each once, a and b in no particular order. False: some did not fit.
-  [[nodiscard]] bool find(std::span<const physics::Aabb<double>> bounds,
-                          BoundedVector<physics::SlotPair>& pairs) noexcept;
-  [[nodiscard]] bool find(std::span<const physics::Aabb<float>> bounds,
-                          BoundedVector<physics::SlotPair>& pairs) noexcept;
+  [[nodiscard]] bool find(std::span<const physics::Aabb> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
 
   const Work& work() const noexcept { return work_; }
 
@@ -57,7 +45,7 @@ class PairGrid {
     std::int64_t x, y, z;
   };
   struct Entry {  // a box in the order of its bucket
-    physics::Aabb<double> box;
+    physics::Aabb box;
     Cell cell;
     std::uint32_t body, level;
   };
@@ -71,15 +59,11 @@ class PairGrid {
     bool all{true};  // none was left out
   };
 
-  template <class T>
-  bool find_in(std::span<const physics::Aabb<T>> bounds, BoundedVector<physics::SlotPair>& pairs) noexcept;
-  template <class T>
-  void choose_levels(std::span<const physics::Aabb<T>> bounds) noexcept;
-  template <class T>
-  void fill_table(std::span<const physics::Aabb<T>> bounds) noexcept;
+  void choose_levels(std::span<const physics::Aabb> bounds) noexcept;
+  void fill_table(std::span<const physics::Aabb> bounds) noexcept;
   bool find_from(std::uint32_t begin, std::uint32_t end, Found& found) const noexcept;
   bool find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept;
-  int level_of(const physics::Aabb<double>& box) const noexcept;
+  int level_of(const physics::Aabb& box) const noexcept;
   std::int64_t coordinate(double x_m, std::uint32_t level) const noexcept;
   Cell cell_of(const Vec3d& corner, std::uint32_t level) const noexcept;
   std::uint32_t bucket_of(const Cell& cell, std::uint32_t level) const noexcept;

@@ -21,7 +21,7 @@ class Random {
   }
   double uniform() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }  // in [0, 1)
   double symmetric() noexcept { return 2 * uniform() - 1; }                          // in [-1, 1)
-  Vec3<double> vector(double most) noexcept {                                        // each component in [-most, most)
+  Vec3d vector(double most) noexcept {                                               // each component in [-most, most)
     const double x = symmetric(), y = symmetric(), z = symmetric();
     return {most * x, most * y, most * z};
   }

@@ -40,6 +40,7 @@ struct Wrench {
 
 using Vec3d = Vec3<double>;
 using Quatd = Quat<double>;
+using SymMat3d = SymMat3<double>;
 using Posed = Pose<double>;
 using Twistd = Twist<double>;
 using Wrenchd = Wrench<double>;

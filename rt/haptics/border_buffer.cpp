@@ -13,13 +13,13 @@ constexpr double kHolds = 0.95;
 
 // The body's point at which it and the proxy hold on to each other by friction; null: they do not.
 struct Hold {
-  const physics::Contact<double>* contact{nullptr};
+  const physics::Contact* contact{nullptr};
   Vec3d point;  // m, world
 };
 
-Hold hold_between(const physics::World<double>& world, BodyId proxy, std::uint32_t slot) noexcept {
+Hold hold_between(const physics::World& world, BodyId proxy, std::uint32_t slot) noexcept {
   const auto& body = world.bodies()[slot];
-  const auto* contact = physics::find_contact<double>(world.contacts(), proxy, body.id);
+  const auto* contact = physics::find_contact(world.contacts(), proxy, body.id);
   if (contact == nullptr) return {};
   Vec3d friction, arm;
   double pressed = 0;
@@ -34,8 +34,7 @@ Hold hold_between(const physics::World<double>& world, BodyId proxy, std::uint32
 
 }  // namespace
 
-BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId proxy,
-                                          physics::World<double>& world) noexcept {
+BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId proxy, physics::World& world) noexcept {
   Adopted adopted;
   double held = 0;
   for (const MemberMotion& renewed : snapshot.renewed) {
@@ -64,7 +63,7 @@ void BorderBuffer::save(ByteWriter& out) const noexcept {
   out.put_all(bodies_.span());
 }
 
-bool BorderBuffer::restore(ByteReader& in, const physics::World<double>& world) noexcept {
+bool BorderBuffer::restore(ByteReader& in, const physics::World& world) noexcept {
   clear();
   std::uint32_t count = 0;
   in.get(count);

@@ -46,10 +46,10 @@ class BorderBuffer {
   };
   // At a synchronisation, after the members have changed: those that were in the buffer get the global world's state,
   // and the snapshot says who is in it now. The proxy stays where it is: the caller carries it.
-  Adopted adopt(const WorldSnapshot& snapshot, BodyId proxy, physics::World<double>& world) noexcept;
+  Adopted adopt(const WorldSnapshot& snapshot, BodyId proxy, physics::World& world) noexcept;
 
   void save(ByteWriter& out) const noexcept;
-  [[nodiscard]] bool restore(ByteReader& in, const physics::World<double>& world) noexcept;
+  [[nodiscard]] bool restore(ByteReader& in, const physics::World& world) noexcept;
   static constexpr std::size_t kMostBytes = sizeof(std::uint32_t) + kMaxMembers * sizeof(BodyId);
 
  private:

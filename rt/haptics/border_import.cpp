@@ -10,9 +10,9 @@ using physics::BorderGhost;
 constexpr std::uint32_t kSearchWindow = 32;
 
 // A ghost for each outside body, moving as the global step left it.
-void renew_ghosts(const WorldSnapshot& snapshot, BoundedVector<BorderGhost<double>>& ghosts) noexcept {
+void renew_ghosts(const WorldSnapshot& snapshot, BoundedVector<BorderGhost>& ghosts) noexcept {
   for (const OutsideBody& body : snapshot.outside) {
-    BorderGhost<double> ghost;
+    BorderGhost ghost;
     ghost.outside = body.id;
     ghost.centre = body.centre;
     ghost.velocity = body.velocity;
@@ -22,8 +22,8 @@ void renew_ghosts(const WorldSnapshot& snapshot, BoundedVector<BorderGhost<doubl
   }
 }
 
-BorderContact<double> contact_at(const BorderPoint& point, const Posed& member) noexcept {
-  BorderContact<double> contact;
+BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept {
+  BorderContact contact;
   contact.member = point.member, contact.outside = point.outside, contact.feature = point.feature;
   contact.normal = point.normal;
   contact.member_anchor = point.member_anchor;
@@ -37,12 +37,11 @@ BorderContact<double> contact_at(const BorderPoint& point, const Posed& member) 
 }
 
 // Both lists are in the global world's order, so the predecessor is near `hint`, where the last one was found.
-void warm_start(std::span<const BorderContact<double>> former, std::uint32_t& hint,
-                BorderContact<double>& contact) noexcept {
+void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, BorderContact& contact) noexcept {
   const auto count = static_cast<std::uint32_t>(former.size());
   for (std::uint32_t i = 0; i < std::min(kSearchWindow, count); ++i) {
     const std::uint32_t at = (hint + i) % count;
-    const BorderContact<double>& old = former[at];
+    const BorderContact& old = former[at];
     if (old.member != contact.member || old.outside != contact.outside || old.feature != contact.feature) continue;
     contact.normal_impulse = old.normal_impulse;
     contact.tangent_impulse[0] = old.tangent_impulse[0];
@@ -55,7 +54,7 @@ void warm_start(std::span<const BorderContact<double>> former, std::uint32_t& hi
 }  // namespace
 
 void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits,
-                         physics::World<double>& world) noexcept {
+                         physics::World& world) noexcept {
   auto& contacts = world.border_contacts();
   auto& ghosts = world.border_ghosts();
   replaced_.swap(contacts);
@@ -65,7 +64,7 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
   for (const BorderPoint& point : snapshot.border) {
     const std::int32_t slot = world.slot_of(point.member);
     if (slot < 0) continue;
-    BorderContact<double> contact = contact_at(point, world.bodies()[static_cast<std::uint32_t>(slot)].motion.pose);
+    BorderContact contact = contact_at(point, world.bodies()[static_cast<std::uint32_t>(slot)].motion.pose);
     warm_start(replaced_.span(), hint, contact);
     if (traits.ghosts) contact.ghost = physics::find_ghost(ghosts.span(), point.outside);
     // The world counts what does not fit, and the next step reports it.
@@ -73,12 +72,12 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
   }
 }
 
-void BorderImport::slow_down(const WorldLateness& late, physics::World<double>& world) const noexcept {
+void BorderImport::slow_down(const WorldLateness& late, physics::World& world) const noexcept {
   auto& contacts = world.border_contacts();
   for (std::uint32_t i = 0; i < contacts.size(); ++i)
     contacts[i].outside_velocity = late.surface_share * outside_velocity_[i];
   if (late.ticks == 0) return;
-  for (BorderGhost<double>& ghost : world.border_ghosts()) {
+  for (BorderGhost& ghost : world.border_ghosts()) {
     ghost.velocity = {late.ghost_share * ghost.velocity.linear, late.ghost_share * ghost.velocity.angular};
     ghost.drive = {late.ghost_share * ghost.drive.linear, late.ghost_share * ghost.drive.angular};
   }
@@ -89,7 +88,7 @@ void BorderImport::save(ByteWriter& out) const noexcept {
   out.put_all(outside_velocity_.span());
 }
 
-bool BorderImport::restore(ByteReader& in, const physics::World<double>& world) noexcept {
+bool BorderImport::restore(ByteReader& in, const physics::World& world) noexcept {
   std::uint32_t count = 0;
   in.get(count);
   if (!in.ok() || count != world.border_contacts().size()) return false;

@@ -18,20 +18,19 @@ class BorderImport {
       : outside_velocity_(border_contacts), replaced_(border_contacts) {}
 
   // At a synchronisation, after the members have changed.
-  void renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits,
-             physics::World<double>& world) noexcept;
+  void renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits, physics::World& world) noexcept;
   // Once a tick.
-  void slow_down(const WorldLateness& late, physics::World<double>& world) const noexcept;
+  void slow_down(const WorldLateness& late, physics::World& world) const noexcept;
 
   void save(ByteWriter& out) const noexcept;
-  [[nodiscard]] bool restore(ByteReader& in, const physics::World<double>& world) noexcept;
+  [[nodiscard]] bool restore(ByteReader& in, const physics::World& world) noexcept;
   std::size_t save_size_bound() const noexcept {
     return sizeof(std::uint32_t) + outside_velocity_.capacity() * sizeof(Vec3d);
   }
 
  private:
-  BoundedVector<Vec3d> outside_velocity_;                   // per border contact, as adopted
-  BoundedVector<physics::BorderContact<double>> replaced_;  // scratch of renew
+  BoundedVector<Vec3d> outside_velocity_;           // per border contact, as adopted
+  BoundedVector<physics::BorderContact> replaced_;  // scratch of renew
 };
 
 }  // namespace tactus::haptics

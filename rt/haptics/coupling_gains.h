@@ -30,7 +30,7 @@ struct CouplingGains {
 
 // On a proxy of this motion that no world solves the spring for.
 inline Wrenchd coupling_wrench(const CouplingGains& gains, const DeviceTarget& device,
-                               const physics::BodyMotion<double>& proxy) noexcept {
+                               const physics::BodyMotion& proxy) noexcept {
   const Vec3d stretch = device.pose.position - proxy.pose.position;
   const Vec3d twist = small_rotation_vector(device.pose.rotation * conjugate(proxy.pose.rotation));
   return {gains.stiffness_N_per_m * stretch + gains.damping_Ns_per_m * (device.velocity.linear - proxy.velocity.linear),
@@ -41,7 +41,7 @@ inline Wrenchd coupling_wrench(const CouplingGains& gains, const DeviceTarget& d
 // The spring that a world solves: from the body in `slot` to the device, or, where that is not engaged, a damper that
 // brings the body to rest where it is.
 inline void aim_spring(const CouplingGains& gains, const DeviceTarget& device, std::uint32_t slot, const Posed& body,
-                       physics::PoseSpring<double>& spring) noexcept {
+                       physics::PoseSpring& spring) noexcept {
   spring.enabled = true;
   spring.slot = slot;
   spring.stiffness_N_per_m = device.engaged ? gains.stiffness_N_per_m : 0.0;

@@ -2,7 +2,7 @@
 
 namespace tactus::haptics {
 
-void PlaneCoupling::adopt(std::span<const physics::BorderContact<double>> contacts) noexcept {
+void PlaneCoupling::adopt(std::span<const physics::BorderContact> contacts) noexcept {
   before_ = now_;
   now_.planes.clear();
   now_.held = held_;

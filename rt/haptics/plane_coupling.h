@@ -37,7 +37,7 @@ class PlaneCoupling {
   };
 
   // At a synchronisation: the proxy's contacts as the snapshot has them.
-  void adopt(std::span<const physics::BorderContact<double>> contacts) noexcept;
+  void adopt(std::span<const physics::BorderContact> contacts) noexcept;
   // Before the first of them, and of a new epoch: nothing came before, and friction holds the proxy where it is (m).
   void start(const Vec3d& proxy) noexcept;
   // Once a tick, while the device holds the proxy: where it is. The spring and damper between it and the device are

@@ -16,8 +16,8 @@ Quatd between(const Quatd& a, const Quatd& b, double share) noexcept {
 
 }  // namespace
 
-physics::BodyMotion<double> ProxyInterpolation::in_tick(std::uint32_t tick, std::uint32_t ratio,
-                                                        double period_s) const noexcept {
+physics::BodyMotion ProxyInterpolation::in_tick(std::uint32_t tick, std::uint32_t ratio,
+                                                double period_s) const noexcept {
   const Posed &from = global_proxy[0].pose, &to = global_proxy[1].pose;
   const bool late = tick >= ratio;
   const double share = late ? 1.0 : static_cast<double>(tick + 1) / ratio;

@@ -17,15 +17,15 @@ namespace tactus::haptics {
 
 // Copied to the tape byte by byte: no padding.
 struct ProxyInterpolation {
-  physics::BodyMotion<double> global_proxy[2];  // in G(n-1), in G(n)
+  physics::BodyMotion global_proxy[2];  // in G(n-1), in G(n)
 
   // At a synchronisation: `proxy` is that of G(n). With `first` nothing came before it.
-  void adopt(const physics::BodyMotion<double>& proxy, bool first) noexcept {
+  void adopt(const physics::BodyMotion& proxy, bool first) noexcept {
     global_proxy[0] = first ? proxy : global_proxy[1];
     global_proxy[1] = proxy;
   }
   // In tick `tick` of the cycle, 0 first: the proxy that the device feels. After the cycle it waits at its end.
-  physics::BodyMotion<double> in_tick(std::uint32_t tick, std::uint32_t ratio, double period_s) const noexcept;
+  physics::BodyMotion in_tick(std::uint32_t tick, std::uint32_t ratio, double period_s) const noexcept;
 };
 
 static_assert(std::is_trivially_copyable_v<ProxyInterpolation>);

@@ -44,16 +44,16 @@ struct BorderPoint {
 struct OutsideBody {
   BodyId id{kNoBody};
   std::uint32_t padding{0};
-  Vec3d centre;                            // m, world
-  Twistd velocity;                         // of the centre, at the end of the step
-  Twistd drive;                            // m/s^2, rad/s^2: of the centre, by all that acts on it but the members
-  physics::Admittance<double> admittance;  // of the centre, with all that moves with it
+  Vec3d centre;                    // m, world
+  Twistd velocity;                 // of the centre, at the end of the step
+  Twistd drive;                    // m/s^2, rad/s^2: of the centre, by all that acts on it but the members
+  physics::Admittance admittance;  // of the centre, with all that moves with it
 };
 
 struct MemberMotion {
   BodyId id{kNoBody};
   std::uint32_t in_buffer{0};  // of a report, 1: the global world keeps its own state of it
-  physics::BodyMotion<double> motion;
+  physics::BodyMotion motion;
 };
 
 struct WorldSnapshot {
@@ -64,17 +64,17 @@ struct WorldSnapshot {
   std::uint32_t epoch{0};                    // how often the scene has begun anew: with a new one, all comes anew
   double border_work_J{0};                   // of outside bodies on members in the global step, with sign; with ghosts
   FixedVector<BodyId, kMaxMembers> members;  // of cycle n, ascending; the proxy always
-  FixedVector<physics::Body<double>, kMaxMembers> joiners;              // members that were none in cycle n - 1
-  FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
+  FixedVector<physics::Body, kMaxMembers> joiners;              // members that were none in cycle n - 1
+  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
   FixedVector<BodyId, kMaxMembers> buffer;         // members of cycle n that touch outside bodies, ascending
   FixedVector<MemberMotion, kMaxMembers> renewed;  // members in the buffer of cycle n - 1, as the global step left them
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; with ghosts
-  physics::BodyMotion<double> proxy;                    // the proxy in the global world (interpolation coupling)
+  physics::BodyMotion proxy;                            // the proxy in the global world (interpolation coupling)
   // The triangles of meshes near members, by index: the meshes themselves are both worlds' from the start.
-  FixedVector<physics::NearRegion<double>, kMaxNearRegions> near_regions;  // by member, then by mesh
-  FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;            // of the regions, one after the other
-  EffectBytes effects;                                                     // of the members
+  FixedVector<physics::NearRegion, kMaxNearRegions> near_regions;  // by member, then by mesh
+  FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;    // of the regions, one after the other
+  EffectBytes effects;                                             // of the members
 };
 
 // Where the device wants the proxy to be. Not engaged: the proxy is not held and comes to rest where it is.
@@ -104,11 +104,11 @@ struct SubWorldReport {
   Posed proxy_start;                               // with the proxy there, at rest; world
   FixedVector<MemberMotion, kMaxMembers> members;  // of the cycle that ended, those that just left included
   FixedVector<BorderReturn, kMaxBorderPoints> border;
-  FixedVector<physics::WarmStart<double>, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left
-  Wrenchd mean_device_wrench;  // N, N m, on the proxy, over the cycle that ended
-  DeviceTarget device;         // at t_n; interpolation: with its mean velocity over the cycle that ended
-  EffectBytes effects;         // of the members of the cycle that ended
-  double proxy_work_J{0};      // done on the proxy by the coupling, since the start
+  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left
+  Wrenchd mean_device_wrench;                                   // N, N m, on the proxy, over the cycle that ended
+  DeviceTarget device;     // at t_n; interpolation: with its mean velocity over the cycle that ended
+  EffectBytes effects;     // of the members of the cycle that ended
+  double proxy_work_J{0};  // done on the proxy by the coupling, since the start
 };
 
 static_assert(std::is_trivially_copyable_v<WorldSnapshot> && std::is_trivially_copyable_v<SubWorldReport>);

@@ -22,19 +22,19 @@ bool read_list(ByteReader& in, FixedVector<T, kCapacity>& list) noexcept {
   return in.ok();
 }
 
-bool is_shape_that_moves(const physics::Shape<double>& shape, std::size_t hulls) noexcept {
+bool is_shape_that_moves(const physics::Shape& shape, std::size_t hulls) noexcept {
   return shape.kind < physics::ShapeKind::kPlane || (shape.kind == physics::ShapeKind::kHull && shape.index < hulls);
 }
 
-bool is_body(const physics::Body<double>& b, std::size_t hulls) noexcept {
+bool is_body(const physics::Body& b, std::size_t hulls) noexcept {
   return b.id < physics::kFirstPatchId && b.kind == physics::BodyKind::kDynamic &&
          is_shape_that_moves(b.shape, hulls) && is_finite(b.motion.pose) && is_finite(b.motion.velocity) &&
          std::isfinite(b.mass) && b.mass > 0 && is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 &&
          b.inertia.z > 0;
 }
 
-bool are_near_triangles(const WorldSnapshot& s, physics::Meshes<double> meshes) noexcept {
-  const physics::NearRegion<double>* last = nullptr;
+bool are_near_triangles(const WorldSnapshot& s, physics::Meshes meshes) noexcept {
+  const physics::NearRegion* last = nullptr;
   for (const auto& region : s.near_regions) {
     if (region.mesh >= meshes.size() || region.count > s.near_triangles.size() ||
         region.first > s.near_triangles.size() - region.count)
@@ -51,7 +51,7 @@ bool are_near_triangles(const WorldSnapshot& s, physics::Meshes<double> meshes) 
 }
 
 // What the sub-world takes for granted of a snapshot: bytes from a damaged tape must not reach its checks.
-bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes<double> meshes) noexcept {
+bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes) noexcept {
   for (std::uint32_t i = 1; i < s.members.size(); ++i)
     if (s.members[i - 1] >= s.members[i]) return false;
   for (const auto& joiner : s.joiners)
@@ -89,7 +89,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   write_list(out, s.effects);
 }
 
-bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics::Meshes<double> meshes) noexcept {
+bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes) noexcept {
   in.get(s.cycle);
   in.get(s.global_time_s);
   in.get(s.dropped);
@@ -103,15 +103,14 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
          is_sound(s, hulls, meshes);
 }
 
-bool write_effects(const physics::World<double>& world, std::span<const std::uint8_t> inside,
-                   EffectBytes& out) noexcept {
+bool write_effects(const physics::World& world, std::span<const std::uint8_t> inside, EffectBytes& out) noexcept {
   ByteWriter bytes(std::span<std::byte>(out.items));
   world.effects().hand_over(bytes, world.bodies(), inside);
   out.count = bytes.ok() ? static_cast<std::uint32_t>(bytes.size()) : 0;
   return bytes.ok();
 }
 
-void read_effects(const EffectBytes& in, bool known_too, physics::World<double>& world) noexcept {
+void read_effects(const EffectBytes& in, bool known_too, physics::World& world) noexcept {
   if (in.empty()) return;
   ByteReader bytes(in.span());
   (void)world.effects().take_over(bytes, std::as_const(world).bodies(), known_too);

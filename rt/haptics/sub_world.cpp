@@ -8,7 +8,7 @@
 
 namespace tactus::haptics {
 
-SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies)
+SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body> fixed_bodies)
     : config_(config),
       coupling_(traits_of(config.scheme)),
       border_(traits_of(config.border_mode)),
@@ -23,7 +23,7 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body<d
   state_.tank.start(border_.budget_at_start_J);
 }
 
-void SubWorld::set_members(std::span<const physics::Body<double>> bodies) noexcept {
+void SubWorld::set_members(std::span<const physics::Body> bodies) noexcept {
   for (const auto& body : bodies) {
     if (body.kind != physics::BodyKind::kDynamic) continue;
     TACTUS_CHECK(world_.insert(body), body.id, bodies.size());
@@ -164,7 +164,7 @@ WorldLateness SubWorld::apply_lateness() noexcept {
 
 void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
                             SubWorldStep& result) noexcept {
-  physics::StepSettings<double> settings = config_.step;
+  physics::StepSettings settings = config_.step;
   settings.sub_steps = sub_steps;
   auto& spring = world_.device_spring();
   const std::int32_t slot = world_.slot_of(config_.proxy);
@@ -193,8 +193,8 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
 }
 
 // With the border's energy booked.
-physics::StepReport<double> SubWorld::step_world(const physics::StepSettings<double>& settings,
-                                                 const physics::CutPredicate& cut, SubWorldStep& result) noexcept {
+physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,
+                                         SubWorldStep& result) noexcept {
   const bool has_budget = coupling_.border && traits_of(world_.border_mode).has_budget;
   const double before_J = border_work_J();
   if (has_budget) world_.border_budget_J = state_.tank.budget_J(tank_credit_J());
@@ -276,7 +276,7 @@ double SubWorld::border_work_J() const noexcept {
 std::uint64_t SubWorld::state_hash() const noexcept {
   Fnv1a hash;
   hash.add(world_.state_hash());
-  hash.add_bytes(std::as_bytes(std::span<const physics::BodyMotion<double>, 1>(&proxy_, 1)));
+  hash.add_bytes(std::as_bytes(std::span<const physics::BodyMotion, 1>(&proxy_, 1)));
   return hash.value();
 }
 

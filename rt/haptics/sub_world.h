@@ -26,27 +26,27 @@ struct SubWorldConfig {
   physics::BorderMode border_mode{physics::BorderMode::kCapped};
   std::uint32_t ratio{10};  // ticks per cycle
   BodyId proxy{0};
-  physics::StepSettings<double> step;  // dt is the tick; sub_steps is what the governor may lower
-  CouplingGains gains;                 // world units
+  physics::StepSettings step;  // dt is the tick; sub_steps is what the governor may lower
+  CouplingGains gains;         // world units
   physics::Capacities capacities;
-  physics::Hulls<double> hulls;           // of the bodies' shapes; they must outlive the sub-world
-  physics::Meshes<double> meshes;         // same
-  physics::EffectSetups<double> effects;  // same, what they look into
+  physics::Hulls hulls;           // of the bodies' shapes; they must outlive the sub-world
+  physics::Meshes meshes;         // same
+  physics::EffectSetups effects;  // same, what they look into
 };
 
 struct SubWorldStep {
   Wrenchd on_device;  // N, N m, world: the mean over the tick of what the coupling does to the device
-  physics::StepReport<double> report;
+  physics::StepReport report;
   std::uint32_t status{0};  // StatusBit: world late, border frozen, world fade, proxy contact, capacity, cut
   double force_scale{1};    // below 1 while the world is lost: the output path applies it
 };
 
 class SubWorld {
  public:
-  SubWorld(const SubWorldConfig& config, std::span<const physics::Body<double>> fixed_bodies);
+  SubWorld(const SubWorldConfig& config, std::span<const physics::Body> fixed_bodies);
 
   // [setup] The members before the first tick, without a snapshot (direct coupling: every dynamic body).
-  void set_members(std::span<const physics::Body<double>> bodies) noexcept;
+  void set_members(std::span<const physics::Body> bodies) noexcept;
 
   // A synchronisation: fills H(n) with what was, then takes over G(n).
   void synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept;
@@ -60,7 +60,7 @@ class SubWorld {
   // One tick. `sub_steps` as the governor chose.
   SubWorldStep step(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut) noexcept;
 
-  const physics::BodyMotion<double>& proxy() const noexcept { return proxy_; }
+  const physics::BodyMotion& proxy() const noexcept { return proxy_; }
   std::uint32_t members() const noexcept { return static_cast<std::uint32_t>(world_.bodies().size()); }
   std::uint32_t border_contacts() const noexcept { return world_.border_contacts().size(); }
   std::uint32_t buffer_bodies() const noexcept { return buffer_.size(); }
@@ -72,7 +72,7 @@ class SubWorld {
   double buffer_gain_J() const noexcept { return state_.buffer_gain_J; }
   double border_tank_J() const noexcept { return state_.tank.stored_J; }  // what the border may still put in
   double border_owed_J() const noexcept { return state_.tank.owed_J; }    // what it put in beyond that
-  const physics::World<double>& world() const noexcept { return world_; }
+  const physics::World& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;
 
@@ -113,8 +113,8 @@ class SubWorld {
   double tank_credit_J() const noexcept;
   void step_members(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
                     SubWorldStep& result) noexcept;
-  physics::StepReport<double> step_world(const physics::StepSettings<double>& settings,
-                                         const physics::CutPredicate& cut, SubWorldStep& result) noexcept;
+  physics::StepReport step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,
+                                 SubWorldStep& result) noexcept;
   void step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept;
   void step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept;
   void feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept;
@@ -124,11 +124,11 @@ class SubWorld {
   SubWorldConfig config_;
   CouplingTraits coupling_;
   physics::BorderTraits border_;
-  physics::World<double> world_;
+  physics::World world_;
   // As adopted; none without meshes. They never show in a result (near_triangles.h), so they are no part of the state.
-  BoundedVector<physics::NearRegion<double>> near_regions_;
+  BoundedVector<physics::NearRegion> near_regions_;
   BoundedVector<std::uint32_t> near_triangles_;
-  physics::BodyMotion<double> proxy_;
+  physics::BodyMotion proxy_;
   BorderImport border_import_;
   BorderBuffer buffer_;   // empty but with the ghost border
   PlaneCoupling planes_;  // empty but with the couplings that feel planes

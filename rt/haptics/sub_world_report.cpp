@@ -45,7 +45,7 @@ void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& rep
     const bool low_stays = stays(contact.key.low());
     const bool high_stays = stays(contact.key.high());
     const bool one_leaves = contact.b_fixed ? !stays(world_.bodies()[contact.slot_a].id) : !(low_stays && high_stays);
-    if (one_leaves && !report.warm_starts.try_push(physics::World<double>::warm_start_of(contact, sub_step_s))) return;
+    if (one_leaves && !report.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s))) return;
   }
 }
 

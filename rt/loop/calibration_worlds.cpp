@@ -30,10 +30,9 @@ LoopConfig make_config(SyntheticWorld kind) {
 // at once, and as long as nothing moves.
 constexpr double kGap_m = 0.45e-3, kApart_m = 3.5e-3;
 
-physics::Body<double> make_body(SyntheticWorld kind, std::uint32_t i) {
+physics::Body make_body(SyntheticWorld kind, std::uint32_t i) {
   constexpr double kDiagonal = std::numbers::sqrt2 / 2;
-  const auto shape =
-      kind == SyntheticWorld::kBalls ? Shape<double>::sphere(kHalf_m) : Shape<double>::box({kHalf_m, kHalf_m, kHalf_m});
+  const auto shape = kind == SyntheticWorld::kBalls ? Shape::sphere(kHalf_m) : Shape::box({kHalf_m, kHalf_m, kHalf_m});
   Vec3d step{2 * kHalf_m + kGap_m, 0, 0};
   Quatd rotation;
   if (kind == SyntheticWorld::kFree || kind == SyntheticWorld::kBordered) step = {4 * kHalf_m, 0, 0};
@@ -41,7 +40,7 @@ physics::Body<double> make_body(SyntheticWorld kind, std::uint32_t i) {
     step = kDiagonal * (2 * kHalf_m + kApart_m) * Vec3d{1, 1, 0};
     rotation = quat_from_rotation_vector(Vec3d{0, 0, std::numbers::pi / 4});
   }
-  return physics::make_dynamic_body<double>(i, shape, 1.0, 0.5, {static_cast<double>(i) * step, rotation});
+  return physics::make_dynamic_body(i, shape, 1.0, 0.5, {static_cast<double>(i) * step, rotation});
 }
 
 // Below every body a ground that belongs to another.
@@ -60,8 +59,8 @@ haptics::BorderPoint make_border_point(std::uint32_t i) {
 haptics::OutsideBody make_outside(const haptics::BorderPoint& point) {
   haptics::OutsideBody body;
   body.id = point.outside, body.centre = point.outside_point - Vec3d{0, 0, kHalf_m};
-  body.admittance.linear = SymMat3<double>::identity(1);
-  body.admittance.angular = SymMat3<double>::identity(600);
+  body.admittance.linear = SymMat3d::identity(1);
+  body.admittance.angular = SymMat3d::identity(600);
   return body;
 }
 

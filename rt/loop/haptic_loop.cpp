@@ -19,7 +19,7 @@ constexpr double kSharesFrom = 0.05;
 
 }  // namespace
 
-HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body<double>> fixed_bodies)
+HapticLoop::HapticLoop(const LoopConfig& config, std::span<const physics::Body> fixed_bodies)
     : config_(config), sub_world_(config.sub_world, fixed_bodies) {
   guard_.config = {
       .period_s = config.period_s, .device = config.device, .emergency_stop_fault = config.emergency_stop_fault};

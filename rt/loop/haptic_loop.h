@@ -78,7 +78,7 @@ struct TickOutput {
   double deepest_m{0};
   double deepest_share{0};  // of the thinner body's thickness; 0: less than a twentieth of the thinnest of all
   Posed target;             // world: where the device wants the proxy
-  physics::BodyMotion<double> proxy;
+  physics::BodyMotion proxy;
   Wrenchd wanted;             // N, N m, device frame, before the output path
   double device_energy_J{0};  // into the virtual side at the device port, so far: what the device felt, when it did
   double damped_energy_J{0};  // taken by the passivity controller, so far
@@ -88,14 +88,14 @@ struct TickOutput {
 };
 static_assert(std::is_trivially_copyable_v<TickOutput>);
 static_assert(sizeof(TickOutput) == 8 + sizeof(haptics::DeviceCommand) + 10 * 4 + 2 * 8 + sizeof(Posed) +
-                                        sizeof(physics::BodyMotion<double>) + sizeof(Wrenchd) + 5 * 8);
+                                        sizeof(physics::BodyMotion) + sizeof(Wrenchd) + 5 * 8);
 
 class HapticLoop {
  public:
-  HapticLoop(const LoopConfig& config, std::span<const physics::Body<double>> fixed_bodies);
+  HapticLoop(const LoopConfig& config, std::span<const physics::Body> fixed_bodies);
 
   // [setup] Members before the first tick, for the direct coupling.
-  void set_members(std::span<const physics::Body<double>> bodies) noexcept { sub_world_.set_members(bodies); }
+  void set_members(std::span<const physics::Body> bodies) noexcept { sub_world_.set_members(bodies); }
 
   // `out` is written whole. The caller keeps input and output for the tape.
   void tick(const TickInput& in, TickOutput& out) noexcept TACTUS_NONBLOCKING;
@@ -162,7 +162,7 @@ class HapticLoop {
   double force_scale_{1};           // of the fades
   std::uint32_t device_missed_{0};  // commands, as the device says in this tick
 
-  physics::StepReport<double> report_;  // of the last tick; no tick depends on it
+  physics::StepReport report_;  // of the last tick; no tick depends on it
 
   State state_;
 };

@@ -12,44 +12,39 @@ enum class BodyKind : std::uint32_t {
   kFixed = 1,    // never moves: static geometry
 };
 
-template <class T>
 struct BodyMotion {
-  Pose<T> pose;       // world_from_body
-  Twist<T> velocity;  // world
+  Posed pose;       // world_from_body
+  Twistd velocity;  // world
   friend constexpr bool operator==(const BodyMotion&, const BodyMotion&) noexcept = default;
 };
 
-template <class T>
 struct Body {
   BodyId id{kNoBody};
   BodyKind kind{BodyKind::kDynamic};
-  Shape<T> shape;
-  T mass{};            // kg; 0 for a fixed body
-  Vec3<T> inertia{};   // kg m^2, diagonal in the body frame; 0 for a fixed body
-  T friction{};        // coefficient; a pair uses the geometric mean sqrt(f_a f_b)
-  T gravity_scale{1};  // 1 falls, 0 floats: the proxy is carried by the device
-  BodyMotion<T> motion;
+  Shape shape;
+  double mass{};            // kg; 0 for a fixed body
+  Vec3d inertia{};          // kg m^2, diagonal in the body frame; 0 for a fixed body
+  double friction{};        // coefficient; a pair uses the geometric mean sqrt(f_a f_b)
+  double gravity_scale{1};  // 1 falls, 0 floats: the proxy is carried by the device
+  BodyMotion motion;
 };
 
 // A homogeneous dynamic body at rest.
-template <class T>
-Body<T> make_dynamic_body(BodyId id, const Shape<T>& shape, T mass, T friction,
-                          const Pose<T>& world_from_body) noexcept {
-  return {id, BodyKind::kDynamic, shape, mass, inertia_of(shape, mass), friction, T(1), {world_from_body, {}}};
+inline Body make_dynamic_body(BodyId id, const Shape& shape, double mass, double friction,
+                              const Posed& world_from_body) noexcept {
+  return {id, BodyKind::kDynamic, shape, mass, inertia_of(shape, mass), friction, 1.0, {world_from_body, {}}};
 }
 
-template <class T>
-Body<T> make_fixed_body(BodyId id, const Shape<T>& shape, T friction, const Pose<T>& world_from_body) noexcept {
-  return {id, BodyKind::kFixed, shape, T(0), {}, friction, T(0), {world_from_body, {}}};
+inline Body make_fixed_body(BodyId id, const Shape& shape, double friction, const Posed& world_from_body) noexcept {
+  return {id, BodyKind::kFixed, shape, 0.0, {}, friction, 0.0, {world_from_body, {}}};
 }
 
 // J, of a dynamic body.
-template <class T>
-T kinetic_energy(const Body<T>& body) noexcept {
-  const Vec3<T> w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
-  return T(0.5) * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
+inline double kinetic_energy(const Body& body) noexcept {
+  const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
+  return 0.5 * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));
 }
 
-static_assert(std::is_trivially_copyable_v<Body<double>>);
+static_assert(std::is_trivially_copyable_v<Body>);
 
 }  // namespace tactus::physics

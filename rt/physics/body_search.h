@@ -10,10 +10,8 @@
 namespace tactus::physics {
 
 // Its index, or kNoSlot.
-template <class T>
-std::uint32_t find_slot(std::span<const Body<T>> bodies, BodyId id) noexcept {
-  const auto at =
-      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
+inline std::uint32_t find_slot(std::span<const Body> bodies, BodyId id) noexcept {
+  const auto at = std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId i) { return b.id < i; });
   return at != bodies.end() && at->id == id ? static_cast<std::uint32_t>(at - bodies.begin()) : kNoSlot;
 }
 

@@ -51,8 +51,8 @@ FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& ang
 
 namespace {
 
-template <class T, class U>
-void move_one(SolverBody<T>& state, const Body<U>& body, T h) noexcept {
+template <class T>
+void move_one(SolverBody<T>& state, const Body& body, T h) noexcept {
   if (state.inverse_mass == T(0)) return;
   state.delta_position += h * state.v;
   if (state.gyroscopic > T(0)) {
@@ -83,8 +83,8 @@ bool move_together(SolverBody<T>* motion, T h) noexcept {
 
 }  // namespace
 
-template <class T, class U>
-void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<U>> bodies, T h) noexcept {
+template <class T>
+void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body> bodies, T h) noexcept {
   constexpr std::size_t kTogether = kLanes<Register<T>>;
   std::size_t i = 0;
   for (; i + kTogether <= motion.size(); i += kTogether) {
@@ -94,13 +94,11 @@ void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<U>> bodie
   for (; i < motion.size(); ++i) move_one(motion[i], bodies[i], h);
 }
 
-template void move_bodies(std::span<SolverBody<double>>, std::span<const Body<double>>, double) noexcept;
-template void move_bodies(std::span<SolverBody<float>>, std::span<const Body<double>>, float) noexcept;
-template void move_bodies(std::span<SolverBody<float>>, std::span<const Body<float>>, float) noexcept;
-template FreeRotation<double> rotate_freely(const Quat<double>&, const Vec3<double>&, const Vec3<double>&,
-                                            double) noexcept;
+template void move_bodies(std::span<SolverBody<double>>, std::span<const Body>, double) noexcept;
+template void move_bodies(std::span<SolverBody<float>>, std::span<const Body>, float) noexcept;
+template FreeRotation<double> rotate_freely(const Quatd&, const Vec3d&, const Vec3d&, double) noexcept;
 template FreeRotation<float> rotate_freely(const Quat<float>&, const Vec3<float>&, const Vec3<float>&, float) noexcept;
-template FreeRotation<double> rotate_steadily(const Vec3<double>&, double) noexcept;
+template FreeRotation<double> rotate_steadily(const Vec3d&, double) noexcept;
 template FreeRotation<float> rotate_steadily(const Vec3<float>&, float) noexcept;
 
 }  // namespace tactus::physics

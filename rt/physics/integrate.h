@@ -35,8 +35,8 @@ FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept;
 
 // Positions and rotations at the end of a sub-step, several bodies at a time where they allow it. `bodies` and `motion`
 // by slot. Linear in bodies.
-template <class T, class U>
-void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body<U>> bodies, T h) noexcept;
+template <class T>
+void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body> bodies, T h) noexcept;
 
 // Is there a gyroscopic term at all?
 template <class T>

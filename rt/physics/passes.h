@@ -11,75 +11,17 @@
 // sub-steps.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "rt/physics/world.h"
 
 namespace tactus::physics {
 
-// In a pass a body's surface moves by no more than this part of its half thickness.
-template <class T>
-inline constexpr T kMotionInPass = T(0.25);
-template <class T>
-inline constexpr T kShortestPass = T(1e-3);  // s
-
-template <class T>
-T half_thickness(const Shape<T>& shape) noexcept {
-  const Vec3<T>& half = shape.half_extents;
-  const bool round = shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule;
-  return round ? shape.radius : std::min({half.x, half.y, half.z});
-}
-
-// What is round and touches goes on by no more than this [m]: its point, carried along by d, is off by d^2 / 2 r, and
-// within the overlap that contacts leave alone that neither lets it sink nor pushes it out.
-template <class T>
-T most_along_contact(T radius, const StepSettings<T>& settings) noexcept {
-  return std::sqrt(T(2) * settings.slop * radius);
-}
+// Half of the thinnest side; of a sphere or a capsule the radius [m].
+double half_thickness(const Shape& shape) noexcept;
 
 // At least 1, a divisor of the sub-steps. `left_out`, by slot: 1 where another world knows better how the body moves.
-template <class T>
-std::uint32_t passes_of(const World<T>& world, const StepSettings<T>& settings,
-                        std::span<const std::uint8_t> left_out = {}) noexcept {
-  const T most = std::min(settings.dt / kShortestPass<T> * (T(1) + T(1e-6)), static_cast<T>(settings.sub_steps));
-  if (most < T(2)) return 1;
-  T needed = T(1);
-  const auto count = [&](T moved, T allowed) noexcept {  // nothing allowed: the most
-    if (moved > needed * allowed) needed = std::min(moved / allowed, most);
-  };
-  const auto counts = [&](std::uint32_t slot) noexcept { return left_out.empty() || left_out[slot] == 0; };
-  const std::span<const Body<T>> bodies = world.bodies();
-  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
-    const Twist<T>& v = bodies[i].motion.velocity;
-    const T speed = norm(v.linear) + norm(v.angular) * bounding_radius(bodies[i].shape);
-    if (counts(i)) count(settings.dt * speed, kMotionInPass<T> * half_thickness(bodies[i].shape));
-  }
-  const auto roll = [&](std::uint32_t slot) noexcept {
-    const Body<T>& body = bodies[slot];
-    const bool round = body.shape.kind == ShapeKind::kSphere || body.shape.kind == ShapeKind::kCapsule;
-    if (!round || !counts(slot)) return;
-    const Twist<T>& v = body.motion.velocity;
-    count(settings.dt * std::max(norm(v.linear), norm(v.angular) * body.shape.radius),
-          most_along_contact(body.shape.radius, settings));
-  };
-  for (const Contact<T>& contact : world.contacts()) {
-    if (!contact.touching()) continue;
-    roll(contact.slot_a);
-    if (!contact.b_fixed) roll(contact.slot_b);
-  }
-  const auto top = static_cast<std::uint32_t>(most);
-  std::uint32_t passes = std::min(top, static_cast<std::uint32_t>(std::ceil(needed)));
-  while (passes < top && settings.sub_steps % passes != 0) ++passes;
-  while (settings.sub_steps % passes != 0) --passes;
-  return passes;
-}
+std::uint32_t passes_of(const World& world, const StepSettings& settings,
+                        std::span<const std::uint8_t> left_out = {}) noexcept;
 
-template <class T>
-StepSettings<T> settings_of_pass(const StepSettings<T>& settings, std::uint32_t passes) noexcept {
-  StepSettings<T> pass = settings;
-  pass.dt = settings.dt / static_cast<T>(passes), pass.sub_steps = settings.sub_steps / passes;
-  return pass;
-}
+StepSettings settings_of_pass(const StepSettings& settings, std::uint32_t passes) noexcept;
 
 }  // namespace tactus::physics

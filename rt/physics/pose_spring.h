@@ -14,16 +14,15 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct PoseSpring {
   bool enabled{false};
   std::uint32_t slot{0};  // the body, in the world's slots
-  T stiffness_N_per_m{}, damping_Ns_per_m{};
-  T stiffness_Nm_per_rad{}, damping_Nms_per_rad{};
-  Pose<T> target;            // where the target is at the start of the step
-  Twist<T> target_velocity;  // held over the step: at sub-step j the target is at start + velocity (j + 1) h
+  double stiffness_N_per_m{}, damping_Ns_per_m{};
+  double stiffness_Nm_per_rad{}, damping_Nms_per_rad{};
+  Posed target;            // where the target is at the start of the step
+  Twistd target_velocity;  // held over the step: at sub-step j the target is at start + velocity (j + 1) h
 
-  Wrench<T> step_impulse;  // N s, N m s: sum over the step, on the body
+  Wrenchd step_impulse;  // N s, N m s: sum over the step, on the body
 };
 
 // A world holds at most so many bodies by springs: one a device.

@@ -18,8 +18,8 @@ void for_each_body(const Executor& executor, std::size_t bodies, F&& f) noexcept
 
 }  // namespace
 
-template <class T, class S>
-Solver<T, S>::Solver(const Capacities& capacities)
+template <class S>
+Solver<S>::Solver(const Capacities& capacities)
     : motion_(capacities.bodies),
       inverse_inertia_(capacities.bodies),
       before_(capacities.bodies),
@@ -27,58 +27,58 @@ Solver<T, S>::Solver(const Capacities& capacities)
       contacts_(capacities),
       border_(capacities.border_contacts) {}
 
-template <class T, class S>
-void Solver<T, S>::prepare(const SolverInput<T>& input, StageContext<T>& context) noexcept {
-  const StepSettings<T>& settings = context.settings;
+template <class S>
+void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcept {
+  const StepSettings& settings = context.settings;
   const auto count = static_cast<std::uint32_t>(input.bodies.size());
   motion_.resize(count), inverse_inertia_.resize(count);
   for_each_body(input.executor, count, [&](std::uint32_t i) noexcept {
-    const Body<T>& body = input.bodies[i];
+    const Body& body = input.bodies[i];
     SolverBody<S>& state = motion_[i];
     state = {};
     inverse_inertia_[i] = {};
     if (input.frozen[i] != 0) return;  // infinite mass, at rest
     state.v = number_cast<S>(body.motion.velocity.linear), state.w = number_cast<S>(body.motion.velocity.angular);
-    state.inverse_mass = static_cast<S>(T(1) / body.mass);
+    state.inverse_mass = static_cast<S>(1.0 / body.mass);
     state.gyroscopic = settings.gyroscopic && is_anisotropic(body.inertia) ? S(1) : S(0);
     inverse_inertia_[i] = number_cast<S>(rotate_diagonal(
-        body.motion.pose.rotation, Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z}));
+        body.motion.pose.rotation, Vec3d{1.0 / body.inertia.x, 1.0 / body.inertia.y, 1.0 / body.inertia.z}));
   });
   pushed_.clear();
   for (std::uint32_t i = 0; i < input.wrenches.size(); ++i)
-    if (input.wrenches[i] != Wrench<T>{}) static_cast<void>(pushed_.try_push(i));
+    if (input.wrenches[i] != Wrenchd{}) static_cast<void>(pushed_.try_push(i));
   for (std::uint32_t i = 0; i < kMaxSprings; ++i) {
-    const PoseSpring<T> spring = i < input.springs.size() ? input.springs[i] : PoseSpring<T>{};
-    const Pose<T> start = spring.enabled ? input.bodies[spring.slot].motion.pose : Pose<T>{};
+    const PoseSpring spring = i < input.springs.size() ? input.springs[i] : PoseSpring{};
+    const Posed start = spring.enabled ? input.bodies[spring.slot].motion.pose : Posed{};
     springs_[i].prepare(spring, start, motion_.span(), inverse_inertia_.span(), static_cast<S>(context.h));
   }
   run_stages(input, Phase::kPrepare, context);
-  contacts_.prepare(std::span<const Contact<T>>(input.contacts), state(), input.executor);
+  contacts_.prepare(std::span<const Contact>(input.contacts), state(), input.executor);
   if constexpr (kIsWhole) {
     border_.prepare(input.border, input.ghosts, input.border_mode, input.bodies, state(), context.h,
                     input.impulse_scale, settings.friction, input.border_budget_J);
-    context.ghosts = border_.ghosts(), context.ghosts_may_give = input.border_budget_J > T(0);
+    context.ghosts = border_.ghosts(), context.ghosts_may_give = input.border_budget_J > 0.0;
   }
 }
 
 // Effects work in the world's numbers; where the sweeps have others, there is gravity alone.
-template <class T, class S>
-void Solver<T, S>::run_stages(const SolverInput<T>& input, Phase phase, StageContext<T>& context) noexcept {
+template <class S>
+void Solver<S>::run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept {
   if constexpr (kIsWhole) {
     context.motion = motion_.span(), context.inverse_inertia = inverse_inertia_.span();
     input.stages.run(phase, context);
-  } else if (phase == Phase::kForces && context.settings.gravity != Vec3<T>{}) {
-    const Vec3<T> change = context.h * context.settings.gravity;
+  } else if (phase == Phase::kForces && context.settings.gravity != Vec3d{}) {
+    const Vec3d change = context.h * context.settings.gravity;
     for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
       if (motion_[i].inverse_mass > S(0)) motion_[i].v += number_cast<S>(input.bodies[i].gravity_scale * change);
     });
   }
 }
 
-template <class T, class S>
-void Solver<T, S>::apply_wrenches(const SolverInput<T>& input, T h) noexcept {
+template <class S>
+void Solver<S>::apply_wrenches(const SolverInput& input, double h) noexcept {
   for (const std::uint32_t i : pushed_) {
-    const Wrench<T>& wrench = input.wrenches[i];
+    const Wrenchd& wrench = input.wrenches[i];
     motion_[i].v += (static_cast<S>(h) * motion_[i].inverse_mass) * number_cast<S>(wrench.force);
     motion_[i].w += inverse_inertia_[i] * number_cast<S>(h * wrench.torque);
   }
@@ -86,8 +86,8 @@ void Solver<T, S>::apply_wrenches(const SolverInput<T>& input, T h) noexcept {
 
 // Warm start for a sub-step that no sweep will correct: where all of it together would raise the kinetic energy it is
 // scaled to where that is smallest.
-template <class T, class S>
-void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input, StageContext<T>& context) noexcept {
+template <class S>
+void Solver<S>::warm_start_without_gain(const SolverInput& input, StageContext& context) noexcept {
   before_.resize(motion_.size());
   for (std::uint32_t i = 0; i < motion_.size(); ++i) before_[i] = {motion_[i].v, motion_[i].w};
   border_.warm_start(state());
@@ -102,7 +102,7 @@ void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input, StageCon
   if (share == S(1)) return;
   contacts_.scale_impulses(share);
   border_.scale_impulses(share);
-  context.factor = static_cast<T>(share);
+  context.factor = static_cast<double>(share);
   run_stages(input, Phase::kScale, context);
   for (std::uint32_t i = 0; i < motion_.size(); ++i) {
     motion_[i].v = before_[i].linear + share * (motion_[i].v - before_[i].linear);
@@ -110,44 +110,44 @@ void Solver<T, S>::warm_start_without_gain(const SolverInput<T>& input, StageCon
   }
 }
 
-template <class T, class S>
-void Solver<T, S>::sweep_relax(const SolverInput<T>& input, const SweepRule<S>& rule, StageContext<T>& context,
-                               bool last) noexcept {
+template <class S>
+void Solver<S>::sweep_relax(const SolverInput& input, const SweepRule<S>& rule, StageContext& context,
+                            bool last) noexcept {
   run_stages(input, Phase::kRelax, context);
   border_.solve(state(), rule, false);
   contacts_.relax(state(), rule, context.settings.friction, last);
 }
 
-template <class T, class S>
-void Solver<T, S>::store(const SolverInput<T>& input, StageContext<T>& context, std::uint32_t uncorrected) noexcept {
-  context.factor = uncorrected > 1 ? T(1) / static_cast<T>(uncorrected) : T(1);
+template <class S>
+void Solver<S>::store(const SolverInput& input, StageContext& context, std::uint32_t uncorrected) noexcept {
+  context.factor = uncorrected > 1 ? 1.0 / static_cast<double>(uncorrected) : 1.0;
   contacts_.store(input.contacts, context.factor);
   if constexpr (kIsWhole) border_.store(input.border, input.ghosts, context.settings.dt, context.factor);
   run_stages(input, Phase::kFinish, context);
   for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
     const SolverBody<S>& state = motion_[i];
     if (state.inverse_mass == S(0)) return;
-    BodyMotion<T>& motion = input.bodies[i].motion;
-    motion.pose.position += number_cast<T>(state.delta_position);
-    motion.pose.rotation = normalized(number_cast<T>(state.delta_rotation) * motion.pose.rotation);
-    // What nothing has changed stays as it was, to the last bit of T.
-    const auto changed = [](Vec3<T>& kept, const Vec3<S>& now) noexcept {
-      if constexpr (std::is_same_v<S, T>)
+    BodyMotion& motion = input.bodies[i].motion;
+    motion.pose.position += number_cast<double>(state.delta_position);
+    motion.pose.rotation = normalized(number_cast<double>(state.delta_rotation) * motion.pose.rotation);
+    // What nothing has changed stays as it was, to the last bit of a double.
+    const auto changed = [](Vec3d& kept, const Vec3<S>& now) noexcept {
+      if constexpr (std::is_same_v<S, double>)
         kept = now;
       else
-        kept += number_cast<T>(now - number_cast<S>(kept));
+        kept += number_cast<double>(now - number_cast<S>(kept));
     };
     changed(motion.velocity.linear, state.v), changed(motion.velocity.angular, state.w);
   });
 }
 
-template <class T, class S>
-void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
-                        StepReport<T>& report) noexcept {
-  const T h = settings.dt / static_cast<T>(settings.sub_steps);
-  StageContext<T> context{input.bodies, input.fixed_bodies, input.frozen, input.contacts, settings,
-                          report,       input.executor};
-  context.h = h, context.rule = SweepRule<T>::of(settings, h);
+template <class S>
+void Solver<S>::step(const SolverInput& input, const StepSettings& settings, const CutPredicate& cut,
+                     StepReport& report) noexcept {
+  const double h = settings.dt / static_cast<double>(settings.sub_steps);
+  StageContext context{input.bodies, input.fixed_bodies, input.frozen, input.contacts, settings,
+                       report,       input.executor};
+  context.h = h, context.rule = SweepRule<double>::of(settings, h);
   const SweepRule<S> rule = SweepRule<S>::of(settings, static_cast<S>(h));
   const bool friction_when_biased =
       settings.friction && resolve(settings.friction_sweeps, settings.relax_sweeps) == FrictionSweeps::kEvery;
@@ -182,7 +182,7 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
     for (auto& spring : springs_) spring.note_turning();
     input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies(motion_.span().subspan(begin, end - begin),
-                  std::span<const Body<T>>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
+                  std::span<const Body>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });
     for (auto& spring : springs_) spring.resist_turning();
     border_.move_ghosts();
@@ -206,13 +206,12 @@ void Solver<T, S>::step(const SolverInput<T>& input, const StepSettings<T>& sett
     for (auto& spring : springs_) spring.end_sub_step();
   }
   for (std::uint32_t i = 0; i < input.springs.size(); ++i)
-    input.springs[i].step_impulse = {number_cast<T>(springs_[i].impulse().force),
-                                     number_cast<T>(springs_[i].impulse().torque)};
+    input.springs[i].step_impulse = {number_cast<double>(springs_[i].impulse().force),
+                                     number_cast<double>(springs_[i].impulse().torque)};
   store(input, context, uncorrected);
 }
 
 template class Solver<double>;
-template class Solver<double, float>;
 template class Solver<float>;
 
 }  // namespace tactus::physics

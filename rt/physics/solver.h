@@ -8,13 +8,14 @@
 // all of it, steps that are cut again and again would shake themselves loose. Frame: world. Units: SI. Thread:
 // construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
 //
-// The numbers of the sweeps, S, may be narrower than the world's, T: within a step bodies move and contacts are given
-// relative to where they were at its start, so a large world far from its origin loses no place. What a step adds to
-// poses and velocities is then as exact as S is. Such a solver takes no border contacts and no effect with a stage but
-// gravity.
+// The numbers of the sweeps, S, are double or narrower (SweepPrecision): within a step bodies move and contacts are
+// given relative to where they were at its start, so a large world far from its origin loses no place. What a step adds
+// to poses and velocities is then as exact as S is. Such a solver takes no border contacts and no effect with a stage
+// but gravity.
 #pragma once
 
 #include <array>
+#include <type_traits>
 
 #include "rt/physics/border/border_solver.h"
 #include "rt/physics/capacity.h"
@@ -26,40 +27,52 @@
 namespace tactus::physics {
 
 // What the solver works on; all by slot.
-template <class T>
 struct SolverInput {
-  std::span<Body<T>> bodies;
+  std::span<Body> bodies;
   std::span<const std::uint8_t> frozen;
-  std::span<const Wrench<T>> wrenches;  // N, N m; empty where no body has one
-  std::span<Contact<T>> contacts;       // by key
-  std::span<PoseSpring<T>> springs;     // kMaxSprings at most
-  std::span<BorderContact<T>> border;
-  std::span<BorderGhost<T>> ghosts;
+  std::span<const Wrenchd> wrenches;  // N, N m; empty where no body has one
+  std::span<Contact> contacts;        // by key
+  std::span<PoseSpring> springs;      // kMaxSprings at most
+  std::span<BorderContact> border;
+  std::span<BorderGhost> ghosts;
   BorderMode border_mode;
-  T border_budget_J;            // see BorderSolver
-  T impulse_scale;              // this sub-step / that of the stored impulses of the border
-  const StageTable<T>& stages;  // of effects
-  std::span<const Body<T>> fixed_bodies{};
+  double border_budget_J;    // see BorderSolver
+  double impulse_scale;      // this sub-step / that of the stored impulses of the border
+  const StageTable& stages;  // of effects
+  std::span<const Body> fixed_bodies{};
   Executor executor{};
 };
 
-template <class T, class S = T>
+// Stands for the border where the sweeps are narrower than the world.
+template <class S>
+struct NoBorder {
+  explicit NoBorder(std::uint32_t) noexcept {}
+  void begin_sub_step(std::uint32_t, SolverBodies<S>) noexcept {}
+  void apply_replay(SolverBodies<S>) noexcept {}
+  void warm_start(SolverBodies<S>) noexcept {}
+  void solve(SolverBodies<S>, const SweepRule<S>&, bool) noexcept {}
+  void move_ghosts() noexcept {}
+  void end_sub_step(SolverBodies<S>) noexcept {}
+  void scale_impulses(S) noexcept {}
+};
+
+template <class S>
 class Solver {
  public:
   explicit Solver(const Capacities& capacities);  // [setup]
 
-  void step(const SolverInput<T>& input, const StepSettings<T>& settings, const CutPredicate& cut,
-            StepReport<T>& report) noexcept;
+  void step(const SolverInput& input, const StepSettings& settings, const CutPredicate& cut,
+            StepReport& report) noexcept;
 
  private:
-  static constexpr bool kIsWhole = std::is_same_v<S, T>;  // takes border contacts, the stages of effects
+  static constexpr bool kIsWhole = std::is_same_v<S, double>;  // takes border contacts, the stages of effects
 
-  void prepare(const SolverInput<T>& input, StageContext<T>& context) noexcept;
-  void run_stages(const SolverInput<T>& input, Phase phase, StageContext<T>& context) noexcept;
-  void apply_wrenches(const SolverInput<T>& input, T h) noexcept;
-  void warm_start_without_gain(const SolverInput<T>& input, StageContext<T>& context) noexcept;
-  void sweep_relax(const SolverInput<T>& input, const SweepRule<S>& rule, StageContext<T>& context, bool last) noexcept;
-  void store(const SolverInput<T>& input, StageContext<T>& context, std::uint32_t uncorrected) noexcept;
+  void prepare(const SolverInput& input, StageContext& context) noexcept;
+  void run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept;
+  void apply_wrenches(const SolverInput& input, double h) noexcept;
+  void warm_start_without_gain(const SolverInput& input, StageContext& context) noexcept;
+  void sweep_relax(const SolverInput& input, const SweepRule<S>& rule, StageContext& context, bool last) noexcept;
+  void store(const SolverInput& input, StageContext& context, std::uint32_t uncorrected) noexcept;
   SolverBodies<S> state() noexcept { return {motion_.span(), inverse_inertia_.span()}; }
 
   BoundedVector<SolverBody<S>> motion_;
@@ -67,7 +80,7 @@ class Solver {
   BoundedVector<Twist<S>> before_;       // velocities before a warm start that may be held back
   BoundedVector<std::uint32_t> pushed_;  // slots of the bodies with a wrench
   ContactSolver<S> contacts_;
-  BorderSolver<S> border_;
+  std::conditional_t<kIsWhole, BorderSolver, NoBorder<S>> border_;
   std::array<SpringSolver<S>, kMaxSprings> springs_;
 };
 

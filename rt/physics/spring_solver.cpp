@@ -3,8 +3,7 @@
 namespace tactus::physics {
 
 template <class S>
-template <class T>
-void SpringSolver<S>::prepare(const PoseSpring<T>& spring, const Pose<T>& start, std::span<SolverBody<S>> motion,
+void SpringSolver<S>::prepare(const PoseSpring& spring, const Posed& start, std::span<SolverBody<S>> motion,
                               std::span<SymMat3<S>> inverse_inertia, S h) noexcept {
   body_ = nullptr;
   impulse_ = {};
@@ -69,11 +68,5 @@ void SpringSolver<S>::end_sub_step() noexcept {
 
 template class SpringSolver<double>;
 template class SpringSolver<float>;
-template void SpringSolver<double>::prepare(const PoseSpring<double>&, const Pose<double>&,
-                                            std::span<SolverBody<double>>, std::span<SymMat3<double>>, double) noexcept;
-template void SpringSolver<float>::prepare(const PoseSpring<double>&, const Pose<double>&, std::span<SolverBody<float>>,
-                                           std::span<SymMat3<float>>, float) noexcept;
-template void SpringSolver<float>::prepare(const PoseSpring<float>&, const Pose<float>&, std::span<SolverBody<float>>,
-                                           std::span<SymMat3<float>>, float) noexcept;
 
 }  // namespace tactus::physics

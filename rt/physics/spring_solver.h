@@ -3,8 +3,8 @@
 // From `hold` to `release` the body is as heavy as it feels, M + h (B + h K), to everything that pushes it: contacts,
 // joints and border contacts are solved with the spring, not against it. Around what acts over the whole sub-step
 // (gravity, wrenches) the body has its own mass. The error is that of the start of the sub-step. Frame: world. Units:
-// SI. Thread: [rt]. The sweeps' numbers, S, may be narrower than the world's, T: the error at the start of the step is
-// taken in T.
+// SI. Thread: [rt]. The sweeps' numbers, S, may be narrower than the world's: the error at the start of the step is
+// taken in double.
 #pragma once
 
 #include "rt/physics/pose_spring.h"
@@ -16,8 +16,7 @@ template <class S>
 class SpringSolver {
  public:
   // Nothing happens where the spring is off; where its body is frozen it keeps its velocity. Leaves the body held.
-  template <class T>
-  void prepare(const PoseSpring<T>& spring, const Pose<T>& start, std::span<SolverBody<S>> motion,
+  void prepare(const PoseSpring& spring, const Posed& start, std::span<SolverBody<S>> motion,
                std::span<SymMat3<S>> inverse_inertia, S h) noexcept;
   bool on() const noexcept { return body_ != nullptr; }
   void release() noexcept;              // at the start of a sub-step

@@ -29,20 +29,19 @@ constexpr FrictionSweeps resolve(FrictionSweeps asked, std::uint32_t relax_sweep
 }
 
 // Fixed for a run but for sub_steps, which the governor chooses before each tick.
-template <class T>
 struct StepSettings {
-  T dt{T(1e-3)};                  // s: the whole step
+  double dt{1e-3};                // s: the whole step
   std::uint32_t sub_steps{4};     // h = dt / sub_steps
   std::uint32_t relax_sweeps{1};  // per sub-step
-  T contact_hertz{T(250)};        // Hz, the same in both worlds; at most 0.25 / h
-  T contact_damping_ratio{T(10)};
-  T max_push_speed{T(0.25)};  // m/s: an overlap is pushed out no faster
-  T slop{T(1e-5)};            // m: overlap that is left alone
-  T min_margin{T(5e-4)};      // m: points further apart than this, and than dt may close, are not found
-  T max_margin{T(2e-2)};      // m
+  double contact_hertz{250.0};    // Hz, the same in both worlds; at most 0.25 / h
+  double contact_damping_ratio{10.0};
+  double max_push_speed{0.25};  // m/s: an overlap is pushed out no faster
+  double slop{1e-5};            // m: overlap that is left alone
+  double min_margin{5e-4};      // m: points further apart than this, and than dt may close, are not found
+  double max_margin{2e-2};      // m
   // Contacts of boxes and hulls are carried over until the surfaces have moved by this; 0: found anew in every step.
-  T recycle_tolerance_m{T(5e-5)};
-  Vec3<T> gravity{};    // m/s^2
+  double recycle_tolerance_m{5e-5};
+  Vec3d gravity{};      // m/s^2
   bool friction{true};  // effect: Coulomb friction
   FrictionSweeps friction_sweeps{FrictionSweeps::kAuto};
   bool gyroscopic{true};  // effect: the gyroscopic term
@@ -50,9 +49,8 @@ struct StepSettings {
 
 // A contact is found with this much more margin than the step needs [m]: what its bodies may move, and move faster,
 // before the margin is used up and it must be found anew.
-template <class T>
-constexpr T room_to_carry_over(const StepSettings<T>& settings) noexcept {
-  return T(2) * settings.recycle_tolerance_m;
+constexpr double room_to_carry_over(const StepSettings& settings) noexcept {
+  return 2.0 * settings.recycle_tolerance_m;
 }
 
 // Bodies that no pair links to the others, and that make do with fewer sub-steps.
@@ -61,7 +59,6 @@ struct FarRegion {
   std::uint32_t sub_steps{0};
 };
 
-template <class T>
 struct StepReport {
   std::uint32_t capacity_bits{0};      // CapacityBit
   std::uint32_t dropped{0};            // pairs and contacts left out
@@ -72,11 +69,11 @@ struct StepReport {
   std::uint32_t contacts{0};           // manifolds solved
   std::uint32_t points{0};             // points solved
   std::uint32_t cut_sweep{kNeverCut};  // sweep at which the cut fired
-  T deepest_m{};                       // largest overlap at the start of the step [m]
+  double deepest_m{};                  // largest overlap at the start of the step [m]
   std::uint32_t broken_joints{0};      // that broke in this step
-  T border_joints_J{};                 // work of joints with bodies of another world, on this one's
+  double border_joints_J{};            // work of joints with bodies of another world, on this one's
   // N, N m about the proxy's centre: what the hand feels beyond the coupling (effects texture, transients).
-  Wrench<T> felt{};
+  Wrenchd felt{};
 };
 
 }  // namespace tactus::physics

@@ -32,14 +32,13 @@
 
 namespace tactus::physics {
 
-template <class T>
 class World {
  public:
   // [setup] Allocates and touches everything. `hulls`, `meshes`: what the bodies' shapes refer to; they and what the
   // effects are told must outlive the world and stay the same. `precision`: full all the same where an effect other
   // than gravity has stages.
-  explicit World(const Capacities& capacities, Hulls<T> hulls = {}, Meshes<T> meshes = {},
-                 const EffectSetups<T>& effects = {}, SweepPrecision precision = SweepPrecision::kFull);
+  explicit World(const Capacities& capacities, Hulls hulls = {}, Meshes meshes = {}, const EffectSetups& effects = {},
+                 SweepPrecision precision = SweepPrecision::kFull);
   SweepPrecision precision() const noexcept { return solver_ ? SweepPrecision::kFull : SweepPrecision::kSingle; }
 
   // [setup] From now on the work of a step is shared where that pays; the results stay, bit by bit.
@@ -47,22 +46,22 @@ class World {
 
   // --- membership. Slots are in the order of body ids; inserting or removing moves the slots above.
   // False (and kBodiesFull or kFixedBodiesFull in the next report) when there is no room or the id is there already.
-  bool insert(const Body<T>& body) noexcept;
+  bool insert(const Body& body) noexcept;
   // Also forgets its contacts. False when it is not there.
   bool remove(BodyId id) noexcept;
   // Many dynamic bodies at once, in one pass over the world: none of them is there, and they come by id. Their bounds
   // and pairs come with the next begin_step. False (and kBodiesFull) when there is no room for all: then none.
-  bool insert(std::span<const Body<T>> bodies) noexcept;
+  bool insert(std::span<const Body> bodies) noexcept;
   // All whose flag is set, by slot, and their contacts.
   void remove(std::span<const std::uint8_t> leaving) noexcept;
   // The slot of a dynamic body, or -1.
   std::int32_t slot_of(BodyId id) const noexcept;
 
-  std::span<Body<T>> bodies() noexcept;  // dynamic, by id
-  std::span<const Body<T>> bodies() const noexcept;
-  std::span<const Body<T>> fixed_bodies() const noexcept;  // by id
+  std::span<Body> bodies() noexcept { return bodies_.span(); }  // dynamic, by id
+  std::span<const Body> bodies() const noexcept { return bodies_.span(); }
+  std::span<const Body> fixed_bodies() const noexcept { return fixed_bodies_.span(); }  // by id
   // Where the bodies were when the last step began, by slot; no pose for those that came since.
-  std::span<const Pose<T>> last_poses() const noexcept { return last_poses_.span(); }
+  std::span<const Posed> last_poses() const noexcept { return last_poses_.span(); }
 
   // [setup] After the last fixed body: or else the next step does it.
   void index_fixed_bodies() noexcept;
@@ -70,55 +69,55 @@ class World {
   // --- one step, in three calls. `settings` must be the same in all three, and no body is moved between them. With a
   // far region, begin_step is told the fewer of the sub-steps: bounds grow by how far a body may fall.
   // Bounds of all bodies: those of two that may touch overlap.
-  void begin_step(const StepSettings<T>& settings) noexcept;
-  std::span<const Aabb<T>> bounds() const noexcept;        // by slot, dynamic bodies
-  std::span<const Aabb<T>> fixed_bounds() const noexcept;  // by fixed slot
+  void begin_step(const StepSettings& settings) noexcept;
+  std::span<const Aabb> bounds() const noexcept { return bounds_.span(); }              // by slot, dynamic bodies
+  std::span<const Aabb> fixed_bounds() const noexcept { return fixed_bounds_.span(); }  // by fixed slot
   // For the pair finder; cleared by begin_step. After the step, all pairs of bounds that overlapped, by key.
-  BoundedVector<SlotPair>& dynamic_pairs() noexcept;
+  BoundedVector<SlotPair>& dynamic_pairs() noexcept { return dynamic_pairs_; }
   // `far`: not in a world with border contacts; a body on a spring is not far.
-  StepReport<T> finish_step(const StepSettings<T>& settings, const CutPredicate& cut = {},
-                            const FarRegion& far = {}) noexcept;
+  StepReport finish_step(const StepSettings& settings, const CutPredicate& cut = {},
+                         const FarRegion& far = {}) noexcept;
 
   // Triangles near the bodies where they are known beforehand, valid until set anew: they save work, no more.
-  NearTriangles<T> near_triangles;
+  NearTriangles near_triangles;
 
   // --- contacts of the last step, by pair key
-  std::span<const Contact<T>> contacts() const noexcept;
+  std::span<const Contact> contacts() const noexcept { return contacts_.contacts(); }
   // For the next step: impulses by pair and feature; unknown pairs are kept until the next step finds them.
-  bool add_warm_start(const WarmStart<T>& warm_start) noexcept;
+  bool add_warm_start(const WarmStart& warm_start) noexcept { return contacts_.add_warm_start(warm_start); }
   // What the contact holds, for another world.
-  static WarmStart<T> warm_start_of(const Contact<T>& contact, T sub_step_s) noexcept;
+  static WarmStart warm_start_of(const Contact& contact, double sub_step_s) noexcept;
 
   // --- constraints from outside the world
-  PoseSpring<T>& device_spring(std::uint32_t device = 0) noexcept { return springs_[device]; }
+  PoseSpring& device_spring(std::uint32_t device = 0) noexcept { return springs_[device]; }
   // Adds one; false (and kBorderContactsFull in the next report) when there is no room.
-  bool add_border_contact(const BorderContact<T>& contact) noexcept;
-  BoundedVector<BorderContact<T>>& border_contacts() noexcept;
-  const BoundedVector<BorderContact<T>>& border_contacts() const noexcept;
+  bool add_border_contact(const BorderContact& contact) noexcept;
+  BoundedVector<BorderContact>& border_contacts() noexcept { return border_contacts_; }
+  const BoundedVector<BorderContact>& border_contacts() const noexcept { return border_contacts_; }
   // As many as border contacts, at most. Border contacts name them by index.
-  BoundedVector<BorderGhost<T>>& border_ghosts() noexcept { return border_ghosts_; }
-  const BoundedVector<BorderGhost<T>>& border_ghosts() const noexcept { return border_ghosts_; }
+  BoundedVector<BorderGhost>& border_ghosts() noexcept { return border_ghosts_; }
+  const BoundedVector<BorderGhost>& border_ghosts() const noexcept { return border_ghosts_; }
   BorderMode border_mode{BorderMode::kCapped};
-  T border_budget_J{std::numeric_limits<T>::max()};  // set before each step; see BorderSolver
+  double border_budget_J{std::numeric_limits<double>::max()};  // set before each step; see BorderSolver
 
   // A wrench on a dynamic body, held over the next step, then forgotten. N, N m about its centre, world.
-  void apply_wrench(std::uint32_t slot, const Wrench<T>& wrench) noexcept;
+  void apply_wrench(std::uint32_t slot, const Wrenchd& wrench) noexcept;
   // Changes the velocity at once. N s, N m s about its centre, world.
-  void apply_impulse(std::uint32_t slot, const Wrench<T>& impulse) noexcept;
+  void apply_impulse(std::uint32_t slot, const Wrenchd& impulse) noexcept;
 
   // A body that neither moves nor feels impulses while set, but keeps its place and the velocity that it goes on with
   // (the static coupling). To the others it is at rest and infinitely heavy.
   void set_frozen(std::uint32_t slot, bool frozen) noexcept;
 
   // What is called for beside contacts: their state, and handing it over to another world.
-  Effects<T>& effects() noexcept { return effects_; }
-  const Effects<T>& effects() const noexcept { return effects_; }
+  Effects& effects() noexcept { return effects_; }
+  const Effects& effects() const noexcept { return effects_; }
 
   // --- books
-  T kinetic_energy() const noexcept;                          // J, dynamic bodies
-  T potential_energy(const Vec3<T>& gravity) const noexcept;  // J, -sum m g.x
-  Wrench<T> momentum() const noexcept;                        // N s; N m s about the world origin
-  std::uint64_t state_hash() const noexcept;                  // poses, velocities and ids, in slot order
+  double kinetic_energy() const noexcept;                        // J, dynamic bodies
+  double potential_energy(const Vec3d& gravity) const noexcept;  // J, -sum m g.x
+  Wrenchd momentum() const noexcept;                             // N s; N m s about the world origin
+  std::uint64_t state_hash() const noexcept;                     // poses, velocities and ids, in slot order
 
   // --- everything that the next step depends on (bodies, contacts, warm starts, spring, border contacts, flags), for
   // keyframes and replay. Restore needs a world of the same capacities.
@@ -131,46 +130,46 @@ class World {
   void clear() noexcept;
   bool is_consistent() const noexcept;
   bool refuse(CapacityBit bit) noexcept;
-  void add_pairs(StageContext<T>& context) noexcept;
-  void add_fixed_pair(const SlotPair& pair, const StepSettings<T>& settings, StepReport<T>& report) noexcept;
-  void find_fixed_pairs(const StepSettings<T>& settings, StepReport<T>& report) noexcept;
-  void add_fixed_pairs(StageContext<T>& context) noexcept;
-  void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, T margin, StepReport<T>& report) noexcept;
-  void solve(std::span<const std::uint8_t> held, std::span<PoseSpring<T>> springs, const StepSettings<T>& settings,
-             T impulse_scale, const CutPredicate& cut, StepReport<T>& report) noexcept;
-  void solve_far(const FarRegion& far, const StepSettings<T>& settings, const CutPredicate& cut,
-                 StepReport<T>& report) noexcept;
+  void add_pairs(StageContext& context) noexcept;
+  void add_fixed_pair(const SlotPair& pair, const StepSettings& settings, StepReport& report) noexcept;
+  void find_fixed_pairs(const StepSettings& settings, StepReport& report) noexcept;
+  void add_fixed_pairs(StageContext& context) noexcept;
+  void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double margin, StepReport& report) noexcept;
+  void solve(std::span<const std::uint8_t> held, std::span<PoseSpring> springs, const StepSettings& settings,
+             double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept;
+  void solve_far(const FarRegion& far, const StepSettings& settings, const CutPredicate& cut,
+                 StepReport& report) noexcept;
   void move_body(std::uint32_t from, std::uint32_t to) noexcept;
   void follow_moves() noexcept;
 
   Capacities capacities_;
-  Hulls<T> hulls_;
-  Meshes<T> meshes_;
+  Hulls hulls_;
+  Meshes meshes_;
   Executor executor_;
-  BoundedVector<Body<T>> bodies_, fixed_bodies_;  // by id
-  BoundedVector<std::uint8_t> frozen_, held_;     // by slot; held_: scratch of a step by regions
-  BoundedVector<Wrench<T>> wrenches_;             // by slot: of the next step
+  BoundedVector<Body> bodies_, fixed_bodies_;  // by id
+  BoundedVector<std::uint8_t> frozen_, held_;  // by slot; held_: scratch of a step by regions
+  BoundedVector<Wrenchd> wrenches_;            // by slot: of the next step
   bool wrench_applied_{false};
-  BoundedVector<Aabb<T>> bounds_, fixed_bounds_;
-  BoundedVector<BodyFrame<T>> frames_, fixed_frames_;
-  BoundedVector<Reach<T>> reach_;          // by slot
-  T growth_to_fixed_{};                    // m, of bounds beside a fixed body, in this step
-  BoundedVector<Pose<T>> last_poses_;      // by slot: at the start of the last step; unknown_pose() of newcomers
+  BoundedVector<Aabb> bounds_, fixed_bounds_;
+  BoundedVector<BodyFrame> frames_, fixed_frames_;
+  BoundedVector<Reach> reach_;             // by slot
+  double growth_to_fixed_{};               // m, of bounds beside a fixed body, in this step
+  BoundedVector<Posed> last_poses_;        // by slot: at the start of the last step; unknown_pose() of newcomers
   BoundedVector<std::uint32_t> moved_to_;  // scratch of insert and remove
-  FixedTree<T> fixed_tree_;
+  FixedTree fixed_tree_;
   bool fixed_is_indexed_{false};
   BoundedVector<SlotPair> fixed_pairs_;          // fixed slot, slot: boxes that overlap
   BoundedVector<std::uint32_t> mesh_triangles_;  // of this step, pair by pair
   PairOrder pair_order_;
   BoundedVector<SlotPair> dynamic_pairs_;  // room for one more than the capacity, so that overflow shows
-  ContactTable<T> contacts_;
-  Effects<T> effects_;
-  std::optional<Solver<T>> solver_;  // one of the two
-  std::optional<Solver<T, float>> single_solver_;
-  std::array<PoseSpring<T>, kMaxSprings> springs_;
-  BoundedVector<BorderContact<T>> border_contacts_;
-  BoundedVector<BorderGhost<T>> border_ghosts_;
-  T last_sub_step_{};                           // s, of the stored impulses; 0 before the first step
+  ContactTable contacts_;
+  Effects effects_;
+  std::optional<Solver<double>> solver_;  // one of the two
+  std::optional<Solver<float>> single_solver_;
+  std::array<PoseSpring, kMaxSprings> springs_;
+  BoundedVector<BorderContact> border_contacts_;
+  BoundedVector<BorderGhost> border_ghosts_;
+  double last_sub_step_{};                      // s, of the stored impulses; 0 before the first step
   std::uint32_t refused_bits_{0}, refused_{0};  // of insert and add, for the next report
 };
 

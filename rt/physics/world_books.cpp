@@ -6,29 +6,29 @@ namespace {
 
 // Every field on its own, for writing and for reading: structs have padding, and the same state must give the same
 // bytes. `io(x)` writes or reads x.
-template <class Io, class T>
-void each_field(Io& io, Vec3<T>& v) noexcept {
+template <class Io>
+void each_field(Io& io, Vec3d& v) noexcept {
   io(v.x), io(v.y), io(v.z);
 }
-template <class Io, class T>
-void each_field(Io& io, Quat<T>& q) noexcept {
+template <class Io>
+void each_field(Io& io, Quatd& q) noexcept {
   io(q.w), io(q.x), io(q.y), io(q.z);
 }
-template <class Io, class T>
-void each_field(Io& io, Pose<T>& p) noexcept {
+template <class Io>
+void each_field(Io& io, Posed& p) noexcept {
   each_field(io, p.position), each_field(io, p.rotation);
 }
-template <class Io, class T>
-void each_field(Io& io, Twist<T>& t) noexcept {
+template <class Io>
+void each_field(Io& io, Twistd& t) noexcept {
   each_field(io, t.linear), each_field(io, t.angular);
 }
-template <class Io, class T>
-void each_field(Io& io, Wrench<T>& w) noexcept {
+template <class Io>
+void each_field(Io& io, Wrenchd& w) noexcept {
   each_field(io, w.force), each_field(io, w.torque);
 }
 
-template <class Io, class T>
-void each_field(Io& io, Body<T>& b) noexcept {
+template <class Io>
+void each_field(Io& io, Body& b) noexcept {
   io(b.id), io(b.kind);
   io(b.shape.kind), io(b.shape.radius), io(b.shape.half_length), each_field(io, b.shape.half_extents);
   if (b.shape.kind == ShapeKind::kHull || b.shape.kind == ShapeKind::kMesh) io(b.shape.index);
@@ -42,23 +42,23 @@ void each_field(Io& io, AxisCache& c) noexcept {
   if (c.axis >= kFirstHullAxis) io(c.a), io(c.b);
 }
 
-template <class Io, class T>
-void each_field(Io& io, Contact<T>& c) noexcept {
+template <class Io>
+void each_field(Io& io, Contact& c) noexcept {
   io(c.key.value), io(c.slot_a), io(c.slot_b), io(c.b_fixed), each_field(io, c.axis_cache), io(c.friction);
   each_field(io, c.normal);
   io(c.count);
   for (std::uint32_t i = 0; i < c.count && i < kMaxManifoldPoints; ++i) {
-    ContactPoint<T>& p = c.points[i];
+    ContactPoint& p = c.points[i];
     each_field(io, p.from_a), each_field(io, p.from_b);
     io(p.separation), io(p.feature), io(p.normal_impulse), io(p.tangent_impulse[0]), io(p.tangent_impulse[1]);
     io(p.total_normal_impulse), each_field(io, p.total_friction);
   }
 }
 
-template <class Io, class T>
-void each_field(Io& io, ContactReference<T>& r) noexcept {
+template <class Io>
+void each_field(Io& io, ContactReference& r) noexcept {
   io(r.tolerance);
-  if (!(r.tolerance > T(0))) return;
+  if (!(r.tolerance > 0.0)) return;
   io(r.moved), io(r.margin), io(r.lever);
   for (std::uint32_t i = 0; i < r.kPoints; ++i) {
     for (int k = 0; k < 3; ++k) io(r.on_a[k][i]), io(r.on_b[k][i]);
@@ -66,23 +66,23 @@ void each_field(Io& io, ContactReference<T>& r) noexcept {
   }
 }
 
-template <class Io, class T>
-void each_field(Io& io, WarmStart<T>& w) noexcept {
+template <class Io>
+void each_field(Io& io, WarmStart& w) noexcept {
   io(w.key.value), each_field(io, w.axis_cache), io(w.count);
   for (std::uint32_t i = 0; i < w.count && i < kMaxManifoldPoints; ++i)
     io(w.features[i]), io(w.normal_force[i]), each_field(io, w.friction_force[i]);
 }
 
-template <class Io, class T>
-void each_field(Io& io, PoseSpring<T>& s) noexcept {
+template <class Io>
+void each_field(Io& io, PoseSpring& s) noexcept {
   io(s.enabled), io(s.slot);
   io(s.stiffness_N_per_m), io(s.damping_Ns_per_m), io(s.stiffness_Nm_per_rad), io(s.damping_Nms_per_rad);
   each_field(io, s.target), each_field(io, s.target_velocity);
   each_field(io, s.step_impulse);
 }
 
-template <class Io, class T>
-void each_field(Io& io, BorderContact<T>& c) noexcept {
+template <class Io>
+void each_field(Io& io, BorderContact& c) noexcept {
   io(c.member), io(c.outside), io(c.feature);
   each_field(io, c.normal), each_field(io, c.member_anchor);
   io(c.impulse_rate), io(c.friction);
@@ -93,16 +93,16 @@ void each_field(Io& io, BorderContact<T>& c) noexcept {
   io(c.total_normal_impulse), each_field(io, c.total_tangent_impulse), io(c.work);
 }
 
-template <class Io, class T>
-void each_field(Io& io, SymMat3<T>& m) noexcept {
+template <class Io>
+void each_field(Io& io, SymMat3d& m) noexcept {
   io(m.xx), io(m.yy), io(m.zz), io(m.xy), io(m.xz), io(m.yz);
 }
 
-template <class Io, class T>
-void each_field(Io& io, BorderGhost<T>& g) noexcept {
+template <class Io>
+void each_field(Io& io, BorderGhost& g) noexcept {
   io(g.outside), each_field(io, g.centre), each_field(io, g.velocity), each_field(io, g.drive);
   each_field(io, g.admittance.linear), each_field(io, g.admittance.angular);
-  for (Vec3<T>& row : g.admittance.crossed) each_field(io, row);
+  for (Vec3d& row : g.admittance.crossed) each_field(io, row);
   each_field(io, g.total_impulse);
 }
 
@@ -160,57 +160,52 @@ class Fnv1a {
 
 }  // namespace
 
-template <class T>
-T World<T>::kinetic_energy() const noexcept {
-  T sum = T(0);
-  for (const Body<T>& body : bodies_) sum += physics::kinetic_energy(body);
+double World::kinetic_energy() const noexcept {
+  double sum = 0.0;
+  for (const Body& body : bodies_) sum += physics::kinetic_energy(body);
   return sum;
 }
 
-template <class T>
-T World<T>::potential_energy(const Vec3<T>& gravity) const noexcept {
-  T sum = T(0);
-  for (const Body<T>& body : bodies_) sum -= body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
+double World::potential_energy(const Vec3d& gravity) const noexcept {
+  double sum = 0.0;
+  for (const Body& body : bodies_) sum -= body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
   return sum;
 }
 
-template <class T>
-Wrench<T> World<T>::momentum() const noexcept {
-  Wrench<T> sum;
-  for (const Body<T>& body : bodies_) {
-    const Quat<T>& q = body.motion.pose.rotation;
-    const Vec3<T> linear = body.mass * body.motion.velocity.linear;
-    const Vec3<T> spin = rotate(q, scale(body.inertia, rotate_inverse(q, body.motion.velocity.angular)));
+Wrenchd World::momentum() const noexcept {
+  Wrenchd sum;
+  for (const Body& body : bodies_) {
+    const Quatd& q = body.motion.pose.rotation;
+    const Vec3d linear = body.mass * body.motion.velocity.linear;
+    const Vec3d spin = rotate(q, scale(body.inertia, rotate_inverse(q, body.motion.velocity.angular)));
     sum.force += linear;
     sum.torque += cross(body.motion.pose.position, linear) + spin;
   }
   return sum;
 }
 
-template <class T>
-std::uint64_t World<T>::state_hash() const noexcept {
+std::uint64_t World::state_hash() const noexcept {
   Fnv1a hash;
-  for (Body<T> body : bodies_) {
+  for (Body body : bodies_) {
     hash(body.id);
     each_field(hash, body.motion.pose), each_field(hash, body.motion.velocity);
   }
   return hash.value();
 }
 
-template <class T>
-void World<T>::save(ByteWriter& out) const noexcept {
+void World::save(ByteWriter& out) const noexcept {
   Writing io{out};
   write_all(out, bodies_.span());
   write_all(out, fixed_bodies_.span());
   out.put_all(frozen_.span());
   io(wrench_applied_);
   if (wrench_applied_)
-    for (Wrench<T> wrench : wrenches_) each_field(io, wrench);
-  for (Pose<T> pose : last_poses_) each_field(io, pose);
+    for (Wrenchd wrench : wrenches_) each_field(io, wrench);
+  for (Posed pose : last_poses_) each_field(io, pose);
   write_all(out, contacts_.contacts());
   write_all(out, contacts_.references());
   write_all(out, contacts_.warm_starts());
-  for (PoseSpring<T> spring : springs_) each_field(io, spring);
+  for (PoseSpring spring : springs_) each_field(io, spring);
   write_all(out, border_contacts_.span());
   write_all(out, border_ghosts_.span());
   io(static_cast<std::uint32_t>(border_mode)), io(border_budget_J);
@@ -218,17 +213,15 @@ void World<T>::save(ByteWriter& out) const noexcept {
   effects_.save(out);
 }
 
-template <class T>
-std::size_t World<T>::save_size_bound() const noexcept {
+std::size_t World::save_size_bound() const noexcept {
   const Capacities& c = capacities_;
-  return c.bodies * (sizeof(Body<T>) + sizeof(Wrench<T>) + sizeof(Pose<T>) + 1) + c.fixed_bodies * sizeof(Body<T>) +
-         c.contacts * (sizeof(Contact<T>) + sizeof(ContactReference<T>) + sizeof(WarmStart<T>)) +
-         c.border_contacts * (sizeof(BorderContact<T>) + sizeof(BorderGhost<T>)) + sizeof(springs_) +
+  return c.bodies * (sizeof(Body) + sizeof(Wrenchd) + sizeof(Posed) + 1) + c.fixed_bodies * sizeof(Body) +
+         c.contacts * (sizeof(Contact) + sizeof(ContactReference) + sizeof(WarmStart)) +
+         c.border_contacts * (sizeof(BorderContact) + sizeof(BorderGhost)) + sizeof(springs_) +
          effects_.save_size_bound() + 64;  // 64: counts and the last line of save
 }
 
-template <class T>
-void World<T>::clear() noexcept {
+void World::clear() noexcept {
   bodies_.clear(), fixed_bodies_.clear(), frozen_.clear(), wrenches_.clear();
   bounds_.clear(), fixed_bounds_.clear(), frames_.clear(), fixed_frames_.clear();
   reach_.clear(), last_poses_.clear(), dynamic_pairs_.clear();
@@ -236,45 +229,42 @@ void World<T>::clear() noexcept {
   border_contacts_.clear(), border_ghosts_.clear();
   fixed_is_indexed_ = false;
   springs_ = {};
-  border_mode = BorderMode::kCapped, border_budget_J = std::numeric_limits<T>::max();
+  border_mode = BorderMode::kCapped, border_budget_J = std::numeric_limits<double>::max();
   wrench_applied_ = false;
-  last_sub_step_ = T(0);
+  last_sub_step_ = 0.0;
   refused_bits_ = 0, refused_ = 0;
 }
 
 // What a world made by itself always is, and bytes from a damaged tape may not be.
-template <class T>
-bool World<T>::is_consistent() const noexcept {
+bool World::is_consistent() const noexcept {
   const std::size_t hulls = hulls_.size(), meshes = meshes_.size();
-  const auto ascending = [hulls, meshes](const BoundedVector<Body<T>>& bodies, BodyKind kind) noexcept {
+  const auto ascending = [hulls, meshes](const BoundedVector<Body>& bodies, BodyKind kind) noexcept {
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
-      const Body<T>& b = bodies[i];
+      const Body& b = bodies[i];
       if (b.id >= kFirstPatchId || b.kind != kind || b.shape.kind > ShapeKind::kMesh) return false;
       if (b.shape.kind == ShapeKind::kHull && b.shape.index >= hulls) return false;
       if (b.shape.kind == ShapeKind::kMesh && (kind != BodyKind::kFixed || b.shape.index >= meshes)) return false;
       if (i > 0 && bodies[i - 1].id >= b.id) return false;
       if (!is_finite(b.motion.pose) || !is_finite(b.motion.velocity)) return false;
-      if (kind == BodyKind::kDynamic &&
-          !(b.mass > T(0) && b.inertia.x > T(0) && b.inertia.y > T(0) && b.inertia.z > T(0)))
+      if (kind == BodyKind::kDynamic && !(b.mass > 0.0 && b.inertia.x > 0.0 && b.inertia.y > 0.0 && b.inertia.z > 0.0))
         return false;
     }
     return true;
   };
   if (!ascending(bodies_, BodyKind::kDynamic) || !ascending(fixed_bodies_, BodyKind::kFixed)) return false;
   if (contacts_.references().size() != contacts_.contacts().size()) return false;
-  for (const Contact<T>& c : contacts_.contacts())
+  for (const Contact& c : contacts_.contacts())
     if (c.count > kMaxManifoldPoints || c.slot_a >= bodies_.size() ||
         c.slot_b >= (c.b_fixed ? fixed_bodies_.size() : bodies_.size()))
       return false;
-  for (const WarmStart<T>& w : contacts_.warm_starts())
+  for (const WarmStart& w : contacts_.warm_starts())
     if (w.count > kMaxManifoldPoints) return false;
   for (const auto& spring : springs_)
     if (spring.enabled && spring.slot >= bodies_.size()) return false;
   return !traits_of(border_mode).name.empty();
 }
 
-template <class T>
-bool World<T>::restore(ByteReader& in) noexcept {
+bool World::restore(ByteReader& in) noexcept {
   clear();
   const auto read = [&]() noexcept {
     Reading io{in};
@@ -283,12 +273,12 @@ bool World<T>::restore(ByteReader& in) noexcept {
     in.get_all(frozen_.span());
     wrenches_.resize(bodies_.size());
     io(wrench_applied_);
-    for (Wrench<T>& wrench : wrenches_) {
+    for (Wrenchd& wrench : wrenches_) {
       wrench = {};
       if (wrench_applied_) each_field(io, wrench);
     }
     last_poses_.resize(bodies_.size());
-    for (Pose<T>& pose : last_poses_) each_field(io, pose);
+    for (Posed& pose : last_poses_) each_field(io, pose);
     if (!read_all(in, contacts_.stored_contacts()) || !read_all(in, contacts_.stored_references())) return false;
     if (!read_all(in, contacts_.stored_warm_starts())) return false;
     for (auto& spring : springs_) each_field(io, spring);
@@ -304,29 +294,10 @@ bool World<T>::restore(ByteReader& in) noexcept {
   }
   fixed_bounds_.resize(fixed_bodies_.size()), fixed_frames_.resize(fixed_bodies_.size());
   for (std::uint32_t i = 0; i < fixed_bodies_.size(); ++i) {
-    fixed_bounds_[i] = bounds_of(fixed_bodies_[i].shape, fixed_bodies_[i].motion.pose, T(0));
-    fixed_frames_[i] = BodyFrame<T>::of(fixed_bodies_[i].motion.pose);
+    fixed_bounds_[i] = bounds_of(fixed_bodies_[i].shape, fixed_bodies_[i].motion.pose, 0.0);
+    fixed_frames_[i] = BodyFrame::of(fixed_bodies_[i].motion.pose);
   }
   return true;
 }
-
-template double World<double>::kinetic_energy() const noexcept;
-template float World<float>::kinetic_energy() const noexcept;
-template double World<double>::potential_energy(const Vec3<double>&) const noexcept;
-template float World<float>::potential_energy(const Vec3<float>&) const noexcept;
-template Wrench<double> World<double>::momentum() const noexcept;
-template Wrench<float> World<float>::momentum() const noexcept;
-template std::uint64_t World<double>::state_hash() const noexcept;
-template std::uint64_t World<float>::state_hash() const noexcept;
-template void World<double>::save(ByteWriter&) const noexcept;
-template void World<float>::save(ByteWriter&) const noexcept;
-template std::size_t World<double>::save_size_bound() const noexcept;
-template std::size_t World<float>::save_size_bound() const noexcept;
-template bool World<double>::is_consistent() const noexcept;
-template bool World<float>::is_consistent() const noexcept;
-template void World<double>::clear() noexcept;
-template void World<float>::clear() noexcept;
-template bool World<double>::restore(ByteReader&) noexcept;
-template bool World<float>::restore(ByteReader&) noexcept;
 
 }  // namespace tactus::physics

@@ -3,8 +3,7 @@
 
 namespace tactus::physics {
 
-template <class T>
-bool World<T>::insert(std::span<const Body<T>> bodies) noexcept {
+bool World::insert(std::span<const Body> bodies) noexcept {
   const std::uint32_t before = bodies_.size(), added = static_cast<std::uint32_t>(bodies.size());
   if (added > bodies_.capacity() - before) return refuse(kBodiesFull);
   const std::uint32_t after = before + added;
@@ -17,17 +16,16 @@ bool World<T>::insert(std::span<const Body<T>> bodies) noexcept {
       move_body(--old, slot);
       continue;
     }
-    const Body<T>& body = bodies[--next];
+    const Body& body = bodies[--next];
     TACTUS_CHECK(body.kind == BodyKind::kDynamic && (slot + 1 == after || body.id < bodies_[slot + 1].id), body.id,
                  slot);
-    bodies_[slot] = body, frozen_[slot] = 0, wrenches_[slot] = {}, last_poses_[slot] = unknown_pose<T>();
+    bodies_[slot] = body, frozen_[slot] = 0, wrenches_[slot] = {}, last_poses_[slot] = unknown_pose();
   }
   follow_moves();
   return true;
 }
 
-template <class T>
-void World<T>::remove(std::span<const std::uint8_t> leaving) noexcept {
+void World::remove(std::span<const std::uint8_t> leaving) noexcept {
   TACTUS_CHECK(leaving.size() == bodies_.size(), leaving.size(), bodies_.size());
   moved_to_.resize(bodies_.size());
   std::uint32_t kept = 0;
@@ -41,8 +39,7 @@ void World<T>::remove(std::span<const std::uint8_t> leaving) noexcept {
   follow_moves();
 }
 
-template <class T>
-void World<T>::move_body(std::uint32_t from, std::uint32_t to) noexcept {
+void World::move_body(std::uint32_t from, std::uint32_t to) noexcept {
   moved_to_[from] = to;
   if (from == to) return;
   bodies_[to] = bodies_[from], frozen_[to] = frozen_[from];
@@ -50,8 +47,7 @@ void World<T>::move_body(std::uint32_t from, std::uint32_t to) noexcept {
 }
 
 // What refers to bodies by slot.
-template <class T>
-void World<T>::follow_moves() noexcept {
+void World::follow_moves() noexcept {
   contacts_.slots_moved(moved_to_.span());
   for (auto& spring : springs_) {
     if (!spring.enabled) continue;
@@ -62,14 +58,5 @@ void World<T>::follow_moves() noexcept {
       spring.slot = to;
   }
 }
-
-template bool World<double>::insert(std::span<const Body<double>>) noexcept;
-template bool World<float>::insert(std::span<const Body<float>>) noexcept;
-template void World<double>::remove(std::span<const std::uint8_t>) noexcept;
-template void World<float>::remove(std::span<const std::uint8_t>) noexcept;
-template void World<double>::move_body(std::uint32_t, std::uint32_t) noexcept;
-template void World<float>::move_body(std::uint32_t, std::uint32_t) noexcept;
-template void World<double>::follow_moves() noexcept;
-template void World<float>::follow_moves() noexcept;
 
 }  // namespace tactus::physics

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rt/physics/collision/collide.h"
+#include "rt/physics/collision/fixed_tree.h"
 #include "rt/physics/contact/find_contact.h"
 
 namespace tactus::sim {
@@ -14,22 +15,17 @@ using physics::Body;
 // (StepSettings::min_margin).
 constexpr double kLeastReach_m = 5e-4;
 
-double reach_of(const Body<double>& body, double horizon_s) noexcept {
+double reach_of(const Body& body, double horizon_s) noexcept {
   const Twistd& v = body.motion.velocity;
   return horizon_s * (norm(v.linear) + norm(v.angular) * physics::bounding_radius(body.shape));
 }
 
-Vec3d velocity_at(const Body<double>& body, const Vec3d& point) noexcept {
+Vec3d velocity_at(const Body& body, const Vec3d& point) noexcept {
   return body.motion.velocity.linear + cross(body.motion.velocity.angular, point - body.motion.pose.position);
 }
 
-physics::Aabb<double> join(const physics::Aabb<double>& a, const physics::Aabb<double>& b) noexcept {
-  return {{std::min(a.lower.x, b.lower.x), std::min(a.lower.y, b.lower.y), std::min(a.lower.z, b.lower.z)},
-          {std::max(a.upper.x, b.upper.x), std::max(a.upper.y, b.upper.y), std::max(a.upper.z, b.upper.z)}};
-}
-
-bool touches_now(const physics::World<double>& world, BodyId a, BodyId b) noexcept {
-  const auto* contact = physics::find_contact<double>(world.contacts(), a, b);
+bool touches_now(const physics::World& world, BodyId a, BodyId b) noexcept {
+  const auto* contact = physics::find_contact(world.contacts(), a, b);
   return contact != nullptr && contact->touching();
 }
 
@@ -40,16 +36,16 @@ Approach::Approach(std::uint32_t max_bodies) {
   others_.reserve(max_bodies);
 }
 
-void Approach::find(const physics::World<double>& world, physics::Hulls<double> hulls,
-                    std::span<const std::uint8_t> members, double horizon_s, std::vector<Touch>& touches) noexcept {
-  const std::span<const Body<double>> bodies = world.bodies();
+void Approach::find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
+                    double horizon_s, std::vector<Touch>& touches) noexcept {
+  const std::span<const Body> bodies = world.bodies();
   members_.clear(), others_.clear();
   const auto moving = [&](std::uint32_t slot) noexcept -> Moving {
     const double reach = reach_of(bodies[slot], horizon_s);
     return {slot, reach, physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, reach)};
   };
   double farthest = 0;
-  physics::Aabb<double> all;
+  physics::Aabb all;
   for (std::uint32_t slot = 0; slot < bodies.size(); ++slot) {
     if (members[slot] == 0) continue;
     members_.push_back(moving(slot));
@@ -69,7 +65,7 @@ void Approach::find(const physics::World<double>& world, physics::Hulls<double> 
       const double margin = member.reach_m + other.reach_m;
       if (margin <= kLeastReach_m || !member.box.overlaps(other.box)) continue;
       const Moving &a = member.slot < other.slot ? member : other, &b = member.slot < other.slot ? other : member;
-      const Body<double>&body_a = bodies[a.slot], &body_b = bodies[b.slot];
+      const Body &body_a = bodies[a.slot], &body_b = bodies[b.slot];
       if (touches_now(world, body_a.id, body_b.id)) continue;
       physics::AxisCache cache;
       const auto manifold =

@@ -20,14 +20,14 @@ class Approach {
   explicit Approach(std::uint32_t max_bodies);
 
   // Appends to `touches`, by slot, up to its capacity. `members` by slot.
-  void find(const physics::World<double>& world, physics::Hulls<double> hulls, std::span<const std::uint8_t> members,
-            double horizon_s, std::vector<Touch>& touches) noexcept;
+  void find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members, double horizon_s,
+            std::vector<Touch>& touches) noexcept;
 
  private:
   struct Moving {
     std::uint32_t slot;
-    double reach_m;             // how far a point of its surface gets within the horizon
-    physics::Aabb<double> box;  // that it reaches
+    double reach_m;     // how far a point of its surface gets within the horizon
+    physics::Aabb box;  // that it reaches
   };
 
   std::vector<Moving> members_, others_;

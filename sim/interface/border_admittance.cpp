@@ -77,9 +77,9 @@ Vector6 product(const Matrix6& m, const Vector6& v) noexcept {
 }
 
 // Of a mass whose first moment about a point is `moment`, and its second `turning`: for twists of that point.
-Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3<double>& turning) noexcept {
+Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3d& turning) noexcept {
   const auto& [x, y, z] = moment;
-  const SymMat3<double>& t = turning;
+  const SymMat3d& t = turning;
   return {{{mass, 0, 0, 0, z, -y},
            {0, mass, 0, -z, 0, x},
            {0, 0, mass, y, -x, 0},
@@ -89,15 +89,15 @@ Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3<double>& turn
 }
 
 // Of a mass at r: mass (|r|^2 - r r^T).
-SymMat3<double> turning_at(double mass, const Vec3d& r) noexcept {
+SymMat3d turning_at(double mass, const Vec3d& r) noexcept {
   const Vec3d m = mass * r;
   const double rr = dot(m, r);
   return {rr - m.x * r.x, rr - m.y * r.y, rr - m.z * r.z, -m.x * r.y, -m.x * r.z, -m.y * r.z};
 }
 
 // Of a free body, for twists of a point `d` before its centre: its velocity there is v + w x d.
-Matrix6 inertia_of(const Body<double>& body, const Vec3d& d) noexcept {
-  const SymMat3<double> own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
+Matrix6 inertia_of(const Body& body, const Vec3d& d) noexcept {
+  const SymMat3d own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
   return inertia_of(body.mass, body.mass * d, own + turning_at(body.mass, d));
 }
 
@@ -122,18 +122,17 @@ void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noex
   }
 }
 
-double inverse_mass_of(std::span<const Body<double>> bodies, std::uint32_t slot) noexcept {
+double inverse_mass_of(std::span<const Body> bodies, std::uint32_t slot) noexcept {
   return slot == kNone ? 0 : 1 / bodies[slot].mass;
 }
-double inverse_inertia_of(std::span<const Body<double>> bodies, std::uint32_t slot) noexcept {
+double inverse_inertia_of(std::span<const Body> bodies, std::uint32_t slot) noexcept {
   if (slot == kNone) return 0;
   const Vec3d& i = bodies[slot].inertia;
   return 1 / std::min({i.x, i.y, i.z});
 }
 
 // Of B's point of the contact against A's, m/s.
-Vec3d slip_of(const Contact<double>& contact, const physics::ContactPoint<double>& point,
-              std::span<const Body<double>> bodies) noexcept {
+Vec3d slip_of(const Contact& contact, const physics::ContactPoint& point, std::span<const Body> bodies) noexcept {
   const Twistd& a = bodies[contact.slot_a].motion.velocity;
   const Vec3d of_a = a.linear + cross(a.angular, point.from_a);
   if (contact.b_fixed) return -of_a;
@@ -143,9 +142,9 @@ Vec3d slip_of(const Contact<double>& contact, const physics::ContactPoint<double
 
 // What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds. It holds
 // where it can go on as in the last step and stop what motion it has now: pressing, and within the disk of friction.
-Matrix6 firmness_of_contact(const Contact<double>& contact, double added_inertia, std::span<const Body<double>> bodies,
+Matrix6 firmness_of_contact(const Contact& contact, double added_inertia, std::span<const Body> bodies,
                             const Vec3d& centre) noexcept {
-  const Body<double>& a = bodies[contact.slot_a];
+  const Body& a = bodies[contact.slot_a];
   const double mass_of_both = 1 / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
   const double firm = added_inertia * mass_of_both;
   Vec3d friction, slip;
@@ -163,7 +162,7 @@ Matrix6 firmness_of_contact(const Contact<double>& contact, double added_inertia
   // A point that sticks holds in all three directions: as a mass there.
   double mass = 0;
   Vec3d moment;
-  SymMat3<double> turning;
+  SymMat3d turning;
   Matrix6 sum{};
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
@@ -178,7 +177,7 @@ Matrix6 firmness_of_contact(const Contact<double>& contact, double added_inertia
 }
 
 // Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
-bool holds_coordinate(const Joint<double>& joint, const JointState<double>& state) noexcept {
+bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
   if (joint.kind == JointKind::kDistance)
     return joint.low == joint.high || state.effort.lower != 0 || state.effort.upper != 0;
   if (joint.limited && (state.effort.lower != 0 || state.effort.upper != 0)) return true;
@@ -186,9 +185,8 @@ bool holds_coordinate(const Joint<double>& joint, const JointState<double>& stat
 }
 
 // The same of a joint between bodies at these slots, of which A may be the world.
-Matrix6 firmness_of_joint(const Joint<double>& joint, const JointState<double>& state, double added_inertia,
-                          std::uint32_t slot_a, std::uint32_t slot_b, std::span<const Body<double>> bodies,
-                          const Vec3d& centre) noexcept {
+Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double added_inertia, std::uint32_t slot_a,
+                          std::uint32_t slot_b, std::span<const Body> bodies, const Vec3d& centre) noexcept {
   const double firm = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
   const double firm_turn = added_inertia / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
   const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
@@ -235,7 +233,7 @@ Felt felt_through(const Matrix6& firmness, const Matrix6& inertia, const Vector6
   return felt;
 }
 
-physics::Admittance<double> invert(Matrix6 inertia) noexcept {
+physics::Admittance invert(Matrix6 inertia) noexcept {
   if (!factorise(inertia)) return {};
   Matrix6 w;
   for (std::size_t j = 0; j < 6; ++j) {
@@ -244,7 +242,7 @@ physics::Admittance<double> invert(Matrix6 inertia) noexcept {
     solve(inertia, column);
     for (std::size_t i = 0; i < 6; ++i) w[i][j] = column[i];
   }
-  physics::Admittance<double> result;
+  physics::Admittance result;
   result.linear = {w[0][0], w[1][1], w[2][2], w[1][0], w[2][0], w[2][1]};
   result.angular = {w[3][3], w[4][4], w[5][5], w[4][3], w[5][3], w[5][4]};
   for (std::size_t i = 0; i < 3; ++i) result.crossed[i] = {w[3][i], w[4][i], w[5][i]};
@@ -261,12 +259,12 @@ BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_c
 }
 
 // Joints that are whole and have B here. One whose A is asleep holds on to nothing that could be asked.
-void BorderAdmittance::find_joints(const physics::World<double>& world) noexcept {
+void BorderAdmittance::find_joints(const physics::World& world) noexcept {
   joints_.clear();
-  const auto* effect = world.effects().find<physics::Joints<double>>();
+  const auto* effect = world.effects().find<physics::Joints>();
   if (effect == nullptr) return;
   for (std::size_t k = 0; k < effect->joints().size(); ++k) {
-    const Joint<double>& joint = effect->joints()[k];
+    const Joint& joint = effect->joints()[k];
     const std::int32_t a = joint.a == kNoBody ? -1 : world.slot_of(joint.a), b = world.slot_of(joint.b);
     if (effect->states()[k].broken != 0 || b < 0 || (joint.a != kNoBody && a < 0)) continue;
     joints_.push_back(
@@ -281,14 +279,14 @@ void BorderAdmittance::for_each_link(F&& f) const noexcept {
   for (const Held& held : joints_) f(link++, held.a, held.b);
 }
 
-void BorderAdmittance::index(const physics::World<double>& world, double added_inertia, double step_s) noexcept {
+void BorderAdmittance::index(const physics::World& world, double added_inertia, double step_s) noexcept {
   added_inertia_ = added_inertia, step_s_ = step_s;
   contacts_ = world.contacts(), bodies_ = world.bodies(), starts_ = world.last_poses();
   find_joints(world);
   TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
                bodies_.size(), contacts_.size() + joints_.size());
   immovable_.assign(bodies_.size(), 0);
-  if (const auto* kinematics = world.effects().find<physics::Kinematics<double>>())
+  if (const auto* kinematics = world.effects().find<physics::Kinematics>())
     for (const auto& script : kinematics->scripts())
       if (const std::int32_t slot = world.slot_of(script.id); slot >= 0)
         immovable_[static_cast<std::uint32_t>(slot)] = 1;
@@ -370,7 +368,7 @@ OutsideAnswer BorderAdmittance::find(std::uint32_t slot, std::span<const std::ui
   if (immovable_[slot] != 0) return {bodies_[slot].motion.velocity, {}};
   collect(slot, members);
   const Vector6& p = reached_[0].momentum;
-  const physics::Admittance<double> w = invert(reached_[0].inertia);
+  const physics::Admittance w = invert(reached_[0].inertia);
   const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
   return {{mean.linear + kept.linear, mean.angular + kept.angular}, w};
 }

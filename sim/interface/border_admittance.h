@@ -43,7 +43,7 @@ using Matrix6 = std::array<std::array<double, 6>, 6>;
 // Over the cycle that comes: v = velocity + admittance P, P on its centre.
 struct OutsideAnswer {
   Twistd velocity;  // m/s, rad/s: of the centre, without an impulse
-  physics::Admittance<double> admittance;
+  physics::Admittance admittance;
 };
 
 class BorderAdmittance {
@@ -54,7 +54,7 @@ class BorderAdmittance {
 
   // After a step of `step_s`: the world must stay as it is while it is asked about. `added_inertia`: a2 of contacts and
   // joints over the cycle to come.
-  void index(const physics::World<double>& world, double added_inertia, double step_s) noexcept;
+  void index(const physics::World& world, double added_inertia, double step_s) noexcept;
   // Of a body's centre. `members` by slot: 1 for those that the sub-world moves.
   OutsideAnswer find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
   // What holds a body: the index of a contact, or of a joint beyond the contacts; and the slot at its other end,
@@ -68,8 +68,8 @@ class BorderAdmittance {
  private:
   struct Held {  // a joint that is whole, and where its bodies are; A may be physics::kNoSlot: the world
     std::uint32_t a, b;
-    const physics::Joint<double>* joint;
-    const physics::JointState<double>* state;
+    const physics::Joint* joint;
+    const physics::JointState* state;
   };
   struct Reached {
     std::uint32_t slot, parent, link;  // parent: index among the reached
@@ -80,7 +80,7 @@ class BorderAdmittance {
 
   void collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
   void reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
-  void find_joints(const physics::World<double>& world) noexcept;
+  void find_joints(const physics::World& world) noexcept;
   // f(link, slot_a, slot_b), slot_b or slot_a physics::kNoSlot where that side is static: contacts, then joints.
   template <class F>
   void for_each_link(F&& f) const noexcept;
@@ -89,8 +89,8 @@ class BorderAdmittance {
   Twistd off_mean(std::uint32_t slot) const noexcept;  // velocity now, less the mean of the last step
 
   double added_inertia_{0}, step_s_{0};
-  std::span<const physics::Contact<double>> contacts_;
-  std::span<const physics::Body<double>> bodies_;
+  std::span<const physics::Contact> contacts_;
+  std::span<const physics::Body> bodies_;
   std::span<const Posed> starts_;  // by slot, of the last step
   std::vector<Held> joints_;
   std::vector<std::uint8_t> immovable_;  // by slot

@@ -12,14 +12,14 @@ using physics::Body;
 using physics::Contact;
 
 // The body's share of a contact's inverse effective mass, along n at r from its centre.
-double own_inverse_mass(const Body<double>& body, const Quatd& rotation, const Vec3d& r, const Vec3d& n) noexcept {
+double own_inverse_mass(const Body& body, const Quatd& rotation, const Vec3d& r, const Vec3d& n) noexcept {
   const Vec3d turn = rotate_inverse(rotation, cross(r, n));
   return 1 / body.mass + turn.x * turn.x / body.inertia.x + turn.y * turn.y / body.inertia.y +
          turn.z * turn.z / body.inertia.z;
 }
 
-void give(Body<double>& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point,
-          physics::World<double>& world, HandBack& result) noexcept {
+void give(Body& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point, physics::World& world,
+          HandBack& result) noexcept {
   const double before = kinetic_energy(body);
   world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
   result.impulse_Ns += impulse;
@@ -28,9 +28,8 @@ void give(Body<double>& body, std::uint32_t slot, const Vec3d& impulse, const Ve
 }
 
 // What the global step's own friction gave the outside body at this pair, taken back.
-void take_back(const Contact<double>& contact, std::uint32_t outside, physics::World<double>& world,
-               HandBack& result) noexcept {
-  Body<double>& body = world.bodies()[outside];
+void take_back(const Contact& contact, std::uint32_t outside, physics::World& world, HandBack& result) noexcept {
+  Body& body = world.bodies()[outside];
   const bool outside_is_b = contact.slot_b == outside;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
@@ -45,7 +44,7 @@ void take_back(const Contact<double>& contact, std::uint32_t outside, physics::W
 constexpr double kEven = 0.5;
 
 // At most what stops it within another step.
-Vec3d acceleration_to_come(const Body<double>& body, const Posed& start, double step_s, double sub_step_s) noexcept {
+Vec3d acceleration_to_come(const Body& body, const Posed& start, double step_s, double sub_step_s) noexcept {
   const double late_s = 0.5 * (step_s - sub_step_s);  // the mean velocity is that of a sub-step in the middle
   if (!(late_s > 0)) return {};
   const Vec3d& end = body.motion.velocity.linear;
@@ -64,8 +63,8 @@ struct JointAcross {
 };
 
 template <class F>
-void for_each_joint_across(const physics::World<double>& world, std::span<const std::uint8_t> members, F&& f) noexcept {
-  const auto* joints = world.effects().find<physics::Joints<double>>();
+void for_each_joint_across(const physics::World& world, std::span<const std::uint8_t> members, F&& f) noexcept {
+  const auto* joints = world.effects().find<physics::Joints>();
   if (joints == nullptr) return;
   const auto bodies = world.bodies();
   joints->for_each_link(bodies, [&](std::uint32_t a, std::uint32_t b, std::uint32_t joint) noexcept {
@@ -81,7 +80,7 @@ void for_each_joint_across(const physics::World<double>& world, std::span<const 
 
 }  // namespace
 
-BorderPoint border_point(const Contact<double>& contact, const physics::ContactPoint<double>& point, bool member_is_a,
+BorderPoint border_point(const Contact& contact, const physics::ContactPoint& point, bool member_is_a,
                          const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept {
   BorderPoint result;
   result.member = member.body.id;
@@ -101,8 +100,8 @@ BorderPoint border_point(const Contact<double>& contact, const physics::ContactP
   return result;
 }
 
-double border_work_J(const physics::World<double>& world, std::span<const Twistd> before,
-                     std::span<const std::uint8_t> members, double step_s) noexcept {
+double border_work_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
+                     double step_s) noexcept {
   const auto contacts = world.contacts();
   const auto bodies = world.bodies();
   double work_J = 0;
@@ -136,7 +135,7 @@ BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::
   order_.reserve(points_.capacity());
 }
 
-std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::span<const Body<double>> bodies,
+std::uint32_t BorderLog::fill(std::span<const Contact> contacts, std::span<const Body> bodies,
                               std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
                               FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
   border.clear();
@@ -170,8 +169,8 @@ std::uint32_t BorderLog::fill(std::span<const Contact<double>> contacts, std::sp
   return static_cast<std::uint32_t>(points_.size() - fits);
 }
 
-std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::span<const std::uint8_t> members,
-                                      double step_s, double sub_step_s, std::span<const BorderPoint> border,
+std::uint32_t BorderLog::fill_outside(const physics::World& world, std::span<const std::uint8_t> members, double step_s,
+                                      double sub_step_s, std::span<const BorderPoint> border,
                                       FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
   outside.clear();
   collect_loads(world, members, border);
@@ -201,7 +200,7 @@ std::uint32_t BorderLog::fill_outside(const physics::World<double>& world, std::
 }
 
 // By outside body.
-void BorderLog::collect_loads(const physics::World<double>& world, std::span<const std::uint8_t> members,
+void BorderLog::collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
                               std::span<const BorderPoint> border) noexcept {
   loads_.clear();
   for (const BorderPoint& point : border)
@@ -214,7 +213,7 @@ void BorderLog::collect_loads(const physics::World<double>& world, std::span<con
 }
 
 HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
-                          physics::BorderTraits::Return returned, physics::World<double>& world) noexcept {
+                          physics::BorderTraits::Return returned, physics::World& world) noexcept {
   using Return = physics::BorderTraits::Return;
   HandBack result;
   if (returned == Return::kNothing) return result;
@@ -231,7 +230,7 @@ HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const
     const bool first_of_pair =
         i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
     if (returned == Return::kChange && first_of_pair) {
-      const Contact<double>* contact = physics::find_contact<double>(world.contacts(), entry.member, entry.outside);
+      const Contact* contact = physics::find_contact(world.contacts(), entry.member, entry.outside);
       if (contact != nullptr) take_back(*contact, outside, world, result);
     }
     give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);

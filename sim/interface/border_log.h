@@ -29,13 +29,12 @@ struct HandBack {
 
 // A body as it is after a step, and where it was before it; a fixed one stays.
 struct BodyOverStep {
-  const physics::Body<double>& body;
+  const physics::Body& body;
   const Posed& start;
 };
 // A point of a contact, seen from the member's side, after a step of `step_s`; without what only ghosts need.
-haptics::BorderPoint border_point(const physics::Contact<double>& contact, const physics::ContactPoint<double>& point,
-                                  bool member_is_a, const BodyOverStep& member, const BodyOverStep& outside,
-                                  double step_s) noexcept;
+haptics::BorderPoint border_point(const physics::Contact& contact, const physics::ContactPoint& point, bool member_is_a,
+                                  const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept;
 
 class BorderLog {
  public:
@@ -45,7 +44,7 @@ class BorderLog {
   // Fills `border` from the contacts of a step of `step_s` that began at `start` (poses by slot): every point that
   // pressed or overlaps, between a member (by slot, 1) and a dynamic body that is none. Static geometry is never a
   // border. Returns how many did not fit.
-  std::uint32_t fill(std::span<const physics::Contact<double>> contacts, std::span<const physics::Body<double>> bodies,
+  std::uint32_t fill(std::span<const physics::Contact> contacts, std::span<const physics::Body> bodies,
                      std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
                      FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& border) noexcept;
   // The outside bodies of these border points and of the joints that hold members, by id, after a step of `step_s` in
@@ -54,7 +53,7 @@ class BorderLog {
   // A body's drive is what acts on it but the members: with its acceleration a over the step, as far as that will go
   // on, and the wrench P / step_s that the members had on it about its centre, a - W P / step_s. Where it rests on firm
   // ground W is 0, and so is the drive.
-  std::uint32_t fill_outside(const physics::World<double>& world, std::span<const std::uint8_t> members, double step_s,
+  std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, double step_s,
                              double sub_step_s, std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
 
@@ -67,7 +66,7 @@ class BorderLog {
     Vec3d force, point;  // N, m: world
     Vec3d torque;        // N m
   };
-  void collect_loads(const physics::World<double>& world, std::span<const std::uint8_t> members,
+  void collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
                      std::span<const haptics::BorderPoint> border) noexcept;
 
   double added_inertia_;
@@ -78,12 +77,12 @@ class BorderLog {
 // The work of bodies that are no members on members (by slot, 1) over a step [J], by contacts and joints, with sign:
 // each impulse times the mean of its point's velocities on the member before (`before`, by slot) and after the step,
 // which is how the sum over all impulses on a body changes its kinetic energy. Static geometry is never a border.
-double border_work_J(const physics::World<double>& world, std::span<const Twistd> before,
-                     std::span<const std::uint8_t> members, double step_s) noexcept;
+double border_work_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
+                     double step_s) noexcept;
 
 // Applies the report's tangential impulses to the outside bodies, as the border returns them. Call before the next
 // step. `members` by slot: of the cycle that begins.
 HandBack hand_back_border(std::span<const haptics::BorderReturn> returns, std::span<const std::uint8_t> members,
-                          physics::BorderTraits::Return returned, physics::World<double>& world) noexcept;
+                          physics::BorderTraits::Return returned, physics::World& world) noexcept;
 
 }  // namespace tactus::sim

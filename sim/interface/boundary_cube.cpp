@@ -15,8 +15,7 @@ double reach_of_body_m(const ReachSettings& s, const Twistd& velocity, double bo
   return 2 * s.ratio * s.tick_period_s * (norm(velocity.linear) + norm(velocity.angular) * body_radius_m);
 }
 
-BoundaryCube::BoundaryCube(const ReachSettings& settings, std::span<const physics::Body<double>> bodies,
-                           std::uint32_t proxy)
+BoundaryCube::BoundaryCube(const ReachSettings& settings, std::span<const physics::Body> bodies, std::uint32_t proxy)
     : settings_(settings),
       proxy_(proxy),
       proxy_reach_m_(reach_of_proxy_m(settings, physics::bounding_radius(bodies[proxy].shape))) {
@@ -24,26 +23,24 @@ BoundaryCube::BoundaryCube(const ReachSettings& settings, std::span<const physic
   close_.reserve(bodies.size());
 }
 
-double BoundaryCube::half_side_m(const physics::Body<double>& proxy, const Posed& world_from_proxy) const noexcept {
-  const physics::Aabb<double> box = physics::bounds_of(proxy.shape, world_from_proxy, 0.0);
+double BoundaryCube::half_side_m(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept {
+  const physics::Aabb box = physics::bounds_of(proxy.shape, world_from_proxy, 0.0);
   const Vec3d extents = box.upper - box.lower;
   // A proxy that a spring throws may be faster than the device can be.
   const double thrown = reach_of_body_m(settings_, proxy.motion.velocity, radius_m_[proxy_]);
   return 0.5 * std::max(extents.x, std::max(extents.y, extents.z)) + std::max(proxy_reach_m_, thrown);
 }
 
-physics::Aabb<double> BoundaryCube::region(const physics::Body<double>& proxy,
-                                           const Posed& world_from_proxy) const noexcept {
+physics::Aabb BoundaryCube::region(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept {
   const double half = half_side_m(proxy, world_from_proxy);
   const Vec3d side{half, half, half};
   return {world_from_proxy.position - side, world_from_proxy.position + side};
 }
 
-std::span<const CloseBody> BoundaryCube::find(std::span<const physics::Body<double>> bodies,
-                                              const Posed& world_from_proxy,
+std::span<const CloseBody> BoundaryCube::find(std::span<const physics::Body> bodies, const Posed& world_from_proxy,
                                               std::span<const std::uint32_t> among) noexcept {
-  const physics::Aabb<double> proxy = physics::bounds_of(bodies[proxy_].shape, world_from_proxy, 0.0);
-  const physics::Aabb<double> cube = region(bodies[proxy_], world_from_proxy);
+  const physics::Aabb proxy = physics::bounds_of(bodies[proxy_].shape, world_from_proxy, 0.0);
+  const physics::Aabb cube = region(bodies[proxy_], world_from_proxy);
   const Vec3d centre = world_from_proxy.position;
   const double half_side = half_side_m(bodies[proxy_], world_from_proxy);
 
@@ -56,7 +53,7 @@ std::span<const CloseBody> BoundaryCube::find(std::span<const physics::Body<doub
     const Vec3d away = abs(body.motion.pose.position - centre);
     const double own_reach = reach_of_body_m(settings_, body.motion.velocity, radius_m_[slot]);
     if (std::max(away.x, std::max(away.y, away.z)) > half_side + own_reach + radius_m_[slot]) continue;
-    const physics::Aabb<double> box = physics::bounds_of(body.shape, body.motion.pose, own_reach);
+    const physics::Aabb box = physics::bounds_of(body.shape, body.motion.pose, own_reach);
     if (!box.overlaps(cube)) continue;
     const Vec3d below = proxy.lower - box.upper, above = box.lower - proxy.upper;
     const Vec3d gap{std::max(below.x, above.x), std::max(below.y, above.y), std::max(below.z, above.z)};

@@ -41,18 +41,18 @@ struct CloseBody {
 class BoundaryCube {
  public:
   // [setup] `bodies` by slot, for the whole run.
-  BoundaryCube(const ReachSettings& settings, std::span<const physics::Body<double>> bodies, std::uint32_t proxy);
+  BoundaryCube(const ReachSettings& settings, std::span<const physics::Body> bodies, std::uint32_t proxy);
 
   // The cube of side c_size + 2 p_max around the proxy at `world_from_proxy`.
-  physics::Aabb<double> region(const physics::Body<double>& proxy, const Posed& world_from_proxy) const noexcept;
+  physics::Aabb region(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept;
 
   // All bodies but the proxy that intersect the cube of side c_size + 2 p_max around the proxy at `world_from_proxy`,
   // nearest first, ties by slot. Valid until the next call. `among`: slots to look at; empty: all.
-  std::span<const CloseBody> find(std::span<const physics::Body<double>> bodies, const Posed& world_from_proxy,
+  std::span<const CloseBody> find(std::span<const physics::Body> bodies, const Posed& world_from_proxy,
                                   std::span<const std::uint32_t> among = {}) noexcept;
 
  private:
-  double half_side_m(const physics::Body<double>& proxy, const Posed& world_from_proxy) const noexcept;
+  double half_side_m(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept;
 
   ReachSettings settings_;
   std::uint32_t proxy_;

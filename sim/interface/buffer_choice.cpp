@@ -6,7 +6,7 @@
 
 namespace tactus::sim {
 
-std::uint32_t BufferChoice::choose(std::span<const physics::Body<double>> bodies, const Extraction& extraction,
+std::uint32_t BufferChoice::choose(std::span<const physics::Body> bodies, const Extraction& extraction,
                                    const ContactGraph& graph, std::uint32_t proxy,
                                    std::span<std::uint8_t> in_buffer) noexcept {
   std::fill(in_buffer.begin(), in_buffer.end(), std::uint8_t{0});

@@ -33,8 +33,8 @@ class BufferChoice {
 
   // Marks the buffer bodies, by slot, among the chosen members; never the proxy. Returns how many of them are there for
   // their uneven group alone.
-  std::uint32_t choose(std::span<const physics::Body<double>> bodies, const Extraction& extraction,
-                       const ContactGraph& graph, std::uint32_t proxy, std::span<std::uint8_t> in_buffer) noexcept;
+  std::uint32_t choose(std::span<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                       std::uint32_t proxy, std::span<std::uint8_t> in_buffer) noexcept;
 
  private:
   std::vector<std::uint32_t> parent_;        // by slot: of the groups

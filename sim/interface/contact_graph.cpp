@@ -2,7 +2,7 @@
 
 namespace tactus::sim {
 
-Touch touch_of(const physics::Contact<double>& contact, std::span<const physics::Body<double>> bodies) noexcept {
+Touch touch_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept {
   Vec3d weighted, plain;
   double weight = 0;
   for (std::uint32_t i = 0; i < contact.count; ++i) {

@@ -24,7 +24,7 @@ struct Touch {
 
 // The pair's representative: mean of its points, weighted by the impulse they carried over the step (evenly where none
 // carried any). `bodies` are the world's, by slot; points move with body A.
-Touch touch_of(const physics::Contact<double>& contact, std::span<const physics::Body<double>> bodies) noexcept;
+Touch touch_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept;
 
 class ContactGraph {
  public:

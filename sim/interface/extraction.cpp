@@ -3,7 +3,7 @@
 namespace tactus::sim {
 
 Extraction::Extraction(const ExtractionOptions& options, const ReachSettings& reach,
-                       std::span<const physics::Body<double>> bodies, std::uint32_t proxy, std::uint32_t max_touches)
+                       std::span<const physics::Body> bodies, std::uint32_t proxy, std::uint32_t max_touches)
     : options_(options),
       proxy_(proxy),
       cube_(reach, bodies, proxy),
@@ -18,7 +18,7 @@ Extraction::Extraction(const ExtractionOptions& options, const ReachSettings& re
   near_.reserve(bodies.size());
 }
 
-std::span<const std::uint32_t> Extraction::choose(std::span<const physics::Body<double>> bodies, ContactGraph& graph,
+std::span<const std::uint32_t> Extraction::choose(std::span<const physics::Body> bodies, ContactGraph& graph,
                                                   const Posed& world_from_proxy, std::uint32_t budget,
                                                   std::span<const std::uint8_t> free,
                                                   std::span<const std::uint32_t> awake) noexcept {
@@ -63,7 +63,7 @@ void Extraction::add_close(std::span<const CloseBody> close, std::span<const std
   }
 }
 
-void Extraction::add_linked(std::span<const physics::Body<double>> bodies, ContactGraph& graph, std::uint32_t cap,
+void Extraction::add_linked(std::span<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
                             std::span<const std::uint8_t> free) noexcept {
   if (options_.order == CutOrder::kBestFirst) {
     for (const Influenced& body : influence_.find(graph, bodies, proxy_, near_, cap))

@@ -40,18 +40,18 @@ struct ExtractionStatistics {
 
 class Extraction {
  public:
-  Extraction(const ExtractionOptions& options, const ReachSettings& reach,
-             std::span<const physics::Body<double>> bodies, std::uint32_t proxy, std::uint32_t max_touches);
+  Extraction(const ExtractionOptions& options, const ReachSettings& reach, std::span<const physics::Body> bodies,
+             std::uint32_t proxy, std::uint32_t max_touches);
 
   // Chooses the next members: slots, ascending. `world_from_proxy` is the pose that the cube is centred at, `budget`
   // may lower the cap, `free` says by slot which bodies no other sub-world has (empty: all), `awake` which slots may be
   // near the proxy (empty: all). The first call is not bound by max_joins. Valid until the next call.
-  std::span<const std::uint32_t> choose(std::span<const physics::Body<double>> bodies, ContactGraph& graph,
+  std::span<const std::uint32_t> choose(std::span<const physics::Body> bodies, ContactGraph& graph,
                                         const Posed& world_from_proxy, std::uint32_t budget,
                                         std::span<const std::uint8_t> free = {},
                                         std::span<const std::uint32_t> awake = {}) noexcept;
   // The box in which bodies are chosen for their place alone.
-  physics::Aabb<double> region(const physics::Body<double>& proxy, const Posed& world_from_proxy) const noexcept {
+  physics::Aabb region(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept {
     return cube_.region(proxy, world_from_proxy);
   }
 
@@ -76,7 +76,7 @@ class Extraction {
   bool available(std::uint32_t slot, std::span<const std::uint8_t> free) const noexcept;
   void add(Claim claim, double score, std::uint32_t slot) noexcept;
   void add_close(std::span<const CloseBody> close, std::span<const std::uint8_t> free) noexcept;
-  void add_linked(std::span<const physics::Body<double>> bodies, ContactGraph& graph, std::uint32_t cap,
+  void add_linked(std::span<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
                   std::span<const std::uint8_t> free) noexcept;
   void add_former() noexcept;
   void take(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept;

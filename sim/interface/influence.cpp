@@ -6,14 +6,14 @@
 namespace tactus::sim {
 namespace {
 
-Vec3d inverse_inertia_times(const physics::Body<double>& body, const Vec3d& v) noexcept {
+Vec3d inverse_inertia_times(const physics::Body& body, const Vec3d& v) noexcept {
   const Vec3d local = rotate_inverse(body.motion.pose.rotation, v);
   const auto over = [](double x, double inertia) { return inertia > 0 ? x / inertia : 0.0; };
   return rotate(body.motion.pose.rotation,
                 Vec3d{over(local.x, body.inertia.x), over(local.y, body.inertia.y), over(local.z, body.inertia.z)});
 }
 
-double inverse_mass_of(const physics::Body<double>& body) noexcept { return body.mass > 0 ? 1 / body.mass : 0; }
+double inverse_mass_of(const physics::Body& body) noexcept { return body.mass > 0 ? 1 / body.mass : 0; }
 
 }  // namespace
 
@@ -33,7 +33,7 @@ bool Influence::ByValue::operator()(const Label& a, const Label& b) const noexce
   return a.slot != b.slot ? a.slot > b.slot : a.touch > b.touch;
 }
 
-Influence::Side Influence::side_of(const Touch& touch, const physics::Body<double>& body) noexcept {
+Influence::Side Influence::side_of(const Touch& touch, const physics::Body& body) noexcept {
   const Vec3d lever = cross(touch.point - body.motion.pose.position, touch.normal);
   return {inverse_mass_of(body), touch.normal, lever, inverse_inertia_times(body, lever)};
 }
@@ -43,7 +43,7 @@ double Influence::inverse_effective_mass(const Side& a, const Side& b) noexcept 
 }
 
 void Influence::prepare(std::uint32_t touch, std::span<const Touch> touches,
-                        std::span<const physics::Body<double>> bodies) noexcept {
+                        std::span<const physics::Body> bodies) noexcept {
   if (prepared_[touch] == search_) return;
   prepared_[touch] = search_;
   sides_[touch] = {side_of(touches[touch], bodies[touches[touch].a]),
@@ -59,7 +59,7 @@ void Influence::push(double value, std::uint32_t slot, std::uint32_t touch, std:
   std::push_heap(heap_.begin(), heap_.end(), ByValue{});
 }
 
-std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span<const physics::Body<double>> bodies,
+std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span<const physics::Body> bodies,
                                             std::uint32_t proxy, std::span<const std::uint32_t> near,
                                             std::uint32_t enough) noexcept {
   ++search_;
@@ -92,7 +92,7 @@ std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span
 }
 
 // Goes on from a body through its other contacts.
-void Influence::expand(const Label& label, const ContactGraph& graph, std::span<const physics::Body<double>> bodies,
+void Influence::expand(const Label& label, const ContactGraph& graph, std::span<const physics::Body> bodies,
                        std::uint32_t proxy) noexcept {
   const auto touches = graph.touches();
   Side in;

@@ -31,7 +31,7 @@ class Influence {
   // Bodies by falling influence, ties in a fixed order, the proxy left out. `near` are bodies (slots) close to the
   // proxy. Finds all whose influence is at least half of the `enough`-th best one's, and all where there are fewer.
   // Valid until the next call.
-  std::span<const Influenced> find(const ContactGraph& graph, std::span<const physics::Body<double>> bodies,
+  std::span<const Influenced> find(const ContactGraph& graph, std::span<const physics::Body> bodies,
                                    std::uint32_t proxy, std::span<const std::uint32_t> near,
                                    std::uint32_t enough) noexcept;
 
@@ -50,12 +50,11 @@ class Influence {
 
   static constexpr std::uint32_t kNear = 0xffffffffu;  // entered through no contact: close to the proxy
 
-  static Side side_of(const Touch& touch, const physics::Body<double>& body) noexcept;
+  static Side side_of(const Touch& touch, const physics::Body& body) noexcept;
   static double inverse_effective_mass(const Side& a, const Side& b) noexcept;
-  void prepare(std::uint32_t touch, std::span<const Touch> touches,
-               std::span<const physics::Body<double>> bodies) noexcept;
+  void prepare(std::uint32_t touch, std::span<const Touch> touches, std::span<const physics::Body> bodies) noexcept;
   void push(double value, std::uint32_t slot, std::uint32_t touch, std::uint32_t side) noexcept;
-  void expand(const Label& label, const ContactGraph& graph, std::span<const physics::Body<double>> bodies,
+  void expand(const Label& label, const ContactGraph& graph, std::span<const physics::Body> bodies,
               std::uint32_t proxy) noexcept;
 
   // Per contact: both sides, inverse effective mass; best value per direction. Valid where prepared_ is this search's.

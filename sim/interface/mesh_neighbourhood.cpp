@@ -7,8 +7,8 @@ namespace {
 constexpr double kSlack_m = 2e-3;
 
 // False: no room.
-bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh<double>& mesh,
-                const physics::Aabb<double>& box, haptics::WorldSnapshot& next) noexcept {
+bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh& mesh, const physics::Aabb& box,
+                haptics::WorldSnapshot& next) noexcept {
   if (!box.overlaps({-mesh.half_extents, mesh.half_extents})) return true;
   physics::TriangleList found;
   find_triangles(mesh, box, found);
@@ -23,14 +23,13 @@ bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh<doubl
 
 }  // namespace
 
-void fill_near_triangles(std::span<const physics::Body<double>> bodies,
-                         std::span<const physics::Body<double>> fixed_bodies, physics::Meshes<double> meshes,
-                         std::span<const std::uint32_t> members, std::uint32_t proxy, const ReachSettings& reach,
-                         haptics::WorldSnapshot& next) noexcept {
+void fill_near_triangles(std::span<const physics::Body> bodies, std::span<const physics::Body> fixed_bodies,
+                         physics::Meshes meshes, std::span<const std::uint32_t> members, std::uint32_t proxy,
+                         const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept {
   next.near_regions.clear(), next.near_triangles.clear();
   if (meshes.empty()) return;
   for (const std::uint32_t place : members) {
-    const physics::Body<double>& body = bodies[place];
+    const physics::Body& body = bodies[place];
     const double radius_m = bounding_radius(body.shape);
     const double moves_m = kSlack_m + (place == proxy ? reach_of_proxy_m(reach, radius_m)
                                                       : reach_of_body_m(reach, body.motion.velocity, radius_m));

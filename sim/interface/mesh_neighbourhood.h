@@ -12,9 +12,8 @@
 namespace tactus::sim {
 
 // `members` and `proxy`: places in `bodies`.
-void fill_near_triangles(std::span<const physics::Body<double>> bodies,
-                         std::span<const physics::Body<double>> fixed_bodies, physics::Meshes<double> meshes,
-                         std::span<const std::uint32_t> members, std::uint32_t proxy, const ReachSettings& reach,
-                         haptics::WorldSnapshot& next) noexcept;
+void fill_near_triangles(std::span<const physics::Body> bodies, std::span<const physics::Body> fixed_bodies,
+                         physics::Meshes meshes, std::span<const std::uint32_t> members, std::uint32_t proxy,
+                         const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept;
 
 }  // namespace tactus::sim

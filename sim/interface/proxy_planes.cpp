@@ -11,8 +11,8 @@ namespace {
 using haptics::BorderPoint;
 
 // The proxy's side of a point of one of its contacts; the other may be fixed.
-BorderPoint plane_of(const physics::World<double>& world, const physics::Contact<double>& contact,
-                     const physics::ContactPoint<double>& point, bool proxy_is_a, double step_s) noexcept {
+BorderPoint plane_of(const physics::World& world, const physics::Contact& contact, const physics::ContactPoint& point,
+                     bool proxy_is_a, double step_s) noexcept {
   const auto bodies = world.bodies();
   const auto start = world.last_poses();
   const std::uint32_t proxy = proxy_is_a ? contact.slot_a : contact.slot_b;
@@ -24,7 +24,7 @@ BorderPoint plane_of(const physics::World<double>& world, const physics::Contact
 
 }  // namespace
 
-void fill_proxy_planes(const physics::World<double>& world, BodyId proxy, double step_s, std::uint32_t most,
+void fill_proxy_planes(const physics::World& world, BodyId proxy, double step_s, std::uint32_t most,
                        FixedVector<BorderPoint, haptics::kMaxBorderPoints>& planes) noexcept {
   planes.clear();
   for (const auto& contact : world.contacts()) {

@@ -11,7 +11,7 @@
 namespace tactus::sim {
 
 // From the contacts of the world's last step, of `step_s`.
-void fill_proxy_planes(const physics::World<double>& world, BodyId proxy, double step_s, std::uint32_t most,
+void fill_proxy_planes(const physics::World& world, BodyId proxy, double step_s, std::uint32_t most,
                        FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& planes) noexcept;
 
 }  // namespace tactus::sim

@@ -10,10 +10,8 @@ namespace {
 using physics::Body;
 using physics::Shape;
 
-Body<double> box(const Vec3d& size_m, double mass_kg, double friction, const Vec3d& centre,
-                 const Quatd& rotation = {}) {
-  return physics::make_dynamic_body(kNoBody, Shape<double>::box(0.5 * size_m), mass_kg, friction,
-                                    Posed{centre, rotation});
+Body box(const Vec3d& size_m, double mass_kg, double friction, const Vec3d& centre, const Quatd& rotation = {}) {
+  return physics::make_dynamic_body(kNoBody, Shape::box(0.5 * size_m), mass_kg, friction, Posed{centre, rotation});
 }
 
 Quatd about_z(double angle_rad) { return quat_from_rotation_vector(Vec3d{0, 0, angle_rad}); }
@@ -67,11 +65,11 @@ Bodies make_pile(const PileSpec& spec) {
   const double inner_x = columns * pitch + shift, inner_y = rows * pitch + shift;
   const double t = spec.wall_thickness_m, h = spec.wall_height_m;
   for (const double side : {-1.0, 1.0})
-    bodies.push_back(physics::make_fixed_body(kNoBody, Shape<double>::box({0.5 * t, 0.5 * inner_y + t, 0.5 * h}),
-                                              spec.friction, Posed{{side * 0.5 * (inner_x + t), 0, 0.5 * h}, {}}));
+    bodies.push_back(physics::make_fixed_body(kNoBody, Shape::box({0.5 * t, 0.5 * inner_y + t, 0.5 * h}), spec.friction,
+                                              Posed{{side * 0.5 * (inner_x + t), 0, 0.5 * h}, {}}));
   for (const double side : {-1.0, 1.0})
-    bodies.push_back(physics::make_fixed_body(kNoBody, Shape<double>::box({0.5 * inner_x, 0.5 * t, 0.5 * h}),
-                                              spec.friction, Posed{{0, side * 0.5 * (inner_y + t), 0.5 * h}, {}}));
+    bodies.push_back(physics::make_fixed_body(kNoBody, Shape::box({0.5 * inner_x, 0.5 * t, 0.5 * h}), spec.friction,
+                                              Posed{{0, side * 0.5 * (inner_y + t), 0.5 * h}, {}}));
   // A cube turned by a small angle is wider by a factor cos + sin <= 1 + angle: half of the gap for that, a quarter on
   // each side for its place, so that no two can overlap.
   const double max_yaw = 0.5 * spec.gap_fraction, max_offset = 0.25 * spec.gap_fraction * spec.cube_m;

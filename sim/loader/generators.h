@@ -14,7 +14,7 @@
 
 namespace tactus::sim {
 
-using Bodies = std::vector<physics::Body<double>>;
+using Bodies = std::vector<physics::Body>;
 
 // Bricks in running bond: every other course begins with half a brick, and each brick rests on two.
 struct WallSpec {

@@ -14,7 +14,7 @@ namespace tactus::sim {
 inline constexpr double kLeastHullWidth_m = 1e-4;
 
 struct BuiltHull {
-  physics::Hull<double> hull;
+  physics::Hull hull;
   Posed given_from_body;        // where the hull's frame is in the frame of the points
   std::vector<Vec3d> vertices;  // those of the points that are its vertices; they alone give this very hull again
 };

@@ -35,7 +35,7 @@ double distance_to_triangle(const Vec3d& p, const Vec3d (&t)[3]) {
   return over ? std::min(nearest, std::abs(dot(p - t[0], normal)) / norm(normal)) : nearest;
 }
 
-double distance_to_box(const Vec3d& p, const physics::Aabb<double>& box) {
+double distance_to_box(const Vec3d& p, const physics::Aabb& box) {
   Vec3d d;
   for (int i = 0; i < 3; ++i) d[i] = std::max({box.lower[i] - p[i], 0.0, p[i] - box.upper[i]});
   return norm(d);
@@ -44,7 +44,7 @@ double distance_to_box(const Vec3d& p, const physics::Aabb<double>& box) {
 // The surface of the mesh, asked how far away it is.
 class MeshSurface {
  public:
-  explicit MeshSurface(const Mesh<double>& mesh) : mesh_(mesh) {}
+  explicit MeshSurface(const Mesh& mesh) : mesh_(mesh) {}
 
   double distance(const Vec3d& p) const { return find(p).distance_m; }
 
@@ -90,13 +90,13 @@ class MeshSurface {
     look(p, swap ? first : second, best);
   }
 
-  Mesh<double> mesh_;
+  Mesh mesh_;
 };
 
 // The surface of the hull, from inside: how deep a point is.
 class HullSurface {
  public:
-  HullSurface(const Hull<double>& hull, const Posed& mesh_from_hull) {
+  HullSurface(const Hull& hull, const Posed& mesh_from_hull) {
     for (std::uint32_t f = 0; f < hull.topology.faces; ++f) {
       const Vec3d normal = rotate(mesh_from_hull.rotation, hull.normals[f]);
       planes_.push_back({normal, hull.offsets[f] + dot(normal, mesh_from_hull.position)});
@@ -164,13 +164,13 @@ void search(const std::vector<Piece>& pieces, const Surface& surface, double tol
   }
 }
 
-std::vector<Piece> pieces_of(const Mesh<double>& mesh) {
+std::vector<Piece> pieces_of(const Mesh& mesh) {
   std::vector<Piece> pieces;
   for (const auto& t : mesh.triangles) pieces.push_back({{mesh.place(t, 0), mesh.place(t, 1), mesh.place(t, 2)}});
   return pieces;
 }
 
-std::vector<Piece> pieces_of(const Hull<double>& hull, const Posed& mesh_from_hull) {
+std::vector<Piece> pieces_of(const Hull& hull, const Posed& mesh_from_hull) {
   std::vector<Piece> pieces;
   for (std::uint32_t f = 0; f < hull.topology.faces; ++f) {
     const auto loop = hull.topology.loop(f);
@@ -183,10 +183,10 @@ std::vector<Piece> pieces_of(const Hull<double>& hull, const Posed& mesh_from_hu
 
 }  // namespace
 
-Result<HullGap> find_hull_gap(const TriangleSoup& soup, const Hull<double>& hull, const Posed& given_from_hull) {
+Result<HullGap> find_hull_gap(const TriangleSoup& soup, const Hull& hull, const Posed& given_from_hull) {
   const auto built = build_mesh(soup, physics::kFirstPatchId);
   if (!built.ok()) return built.status();
-  const Mesh<double>& mesh = built.value().mesh;
+  const Mesh& mesh = built.value().mesh;
   const Posed& given_from_mesh = built.value().given_from_body;
   const Posed mesh_from_hull = inverse(given_from_mesh) * given_from_hull;
   const double tolerance_m = std::max(norm(mesh.half_extents) / 100, 1e-6);

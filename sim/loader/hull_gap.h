@@ -22,7 +22,6 @@ struct HullGap {
 
 // `soup`: welded, in m, one triangle or more with an area. `hull`: of its corners, with its frame in theirs. An error
 // says why the triangles make no surface.
-Result<HullGap> find_hull_gap(const TriangleSoup& soup, const physics::Hull<double>& hull,
-                              const Posed& given_from_hull);
+Result<HullGap> find_hull_gap(const TriangleSoup& soup, const physics::Hull& hull, const Posed& given_from_hull);
 
 }  // namespace tactus::sim

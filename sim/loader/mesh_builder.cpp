@@ -193,7 +193,7 @@ void gather_patches(MeshParts& mesh) {
 void sort_by_patch(MeshParts& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   std::vector<std::uint32_t> place_of_patch(mesh.patches.size(), kNoTriangle), order(count), place(count);
-  std::vector<physics::MeshPatch<double>> patches;
+  std::vector<physics::MeshPatch> patches;
   for (MeshTriangle& t : mesh.triangles) {
     std::uint32_t& at = place_of_patch[t.patch];
     if (at == kNoTriangle) at = static_cast<std::uint32_t>(patches.size()), patches.push_back(mesh.patches[t.patch]);
@@ -253,7 +253,7 @@ TriangleSoup weld(const TriangleSoup& soup) {
 }
 
 Result<BuiltMesh> build_mesh(const TriangleSoup& soup, BodyId first_patch_id) {
-  physics::Aabb<double> box{soup.corners.front(), soup.corners.front()};
+  physics::Aabb box{soup.corners.front(), soup.corners.front()};
   for (const Vec3d& corner : soup.corners)
     for (int i = 0; i < 3; ++i) {
       box.lower[i] = std::min(box.lower[i], corner[i]);

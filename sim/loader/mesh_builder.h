@@ -21,23 +21,23 @@ struct MeshParts {
   std::vector<Vec3d> corners;
   std::vector<physics::MeshTriangle> triangles;
   std::vector<Vec3d> normals;
-  std::vector<physics::MeshPatch<double>> patches;
-  std::vector<physics::MeshNode<double>> nodes;
+  std::vector<physics::MeshPatch> patches;
+  std::vector<physics::MeshNode> nodes;
   std::vector<std::uint32_t> order, around_start, around;
   Vec3d half_extents;
   BodyId first_patch_id{kNoBody};
 
   // Valid as long as the parts stay as they are.
-  physics::Mesh<double> view() const noexcept {
+  physics::Mesh view() const noexcept {
     return {corners, triangles, normals, patches, nodes, order, around_start, around, half_extents, first_patch_id};
   }
 };
 
 struct BuiltMesh {
   std::shared_ptr<const MeshParts> parts;
-  physics::Mesh<double> mesh;  // of the parts
-  Posed given_from_body;       // where the mesh's frame is in the frame of the corners
-  MeshAccount account;         // but for file, body and what was welded
+  physics::Mesh mesh;     // of the parts
+  Posed given_from_body;  // where the mesh's frame is in the frame of the corners
+  MeshAccount account;    // but for file, body and what was welded
 };
 
 // The same triangles with every place once, in the order in which they are used.

@@ -33,13 +33,13 @@ class TreeBuilder {
   }
 
  private:
-  static void grow(physics::Aabb<double>& box, const Vec3d& lower, const Vec3d& upper) {
+  static void grow(physics::Aabb& box, const Vec3d& lower, const Vec3d& upper) {
     for (int i = 0; i < 3; ++i) {
       box.lower[i] = std::min(box.lower[i], lower[i]);
       box.upper[i] = std::max(box.upper[i], upper[i]);
     }
   }
-  physics::Aabb<double> box_of(std::uint32_t first, std::uint32_t count) const {
+  physics::Aabb box_of(std::uint32_t first, std::uint32_t count) const {
     auto box = view_.box_of(mesh_.order[first]);
     for (std::uint32_t i = first + 1; i < first + count; ++i) {
       const auto next = view_.box_of(mesh_.order[i]);
@@ -48,7 +48,7 @@ class TreeBuilder {
     return box;
   }
   int longest_side(std::uint32_t first, std::uint32_t count) const {
-    physics::Aabb<double> box{middle_[mesh_.order[first]], middle_[mesh_.order[first]]};
+    physics::Aabb box{middle_[mesh_.order[first]], middle_[mesh_.order[first]]};
     for (std::uint32_t i = first + 1; i < first + count; ++i)
       grow(box, middle_[mesh_.order[i]], middle_[mesh_.order[i]]);
     const Vec3d size = box.upper - box.lower;
@@ -56,7 +56,7 @@ class TreeBuilder {
   }
 
   MeshParts& mesh_;
-  physics::Mesh<double> view_;  // of what is there already: corners and triangles
+  physics::Mesh view_;  // of what is there already: corners and triangles
   std::vector<Vec3d> middle_;
 };
 

@@ -27,18 +27,18 @@ struct Effects {
 
 // What the effects act on. Lists by body id are empty where no body needs them, else one entry for each body.
 struct EffectData {
-  physics::Damping<double>::Setup damping;
+  physics::Damping::Setup damping;
   std::vector<double> drag_per_m;                 // by body id
   Vec3d flow_m_per_s;                             // of the fluid
   std::vector<physics::KinematicScript> scripts;  // by body id
-  std::vector<physics::PathKey<double>> path_keys;
-  std::vector<physics::Joint<double>> joints;
-  std::vector<double> restitution;                     // by body id
-  std::vector<physics::ContactPatch<double>> patches;  // by body id
-  FixedVector<physics::AttractionSource<double>, physics::kMaxAttractionSources> attraction{};
-  std::vector<double> attraction_weight;          // by body id
-  std::vector<physics::Grain<double>> grain;      // by body id
-  std::vector<physics::Ringing<double>> ringing;  // by body id
+  std::vector<physics::PathKey> path_keys;
+  std::vector<physics::Joint> joints;
+  std::vector<double> restitution;             // by body id
+  std::vector<physics::ContactPatch> patches;  // by body id
+  FixedVector<physics::AttractionSource, physics::kMaxAttractionSources> attraction{};
+  std::vector<double> attraction_weight;  // by body id
+  std::vector<physics::Grain> grain;      // by body id
+  std::vector<physics::Ringing> ringing;  // by body id
 };
 
 // When what rests in the global world falls asleep, with the effect sleeping.
@@ -124,9 +124,9 @@ struct Scene {
   Effects effects;
   EffectData effect_data;  // worlds look into it
   Vec3d gravity_m_per_s2{0, 0, -9.81};
-  std::vector<physics::Body<double>> bodies;            // bodies[i].id == i
-  std::vector<physics::Hull<double>> hulls;             // what the bodies' hull shapes refer to; worlds look into it
-  std::vector<physics::Mesh<double>> meshes;            // same; one for each body that has one
+  std::vector<physics::Body> bodies;                    // bodies[i].id == i
+  std::vector<physics::Hull> hulls;                     // what the bodies' hull shapes refer to; worlds look into it
+  std::vector<physics::Mesh> meshes;                    // same; one for each body that has one
   std::vector<std::shared_ptr<const void>> mesh_parts;  // what the meshes look into: copies of a scene share it
   std::vector<MeshAccount> mesh_accounts;               // of each mesh
   BodyId proxy{kNoBody};

@@ -16,7 +16,7 @@ bool any_body(const Scene& scene, Condition condition) {
   return std::any_of(scene.bodies.begin(), scene.bodies.end(), condition);
 }
 bool has_friction(const Scene& scene) {
-  return any_body(scene, [](const Body<double>& b) { return b.friction > 0; });
+  return any_body(scene, [](const Body& b) { return b.friction > 0; });
 }
 
 bool pulls(const Scene& scene) {
@@ -36,20 +36,20 @@ bool bounces(const Scene& scene) { return !scene.effect_data.restitution.empty()
 bool attracts(const Scene& scene) {
   return !scene.effect_data.attraction.empty() && !scene.effect_data.attraction_weight.empty();
 }
-template <double physics::ContactPatch<double>::*kPart>
+template <double physics::ContactPatch::*kPart>
 bool has_patch(const Scene& scene) {
   const auto& patches = scene.effect_data.patches;
   return std::any_of(patches.begin(), patches.end(), [](const auto& p) { return p.*kPart > 0; });
 }
 bool resists_spin(const Scene& scene) {
-  return scene.effects.friction && has_friction(scene) && has_patch<&physics::ContactPatch<double>::radius_m>(scene);
+  return scene.effects.friction && has_friction(scene) && has_patch<&physics::ContactPatch::radius_m>(scene);
 }
 bool may_meet(const Scene& scene) {
   return any_body(scene, [&](const auto& b) { return b.id != scene.proxy; });
 }
 bool has_grain(const Scene& scene) { return !scene.effect_data.grain.empty(); }
 bool rings(const Scene& scene) { return !scene.effect_data.ringing.empty(); }
-bool resists_rolling(const Scene& scene) { return has_patch<&physics::ContactPatch<double>::rolling_m>(scene); }
+bool resists_rolling(const Scene& scene) { return has_patch<&physics::ContactPatch::rolling_m>(scene); }
 
 // One line for each effect.
 constexpr EffectInfo kEffects[] = {
@@ -109,35 +109,35 @@ bool is_in_use(const Scene& scene, const EffectInfo& effect) {
   return scene.effects.*effect.declared && effect.used(scene);
 }
 
-physics::EffectSetups<double> effect_setups(const Scene& scene) {
+physics::EffectSetups effect_setups(const Scene& scene) {
   const EffectData& data = scene.effect_data;
-  physics::EffectSetups<double> setups;
-  std::get<physics::Gravity<double>::Setup>(setups).on = is_in_use(scene, *find_effect("gravity"));
-  if (scene.effects.damping) std::get<physics::Damping<double>::Setup>(setups) = data.damping;
-  std::get<physics::Drag<double>::Setup>(setups) = {if_in_use(scene, "drag", data.drag_per_m), data.flow_m_per_s};
-  std::get<physics::Kinematics<double>::Setup>(setups) = {if_in_use(scene, "kinematic", data.scripts), data.path_keys};
-  std::get<physics::Joints<double>::Setup>(setups) = {if_in_use(scene, "joints", data.joints)};
-  std::get<physics::Restitution<double>::Setup>(setups) = {if_in_use(scene, "restitution", data.restitution)};
+  physics::EffectSetups setups;
+  std::get<physics::Gravity::Setup>(setups).on = is_in_use(scene, *find_effect("gravity"));
+  if (scene.effects.damping) std::get<physics::Damping::Setup>(setups) = data.damping;
+  std::get<physics::Drag::Setup>(setups) = {if_in_use(scene, "drag", data.drag_per_m), data.flow_m_per_s};
+  std::get<physics::Kinematics::Setup>(setups) = {if_in_use(scene, "kinematic", data.scripts), data.path_keys};
+  std::get<physics::Joints::Setup>(setups) = {if_in_use(scene, "joints", data.joints)};
+  std::get<physics::Restitution::Setup>(setups) = {if_in_use(scene, "restitution", data.restitution)};
   if (is_in_use(scene, *find_effect("torsional")) || is_in_use(scene, *find_effect("rolling")))
-    std::get<physics::ContactTorque<double>::Setup>(setups) = {data.patches};
+    std::get<physics::ContactTorque::Setup>(setups) = {data.patches};
   if (is_in_use(scene, *find_effect("attraction")))
-    std::get<physics::Attraction<double>::Setup>(setups) = {data.attraction, data.attraction_weight};
+    std::get<physics::Attraction::Setup>(setups) = {data.attraction, data.attraction_weight};
   if (is_in_use(scene, *find_effect("ccd")))
-    std::get<physics::ContinuousCollision<double>::Setup>(setups) = {scene.proxy, scene.hulls};
-  std::get<physics::Texture<double>::Setup>(setups) = {scene.proxy, if_in_use(scene, "texture", data.grain)};
-  std::get<physics::Transients<double>::Setup>(setups) = {scene.proxy, if_in_use(scene, "transients", data.ringing)};
+    std::get<physics::ContinuousCollision::Setup>(setups) = {scene.proxy, scene.hulls};
+  std::get<physics::Texture::Setup>(setups) = {scene.proxy, if_in_use(scene, "texture", data.grain)};
+  std::get<physics::Transients::Setup>(setups) = {scene.proxy, if_in_use(scene, "transients", data.ringing)};
   return setups;
 }
 
-physics::EffectSetups<double> global_effect_setups(const Scene& scene) {
-  physics::EffectSetups<double> setups = effect_setups(scene);
-  std::get<physics::ContinuousCollision<double>::Setup>(setups) = {};
-  std::get<physics::Texture<double>::Setup>(setups) = {};
-  std::get<physics::Transients<double>::Setup>(setups) = {};
+physics::EffectSetups global_effect_setups(const Scene& scene) {
+  physics::EffectSetups setups = effect_setups(scene);
+  std::get<physics::ContinuousCollision::Setup>(setups) = {};
+  std::get<physics::Texture::Setup>(setups) = {};
+  std::get<physics::Transients::Setup>(setups) = {};
   return setups;
 }
 
-void choose_effects(const Scene& scene, physics::StepSettings<double>& settings) {
+void choose_effects(const Scene& scene, physics::StepSettings& settings) {
   settings.gravity = scene.effects.gravity ? scene.gravity_m_per_s2 : Vec3d{};
   settings.friction = is_in_use(scene, *find_effect("friction"));
   settings.gyroscopic = is_in_use(scene, *find_effect("gyroscopic"));

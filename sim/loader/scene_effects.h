@@ -28,9 +28,9 @@ bool is_in_use(const Scene& scene, const EffectInfo& effect);
 
 // What a world of the scene is made with, the haptic side's and the global one, which has nothing that the hand alone
 // feels. The scene must outlive it.
-physics::EffectSetups<double> effect_setups(const Scene& scene);
-physics::EffectSetups<double> global_effect_setups(const Scene& scene);
+physics::EffectSetups effect_setups(const Scene& scene);
+physics::EffectSetups global_effect_setups(const Scene& scene);
 // Effects that are the step's own: gravity, friction, the gyroscopic term.
-void choose_effects(const Scene& scene, physics::StepSettings<double>& settings);
+void choose_effects(const Scene& scene, physics::StepSettings& settings);
 
 }  // namespace tactus::sim

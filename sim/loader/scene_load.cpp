@@ -164,7 +164,7 @@ class SceneReader {
     }
   }
 
-  physics::Body<double>& add(physics::Body<double> body) {
+  physics::Body& add(physics::Body body) {
     body.id = static_cast<BodyId>(scene_.bodies.size());
     scene_.bodies.push_back(body);
     return scene_.bodies.back();

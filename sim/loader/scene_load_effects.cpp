@@ -18,7 +18,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr Range kRate{"a rate", 0, 1e4};
 constexpr double kSteepestGrain = 1;
 
-double face_area(const physics::Hull<double>& hull, std::uint32_t face) {
+double face_area(const physics::Hull& hull, std::uint32_t face) {
   const auto loop = hull.topology.loop(face);
   Vec3d twice;
   for (std::size_t k = 1; k + 1 < loop.size(); ++k)
@@ -27,7 +27,7 @@ double face_area(const physics::Hull<double>& hull, std::uint32_t face) {
 }
 
 // Of a convex body, averaged over all directions: a quarter of its surface (Cauchy).
-double area_across(const Scene& scene, const physics::Shape<double>& shape) {
+double area_across(const Scene& scene, const physics::Shape& shape) {
   const double r = shape.radius;
   const Vec3d& e = shape.half_extents;
   switch (shape.kind) {
@@ -135,7 +135,7 @@ void EffectReader::set_surface(BodyId id, const Surface& surface) {
   if (surface.attraction_weight != 0) entry_of(scene_.effect_data.attraction_weight, id) = surface.attraction_weight;
 }
 
-void EffectReader::read_body(TableReader& table, Body<double>& body) {
+void EffectReader::read_body(TableReader& table, Body& body) {
   const std::string name = table.text("name", "", 100);
   if (!name.empty() && !ids_.emplace(name, body.id).second)
     table.mistake("name", fmt::format("\"{}\" is another body's name", name), "a name of its own");
@@ -147,7 +147,7 @@ void EffectReader::read_body(TableReader& table, Body<double>& body) {
     table.refuse(key, "only a kinematic body follows a path", std::string("kinematic = true, or no ") + key);
 }
 
-void EffectReader::read_script(TableReader& table, Body<double>& body) {
+void EffectReader::read_script(TableReader& table, Body& body) {
   auto& keys = scene_.effect_data.path_keys;
   physics::KinematicScript script{body.id, static_cast<std::uint32_t>(keys.size()), 0,
                                   table.flag("repeat_path", false)};
@@ -155,7 +155,7 @@ void EffectReader::read_script(TableReader& table, Body<double>& body) {
   for (const TomlNode& node : table.array("path", kMaxPathKeys)) {
     TableReader t(&node, table.name_of(fmt::format("path.{}", ++number)), diagnostics_);
     if (!t.there()) continue;
-    physics::PathKey<double> key;
+    physics::PathKey key;
     t.require("time_s", "a number");
     key.time_s = t.number("time_s", 0, {"a time", 0, 1e5});
     t.require("position_m", "[x, y, z]");
@@ -186,7 +186,7 @@ void EffectReader::read_attraction(TableReader& root) {
   for (const TomlNode& node : nodes) {
     TableReader t(&node, fmt::format("[attraction.{}]", ++number), diagnostics_);
     if (!t.there()) continue;
-    physics::AttractionSource<double> source;
+    physics::AttractionSource source;
     source.body = read_end(t, "body");
     if (source.body != kNoBody) t.refuse("position_m", "the source is a body", "body or position_m");
     source.position_m = t.vector("position_m", {}, {"a place", -1e4, 1e4});

@@ -22,15 +22,15 @@ class EffectReader {
   // What a table says of the surfaces of the bodies that it makes.
   struct Surface {
     double restitution{0};
-    physics::ContactPatch<double> patch;
+    physics::ContactPatch patch;
     double attraction_weight{0};
-    physics::Grain<double> grain;
-    physics::Ringing<double> ringing;
+    physics::Grain grain;
+    physics::Ringing ringing;
   };
   Surface read_surface(TableReader& table);
   void set_surface(BodyId id, const Surface& surface);
   // A body's own: its name for joints, its script.
-  void read_body(TableReader& table, physics::Body<double>& body);
+  void read_body(TableReader& table, physics::Body& body);
   void set_name(const std::string& name, BodyId id) { ids_[name] = id; }
   // After all bodies: what refers to them.
   void read_joints(TableReader& root);
@@ -41,11 +41,11 @@ class EffectReader {
  private:
   bool needs(TableReader& table, const char* key, bool declared, const char* effect);
   void read_feel(TableReader& table, Surface& surface);
-  void read_script(TableReader& table, physics::Body<double>& body);
+  void read_script(TableReader& table, physics::Body& body);
   void read_joint(TableReader& table);
   BodyId read_end(TableReader& table, const char* key);
-  void read_limits(TableReader& table, physics::Joint<double>& joint, double at_start);
-  void read_motor(TableReader& table, physics::Joint<double>& joint);
+  void read_limits(TableReader& table, physics::Joint& joint, double at_start);
+  void read_motor(TableReader& table, physics::Joint& joint);
   void find_drag();
 
   Scene& scene_;

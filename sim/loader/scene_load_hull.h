@@ -34,7 +34,7 @@ class HullReader {
   // From a body's points_m, or its file and file_unit_m. Nothing, and a mistake, where they make no hull.
   std::optional<HullOfBody> read(TableReader& body);
 
-  const physics::Hull<double>& hull(std::uint32_t index) const { return scene_.hulls[index]; }
+  const physics::Hull& hull(std::uint32_t index) const { return scene_.hulls[index]; }
   // What the source must have at its end so that it needs no file: the corners of the files that were opened.
   const std::string& kept() const { return kept_; }
 

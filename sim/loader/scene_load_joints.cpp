@@ -59,7 +59,7 @@ void EffectReader::read_joint(TableReader& t) {
   if (!t.require("kind", "fixed, ball, hinge, slider, distance")) return;
   const std::string kind = t.word("kind", "", {"fixed", "ball", "hinge", "slider", "distance"});
   if (kind.empty()) return;
-  Joint<double> joint;
+  Joint joint;
   for (std::uint32_t k = 0; k < std::size(kKinds); ++k)
     if (kind == kKinds[k]) joint.kind = static_cast<JointKind>(k);
 
@@ -99,7 +99,7 @@ void EffectReader::read_joint(TableReader& t) {
   if (known) scene_.effect_data.joints.push_back(joint);
 }
 
-void EffectReader::read_limits(TableReader& t, Joint<double>& joint, double at_start) {
+void EffectReader::read_limits(TableReader& t, Joint& joint, double at_start) {
   const auto between = [&](const char* low, const char* high, const Range& range) {
     joint.limited = t.has(low) || t.has(high);
     joint.low = t.number(low, range.low, range), joint.high = t.number(high, range.high, range);
@@ -117,7 +117,7 @@ void EffectReader::read_limits(TableReader& t, Joint<double>& joint, double at_s
   joint.limited = true;
 }
 
-void EffectReader::read_motor(TableReader& t, Joint<double>& joint) {
+void EffectReader::read_motor(TableReader& t, Joint& joint) {
   const bool turns = joint.kind == JointKind::kHinge;
   if (!turns && joint.kind != JointKind::kSlider) return;
   const char* speed = turns ? "motor_speed_rad_per_s" : "motor_speed_m_per_s";

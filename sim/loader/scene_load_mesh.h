@@ -31,7 +31,7 @@ class MeshReader {
   // From a body's file and file_unit_m. Nothing, and a mistake, where they make no mesh.
   std::optional<MeshOfBody> read(TableReader& body);
 
-  const physics::Mesh<double>& mesh(std::uint32_t index) const { return scene_.meshes[index]; }
+  const physics::Mesh& mesh(std::uint32_t index) const { return scene_.meshes[index]; }
   // What the source must have at its end so that it needs no file.
   const std::string& kept() const { return kept_; }
 

@@ -20,9 +20,9 @@ constexpr Range kAngularVelocity{"an angular velocity", -1000, 1000};
 
 // A shape and its own frame in that of the body's keys: hulls and meshes are given in any frame.
 struct ReadShape {
-  Shape<double> shape;
+  Shape shape;
   Posed given_from_body{};
-  const physics::Hull<double>* hull{nullptr};
+  const physics::Hull* hull{nullptr};
 
   double volume() const { return hull != nullptr ? hull->volume : physics::volume_of(shape); }
 };
@@ -35,27 +35,27 @@ std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReade
   const std::string word = proxy ? table.word("shape", "", {"sphere", "capsule", "box", "hull"})
                                  : table.word("shape", "", {"box", "sphere", "capsule", "hull", "plane", "mesh"});
   if (word.empty()) return std::nullopt;
-  if (word == "plane") return ReadShape{Shape<double>::plane()};
+  if (word == "plane") return ReadShape{Shape::plane()};
   if (word == "hull") {
     const auto made = hulls.read(table);
     if (!made) return std::nullopt;
     const auto& hull = hulls.hull(made->index);
-    return ReadShape{Shape<double>::convex(hull, made->index), made->given_from_body, &hull};
+    return ReadShape{Shape::convex(hull, made->index), made->given_from_body, &hull};
   }
   if (word == "mesh") {
     const auto made = meshes.read(table);
     if (!made) return std::nullopt;
-    return ReadShape{Shape<double>::mesh(meshes.mesh(made->index).half_extents, made->index), made->given_from_body};
+    return ReadShape{Shape::mesh(meshes.mesh(made->index).half_extents, made->index), made->given_from_body};
   }
   if (word == "box") {
     table.require("size_m", "[x, y, z]: the full lengths of the edges");
-    return ReadShape{Shape<double>::box(0.5 * table.vector("size_m", {0.1, 0.1, 0.1}, kLength))};
+    return ReadShape{Shape::box(0.5 * table.vector("size_m", {0.1, 0.1, 0.1}, kLength))};
   }
   table.require("radius_m", "a number");
   const double radius = table.number("radius_m", 0.05, kLength);
-  if (word == "sphere") return ReadShape{Shape<double>::sphere(radius)};
+  if (word == "sphere") return ReadShape{Shape::sphere(radius)};
   table.require("length_m", "a number: from the centre of one cap to that of the other");
-  return ReadShape{Shape<double>::capsule(radius, 0.5 * table.number("length_m", 0.1, kLength))};
+  return ReadShape{Shape::capsule(radius, 0.5 * table.number("length_m", 0.1, kLength))};
 }
 
 double read_mass(TableReader& table, double volume_m3) {
@@ -197,13 +197,13 @@ void repeat(TableReader& table, unsigned room, Generated& made) {
 
 }  // namespace
 
-Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
+Body read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
   const auto known_shape = read_shape(table, role, hulls, meshes);
   if (!known_shape) {
     table.ignore_the_rest();
-    return physics::make_dynamic_body(kNoBody, Shape<double>::sphere(0.05), 1.0, 0.0, Posed{});
+    return physics::make_dynamic_body(kNoBody, Shape::sphere(0.05), 1.0, 0.0, Posed{});
   }
-  const Shape<double>& shape = known_shape->shape;
+  const Shape& shape = known_shape->shape;
   const double friction = table.number("friction", 0, kFriction);
   const Posed pose = table.pose() * known_shape->given_from_body;
   const bool is_plane = shape.kind == ShapeKind::kPlane, is_mesh = shape.kind == ShapeKind::kMesh;

@@ -14,7 +14,7 @@ inline constexpr Range kFriction{"a coefficient of friction", 0, 10};
 enum class BodyRole { kProxy, kBody };
 
 // A body without an id. The proxy floats: the device carries it.
-physics::Body<double> read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes);
+physics::Body read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes);
 
 // Bodies in the frame of the world, without ids, and what the generator says of them. Nothing is made (and a mistake
 // added) beyond `room` bodies.

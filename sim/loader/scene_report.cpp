@@ -63,8 +63,7 @@ std::vector<EffectReport> report_effects(const Scene& scene) {
   return reports;
 }
 
-void count_contact(const physics::Manifold<double>& manifold, const Body<double>& a, const Body<double>& b,
-                   StartContacts& start) {
+void count_contact(const physics::Manifold& manifold, const Body& a, const Body& b, StartContacts& start) {
   if (manifold.count == 0) return;
   ++start.contacts;
   start.points += manifold.count;
@@ -76,8 +75,7 @@ void count_contact(const physics::Manifold<double>& manifold, const Body<double>
 }
 
 // The contacts of one body with a mesh, patch by patch.
-void add_mesh_contacts(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
-                       StartContacts& start) {
+void add_mesh_contacts(const Scene& scene, const Body& a, const Body& b, double margin_m, StartContacts& start) {
   const auto& mesh = scene.meshes[b.shape.index];
   physics::TriangleList near;
   physics::find_triangles(
@@ -94,8 +92,7 @@ void add_mesh_contacts(const Scene& scene, const Body<double>& a, const Body<dou
 }
 
 // Counts the contacts of one pair, a before b by id.
-void add_contact(const Scene& scene, const Body<double>& a, const Body<double>& b, double margin_m,
-                 StartContacts& start) {
+void add_contact(const Scene& scene, const Body& a, const Body& b, double margin_m, StartContacts& start) {
   if (b.shape.kind == ShapeKind::kMesh) return add_mesh_contacts(scene, a, b, margin_m, start);
   physics::AxisCache cache;
   count_contact(physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin_m, cache, scene.hulls), a, b,
@@ -103,9 +100,9 @@ void add_contact(const Scene& scene, const Body<double>& a, const Body<double>& 
 }
 
 StartContacts find_start_contacts(const Scene& scene) {
-  const double margin_m = physics::StepSettings<double>{}.min_margin;
-  std::vector<const Body<double>*> dynamic, fixed;
-  std::vector<physics::Aabb<double>> bounds;
+  const double margin_m = physics::StepSettings{}.min_margin;
+  std::vector<const Body*> dynamic, fixed;
+  std::vector<physics::Aabb> bounds;
   for (const auto& body : scene.bodies) {
     (body.kind == BodyKind::kFixed ? fixed : dynamic).push_back(&body);
     if (body.kind != BodyKind::kFixed) bounds.push_back(bounds_of(body.shape, body.motion.pose, 0.5 * margin_m));

@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kRadius_m = 0.01;
 
-std::vector<physics::Body<double>> spheres_at(const std::vector<double>& heights_m) {
-  std::vector<physics::Body<double>> bodies;
+std::vector<physics::Body> spheres_at(const std::vector<double>& heights_m) {
+  std::vector<physics::Body> bodies;
   for (std::size_t k = 0; k < heights_m.size(); ++k)
-    bodies.push_back(physics::make_dynamic_body<double>(
-        static_cast<BodyId>(k), physics::Shape<double>::sphere(kRadius_m), 1.0, 0.5, Posed{{0, 0, heights_m[k]}, {}}));
+    bodies.push_back(physics::make_dynamic_body(static_cast<BodyId>(k), physics::Shape::sphere(kRadius_m), 1.0, 0.5,
+                                                Posed{{0, 0, heights_m[k]}, {}}));
   return bodies;
 }
 

@@ -56,7 +56,7 @@ TEST_CASE("random worlds: a hundred thousand seeds", "[.long]") {
 // More than half a radian in a sub-step is more than the gyroscopic term's iteration can follow.
 TEST_CASE("a small rod that a blow spins at thirty thousand radians a second stays finite") {
   CaseWorld world({});
-  auto rod = physics::make_dynamic_body<double>(0, physics::Shape<double>::capsule(0.5e-3, 2e-3), 0.01, 0.5, {});
+  auto rod = physics::make_dynamic_body(0, physics::Shape::capsule(0.5e-3, 2e-3), 0.01, 0.5, {});
   rod.motion.velocity.angular = {24000, 15000, 9000};
   world.add(rod);
   world.run(0.1);

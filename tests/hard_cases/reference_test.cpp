@@ -90,7 +90,7 @@ ContactProblem problem_of(const Scenario& scenario) {
   CaseWorld world({Accuracy::kAccurate, 1e-3});
   scenario.fill(world);
   world.run(scenario.run_s);
-  physics::World<double> before({});
+  physics::World before({});
   for (const auto& body : world.world.bodies()) REQUIRE(before.insert(body));
   world.step();
   return dump(before, world.world, world.settings.gravity, world.settings.dt);

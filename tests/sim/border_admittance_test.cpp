@@ -13,27 +13,26 @@ using test::PhysicsBench;
 constexpr double kHalf = 0.05, kMass = 0.2;
 constexpr double kRigid = 1e5;  // a2 of contacts that give way to nothing
 
-PhysicsBench<> make_bench() {
-  PhysicsBench<> bench(physics::Capacities{64, 2, 256, 256, 0});
+PhysicsBench make_bench() {
+  PhysicsBench bench(physics::Capacities{64, 2, 256, 256, 0});
   bench.settings.dt = 0.01, bench.settings.sub_steps = 10;
   return bench;
 }
 
-OutsideAnswer found(const physics::World<double>& world, std::uint32_t slot, std::vector<std::uint8_t> members,
+OutsideAnswer found(const physics::World& world, std::uint32_t slot, std::vector<std::uint8_t> members,
                     double added_inertia = kRigid, double step_s = 0.01) {
   BorderAdmittance admittance(64, 256, 4);
   members.resize(64, 0);
   admittance.index(world, added_inertia, step_s);
   return admittance.find(slot, members);
 }
-physics::Admittance<double> answer_of(const PhysicsBench<>& bench, std::uint32_t slot,
-                                      std::vector<std::uint8_t> members) {
+physics::Admittance answer_of(const PhysicsBench& bench, std::uint32_t slot, std::vector<std::uint8_t> members) {
   return found(bench.world, slot, std::move(members)).admittance;
 }
 
 // A row of cubes along x without gravity, the first pushed so that all press on each other.
-PhysicsBench<> pushed_row(std::uint32_t count, double friction) {
-  PhysicsBench<> bench = make_bench();
+PhysicsBench pushed_row(std::uint32_t count, double friction) {
+  PhysicsBench bench = make_bench();
   bench.settings.gravity = {};
   for (std::uint32_t k = 0; k < count; ++k)
     bench.add_box(k, {kHalf, kHalf, kHalf}, kMass, friction, {{2 * kHalf * k, 0, 0}, {}});
@@ -47,7 +46,7 @@ PhysicsBench<> pushed_row(std::uint32_t count, double friction) {
 }  // namespace
 
 TEST_CASE("A body that nothing touches answers with its own mass and inertia") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_box(0, {0.02, 0.03, 0.04}, kMass, 0.5, {{1, 2, 3}, quat_from_rotation_vector(Vec3d{0.3, -0.2, 0.5})});
   bench.step();
   const auto w = answer_of(bench, 0, {});
@@ -62,7 +61,7 @@ TEST_CASE("A body that nothing touches answers with its own mass and inertia") {
 }
 
 TEST_CASE("A cube that stands on the ground answers to no push, as far as its friction holds") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 3, kHalf, kMass, 0.5);
   bench.run(50);
@@ -73,7 +72,7 @@ TEST_CASE("A cube that stands on the ground answers to no push, as far as its fr
 }
 
 TEST_CASE("On slippery ground it gives way sideways, and not downwards") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0);
   bench.add_stack(0, 1, kHalf, kMass, 0);
   bench.run(50);
@@ -85,21 +84,21 @@ TEST_CASE("On slippery ground it gives way sideways, and not downwards") {
 TEST_CASE("The first outside body of a row answers with the mass of the whole row behind it") {
   const auto count = GENERATE(2u, 5u, 17u);
   const double friction = GENERATE(0.0, 0.5);
-  const PhysicsBench<> bench = pushed_row(count, friction);
+  const PhysicsBench bench = pushed_row(count, friction);
   const auto w = answer_of(bench, 1, {1});
   CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / (kMass * (count - 1))).epsilon(1e-3));
   if (friction == 0) CHECK((w * Wrenchd{{0, 1, 0}, {}}).linear.y >= (1 - 1e-3) / (kMass * (count - 1)));
 }
 
 TEST_CASE("A row longer than is followed counts as far as it is followed") {
-  const PhysicsBench<> bench = pushed_row(45, 0);
+  const PhysicsBench bench = pushed_row(45, 0);
   const auto w = answer_of(bench, 1, {1});
   const double counted = (w * Wrenchd{{1, 0, 0}, {}}).linear.x * kMass;
   CHECK(counted == Approx(1.0 / BorderAdmittance::kMostBodies).epsilon(0.01));
 }
 
 TEST_CASE("An answer never gains energy: work of any wrench on its own answer is not negative") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.4);
   test::Random random(7);
   for (BodyId k = 0; k < 12; ++k)
@@ -119,7 +118,7 @@ TEST_CASE("An answer never gains energy: work of any wrench on its own answer is
 }
 
 TEST_CASE("A contact gives way as its spring and damper do over the cycle") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 1, kHalf, kMass, 0.5);
   bench.run(50);
@@ -132,7 +131,7 @@ TEST_CASE("A contact gives way as its spring and damper do over the cycle") {
 
 TEST_CASE(
     "A body that nothing holds goes on as it moves, and so do bodies that press on each other and move together") {
-  PhysicsBench<> bench = pushed_row(5, 0.5);
+  PhysicsBench bench = pushed_row(5, 0.5);
   const Twistd moving{{0.3, -0.1, 0.2}, {}};
   for (auto& body : bench.world.bodies()) body.motion.velocity = moving;
   const Twistd goes_on = found(bench.world, 2, {1}).velocity;
@@ -146,14 +145,14 @@ TEST_CASE(
 }
 
 TEST_CASE("Bodies that press on each other and move apart go on with their common momentum") {
-  PhysicsBench<> bench = pushed_row(3, 0);
+  PhysicsBench bench = pushed_row(3, 0);
   const double speed[3] = {0, 0.2, -0.1};  // the first is a member
   for (int k = 0; k < 3; ++k) bench.world.bodies()[std::size_t(k)].motion.velocity = {{speed[k], 0, 0}, {}};
   CHECK(found(bench.world, 1, {1}).velocity.linear.x == Approx(0.05).epsilon(1e-3));
 }
 
 TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its velocity of the instant") {
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 1, kHalf, kMass, 0.5);
   bench.run(50);
@@ -167,7 +166,7 @@ TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its ve
 
 TEST_CASE("A cube that trembles on the ground stays, one that slides or is carried goes on") {
   const double friction = GENERATE(0.0, 0.5);
-  PhysicsBench<> bench = make_bench();
+  PhysicsBench bench = make_bench();
   bench.add_ground(9, friction);
   bench.add_stack(0, 1, kHalf, kMass, friction);
   bench.run(50);
@@ -185,27 +184,27 @@ namespace {
 
 // A step's world with effects, without gravity.
 struct EffectBench {
-  physics::World<double> world;
+  physics::World world;
 
-  explicit EffectBench(const physics::EffectSetups<double>& setups)
-      : world(physics::Capacities{64, 2, 256, 256, 0}, physics::Hulls<double>{}, physics::Meshes<double>{}, setups) {}
+  explicit EffectBench(const physics::EffectSetups& setups)
+      : world(physics::Capacities{64, 2, 256, 256, 0}, physics::Hulls{}, physics::Meshes{}, setups) {}
   void add_cube(BodyId id, const Vec3d& at) {
-    REQUIRE(world.insert(physics::make_dynamic_body<double>(id, physics::Shape<double>::box({kHalf, kHalf, kHalf}),
-                                                            kMass, 0.5, {at, {}})));
+    REQUIRE(
+        world.insert(physics::make_dynamic_body(id, physics::Shape::box({kHalf, kHalf, kHalf}), kMass, 0.5, {at, {}})));
   }
-  physics::Admittance<double> answer_of(std::uint32_t slot) {
-    physics::StepSettings<double> settings;
+  physics::Admittance answer_of(std::uint32_t slot) {
+    physics::StepSettings settings;
     settings.gravity = {};
     world.begin_step(settings);
-    find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     (void)world.finish_step(settings);
     return found(world, slot, {}).admittance;
   }
 };
 
-physics::EffectSetups<double> setups_of(const std::vector<physics::Joint<double>>& joints) {
-  physics::EffectSetups<double> setups;
-  std::get<physics::Joints<double>::Setup>(setups) = {joints};
+physics::EffectSetups setups_of(const std::vector<physics::Joint>& joints) {
+  physics::EffectSetups setups;
+  std::get<physics::Joints::Setup>(setups) = {joints};
   return setups;
 }
 
@@ -213,7 +212,7 @@ physics::EffectSetups<double> setups_of(const std::vector<physics::Joint<double>
 
 TEST_CASE("A door answers about its hinge alone, with its inertia there, and not where its motor holds it") {
   const bool held = GENERATE(false, true);
-  physics::Joint<double> hinge;
+  physics::Joint hinge;
   const double lever = 0.3;
   hinge.kind = physics::JointKind::kHinge, hinge.b = 0;
   hinge.a_from_joint.position = {0, 0, 1}, hinge.b_from_joint.position = {-lever, 0, 0};
@@ -230,7 +229,7 @@ TEST_CASE("A door answers about its hinge alone, with its inertia there, and not
 }
 
 TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
-  physics::Joint<double> joint;
+  physics::Joint joint;
   joint.kind = GENERATE(physics::JointKind::kFixed, physics::JointKind::kSlider, physics::JointKind::kDistance);
   const bool rod = joint.kind == physics::JointKind::kDistance;
   joint.a = 0, joint.b = 1, joint.limited = rod, joint.low = joint.high = rod ? 0.5 : 0;
@@ -248,8 +247,8 @@ TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
 
 TEST_CASE("A kinematic body answers to nothing, and is a wall to what presses on it") {
   const std::vector<physics::KinematicScript> scripts{{1, 0, 0, false}};
-  physics::EffectSetups<double> setups;
-  std::get<physics::Kinematics<double>::Setup>(setups) = {scripts, {}};
+  physics::EffectSetups setups;
+  std::get<physics::Kinematics::Setup>(setups) = {scripts, {}};
   EffectBench bench(setups);
   bench.add_cube(0, {0, 0, 0});
   bench.add_cube(1, {2 * kHalf, 0, 0});

@@ -16,13 +16,13 @@ using Border = FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>;
 constexpr double kStep_s = 0.01;
 constexpr double kRigid = 1e5;  // a2 of contacts that give way to nothing
 
-physics::StepSettings<double> settings() {
-  physics::StepSettings<double> s;
+physics::StepSettings settings() {
+  physics::StepSettings s;
   s.dt = kStep_s, s.sub_steps = 10, s.gravity = {0, 0, -9.81};
   return s;
 }
 
-void step(World<double>& world) {
+void step(World& world) {
   const auto s = settings();
   world.begin_step(s);
   REQUIRE(physics::find_pairs_brute_force(world.bounds(), world.dynamic_pairs()));
@@ -33,11 +33,11 @@ void step(World<double>& world) {
 // fall and the force between them is the card's weight times M / (m + M).
 constexpr double kPress_N = 1.0 * 9.81 * 20.0 / 21.0;
 
-std::unique_ptr<World<double>> card_on_slab() {
-  auto world = std::make_unique<World<double>>(physics::Capacities{4, 1, 16, 16, 0});
-  auto slab = physics::make_dynamic_body<double>(0, Shape<double>::box({0.5, 0.5, 0.05}), 20.0, 0.4, {{0, 0, 0}, {}});
+std::unique_ptr<World> card_on_slab() {
+  auto world = std::make_unique<World>(physics::Capacities{4, 1, 16, 16, 0});
+  auto slab = physics::make_dynamic_body(0, Shape::box({0.5, 0.5, 0.05}), 20.0, 0.4, {{0, 0, 0}, {}});
   slab.gravity_scale = 0;
-  auto card = physics::make_dynamic_body<double>(1, Shape<double>::box({0.1, 0.1, 0.02}), 1.0, 0.4, {{0, 0, 0.07}, {}});
+  auto card = physics::make_dynamic_body(1, Shape::box({0.1, 0.1, 0.02}), 1.0, 0.4, {{0, 0, 0.07}, {}});
   card.motion.velocity.linear = {0.5, 0.2, 0};
   REQUIRE(world->insert(slab));
   REQUIRE(world->insert(card));
@@ -55,11 +55,11 @@ Twistd member_answer(const haptics::OutsideBody& body, std::span<const haptics::
   return body.admittance * load;
 }
 
-Vec3d momentum_of(const World<double>& world, std::uint32_t slot) {
+Vec3d momentum_of(const World& world, std::uint32_t slot) {
   return world.bodies()[slot].mass * world.bodies()[slot].motion.velocity.linear;
 }
 
-Vec3d friction_on_slab(const World<double>& world) {
+Vec3d friction_on_slab(const World& world) {
   Vec3d sum;
   const auto& contact = world.contacts()[0];
   for (std::uint32_t i = 0; i < contact.count; ++i) sum -= contact.points[i].total_friction;  // on B, the card
@@ -91,7 +91,7 @@ TEST_CASE(
   CHECK(norm(change + (j1 + j2)) < 1e-14);
   CHECK(norm(back.impulse_Ns + (j1 + j2)) < 1e-14);
   const auto& slab = world->bodies()[0];
-  const SymMat3<double> inertia = rotate_diagonal(slab.motion.pose.rotation, slab.inertia);
+  const SymMat3d inertia = rotate_diagonal(slab.motion.pose.rotation, slab.inertia);
   Vec3d moment;
   for (const auto& entry : given) moment -= cross(entry.point - slab.motion.pose.position, entry.tangent_impulse);
   CHECK(norm(inertia * (slab.motion.velocity.angular - angular_before) - moment) < 1e-12);
@@ -195,11 +195,11 @@ TEST_CASE("A border point is where the bodies touch, with the normal from the ou
 }
 
 TEST_CASE("Contacts inside, outside or with static geometry are no border, nor are points that only came near") {
-  physics::Contact<double> contact;
+  physics::Contact contact;
   contact.slot_a = 0, contact.slot_b = 1, contact.count = 2, contact.normal = {0, 0, 1};
   contact.points[0].total_normal_impulse = 1, contact.points[0].separation = 0.001;
   contact.points[1].separation = 0.001;
-  const std::vector<physics::Body<double>> bodies(3);
+  const std::vector<physics::Body> bodies(3);
   const std::vector<Posed> start(3);
   BorderLog log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
@@ -219,8 +219,8 @@ TEST_CASE("Contacts inside, outside or with static geometry are no border, nor a
 
 TEST_CASE("When border points do not fit, those that press least are left out and the order stays") {
   constexpr std::uint32_t kContacts = 300;  // 1200 points
-  std::vector<physics::Contact<double>> contacts(kContacts);
-  std::vector<physics::Body<double>> bodies(kContacts + 1);
+  std::vector<physics::Contact> contacts(kContacts);
+  std::vector<physics::Body> bodies(kContacts + 1);
   std::vector<std::uint8_t> members(kContacts + 1, 0);
   members[0] = 1;
   for (std::uint32_t i = 0; i < kContacts; ++i) {

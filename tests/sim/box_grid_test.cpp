@@ -13,9 +13,9 @@ using tactus::test::Random;
 
 namespace {
 
-Aabb<double> box_at(const Vec3d& centre, const Vec3d& half) { return {centre - half, centre + half}; }
+Aabb box_at(const Vec3d& centre, const Vec3d& half) { return {centre - half, centre + half}; }
 
-std::vector<std::uint32_t> found_in(const BoxGrid& grid, const Aabb<double>& box) {
+std::vector<std::uint32_t> found_in(const BoxGrid& grid, const Aabb& box) {
   std::vector<std::uint32_t> found;
   grid.find(box, [&](std::uint32_t body) { found.push_back(body); });
   std::sort(found.begin(), found.end());
@@ -28,7 +28,7 @@ TEST_CASE("A grid of boxes finds what the brute-force test finds while boxes of 
   constexpr std::uint32_t kBodies = 500;
   Random random(5);
   BoxGrid grid(kBodies);
-  std::map<std::uint32_t, Aabb<double>> inside;
+  std::map<std::uint32_t, Aabb> inside;
   std::size_t hits = 0;
   for (int k = 0; k < 6000; ++k) {
     const auto body = static_cast<std::uint32_t>(random(0, kBodies));
@@ -42,7 +42,7 @@ TEST_CASE("A grid of boxes finds what the brute-force test finds while boxes of 
       grid.insert(body, inside[body]);
     }
     REQUIRE(grid.size() == inside.size());
-    const Aabb<double> box = box_at(random.vector(4), std::pow(10.0, random(-3, 1)) * abs(random.vector(0.5)));
+    const Aabb box = box_at(random.vector(4), std::pow(10.0, random(-3, 1)) * abs(random.vector(0.5)));
     std::vector<std::uint32_t> expected;
     for (const auto& [other, bounds] : inside)
       if (bounds.overlaps(box)) expected.push_back(other);

@@ -9,14 +9,14 @@ using namespace tactus::sim;
 
 // Body 0 is the proxy. The first `members` bodies are members: no other is free.
 struct Bench {
-  std::vector<physics::Body<double>> bodies;
+  std::vector<physics::Body> bodies;
   std::vector<Touch> touches;
   std::uint32_t members;
 
   Bench(const std::vector<double>& masses, std::uint32_t how_many) : members(how_many) {
     for (std::size_t i = 0; i < masses.size(); ++i)
-      bodies.push_back(physics::make_dynamic_body<double>(static_cast<BodyId>(i), physics::Shape<double>::sphere(0.1),
-                                                          masses[i], 0.5, {{10.0 * double(i), 0, 0}, {}}));
+      bodies.push_back(physics::make_dynamic_body(static_cast<BodyId>(i), physics::Shape::sphere(0.1), masses[i], 0.5,
+                                                  {{10.0 * double(i), 0, 0}, {}}));
   }
   void link(std::uint32_t a, std::uint32_t b, bool joined = false) {
     touches.push_back({a, b, {5.0 * (a + b), 0, 0}, {1, 0, 0}, joined});

@@ -84,10 +84,9 @@ TEST_CASE("Hops are shortest ways on any graph, and visiting is in their order")
 }
 
 TEST_CASE("A contact is represented by the mean of its points where the impulses act") {
-  const std::vector bodies{
-      physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(1), 1.0, 0.5, {{10, 0, 0}, {}}),
-      physics::make_dynamic_body<double>(1, physics::Shape<double>::sphere(1), 1.0, 0.5, {{12, 0, 0}, {}})};
-  physics::Contact<double> contact;
+  const std::vector bodies{physics::make_dynamic_body(0, physics::Shape::sphere(1), 1.0, 0.5, {{10, 0, 0}, {}}),
+                           physics::make_dynamic_body(1, physics::Shape::sphere(1), 1.0, 0.5, {{12, 0, 0}, {}})};
+  physics::Contact contact;
   contact.slot_a = 0, contact.slot_b = 1, contact.normal = {1, 0, 0}, contact.count = 2;
   contact.points[0].from_a = {1, 0, 0};
   contact.points[1].from_a = {1, 4, 0};

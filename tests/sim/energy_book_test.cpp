@@ -56,15 +56,15 @@ TEST_CASE("a scene that begins anew has its energy again") {
 }
 
 TEST_CASE("a pressed contact's spring is m w^2 e^2 / 2 of what it overlaps beyond the slop, where its body is now") {
-  physics::World<double> world({.bodies = 2, .fixed_bodies = 1, .pairs = 8, .contacts = 8});
-  physics::StepSettings<double> settings;
+  physics::World world({.bodies = 2, .fixed_bodies = 1, .pairs = 8, .contacts = 8});
+  physics::StepSettings settings;
   settings.gravity = {};
-  REQUIRE(world.insert(physics::make_fixed_body<double>(1, physics::Shape<double>::plane(), 0, {})));
+  REQUIRE(world.insert(physics::make_fixed_body(1, physics::Shape::plane(), 0, {})));
   const double radius = 0.02, mass = 0.5, deep = 1e-3;
-  REQUIRE(world.insert(physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(radius), mass, 0,
-                                                          {{0, 0, radius - deep}, {}})));
+  REQUIRE(world.insert(
+      physics::make_dynamic_body(0, physics::Shape::sphere(radius), mass, 0, {{0, 0, radius - deep}, {}})));
   world.begin_step(settings);
-  (void)physics::find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+  (void)physics::find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
   (void)world.finish_step(settings);
   const double omega = 2 * 3.14159265358979 * settings.contact_hertz;
   const double left = radius - world.bodies()[0].motion.pose.position.z - settings.slop;

@@ -9,12 +9,11 @@ namespace {
 
 using namespace tactus;
 using namespace tactus::sim;
-using Bodies = std::vector<physics::Body<double>>;
+using Bodies = std::vector<physics::Body>;
 using Slots = std::vector<std::uint32_t>;
 
-physics::Body<double> ball(std::size_t id, const Vec3d& where, double mass = 1) {
-  return physics::make_dynamic_body<double>(static_cast<BodyId>(id), physics::Shape<double>::sphere(0.1), mass, 0.5,
-                                            {where, {}});
+physics::Body ball(std::size_t id, const Vec3d& where, double mass = 1) {
+  return physics::make_dynamic_body(static_cast<BodyId>(id), physics::Shape::sphere(0.1), mass, 0.5, {where, {}});
 }
 
 // A world of hand-made contacts: body 0 is the proxy, at the origin; the others are far from the cube unless placed.

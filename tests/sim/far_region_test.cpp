@@ -21,15 +21,14 @@ Scene with_stacks(std::initializer_list<double> places, unsigned far_sub_steps_p
   scene.solver.global_sub_steps_per_tick = 4;
   scene.solver.far_sub_steps_per_tick = far_sub_steps_per_tick;
   scene.proxy = 0;
-  scene.bodies.push_back(
-      physics::make_dynamic_body<double>(0, Shape<double>::sphere(0.02), 0.2, 0.5, {{0, 0, 0.33}, {}}));
+  scene.bodies.push_back(physics::make_dynamic_body(0, Shape::sphere(0.02), 0.2, 0.5, {{0, 0, 0.33}, {}}));
   scene.bodies[0].gravity_scale = 0;
-  scene.bodies.push_back(physics::make_fixed_body<double>(1, Shape<double>::plane(), 0.5, {}));
+  scene.bodies.push_back(physics::make_fixed_body(1, Shape::plane(), 0.5, {}));
   for (const double x : places)
     for (int k = 0; k < 3; ++k)
-      scene.bodies.push_back(physics::make_dynamic_body<double>(static_cast<BodyId>(scene.bodies.size()),
-                                                                Shape<double>::box({kHalf_m, kHalf_m, kHalf_m}),
-                                                                kMass_kg, 0.5, {{x, 0, kHalf_m * (2 * k + 1)}, {}}));
+      scene.bodies.push_back(physics::make_dynamic_body(static_cast<BodyId>(scene.bodies.size()),
+                                                        Shape::box({kHalf_m, kHalf_m, kHalf_m}), kMass_kg, 0.5,
+                                                        {{x, 0, kHalf_m * (2 * k + 1)}, {}}));
   return scene;
 }
 
@@ -43,7 +42,7 @@ struct Bench {
   void run(int steps) {
     for (int i = 0; i < steps; ++i) report->cycle = snapshot->cycle, world.step(*report, *snapshot);
   }
-  const physics::BodyMotion<double>& motion(BodyId id) const {
+  const physics::BodyMotion& motion(BodyId id) const {
     return world.world().bodies()[static_cast<std::size_t>(world.world().slot_of(id))].motion;
   }
   double force_on_ground_N(BodyId id) const {

@@ -16,14 +16,14 @@ namespace {
 
 constexpr double kMargin_m = 5e-4;
 
-physics::Manifold<double> touch(const Body<double>& a, const Body<double>& b) {
+physics::Manifold touch(const Body& a, const Body& b) {
   physics::AxisCache cache;
   return physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, kMargin_m, cache);
 }
 
-const Body<double> kGround = physics::make_fixed_body(kNoBody, physics::Shape<double>::plane(), 0.5, Posed{});
+const Body kGround = physics::make_fixed_body(kNoBody, physics::Shape::plane(), 0.5, Posed{});
 
-double least_separation(const physics::Manifold<double>& manifold) {
+double least_separation(const physics::Manifold& manifold) {
   double least = kMargin_m;
   for (std::uint32_t i = 0; i < manifold.count; ++i) least = std::min(least, manifold.points[i].separation);
   return least;

@@ -15,10 +15,10 @@ Scene pile() {
   Scene scene;
   scene.effects = {true, true, true};
   for (unsigned i = 0; i < 12; ++i)
-    scene.bodies.push_back(physics::make_dynamic_body<double>(i, physics::Shape<double>::box({0.05, 0.05, 0.05}), 0.2,
-                                                              0.5, {{0.02 * (i % 3), 0, 0.05 + 0.11 * i}, {}}));
+    scene.bodies.push_back(physics::make_dynamic_body(i, physics::Shape::box({0.05, 0.05, 0.05}), 0.2, 0.5,
+                                                      {{0.02 * (i % 3), 0, 0.05 + 0.11 * i}, {}}));
   scene.proxy = 0;
-  scene.bodies.push_back(physics::make_fixed_body<double>(12, physics::Shape<double>::plane(), 0.5, {}));
+  scene.bodies.push_back(physics::make_fixed_body(12, physics::Shape::plane(), 0.5, {}));
   return scene;
 }
 

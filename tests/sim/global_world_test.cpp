@@ -21,11 +21,10 @@ Scene stack(unsigned cubes) {
   Scene scene;
   scene.effects = {true, true, true};
   for (unsigned i = 0; i < cubes; ++i)
-    scene.bodies.push_back(
-        physics::make_dynamic_body<double>(i, Shape<double>::box({kSide_m / 2, kSide_m / 2, kSide_m / 2}), kMass_kg,
-                                           0.5, {{0, 0, kSide_m * (0.5 + i)}, {}}));
+    scene.bodies.push_back(physics::make_dynamic_body(i, Shape::box({kSide_m / 2, kSide_m / 2, kSide_m / 2}), kMass_kg,
+                                                      0.5, {{0, 0, kSide_m * (0.5 + i)}, {}}));
   scene.proxy = cubes - 1;
-  scene.bodies.push_back(physics::make_fixed_body<double>(cubes, Shape<double>::plane(), 0.5, {}));
+  scene.bodies.push_back(physics::make_fixed_body(cubes, Shape::plane(), 0.5, {}));
   return scene;
 }
 
@@ -33,8 +32,7 @@ Scene stack(unsigned cubes) {
 Scene floating(unsigned balls) {
   Scene scene;
   for (unsigned i = 0; i < balls; ++i)
-    scene.bodies.push_back(
-        physics::make_dynamic_body<double>(i, Shape<double>::sphere(0.1), 2.0, 0.5, {{3.0 * i, 0, 0}, {}}));
+    scene.bodies.push_back(physics::make_dynamic_body(i, Shape::sphere(0.1), 2.0, 0.5, {{3.0 * i, 0, 0}, {}}));
   scene.proxy = 0;
   return scene;
 }
@@ -60,7 +58,7 @@ struct Bench {
     report->cycle = snapshot->cycle;
     world.step(*report, *snapshot);
   }
-  const physics::Body<double>& body(std::uint32_t slot) const { return world.world().bodies()[slot]; }
+  const physics::Body& body(std::uint32_t slot) const { return world.world().bodies()[slot]; }
 };
 
 std::vector<BodyId> ids(const WorldSnapshot& snapshot) { return {snapshot.members.begin(), snapshot.members.end()}; }

@@ -9,15 +9,14 @@ using namespace tactus;
 using sim::ContactGraph;
 using sim::Influence;
 using sim::Touch;
-using Bodies = std::vector<physics::Body<double>>;
+using Bodies = std::vector<physics::Body>;
 
 // Spheres of 0.2 m in a row along x, touching; body 0 is the proxy.
 Bodies row(const std::vector<double>& masses) {
   Bodies bodies;
   for (const double mass : masses) {
     const auto id = static_cast<BodyId>(bodies.size());
-    bodies.push_back(
-        physics::make_dynamic_body<double>(id, physics::Shape<double>::sphere(0.1), mass, 0.5, {{0.2 * id, 0, 0}, {}}));
+    bodies.push_back(physics::make_dynamic_body(id, physics::Shape::sphere(0.1), mass, 0.5, {{0.2 * id, 0, 0}, {}}));
   }
   return bodies;
 }
@@ -72,7 +71,7 @@ TEST_CASE("A lever arm couples contacts at right angles") {
   const double m = 2, l = 0.5;
   Bodies bodies = row({1, m, 1});
   bodies[0].mass = bodies[2].mass = 1e9;  // only the rod's own terms are left in A
-  bodies[1].shape = physics::Shape<double>::box({l, 0.01, 0.01});
+  bodies[1].shape = physics::Shape::box({l, 0.01, 0.01});
   bodies[1].inertia = {1e-3, 0.2, 0.25};
   bodies[0].motion.pose.position = {-l, -0.1, 0};
   bodies[1].motion.pose.position = {0, 0, 0};
@@ -110,9 +109,8 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
     Bodies bodies;
     for (BodyId id = 0; id < 6; ++id) {
       const Vec3d where{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
-      bodies.push_back(physics::make_dynamic_body<double>(id, physics::Shape<double>::box({0.1, 0.2, 0.3}),
-                                                          uniform(0.1, 5), 0.5,
-                                                          {where, quat_from_rotation_vector(5.0 * where)}));
+      bodies.push_back(physics::make_dynamic_body(id, physics::Shape::box({0.1, 0.2, 0.3}), uniform(0.1, 5), 0.5,
+                                                  {where, quat_from_rotation_vector(5.0 * where)}));
     }
     std::vector<Touch> touches;
     for (std::uint32_t a = 0; a < 6; ++a)
@@ -127,7 +125,7 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
     const auto coupling = [&](const Touch& c, const Touch& d, std::uint32_t body) {
       const auto& q = bodies[body];
       const Vec3d inverse{1 / q.inertia.x, 1 / q.inertia.y, 1 / q.inertia.z};
-      const SymMat3<double> i = rotate_diagonal(q.motion.pose.rotation, inverse);
+      const SymMat3d i = rotate_diagonal(q.motion.pose.rotation, inverse);
       const Vec3d rc = cross(c.point - q.motion.pose.position, c.normal);
       const Vec3d rd = cross(d.point - q.motion.pose.position, d.normal);
       return dot(c.normal, d.normal) / q.mass + dot(rc, i * rd);

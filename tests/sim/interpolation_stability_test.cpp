@@ -23,8 +23,7 @@ AxisLimits device() { return {kTick_s, kDelayTicks * kTick_s, 0.3, 0.5}; }
 // A push of the device by 1 mm. True when it dies out: the proxy floats, and nobody holds the device.
 bool dies_out(double proxy_kg, unsigned ratio, double stiffness, double damping) {
   sim::Scene scene;
-  scene.bodies.push_back(
-      physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(0.01), proxy_kg, 0.5, {{0, 0, 0}, {}}));
+  scene.bodies.push_back(physics::make_dynamic_body(0, physics::Shape::sphere(0.01), proxy_kg, 0.5, {{0, 0, 0}, {}}));
   scene.proxy = 0;
   sim::GlobalOptions options;
   options.coupling = CouplingScheme::kInterpolation;

@@ -9,13 +9,13 @@ using physics::Mesh;
 
 namespace {
 
-unsigned edges_of(const Mesh<double>& mesh, EdgeKind kind) {
+unsigned edges_of(const Mesh& mesh, EdgeKind kind) {
   unsigned count = 0;
   for (const auto& t : mesh.triangles) count += static_cast<unsigned>(std::count(t.edge.begin(), t.edge.end(), kind));
   return count;
 }
 
-void check_neighbours(const Mesh<double>& mesh) {
+void check_neighbours(const Mesh& mesh) {
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t n = mesh.triangles[i].neighbour[k];
@@ -155,11 +155,11 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
     soup.triangles.push_back({first, first + 1, first + 2});
   }
   const BuiltMesh made = built(soup);
-  const Mesh<double>& mesh = made.mesh;
+  const Mesh& mesh = made.mesh;
   int whole = 0, cut = 0;
   for (int n = 0; n < 2000; ++n) {
     const Vec3d at = random.vec(1.2), half = Vec3d{1, 1, 1} * random.log_uniform(1e-3, 0.6);
-    const physics::Aabb<double> box{at - half, at + half};
+    const physics::Aabb box{at - half, at + half};
     std::vector<std::uint32_t> expected;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       if (mesh.box_of(t).overlaps(box)) expected.push_back(t);
@@ -183,8 +183,8 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
 
 TEST_CASE("where there are too many triangles the nearest stay") {
   const BuiltMesh made = built(flat_grid(40, 0.01, 3));
-  const Mesh<double>& mesh = made.mesh;
-  const physics::Aabb<double> box{{-0.15, -0.15, -0.01}, {0.15, 0.15, 0.01}};
+  const Mesh& mesh = made.mesh;
+  const physics::Aabb box{{-0.15, -0.15, -0.01}, {0.15, 0.15, 0.01}};
   physics::TriangleList found;
   find_triangles(mesh, box, found);
   REQUIRE(found.left_out > 0);

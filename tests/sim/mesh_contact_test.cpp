@@ -10,27 +10,25 @@ using physics::Shape;
 
 namespace {
 
-const Shape<double> kBox = Shape<double>::box({0.05, 0.04, 0.03});
-const Shape<double> kBall = Shape<double>::sphere(0.03);
-const Shape<double> kCapsule = Shape<double>::capsule(0.02, 0.04);
+const Shape kBox = Shape::box({0.05, 0.04, 0.03});
+const Shape kBall = Shape::sphere(0.03);
+const Shape kCapsule = Shape::capsule(0.02, 0.04);
 
 // How high the lowest point of the shape is above its centre's height, lying as given.
-double rest_height(const Shape<double>& shape) {
+double rest_height(const Shape& shape) {
   return shape.kind == physics::ShapeKind::kBox ? shape.half_extents.z : shape.radius;
 }
 
 const Posed kOnItsSide{{}, quat_from_rotation_vector(Vec3d{0, 1.5707963267948966, 0})};
 
-Quatd lying(const Shape<double>& shape) {
-  return shape.kind == physics::ShapeKind::kCapsule ? kOnItsSide.rotation : Quatd{};
-}
+Quatd lying(const Shape& shape) { return shape.kind == physics::ShapeKind::kCapsule ? kOnItsSide.rotation : Quatd{}; }
 
 // The same body on a plane: what the engine itself makes of this load.
-double height_on_plane(const Shape<double>& shape, int steps) {
-  physics::World<double> world(MeshBench::capacities());
-  world.insert(physics::make_fixed_body(0, Shape<double>::plane(), 0.5, Posed{}));
+double height_on_plane(const Shape& shape, int steps) {
+  physics::World world(MeshBench::capacities());
+  world.insert(physics::make_fixed_body(0, Shape::plane(), 0.5, Posed{}));
   world.insert(physics::make_dynamic_body(1, shape, 1.0, 0.5, Posed{{0.011, 0.007, rest_height(shape)}, lying(shape)}));
-  physics::StepSettings<double> settings;
+  physics::StepSettings settings;
   settings.gravity = {0, 0, -kGravity};
   for (int i = 0; i < steps; ++i) world.begin_step(settings), world.finish_step(settings);
   return world.bodies()[0].motion.pose.position.z;
@@ -39,7 +37,7 @@ double height_on_plane(const Shape<double>& shape, int steps) {
 }  // namespace
 
 TEST_CASE("what rests on a floor of triangles is as high as on a plane") {
-  const Shape<double>& shape = GENERATE(kBox, kBall, kCapsule);
+  const Shape& shape = GENERATE(kBox, kBall, kCapsule);
   MeshBench bench(flat_grid(20, 0.017, 3));
   CHECK(bench.mesh().patches.size() == 1);
   auto& body = bench.add(shape, 1.0, 0.5, {{0.011, 0.007, rest_height(shape)}, lying(shape)});
@@ -50,7 +48,7 @@ TEST_CASE("what rests on a floor of triangles is as high as on a plane") {
 }
 
 TEST_CASE("nothing that slides over a flat grid of triangles feels its seams") {
-  const Shape<double>& shape = GENERATE(kBox, kBall, kCapsule);
+  const Shape& shape = GENERATE(kBox, kBall, kCapsule);
   const std::uint32_t seed = GENERATE(1u, 2u, 3u);
   const double speed = GENERATE(0.1, 1.0);
   const double heading = GENERATE(0.0, 0.4, 0.7853981633974483);
@@ -77,7 +75,7 @@ TEST_CASE("nothing that slides over a flat grid of triangles feels its seams") {
 }
 
 TEST_CASE("corners in the middle of edges are no seam: strips of other widths side by side are one floor") {
-  const Shape<double>& shape = GENERATE(kBox, kBall, kCapsule);
+  const Shape& shape = GENERATE(kBox, kBall, kCapsule);
   TriangleSoup floor;
   const auto strip = [&floor](double x0, double x1, unsigned count) {
     for (unsigned j = 0; j < count; ++j) {
@@ -103,7 +101,7 @@ TEST_CASE("corners in the middle of edges are no seam: strips of other widths si
 }
 
 TEST_CASE("on a floor that is not quite flat what slides is lifted by no more than its slopes") {
-  const Shape<double>& shape = GENERATE(kBox, kBall, kCapsule);
+  const Shape& shape = GENERATE(kBox, kBall, kCapsule);
   const std::uint32_t seed = GENERATE(1u, 2u, 3u, 4u);
   Random random(seed);
   constexpr double cell = 0.02, rough = 2e-5, speed = 0.1;  // slopes up to 2 rough / cell in each direction
@@ -159,11 +157,11 @@ TEST_CASE("an edge or corner pushes a ball only where no triangle at it is neare
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       if (const double d = norm(c - nearest_on(t, c)); d < least) least = d, first = t;
     if (dot(mesh.normals[first], c - mesh.place(mesh.triangles[first], 0)) < 1e-3) continue;  // below the ground
-    const Shape<double> ball = Shape<double>::sphere(0.02 + least);
+    const Shape ball = Shape::sphere(0.02 + least);
     double found = 1e9;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const std::uint32_t alone[] = {t};
-      const auto m = physics::collide_patch<double>(ball, {c, {}}, {}, mesh, alone, 0.0, {});
+      const auto m = physics::collide_patch(ball, {c, {}}, {}, mesh, alone, 0.0, {});
       if (m.count == 0) continue;
       const double distance = m.points[0].separation + ball.radius;
       found = std::min(found, distance);
@@ -204,7 +202,7 @@ TEST_CASE("a box on a ramp of two triangles holds below the friction angle and s
 TEST_CASE("a ball on the edge of a mesh box is pushed as by the box itself") {
   const Vec3d half{0.1, 0.1, 0.1};
   const BuiltMesh made = built(box_soup(half));
-  const Shape<double> box = Shape<double>::box(half);
+  const Shape box = Shape::box(half);
   Random random(5);
   int edges = 0, corners = 0;
   for (int n = 0; n < 3000; ++n) {
@@ -212,7 +210,7 @@ TEST_CASE("a ball on the edge of a mesh box is pushed as by the box itself") {
     const Vec3d nearest{std::clamp(p.x, -0.1, 0.1), std::clamp(p.y, -0.1, 0.1), std::clamp(p.z, -0.1, 0.1)};
     const double distance = norm(p - nearest);
     if (distance < 1e-3) continue;
-    const Shape<double> ball = Shape<double>::sphere(distance + random.uniform(-2e-4, 1e-3));
+    const Shape ball = Shape::sphere(distance + random.uniform(-2e-4, 1e-3));
     const auto expected = physics::test::touch(ball, {p, {}}, box, {}, 5e-4);
     REQUIRE(expected.count == 1);
     // The patches' manifolds: those that there are agree, and there is one at least; an edge has one owner.
@@ -221,7 +219,7 @@ TEST_CASE("a ball on the edge of a mesh box is pushed as by the box itself") {
       std::vector<std::uint32_t> triangles;
       for (std::uint32_t t = 0; t < made.mesh.triangles.size(); ++t)
         if (made.mesh.triangles[t].patch == patch) triangles.push_back(t);
-      const auto m = physics::collide_patch<double>(ball, {p, {}}, {}, made.mesh, triangles, 5e-4, {});
+      const auto m = physics::collide_patch(ball, {p, {}}, {}, made.mesh, triangles, 5e-4, {});
       if (m.count == 0) continue;
       ++found;
       CHECK(m.points[0].separation == Approx(expected.points[0].separation).margin(1e-9));
@@ -240,12 +238,12 @@ TEST_CASE("a box on a mesh table of the size of a table behaves as on a box: on 
   const Vec3d half{0.2, 0.2, 0.1};
   const auto run = [&](bool mesh, const Posed& start, int steps) {
     const BuiltMesh made = built(box_soup(half));
-    const std::vector<physics::Mesh<double>> meshes{made.mesh};
-    physics::World<double> world(MeshBench::capacities(), {}, meshes);
-    const auto table = mesh ? Shape<double>::mesh(half, 0) : Shape<double>::box(half);
+    const std::vector<physics::Mesh> meshes{made.mesh};
+    physics::World world(MeshBench::capacities(), {}, meshes);
+    const auto table = mesh ? Shape::mesh(half, 0) : Shape::box(half);
     world.insert(physics::make_fixed_body(0, table, 0.5, Posed{}));
     world.insert(physics::make_dynamic_body(1, kBox, 1.0, 0.5, start));
-    physics::StepSettings<double> settings;
+    physics::StepSettings settings;
     settings.gravity = {0, 0, -kGravity};
     for (int i = 0; i < steps; ++i) world.begin_step(settings), world.finish_step(settings);
     return world.bodies()[0].motion;
@@ -279,23 +277,23 @@ TEST_CASE("a box on a mesh table of the size of a table behaves as on a box: on 
 }
 
 TEST_CASE("a hull on a mesh rests as high as on a plane") {
-  std::vector<physics::Hull<double>> hulls;
-  const physics::BoxHull<double> box({0.05, 0.04, 0.03});
+  std::vector<physics::Hull> hulls;
+  const physics::BoxHull box({0.05, 0.04, 0.03});
   std::vector<Vec3d> points;
   for (std::uint32_t k = 0; k < 8; ++k) points.push_back(box.view().vertex(k));
-  physics::Hull<double> hull;
+  physics::Hull hull;
   Posed frame;
   REQUIRE(physics::make_hull(points, physics::kBoxTopology, hull, frame) == physics::HullFault::kNone);
   hulls.push_back(hull);
   const BuiltMesh made = built(flat_grid(20, 0.017, 4));
-  const std::vector<physics::Mesh<double>> meshes{made.mesh};
-  physics::World<double> world(MeshBench::capacities(), hulls, meshes);
-  world.insert(physics::make_fixed_body(0, Shape<double>::mesh(meshes[0].half_extents, 0), 0.5, Posed{}));
-  auto body = physics::make_dynamic_body(1, Shape<double>::convex(hull, 0), 1.0, 0.5,
-                                         Posed{{0.011, 0.007, hull.half_extents.z}, {}});
+  const std::vector<physics::Mesh> meshes{made.mesh};
+  physics::World world(MeshBench::capacities(), hulls, meshes);
+  world.insert(physics::make_fixed_body(0, Shape::mesh(meshes[0].half_extents, 0), 0.5, Posed{}));
+  auto body =
+      physics::make_dynamic_body(1, Shape::convex(hull, 0), 1.0, 0.5, Posed{{0.011, 0.007, hull.half_extents.z}, {}});
   body.inertia = hull.inertia_per_kg;
   world.insert(body);
-  physics::StepSettings<double> settings;
+  physics::StepSettings settings;
   settings.gravity = {0, 0, -kGravity};
   for (int i = 0; i < 500; ++i) world.begin_step(settings), world.finish_step(settings);
   CHECK(world.bodies()[0].motion.pose.position.z == Approx(hull.half_extents.z).margin(5e-5));
@@ -309,8 +307,8 @@ TEST_CASE("a ball in a bowl of triangles comes to rest at its bottom, and nothin
       40, 0.02, [](double x, double y) { return 1.2 * (x * x + y * y); }, [&] { return random.below(2) == 0; });
   MeshBench bench(bowl);
   bench.add(kBall, 0.2, 0.5, {{0.15, 0.1, 0.12}, {}});
-  bench.add(Shape<double>::box({0.02, 0.02, 0.02}), 0.1, 0.5, {{-0.15, 0.1, 0.15}, {}});
-  bench.add(Shape<double>::capsule(0.015, 0.02), 0.1, 0.5, {{0.0, -0.2, 0.15}, {}});
+  bench.add(Shape::box({0.02, 0.02, 0.02}), 0.1, 0.5, {{-0.15, 0.1, 0.15}, {}});
+  bench.add(Shape::capsule(0.015, 0.02), 0.1, 0.5, {{0.0, -0.2, 0.15}, {}});
   for (int i = 0; i < 4000; ++i) {
     bench.step();
     for (const auto& body : bench.world.bodies()) {
@@ -337,7 +335,7 @@ TEST_CASE("odd triangles give finite motion: needles, doubles, no area, a corner
   triangle({0.1, 0.1, 0}, {0.1, 0.1, 0}, {0.1, 0.1, 0});        // a point
   const BuiltMesh made = built(soup);
   CHECK(made.account.without_area == 2);
-  const Shape<double>& shape = GENERATE(kBox, kBall, kCapsule);
+  const Shape& shape = GENERATE(kBox, kBall, kCapsule);
   Random random(11);
   for (int n = 0; n < 30; ++n) {
     MeshBench bench(made, 0.5, {});
@@ -362,7 +360,7 @@ TEST_CASE("a mesh is one-sided: from behind nothing is felt") {
 
 TEST_CASE("a ball that comes fast is stopped by a sheet: the margin looks a step ahead") {
   MeshBench bench(flat_grid(4, 0.1, 1));
-  auto& body = bench.add(Shape<double>::sphere(0.005), 0.1, 0.5, {{0.01, 0.02, 0.1}, {}});
+  auto& body = bench.add(Shape::sphere(0.005), 0.1, 0.5, {{0.01, 0.02, 0.1}, {}});
   body.motion.velocity.linear = {0, 0, -15};  // 15 mm a step: three radii, and within the largest margin
   bench.run(50);
   CHECK(body.motion.pose.position.z > 0);
@@ -370,7 +368,7 @@ TEST_CASE("a ball that comes fast is stopped by a sheet: the margin looks a step
 
 TEST_CASE("bodies near to too many triangles keep the nearest, and it is told") {
   MeshBench bench(flat_grid(60, 0.002, 2));
-  auto& body = bench.add(Shape<double>::box({0.05, 0.05, 0.01}), 1.0, 0.5, {{0, 0, 0.01}, {}});
+  auto& body = bench.add(Shape::box({0.05, 0.05, 0.01}), 1.0, 0.5, {{0, 0, 0.01}, {}});
   bench.run(3);
   CHECK((bench.report.capacity_bits & physics::kMeshTrianglesFull) != 0);
   CHECK(bench.report.dropped > 0);

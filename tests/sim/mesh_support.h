@@ -66,7 +66,7 @@ struct MeshBench {
       : MeshBench(built(soup), friction, world_from_soup) {}
   MeshBench(BuiltMesh made, double friction, const Posed& world_from_soup)
       : parts(made.parts), meshes{made.mesh}, world(capacities(), {}, meshes) {
-    world.insert(physics::make_fixed_body(0, physics::Shape<double>::mesh(meshes[0].half_extents, 0), friction,
+    world.insert(physics::make_fixed_body(0, physics::Shape::mesh(meshes[0].half_extents, 0), friction,
                                           world_from_soup * made.given_from_body));
     settings.gravity = {0, 0, -kGravity};
   }
@@ -77,26 +77,26 @@ struct MeshBench {
     return c;
   }
 
-  physics::Body<double>& add(const physics::Shape<double>& shape, double mass, double friction, const Posed& pose) {
+  physics::Body& add(const physics::Shape& shape, double mass, double friction, const Posed& pose) {
     const auto id = static_cast<BodyId>(world.bodies().size() + 1);
     REQUIRE(world.insert(physics::make_dynamic_body(id, shape, mass, friction, pose)));
     return world.bodies()[world.bodies().size() - 1];
   }
   void step() {
     world.begin_step(settings);
-    find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     report = world.finish_step(settings);
   }
   void run(int steps) {
     for (int i = 0; i < steps; ++i) step();
   }
-  const physics::Mesh<double>& mesh() const { return meshes[0]; }
+  const physics::Mesh& mesh() const { return meshes[0]; }
 
   std::shared_ptr<const MeshParts> parts;
-  std::vector<physics::Mesh<double>> meshes;
-  physics::World<double> world;
-  physics::StepSettings<double> settings;
-  physics::StepReport<double> report;
+  std::vector<physics::Mesh> meshes;
+  physics::World world;
+  physics::StepSettings settings;
+  physics::StepReport report;
 };
 
 }  // namespace tactus::sim::test

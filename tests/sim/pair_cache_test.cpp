@@ -19,7 +19,7 @@ Keys by_cache(PairCache& cache, const Boxes& boxes) {
   return sorted_keys(pairs);
 }
 
-Aabb<double> moved(const Aabb<double>& box, const Vec3d& by) { return {box.lower + by, box.upper + by}; }
+Aabb moved(const Aabb& box, const Vec3d& by) { return {box.lower + by, box.upper + by}; }
 
 // n boxes of 0.1 to 0.2 m, closely packed, one in fifty of 1 to 3 m.
 Boxes heap(std::uint32_t n, Random& random) {
@@ -97,7 +97,7 @@ TEST_CASE("Kept pairs come in the order of their keys, so that a world need not 
 }
 
 TEST_CASE("More pairs than there is room for: what fits is found, and it is said") {
-  Boxes boxes(40, Aabb<double>{{0, 0, 0}, {1, 1, 1}});  // 780 pairs
+  Boxes boxes(40, Aabb{{0, 0, 0}, {1, 1, 1}});  // 780 pairs
   PairCache cache(40, 100);
   for (int step = 0; step < 20; ++step) {
     BoundedVector<physics::SlotPair> pairs(100);

@@ -28,7 +28,7 @@ class BoxMaker {
   explicit BoxMaker(unsigned seed) : random_(seed) {}
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   Vec3d point(double half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
-  physics::Aabb<double> box(const Vec3d& centre, double size) {
+  physics::Aabb box(const Vec3d& centre, double size) {
     const Vec3d half{size * uniform(0.1, 0.5), size * uniform(0.1, 0.5), size * uniform(0.1, 0.5)};
     return {centre - half, centre + half};
   }

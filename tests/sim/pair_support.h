@@ -10,7 +10,7 @@
 
 namespace tactus::test {
 
-using Boxes = std::vector<physics::Aabb<double>>;
+using Boxes = std::vector<physics::Aabb>;
 using Keys = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 // The lower body first.
@@ -28,7 +28,7 @@ inline BoundedVector<physics::SlotPair> room_for_pairs(const Boxes& boxes) {
 
 inline Keys by_brute_force(const Boxes& boxes) {
   auto pairs = room_for_pairs(boxes);
-  REQUIRE(physics::find_pairs_brute_force<double>(boxes, pairs));
+  REQUIRE(physics::find_pairs_brute_force(boxes, pairs));
   return sorted_keys(pairs);
 }
 

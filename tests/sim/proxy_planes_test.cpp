@@ -15,15 +15,15 @@ using Planes = FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>;
 
 // A cube of 0.1 m and 1 kg that falls onto the ground, or onto another cube there.
 struct Bench {
-  World<double> world{{.bodies = 4, .fixed_bodies = 2, .pairs = 32, .contacts = 32}};
-  StepSettings<double> settings;
+  World world{{.bodies = 4, .fixed_bodies = 2, .pairs = 32, .contacts = 32}};
+  StepSettings settings;
 
   explicit Bench(bool on_cube, BodyId proxy) {
     settings.dt = kStep_s, settings.sub_steps = 8, settings.gravity = {0, 0, -9.81};
-    REQUIRE(world.insert(make_fixed_body<double>(50, Shape<double>::plane(), 0.5, {})));
-    const auto cube = Shape<double>::box({0.05, 0.05, 0.05});
-    if (on_cube) REQUIRE(world.insert(make_dynamic_body<double>(1, cube, 1.0, 0.5, {{0, 0, 0.05}, {}})));
-    REQUIRE(world.insert(make_dynamic_body<double>(proxy, cube, 1.0, 0.5, {{0, 0, on_cube ? 0.15 : 0.05}, {}})));
+    REQUIRE(world.insert(make_fixed_body(50, Shape::plane(), 0.5, {})));
+    const auto cube = Shape::box({0.05, 0.05, 0.05});
+    if (on_cube) REQUIRE(world.insert(make_dynamic_body(1, cube, 1.0, 0.5, {{0, 0, 0.05}, {}})));
+    REQUIRE(world.insert(make_dynamic_body(proxy, cube, 1.0, 0.5, {{0, 0, on_cube ? 0.15 : 0.05}, {}})));
     world.index_fixed_bodies();
     for (int i = 0; i < 100; ++i) {
       world.begin_step(settings);

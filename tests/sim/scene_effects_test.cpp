@@ -37,7 +37,7 @@ std::string cube(const std::string& name, const std::string& at, const std::stri
       more);
 }
 template <class Room>
-const typename Room::Setup& setup_of(const physics::EffectSetups<double>& setups) {
+const typename Room::Setup& setup_of(const physics::EffectSetups& setups) {
   return std::get<typename Room::Setup>(setups);
 }
 
@@ -87,24 +87,24 @@ TEST_CASE("keys of effects are read into what the worlds are told") {
       "[[body]]\nshape = \"sphere\"\nradius_m = 0.1\nmass_kg = 2\nattraction_weight = 3\n"
       "[[attraction]]\nbody = \"a\"\nstrength_Nm2 = 4\nsoftening_m = 0.5\n");
   const auto setups = effect_setups(scene);
-  CHECK(setup_of<physics::Damping<double>>(setups).linear_per_s == 0.5);
-  CHECK(setup_of<physics::Damping<double>>(setups).angular_per_s == 2);
-  const auto& drag = setup_of<physics::Drag<double>>(setups);
+  CHECK(setup_of<physics::Damping>(setups).linear_per_s == 0.5);
+  CHECK(setup_of<physics::Damping>(setups).angular_per_s == 2);
+  const auto& drag = setup_of<physics::Drag>(setups);
   CHECK(drag.flow == Vec3d{1, 0, 0});
   REQUIRE(drag.per_m.size() == 5);
   CHECK(drag.per_m[4] == Approx(1000 * 0.4 * 3.14159265 * 0.01 / (2 * 2)));  // a disk of the sphere's radius
   CHECK(drag.per_m[1] == Approx(1000 * 0.4 * 0.06 / 4 / (2 * 1)));           // a quarter of the cube's surface
-  const auto& kinematics = setup_of<physics::Kinematics<double>>(setups);
+  const auto& kinematics = setup_of<physics::Kinematics>(setups);
   REQUIRE(kinematics.scripts.size() == 2);
   CHECK(kinematics.scripts[0].keys == 2);
   CHECK(kinematics.scripts[0].repeat);
   CHECK(kinematics.scripts[1].keys == 0);
   CHECK(scene.bodies[2].motion.pose.position == Vec3d{1, 2, 3});
   CHECK(scene.bodies[3].motion.velocity.linear == Vec3d{0, 0, 1});
-  CHECK(setup_of<physics::Restitution<double>>(setups).by_id[1] == 0.7);
-  CHECK(setup_of<physics::ContactTorque<double>>(setups).by_id[1].radius_m == 0.01);
-  CHECK(setup_of<physics::ContactTorque<double>>(setups).by_id[1].rolling_m == 0.002);
-  const auto& attraction = setup_of<physics::Attraction<double>>(setups);
+  CHECK(setup_of<physics::Restitution>(setups).by_id[1] == 0.7);
+  CHECK(setup_of<physics::ContactTorque>(setups).by_id[1].radius_m == 0.01);
+  CHECK(setup_of<physics::ContactTorque>(setups).by_id[1].rolling_m == 0.002);
+  const auto& attraction = setup_of<physics::Attraction>(setups);
   REQUIRE(attraction.sources.size() == 1);
   CHECK(attraction.sources[0].body == 1);
   CHECK(attraction.sources[0].softening_m == 0.5);
@@ -117,11 +117,11 @@ TEST_CASE("what the hand alone feels is read for its own world, and the global w
                                 "texture_height_m = 1e-4\ntexture_wavelength_m = 0.003\n"
                                 "transient_strength_Ns_per_m = 2\ntransient_frequency_Hz = 200\n"));
   const auto setups = effect_setups(scene);
-  const auto& texture = setup_of<physics::Texture<double>>(setups);
+  const auto& texture = setup_of<physics::Texture>(setups);
   REQUIRE(texture.by_id.size() == 2);
   CHECK(texture.proxy == scene.proxy);
   CHECK((texture.by_id[1].height_m == 1e-4 && texture.by_id[1].wavelength_m == 0.003));
-  const auto& transients = setup_of<physics::Transients<double>>(setups);
+  const auto& transients = setup_of<physics::Transients>(setups);
   REQUIRE(transients.by_id.size() == 2);
   CHECK((transients.by_id[1].strength_Ns_per_m == 2 && transients.by_id[1].frequency_Hz == 200));
   CHECK(transients.by_id[1].decay_s == 0.01);
@@ -224,7 +224,7 @@ TEST_CASE("a joint across the border holds the member to the body outside, which
   haptics::SubWorld sub(worlds.sub_config(), {});
   for (int i = 0; i < 20; ++i) worlds.cycle(sub);
   REQUIRE(sub.members() == 3);
-  const auto& states = sub.world().effects().find<physics::Joints<double>>()->states();
+  const auto& states = sub.world().effects().find<physics::Joints>()->states();
   CHECK(norm(states[1].force) < 1);
   const auto& last = sub.world().bodies()[2].motion;
   CHECK(last.velocity.linear.y == Approx(0.2).epsilon(1e-2));
@@ -261,6 +261,6 @@ TEST_CASE("a joint that breaks in the sub-world is broken in the global world to
   Worlds other(torn, 64);
   haptics::SubWorld pulled(other.sub_config(), {});
   for (int i = 0; i < 3; ++i) other.cycle(pulled);
-  CHECK(pulled.world().effects().find<physics::Joints<double>>()->states()[0].broken != 0);
+  CHECK(pulled.world().effects().find<physics::Joints>()->states()[0].broken != 0);
   CHECK(other.world.statistics().broken_joints == 1);
 }

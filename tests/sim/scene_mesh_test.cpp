@@ -131,7 +131,7 @@ TEST_CASE("the triangles of a snapshot are those that the tree finds, and they s
   global.first_snapshot(*snapshot);
   REQUIRE(snapshot->near_regions.size() > 0);
   CHECK(snapshot->dropped == 0);
-  const physics::NearTriangles<double> near{snapshot->near_regions.span(), snapshot->near_triangles.span()};
+  const physics::NearTriangles near{snapshot->near_regions.span(), snapshot->near_triangles.span()};
   Random random(1);
   std::size_t triangles = 0;
   for (const auto& region : snapshot->near_regions) {
@@ -141,7 +141,7 @@ TEST_CASE("the triangles of a snapshot are those that the tree finds, and they s
       const Vec3d at = region.box.lower + Vec3d{random.uniform(0, 1) * size.x, random.uniform(0, 1) * size.y,
                                                 random.uniform(0, 1) * size.z};
       const Vec3d half = size * random.uniform(0.01, 0.4);
-      const physics::Aabb<double> box{at - half, at + half};
+      const physics::Aabb box{at - half, at + half};
       physics::TriangleList from_list, from_tree;
       near.find(scene.meshes[0], region.body, 0, box, from_list);
       find_triangles(scene.meshes[0], box, from_tree);
@@ -157,7 +157,7 @@ TEST_CASE("the triangles of a snapshot are those that the tree finds, and they s
   haptics::write_snapshot(out, *snapshot);
   REQUIRE(out.ok());
   const auto again = std::make_unique<haptics::WorldSnapshot>();
-  const auto read = [&](physics::Meshes<double> meshes) {
+  const auto read = [&](physics::Meshes meshes) {
     ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
     return haptics::read_snapshot(in, *again, scene.hulls.size(), meshes) && in.remaining() == 0;
   };
@@ -173,9 +173,9 @@ TEST_CASE("a body that has left its region, or has none, finds the same triangle
   const auto final_hash = [&](bool with_regions) {
     physics::Capacities capacities;
     capacities.mesh_triangles = 4096;
-    physics::World<double> world(capacities, {}, scene.value().meshes);
+    physics::World world(capacities, {}, scene.value().meshes);
     for (const auto& body : scene.value().bodies) world.insert(body);
-    std::vector<physics::NearRegion<double>> regions;
+    std::vector<physics::NearRegion> regions;
     std::vector<std::uint32_t> triangles;
     for (const auto& body : world.bodies()) {  // small: bodies leave them as they roll
       const auto pose = physics::relative_pose(world.fixed_bodies()[0].motion.pose, body.motion.pose);
@@ -186,11 +186,11 @@ TEST_CASE("a body that has left its region, or has none, finds the same triangle
       triangles.insert(triangles.end(), found.triangles.begin(), found.triangles.end());
     }
     if (with_regions) world.near_triangles = {regions, triangles};
-    physics::StepSettings<double> settings;
+    physics::StepSettings settings;
     settings.gravity = {0, 0, -9.81};
     for (int i = 0; i < 1500; ++i) {
       world.begin_step(settings);
-      find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+      find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
       world.finish_step(settings);
     }
     return world.state_hash();

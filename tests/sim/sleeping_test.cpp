@@ -22,11 +22,11 @@ struct Builder {
   Builder() {
     scene.effects = {true, true, false, true};
     scene.proxy = 0;
-    add(physics::make_dynamic_body<double>(0, Shape<double>::sphere(0.02), 0.2, 0.5, {{0, 0, 10}, {}}));
+    add(physics::make_dynamic_body(0, Shape::sphere(0.02), 0.2, 0.5, {{0, 0, 10}, {}}));
     scene.bodies[0].gravity_scale = 0;
-    add(physics::make_fixed_body<double>(1, Shape<double>::plane(), 0.5, {}));
+    add(physics::make_fixed_body(1, Shape::plane(), 0.5, {}));
   }
-  BodyId add(physics::Body<double> body) {
+  BodyId add(physics::Body body) {
     body.id = static_cast<BodyId>(scene.bodies.size());
     scene.bodies.push_back(body);
     return body.id;
@@ -34,13 +34,13 @@ struct Builder {
   BodyId add_stack(double x, unsigned cubes) {
     BodyId last = 0;
     for (unsigned k = 0; k < cubes; ++k)
-      last = add(physics::make_dynamic_body<double>(0, Shape<double>::box({kHalf_m, kHalf_m, kHalf_m}), kMass_kg, 0.5,
-                                                    {{x, 0, kHalf_m * (2 * k + 1)}, {}}));
+      last = add(physics::make_dynamic_body(0, Shape::box({kHalf_m, kHalf_m, kHalf_m}), kMass_kg, 0.5,
+                                            {{x, 0, kHalf_m * (2 * k + 1)}, {}}));
     return last + 1 - cubes;
   }
   // A light ball that no gravity pulls, on its way down.
   BodyId add_feather(const Vec3d& at, double speed_m_per_s) {
-    auto ball = physics::make_dynamic_body<double>(0, Shape<double>::sphere(0.01), 0.001, 0.5, {at, {}});
+    auto ball = physics::make_dynamic_body(0, Shape::sphere(0.01), 0.001, 0.5, {at, {}});
     ball.gravity_scale = 0;
     ball.motion.velocity.linear = {0, 0, -speed_m_per_s};
     return add(ball);
@@ -71,7 +71,7 @@ struct Bench {
     REQUIRE(world.statistics().asleep == bodies);
     return steps;
   }
-  const physics::BodyMotion<double>& motion(BodyId id) const {
+  const physics::BodyMotion& motion(BodyId id) const {
     for (const auto& body : world.bodies())
       if (body.id == id) return body.motion;
     FAIL("no such body");

@@ -20,15 +20,15 @@ Scene stirred_heap(std::uint32_t cubes) {
   Scene scene;
   scene.effects = {true, true, true};
   test::Random random(11);
-  const auto shape = physics::Shape<double>::box({0.05, 0.05, 0.05});
+  const auto shape = physics::Shape::box({0.05, 0.05, 0.05});
   for (std::uint32_t i = 0; i < cubes; ++i) {
     const Vec3d place{0.105 * (i % 8), 0.105 * (i / 8 % 8), 0.06 + 0.11 * (i / 64)};
-    auto body = physics::make_dynamic_body<double>(i, shape, 0.2 + 0.1 * (i % 3), 0.5, {place, {}});
+    auto body = physics::make_dynamic_body(i, shape, 0.2 + 0.1 * (i % 3), 0.5, {place, {}});
     body.motion.velocity = {random.vector(0.6), random.vector(2)};
     scene.bodies.push_back(body);
   }
   scene.proxy = 0;
-  scene.bodies.push_back(physics::make_fixed_body<double>(cubes, physics::Shape<double>::plane(), 0.5, {}));
+  scene.bodies.push_back(physics::make_fixed_body(cubes, physics::Shape::plane(), 0.5, {}));
   return scene;
 }
 

@@ -71,7 +71,7 @@ class HostileSession {
  public:
   HostileSession(const hal::DeviceProfile& profile, std::span<const std::uint8_t> script)
       : profile_(profile), script_(script), device_(profile, 1'000'000, link_), loop_(config_of(profile), {}) {
-    const auto proxy = physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(0.5), 1e9, 0.5, Posed{});
+    const auto proxy = physics::make_dynamic_body(0, physics::Shape::sphere(0.5), 1e9, 0.5, Posed{});
     loop_.set_members({&proxy, 1});
     frame_.state = firmware::State::kIdle;
   }

@@ -13,64 +13,64 @@ namespace tactus::test {
 inline constexpr double kGravity = 9.81;  // m/s^2
 inline constexpr double kPi = 3.14159265358979323846;
 
-template <class T = double>
 struct PhysicsBench {
   explicit PhysicsBench(const physics::Capacities& capacities = {}) : world(capacities) {
-    settings.gravity = {T(0), T(0), T(-kGravity)};
+    settings.gravity = {0.0, 0.0, -kGravity};
   }
 
-  physics::World<T> world;
-  physics::StepSettings<T> settings;
-  physics::StepReport<T> report;
+  physics::World world;
+  physics::StepSettings settings;
+  physics::StepReport report;
   physics::CutPredicate cut;
 
   void step() {
     world.begin_step(settings);
-    find_pairs_brute_force<T>(world.bounds(), world.dynamic_pairs());
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     report = world.finish_step(settings, cut);
   }
   void run(int steps) {
     for (int i = 0; i < steps; ++i) step();
   }
-  void run_seconds(double seconds) { run(static_cast<int>(std::lround(seconds / static_cast<double>(settings.dt)))); }
+  void run_seconds(double seconds) { run(static_cast<int>(std::lround(seconds / settings.dt))); }
 
-  physics::Body<T>& body(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))]; }
-  Vec3<T>& position(BodyId id) { return body(id).motion.pose.position; }
-  Twist<T>& velocity(BodyId id) { return body(id).motion.velocity; }
+  physics::Body& body(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))]; }
+  Vec3d& position(BodyId id) { return body(id).motion.pose.position; }
+  Twistd& velocity(BodyId id) { return body(id).motion.velocity; }
   std::uint32_t slot(BodyId id) { return static_cast<std::uint32_t>(world.slot_of(id)); }
-  T h() const { return settings.dt / static_cast<T>(settings.sub_steps); }
+  double h() const { return settings.dt / static_cast<double>(settings.sub_steps); }
 
   // The ground z = 0, tilted so that downhill is +x.
-  void add_ground(BodyId id, T friction, T slope_rad = T(0)) {
-    const Quat<T> tilt = quat_from_rotation_vector(Vec3<T>{T(0), slope_rad, T(0)});
-    world.insert(physics::make_fixed_body<T>(id, physics::Shape<T>::plane(), friction, {{}, tilt}));
+  void add_ground(BodyId id, double friction, double slope_rad = 0.0) {
+    const Quatd tilt = quat_from_rotation_vector(Vec3d{0.0, slope_rad, 0.0});
+    world.insert(physics::make_fixed_body(id, physics::Shape::plane(), friction, {{}, tilt}));
   }
-  void add_sphere(BodyId id, T radius, T mass, T friction, const Vec3<T>& at, const Vec3<T>& velocity = {}) {
-    auto made = physics::make_dynamic_body<T>(id, physics::Shape<T>::sphere(radius), mass, friction, {at, {}});
+  void add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at, const Vec3d& velocity = {}) {
+    auto made = physics::make_dynamic_body(id, physics::Shape::sphere(radius), mass, friction, {at, {}});
     made.motion.velocity.linear = velocity;
     world.insert(made);
   }
-  void add_box(BodyId id, const Vec3<T>& half, T mass, T friction, const Pose<T>& pose, const Twist<T>& velocity = {}) {
-    auto made = physics::make_dynamic_body<T>(id, physics::Shape<T>::box(half), mass, friction, pose);
+  void add_box(BodyId id, const Vec3d& half, double mass, double friction, const Posed& pose,
+               const Twistd& velocity = {}) {
+    auto made = physics::make_dynamic_body(id, physics::Shape::box(half), mass, friction, pose);
     made.motion.velocity = velocity;
     world.insert(made);
   }
   // Cubes of side 2 half, each resting on the one below, the lowest on z = 0.
-  void add_stack(BodyId first, std::uint32_t count, T half, T mass, T friction) {
+  void add_stack(BodyId first, std::uint32_t count, double half, double mass, double friction) {
     for (std::uint32_t k = 0; k < count; ++k)
-      add_box(first + k, {half, half, half}, mass, friction, {{T(0), T(0), half * T(2 * k + 1)}, {}});
+      add_box(first + k, {half, half, half}, mass, friction, {{0.0, 0.0, half * (2.0 * k + 1)}, {}});
   }
 
   // --- what mechanics says
   // Position of a thrown body after n sub-steps of semi-implicit Euler, exactly.
-  Vec3<double> thrown(const Vec3<double>& x0, const Vec3<double>& v0, std::uint64_t n) const {
-    const double k = static_cast<double>(n), h_s = static_cast<double>(h());
-    return x0 + (k * h_s) * v0 + Vec3<double>{0, 0, -kGravity * h_s * h_s * k * (k + 1) / 2};
+  Vec3d thrown(const Vec3d& x0, const Vec3d& v0, std::uint64_t n) const {
+    const double k = static_cast<double>(n), h_s = h();
+    return x0 + (k * h_s) * v0 + Vec3d{0, 0, -kGravity * h_s * h_s * k * (k + 1) / 2};
   }
   // How deep a load sinks into one soft contact point of effective mass `mass`.
   double overlap_under(double load_N, double mass_kg) const {
-    const double omega = 2 * kPi * static_cast<double>(settings.contact_hertz);
-    return static_cast<double>(settings.slop) + load_N / (mass_kg * omega * omega);
+    const double omega = 2 * kPi * settings.contact_hertz;
+    return settings.slop + load_N / (mass_kg * omega * omega);
   }
 };
 

@@ -64,7 +64,7 @@ TEST_CASE("a body that leaves the sub-world and joins again keeps its state and 
   auto session = make_session(scene_file("domino_row.toml"), options);
   std::uint32_t members_before = 0, joins = 0;
   double largest_jump_m = 0;
-  std::vector<physics::Body<double>> before;
+  std::vector<physics::Body> before;
   run(*session, 4000, [&](const loop::TickOutput& out) {
     const auto now = session->loop->sub_world().world().bodies();
     for (const auto& body : now) {

@@ -11,7 +11,7 @@ namespace {
 double depth_in_outsiders(const session::Session& session) {
   const auto& members = session.loop->sub_world().world();
   const auto bodies = session.global->world().bodies();
-  const physics::Body<double>* proxy = nullptr;
+  const physics::Body* proxy = nullptr;
   for (const auto& body : bodies)
     if (body.id == session.scene.proxy) proxy = &body;
   REQUIRE(proxy != nullptr);

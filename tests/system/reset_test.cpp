@@ -78,7 +78,7 @@ TEST_CASE("a reset mends what broke, and sends back what is moved by a script, i
   bool broke = false, begun = false;
   run(*session, 8000, [&](const loop::TickOutput& out) {
     const auto& inside = session->loop->sub_world();
-    const physics::World<double>* const worlds[] = {&inside.world(), &session->global->world()};
+    const physics::World* const worlds[] = {&inside.world(), &session->global->world()};
     if (!broke && session->global->statistics().broken_joints > 0) {
       broke = true;
       session->resets.push_back(out.tick + 5);
@@ -86,8 +86,8 @@ TEST_CASE("a reset mends what broke, and sends back what is moved by a script, i
     if (inside.epoch() == 0) return true;
     begun = true;
     for (const auto* world : worlds) {
-      for (const auto& state : world->effects().find<physics::Joints<double>>()->states()) CHECK(state.broken == 0);
-      for (const double time_s : world->effects().find<physics::Kinematics<double>>()->times()) CHECK(time_s <= 2e-3);
+      for (const auto& state : world->effects().find<physics::Joints>()->states()) CHECK(state.broken == 0);
+      for (const double time_s : world->effects().find<physics::Kinematics>()->times()) CHECK(time_s <= 2e-3);
     }
     return false;
   });

@@ -6,10 +6,9 @@
 namespace tactus::bench {
 namespace {
 
-template <class T>
-void heap_steps(benchmark::State& state) {
+void heap_steps(benchmark::State& state, physics::SweepPrecision precision) {
   const auto cubes = static_cast<std::uint32_t>(state.range(0));
-  Heap<T> heap(cubes);
+  Heap heap(cubes, precision);
   heap.settings.sub_steps = static_cast<std::uint32_t>(state.range(1));
   for (auto _ : state) heap.step();
   state.counters["points"] = heap.report.points;
@@ -22,8 +21,8 @@ void sizes(benchmark::internal::Benchmark* b) {
   for (const int cubes : {64, 1000})
     for (const int sub_steps : {4, 8}) b->Args({cubes, sub_steps});
 }
-BENCHMARK_TEMPLATE(heap_steps, double)->Apply(sizes);
-BENCHMARK_TEMPLATE(heap_steps, float)->Apply(sizes);
+BENCHMARK_CAPTURE(heap_steps, double, physics::SweepPrecision::kFull)->Apply(sizes);
+BENCHMARK_CAPTURE(heap_steps, mixed, physics::SweepPrecision::kSingle)->Apply(sizes);
 
 }  // namespace
 }  // namespace tactus::bench

@@ -12,28 +12,28 @@ namespace tactus::bench {
 inline constexpr double kEdge_m = 0.1;
 
 // `cubes` cubes of 0.1 m, 1 kg on the ground, in layers of brick-like offsets, after half a second.
-template <class T>
 struct Heap {
-  physics::World<T> world;
-  physics::StepSettings<T> settings;
+  physics::World world;
+  physics::StepSettings settings;
   sim::PairCache pair_cache;
-  physics::StepReport<T> report;
+  physics::StepReport report;
 
-  explicit Heap(std::uint32_t cubes)
-      : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}), pair_cache(cubes, 16 * cubes + 256) {
+  explicit Heap(std::uint32_t cubes, physics::SweepPrecision precision = physics::SweepPrecision::kFull)
+      : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}, {}, {}, {}, precision),
+        pair_cache(cubes, 16 * cubes + 256) {
     set_denormals_flush();
-    settings.gravity = {T(0), T(0), T(-9.81)};
+    settings.gravity = {0.0, 0.0, -9.81};
     const auto side = static_cast<std::uint32_t>(std::ceil(std::cbrt(static_cast<double>(cubes))));
-    const T half = T(0.5 * kEdge_m);
+    const double half = 0.5 * kEdge_m;
     for (std::uint32_t i = 0; i < cubes; ++i) {
       const std::uint32_t z = i / (side * side);
-      const T shift = z % 2 == 1 ? half : T(0), pitch = T(1.02 * kEdge_m);
-      const Vec3<T> at{pitch * static_cast<T>(i % side) + shift, pitch * static_cast<T>(i / side % side) + shift,
-                       half + T(2) * half * static_cast<T>(z)};
-      static_cast<void>(world.insert(
-          physics::make_dynamic_body<T>(i, physics::Shape<T>::box({half, half, half}), T(1), T(0.5), {at, {}})));
+      const double shift = z % 2 == 1 ? half : 0.0, pitch = 1.02 * kEdge_m;
+      const Vec3d at{pitch * static_cast<double>(i % side) + shift,
+                     pitch * static_cast<double>(i / side % side) + shift, half + 2.0 * half * static_cast<double>(z)};
+      static_cast<void>(
+          world.insert(physics::make_dynamic_body(i, physics::Shape::box({half, half, half}), 1.0, 0.5, {at, {}})));
     }
-    static_cast<void>(world.insert(physics::make_fixed_body<T>(cubes, physics::Shape<T>::plane(), T(0.5), {})));
+    static_cast<void>(world.insert(physics::make_fixed_body(cubes, physics::Shape::plane(), 0.5, {})));
     for (int i = 0; i < 500; ++i) step();
   }
 

@@ -56,8 +56,8 @@ class TickedWorld {
     return capacities;
   }
 
-  physics::World<double> world_;
-  physics::StepSettings<double> settings_;
+  physics::World world_;
+  physics::StepSettings settings_;
   sim::PairGrid grid_;
 };
 

@@ -36,22 +36,6 @@ const std::vector<EngineKind>& compared_kinds() {
   return kinds;
 }
 
-const std::vector<std::string>& precision_names() {
-  static const std::vector<std::string> names{"double", "mixed", "float"};
-  return names;
-}
-
-std::string_view precision_name(Precision precision) noexcept {
-  return precision_names()[static_cast<std::size_t>(precision)];
-}
-
-std::optional<Precision> precision_of(std::string_view name) noexcept {
-  const auto& names = precision_names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) return std::nullopt;
-  return static_cast<Precision>(found - names.begin());
-}
-
 double residual_speed(const std::vector<CubeState>& cubes) {
   double sum = 0;
   for (const CubeState& cube : cubes) sum += norm_squared(cube.velocity);

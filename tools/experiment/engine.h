@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rt/physics/sweep_precision.h"
 #include "tools/experiment/scene.h"
 
 namespace tactus::experiment {
@@ -42,20 +43,14 @@ class Engine {
   virtual double broad_phase_us() const { return 0; }
 };
 
-// Of tactus; the peers are as their packages are built. Mixed: double, and contacts solved in single precision.
-enum class Precision : std::uint8_t { kDouble, kMixed, kSingle };
-// "double", "mixed" or "float".
-std::string_view precision_name(Precision precision) noexcept;
-std::optional<Precision> precision_of(std::string_view name) noexcept;
-const std::vector<std::string>& precision_names();
-
 struct EngineOptions {
   bool tuned{false};
-  unsigned iterations{0};                // peers only: of the contact solver in a step; 0: as it comes, ODE tuned 10
-  std::optional<Precision> precision{};  // tactus only; none: as in a run, mixed where the world is a global one
-  bool time_broad_phase{false};          // tactus only
-  std::vector<int> helpers{};            // tactus only: cores of the threads that share its steps, beside the caller
-  unsigned sub_steps{0};                 // tactus only; 0: 4 in a step of 1 ms, 10 in one of 10 ms
+  unsigned iterations{0};  // peers only: of the contact solver in a step; 0: as it comes, ODE tuned 10
+  // tactus only; none: as in a run, single precision where the world is a global one.
+  std::optional<physics::SweepPrecision> precision{};
+  bool time_broad_phase{false};  // tactus only
+  std::vector<int> helpers{};    // tactus only: cores of the threads that share its steps, beside the caller
+  unsigned sub_steps{0};         // tactus only; 0: 4 in a step of 1 ms, 10 in one of 10 ms
 };
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);

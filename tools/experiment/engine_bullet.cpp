@@ -125,14 +125,14 @@ class BulletEngine final : public Engine {
   }
 
   std::unique_ptr<btConvexShape> shape_in_bullet(const BoxScene& scene, const Cube& body) const {
-    const physics::Shape<double> shape = shape_of(scene, body);
+    const physics::Shape shape = shape_of(scene, body);
     const auto radius = static_cast<btScalar>(shape.radius);
     if (shape.kind == physics::ShapeKind::kSphere) return std::make_unique<btSphereShape>(radius);
     if (shape.kind == physics::ShapeKind::kCapsule)
       return std::make_unique<btCapsuleShapeZ>(radius, static_cast<btScalar>(2 * shape.half_length));
     if (shape.kind != physics::ShapeKind::kHull) return box_in_bullet(shape.half_extents);
     auto hull = std::make_unique<btConvexHullShape>();
-    const physics::Hull<double>& source = scene.hulls[shape.index];
+    const physics::Hull& source = scene.hulls[shape.index];
     for (std::uint32_t i = 0; i < source.topology.vertices; ++i) hull->addPoint(as_bullet(source.vertex(i)), false);
     hull->recalcLocalAabb();
     hull->setMargin(kTunedMargin_m);  // a margin is added to a hull: the default of 40 mm is as thick as the body

@@ -32,7 +32,7 @@ Quatd rotation_of(const dReal* q) {
 // A convex geometry's numbers, which ODE does not copy.
 class OdeHull {
  public:
-  explicit OdeHull(const physics::Hull<double>& hull) {
+  explicit OdeHull(const physics::Hull& hull) {
     const physics::HullTopology& topology = hull.topology;
     for (std::uint32_t i = 0; i < topology.vertices; ++i) put(points_, hull.vertex(i));
     for (std::uint32_t f = 0; f < topology.faces; ++f) {
@@ -143,7 +143,7 @@ class OdeEngine final : public Engine {
     return body;
   }
 
-  dGeomID geometry_of(const physics::Shape<double>& shape) {
+  dGeomID geometry_of(const physics::Shape& shape) {
     const Vec3d size = 2.0 * shape.half_extents;
     switch (shape.kind) {
       case physics::ShapeKind::kSphere:

@@ -7,6 +7,7 @@
 
 #include "rt/base/denormals.h"
 #include "rt/haptics/snapshot.h"
+#include "sim/loader/choice_names.h"
 #include "sim/pair_cache.h"
 #include "sim/worker_pool.h"
 #include "tools/experiment/engine.h"
@@ -23,37 +24,6 @@ constexpr double kLongStep_s = 5e-3;
 constexpr double kMostHertz = 250,
                  kHertzPerSubStep = 0.125;  // an octave below the accuracy limit: a heap comes to rest soon
 
-template <class T>
-Vec3<T> as(const Vec3d& v) {
-  return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
-}
-template <class T>
-Quat<T> as(const Quatd& q) {
-  return {static_cast<T>(q.w), static_cast<T>(q.x), static_cast<T>(q.y), static_cast<T>(q.z)};
-}
-template <class T>
-physics::Shape<T> as(const physics::Shape<double>& s) {
-  return {s.kind, s.index, static_cast<T>(s.radius), static_cast<T>(s.half_length), as<T>(s.half_extents)};
-}
-template <class T>
-std::vector<physics::Hull<T>> hulls_of(const BoxScene& scene) {
-  if constexpr (sizeof(T) == sizeof(double)) return scene.hulls;
-  std::vector<physics::Hull<T>> hulls;
-  if constexpr (sizeof(T) == sizeof(float))
-    for (const auto& hull : scene.hulls) hulls.push_back(physics::narrowed(hull));
-  return hulls;
-}
-template <class T>
-Vec3d as_double(const Vec3<T>& v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-template <class T>
-Posed as_double(const Pose<T>& pose) {
-  const Quat<T>& q = pose.rotation;
-  return {as_double(pose.position), Quatd{static_cast<double>(q.w), static_cast<double>(q.x), static_cast<double>(q.y),
-                                          static_cast<double>(q.z)}};
-}
-
 bool is_mixed(const BoxScene& scene) {
   return std::any_of(scene.cubes.begin(), scene.cubes.end(),
                      [&](const Cube& cube) { return cube.edge_m != scene.cubes.front().edge_m; });
@@ -61,6 +31,11 @@ bool is_mixed(const BoxScene& scene) {
 
 // Larger than a sub-world can be?
 bool is_global(const BoxScene& scene) { return scene.cubes.size() + rods_of(scene) > haptics::kMaxMembers; }
+
+physics::SweepPrecision precision_of(const BoxScene& scene, const EngineOptions& options) {
+  return options.precision.value_or(is_global(scene) ? physics::SweepPrecision::kSingle
+                                                     : physics::SweepPrecision::kFull);
+}
 
 physics::Capacities capacities_of(const BoxScene& scene) {
   const auto bodies = static_cast<std::uint32_t>(scene.cubes.size()) + rods_of(scene) + 1;
@@ -70,13 +45,12 @@ physics::Capacities capacities_of(const BoxScene& scene) {
           (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256, 0};
 }
 
-template <class T>
-physics::StepSettings<T> settings_of(const BoxScene& scene, unsigned sub_steps) {
-  physics::StepSettings<T> settings;
-  settings.dt = static_cast<T>(scene.step_s);
+physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {
+  physics::StepSettings settings;
+  settings.dt = scene.step_s;
   settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 10 : 4;
-  settings.contact_hertz = static_cast<T>(std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s));
-  settings.gravity = {T(0), T(0), static_cast<T>(-scene.gravity_m_per_s2)};
+  settings.contact_hertz = std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s);
+  settings.gravity = {0.0, 0.0, -scene.gravity_m_per_s2};
   return settings;
 }
 
@@ -88,25 +62,22 @@ std::vector<physics::KinematicScript> scripts_of(const BoxScene& scene) {
   return scripts;
 }
 
-template <class T>
-physics::EffectSetups<T> effects_of(const std::vector<physics::KinematicScript>& scripts) {
-  physics::EffectSetups<T> setups;
-  std::get<typename physics::Kinematics<T>::Setup>(setups).scripts = scripts;
+physics::EffectSetups effects_of(const std::vector<physics::KinematicScript>& scripts) {
+  physics::EffectSetups setups;
+  std::get<physics::Kinematics::Setup>(setups).scripts = scripts;
   return setups;
 }
 
-template <class T>
 class TactusEngine final : public Engine {
  public:
-  TactusEngine(const BoxScene& scene, const EngineOptions& options, Precision precision)
+  TactusEngine(const BoxScene& scene, const EngineOptions& options)
       : step_s_(scene.step_s),
-        settings_(settings_of<T>(scene, options.sub_steps)),
+        settings_(settings_of(scene, options.sub_steps)),
         is_global_(is_global(scene)),
         times_broad_phase_(options.time_broad_phase),
         scripts_(scripts_of(scene)),
-        hulls_(hulls_of<T>(scene)),
-        world_(capacities_of(scene), hulls_, {}, effects_of<T>(scripts_),
-               precision == Precision::kMixed ? physics::SweepPrecision::kSingle : physics::SweepPrecision::kFull),
+        hulls_(scene.hulls),
+        world_(capacities_of(scene), hulls_, {}, effects_of(scripts_), precision_of(scene, options)),
         pair_cache_(capacities_of(scene).bodies, capacities_of(scene).pairs),
         pool_(static_cast<std::uint32_t>(options.helpers.size()) + 1, options.helpers),
         stirrer_(scene.stirrer),
@@ -117,25 +88,24 @@ class TactusEngine final : public Engine {
       pair_cache_.share_work(pool_.executor(), pool_.threads());
     }
     BodyId id = 0;
-    const T friction = static_cast<T>(scene.friction);
+    const double friction = scene.friction;
     for (const Cube& cube : scene.cubes) {
-      auto body = physics::make_dynamic_body<T>(id++, as<T>(shape_of(scene, cube)), static_cast<T>(cube.mass_kg),
-                                                friction, {as<T>(cube.position), as<T>(cube.rotation)});
-      body.inertia = as<T>(inertia_of(scene, cube));
+      auto body = physics::make_dynamic_body(id++, shape_of(scene, cube), cube.mass_kg, friction,
+                                             {cube.position, cube.rotation});
+      body.inertia = inertia_of(scene, cube);
       insert(body);
     }
     for (std::uint32_t i = 0; i < scripts_.size(); ++i) add_rod(i, id++, friction);
     for (const Wall& wall : scene.walls)
-      insert(physics::make_fixed_body<T>(id++, physics::Shape<T>::box(as<T>(wall.half_extents_m)), friction,
-                                         {as<T>(wall.position), as<T>(wall.rotation)}));
+      insert(physics::make_fixed_body(id++, physics::Shape::box(wall.half_extents_m), friction,
+                                      {wall.position, wall.rotation}));
   }
 
   void step() override {
-    const std::span<physics::Body<T>> rods = world_.bodies().subspan(cubes_);
+    const std::span<physics::Body> rods = world_.bodies().subspan(cubes_);
     for (std::size_t i = 0; i < rods.size(); ++i) {
       auto& motion = rods[i].motion;
-      const Twistd v = stirrer_->velocity_over(i, as_double(motion.pose.position), time_s_, step_s_);
-      motion.velocity = {as<T>(v.linear), as<T>(v.angular)};
+      motion.velocity = stirrer_->velocity_over(i, motion.pose.position, time_s_, step_s_);
     }
     world_.begin_step(settings_);
     const double start_us = times_broad_phase_ ? thread_time_us() : 0;
@@ -153,7 +123,7 @@ class TactusEngine final : public Engine {
     m.contacts = report_.points;
     for (const auto& contact : world_.contacts()) {
       const auto points = std::span(contact.points).first(contact.count);
-      m.touching_pairs += std::any_of(points.begin(), points.end(), [](const auto& p) { return p.separation <= T(0); });
+      m.touching_pairs += std::any_of(points.begin(), points.end(), [](const auto& p) { return p.separation <= 0.0; });
     }
     m.residual_speed_m_per_s = residual_speed(cubes());
     return m;
@@ -163,29 +133,22 @@ class TactusEngine final : public Engine {
     std::vector<CubeState> states;
     states.reserve(cubes_);
     for (const auto& body : world_.bodies().first(cubes_)) {
-      const Posed pose = as_double(body.motion.pose);
-      states.push_back({pose.position, as_double(body.motion.velocity.linear), pose.rotation});
+      const Posed pose = body.motion.pose;
+      states.push_back({pose.position, body.motion.velocity.linear, pose.rotation});
     }
     return states;
   }
 
   std::vector<Posed> rods() const override {
     std::vector<Posed> poses;
-    for (const auto& body : world_.bodies().subspan(cubes_)) poses.push_back(as_double(body.motion.pose));
+    for (const auto& body : world_.bodies().subspan(cubes_)) poses.push_back(body.motion.pose);
     return poses;
   }
 
   std::string settings() const override {
     return fmt::format("{} precision, {} sub-steps, {} relax sweep, contacts {:g} Hz, damping ratio {:g}",
-                       precision_name(precision()), settings_.sub_steps, settings_.relax_sweeps,
-                       static_cast<double>(settings_.contact_hertz),
-                       static_cast<double>(settings_.contact_damping_ratio));
-  }
-
-  // As its sweeps are: kinematic bodies need full precision.
-  Precision precision() const noexcept {
-    if (sizeof(T) == sizeof(float)) return Precision::kSingle;
-    return world_.precision() == physics::SweepPrecision::kSingle ? Precision::kMixed : Precision::kDouble;
+                       sim::name_of(world_.precision()), settings_.sub_steps, settings_.relax_sweeps,
+                       settings_.contact_hertz, settings_.contact_damping_ratio);
   }
 
   double broad_phase_us() const override { return broad_phase_us_; }
@@ -196,27 +159,27 @@ class TactusEngine final : public Engine {
   }
 
  private:
-  void insert(const physics::Body<T>& body) { TACTUS_CHECK(world_.insert(body), body.id, world_.bodies().size()); }
+  void insert(const physics::Body& body) { TACTUS_CHECK(world_.insert(body), body.id, world_.bodies().size()); }
 
   // Its mass counts for nothing: to the others it is infinitely heavy.
-  void add_rod(std::size_t rod, BodyId id, T friction) {
+  void add_rod(std::size_t rod, BodyId id, double friction) {
     const Posed at = stirrer_->pose_at(rod, 0);
-    insert(physics::make_dynamic_body<T>(id, physics::Shape<T>::box(as<T>(stirrer_->half_extents_m)), T(1), friction,
-                                         {as<T>(at.position), {}}));
+    insert(physics::make_dynamic_body(id, physics::Shape::box(stirrer_->half_extents_m), 1.0, friction,
+                                      {at.position, {}}));
   }
 
   double step_s_;
-  physics::StepSettings<T> settings_;
+  physics::StepSettings settings_;
   bool is_global_, times_broad_phase_;
   double broad_phase_us_{0};
   std::vector<physics::KinematicScript> scripts_;
-  std::vector<physics::Hull<T>> hulls_;
-  physics::World<T> world_;
+  std::vector<physics::Hull> hulls_;
+  physics::World world_;
   sim::PairCache pair_cache_;
   sim::WorkerPool pool_;
   std::optional<Stirrer> stirrer_;
   std::uint32_t cubes_;
-  physics::StepReport<T> report_;
+  physics::StepReport report_;
   std::uint32_t lost_{0};  // CapacityBit
   double time_s_{0};
 };
@@ -224,10 +187,7 @@ class TactusEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options) {
-  const Precision as_in_a_run = is_global(scene) ? Precision::kMixed : Precision::kDouble;
-  const Precision precision = options.precision.value_or(as_in_a_run);
-  if (precision == Precision::kSingle) return std::make_unique<TactusEngine<float>>(scene, options, precision);
-  return std::make_unique<TactusEngine<double>>(scene, options, precision);
+  return std::make_unique<TactusEngine>(scene, options);
 }
 
 }  // namespace tactus::experiment

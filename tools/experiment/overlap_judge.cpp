@@ -18,10 +18,9 @@ OverlapJudge::OverlapJudge(const BoxScene& scene)
       depth_m_(bodies_),
       share_(bodies_) {
   for (const Cube& cube : scene.cubes) shapes_.push_back(shape_of(scene, cube));
-  shapes_.resize(bodies_ + rods_of(scene),
-                 scene.stirrer ? Shape<double>::box(scene.stirrer->half_extents_m) : Shape<double>{});
+  shapes_.resize(bodies_ + rods_of(scene), scene.stirrer ? Shape::box(scene.stirrer->half_extents_m) : Shape{});
   for (const Wall& wall : scene.walls) {
-    wall_shapes_.push_back(Shape<double>::box(wall.half_extents_m));
+    wall_shapes_.push_back(Shape::box(wall.half_extents_m));
     wall_poses_.push_back({wall.position, wall.rotation});
   }
   poses_.reserve(shapes_.size());
@@ -29,7 +28,7 @@ OverlapJudge::OverlapJudge(const BoxScene& scene)
 }
 
 // `b` is kNoBody where it is a wall or a rod.
-void OverlapJudge::judge_pair(std::uint32_t a, const Shape<double>& shape_b, const Posed& pose_b, std::uint32_t b) {
+void OverlapJudge::judge_pair(std::uint32_t a, const Shape& shape_b, const Posed& pose_b, std::uint32_t b) {
   physics::AxisCache cache;
   const auto manifold = physics::collide(shapes_[a], poses_[a], shape_b, pose_b, 0.0, cache, hulls_);
   double depth = 0;

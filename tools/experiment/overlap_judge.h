@@ -29,21 +29,21 @@ class OverlapJudge {
   Overlaps judge(std::span<const Posed> bodies, std::span<const Posed> rods);
 
  private:
-  void judge_pair(std::uint32_t a, const physics::Shape<double>& shape_b, const Posed& pose_b, std::uint32_t b);
+  void judge_pair(std::uint32_t a, const physics::Shape& shape_b, const Posed& pose_b, std::uint32_t b);
 
   static constexpr std::uint32_t kMostPairs = 64;
   static constexpr std::uint32_t kNoBody = 0xffffffffu;
 
-  std::vector<physics::Shape<double>> shapes_;  // of the bodies, then of the rods
-  std::vector<physics::Hull<double>> hulls_;
+  std::vector<physics::Shape> shapes_;  // of the bodies, then of the rods
+  std::vector<physics::Hull> hulls_;
   std::uint32_t bodies_;
-  std::vector<physics::Shape<double>> wall_shapes_;
+  std::vector<physics::Shape> wall_shapes_;
   std::vector<Posed> wall_poses_;
   sim::PairGrid grid_;
   BoundedVector<physics::SlotPair> pairs_;
-  std::vector<Posed> poses_;                   // as the shapes
-  std::vector<physics::Aabb<double>> bounds_;  // as the shapes
-  std::vector<double> depth_m_, share_;        // by body: its deepest
+  std::vector<Posed> poses_;             // as the shapes
+  std::vector<physics::Aabb> bounds_;    // as the shapes
+  std::vector<double> depth_m_, share_;  // by body: its deepest
 };
 
 }  // namespace tactus::experiment

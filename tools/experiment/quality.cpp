@@ -27,8 +27,7 @@ double mean_distance(const std::vector<Posed>& from, const std::vector<Posed>& t
 
 QualityBook::QualityBook(const BoxScene& scene) : judge_(scene), walls_(scene.walls), escaped_(scene.cubes.size()) {
   const auto bounds = [](const Wall& wall) {
-    return physics::bounds_of(physics::Shape<double>::box(wall.half_extents_m), Posed{wall.position, wall.rotation},
-                              0.0);
+    return physics::bounds_of(physics::Shape::box(wall.half_extents_m), Posed{wall.position, wall.rotation}, 0.0);
   };
   if (!walls_.empty()) all_walls_ = bounds(walls_.front());
   for (const Wall& wall : walls_) all_walls_ = physics::join(all_walls_, bounds(wall));

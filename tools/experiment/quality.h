@@ -33,7 +33,7 @@ class QualityBook {
 
   OverlapJudge judge_;
   std::vector<Wall> walls_;
-  physics::Aabb<double> all_walls_;
+  physics::Aabb all_walls_;
   std::vector<Posed> last_, last_rods_;
   std::vector<std::uint8_t> escaped_;
   Quality sum_;  // means are sums

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "sim/loader/choice_names.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
@@ -66,7 +67,7 @@ ScalingRow timed(const ScalingCase& one, const EngineOptions& options, const std
 // Instructions of a step; 0 where it could not be counted.
 double counted(std::size_t index, const EngineOptions& options, const std::string& program, bool quick) {
   const std::string precision =
-      options.precision ? fmt::format(" --precision {}", precision_name(*options.precision)) : "";
+      options.precision ? fmt::format(" --precision {}", sim::name_of(*options.precision)) : "";
   return counted_instructions(
              program, fmt::format("experiment scaling --count {}{}{}", index, precision, quick ? " --quick" : "")) /
          kCountedSteps;

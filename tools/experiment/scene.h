@@ -41,7 +41,7 @@ struct BoxScene {
   double friction{0.5};
   double gravity_m_per_s2{9.81};  // downwards
   std::vector<Cube> cubes;
-  std::vector<physics::Hull<double>> hulls;
+  std::vector<physics::Hull> hulls;
   std::vector<Wall> walls;  // the floor, then four sides: upright, or sloping as a bowl's where it is stirred
   std::optional<Stirrer> stirrer;
 };

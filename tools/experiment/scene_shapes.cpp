@@ -4,21 +4,21 @@ namespace tactus::experiment {
 
 using physics::Shape;
 
-Shape<double> shape_of(const BoxScene& scene, const Cube& body) {
+Shape shape_of(const BoxScene& scene, const Cube& body) {
   const double half = 0.5 * body.edge_m;
   switch (body.form) {
     case Form::kSphere:
-      return Shape<double>::sphere(half);
+      return Shape::sphere(half);
     case Form::kCapsule:
-      return Shape<double>::capsule(0.6 * half, 0.4 * half);
+      return Shape::capsule(0.6 * half, 0.4 * half);
     case Form::kPlate:
-      return Shape<double>::box({half, 0.7 * half, 0.5 * half});
+      return Shape::box({half, 0.7 * half, 0.5 * half});
     case Form::kHull:
-      return Shape<double>::convex(scene.hulls[body.hull], body.hull);
+      return Shape::convex(scene.hulls[body.hull], body.hull);
     case Form::kCube:
       break;
   }
-  return Shape<double>::box({half, half, half});
+  return Shape::box({half, half, half});
 }
 
 Vec3d inertia_of(const BoxScene& scene, const Cube& body) {

@@ -7,7 +7,7 @@
 namespace tactus::experiment {
 
 // A capsule lies along its z, a plate is 1 : 0.7 : 0.5; the longest side of each is the edge.
-physics::Shape<double> shape_of(const BoxScene& scene, const Cube& body);
+physics::Shape shape_of(const BoxScene& scene, const Cube& body);
 // Principal moments [kg m^2] of the homogeneous body, about its own axes.
 Vec3d inertia_of(const BoxScene& scene, const Cube& body);
 double volume_of(const BoxScene& scene, const Cube& body);  // m^3

@@ -33,7 +33,7 @@ Error take(Result<sim::Scene> read, const sim::SceneDiagnostics& said, std::shar
   return {};
 }
 
-const physics::Body<double>* body_of(const sim::Scene* scene, BodyNumber number) noexcept {
+const physics::Body* body_of(const sim::Scene* scene, BodyNumber number) noexcept {
   return scene != nullptr && number < scene->bodies.size() ? &scene->bodies[number] : nullptr;
 }
 
@@ -73,7 +73,7 @@ double Scene::hand_duration_s() const noexcept {
 }
 
 BodyInfo Scene::body(BodyNumber number) const noexcept {
-  const physics::Body<double>* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
+  const physics::Body* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
   if (body == nullptr) return {};
   BodyInfo info;
   info.shape = static_cast<Shape>(body->shape.kind);
@@ -100,11 +100,11 @@ std::string Scene::body_name(BodyNumber number) const {
 
 std::vector<Vector3> Scene::corners(BodyNumber number) const {
   std::vector<Vector3> corners;
-  const physics::Body<double>* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
+  const physics::Body* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
   if (body == nullptr) return corners;
   const sim::Scene& scene = Access::scene(*this);
   if (body->shape.kind == physics::ShapeKind::kHull) {
-    const physics::Hull<double>& hull = scene.hulls[body->shape.index];
+    const physics::Hull& hull = scene.hulls[body->shape.index];
     for (std::uint32_t i = 0; i < hull.topology.vertices; ++i) corners.push_back(to_public(hull.vertex(i)));
   } else if (body->shape.kind == physics::ShapeKind::kMesh) {
     for (const Vec3d& corner : scene.meshes[body->shape.index].corners) corners.push_back(to_public(corner));
@@ -114,7 +114,7 @@ std::vector<Vector3> Scene::corners(BodyNumber number) const {
 
 std::vector<std::array<std::uint32_t, 3>> Scene::triangles(BodyNumber number) const {
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  const physics::Body<double>* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
+  const physics::Body* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
   if (body == nullptr || body->shape.kind != physics::ShapeKind::kMesh) return triangles;
   for (const physics::MeshTriangle& triangle : Access::scene(*this).meshes[body->shape.index].triangles)
     triangles.push_back(triangle.corner);

@@ -7,7 +7,7 @@
 namespace tactus::library {
 namespace {
 
-BodyState to_state(const physics::BodyMotion<double>& motion) noexcept {
+BodyState to_state(const physics::BodyMotion& motion) noexcept {
   return {to_public(motion.pose.position), to_public(motion.pose.rotation), to_public(motion.velocity.linear),
           to_public(motion.velocity.angular)};
 }
@@ -18,7 +18,7 @@ void StateView::bind(const session::Session& session) {
   const sim::Scene& scene = session.scene;
   bodies.resize(scene.bodies.size());
   roles.resize(scene.bodies.size());
-  for (const physics::Body<double>& body : scene.bodies) {
+  for (const physics::Body& body : scene.bodies) {
     bodies[body.id] = to_state(body.motion);
     roles[body.id] = body.kind == physics::BodyKind::kFixed ? Role::kFixed : Role::kGlobal;
   }
@@ -30,7 +30,7 @@ void StateView::bind(const session::Session& session) {
 }
 
 void StateView::look(const sim::GlobalWorld& world) {
-  for (const physics::Body<double>& body : world.bodies()) {
+  for (const physics::Body& body : world.bodies()) {
     bodies[body.id] = to_state(body.motion);
     roles[body.id] = world.is_asleep(body.id) ? Role::kAsleep : Role::kGlobal;
   }
@@ -54,7 +54,7 @@ void StateView::place_members(const session::Session& session) {
   for (const BodyNumber member : members)
     if (roles[member] == Role::kMember) roles[member] = Role::kGlobal;
   members.clear();
-  for (const physics::Body<double>& body : sub_world.world().bodies()) {
+  for (const physics::Body& body : sub_world.world().bodies()) {
     bodies[body.id] = to_state(body.motion);
     roles[body.id] = Role::kMember;
     members.push_back(body.id);
@@ -67,14 +67,14 @@ void StateView::place_members(const session::Session& session) {
 
 void StateView::list_contacts(const session::Session& session) {
   contacts.clear();
-  const physics::World<double>& world = session.loop->sub_world().world();
+  const physics::World& world = session.loop->sub_world().world();
   const double per_s = 1.0 / session.options.period_s();
-  for (const physics::Contact<double>& contact : world.contacts()) {
-    const physics::Body<double>& a = world.bodies()[contact.slot_a];
+  for (const physics::Contact& contact : world.contacts()) {
+    const physics::Body& a = world.bodies()[contact.slot_a];
     const BodyNumber b = contact.b_fixed ? world.fixed_bodies()[contact.slot_b].id : world.bodies()[contact.slot_b].id;
     const Vec3d centre = world.last_poses()[contact.slot_a].position;
     for (std::uint32_t i = 0; i < contact.count; ++i) {
-      const physics::ContactPoint<double>& point = contact.points[i];
+      const physics::ContactPoint& point = contact.points[i];
       if (!(point.total_normal_impulse > 0 || point.separation <= 0)) continue;
       if (contacts.size() == contacts.capacity()) return;
       contacts.push_back({a.id, b, to_public(centre + point.from_a), to_public(contact.normal),
@@ -86,9 +86,9 @@ void StateView::list_contacts(const session::Session& session) {
 
 void StateView::list_border(const session::Session& session) {
   border.clear();
-  const physics::World<double>& world = session.loop->sub_world().world();
+  const physics::World& world = session.loop->sub_world().world();
   const double per_s = 1.0 / session.options.period_s();
-  for (const physics::BorderContact<double>& contact : world.border_contacts()) {
+  for (const physics::BorderContact& contact : world.border_contacts()) {
     const std::int32_t slot = world.slot_of(contact.member);
     if (slot < 0) continue;
     roles[contact.member] = Role::kBorder;

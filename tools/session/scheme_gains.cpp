@@ -85,7 +85,7 @@ SchemeGains gains_of(const sim::Scene& scene, const RunOptions& options, const h
   result.stiffness_limit_N_per_m = result.stiffness_limit_Nm_per_rad = kNone;
   if (traits_of(options.coupling).model != haptics::LocalModel::kInterpolatedProxy) return result;
   const double s2 = square(scene.device.motion_scale);
-  const physics::Body<double>& proxy = scene.bodies[scene.proxy];
+  const physics::Body& proxy = scene.bodies[scene.proxy];
   const unsigned ratio = ratio_of(scene, options);
   haptics::InterpolatedProxy moved{s2 * proxy.mass, ratio, scene.solver.global_sub_steps(ratio)};
   const auto linear = haptics::translation_of(device, options.period_s(), options.late_s);

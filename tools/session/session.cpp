@@ -22,8 +22,8 @@ constexpr std::size_t kHistoryBytes = 64u << 20;
 // --rearm waits this long after a fault has latched.
 constexpr double kRearmAfter_s = 1.0;
 
-std::vector<physics::Body<double>> fixed_bodies_of(const sim::Scene& scene) {
-  std::vector<physics::Body<double>> fixed;
+std::vector<physics::Body> fixed_bodies_of(const sim::Scene& scene) {
+  std::vector<physics::Body> fixed;
   for (const auto& body : scene.bodies)
     if (body.kind == physics::BodyKind::kFixed) fixed.push_back(body);
   return fixed;
@@ -55,8 +55,8 @@ unsigned sub_steps_of(const sim::Scene& scene, const RunOptions& options) {
   return options.accuracy == Accuracy::kAccurate ? 2 * written : written;
 }
 
-physics::StepSettings<double> step_settings(const sim::Scene& scene, const RunOptions& options) {
-  physics::StepSettings<double> step;
+physics::StepSettings step_settings(const sim::Scene& scene, const RunOptions& options) {
+  physics::StepSettings step;
   step.dt = options.period_s();
   step.sub_steps = sub_steps_of(scene, options);
   step.relax_sweeps = scene.solver.relax_sweeps;
@@ -165,7 +165,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   config.period_s = options.period_s();
   config.device = device;
   config.placement = placement_of(scene, device);
-  config.thinnest_m = physics::thinnest<double>(scene.bodies);
+  config.thinnest_m = physics::thinnest(scene.bodies);
   config.emergency_stop_fault = static_cast<std::uint32_t>(firmware::Fault::kEmergencyStop);
   haptics::SubWorldConfig& sub = config.sub_world;
   sub.scheme = options.coupling;

@@ -72,7 +72,7 @@ Ruling scene_of(const std::vector<std::string>& problems) {
 }
 
 Ruling overlap_of(const RunSummary& s) {
-  const physics::Overlap<double>& deepest = s.global.overlap;
+  const physics::Overlap& deepest = s.global.overlap;
   const bool known = s.has_global && deepest.share >= s.stats.deepest_share;
   const double share = std::max(s.stats.deepest_share, s.has_global ? deepest.share : 0.0);
   const std::string who =

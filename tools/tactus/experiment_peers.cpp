@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/loader/choice_names.h"
 #include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
@@ -45,7 +46,7 @@ std::string command_of(const PeersOptions& options) {
 
 int run_peers(const PeersOptions& options) {
   experiment::PeersRequest request;
-  request.options.precision = experiment::precision_of(options.precision);
+  request.options.precision = sim::parse_precision(options.precision);
   request.options.sub_steps = options.sub_steps;
   request.runs = options.quick ? std::min(2u, options.runs) : options.runs;
   // A quick look leaves the large worlds out, unless they are asked for.
@@ -108,9 +109,9 @@ void add_peers(CLI::App& experiment, int& exit_code) {
       ->check(CLI::IsMember(peer_names()));
   peers
       ->add_option("--precision", options->precision,
-                   "of tactus: double, mixed (contacts solved in single precision) or float;\ndefault: as in a run, "
+                   "of tactus: double, or mixed, where contacts are solved in single precision;\ndefault: as in a run, "
                    "mixed beyond 256 bodies; of stirred scenes double in place of mixed")
-      ->check(CLI::IsMember(experiment::precision_names()));
+      ->check(CLI::IsMember({"double", "mixed"}));
   peers
       ->add_option(
           "--sub-steps", options->sub_steps,

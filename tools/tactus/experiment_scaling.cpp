@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "sim/loader/choice_names.h"
 #include "tools/experiment/timing.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
@@ -23,7 +24,7 @@ struct ScalingOptions {
 
 int run_scaling(const ScalingOptions& options) {
   experiment::EngineOptions engine;
-  engine.precision = experiment::precision_of(options.precision);
+  engine.precision = sim::parse_precision(options.precision);
   const auto cases = experiment::scaling_cases(options.quick, experiment::allowed_cores().size());
   if (options.count >= 0) {
     const auto index = static_cast<std::size_t>(options.count);
@@ -57,10 +58,11 @@ void add_scaling(CLI::App& experiment, int& exit_code) {
       "a capacity, and the row does not count.\n\n"
       "Example:\n  tactus experiment scaling --csv scaling.csv --svg scaling.svg");
   scaling
-      ->add_option("--precision", options->precision,
-                   "double, mixed (contacts solved in single precision) or float;\ndefault: as in a run, mixed beyond "
-                   "256 bodies")
-      ->check(CLI::IsMember(experiment::precision_names()));
+      ->add_option(
+          "--precision", options->precision,
+          "double, or mixed, where contacts are solved in single precision;\ndefault: as in a run, mixed beyond "
+          "256 bodies")
+      ->check(CLI::IsMember({"double", "mixed"}));
   scaling->add_option("--csv", options->csv, "writes the rows to this file");
   scaling->add_option("--svg", options->svg, "plots cost against contact points into this file");
   scaling->add_option("--count", options->count, "runs one case for the count of instructions")->group("");

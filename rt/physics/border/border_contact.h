@@ -72,34 +72,33 @@ inline constexpr std::array kBorderModes{BorderMode::kGhost, BorderMode::kCapped
                                          BorderMode::kFiltered, BorderMode::kFrozen};
 static_assert(lists_every_choice(kBorderModes), "a mode that has traits is not in the list, or twice");
 
-template <class T>
 struct BorderContact {
   BodyId member{kNoBody}, outside{kNoBody};
   std::uint32_t feature{0};  // names the contact point among those of the pair
-  Vec3<T> normal;            // unit, world, from the outside body towards the member
-  Vec3<T> member_anchor;     // m, the contact point in the member's body frame
-  T impulse_rate{};          // N: what the global step found: its impulse / its time
-  T friction{};              // coefficient of the pair
-  Vec3<T> outside_velocity;  // m/s, of the outside body's surface at the point, world
+  Vec3d normal;              // unit, world, from the outside body towards the member
+  Vec3d member_anchor;       // m, the contact point in the member's body frame
+  double impulse_rate{};     // N: what the global step found: its impulse / its time
+  double friction{};         // coefficient of the pair
+  Vec3d outside_velocity;    // m/s, of the outside body's surface at the point, world
   // kGhost: the ghost, by index among the world's (kNoGhost: the contact exerts nothing), and the outside body's own
   // share of the contact's inverse effective mass [1/kg], from which comes its softness.
   std::uint32_t ghost{kNoGhost};
-  T outside_inverse_mass{};
+  double outside_inverse_mass{};
 
   // The friction point (paper 2.2): the member's point stays on the line through `line_point` along `normal`. A ghost
   // has none: there the point is where the member's is, tick by tick.
-  Vec3<T> line_point;         // m, world; moves with outside_velocity
-  T gap{};                    // m: signed gap along the normal when the member's point is at line_point
+  Vec3d line_point;           // m, world; moves with outside_velocity
+  double gap{};               // m: signed gap along the normal when the member's point is at line_point
   bool friction_free{false};  // true once the tangential impulse exceeded mu i; refreshed at each synchronisation
 
   // What the solver did. Warm-start impulses of the last sub-step, sums since the last clear [N s].
-  T normal_impulse{};
-  T tangent_impulse[2]{};
-  T step_normal_impulse{};          // over the current step: the i of mu i
-  Vec3<T> step_tangent_impulse{};   // over the current step, on the member
-  T total_normal_impulse{};         // over the cycle
-  Vec3<T> total_tangent_impulse{};  // over the cycle, on the member
-  T work{};                         // J, done on the member over the cycle
+  double normal_impulse{};
+  double tangent_impulse[2]{};
+  double step_normal_impulse{};   // over the current step: the i of mu i
+  Vec3d step_tangent_impulse{};   // over the current step, on the member
+  double total_normal_impulse{};  // over the cycle
+  Vec3d total_tangent_impulse{};  // over the cycle, on the member
+  double work{};                  // J, done on the member over the cycle
 };
 
 }  // namespace tactus::physics

@@ -14,39 +14,35 @@
 namespace tactus::physics {
 
 // The change of a body's twist by an impulse on it, both at its centre: symmetric, not negative.
-template <class T>
 struct Admittance {
-  SymMat3<T> linear;   // m/s per N s
-  SymMat3<T> angular;  // rad/s per N m s
-  Vec3<T> crossed[3];  // row i: velocity i [m/s] per N m s; its transpose is rad/s per N s
+  SymMat3d linear;   // m/s per N s
+  SymMat3d angular;  // rad/s per N m s
+  Vec3d crossed[3];  // row i: velocity i [m/s] per N m s; its transpose is rad/s per N s
 
-  friend constexpr Twist<T> operator*(const Admittance& w, const Wrench<T>& p) noexcept {
-    const Vec3<T>& f = p.force;
-    return {
-        w.linear * f + Vec3<T>{dot(w.crossed[0], p.torque), dot(w.crossed[1], p.torque), dot(w.crossed[2], p.torque)},
-        w.angular * p.torque + f.x * w.crossed[0] + f.y * w.crossed[1] + f.z * w.crossed[2]};
+  friend constexpr Twistd operator*(const Admittance& w, const Wrenchd& p) noexcept {
+    const Vec3d& f = p.force;
+    return {w.linear * f + Vec3d{dot(w.crossed[0], p.torque), dot(w.crossed[1], p.torque), dot(w.crossed[2], p.torque)},
+            w.angular * p.torque + f.x * w.crossed[0] + f.y * w.crossed[1] + f.z * w.crossed[2]};
   }
 };
 
-template <class T>
 struct BorderGhost {
   BodyId outside{kNoBody};
-  Vec3<T> centre;            // m
-  Twist<T> velocity;         // of the centre, now
-  Twist<T> drive;            // m/s^2, rad/s^2: by all that acts on it but this world's members
-  Admittance<T> admittance;  // of the centre
-  Wrench<T> total_impulse;   // N s, N m s about the centre: by the members, over the cycle
+  Vec3d centre;           // m
+  Twistd velocity;        // of the centre, now
+  Twistd drive;           // m/s^2, rad/s^2: by all that acts on it but this world's members
+  Admittance admittance;  // of the centre
+  Wrenchd total_impulse;  // N s, N m s about the centre: by the members, over the cycle
 };
 
 // A ghost within a step.
-template <class T>
 struct GhostState {
   BodyId outside{kNoBody};
-  Twist<T> velocity, before;  // now; before the warm start
-  Twist<T> drive;
-  Vec3<T> moved, turned;  // m, rad, since the start of the step
-  Wrench<T> impulse;      // N s, N m s, over the step
-  Admittance<T> admittance;
+  Twistd velocity, before;  // now; before the warm start
+  Twistd drive;
+  Vec3d moved, turned;  // m, rad, since the start of the step
+  Wrenchd impulse;      // N s, N m s, over the step
+  Admittance admittance;
 };
 
 inline constexpr std::uint32_t kNoGhost = 0xffffffffu;

@@ -7,25 +7,21 @@
 namespace tactus::physics {
 namespace {
 
-template <class T>
-const Body<T>* find_by_id(std::span<const Body<T>> bodies, BodyId id) noexcept {
-  const auto at =
-      std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body<T>& b, BodyId i) { return b.id < i; });
+const Body* find_by_id(std::span<const Body> bodies, BodyId id) noexcept {
+  const auto at = std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId i) { return b.id < i; });
   return at != bodies.end() && at->id == id ? &*at : nullptr;
 }
 
 // A member between two ghosts is slow where a sweep leaves more than this part of an error: after the four relax sweeps
 // of a tick 10 % of it is left, swept twice 1 %. Measured range: from 0.2 to 0.85 the force errors of seven whole runs
 // (tests/border/README.md) are the same within 0.01 %.
-template <class T>
-inline constexpr T kSlowShare = T(0.5625);
+inline constexpr double kSlowShare = 0.5625;
 
 }  // namespace
 
-template <class T>
-void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<const BorderGhost<T>> ghosts,
-                              BorderMode mode, std::span<const Body<T>> bodies, SolverBodies<T> solver_bodies, T h,
-                              T impulse_scale, bool friction, T budget_J) noexcept {
+void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, BorderMode mode,
+                           std::span<const Body> bodies, SolverBodies<double> solver_bodies, double h,
+                           double impulse_scale, bool friction, double budget_J) noexcept {
   rule_ = traits_of(mode);
   budget_J_ = budget_J;
   h_ = h;
@@ -38,19 +34,19 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<co
   rows_.resize(static_cast<std::uint32_t>(contacts.size()));
   pairs_.clear();
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
-    BorderContact<T>& c = contacts[k];
+    BorderContact& c = contacts[k];
     Row& row = rows_[k];
     row = {};
     const bool same_pair = k > 0 && contacts[k - 1].member == c.member && contacts[k - 1].outside == c.outside;
     if (!same_pair) (void)pairs_.try_push({});
     row.pair = pairs_.size() - 1;
     pairs_[row.pair].cap += c.impulse_rate * h;
-    c.step_normal_impulse = T(0), c.step_tangent_impulse = {};
-    const Body<T>* member = find_by_id(bodies, c.member);
+    c.step_normal_impulse = 0.0, c.step_tangent_impulse = {};
+    const Body* member = find_by_id(bodies, c.member);
     if (member == nullptr) continue;
     row.slot = static_cast<std::uint32_t>(member - bodies.data());
-    const T mass = solver_bodies.motion[row.slot].inverse_mass;
-    if (mass == T(0)) continue;  // frozen: nothing moves it
+    const double mass = solver_bodies.motion[row.slot].inverse_mass;
+    if (mass == 0.0) continue;  // frozen: nothing moves it
     row.active = true;
     row.holds = friction && (rule_.ghosts || !c.friction_free);
     row.n = c.normal;
@@ -58,11 +54,11 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<co
     row.t1 = t1, row.t2 = t2;
     row.r = rotate(member->motion.pose.rotation, c.member_anchor);
     row.offset = member->motion.pose.position + row.r - c.line_point;
-    row.neighbour_velocity = rule_.surface_moves ? c.outside_velocity : Vec3<T>{};
+    row.neighbour_velocity = rule_.surface_moves ? c.outside_velocity : Vec3d{};
     row.cap = c.impulse_rate * h;
     row.gap = c.gap;
     row.friction = c.friction;
-    const SymMat3<T>& inertia = solver_bodies.inverse_inertia[row.slot];
+    const SymMat3d& inertia = solver_bodies.inverse_inertia[row.slot];
     row.normal_mass = invert_or_zero(inverse_effective_mass(mass, inertia, row.r, row.n, row.n));
     row.tangent_mass = tangent_mass_of(inverse_effective_mass(mass, inertia, row.r, t1, t1),
                                        inverse_effective_mass(mass, inertia, row.r, t2, t2),
@@ -71,7 +67,7 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<co
       meet_ghost(row, c, ghosts[c.ghost], mass, inertia, member->motion.pose.position + row.r);
     else if (rule_.ghosts)
       row.active = false;
-    const T scale = impulse_scale != T(1) ? impulse_scale : T(1);
+    const double scale = impulse_scale != 1.0 ? impulse_scale : 1.0;
     row.normal_impulse = scale * c.normal_impulse;
     if (row.holds)
       row.tangent_impulse[0] = scale * c.tangent_impulse[0], row.tangent_impulse[1] = scale * c.tangent_impulse[1];
@@ -84,40 +80,38 @@ void BorderSolver<T>::prepare(std::span<BorderContact<T>> contacts, std::span<co
   // A pair that the other world found touching without pressing may not push: its rows would cost and do nothing.
   if (!rule_.limited) return;
   for (Row& row : rows_)
-    if (pairs_[row.pair].cap == T(0)) row.active = false;
+    if (pairs_[row.pair].cap == 0.0) row.active = false;
 }
 
 // Of an error the row against one ghost leaves w / (w + W) to the next row of the member, w of the member, W of the
 // ghost: a sweep over two leaves the product of their shares.
-template <class T>
-void BorderSolver<T>::mark_slow(std::span<Row> of_member) noexcept {
+void BorderSolver::mark_slow(std::span<Row> of_member) noexcept {
   const Row* most = &of_member[0];
   for (const Row& row : of_member)
     if (row.member_share > most->member_share) most = &row;
-  T other{};
+  double other{};
   for (const Row& row : of_member)
     if (row.ghost != most->ghost) other = std::max(other, row.member_share);
-  for (Row& row : of_member) row.slow = most->member_share * other > kSlowShare<T>;
+  for (Row& row : of_member) row.slow = most->member_share * other > kSlowShare;
 }
 
 // The rows' masses with both sides moving.
-template <class T>
-void BorderSolver<T>::meet_ghost(Row& row, const BorderContact<T>& contact, const BorderGhost<T>& ghost, T inverse_mass,
-                                 const SymMat3<T>& inertia, const Vec3<T>& point) noexcept {
+void BorderSolver::meet_ghost(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
+                              const SymMat3d& inertia, const Vec3d& point) noexcept {
   row.ghost = contact.ghost;
   row.ghost_r = point - ghost.centre;
-  const Vec3<T>* directions[3] = {&row.n, &row.t1, &row.t2};
+  const Vec3d* directions[3] = {&row.n, &row.t1, &row.t2};
   for (int i = 0; i < 3; ++i) {
-    const Vec3<T>& d = *directions[i];
-    row.ghost_answer[i] = ghost.admittance * Wrench<T>{-d, -cross(row.ghost_r, d)};
+    const Vec3d& d = *directions[i];
+    row.ghost_answer[i] = ghost.admittance * Wrenchd{-d, -cross(row.ghost_r, d)};
   }
-  const auto answer = [&](int i, const Vec3<T>& d) noexcept {
+  const auto answer = [&](int i, const Vec3d& d) noexcept {
     return -dot(d, row.ghost_answer[i].linear + cross(row.ghost_answer[i].angular, row.ghost_r));
   };
-  const auto member = [&](const Vec3<T>& d, const Vec3<T>& e) noexcept {
+  const auto member = [&](const Vec3d& d, const Vec3d& e) noexcept {
     return inverse_effective_mass(inverse_mass, inertia, row.r, d, e);
   };
-  const T alone = member(row.n, row.n), both = alone + answer(0, row.n);
+  const double alone = member(row.n, row.n), both = alone + answer(0, row.n);
   row.normal_mass = invert_or_zero(both);
   row.member_share = alone * row.normal_mass;
   row.own_share = (alone + contact.outside_inverse_mass) * row.normal_mass;
@@ -127,113 +121,105 @@ void BorderSolver<T>::meet_ghost(Row& row, const BorderContact<T>& contact, cons
 }
 
 // The most that the normal row may push in a sub-step: what the pair's other points leave of its cap.
-template <class T>
-T BorderSolver<T>::normal_limit(const Row& row) const noexcept {
-  if (!rule_.limited) return std::numeric_limits<T>::max();
+double BorderSolver::normal_limit(const Row& row) const noexcept {
+  if (!rule_.limited) return std::numeric_limits<double>::max();
   const Pair& pair = pairs_[row.pair];
-  return std::max(T(0), pair.cap - (pair.sum - row.normal_impulse));
+  return std::max(0.0, pair.cap - (pair.sum - row.normal_impulse));
 }
 
 // Of the member's point from where line_point has gone, `elapsed` into the step.
-template <class T>
-Vec3<T> BorderSolver<T>::offset_at(const Row& row, const SolverBody<T>& body, T elapsed) const noexcept {
-  const Vec3<T> member = row.offset + body.delta_position + rotate(body.delta_rotation, row.r) - row.r;
+Vec3d BorderSolver::offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept {
+  const Vec3d member = row.offset + body.delta_position + rotate(body.delta_rotation, row.r) - row.r;
   if (row.ghost == kNoGhost) return member - elapsed * row.neighbour_velocity;
-  const GhostState<T>& ghost = ghosts_[row.ghost];
+  const GhostState& ghost = ghosts_[row.ghost];
   return member - ghost.moved - cross(ghost.turned, row.ghost_r);
 }
 
 // The member's velocity against its neighbour's, or what counts for it.
-template <class T>
-Vec3<T> BorderSolver<T>::slip(const Row& row, const SolverBody<T>& body) const noexcept {
+Vec3d BorderSolver::slip(const Row& row, const SolverBody<double>& body) const noexcept {
   if (row.ghost == kNoGhost) return velocity_at(body, row.r) - row.neighbour_velocity;
-  const Twist<T>& ghost = ghosts_[row.ghost].velocity;
-  const Vec3<T> v = ghost.linear + cross(ghost.angular, row.ghost_r);
-  return velocity_at(body, row.r) - (may_give_ ? v : v - std::max(T(0), dot(row.n, v)) * row.n);
+  const Twistd& ghost = ghosts_[row.ghost].velocity;
+  const Vec3d v = ghost.linear + cross(ghost.angular, row.ghost_r);
+  return velocity_at(body, row.r) - (may_give_ ? v : v - std::max(0.0, dot(row.n, v)) * row.n);
 }
 
 // Impulses along n, t1 and t2: on the member, the opposite on the ghost.
-template <class T>
-void BorderSolver<T>::push(const Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, T normal, T tangent1,
-                           T tangent2) noexcept {
+void BorderSolver::push(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal,
+                        double tangent1, double tangent2) noexcept {
   apply_impulse_at(body, inertia, row.r, normal * row.n + tangent1 * row.t1 + tangent2 * row.t2);
   if (row.ghost == kNoGhost) return;
-  Twist<T>& ghost = ghosts_[row.ghost].velocity;
-  const T by[3] = {normal, tangent1, tangent2};
+  Twistd& ghost = ghosts_[row.ghost].velocity;
+  const double by[3] = {normal, tangent1, tangent2};
   for (int i = 0; i < 3; ++i)
     ghost.linear += by[i] * row.ghost_answer[i].linear, ghost.angular += by[i] * row.ghost_answer[i].angular;
 }
 
 // The normal row, by the rules of an inner contact: apart, it lets the gap close; overlapping, it pushes out softly in
 // the biased sweep and stops the approach in the relax sweep.
-template <class T>
-void BorderSolver<T>::press(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule,
-                            bool biased) noexcept {
-  const T gap = row.gap + dot(row.n, offset_at(row, body, biased ? row.elapsed : row.elapsed + h_));
-  Softness<T> soft = Softness<T>::rigid();
-  T bias{};
-  if (gap > T(0)) {
+void BorderSolver::press(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
+                         bool biased) noexcept {
+  const double gap = row.gap + dot(row.n, offset_at(row, body, biased ? row.elapsed : row.elapsed + h_));
+  Softness<double> soft = Softness<double>::rigid();
+  double bias{};
+  if (gap > 0.0) {
     bias = gap * rule.inverse_h;
   } else if (biased && may_give_) {  // else rigid: nothing is pushed out, and nothing let go
     soft = rule.softness;
     if (row.ghost != kNoGhost) {
-      soft.mass_scale = T(1) / (T(1) + row.own_share * soft.impulse_scale / soft.mass_scale);
-      soft.impulse_scale = T(1) - soft.mass_scale;
+      soft.mass_scale = 1.0 / (1.0 + row.own_share * soft.impulse_scale / soft.mass_scale);
+      soft.impulse_scale = 1.0 - soft.mass_scale;
     }
-    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(T(0), gap + rule.slop), -rule.max_push_speed);
+    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop), -rule.max_push_speed);
   }
-  const T u = dot(row.n, slip(row, body));
-  const T wanted =
+  const double u = dot(row.n, slip(row, body));
+  const double wanted =
       row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - soft.impulse_scale * row.normal_impulse;
-  const T next = std::clamp(wanted, T(0), normal_limit(row));
-  push(row, body, inertia, next - row.normal_impulse, T(0), T(0));
+  const double next = std::clamp(wanted, 0.0, normal_limit(row));
+  push(row, body, inertia, next - row.normal_impulse, 0.0, 0.0);
   pairs_[row.pair].sum += next - row.normal_impulse;
   row.normal_impulse = next;
 }
 
-template <class T>
-void BorderSolver<T>::begin_sub_step(std::uint32_t j, SolverBodies<T> bodies) noexcept {
-  may_give_ = budget_J_ > T(0);
-  for (GhostState<T>& ghost : ghosts_) {
+void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept {
+  may_give_ = budget_J_ > 0.0;
+  for (GhostState& ghost : ghosts_) {
     ghost.velocity.linear += h_ * ghost.drive.linear, ghost.velocity.angular += h_ * ghost.drive.angular;
     ghost.before = ghost.velocity;
   }
   for (Row& row : rows_) {
     if (!row.active) continue;
-    const SolverBody<T>& body = bodies.motion[row.slot];
+    const SolverBody<double>& body = bodies.motion[row.slot];
     row.start_velocity = velocity_at(body, row.r);
-    row.elapsed = static_cast<T>(j) * h_;
-    const Vec3<T> off = offset_at(row, body, row.elapsed);
+    row.elapsed = static_cast<double>(j) * h_;
+    const Vec3d off = offset_at(row, body, row.elapsed);
     row.error[0] = dot(row.t1, off), row.error[1] = dot(row.t2, off);
   }
 }
 
-template <class T>
-void BorderSolver<T>::apply_replay(SolverBodies<T> bodies) noexcept {
+void BorderSolver::apply_replay(SolverBodies<double> bodies) noexcept {
   if (!rule_.replays) return;
   for (Row& row : rows_) {
     if (!row.active) continue;
-    SolverBody<T>& body = bodies.motion[row.slot];
+    SolverBody<double>& body = bodies.motion[row.slot];
     row.normal_impulse = row.cap;
     if (!may_give_) {
       // J (v + v') / 2 = 0, v before the sub-step and v' after it: v' is what it is now and J / m.
-      const T no_work = -row.normal_mass * dot(row.n, row.start_velocity + velocity_at(body, row.r));
-      row.normal_impulse = std::clamp(no_work, T(0), row.cap);
+      const double no_work = -row.normal_mass * dot(row.n, row.start_velocity + velocity_at(body, row.r));
+      row.normal_impulse = std::clamp(no_work, 0.0, row.cap);
     }
     apply_impulse_at(body, bodies.inverse_inertia[row.slot], row.r, row.normal_impulse * row.n);
   }
 }
 
-template <class T>
-void BorderSolver<T>::warm_start(SolverBodies<T> bodies) noexcept {
-  for (Pair& pair : pairs_) pair.sum = T(0);
+void BorderSolver::warm_start(SolverBodies<double> bodies) noexcept {
+  for (Pair& pair : pairs_) pair.sum = 0.0;
   for (Row& row : rows_) {
     if (!row.active) continue;
-    T normal{};
+    double normal{};
     if (!rule_.replays) {
-      const T wanted = row.normal_impulse;
-      row.normal_impulse = T(0);
-      row.normal_impulse = std::clamp(wanted, T(0), normal_limit(row));
+      const double wanted = row.normal_impulse;
+      row.normal_impulse = 0.0;
+      row.normal_impulse = std::clamp(wanted, 0.0, normal_limit(row));
       pairs_[row.pair].sum += row.normal_impulse;
       normal = row.normal_impulse;
     }
@@ -245,33 +231,31 @@ void BorderSolver<T>::warm_start(SolverBodies<T> bodies) noexcept {
 }
 
 // The friction of an inner contact.
-template <class T>
-void BorderSolver<T>::rub(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia) noexcept {
-  const Vec3<T> u = slip(row, body);
-  T next[2] = {row.tangent_impulse[0] - row.tangent_mass * dot(row.t1, u),
-               row.tangent_impulse[1] - row.tangent_mass * dot(row.t2, u)};
+void BorderSolver::rub(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept {
+  const Vec3d u = slip(row, body);
+  double next[2] = {row.tangent_impulse[0] - row.tangent_mass * dot(row.t1, u),
+                    row.tangent_impulse[1] - row.tangent_mass * dot(row.t2, u)};
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
-  push(row, body, inertia, T(0), next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  push(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
   row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
 }
 
-template <class T>
-void BorderSolver<T>::hold_on_line(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule,
-                                   bool biased) noexcept {
-  const Softness<T> soft = biased ? rule.softness : Softness<T>::rigid();
-  const Vec3<T> u = slip(row, body);
-  T next[2];
+void BorderSolver::hold_on_line(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
+                                const SweepRule<double>& rule, bool biased) noexcept {
+  const Softness<double> soft = biased ? rule.softness : Softness<double>::rigid();
+  const Vec3d u = slip(row, body);
+  double next[2];
   for (int i = 0; i < 2; ++i) {
-    const T pull =
+    const double pull =
         std::clamp(soft.mass_scale * soft.bias_rate * row.error[i], -rule.max_push_speed, rule.max_push_speed);
-    const T bias = may_give_ ? pull : T(0);
-    const T along = dot(i == 0 ? row.t1 : row.t2, u);
+    const double bias = may_give_ ? pull : 0.0;
+    const double along = dot(i == 0 ? row.t1 : row.t2, u);
     next[i] = row.tangent_impulse[i] - row.tangent_mass * (soft.mass_scale * along + bias) -
               soft.impulse_scale * row.tangent_impulse[i];
     row.demand[i] = next[i];
   }
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
-  push(row, body, inertia, T(0), next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  push(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
   row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
 }
 
@@ -280,8 +264,7 @@ void BorderSolver<T>::hold_on_line(Row& row, SolverBody<T>& body, const SymMat3<
 // complex, the errors of many rows go round: the load on a plank of tests/border/crib.toml (shares 14/15) swung by a
 // third of its mean, and the hand's proxy crept along it. Symmetric it swings by 4.5 %, with the slow rows swept twice
 // by 1.5 %.
-template <class T>
-void BorderSolver<T>::solve(SolverBodies<T> bodies, const SweepRule<T>& rule, bool biased) noexcept {
+void BorderSolver::solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept {
   const std::uint32_t count = rows_.size();
   const auto at = [&](std::uint32_t i) noexcept -> Row& { return rows_[biased ? i : count - 1 - i]; };
   for (std::uint32_t i = 0; i < count; ++i) solve_row(at(i), bodies, rule, biased);
@@ -290,11 +273,11 @@ void BorderSolver<T>::solve(SolverBodies<T> bodies, const SweepRule<T>& rule, bo
     if (at(i).slow) solve_row(at(i), bodies, rule, biased);
 }
 
-template <class T>
-void BorderSolver<T>::solve_row(Row& row, SolverBodies<T> bodies, const SweepRule<T>& rule, bool biased) noexcept {
+void BorderSolver::solve_row(Row& row, SolverBodies<double> bodies, const SweepRule<double>& rule,
+                             bool biased) noexcept {
   if (!row.active) return;
-  SolverBody<T>& body = bodies.motion[row.slot];
-  const SymMat3<T>& inertia = bodies.inverse_inertia[row.slot];
+  SolverBody<double>& body = bodies.motion[row.slot];
+  const SymMat3d& inertia = bodies.inverse_inertia[row.slot];
   if (!rule_.replays) press(row, body, inertia, rule, biased);
   if (!row.holds) return;
   if (row.ghost == kNoGhost)
@@ -303,83 +286,75 @@ void BorderSolver<T>::solve_row(Row& row, SolverBodies<T> bodies, const SweepRul
     rub(row, body, inertia);
 }
 
-template <class T>
-void BorderSolver<T>::move_ghosts() noexcept {
-  for (GhostState<T>& ghost : ghosts_)
+void BorderSolver::move_ghosts() noexcept {
+  for (GhostState& ghost : ghosts_)
     ghost.moved += h_ * ghost.velocity.linear, ghost.turned += h_ * ghost.velocity.angular;
 }
 
-template <class T>
-Vec3<T> BorderSolver<T>::impulse_of(const Row& row) const noexcept {
+Vec3d BorderSolver::impulse_of(const Row& row) const noexcept {
   return row.normal_impulse * row.n + row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
 }
 
 // Kinetic energy changes by the impulse times the mean of the velocities before and after, exactly.
-template <class T>
-T BorderSolver<T>::work_of(const Row& row, const SolverBody<T>& body) const noexcept {
-  return T(0.5) * dot(impulse_of(row), row.start_velocity + velocity_at(body, row.r));
+double BorderSolver::work_of(const Row& row, const SolverBody<double>& body) const noexcept {
+  return 0.5 * dot(impulse_of(row), row.start_velocity + velocity_at(body, row.r));
 }
 
 // Of a row's impulse J, which did the work W on the member, the share s is left that does `allowed`:
 // s (W + (s - 1) J A J / 2) = allowed, since of the velocity after the sub-step (1 - s) A J goes with the rest.
-template <class T>
-void BorderSolver<T>::take_back_work(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, T allowed) noexcept {
-  const Vec3<T> impulse = impulse_of(row);
-  const T own = T(0.5) * inverse_effective_mass(body.inverse_mass, inertia, row.r, impulse, impulse);
-  const T others = work_of(row, body) - own;  // what s = 0 leaves of W / s
-  const T share = T(0.5) * (std::sqrt(others * others + T(4) * own * allowed) - others) * invert_or_zero(own);
-  const T less = std::clamp(share, T(0), T(1)) - T(1);
+void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
+                                  double allowed) noexcept {
+  const Vec3d impulse = impulse_of(row);
+  const double own = 0.5 * inverse_effective_mass(body.inverse_mass, inertia, row.r, impulse, impulse);
+  const double others = work_of(row, body) - own;  // what s = 0 leaves of W / s
+  const double share = 0.5 * (std::sqrt(others * others + 4.0 * own * allowed) - others) * invert_or_zero(own);
+  const double less = std::clamp(share, 0.0, 1.0) - 1.0;
   push(row, body, inertia, less * row.normal_impulse, less * row.tangent_impulse[0], less * row.tangent_impulse[1]);
-  row.normal_impulse *= T(1) + less, row.tangent_impulse[0] *= T(1) + less, row.tangent_impulse[1] *= T(1) + less;
+  row.normal_impulse *= 1.0 + less, row.tangent_impulse[0] *= 1.0 + less, row.tangent_impulse[1] *= 1.0 + less;
 }
 
 // Rows may give no more than is in the tank. One that takes takes all that it did.
-template <class T>
-void BorderSolver<T>::keep_budget(SolverBodies<T> bodies) noexcept {
-  T given{}, sum{};
+void BorderSolver::keep_budget(SolverBodies<double> bodies) noexcept {
+  double given{}, sum{};
   for (const Row& row : rows_) {
     if (!row.active) continue;
-    const T work = work_of(row, bodies.motion[row.slot]);
-    given += std::max(T(0), work), sum += work;
+    const double work = work_of(row, bodies.motion[row.slot]);
+    given += std::max(0.0, work), sum += work;
   }
-  if (sum <= budget_J_ || !(given > T(0))) return;
-  const T share = std::max(T(0), budget_J_) / given;
+  if (sum <= budget_J_ || !(given > 0.0)) return;
+  const double share = std::max(0.0, budget_J_) / given;
   for (Row& row : rows_) {
     if (!row.active) continue;
-    SolverBody<T>& body = bodies.motion[row.slot];
-    const T work = work_of(row, body);
-    if (work > T(0)) take_back_work(row, body, bodies.inverse_inertia[row.slot], share * work);
+    SolverBody<double>& body = bodies.motion[row.slot];
+    const double work = work_of(row, body);
+    if (work > 0.0) take_back_work(row, body, bodies.inverse_inertia[row.slot], share * work);
   }
 }
 
-template <class T>
-void BorderSolver<T>::end_sub_step(SolverBodies<T> bodies) noexcept {
+void BorderSolver::end_sub_step(SolverBodies<double> bodies) noexcept {
   keep_budget(bodies);
   for (Row& row : rows_) {
     if (!row.active) continue;
-    const Vec3<T> tangential = row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
-    const T work_J = work_of(row, bodies.motion[row.slot]);
+    const Vec3d tangential = row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
+    const double work_J = work_of(row, bodies.motion[row.slot]);
     row.work += work_J;
     budget_J_ -= work_J;
     row.step_normal += row.normal_impulse;
     row.step_tangent += tangential;
     row.step_demand[0] += row.demand[0], row.step_demand[1] += row.demand[1];
     if (row.ghost == kNoGhost) continue;
-    row.end_offset = offset_at(row, bodies.motion[row.slot], T(0));
+    row.end_offset = offset_at(row, bodies.motion[row.slot], 0.0);
     row.end_gap = row.gap + dot(row.n, row.end_offset);
-    const Vec3<T> on_ghost = -(row.normal_impulse * row.n + tangential);
-    Wrench<T>& sum = ghosts_[row.ghost].impulse;
+    const Vec3d on_ghost = -(row.normal_impulse * row.n + tangential);
+    Wrenchd& sum = ghosts_[row.ghost].impulse;
     sum.force += on_ghost, sum.torque += cross(row.ghost_r, on_ghost);
   }
 }
 
-template <class T>
-void BorderSolver<T>::scale_impulses(T factor) noexcept {
+void BorderSolver::scale_impulses(double factor) noexcept {
   for (Pair& pair : pairs_) pair.sum *= factor;
-  for (GhostState<T>& ghost : ghosts_) {
-    const auto scaled = [factor](const Vec3<T>& from, const Vec3<T>& to) noexcept {
-      return from + factor * (to - from);
-    };
+  for (GhostState& ghost : ghosts_) {
+    const auto scaled = [factor](const Vec3d& from, const Vec3d& to) noexcept { return from + factor * (to - from); };
     ghost.velocity = {scaled(ghost.before.linear, ghost.velocity.linear),
                       scaled(ghost.before.angular, ghost.velocity.angular)};
   }
@@ -390,48 +365,45 @@ void BorderSolver<T>::scale_impulses(T factor) noexcept {
   }
 }
 
-template <class T>
-void BorderSolver<T>::store_impulses(std::span<BorderContact<T>> contacts, T share) const noexcept {
+void BorderSolver::store_impulses(std::span<BorderContact> contacts, double share) const noexcept {
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
-    const auto blend = [share](T& to, T from) noexcept { to = share == T(1) ? from : to + share * (from - to); };
+    const auto blend = [share](double& to, double from) noexcept {
+      to = share == 1.0 ? from : to + share * (from - to);
+    };
     blend(contacts[k].normal_impulse, rows_[k].normal_impulse);
     for (int d = 0; d < 2; ++d) blend(contacts[k].tangent_impulse[d], rows_[k].tangent_impulse[d]);
   }
 }
 
-template <class T>
-void BorderSolver<T>::store(std::span<BorderContact<T>> contacts, std::span<BorderGhost<T>> ghosts, T dt,
-                            T share) const noexcept {
+void BorderSolver::store(std::span<BorderContact> contacts, std::span<BorderGhost> ghosts, double dt,
+                         double share) const noexcept {
   store_impulses(contacts, share);
   for (std::uint32_t g = 0; g < ghosts_.size(); ++g) {
-    const GhostState<T>& from = ghosts_[g];
+    const GhostState& from = ghosts_[g];
     ghosts[g].velocity = from.velocity;
     ghosts[g].centre += from.moved;
     ghosts[g].total_impulse.force += from.impulse.force, ghosts[g].total_impulse.torque += from.impulse.torque;
   }
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     const Row& row = rows_[k];
-    BorderContact<T>& c = contacts[k];
+    BorderContact& c = contacts[k];
     if (rule_.surface_moves) c.line_point += dt * c.outside_velocity;
     c.step_normal_impulse = row.step_normal, c.step_tangent_impulse = row.step_tangent;
     c.total_normal_impulse += row.step_normal, c.total_tangent_impulse += row.step_tangent;
     c.work += row.work;
     if (row.ghost != kNoGhost) {
-      const GhostState<T>& ghost = ghosts_[row.ghost];
+      const GhostState& ghost = ghosts_[row.ghost];
       c.line_point += row.end_offset + ghost.moved + cross(ghost.turned, row.ghost_r);
       c.gap = row.end_gap;
       continue;
     }
-    const T limit = row.friction * row.step_normal;
-    const T demand_squared = row.step_demand[0] * row.step_demand[0] + row.step_demand[1] * row.step_demand[1];
+    const double limit = row.friction * row.step_normal;
+    const double demand_squared = row.step_demand[0] * row.step_demand[0] + row.step_demand[1] * row.step_demand[1];
     if (row.holds && demand_squared > limit * limit) {
       c.friction_free = true;
-      c.tangent_impulse[0] = c.tangent_impulse[1] = T(0);
+      c.tangent_impulse[0] = c.tangent_impulse[1] = 0.0;
     }
   }
 }
-
-template class BorderSolver<double>;
-template class BorderSolver<float>;
 
 }  // namespace tactus::physics

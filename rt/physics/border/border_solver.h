@@ -17,7 +17,6 @@
 
 namespace tactus::physics {
 
-template <class T>
 class BorderSolver {
  public:
   explicit BorderSolver(std::uint32_t border_contacts)  // [setup]
@@ -27,82 +26,84 @@ class BorderSolver {
   // left of it, sub-step by sub-step, it only takes: to members ghosts do not approach, and their friction, or what is
   // replayed, is limited to what does no work on the member.
   // `bodies`: by slot, ascending ids. A contact whose member is not there exerts nothing.
-  void prepare(std::span<BorderContact<T>> contacts, std::span<const BorderGhost<T>> ghosts, BorderMode mode,
-               std::span<const Body<T>> bodies, SolverBodies<T> solver_bodies, T h, T impulse_scale, bool friction,
-               T budget_J) noexcept;
-  void begin_sub_step(std::uint32_t j, SolverBodies<T> bodies) noexcept;  // before anything moves: books
-  void apply_replay(SolverBodies<T> bodies) noexcept;
-  void warm_start(SolverBodies<T> bodies) noexcept;
-  void solve(SolverBodies<T> bodies, const SweepRule<T>& rule, bool biased) noexcept;
+  void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, BorderMode mode,
+               std::span<const Body> bodies, SolverBodies<double> solver_bodies, double h, double impulse_scale,
+               bool friction, double budget_J) noexcept;
+  void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves: books
+  void apply_replay(SolverBodies<double> bodies) noexcept;
+  void warm_start(SolverBodies<double> bodies) noexcept;
+  void solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
   void move_ghosts() noexcept;  // where the bodies move
-  void end_sub_step(SolverBodies<T> bodies) noexcept;
-  void scale_impulses(T factor) noexcept;
+  void end_sub_step(SolverBodies<double> bodies) noexcept;
+  void scale_impulses(double factor) noexcept;
   // `share` as for contacts.
-  void store(std::span<BorderContact<T>> contacts, std::span<BorderGhost<T>> ghosts, T dt, T share) const noexcept;
-  void keep_impulses(std::span<BorderContact<T>> contacts) const noexcept { store_impulses(contacts, T(1)); }
+  void store(std::span<BorderContact> contacts, std::span<BorderGhost> ghosts, double dt, double share) const noexcept;
+  void keep_impulses(std::span<BorderContact> contacts) const noexcept { store_impulses(contacts, 1.0); }
   // From prepare to store: joints act on them, too. In the order of the world's; none without the ghost border.
-  std::span<GhostState<T>> ghosts() noexcept { return ghosts_.span(); }
+  std::span<GhostState> ghosts() noexcept { return ghosts_.span(); }
 
  private:
   struct Row {
     std::uint32_t slot{0};
     std::uint32_t pair{0};             // index into pairs_
     bool active{false}, holds{false};  // the member is there; the friction point holds
-    Vec3<T> n, t1, t2;
-    Vec3<T> r;                   // m, from the member's centre, at the start of the step
-    Vec3<T> offset;              // m, of the member's point from line_point, at the start of the step
-    Vec3<T> neighbour_velocity;  // m/s
-    T cap{}, friction{};         // N s; -
-    T normal_mass{}, tangent_mass{};
+    Vec3d n, t1, t2;
+    Vec3d r;                   // m, from the member's centre, at the start of the step
+    Vec3d offset;              // m, of the member's point from line_point, at the start of the step
+    Vec3d neighbour_velocity;  // m/s
+    double cap{}, friction{};  // N s; -
+    double normal_mass{}, tangent_mass{};
     // Against a ghost: which, the point from its centre [m], what a unit impulse on the member along n, t1, t2 does to
     // it, A' / A of the normal, and the member's part of A.
     std::uint32_t ghost{kNoGhost};
-    Vec3<T> ghost_r;
-    Twist<T> ghost_answer[3];
-    T own_share{1}, member_share{};
+    Vec3d ghost_r;
+    Twistd ghost_answer[3];
+    double own_share{1}, member_share{};
     bool slow{false};
-    T normal_impulse{}, tangent_impulse[2]{};
-    T demand[2]{}, step_demand[2]{};  // N s: what the rows would have taken without the disk; sum of the step
-    T gap{};                          // m, at the start of the step
-    T elapsed{};                      // s, of the step, at the start of the sub-step
-    T error[2]{};                     // m, off the line at the start of the sub-step
-    T end_gap{};                      // m, and the member's point from line_point: at the end of the sub-step
-    Vec3<T> end_offset;
-    Vec3<T> start_velocity;  // m/s, of the point
-    T step_normal{}, work{};
-    Vec3<T> step_tangent;
+    double normal_impulse{}, tangent_impulse[2]{};
+    double demand[2]{}, step_demand[2]{};  // N s: what the rows would have taken without the disk; sum of the step
+    double gap{};                          // m, at the start of the step
+    double elapsed{};                      // s, of the step, at the start of the sub-step
+    double error[2]{};                     // m, off the line at the start of the sub-step
+    double end_gap{};                      // m, and the member's point from line_point: at the end of the sub-step
+    Vec3d end_offset;
+    Vec3d start_velocity;  // m/s, of the point
+    double step_normal{}, work{};
+    Vec3d step_tangent;
   };
 
   // The points of one member and one outside body, which follow each other.
   struct Pair {
-    T cap{}, sum{};  // N s per sub-step: allowed, applied
+    double cap{}, sum{};  // N s per sub-step: allowed, applied
   };
 
-  void meet_ghost(Row& row, const BorderContact<T>& contact, const BorderGhost<T>& ghost, T inverse_mass,
-                  const SymMat3<T>& inertia, const Vec3<T>& point) noexcept;
-  T normal_limit(const Row& row) const noexcept;
-  Vec3<T> offset_at(const Row& row, const SolverBody<T>& body, T elapsed) const noexcept;
-  Vec3<T> slip(const Row& row, const SolverBody<T>& body) const noexcept;
-  void push(const Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, T normal, T tangent1, T tangent2) noexcept;
-  void rub(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia) noexcept;
+  void meet_ghost(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
+                  const SymMat3d& inertia, const Vec3d& point) noexcept;
+  double normal_limit(const Row& row) const noexcept;
+  Vec3d offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept;
+  Vec3d slip(const Row& row, const SolverBody<double>& body) const noexcept;
+  void push(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal, double tangent1,
+            double tangent2) noexcept;
+  void rub(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept;
   void mark_slow(std::span<Row> of_member) noexcept;
-  Vec3<T> impulse_of(const Row& row) const noexcept;
-  T work_of(const Row& row, const SolverBody<T>& body) const noexcept;
-  void take_back_work(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, T allowed) noexcept;
-  void keep_budget(SolverBodies<T> bodies) noexcept;
-  void hold_on_line(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule,
+  Vec3d impulse_of(const Row& row) const noexcept;
+  double work_of(const Row& row, const SolverBody<double>& body) const noexcept;
+  void take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia, double allowed) noexcept;
+  void keep_budget(SolverBodies<double> bodies) noexcept;
+  void hold_on_line(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
                     bool biased) noexcept;
-  void solve_row(Row& row, SolverBodies<T> bodies, const SweepRule<T>& rule, bool biased) noexcept;
-  void press(Row& row, SolverBody<T>& body, const SymMat3<T>& inertia, const SweepRule<T>& rule, bool biased) noexcept;
-  void store_impulses(std::span<BorderContact<T>> contacts, T share) const noexcept;
+  void solve_row(Row& row, SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
+  void press(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
+             bool biased) noexcept;
+  void store_impulses(std::span<BorderContact> contacts, double share) const noexcept;
 
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;
-  BoundedVector<GhostState<T>> ghosts_;  // as the world's
-  T h_{};
+  BoundedVector<GhostState> ghosts_;  // as the world's
+  double h_{};
   BorderTraits rule_;    // of the mode
   bool may_give_{true};  // in the sub-step: something is left of the budget
-  T budget_J_{};         // what is left of it
+  double budget_J_{};    // what is left of it
 };
 
 }  // namespace tactus::physics

@@ -17,14 +17,10 @@ namespace tactus::physics {
 
 // What is beyond a side by no more than this stays as it is [m]: in a stack of equal boxes every corner lies on a
 // side, and must not take turns between being a corner and a crossing. The solver's slop.
-template <class T>
-inline constexpr T kSideTolerance = T(1e-5);
+inline constexpr double kSideTolerance = 1e-5;
 
 template <class Polygon>
 using PointOf = typename decltype(Polygon::points)::value_type;
-template <class Polygon>
-using CoordinateOf = decltype(PointOf<Polygon>::u);
-
 template <class Polygon>
 void push(Polygon& polygon, const PointOf<Polygon>& point) noexcept {
   // Never full in exact arithmetic; rounding may fold a sliver of a face once more, and that corner is no loss.
@@ -35,10 +31,9 @@ void push(Polygon& polygon, const PointOf<Polygon>& point) noexcept {
 // `crossing_id(point)`: of the line that begins there and the side; `side`: the label of the side.
 template <class Polygon, class BeyondOf, class CrossingId>
 void cut(Polygon& polygon, BeyondOf beyond_of, CrossingId crossing_id, decltype(PointOf<Polygon>::line) side) noexcept {
-  using T = CoordinateOf<Polygon>;
-  constexpr T tolerance = kSideTolerance<T>;
+  constexpr double tolerance = kSideTolerance;
   decltype(Polygon::points) before;
-  std::array<T, std::tuple_size_v<decltype(Polygon::points)>> beyond;
+  std::array<double, std::tuple_size_v<decltype(Polygon::points)>> beyond;
   const std::uint32_t count = polygon.count;
   bool all_inside = true;
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -55,8 +50,8 @@ void cut(Polygon& polygon, BeyondOf beyond_of, CrossingId crossing_id, decltype(
     if (inside) push(polygon, from);
     if (inside == next_inside) continue;
     // Where the inner one is itself beyond the side, within the tolerance, the crossing is at the tolerance's end.
-    const T shift = beyond[k] <= T(0) || beyond[next] <= T(0) ? T(0) : tolerance;
-    const T ratio = (beyond[k] - shift) / (beyond[k] - beyond[next]);
+    const double shift = beyond[k] <= 0.0 || beyond[next] <= 0.0 ? 0.0 : tolerance;
+    const double ratio = (beyond[k] - shift) / (beyond[k] - beyond[next]);
     PointOf<Polygon> point = from;
     point.u += ratio * (to.u - from.u), point.v += ratio * (to.v - from.v), point.w += ratio * (to.w - from.w);
     point.id = crossing_id(from);
@@ -69,11 +64,10 @@ void cut(Polygon& polygon, BeyondOf beyond_of, CrossingId crossing_id, decltype(
 // other the lower id stays, with the depth of the deeper.
 template <class Polygon>
 void merge_neighbours(Polygon& polygon) noexcept {
-  using T = CoordinateOf<Polygon>;
   const auto merge = [](PointOf<Polygon>& into, const PointOf<Polygon>& point) noexcept {
-    constexpr T near = T(2) * kSideTolerance<T>;
+    constexpr double near = 2.0 * kSideTolerance;
     if (!(std::abs(into.u - point.u) <= near && std::abs(into.v - point.v) <= near)) return false;
-    const T w = std::min(into.w, point.w);
+    const double w = std::min(into.w, point.w);
     if (point.id < into.id) into = point;
     into.w = w;
     return true;
@@ -86,25 +80,23 @@ void merge_neighbours(Polygon& polygon) noexcept {
 }
 
 // A point within this of the other surface may carry load, and goes before one that can not [m].
-template <class T>
-inline constexpr T kClose = T(1e-4);
+inline constexpr double kClose = 1e-4;
 
 // Keeps the best score seen. A point of the last step has `bonus` on its score; what beats another by less than the
 // tolerance does so only if its id is lower.
 template <class Polygon>
 struct PointChoice {
-  using T = CoordinateOf<Polygon>;
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   const Polygon& polygon;
-  T tolerance, bonus, close_bonus;
-  T score{};
+  double tolerance, bonus, close_bonus;
+  double score{};
   std::uint32_t index{kNone};
 
-  void offer(std::uint32_t i, T candidate) noexcept {
+  void offer(std::uint32_t i, double candidate) noexcept {
     const auto& point = polygon.points[i];
     if (point.kept) candidate += bonus;
-    if (point.w <= (point.kept ? T(2) * kClose<T> : kClose<T>)) candidate += close_bonus;
+    if (point.w <= (point.kept ? 2.0 * kClose : kClose)) candidate += close_bonus;
     if (index != kNone) {
       const bool better = candidate > score + tolerance;
       const bool equal = candidate >= score - tolerance && polygon.points[i].id < polygon.points[index].id;
@@ -121,7 +113,6 @@ struct PointChoice {
 template <class Polygon>
 void reduce_to_four(Polygon& polygon) noexcept {
   if (polygon.count <= 4) return;
-  using T = CoordinateOf<Polygon>;
   using Choice = PointChoice<Polygon>;
   const auto& p = polygon.points;
   const std::uint32_t count = polygon.count;
@@ -133,16 +124,16 @@ void reduce_to_four(Polygon& polygon) noexcept {
     return (p[j].u - p[i].u) * (p[k].v - p[i].v) - (p[j].v - p[i].v) * (p[k].u - p[i].u);
   };
 
-  T lowest = p[0].w;
+  double lowest = p[0].w;
   for (std::uint32_t i = 1; i < count; ++i) lowest = std::min(lowest, p[i].w);
   // m: the tolerance is above the noise of a resting contact, the bonus twice the solver's slop.
-  Choice deepest{polygon, T(1e-6), std::max(T(2e-5), T(-0.3) * lowest), T(0)};
+  Choice deepest{polygon, 1e-6, std::max(2e-5, -0.3 * lowest), 0.0};
   for (std::uint32_t i = 0; i < count; ++i) deepest.offer(i, -p[i].w);
   const std::uint32_t a = deepest.index;
 
-  T span = T(0);
+  double span = 0.0;
   for (std::uint32_t i = 0; i < count; ++i) span = std::max(span, squared(a, i));
-  const T tolerance = T(1e-3) * span, bonus = T(0.5) * span, close_bonus = T(4) * span;
+  const double tolerance = 1e-3 * span, bonus = 0.5 * span, close_bonus = 4.0 * span;
   Choice farthest{polygon, tolerance, bonus, close_bonus};
   for (std::uint32_t i = 0; i < count; ++i)
     if (i != a) farthest.offer(i, squared(a, i));
@@ -154,7 +145,7 @@ void reduce_to_four(Polygon& polygon) noexcept {
   const std::uint32_t c = third.index;
 
   // What adds most outside the triangle, across any of its sides.
-  const T turn = area(a, b, c) < T(0) ? T(-1) : T(1);
+  const double turn = area(a, b, c) < 0.0 ? -1.0 : 1.0;
   Choice fourth{polygon, tolerance, bonus, close_bonus};
   for (std::uint32_t i = 0; i < count; ++i)
     if (i != a && i != b && i != c)

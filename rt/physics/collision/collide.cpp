@@ -13,17 +13,16 @@ constexpr std::uint32_t pair_of(ShapeKind a, ShapeKind b) noexcept {
 }
 
 // B is a hull, A any shape.
-template <class T>
-void collide_with_hull(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache, Hulls<T> hulls) noexcept {
+void collide_with_hull(const PairView& pair, Manifold& manifold, AxisCache& cache, Hulls hulls) noexcept {
   if (pair.b.index >= hulls.size()) return;
-  const HullView<T> hull = view_of(hulls[pair.b.index]);
+  const HullView hull = view_of(hulls[pair.b.index]);
   switch (pair.a.kind) {
     case ShapeKind::kSphere:
       return collide_sphere_hull(pair, hull, manifold);
     case ShapeKind::kCapsule:
       return collide_capsule_hull(pair, hull, manifold);
     case ShapeKind::kBox:
-      return collide_hulls(pair, BoxHull<T>(pair.a.half_extents).view(), hull, manifold, cache);
+      return collide_hulls(pair, BoxHull(pair.a.half_extents).view(), hull, manifold, cache);
     case ShapeKind::kPlane:
       return collide_plane_hull(pair, hull, manifold);
     case ShapeKind::kHull:
@@ -34,8 +33,7 @@ void collide_with_hull(const PairView<T>& pair, Manifold<T>& manifold, AxisCache
   }
 }
 
-template <class T>
-void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache, Hulls<T> hulls) noexcept {
+void collide_ordered(const PairView& pair, Manifold& manifold, AxisCache& cache, Hulls hulls) noexcept {
   using enum ShapeKind;
   switch (pair_of(pair.a.kind, pair.b.kind)) {
     case pair_of(kSphere, kSphere):
@@ -64,30 +62,21 @@ void collide_ordered(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& 
 
 }  // namespace
 
-template <class T>
-Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
-                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls,
-                    const LastFeatures& last) noexcept {
-  Manifold<T> manifold;
+Manifold collide(const Shape& a, const Posed& world_from_a, const Shape& b, const Posed& world_from_b, double margin,
+                 AxisCache& cache, std::type_identity_t<Hulls> hulls, const LastFeatures& last) noexcept {
+  Manifold manifold;
   if (a.kind <= b.kind) {
-    collide_ordered(PairView<T>{a, b, world_from_a.rotation, world_from_b.rotation,
-                                world_from_b.position - world_from_a.position, margin, last},
+    collide_ordered(PairView{a, b, world_from_a.rotation, world_from_b.rotation,
+                             world_from_b.position - world_from_a.position, margin, last},
                     manifold, cache, hulls);
     return manifold;
   }
-  collide_ordered(PairView<T>{b, a, world_from_b.rotation, world_from_a.rotation,
-                              world_from_a.position - world_from_b.position, margin, last},
+  collide_ordered(PairView{b, a, world_from_b.rotation, world_from_a.rotation,
+                           world_from_a.position - world_from_b.position, margin, last},
                   manifold, cache, hulls);
   manifold.normal = -manifold.normal;
   for (std::uint32_t i = 0; i < manifold.count; ++i) std::swap(manifold.points[i].from_a, manifold.points[i].from_b);
   return manifold;
 }
-
-template Manifold<double> collide<double>(const Shape<double>&, const Pose<double>&, const Shape<double>&,
-                                          const Pose<double>&, double, AxisCache&, Hulls<double>,
-                                          const LastFeatures&) noexcept;
-template Manifold<float> collide<float>(const Shape<float>&, const Pose<float>&, const Shape<float>&,
-                                        const Pose<float>&, float, AxisCache&, Hulls<float>,
-                                        const LastFeatures&) noexcept;
 
 }  // namespace tactus::physics

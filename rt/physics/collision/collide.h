@@ -11,102 +11,82 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct PairView {
-  const Shape<T>& a;
-  const Shape<T>& b;
-  const Quat<T>& world_from_a;
-  const Quat<T>& world_from_b;
-  Vec3<T> b_from_a;  // m, from the centre of A to the centre of B, world axes
-  T margin;          // m
+  const Shape& a;
+  const Shape& b;
+  const Quatd& world_from_a;
+  const Quatd& world_from_b;
+  Vec3d b_from_a;  // m, from the centre of A to the centre of B, world axes
+  double margin;   // m
   const LastFeatures& last;
 };
 
 // Marks the points that the pair had in the last step. `type`: what their ids lack to be features.
-template <class T, class Polygon>
-void mark_kept(const PairView<T>& pair, std::uint32_t type, Polygon& polygon) noexcept {
+template <class Polygon>
+void mark_kept(const PairView& pair, std::uint32_t type, Polygon& polygon) noexcept {
   for (std::uint32_t k = 0; k < polygon.count; ++k) polygon.points[k].kept = pair.last.has(type | polygon.points[k].id);
 }
 
 // Below this two points give no direction [m]: far above rounding at arm's length, far below any shape.
-template <class T>
-inline constexpr T kNoDirection = T(1e-12);
+inline constexpr double kNoDirection = 1e-12;
 
 // An end point of a capsule moves by less than this when a two-point contact stands for the exact one [m]: the
 // solver's slop (10 um), so what is neglected is what is left alone anyway.
-template <class T>
-inline constexpr T kFlatTolerance = T(1e-5);
+inline constexpr double kFlatTolerance = 1e-5;
 
 // --- of boxes and hulls: features and axes
 // The two top bits of a feature: its kind (see is_of_face).
 inline constexpr std::uint32_t kClosestType = 0u, kFaceAType = 1u << 30, kFaceBType = 2u << 30, kEdgeType = 3u << 30;
 
 // Edges within 0.3 degrees of parallel have no cross product worth a contact normal; the face axes say the same.
-template <class T>
-inline constexpr T kParallelSineSquared = T(2.5e-5);
+inline constexpr double kParallelSineSquared = 2.5e-5;
 
 // An axis must beat the preferred one by 5 % and 10 um (the solver's slop): far above noise, far below a hand.
-template <class T>
-T axis_preference(T separation) noexcept {
-  return T(0.05) * std::abs(separation) + T(1e-5);
-}
+inline double axis_preference(double separation) noexcept { return 0.05 * std::abs(separation) + 1e-5; }
 
 // By how much an axis of two edges (of any length) must beat a face. Where it is that of the face but for 8 degrees the
 // face says nearly the same with more points, and a stack whose contacts took turns between the two would never come to
 // rest (a heap of 1,000 cubes at 10 ms does not where five times the preference is enough, 2026-11-22): there the face
 // may be twice as deep. An edge contact of the last step may stay on half of the preference.
-template <class T>
-T edge_preference(T face_separation, const Vec3<T>& face_normal, const Vec3<T>& edge_axis, bool last) noexcept {
-  const T along = dot(edge_axis, face_normal);
-  const bool along_face = along * along > T(0.98) * norm_squared(edge_axis);
-  return axis_preference(face_separation) * (along_face ? T(10) : last ? T(0.5) : T(1));
+inline double edge_preference(double face_separation, const Vec3d& face_normal, const Vec3d& edge_axis,
+                              bool last) noexcept {
+  const double along = dot(edge_axis, face_normal);
+  const bool along_face = along * along > 0.98 * norm_squared(edge_axis);
+  return axis_preference(face_separation) * (along_face ? 10.0 : last ? 0.5 : 1.0);
 }
 
-template <class T>
-Vec3<T> direction_or(const Vec3<T>& v, const Vec3<T>& fallback) noexcept {
-  const T length = norm(v);
-  return length > kNoDirection<T> ? v * (T(1) / length) : fallback;
+inline Vec3d direction_or(const Vec3d& v, const Vec3d& fallback) noexcept {
+  const double length = norm(v);
+  return length > kNoDirection ? v * (1.0 / length) : fallback;
 }
 
 // `mid`: midway between the surfaces, from the centre of A.
-template <class T>
-void add_point(const PairView<T>& pair, Manifold<T>& manifold, const Vec3<T>& mid, T separation,
-               std::uint32_t feature) noexcept {
+inline void add_point(const PairView& pair, Manifold& manifold, const Vec3d& mid, double separation,
+                      std::uint32_t feature) noexcept {
   if (!(separation <= pair.margin) || manifold.count == kMaxManifoldPoints) return;
   manifold.points[manifold.count++] = {mid, mid - pair.b_from_a, separation, feature};
 }
 
 // The point between two round surfaces: `on_a`, `on_b` on their skeletons (centre, axis), radius 0 for a box.
-template <class T>
-void add_round_point(const PairView<T>& pair, Manifold<T>& manifold, const Vec3<T>& on_a, T radius_a,
-                     const Vec3<T>& on_b, T radius_b, T separation, std::uint32_t feature) noexcept {
-  const Vec3<T> surface_a = on_a + manifold.normal * radius_a, surface_b = on_b - manifold.normal * radius_b;
-  add_point(pair, manifold, T(0.5) * (surface_a + surface_b), separation, feature);
+inline void add_round_point(const PairView& pair, Manifold& manifold, const Vec3d& on_a, double radius_a,
+                            const Vec3d& on_b, double radius_b, double separation, std::uint32_t feature) noexcept {
+  const Vec3d surface_a = on_a + manifold.normal * radius_a, surface_b = on_b - manifold.normal * radius_b;
+  add_point(pair, manifold, 0.5 * (surface_a + surface_b), separation, feature);
 }
 
 // The capsule's axis in the world, as half vector: its ends are centre -+ half.
-template <class T>
-Vec3<T> capsule_half_axis(const Shape<T>& capsule, const Quat<T>& world_from_body) noexcept {
-  return rotate(world_from_body, Vec3<T>{T(0), T(0), capsule.half_length});
+inline Vec3d capsule_half_axis(const Shape& capsule, const Quatd& world_from_body) noexcept {
+  return rotate(world_from_body, Vec3d{0.0, 0.0, capsule.half_length});
 }
 
-template <class T>
-void collide_sphere_sphere(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_sphere_capsule(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_capsule_capsule(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_sphere_plane(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_capsule_plane(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_box_plane(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_sphere_box(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_capsule_box(const PairView<T>& pair, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_box_box(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache) noexcept;
+void collide_sphere_sphere(const PairView& pair, Manifold& manifold) noexcept;
+void collide_sphere_capsule(const PairView& pair, Manifold& manifold) noexcept;
+void collide_capsule_capsule(const PairView& pair, Manifold& manifold) noexcept;
+void collide_sphere_plane(const PairView& pair, Manifold& manifold) noexcept;
+void collide_capsule_plane(const PairView& pair, Manifold& manifold) noexcept;
+void collide_box_plane(const PairView& pair, Manifold& manifold) noexcept;
+void collide_sphere_box(const PairView& pair, Manifold& manifold) noexcept;
+void collide_capsule_box(const PairView& pair, Manifold& manifold) noexcept;
+void collide_box_box(const PairView& pair, Manifold& manifold, AxisCache& cache) noexcept;
 
 }  // namespace tactus::physics

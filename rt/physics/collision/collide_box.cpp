@@ -16,19 +16,18 @@ namespace {
 // Axis codes, as in AxisCache: 0 none, 1..3 faces of A, 4..6 faces of B, 7..15 edge of A x edge of B.
 constexpr int kFirstFaceB = 4, kFirstEdge = 7;
 
-template <class T>
 struct BoxPair {
-  const PairView<T>& pair;
-  Vec3<T> axis_a[3], axis_b[3];  // of the bodies, in the world
-  T h[6];                        // m, half extents of A, of B
-  T d_a[3], d_b[3];              // m, centre of B from the centre of A, in A's axes, in B's axes
-  T r[3][3], abs_r[3][3];        // r[i][j] = axis_a[i] . axis_b[j]
+  const PairView& pair;
+  Vec3d axis_a[3], axis_b[3];   // of the bodies, in the world
+  double h[6];                  // m, half extents of A, of B
+  double d_a[3], d_b[3];        // m, centre of B from the centre of A, in A's axes, in B's axes
+  double r[3][3], abs_r[3][3];  // r[i][j] = axis_a[i] . axis_b[j]
 
-  explicit BoxPair(const PairView<T>& view) noexcept : pair(view) {
-    const Axes<T> a = axes_of(view.world_from_a), b = axes_of(view.world_from_b);
+  explicit BoxPair(const PairView& view) noexcept : pair(view) {
+    const Axes a = axes_of(view.world_from_a), b = axes_of(view.world_from_b);
     axis_a[0] = a.x, axis_a[1] = a.y, axis_a[2] = a.z;
     axis_b[0] = b.x, axis_b[1] = b.y, axis_b[2] = b.z;
-    const Vec3<T>&ha = view.a.half_extents, &hb = view.b.half_extents;
+    const Vec3d &ha = view.a.half_extents, &hb = view.b.half_extents;
     h[0] = ha.x, h[1] = ha.y, h[2] = ha.z;
     h[3] = hb.x, h[4] = hb.y, h[5] = hb.z;
     for (int i = 0; i < 3; ++i) {
@@ -38,44 +37,37 @@ struct BoxPair {
   }
 
   // Gap between the boxes' shadows on the unit vector n.
-  T separation_along(const Vec3<T>& n) const noexcept {
-    T reach = T(0);
+  double separation_along(const Vec3d& n) const noexcept {
+    double reach = 0.0;
     for (int i = 0; i < 3; ++i) reach += h[i] * std::abs(dot(axis_a[i], n)) + h[3 + i] * std::abs(dot(axis_b[i], n));
     return std::abs(dot(n, pair.b_from_a)) - reach;
   }
 };
 
-template <class T>
-const Vec3<T>& face_axis(const BoxPair<T>& boxes, int code) noexcept {
+const Vec3d& face_axis(const BoxPair& boxes, int code) noexcept {
   return code < kFirstFaceB ? boxes.axis_a[code - 1] : boxes.axis_b[code - kFirstFaceB];
 }
 
 // Not of length 1.
-template <class T>
-Vec3<T> edge_axis(const BoxPair<T>& boxes, int code) noexcept {
+Vec3d edge_axis(const BoxPair& boxes, int code) noexcept {
   return cross(boxes.axis_a[(code - kFirstEdge) / 3], boxes.axis_b[(code - kFirstEdge) % 3]);
 }
 
-template <class T>
-Vec3<T> towards_b(const BoxPair<T>& boxes, const Vec3<T>& n) noexcept {
-  return dot(n, boxes.pair.b_from_a) < T(0) ? -n : n;
-}
+Vec3d towards_b(const BoxPair& boxes, const Vec3d& n) noexcept { return dot(n, boxes.pair.b_from_a) < 0.0 ? -n : n; }
 
 // What the 15 axes say. `apart`: the axis beyond the margin, or 0; then `gap` is what it says, and `sine` that of the
 // angle between the edges that make it, 1 for a face.
-template <class T>
 struct AxisTest {
   int apart{0};
-  T gap{}, sine{1};
-  T face[6];    // by code - 1
-  int edge{0};  // best edge axis, or 0
-  T edge_separation{};
+  double gap{}, sine{1};
+  double face[6];  // by code - 1
+  int edge{0};     // best edge axis, or 0
+  double edge_separation{};
 };
 
-template <class T>
-AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
-  AxisTest<T> test;
-  const T margin = b.pair.margin;
+AxisTest test_axes(const BoxPair& b) noexcept {
+  AxisTest test;
+  const double margin = b.pair.margin;
   for (int i = 0; i < 3; ++i) {
     test.face[i] =
         std::abs(b.d_a[i]) - b.h[i] - (b.abs_r[i][0] * b.h[3] + b.abs_r[i][1] * b.h[4] + b.abs_r[i][2] * b.h[5]);
@@ -97,11 +89,11 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
       const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const T sine_squared = b.r[i1][j] * b.r[i1][j] + b.r[i2][j] * b.r[i2][j];
-      if (!(sine_squared > kParallelSineSquared<T>)) continue;
-      const T reach = b.h[i1] * b.abs_r[i2][j] + b.h[i2] * b.abs_r[i1][j] + b.h[3 + j1] * b.abs_r[i][j2] +
-                      b.h[3 + j2] * b.abs_r[i][j1];
-      const T separation =
+      const double sine_squared = b.r[i1][j] * b.r[i1][j] + b.r[i2][j] * b.r[i2][j];
+      if (!(sine_squared > kParallelSineSquared)) continue;
+      const double reach = b.h[i1] * b.abs_r[i2][j] + b.h[i2] * b.abs_r[i1][j] + b.h[3 + j1] * b.abs_r[i][j2] +
+                           b.h[3 + j2] * b.abs_r[i][j1];
+      const double separation =
           (std::abs(b.d_a[i2] * b.r[i1][j] - b.d_a[i1] * b.r[i2][j]) - reach) / std::sqrt(sine_squared);
       const int code = kFirstEdge + 3 * i + j;
       if (separation > margin) {
@@ -118,30 +110,28 @@ AxisTest<T> test_axes(const BoxPair<T>& b) noexcept {
 // changes by at most |d| + |h_a| + |h_b| per change of n, and |h| per angle of a box. A face's n turns with its box; an
 // edge axis, w / |w| with w = a x b, by at most 2 / sine of the angle. A gap of a quarter of the size is enough: until
 // it is used up |d| has grown by no more than that, and the edges turn by too little to become parallel.
-template <class T>
-void bound_gap(const BoxPair<T>& boxes, const AxisTest<T>& test, Manifold<T>& manifold) noexcept {
-  constexpr T rounding = T(64) * std::numeric_limits<T>::epsilon();
-  if (!(test.gap > T(0)) || !(test.sine > T(0.1))) return;
-  const T size = norm(boxes.pair.b_from_a) + norm(boxes.pair.a.half_extents) + norm(boxes.pair.b.half_extents);
-  manifold.gap = std::min({test.gap, T(0.25) * size, kLargestGap<T>}) - rounding * size / test.sine;
-  manifold.lever = T(1.25) * size * (test.apart < kFirstEdge ? T(1) : T(3) / test.sine);
+void bound_gap(const BoxPair& boxes, const AxisTest& test, Manifold& manifold) noexcept {
+  constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
+  if (!(test.gap > 0.0) || !(test.sine > 0.1)) return;
+  const double size = norm(boxes.pair.b_from_a) + norm(boxes.pair.a.half_extents) + norm(boxes.pair.b.half_extents);
+  manifold.gap = std::min({test.gap, 0.25 * size, kLargestGap}) - rounding * size / test.sine;
+  manifold.lever = 1.25 * size * (test.apart < kFirstEdge ? 1.0 : 3.0 / test.sine);
 }
 
 // The best face, unless the last step's is about as good. Without one, of those that are about as good as the best
 // the one across which its box is thinnest (the lower code on a tie): where two cards meet edge to edge, their broad
 // faces press, not the narrow ones.
-template <class T>
-int choose_face(const BoxPair<T>& boxes, const AxisTest<T>& test, int cached) noexcept {
-  const T best = *std::max_element(test.face, test.face + 6);
+int choose_face(const BoxPair& boxes, const AxisTest& test, int cached) noexcept {
+  const double best = *std::max_element(test.face, test.face + 6);
   const auto about_best = [&](int code) noexcept {
-    const T separation = test.face[code - 1];
+    const double separation = test.face[code - 1];
     return !(best > separation + axis_preference(separation));
   };
   if (cached >= 1 && cached < kFirstEdge && about_best(cached)) return cached;
   int chosen = 0;
-  T thinnest = T(0);
+  double thinnest = 0.0;
   for (int code = 1; code < kFirstEdge; ++code) {
-    const T h = boxes.h[code - 1];
+    const double h = boxes.h[code - 1];
     if (!about_best(code) || (chosen != 0 && h >= thinnest)) continue;
     chosen = code, thinnest = h;
   }
@@ -149,17 +139,16 @@ int choose_face(const BoxPair<T>& boxes, const AxisTest<T>& test, int cached) no
 }
 
 // A reference face and the other box, in the reference box's axes.
-template <class T>
 struct FaceFrame {
   bool on_a;    // the reference face is A's
   int i, u, v;  // its normal's axis and the two others
-  T sign;       // outward along +i or -i
-  const T *h, *h_other;
-  const Vec3<T>* axis;
-  T offset[3];     // centre of the other box
-  T column[3][3];  // column[j]: axis j of the other box
+  double sign;  // outward along +i or -i
+  const double *h, *h_other;
+  const Vec3d* axis;
+  double offset[3];     // centre of the other box
+  double column[3][3];  // column[j]: axis j of the other box
 
-  FaceFrame(const BoxPair<T>& b, int code) noexcept
+  FaceFrame(const BoxPair& b, int code) noexcept
       : on_a(code < kFirstFaceB),
         i(on_a ? code - 1 : code - kFirstFaceB),
         u((i + 1) % 3),
@@ -171,35 +160,34 @@ struct FaceFrame {
       offset[k] = on_a ? b.d_a[k] : -b.d_b[k];
       for (int j = 0; j < 3; ++j) column[j][k] = on_a ? b.r[k][j] : b.r[j][k];
     }
-    sign = offset[i] < T(0) ? T(-1) : T(1);
+    sign = offset[i] < 0.0 ? -1.0 : 1.0;
   }
 
-  Vec3<T> normal_to_b() const noexcept { return axis[i] * (on_a ? sign : -sign); }
+  Vec3d normal_to_b() const noexcept { return axis[i] * (on_a ? sign : -sign); }
 };
 
 // The face of the other box that looks at the reference face most, as a polygon over it.
-template <class T>
-ClipPolygon<T> incident_face(const FaceFrame<T>& f) noexcept {
+ClipPolygon incident_face(const FaceFrame& f) noexcept {
   int j = 0;
   for (int k = 1; k < 3; ++k)
     if (std::abs(f.column[k][f.i]) > std::abs(f.column[j][f.i])) j = k;
   const int k = (j + 1) % 3, l = (j + 2) % 3;
-  const bool plus_j = !(f.sign * f.column[j][f.i] > T(0));
+  const bool plus_j = !(f.sign * f.column[j][f.i] > 0.0);
   constexpr bool plus_k[4] = {true, false, false, true}, plus_l[4] = {true, true, false, false};
 
   // The face's middle and its two half sides, in u, v and along the normal.
   const int to[3] = {f.u, f.v, f.i};
-  T middle[3], side_k[3], side_l[3];
+  double middle[3], side_k[3], side_l[3];
   for (int c = 0; c < 3; ++c) {
-    const T side_j = f.h_other[j] * f.column[j][to[c]];
+    const double side_j = f.h_other[j] * f.column[j][to[c]];
     middle[c] = f.offset[to[c]] + (plus_j ? side_j : -side_j);
     side_k[c] = f.h_other[k] * f.column[k][to[c]], side_l[c] = f.h_other[l] * f.column[l][to[c]];
   }
   const auto bit = [](bool set, int position) noexcept { return static_cast<unsigned>(set) << position; };
-  ClipPolygon<T> polygon;
+  ClipPolygon polygon;
   polygon.count = 4;
   for (std::uint32_t n = 0; n < 4; ++n) {
-    const T sign_k = plus_k[n] ? T(1) : T(-1), sign_l = plus_l[n] ? T(1) : T(-1);
+    const double sign_k = plus_k[n] ? 1.0 : -1.0, sign_l = plus_l[n] ? 1.0 : -1.0;
     // The line to the next corner runs along k where l stays, else along l. Its label names the box's edge: the axis
     // and the sides of the two others.
     const unsigned line = n % 2 == 0 ? 4u * static_cast<unsigned>(k) + bit(plus_l[n], 0) + bit(plus_j, 1)
@@ -216,69 +204,60 @@ ClipPolygon<T> incident_face(const FaceFrame<T>& f) noexcept {
 }
 
 // Adds four of the polygon's points, given on the other box's surface, midway between the surfaces.
-template <class T>
-void add_face_points(const BoxPair<T>& boxes, const FaceFrame<T>& f, ClipPolygon<T>& polygon,
-                     Manifold<T>& manifold) noexcept {
+void add_face_points(const BoxPair& boxes, const FaceFrame& f, ClipPolygon& polygon, Manifold& manifold) noexcept {
   const std::uint32_t face =
-      (f.on_a ? kFaceAType : kFaceBType) | static_cast<std::uint32_t>(f.i) << 9 | (f.sign > T(0) ? 1u << 8 : 0u);
+      (f.on_a ? kFaceAType : kFaceBType) | static_cast<std::uint32_t>(f.i) << 9 | (f.sign > 0.0 ? 1u << 8 : 0u);
   mark_kept(boxes.pair, face, polygon);
   reduce_to_four(polygon);
   manifold.normal = f.normal_to_b();
   for (std::uint32_t n = 0; n < polygon.count; ++n) {
-    const ClipPoint<T>& p = polygon.points[n];
-    const Vec3<T> mid = f.axis[f.i] * (f.sign * (f.h[f.i] + T(0.5) * p.w)) + f.axis[f.u] * p.u + f.axis[f.v] * p.v;
+    const ClipPoint& p = polygon.points[n];
+    const Vec3d mid = f.axis[f.i] * (f.sign * (f.h[f.i] + 0.5 * p.w)) + f.axis[f.u] * p.u + f.axis[f.v] * p.v;
     add_point(boxes.pair, manifold, f.on_a ? mid : mid + boxes.pair.b_from_a, p.w, face | p.id);
   }
 }
 
-template <class T>
-Vec3<T> nearest_in_box(const Vec3<T>* axis, const T* h, const Vec3<T>& point) noexcept {
-  Vec3<T> nearest;
+Vec3d nearest_in_box(const Vec3d* axis, const double* h, const Vec3d& point) noexcept {
+  Vec3d nearest;
   for (int i = 0; i < 3; ++i) nearest += axis[i] * std::clamp(dot(axis[i], point), -h[i], h[i]);
   return nearest;
 }
 
 // Corner against corner or against an edge, where no part of a face looks at the other: the nearest points, by
 // projecting to and fro. Few rounds do: whatever direction comes out, the gap along it bounds the distance from below.
-template <class T>
-void add_closest_point(const BoxPair<T>& boxes, const Vec3<T>& normal, T separation, T bound,
-                       Manifold<T>& manifold) noexcept {
+void add_closest_point(const BoxPair& boxes, const Vec3d& normal, double separation, double bound,
+                       Manifold& manifold) noexcept {
   constexpr int kRounds = 8;
-  const Vec3<T>& offset = boxes.pair.b_from_a;
-  Vec3<T> on_a = nearest_in_box(boxes.axis_a, boxes.h, offset), on_b;
+  const Vec3d& offset = boxes.pair.b_from_a;
+  Vec3d on_a = nearest_in_box(boxes.axis_a, boxes.h, offset), on_b;
   for (int round = 0; round < kRounds; ++round) {
     on_b = offset + nearest_in_box(boxes.axis_b, boxes.h + 3, on_a - offset);
     on_a = nearest_in_box(boxes.axis_a, boxes.h, on_b);
   }
-  const Vec3<T> n = direction_or(on_b - on_a, normal);
-  const T along = boxes.separation_along(n);
-  const bool apart = along > T(0) && along >= bound && dot(n, offset) > T(0);
+  const Vec3d n = direction_or(on_b - on_a, normal);
+  const double along = boxes.separation_along(n);
+  const bool apart = along > 0.0 && along >= bound && dot(n, offset) > 0.0;
   manifold.normal = apart ? n : normal;
-  add_point(boxes.pair, manifold, T(0.5) * (on_a + on_b),
-            apart          ? along
-            : bound > T(0) ? bound
-                           : separation,
-            kClosestType);
+  add_point(boxes.pair, manifold, 0.5 * (on_a + on_b), apart ? along : bound > 0.0 ? bound : separation, kClosestType);
 }
 
 // `bound`: the best lower bound of the distance that the axes gave; negative where the boxes overlap.
-template <class T>
-void add_face_contact(const BoxPair<T>& boxes, int code, T separation, T bound, Manifold<T>& manifold) noexcept {
-  const FaceFrame<T> f(boxes, code);
-  ClipPolygon<T> polygon = incident_face(f);
+void add_face_contact(const BoxPair& boxes, int code, double separation, double bound, Manifold& manifold) noexcept {
+  const FaceFrame f(boxes, code);
+  ClipPolygon polygon = incident_face(f);
   clip_to_rectangle(polygon, f.h[f.u], f.h[f.v]);
-  T lowest = T(0);
+  double lowest = 0.0;
   for (std::uint32_t n = 0; n < polygon.count; ++n)
     if (n == 0 || polygon.points[n].w < lowest) lowest = polygon.points[n].w;
   // The lowest corner of the other box may lie beside the face. Then the points above the face are higher than the
   // bound: by little, let them down to it; by more, they are not what touches first.
-  const T floor = bound > T(0) ? bound : T(0), excess = lowest - floor;
+  const double floor = bound > 0.0 ? bound : 0.0, excess = lowest - floor;
   if (polygon.count == 0 || excess > axis_preference(floor))
     return add_closest_point(boxes, f.normal_to_b(), separation, bound, manifold);
   std::uint32_t kept = 0;
   for (std::uint32_t n = 0; n < polygon.count; ++n) {
-    ClipPoint<T> p = polygon.points[n];
-    if (excess > T(0)) p.w -= excess;
+    ClipPoint p = polygon.points[n];
+    if (excess > 0.0) p.w -= excess;
     if (p.w <= boxes.pair.margin) polygon.points[kept++] = p;
   }
   polygon.count = kept;
@@ -286,78 +265,70 @@ void add_face_contact(const BoxPair<T>& boxes, int code, T separation, T bound, 
 }
 
 // Edges count as rounded by so much, m: more than the overlap that contacts keep, less than is felt.
-template <class T>
-constexpr T kRounding = T(5e-5);
+constexpr double kRounding = 5e-5;
 
 // Two faces that lean to each other and meet at parallel edges: the contact is as much the one's as the other's. While
 // the two axes are about equally deep the normal goes over from one face's to the other's, as on rounded edges. Either
 // face alone would make a pair of cards that lean on each other a lopsided one, which sways until it falls.
-template <class T>
-void round_edges(const BoxPair<T>& boxes, const AxisTest<T>& test, int face, Manifold<T>& manifold) noexcept {
-  constexpr T kLooks = T(0.5), kParallel = T(0.999);  // cosines
+void round_edges(const BoxPair& boxes, const AxisTest& test, int face, Manifold& manifold) noexcept {
+  constexpr double kLooks = 0.5, kParallel = 0.999;  // cosines
   if (manifold.count != 2) return;
-  const Vec3<T> own = towards_b(boxes, face_axis(boxes, face));
-  Vec3<T> other;
-  T deeper = T(-1);  // by how much the other face's axis is: a share of the rounding
+  const Vec3d own = towards_b(boxes, face_axis(boxes, face));
+  Vec3d other;
+  double deeper = -1.0;  // by how much the other face's axis is: a share of the rounding
   for (int k = 0; k < 3; ++k) {
     const int code = (face < kFirstFaceB ? kFirstFaceB : 1) + k;
-    const Vec3<T> n = towards_b(boxes, face_axis(boxes, code));
-    const T looks = dot(own, n), by = (test.face[code - 1] - test.face[face - 1]) / kRounding<T>;
+    const Vec3d n = towards_b(boxes, face_axis(boxes, code));
+    const double looks = dot(own, n), by = (test.face[code - 1] - test.face[face - 1]) / kRounding;
     if (looks > kLooks && looks < kParallel && by > deeper) other = n, deeper = by;
   }
-  if (deeper > T(-1))
-    manifold.normal = direction_or(own + T(0.5) * (T(1) + std::min(deeper, T(1))) * (other - own), own);
+  if (deeper > -1.0) manifold.normal = direction_or(own + 0.5 * (1.0 + std::min(deeper, 1.0)) * (other - own), own);
 }
 
 // The two edges that look at each other along the axis, and the middle of their closest points.
-template <class T>
-void add_edge_contact(const BoxPair<T>& boxes, int code, T separation, Manifold<T>& manifold) noexcept {
+void add_edge_contact(const BoxPair& boxes, int code, double separation, Manifold& manifold) noexcept {
   const int i = (code - kFirstEdge) / 3, j = (code - kFirstEdge) % 3;
-  const Vec3<T> n = towards_b(boxes, direction_or(edge_axis(boxes, code), boxes.axis_a[0]));
-  Vec3<T> centre_a, centre_b = boxes.pair.b_from_a;
+  const Vec3d n = towards_b(boxes, direction_or(edge_axis(boxes, code), boxes.axis_a[0]));
+  Vec3d centre_a, centre_b = boxes.pair.b_from_a;
   std::uint32_t sides = 0;
   for (int k = 0; k < 3; ++k) {
-    const bool plus_a = dot(boxes.axis_a[k], n) > T(0), plus_b = dot(boxes.axis_b[k], n) < T(0);
+    const bool plus_a = dot(boxes.axis_a[k], n) > 0.0, plus_b = dot(boxes.axis_b[k], n) < 0.0;
     if (k != i) centre_a += boxes.axis_a[k] * (plus_a ? boxes.h[k] : -boxes.h[k]);
     if (k != j) centre_b += boxes.axis_b[k] * (plus_b ? boxes.h[3 + k] : -boxes.h[3 + k]);
     sides |= (k != i && plus_a ? 1u << k : 0u) | (k != j && plus_b ? 8u << k : 0u);
   }
-  const Vec3<T> half_a = boxes.axis_a[i] * boxes.h[i], half_b = boxes.axis_b[j] * boxes.h[3 + j];
+  const Vec3d half_a = boxes.axis_a[i] * boxes.h[i], half_b = boxes.axis_b[j] * boxes.h[3 + j];
   const auto [s, t] = closest_on_segments(half_a, half_b, centre_b - centre_a);
   manifold.normal = n;
-  add_point(boxes.pair, manifold, T(0.5) * (centre_a + half_a * s + centre_b + half_b * t), separation,
+  add_point(boxes.pair, manifold, 0.5 * (centre_a + half_a * s + centre_b + half_b * t), separation,
             kEdgeType | static_cast<std::uint32_t>(code) << 6 | sides);
 }
 
 }  // namespace
 
-template <class T>
-void collide_box_box(const PairView<T>& pair, Manifold<T>& manifold, AxisCache& cache) noexcept {
+void collide_box_box(const PairView& pair, Manifold& manifold, AxisCache& cache) noexcept {
   const int cached = cache.axis;
-  const BoxPair<T> boxes(pair);
-  const AxisTest<T> test = test_axes(boxes);
+  const BoxPair boxes(pair);
+  const AxisTest test = test_axes(boxes);
   if (test.apart != 0) {
     bound_gap(boxes, test, manifold);
     cache.axis = static_cast<std::uint8_t>(test.apart);
     return;
   }
   const int face = choose_face(boxes, test, cached);
-  const T face_separation = test.face[face - 1];
+  const double face_separation = test.face[face - 1];
   if (test.edge != 0 &&
       test.edge_separation > face_separation + edge_preference(face_separation, face_axis(boxes, face),
                                                                edge_axis(boxes, test.edge), cached >= kFirstEdge)) {
     cache.axis = static_cast<std::uint8_t>(test.edge);
     return add_edge_contact(boxes, test.edge, test.edge_separation, manifold);
   }
-  T bound = face_separation;
-  for (const T separation : test.face) bound = std::max(bound, separation);
+  double bound = face_separation;
+  for (const double separation : test.face) bound = std::max(bound, separation);
   if (test.edge != 0) bound = std::max(bound, test.edge_separation);
   cache.axis = static_cast<std::uint8_t>(face);
   add_face_contact(boxes, face, face_separation, bound, manifold);
   round_edges(boxes, test, face, manifold);
 }
-
-template void collide_box_box<double>(const PairView<double>&, Manifold<double>&, AxisCache&) noexcept;
-template void collide_box_box<float>(const PairView<float>&, Manifold<float>&, AxisCache&) noexcept;
 
 }  // namespace tactus::physics

@@ -12,70 +12,59 @@ constexpr std::uint32_t kClosest = 0, kLowEnd = 1, kHighEnd = 2;
 
 // A closest direction within 3 degrees of a face's normal counts as that face: a beam that lies on a face and hangs
 // over its edge keeps its two points when it tips by a hair.
-template <class T>
-inline constexpr T kFaceCosine = T(0.9986);
+inline constexpr double kFaceCosine = 0.9986;
 
-template <class T>
-Vec3<T> clamp_to_box(const Vec3<T>& point, const Vec3<T>& h) noexcept {
+Vec3d clamp_to_box(const Vec3d& point, const Vec3d& h) noexcept {
   return {std::clamp(point.x, -h.x, h.x), std::clamp(point.y, -h.y, h.y), std::clamp(point.z, -h.z, h.z)};
 }
 
-template <class T>
-Vec3<T> unit_axis(int i, T sign) noexcept {
-  Vec3<T> axis;
+Vec3d unit_axis(int i, double sign) noexcept {
+  Vec3d axis;
   axis[i] = sign;
   return axis;
 }
 
-template <class T>
-T sign_of(T value) noexcept {
-  return value < T(0) ? T(-1) : T(1);
-}
+double sign_of(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
 
 // Everything about a capsule and a box, in the box's frame. The axis is centre + t half, t in [-1, 1].
-template <class T>
 struct CapsuleBox {
-  const PairView<T>& pair;
-  Vec3<T> centre, half, h;
-  T radius;
+  const PairView& pair;
+  Vec3d centre, half, h;
+  double radius;
 
-  Vec3<T> at(T t) const noexcept { return centre + half * t; }
+  Vec3d at(double t) const noexcept { return centre + half * t; }
 };
 
-template <class T>
 struct Range {
-  T low{T(-1)}, high{T(1)};
+  double low{-1.0}, high{1.0};
 };
 
 // The part of the axis between the box's two faces across axis `i`.
-template <class T>
-Range<T> clip_to_slab(const CapsuleBox<T>& c, int i, Range<T> range) noexcept {
-  const T slope = c.half[i], inverse = T(1) / slope;
-  if (!(std::abs(slope) > kNoDirection<T>)) return std::abs(c.centre[i]) <= c.h[i] ? range : Range<T>{T(1), T(-1)};
-  const T t0 = (-c.h[i] - c.centre[i]) * inverse, t1 = (c.h[i] - c.centre[i]) * inverse;
+Range clip_to_slab(const CapsuleBox& c, int i, Range range) noexcept {
+  const double slope = c.half[i], inverse = 1.0 / slope;
+  if (!(std::abs(slope) > kNoDirection)) return std::abs(c.centre[i]) <= c.h[i] ? range : Range{1.0, -1.0};
+  const double t0 = (-c.h[i] - c.centre[i]) * inverse, t1 = (c.h[i] - c.centre[i]) * inverse;
   return {std::max(range.low, std::min(t0, t1)), std::min(range.high, std::max(t0, t1))};
 }
 
 // Half the derivative of the squared distance from the box along the axis: monotone, linear between the crossings of
 // the six face planes.
-template <class T>
-T slope_of_distance(const CapsuleBox<T>& c, T t) noexcept {
-  const Vec3<T> p = c.at(t);
+double slope_of_distance(const CapsuleBox& c, double t) noexcept {
+  const Vec3d p = c.at(t);
   return dot(p - clamp_to_box(p, c.h), c.half);
 }
 
 // The axis parameter nearest to the box: exact, by bracketing the zero of the slope between the six crossings.
-template <class T>
-T closest_parameter(const CapsuleBox<T>& c) noexcept {
-  T low = T(-1), high = T(1), slope_low = slope_of_distance(c, low), slope_high = slope_of_distance(c, high);
-  if (slope_low >= T(0)) return low;
-  if (slope_high <= T(0)) return high;
+double closest_parameter(const CapsuleBox& c) noexcept {
+  double low = -1.0, high = 1.0, slope_low = slope_of_distance(c, low), slope_high = slope_of_distance(c, high);
+  if (slope_low >= 0.0) return low;
+  if (slope_high <= 0.0) return high;
   for (int i = 0; i < 3; ++i) {
-    for (const T side : {T(-1), T(1)}) {
-      const T t = (side * c.h[i] - c.centre[i]) / c.half[i];
+    for (const double side : {-1.0, 1.0}) {
+      const double t = (side * c.h[i] - c.centre[i]) / c.half[i];
       if (!(t > low && t < high)) continue;  // also where the axis runs along the face
-      const T slope = slope_of_distance(c, t);
-      if (slope < T(0))
+      const double slope = slope_of_distance(c, t);
+      if (slope < 0.0)
         low = t, slope_low = slope;
       else
         high = t, slope_high = slope;
@@ -85,34 +74,32 @@ T closest_parameter(const CapsuleBox<T>& c) noexcept {
 }
 
 // `normal`: box frame, from the box to the capsule. `on_box`: box frame.
-template <class T>
-void add_capsule_point(const CapsuleBox<T>& c, Manifold<T>& manifold, const Vec3<T>& normal, T t, const Vec3<T>& on_box,
-                       T separation, std::uint32_t feature) noexcept {
-  const Vec3<T> mid = T(0.5) * (c.at(t) - normal * c.radius + on_box);
+void add_capsule_point(const CapsuleBox& c, Manifold& manifold, const Vec3d& normal, double t, const Vec3d& on_box,
+                       double separation, std::uint32_t feature) noexcept {
+  const Vec3d mid = 0.5 * (c.at(t) - normal * c.radius + on_box);
   add_point(c.pair, manifold, c.pair.b_from_a + rotate(c.pair.world_from_b, mid), separation, feature);
 }
 
-template <class T>
-void set_normal(const CapsuleBox<T>& c, Manifold<T>& manifold, const Vec3<T>& normal) noexcept {
+void set_normal(const CapsuleBox& c, Manifold& manifold, const Vec3d& normal) noexcept {
   manifold.normal = -rotate(c.pair.world_from_b, normal);
 }
 
 // The stretch of the capsule above face `i`: two points, or one where it is short. False where there is none.
 // `nearest`: the distance's known bound; the nearer point never reports a larger gap.
-template <class T>
-bool add_face_points(const CapsuleBox<T>& c, Manifold<T>& manifold, int i, T sign, T nearest) noexcept {
-  const Range<T> range = clip_to_slab(c, (i + 2) % 3, clip_to_slab(c, (i + 1) % 3, Range<T>{}));
+bool add_face_points(const CapsuleBox& c, Manifold& manifold, int i, double sign, double nearest) noexcept {
+  const Range range = clip_to_slab(c, (i + 2) % 3, clip_to_slab(c, (i + 1) % 3, Range{}));
   if (!(range.low <= range.high)) return false;
-  const Vec3<T> normal = unit_axis(i, sign);
-  T separation[2] = {sign * c.at(range.low)[i] - c.h[i] - c.radius, sign * c.at(range.high)[i] - c.h[i] - c.radius};
+  const Vec3d normal = unit_axis(i, sign);
+  double separation[2] = {sign * c.at(range.low)[i] - c.h[i] - c.radius,
+                          sign * c.at(range.high)[i] - c.h[i] - c.radius};
   const int nearer = separation[1] < separation[0] ? 1 : 0;
   separation[nearer] = std::min(separation[nearer], nearest);
-  const bool one = (range.high - range.low) * norm(c.half) <= kFlatTolerance<T>;
+  const bool one = (range.high - range.low) * norm(c.half) <= kFlatTolerance;
   set_normal(c, manifold, normal);
   for (int k = 0; k < 2; ++k) {
     if (one && k != nearer) continue;
-    const T t = k == 0 ? range.low : range.high;
-    Vec3<T> on_box = c.at(t);
+    const double t = k == 0 ? range.low : range.high;
+    Vec3d on_box = c.at(t);
     on_box[i] = sign * c.h[i];
     add_capsule_point(c, manifold, normal, t, on_box, separation[k], one ? kClosest : k == 0 ? kLowEnd : kHighEnd);
   }
@@ -121,19 +108,18 @@ bool add_face_points(const CapsuleBox<T>& c, Manifold<T>& manifold, int i, T sig
 
 // The stretch of the capsule that runs along the box's edge in direction `j`: both its ends, if they are so flat
 // against the edge that one normal fits both.
-template <class T>
-bool add_edge_points(const CapsuleBox<T>& c, Manifold<T>& manifold, int j, const Vec3<T>& normal) noexcept {
-  const Range<T> range = clip_to_slab(c, j, Range<T>{});
-  if (!((range.high - range.low) * norm(c.half) > kFlatTolerance<T>)) return false;
-  const T parameters[2] = {range.low, range.high};
-  Vec3<T> on_box[2];
-  T along[2] = {T(0), T(0)};
+bool add_edge_points(const CapsuleBox& c, Manifold& manifold, int j, const Vec3d& normal) noexcept {
+  const Range range = clip_to_slab(c, j, Range{});
+  if (!((range.high - range.low) * norm(c.half) > kFlatTolerance)) return false;
+  const double parameters[2] = {range.low, range.high};
+  Vec3d on_box[2];
+  double along[2] = {0.0, 0.0};
   for (int k = 0; k < 2; ++k) {
-    const Vec3<T> p = c.at(parameters[k]);
+    const Vec3d p = c.at(parameters[k]);
     on_box[k] = clamp_to_box(p, c.h);
-    const Vec3<T> gap = p - on_box[k];
+    const Vec3d gap = p - on_box[k];
     along[k] = dot(gap, normal);
-    if (!(norm(gap) - along[k] <= kFlatTolerance<T>)) return false;
+    if (!(norm(gap) - along[k] <= kFlatTolerance)) return false;
   }
   set_normal(c, manifold, normal);
   for (int k = 0; k < 2; ++k)
@@ -142,14 +128,13 @@ bool add_edge_points(const CapsuleBox<T>& c, Manifold<T>& manifold, int j, const
 }
 
 // The axis is outside the box: the direction between the closest points.
-template <class T>
-void collide_outside(const CapsuleBox<T>& c, Manifold<T>& manifold, T t, const Vec3<T>& gap, T distance) noexcept {
-  const Vec3<T> normal = gap * (T(1) / distance);
-  const T separation = distance - c.radius;
+void collide_outside(const CapsuleBox& c, Manifold& manifold, double t, const Vec3d& gap, double distance) noexcept {
+  const Vec3d normal = gap * (1.0 / distance);
+  const double separation = distance - c.radius;
   int inside_slabs = 0, edge = 0;
   for (int i = 0; i < 3; ++i) {
-    if (std::abs(normal[i]) > kFaceCosine<T> && add_face_points(c, manifold, i, sign_of(normal[i]), separation)) return;
-    if (gap[i] == T(0)) ++inside_slabs, edge = i;
+    if (std::abs(normal[i]) > kFaceCosine && add_face_points(c, manifold, i, sign_of(normal[i]), separation)) return;
+    if (gap[i] == 0.0) ++inside_slabs, edge = i;
   }
   if (inside_slabs == 1 && add_edge_points(c, manifold, edge, normal)) {
     // The exact distance bounds the nearer of the two.
@@ -165,36 +150,35 @@ void collide_outside(const CapsuleBox<T>& c, Manifold<T>& manifold, T t, const V
 }
 
 // The axis meets the box: the direction that needs the least push, among three face and three edge directions.
-template <class T>
-void collide_inside(const CapsuleBox<T>& c, Manifold<T>& manifold, T t_closest) noexcept {
+void collide_inside(const CapsuleBox& c, Manifold& manifold, double t_closest) noexcept {
   int face = 0;
-  T face_separation = T(0);
+  double face_separation = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const T separation = std::abs(c.centre[i]) - std::abs(c.half[i]) - c.h[i] - c.radius;
+    const double separation = std::abs(c.centre[i]) - std::abs(c.half[i]) - c.h[i] - c.radius;
     if (i == 0 || separation > face_separation) face = i, face_separation = separation;
   }
   int edge = -1;
-  T edge_separation = face_separation + axis_preference(face_separation);
-  Vec3<T> edge_normal;
+  double edge_separation = face_separation + axis_preference(face_separation);
+  Vec3d edge_normal;
   for (int j = 0; j < 3; ++j) {
-    const Vec3<T> w = cross(unit_axis(j, T(1)), c.half);
-    const T length = norm(w);
-    if (!(length > T(5e-3) * norm(c.half) && length > kNoDirection<T>)) continue;
-    Vec3<T> n = w * (T(1) / length);
-    if (dot(n, c.centre) < T(0)) n = -n;
-    const T separation = dot(n, c.centre) - dot(abs(n), c.h) - c.radius;
+    const Vec3d w = cross(unit_axis(j, 1.0), c.half);
+    const double length = norm(w);
+    if (!(length > 5e-3 * norm(c.half) && length > kNoDirection)) continue;
+    Vec3d n = w * (1.0 / length);
+    if (dot(n, c.centre) < 0.0) n = -n;
+    const double separation = dot(n, c.centre) - dot(abs(n), c.h) - c.radius;
     if (separation > edge_separation) edge = j, edge_separation = separation, edge_normal = n;
   }
   if (edge < 0) {
-    const T sign = sign_of(c.centre[face]);
-    if (add_face_points(c, manifold, face, sign, T(0))) return;
+    const double sign = sign_of(c.centre[face]);
+    if (add_face_points(c, manifold, face, sign, 0.0)) return;
     // Rounding emptied the stretch: the point of the axis that was found in the box stands for it.
     set_normal(c, manifold, unit_axis(face, sign));
     return add_capsule_point(c, manifold, unit_axis(face, sign), t_closest, c.at(t_closest), face_separation, kClosest);
   }
-  Vec3<T> edge_centre{sign_of(edge_normal.x) * c.h.x, sign_of(edge_normal.y) * c.h.y, sign_of(edge_normal.z) * c.h.z};
-  edge_centre[edge] = T(0);
-  const Vec3<T> edge_half = unit_axis(edge, c.h[edge]);
+  Vec3d edge_centre{sign_of(edge_normal.x) * c.h.x, sign_of(edge_normal.y) * c.h.y, sign_of(edge_normal.z) * c.h.z};
+  edge_centre[edge] = 0.0;
+  const Vec3d edge_half = unit_axis(edge, c.h[edge]);
   const auto [s, t] = closest_on_segments(c.half, edge_half, edge_centre - c.centre);
   set_normal(c, manifold, edge_normal);
   add_capsule_point(c, manifold, edge_normal, s, edge_centre + edge_half * t, edge_separation, kClosest);
@@ -202,18 +186,17 @@ void collide_inside(const CapsuleBox<T>& c, Manifold<T>& manifold, T t_closest) 
 
 }  // namespace
 
-template <class T>
-void collide_sphere_box(const PairView<T>& pair, Manifold<T>& manifold) noexcept {
-  const Vec3<T>& h = pair.b.half_extents;
-  const Vec3<T> centre = rotate_inverse(pair.world_from_b, -pair.b_from_a);
-  Vec3<T> on_box = clamp_to_box(centre, h), normal;
-  const Vec3<T> gap = centre - on_box;
-  T distance = norm(gap);
+void collide_sphere_box(const PairView& pair, Manifold& manifold) noexcept {
+  const Vec3d& h = pair.b.half_extents;
+  const Vec3d centre = rotate_inverse(pair.world_from_b, -pair.b_from_a);
+  Vec3d on_box = clamp_to_box(centre, h), normal;
+  const Vec3d gap = centre - on_box;
+  double distance = norm(gap);
   if (!(distance - pair.a.radius <= pair.margin)) return;
-  if (distance > kNoDirection<T>) {
-    normal = gap * (T(1) / distance);
+  if (distance > kNoDirection) {
+    normal = gap * (1.0 / distance);
   } else {  // the centre is inside: out through the nearest face, the lower axis on a tie
-    const Vec3<T> depth = h - abs(centre);
+    const Vec3d depth = h - abs(centre);
     int face = 0;
     for (int i = 1; i < 3; ++i)
       if (depth[i] < depth[face]) face = i;
@@ -223,30 +206,22 @@ void collide_sphere_box(const PairView<T>& pair, Manifold<T>& manifold) noexcept
     distance = -depth[face];
   }
   manifold.normal = -rotate(pair.world_from_b, normal);
-  const Vec3<T> mid = T(0.5) * (centre - normal * pair.a.radius + on_box);
+  const Vec3d mid = 0.5 * (centre - normal * pair.a.radius + on_box);
   add_point(pair, manifold, pair.b_from_a + rotate(pair.world_from_b, mid), distance - pair.a.radius, 0);
 }
 
-template <class T>
-void collide_capsule_box(const PairView<T>& pair, Manifold<T>& manifold) noexcept {
-  const CapsuleBox<T> c{pair, rotate_inverse(pair.world_from_b, -pair.b_from_a),
-                        rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)),
-                        pair.b.half_extents, pair.a.radius};
-  const T t = closest_parameter(c);
-  const Vec3<T> p = c.at(t), gap = p - clamp_to_box(p, c.h);
-  const T distance = norm(gap);
+void collide_capsule_box(const PairView& pair, Manifold& manifold) noexcept {
+  const CapsuleBox c{pair, rotate_inverse(pair.world_from_b, -pair.b_from_a),
+                     rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)),
+                     pair.b.half_extents, pair.a.radius};
+  const double t = closest_parameter(c);
+  const Vec3d p = c.at(t), gap = p - clamp_to_box(p, c.h);
+  const double distance = norm(gap);
   if (!(distance - c.radius <= pair.margin)) return;
-  if (distance > kNoDirection<T>)
+  if (distance > kNoDirection)
     collide_outside(c, manifold, t, gap, distance);
   else
     collide_inside(c, manifold, t);
 }
-
-#define TACTUS_INSTANTIATE(T)                                                     \
-  template void collide_sphere_box<T>(const PairView<T>&, Manifold<T>&) noexcept; \
-  template void collide_capsule_box<T>(const PairView<T>&, Manifold<T>&) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

@@ -15,72 +15,68 @@ namespace tactus::physics {
 namespace {
 
 // What the axes of a pair said.
-template <class T>
 struct ChosenFace {
   bool on_a;
   std::uint32_t face;
-  T separation;
+  double separation;
 };
 
 // Where the reference hull is in the pair's frame.
-template <class T>
 struct Placed {
   bool on_a;
-  const Quat<T>& rotation;
-  Vec3<T> centre;
+  const Quatd& rotation;
+  Vec3d centre;
 
-  Placed(const PairView<T>& pair, bool ref_is_a) noexcept
+  Placed(const PairView& pair, bool ref_is_a) noexcept
       : on_a(ref_is_a),
         rotation(ref_is_a ? pair.world_from_a : pair.world_from_b),
-        centre(ref_is_a ? Vec3<T>{} : pair.b_from_a) {}
-  Vec3<T> point(const Vec3<T>& p) const noexcept { return centre + rotate(rotation, p); }
+        centre(ref_is_a ? Vec3d{} : pair.b_from_a) {}
+  Vec3d point(const Vec3d& p) const noexcept { return centre + rotate(rotation, p); }
   // `n` points from the reference hull to the other.
-  Vec3<T> normal_to_b(const Vec3<T>& n) const noexcept { return rotate(rotation, on_a ? n : -n); }
+  Vec3d normal_to_b(const Vec3d& n) const noexcept { return rotate(rotation, on_a ? n : -n); }
 };
 
 // One axis, before anything else is worked out: most pairs that were apart still are.
-template <class T>
-bool still_apart(const RelativeHulls<T>& ab, const AxisCache& cache, T margin) noexcept {
+bool still_apart(const RelativeHulls& ab, const AxisCache& cache, double margin) noexcept {
   const HullTopology &a = *ab.ref.topology, &b = *ab.other.topology;
   if (cache.axis == kHullFaceA && cache.a < a.faces) return ab.face_separation(cache.a) > margin;
   if (cache.axis == kHullFaceB && cache.b < b.faces) {
-    const Vec3<T> n = ab.to_ref(ab.other.normals[cache.b]);
+    const Vec3d n = ab.to_ref(ab.other.normals[cache.b]);
     return -dot(n, ab.centre) - ab.ref.reach_along(-n) - ab.other.offsets[cache.b] > margin;
   }
   if (cache.axis == kHullEdges && cache.a < a.edges && cache.b < b.edges) {
-    const EdgeAxis<T> axis = edge_axis(ab, cache.a, cache.b);
+    const EdgeAxis axis = edge_axis(ab, cache.a, cache.b);
     return axis.found && ab.separation_along(axis.normal) > margin;
   }
   return false;
 }
 
 // The part of the incident face that lies above the reference face.
-template <class T>
-HullPolygon<T> clipped_face(const RelativeHulls<T>& hulls, std::uint32_t face, const Tangents<T>& along) noexcept {
-  const Vec3<T>& n = hulls.ref.normals[face];
-  const Vec3<T> down = hulls.to_other(n);
+HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const Tangents<double>& along) noexcept {
+  const Vec3d& n = hulls.ref.normals[face];
+  const Vec3d down = hulls.to_other(n);
   const HullTopology& topology = *hulls.other.topology;
   std::uint32_t incident = 0;
-  T lowest = dot(hulls.other.normals[0], down);
+  double lowest = dot(hulls.other.normals[0], down);
   for (std::uint32_t f = 1; f < topology.faces; ++f) {
-    const T cosine = dot(hulls.other.normals[f], down);
+    const double cosine = dot(hulls.other.normals[f], down);
     if (cosine < lowest) incident = f, lowest = cosine;
   }
-  HullPolygon<T> polygon;
+  HullPolygon polygon;
   for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
     const std::uint32_t vertex = topology.loop_vertices[k];
-    const Vec3<T> p = hulls.other_vertex(vertex);
+    const Vec3d p = hulls.other_vertex(vertex);
     polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p),       dot(n, p) - hulls.ref.offsets[face],
                                        vertex,           topology.loop_edges[k], false};
   }
   const HullTopology& sides = *hulls.ref.topology;
   const std::uint32_t start = sides.loop_start[face], end = sides.loop_start[face + 1];
   for (std::uint32_t k = start; k < end && polygon.count > 0; ++k) {
-    const Vec3<T> from = hulls.ref.vertex(sides.loop_vertices[k]),
-                  to = hulls.ref.vertex(sides.loop_vertices[k + 1 == end ? start : k + 1]);
-    const T du = dot(along.t1, to - from), dv = dot(along.t2, to - from);
-    const T inverse = T(1) / std::sqrt(du * du + dv * dv);
-    const T nu = dv * inverse, nv = -du * inverse;
+    const Vec3d from = hulls.ref.vertex(sides.loop_vertices[k]),
+                to = hulls.ref.vertex(sides.loop_vertices[k + 1 == end ? start : k + 1]);
+    const double du = dot(along.t1, to - from), dv = dot(along.t2, to - from);
+    const double inverse = 1.0 / std::sqrt(du * du + dv * dv);
+    const double nu = dv * inverse, nv = -du * inverse;
     clip_to_side(polygon, nu, nv, nu * dot(along.t1, from) + nv * dot(along.t2, from), sides.loop_edges[k]);
   }
   merge_neighbours(polygon);
@@ -89,48 +85,46 @@ HullPolygon<T> clipped_face(const RelativeHulls<T>& hulls, std::uint32_t face, c
 
 // Where no part of a face looks at the other hull: the nearest points, by projecting to and fro. Few rounds do:
 // whatever direction comes out, the gap along it bounds the distance from below.
-template <class T>
-void add_closest_point(const PairView<T>& pair, const RelativeHulls<T>& hulls, const Placed<T>& placed,
-                       std::uint32_t face, T separation, T bound, Manifold<T>& manifold) noexcept {
+void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const Placed& placed, std::uint32_t face,
+                       double separation, double bound, Manifold& manifold) noexcept {
   constexpr int kRounds = 4;
-  const Vec3<T>& n_face = hulls.ref.normals[face];
-  Vec3<T> on_other = hulls.other_vertex(hulls.other.support(hulls.to_other(-n_face))), on_ref;
+  const Vec3d& n_face = hulls.ref.normals[face];
+  Vec3d on_other = hulls.other_vertex(hulls.other.support(hulls.to_other(-n_face))), on_ref;
   for (int round = 0; round < kRounds; ++round) {
     on_ref = closest_on_hull(hulls.ref, on_other);
-    const Vec3<T> seen = hulls.to_other(on_ref - hulls.centre);
+    const Vec3d seen = hulls.to_other(on_ref - hulls.centre);
     on_other = hulls.centre + hulls.to_ref(closest_on_hull(hulls.other, seen));
   }
-  const Vec3<T> n = direction_or(on_other - on_ref, n_face);
-  const T along = hulls.separation_along(n);
-  const bool apart = along > T(0) && along >= bound;
+  const Vec3d n = direction_or(on_other - on_ref, n_face);
+  const double along = hulls.separation_along(n);
+  const bool apart = along > 0.0 && along >= bound;
   manifold.normal = placed.normal_to_b(apart ? n : n_face);
-  add_point(pair, manifold, placed.point(T(0.5) * (on_ref + on_other)),
-            apart          ? along
-            : bound > T(0) ? bound
-                           : separation,
+  add_point(pair, manifold, placed.point(0.5 * (on_ref + on_other)),
+            apart         ? along
+            : bound > 0.0 ? bound
+                          : separation,
             kClosestType);
 }
 
 // `bound`: the best lower bound of the distance that the axes gave; negative where the hulls overlap.
-template <class T>
-void add_face_contact(const PairView<T>& pair, const RelativeHulls<T>& hulls, const ChosenFace<T>& chosen, T bound,
-                      Manifold<T>& manifold) noexcept {
-  const Placed<T> placed(pair, chosen.on_a);
-  const Vec3<T>& n = hulls.ref.normals[chosen.face];
-  const Tangents<T> along = tangents_of(n);
-  HullPolygon<T> polygon = clipped_face(hulls, chosen.face, along);
-  T lowest = T(0);
+void add_face_contact(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen, double bound,
+                      Manifold& manifold) noexcept {
+  const Placed placed(pair, chosen.on_a);
+  const Vec3d& n = hulls.ref.normals[chosen.face];
+  const Tangents<double> along = tangents_of(n);
+  HullPolygon polygon = clipped_face(hulls, chosen.face, along);
+  double lowest = 0.0;
   for (std::uint32_t k = 0; k < polygon.count; ++k)
     if (k == 0 || polygon.points[k].w < lowest) lowest = polygon.points[k].w;
   // The lowest vertex of the other hull may lie beside the face. Then the points above the face are higher than the
   // bound: by little, let them down to it; by more, they are not what touches first.
-  const T floor = bound > T(0) ? bound : T(0), excess = lowest - floor;
+  const double floor = bound > 0.0 ? bound : 0.0, excess = lowest - floor;
   if (polygon.count == 0 || excess > axis_preference(floor))
     return add_closest_point(pair, hulls, placed, chosen.face, chosen.separation, bound, manifold);
   std::uint32_t kept = 0;
   for (std::uint32_t k = 0; k < polygon.count; ++k) {
-    HullClipPoint<T> p = polygon.points[k];
-    if (excess > T(0)) p.w -= excess;
+    HullClipPoint p = polygon.points[k];
+    if (excess > 0.0) p.w -= excess;
     if (p.w <= pair.margin) polygon.points[kept++] = p;
   }
   polygon.count = kept;
@@ -139,24 +133,23 @@ void add_face_contact(const PairView<T>& pair, const RelativeHulls<T>& hulls, co
   reduce_to_four(polygon);
   manifold.normal = placed.normal_to_b(n);
   for (std::uint32_t k = 0; k < polygon.count; ++k) {
-    const HullClipPoint<T>& p = polygon.points[k];
-    const Vec3<T> mid = n * (hulls.ref.offsets[chosen.face] + T(0.5) * p.w) + along.t1 * p.u + along.t2 * p.v;
+    const HullClipPoint& p = polygon.points[k];
+    const Vec3d mid = n * (hulls.ref.offsets[chosen.face] + 0.5 * p.w) + along.t1 * p.u + along.t2 * p.v;
     add_point(pair, manifold, placed.point(mid), p.w, type | p.id);
   }
 }
 
-template <class T>
-void add_edge_contact(const PairView<T>& pair, const RelativeHulls<T>& ab, const EdgeAxis<T>& axis,
-                      Manifold<T>& manifold) noexcept {
+void add_edge_contact(const PairView& pair, const RelativeHulls& ab, const EdgeAxis& axis,
+                      Manifold& manifold) noexcept {
   const HullEdge &a = ab.ref.topology->edge[axis.edge], &b = ab.other.topology->edge[axis.other_edge];
-  const Vec3<T> a0 = ab.ref.vertex(a.from), a1 = ab.ref.vertex(a.to), b0 = ab.other_vertex(b.from),
-                b1 = ab.other_vertex(b.to);
-  const Vec3<T> half_a = T(0.5) * (a1 - a0), half_b = T(0.5) * (b1 - b0);
-  const Vec3<T> centre_a = T(0.5) * (a0 + a1), centre_b = T(0.5) * (b0 + b1);
+  const Vec3d a0 = ab.ref.vertex(a.from), a1 = ab.ref.vertex(a.to), b0 = ab.other_vertex(b.from),
+              b1 = ab.other_vertex(b.to);
+  const Vec3d half_a = 0.5 * (a1 - a0), half_b = 0.5 * (b1 - b0);
+  const Vec3d centre_a = 0.5 * (a0 + a1), centre_b = 0.5 * (b0 + b1);
   const auto [s, t] = closest_on_segments(half_a, half_b, centre_b - centre_a);
-  const Placed<T> placed(pair, true);
+  const Placed placed(pair, true);
   manifold.normal = placed.normal_to_b(axis.normal);
-  add_point(pair, manifold, placed.point(T(0.5) * (centre_a + half_a * s + centre_b + half_b * t)), axis.separation,
+  add_point(pair, manifold, placed.point(0.5 * (centre_a + half_a * s + centre_b + half_b * t)), axis.separation,
             kEdgeType | axis.edge << 8 | axis.other_edge);
 }
 
@@ -165,48 +158,50 @@ AxisCache cache_of(std::uint8_t axis, std::uint32_t a, std::uint32_t b) noexcept
 }
 
 // The best face of both, unless the last step's is about as good; A's on a tie.
-template <class T>
-ChosenFace<T> choose_face(const RelativeHulls<T>& ab, const RelativeHulls<T>& ba, const FaceAxis<T>& best_a,
-                          const FaceAxis<T>& best_b, const AxisCache& cached) noexcept {
-  const T best = std::max(best_a.separation, best_b.separation);
-  const auto about_best = [best](T separation) noexcept { return !(best > separation + axis_preference(separation)); };
+ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const FaceAxis& best_a, const FaceAxis& best_b,
+                       const AxisCache& cached) noexcept {
+  const double best = std::max(best_a.separation, best_b.separation);
+  const auto about_best = [best](double separation) noexcept {
+    return !(best > separation + axis_preference(separation));
+  };
   if (cached.axis == kHullFaceA && cached.a < ab.ref.topology->faces)
-    if (const T separation = ab.face_separation(cached.a); about_best(separation)) return {true, cached.a, separation};
+    if (const double separation = ab.face_separation(cached.a); about_best(separation))
+      return {true, cached.a, separation};
   if (cached.axis == kHullFaceB && cached.b < ba.ref.topology->faces)
-    if (const T separation = ba.face_separation(cached.b); about_best(separation)) return {false, cached.b, separation};
+    if (const double separation = ba.face_separation(cached.b); about_best(separation))
+      return {false, cached.b, separation};
   if (about_best(best_a.separation)) return {true, best_a.face, best_a.separation};
   return {false, best_b.face, best_b.separation};
 }
 
 }  // namespace
 
-template <class T>
-void collide_hulls(const PairView<T>& pair, const HullView<T>& a, const HullView<T>& b, Manifold<T>& manifold,
+void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, Manifold& manifold,
                    AxisCache& cache) noexcept {
   constexpr std::uint32_t none = 0xffffffffu;
-  const T margin = pair.margin;
+  const double margin = pair.margin;
   const AxisCache cached = cache;
-  const RelativeHulls<T> ab = relative_hulls(pair, a, b);
+  const RelativeHulls ab = relative_hulls(pair, a, b);
   if (still_apart(ab, cached, margin)) return;
-  const FaceAxis<T> best_a = best_face(ab, margin, cached.axis == kHullFaceA ? cached.a : none);
+  const FaceAxis best_a = best_face(ab, margin, cached.axis == kHullFaceA ? cached.a : none);
   if (!(best_a.separation <= margin)) {
     cache = cache_of(kHullFaceA, best_a.face, 0);
     return;
   }
-  const RelativeHulls<T> ba = ab.reversed();
-  const FaceAxis<T> best_b = best_face(ba, margin, cached.axis == kHullFaceB ? cached.b : none);
+  const RelativeHulls ba = ab.reversed();
+  const FaceAxis best_b = best_face(ba, margin, cached.axis == kHullFaceB ? cached.b : none);
   if (!(best_b.separation <= margin)) {
     cache = cache_of(kHullFaceB, 0, best_b.face);
     return;
   }
-  const T best = std::max(best_a.separation, best_b.separation);
-  const EdgeAxis<T> edges = best_edges(ab, margin, best, best_a.face, best_b.face);
+  const double best = std::max(best_a.separation, best_b.separation);
+  const EdgeAxis edges = best_edges(ab, margin, best, best_a.face, best_b.face);
   if (edges.separation > margin) {
     cache = cache_of(kHullEdges, edges.edge, edges.other_edge);
     return;
   }
-  const ChosenFace<T> face = choose_face(ab, ba, best_a, best_b, cached);
-  const Vec3<T> face_normal = face.on_a ? ab.ref.normals[face.face] : ab.to_ref(ba.ref.normals[face.face]);
+  const ChosenFace face = choose_face(ab, ba, best_a, best_b, cached);
+  const Vec3d face_normal = face.on_a ? ab.ref.normals[face.face] : ab.to_ref(ba.ref.normals[face.face]);
   if (edges.found && edges.separation > face.separation + edge_preference(face.separation, face_normal, edges.normal,
                                                                           cached.axis == kHullEdges)) {
     cache = cache_of(kHullEdges, edges.edge, edges.other_edge);
@@ -218,46 +213,37 @@ void collide_hulls(const PairView<T>& pair, const HullView<T>& a, const HullView
 
 // The vertices of one face: of those that the lowest vertex belongs to, the one that looks down most. Feature: the
 // vertex.
-template <class T>
-void collide_plane_hull(const PairView<T>& pair, const HullView<T>& hull, Manifold<T>& manifold) noexcept {
-  const Vec3<T> up = axes_of(pair.world_from_a).z, up_in_hull = rotate_inverse(pair.world_from_b, up);
+void collide_plane_hull(const PairView& pair, const HullView& hull, Manifold& manifold) noexcept {
+  const Vec3d up = axes_of(pair.world_from_a).z, up_in_hull = rotate_inverse(pair.world_from_b, up);
   const std::uint32_t lowest = hull.support(-up_in_hull);
   const auto height = [&](std::uint32_t i) noexcept {
     return dot(up, pair.b_from_a) + dot(up_in_hull, hull.vertex(i));
   };
   if (!(height(lowest) <= pair.margin) || !std::isfinite(height(lowest))) return;
   std::uint32_t face = kMaxHullFaces;
-  T least = T(2);
+  double least = 2.0;
   for (std::uint32_t f = 0; f < hull.topology->faces; ++f) {
-    const T cosine = dot(up_in_hull, hull.normals[f]);
+    const double cosine = dot(up_in_hull, hull.normals[f]);
     if (!(cosine < least)) continue;
     const auto loop = hull.topology->loop(f);
     if (std::find(loop.begin(), loop.end(), lowest) != loop.end()) face = f, least = cosine;
   }
   if (face == kMaxHullFaces) return;
-  const Tangents<T> along = tangents_of(hull.normals[face]);
-  HullPolygon<T> polygon;
+  const Tangents<double> along = tangents_of(hull.normals[face]);
+  HullPolygon polygon;
   for (const std::uint8_t i : hull.topology->loop(face)) {
-    const Vec3<T> p = hull.vertex(i);
-    if (const T w = height(i); w <= pair.margin)
+    const Vec3d p = hull.vertex(i);
+    if (const double w = height(i); w <= pair.margin)
       polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p), w, i, 0, false};
   }
   mark_kept(pair, 0, polygon);
   reduce_to_four(polygon);
   manifold.normal = up;
   for (std::uint32_t k = 0; k < polygon.count; ++k) {
-    const HullClipPoint<T>& p = polygon.points[k];
-    const Vec3<T> vertex = pair.b_from_a + rotate(pair.world_from_b, hull.vertex(p.id));
-    add_point(pair, manifold, vertex - up * (T(0.5) * p.w), p.w, p.id);
+    const HullClipPoint& p = polygon.points[k];
+    const Vec3d vertex = pair.b_from_a + rotate(pair.world_from_b, hull.vertex(p.id));
+    add_point(pair, manifold, vertex - up * (0.5 * p.w), p.w, p.id);
   }
 }
-
-#define TACTUS_INSTANTIATE(T)                                                                              \
-  template void collide_hulls<T>(const PairView<T>&, const HullView<T>&, const HullView<T>&, Manifold<T>&, \
-                                 AxisCache&) noexcept;                                                     \
-  template void collide_plane_hull<T>(const PairView<T>&, const HullView<T>&, Manifold<T>&) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

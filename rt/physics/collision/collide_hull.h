@@ -11,15 +11,11 @@ namespace tactus::physics {
 inline constexpr std::uint8_t kHullFaceA = kFirstHullAxis, kHullFaceB = kFirstHullAxis + 1,
                               kHullEdges = kFirstHullAxis + 2;
 
-template <class T>
-void collide_hulls(const PairView<T>& pair, const HullView<T>& a, const HullView<T>& b, Manifold<T>& manifold,
+void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, Manifold& manifold,
                    AxisCache& cache) noexcept;
 // A is the plane, or the round shape; B the hull.
-template <class T>
-void collide_plane_hull(const PairView<T>& pair, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_sphere_hull(const PairView<T>& pair, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_capsule_hull(const PairView<T>& pair, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
+void collide_plane_hull(const PairView& pair, const HullView& hull, Manifold& manifold) noexcept;
+void collide_sphere_hull(const PairView& pair, const HullView& hull, Manifold& manifold) noexcept;
+void collide_capsule_hull(const PairView& pair, const HullView& hull, Manifold& manifold) noexcept;
 
 }  // namespace tactus::physics

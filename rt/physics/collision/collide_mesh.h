@@ -16,25 +16,23 @@ namespace tactus::physics {
 
 // `triangles`: those of one patch that are near. Count 0 where nothing is within the margin, or where the centre of A
 // is behind what it would touch.
-template <class T>
-Manifold<T> collide_patch(const Shape<T>& a, const Pose<T>& world_from_a, const Pose<T>& world_from_mesh,
-                          const Mesh<T>& mesh, std::span<const std::uint32_t> triangles, T margin,
-                          std::type_identity_t<Hulls<T>> hulls, const LastFeatures& last = {}) noexcept;
+Manifold collide_patch(const Shape& a, const Posed& world_from_a, const Posed& world_from_mesh, const Mesh& mesh,
+                       std::span<const std::uint32_t> triangles, double margin, std::type_identity_t<Hulls> hulls,
+                       const LastFeatures& last = {}) noexcept;
 
 // --- inside narrow phase
 
-template <class T>
 struct PatchView {
-  const PairView<T>& pair;
-  const Mesh<T>& mesh;
+  const PairView& pair;
+  const Mesh& mesh;
   std::span<const std::uint32_t> triangles;
-  Vec3<T> centre;  // of A, in the mesh's frame
+  Vec3d centre;  // of A, in the mesh's frame
 
   // `outward`: unit, mesh frame, from the mesh to A.
-  void set_normal(Manifold<T>& manifold, const Vec3<T>& outward) const noexcept {
+  void set_normal(Manifold& manifold, const Vec3d& outward) const noexcept {
     manifold.normal = -rotate(pair.world_from_b, outward);
   }
-  void add(Manifold<T>& manifold, const Vec3<T>& mid, T separation, std::uint32_t feature) const noexcept {
+  void add(Manifold& manifold, const Vec3d& mid, double separation, std::uint32_t feature) const noexcept {
     add_point(pair, manifold, pair.b_from_a + rotate(pair.world_from_b, mid), separation, feature);
   }
 };
@@ -46,11 +44,8 @@ inline constexpr std::uint32_t kMeshCornerFeature = 2u << 29;  // a corner of th
 inline constexpr std::uint32_t kMeshEdgeFeature = 3u << 29;    // an edge of the mesh
 inline constexpr std::uint32_t kEdgePairFeature = 4u << 29;    // an edge of the body across an edge of the mesh
 
-template <class T>
-void collide_sphere_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_capsule_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept;
-template <class T>
-void collide_hull_patch(const PatchView<T>& patch, const HullView<T>& hull, Manifold<T>& manifold) noexcept;
+void collide_sphere_patch(const PatchView& patch, Manifold& manifold) noexcept;
+void collide_capsule_patch(const PatchView& patch, Manifold& manifold) noexcept;
+void collide_hull_patch(const PatchView& patch, const HullView& hull, Manifold& manifold) noexcept;
 
 }  // namespace tactus::physics

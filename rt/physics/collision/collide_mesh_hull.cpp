@@ -27,36 +27,34 @@ constexpr HullTopology kTriangleTopology = make_triangle_topology();
 static_assert(kTriangleTopology.edges == 3 && kTriangleTopology.edge[1].from == 1);
 
 // Its frame: axes of the mesh, origin in its middle.
-template <class T>
 struct TriangleHull {
-  static constexpr int kPadded = kLanes<Register<T>>;
-  alignas(32) T x[kPadded], y[kPadded], z[kPadded];
-  Vec3<T> middle, normals[2];
-  T offsets[2], edge_reach[3];
+  static constexpr int kPadded = kLanes<Register<double>>;
+  alignas(32) double x[kPadded], y[kPadded], z[kPadded];
+  Vec3d middle, normals[2];
+  double offsets[2], edge_reach[3];
 
-  TriangleHull(const Mesh<T>& mesh, std::uint32_t triangle) noexcept {
+  TriangleHull(const Mesh& mesh, std::uint32_t triangle) noexcept {
     const MeshTriangle& t = mesh.triangles[triangle];
-    middle = (mesh.place(t, 0) + mesh.place(t, 1) + mesh.place(t, 2)) * (T(1) / T(3));
+    middle = (mesh.place(t, 0) + mesh.place(t, 1) + mesh.place(t, 2)) * (1.0 / 3.0);
     normals[0] = mesh.normals[triangle], normals[1] = -normals[0];
     for (int i = 0; i < kPadded; ++i) {
-      const Vec3<T> p = mesh.place(t, i < 3 ? i : 0) - middle;
+      const Vec3d p = mesh.place(t, i < 3 ? i : 0) - middle;
       x[i] = p.x, y[i] = p.y, z[i] = p.z;
     }
     for (int f = 0; f < 2; ++f) {
       offsets[f] = dot(normals[f], corner(0));
       for (int i = 1; i < 3; ++i) offsets[f] = larger(offsets[f], dot(normals[f], corner(i)));
     }
-    for (T& reach : edge_reach) reach = std::numeric_limits<T>::infinity();
+    for (double& reach : edge_reach) reach = std::numeric_limits<double>::infinity();
   }
-  Vec3<T> corner(int i) const noexcept { return {x[i], y[i], z[i]}; }
-  HullView<T> view() const noexcept {
-    return {&kTriangleTopology, x, y, z, kPadded, normals, offsets, edge_reach, T(0), T(0)};
+  Vec3d corner(int i) const noexcept { return {x[i], y[i], z[i]}; }
+  HullView view() const noexcept {
+    return {&kTriangleTopology, x, y, z, kPadded, normals, offsets, edge_reach, 0.0, 0.0};
   }
 };
 
 // Of a polygon, a list of points that are worth keeping: once each, by feature.
-template <class T>
-void keep_point(HullPolygon<T>& kept, const HullClipPoint<T>& point) noexcept {
+void keep_point(HullPolygon& kept, const HullClipPoint& point) noexcept {
   for (std::uint32_t i = 0; i < kept.count; ++i) {
     if (kept.points[i].id != point.id) continue;
     kept.points[i].w = smaller(kept.points[i].w, point.w);
@@ -66,9 +64,8 @@ void keep_point(HullPolygon<T>& kept, const HullClipPoint<T>& point) noexcept {
   kept.points[kept.count++] = point;
 }
 
-template <class T>
-T lowest_of(const HullPolygon<T>& polygon) noexcept {
-  T lowest = std::numeric_limits<T>::infinity();
+double lowest_of(const HullPolygon& polygon) noexcept {
+  double lowest = std::numeric_limits<double>::infinity();
   for (std::uint32_t i = 0; i < polygon.count; ++i) lowest = smaller(lowest, polygon.points[i].w);
   return lowest;
 }
@@ -85,23 +82,22 @@ struct Crossing {
 // The corner of a triangle between two of its sides, in any order.
 constexpr std::uint32_t corner_between(std::uint32_t j, std::uint32_t k) noexcept { return k == (j + 1) % 3 ? k : j; }
 
-template <class T>
 class HullOnPatch {
  public:
-  HullOnPatch(const PatchView<T>& patch, const HullView<T>& hull) noexcept
+  HullOnPatch(const PatchView& patch, const HullView& hull) noexcept
       : patch_(patch),
         hull_(hull),
         plane_(patch.mesh.patches[patch.mesh.triangles[patch.triangles[0]].patch]),
         along_(tangents_of(plane_.normal)) {
-    const Axes<T> axes = axes_of(conjugate(patch.pair.world_from_b) * patch.pair.world_from_a);
+    const Axes axes = axes_of(conjugate(patch.pair.world_from_b) * patch.pair.world_from_a);
     column_[0] = axes.x, column_[1] = axes.y, column_[2] = axes.z;
   }
 
   // False where no triangle of the patch can be touched.
   bool is_near() noexcept {
-    const T height = dot(plane_.normal, patch_.centre) - plane_.offset;
-    const Vec3<T> down = -to_hull(plane_.normal);
-    if (!(height > T(0) && height - hull_.reach_along(down) <= patch_.pair.margin)) return false;
+    const double height = dot(plane_.normal, patch_.centre) - plane_.offset;
+    const Vec3d down = -to_hull(plane_.normal);
+    if (!(height > 0.0 && height - hull_.reach_along(down) <= patch_.pair.margin)) return false;
     find_incident_face(down);
     return true;
   }
@@ -111,13 +107,13 @@ class HullOnPatch {
     if (ruling != Ruling::kAllowed) add_face_points(triangle, ruling == Ruling::kDropped);
   }
 
-  void finish(Manifold<T>& manifold) noexcept {
-    const bool by_rim = rim_kind_ != Rim::kNone && rim_lowest_ + kFlatTolerance<T> < lowest_of(face_points_);
+  void finish(Manifold& manifold) noexcept {
+    const bool by_rim = rim_kind_ != Rim::kNone && rim_lowest_ + kFlatTolerance < lowest_of(face_points_);
     if (!by_rim) return add_points(manifold, face_points_, plane_.normal, plane_.offset, along_);
     if (rim_kind_ == Rim::kHullFace) {
-      const Vec3<T> n = to_mesh(hull_.normals[rim_face_]);
-      const T offset = hull_.offsets[rim_face_] + dot(n, patch_.centre);
-      const Tangents<T> in_hull = tangents_of(hull_.normals[rim_face_]);
+      const Vec3d n = to_mesh(hull_.normals[rim_face_]);
+      const double offset = hull_.offsets[rim_face_] + dot(n, patch_.centre);
+      const Tangents<double> in_hull = tangents_of(hull_.normals[rim_face_]);
       // Tangents of the hull's face, with their own origin: that of the hull.
       for (std::uint32_t i = 0; i < rim_points_.count; ++i) {
         rim_points_.points[i].u += dot(to_mesh(in_hull.t1), patch_.centre);
@@ -134,37 +130,35 @@ class HullOnPatch {
  private:
   enum class Rim { kNone, kHullFace, kEdges };
   // The hull's face is as good as parallel to the patch, within 8 degrees.
-  static constexpr T kParallelCosine = T(0.99);
+  static constexpr double kParallelCosine = 0.99;
 
-  Vec3<T> to_mesh(const Vec3<T>& v) const noexcept { return column_[0] * v.x + column_[1] * v.y + column_[2] * v.z; }
-  Vec3<T> to_hull(const Vec3<T>& v) const noexcept {
-    return {dot(column_[0], v), dot(column_[1], v), dot(column_[2], v)};
-  }
+  Vec3d to_mesh(const Vec3d& v) const noexcept { return column_[0] * v.x + column_[1] * v.y + column_[2] * v.z; }
+  Vec3d to_hull(const Vec3d& v) const noexcept { return {dot(column_[0], v), dot(column_[1], v), dot(column_[2], v)}; }
 
   // Points of a polygon above the plane n . x = offset with the axes `along`; each contact is halfway to it.
-  void add_points(Manifold<T>& manifold, HullPolygon<T>& polygon, const Vec3<T>& n, T offset,
-                  const Tangents<T>& along) const noexcept {
+  void add_points(Manifold& manifold, HullPolygon& polygon, const Vec3d& n, double offset,
+                  const Tangents<double>& along) const noexcept {
     if (polygon.count == 0) return;
     mark_kept(patch_.pair, 0, polygon);  // here an id is the feature
     reduce_to_four(polygon);
     patch_.set_normal(manifold, n);
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
-      const HullClipPoint<T>& p = polygon.points[i];
-      patch_.add(manifold, n * (offset + T(0.5) * p.w) + along.t1 * p.u + along.t2 * p.v, p.w, p.id);
+      const HullClipPoint& p = polygon.points[i];
+      patch_.add(manifold, n * (offset + 0.5 * p.w) + along.t1 * p.u + along.t2 * p.v, p.w, p.id);
     }
   }
 
   // The hull's face that looks down most, as a polygon above the patch's plane.
-  void find_incident_face(const Vec3<T>& down) noexcept {
+  void find_incident_face(const Vec3d& down) noexcept {
     const HullTopology& topology = *hull_.topology;
     std::uint32_t incident = 0;
-    T most = dot(hull_.normals[0], down);
+    double most = dot(hull_.normals[0], down);
     for (std::uint32_t f = 1; f < topology.faces; ++f)
-      if (const T cosine = dot(hull_.normals[f], down); cosine > most) incident = f, most = cosine;
+      if (const double cosine = dot(hull_.normals[f], down); cosine > most) incident = f, most = cosine;
     incident_cosine_ = most;
     for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
       const std::uint32_t vertex = topology.loop_vertices[k];
-      const Vec3<T> p = patch_.centre + to_mesh(hull_.vertex(vertex));
+      const Vec3d p = patch_.centre + to_mesh(hull_.vertex(vertex));
       incident_.points[incident_.count++] = {dot(along_.t1, p),
                                              dot(along_.t2, p),
                                              dot(plane_.normal, p) - plane_.offset,
@@ -178,34 +172,33 @@ class HullOnPatch {
   // may yet come to it: vertices of the hull, and the rest where the two faces are parallel. On a tilted face the
   // points at the rim would hold with the wrong normal.
   void add_face_points(std::uint32_t triangle, bool others) noexcept {
-    const Mesh<T>& mesh = patch_.mesh;
+    const Mesh& mesh = patch_.mesh;
     const MeshTriangle& t = mesh.triangles[triangle];
-    HullPolygon<T> polygon;
+    HullPolygon polygon;
     polygon.count = incident_.count;
     std::copy_n(incident_.points.begin(), incident_.count, polygon.points.begin());
     for (std::uint32_t k = 0; k < 3 && polygon.count > 0; ++k) {
-      const Vec3<T>& from = mesh.corners[t.corner[k]];
-      const Vec3<T> along = mesh.corners[t.corner[(k + 1) % 3]] - from;
+      const Vec3d& from = mesh.corners[t.corner[k]];
+      const Vec3d along = mesh.corners[t.corner[(k + 1) % 3]] - from;
       clip_to_edge(polygon, from, along, k);
     }
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
-      HullClipPoint<T> p = polygon.points[i];
+      HullClipPoint p = polygon.points[i];
       if (!(p.w <= patch_.pair.margin)) continue;
-      if (others && !(p.w > T(0) && (p.id < kFirstHullCrossing || incident_cosine_ > kParallelCosine))) continue;
+      if (others && !(p.w > 0.0 && (p.id < kFirstHullCrossing || incident_cosine_ > kParallelCosine))) continue;
       if (name_face_point(triangle, p)) keep_point(face_points_, p);
     }
   }
 
-  void clip_to_edge(HullPolygon<T>& polygon, const Vec3<T>& from, const Vec3<T>& along,
-                    std::uint32_t k) const noexcept {
-    const T du = dot(along_.t1, along), dv = dot(along_.t2, along);
-    const T inverse = T(1) / std::sqrt(du * du + dv * dv);
-    const T nu = dv * inverse, nv = -du * inverse;
+  void clip_to_edge(HullPolygon& polygon, const Vec3d& from, const Vec3d& along, std::uint32_t k) const noexcept {
+    const double du = dot(along_.t1, along), dv = dot(along_.t2, along);
+    const double inverse = 1.0 / std::sqrt(du * du + dv * dv);
+    const double nu = dv * inverse, nv = -du * inverse;
     clip_to_side(polygon, nu, nv, nu * dot(along_.t1, from) + nv * dot(along_.t2, from), k);
   }
 
   // Gives the point its feature. False where it is on a seam inside the patch: the surface goes on there.
-  bool name_face_point(std::uint32_t triangle, HullClipPoint<T>& p) const noexcept {
+  bool name_face_point(std::uint32_t triangle, HullClipPoint& p) const noexcept {
     if (p.id < kFirstHullCrossing) return true;  // a vertex of the hull
     const MeshTriangle& t = patch_.mesh.triangles[triangle];
     const Crossing crossing(p.id);
@@ -222,18 +215,18 @@ class HullOnPatch {
   // Of a triangle at a rim: what holds the hull? Its face, a neighbour (dropped), or there is no more to say: its rim,
   // whose contact is noted, or nothing, for it is too far.
   Ruling judge_rim(std::uint32_t triangle) noexcept {
-    const T margin = patch_.pair.margin;
-    const TriangleHull<T> shape(patch_.mesh, triangle);
-    const RelativeHulls<T> ab{shape.view(), hull_, {column_[0], column_[1], column_[2]}, patch_.centre - shape.middle};
-    const RelativeHulls<T> ba = ab.reversed();
-    const T by_face = ab.face_separation(0);
+    const double margin = patch_.pair.margin;
+    const TriangleHull shape(patch_.mesh, triangle);
+    const RelativeHulls ab{shape.view(), hull_, {column_[0], column_[1], column_[2]}, patch_.centre - shape.middle};
+    const RelativeHulls ba = ab.reversed();
+    const double by_face = ab.face_separation(0);
     if (!(by_face <= margin)) return Ruling::kAllowed;
-    const FaceAxis<T> hull_face = best_face(ba, margin, kMaxHullFaces);
+    const FaceAxis hull_face = best_face(ba, margin, kMaxHullFaces);
     if (!(hull_face.separation <= margin)) return Ruling::kAllowed;
-    const T so_far = larger(by_face, hull_face.separation);
-    const EdgeAxis<T> edges = best_edges(ab, margin, so_far, 0, hull_face.face);
+    const double so_far = larger(by_face, hull_face.separation);
+    const EdgeAxis edges = best_edges(ab, margin, so_far, 0, hull_face.face);
     if (edges.separation > margin) return Ruling::kAllowed;
-    const auto preferred = [](T separation) noexcept { return separation + axis_preference(separation); };
+    const auto preferred = [](double separation) noexcept { return separation + axis_preference(separation); };
     if (edges.found && edges.separation > preferred(so_far)) {
       const Ruling ruling = rule_edge_axis(patch_.mesh, triangle, edges.edge, edges.normal);
       if (ruling == Ruling::kAllowed) note_edges(triangle, ab, shape, edges);
@@ -246,14 +239,14 @@ class HullOnPatch {
   }
 
   // What the triangle meets a plane with that comes along u: a corner, an edge or all of it.
-  Ruling rule_support(std::uint32_t triangle, const TriangleHull<T>& shape, const Vec3<T>& u) const noexcept {
-    const T height[3] = {dot(u, shape.corner(0)), dot(u, shape.corner(1)), dot(u, shape.corner(2))};
+  Ruling rule_support(std::uint32_t triangle, const TriangleHull& shape, const Vec3d& u) const noexcept {
+    const double height[3] = {dot(u, shape.corner(0)), dot(u, shape.corner(1)), dot(u, shape.corner(2))};
     std::uint32_t top = 0;
     for (std::uint32_t i = 1; i < 3; ++i)
       if (height[i] > height[top]) top = i;
     const std::uint32_t next = (top + 1) % 3, before = (top + 2) % 3;
-    const bool with_next = height[next] > height[top] - kFlatTolerance<T>,
-               with_before = height[before] > height[top] - kFlatTolerance<T>;
+    const bool with_next = height[next] > height[top] - kFlatTolerance,
+               with_before = height[before] > height[top] - kFlatTolerance;
     if (with_next && with_before) return Ruling::kFace;
     if (with_next) return rule_edge_axis(patch_.mesh, triangle, top, u);
     if (with_before) return rule_edge_axis(patch_.mesh, triangle, before, u);
@@ -261,40 +254,40 @@ class HullOnPatch {
   }
 
   // What of the triangle is below the hull's face; triangles that meet the same face add to each other.
-  void note_hull_face(std::uint32_t triangle, const RelativeHulls<T>& ba, std::uint32_t face) noexcept {
+  void note_hull_face(std::uint32_t triangle, const RelativeHulls& ba, std::uint32_t face) noexcept {
     const HullTopology& sides = *hull_.topology;
-    const Vec3<T>& n = hull_.normals[face];
-    const Tangents<T> along = tangents_of(n);
-    HullPolygon<T> polygon;
+    const Vec3d& n = hull_.normals[face];
+    const Tangents<double> along = tangents_of(n);
+    HullPolygon polygon;
     for (std::uint32_t i = 0; i < 3; ++i) {
-      const Vec3<T> p = ba.other_vertex(i);
+      const Vec3d p = ba.other_vertex(i);
       polygon.points[polygon.count++] = {
           dot(along.t1, p), dot(along.t2, p), dot(n, p) - hull_.offsets[face], i, i, false};
     }
     const std::uint32_t start = sides.loop_start[face], end = sides.loop_start[face + 1];
     for (std::uint32_t k = start; k < end && polygon.count > 0; ++k) {
-      const Vec3<T> from = hull_.vertex(sides.loop_vertices[k]),
-                    to = hull_.vertex(sides.loop_vertices[k + 1 == end ? start : k + 1]);
-      const T du = dot(along.t1, to - from), dv = dot(along.t2, to - from);
-      const T inverse = T(1) / std::sqrt(du * du + dv * dv);
-      const T nu = dv * inverse, nv = -du * inverse;
+      const Vec3d from = hull_.vertex(sides.loop_vertices[k]),
+                  to = hull_.vertex(sides.loop_vertices[k + 1 == end ? start : k + 1]);
+      const double du = dot(along.t1, to - from), dv = dot(along.t2, to - from);
+      const double inverse = 1.0 / std::sqrt(du * du + dv * dv);
+      const double nu = dv * inverse, nv = -du * inverse;
       clip_to_side(polygon, nu, nv, nu * dot(along.t1, from) + nv * dot(along.t2, from), sides.loop_edges[k]);
     }
-    const T lowest = lowest_of(polygon);
+    const double lowest = lowest_of(polygon);
     if (!(lowest <= patch_.pair.margin)) return;
     const bool same = rim_kind_ == Rim::kHullFace && rim_face_ == face;
     if (!same && rim_kind_ != Rim::kNone && !(lowest < rim_lowest_)) return;
     if (!same) rim_kind_ = Rim::kHullFace, rim_face_ = face, rim_points_.count = 0, rim_lowest_ = lowest;
     rim_lowest_ = smaller(rim_lowest_, lowest);
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
-      HullClipPoint<T> p = polygon.points[i];
+      HullClipPoint p = polygon.points[i];
       if (!(p.w <= patch_.pair.margin)) continue;
       name_rim_point(triangle, p);
       keep_point(rim_points_, p);
     }
   }
 
-  void name_rim_point(std::uint32_t triangle, HullClipPoint<T>& p) const noexcept {
+  void name_rim_point(std::uint32_t triangle, HullClipPoint& p) const noexcept {
     if (p.id < kFirstHullCrossing) {
       p.id = kMeshCornerFeature | patch_.mesh.triangles[triangle].corner[p.id];
       return;
@@ -304,52 +297,44 @@ class HullOnPatch {
                                    : kMeshEdgeFeature | crossing.side << 21 | (3 * triangle + crossing.line);
   }
 
-  void note_edges(std::uint32_t triangle, const RelativeHulls<T>& ab, const TriangleHull<T>& shape,
-                  const EdgeAxis<T>& axis) noexcept {
+  void note_edges(std::uint32_t triangle, const RelativeHulls& ab, const TriangleHull& shape,
+                  const EdgeAxis& axis) noexcept {
     if (rim_kind_ != Rim::kNone && !(axis.separation < rim_lowest_)) return;
     const HullEdge& b = ab.other.topology->edge[axis.other_edge];
-    const Vec3<T> a0 = shape.corner(static_cast<int>(axis.edge)),
-                  a1 = shape.corner(static_cast<int>(axis.edge + 1) % 3);
-    const Vec3<T> b0 = ab.other_vertex(b.from), b1 = ab.other_vertex(b.to);
-    const Vec3<T> half_a = T(0.5) * (a1 - a0), half_b = T(0.5) * (b1 - b0);
-    const Vec3<T> middle_a = T(0.5) * (a0 + a1), middle_b = T(0.5) * (b0 + b1);
+    const Vec3d a0 = shape.corner(static_cast<int>(axis.edge)), a1 = shape.corner(static_cast<int>(axis.edge + 1) % 3);
+    const Vec3d b0 = ab.other_vertex(b.from), b1 = ab.other_vertex(b.to);
+    const Vec3d half_a = 0.5 * (a1 - a0), half_b = 0.5 * (b1 - b0);
+    const Vec3d middle_a = 0.5 * (a0 + a1), middle_b = 0.5 * (b0 + b1);
     const auto [s, t] = closest_on_segments(half_a, half_b, middle_b - middle_a);
     rim_kind_ = Rim::kEdges, rim_lowest_ = axis.separation, rim_normal_ = axis.normal;
-    rim_point_ = shape.middle + T(0.5) * (middle_a + half_a * s + middle_b + half_b * t);
+    rim_point_ = shape.middle + 0.5 * (middle_a + half_a * s + middle_b + half_b * t);
     rim_feature_ = kEdgePairFeature | axis.other_edge << 18 | (3 * triangle + axis.edge);
   }
 
-  const PatchView<T>& patch_;
-  const HullView<T> hull_;
-  const MeshPatch<T>& plane_;
-  Tangents<T> along_;  // of the patch's plane
-  Vec3<T> column_[3];  // the hull's axes in the mesh's frame
-  HullPolygon<T> incident_, face_points_;
-  T incident_cosine_{};  // of the angle between the hull's face and the patch
+  const PatchView& patch_;
+  const HullView hull_;
+  const MeshPatch& plane_;
+  Tangents<double> along_;  // of the patch's plane
+  Vec3d column_[3];         // the hull's axes in the mesh's frame
+  HullPolygon incident_, face_points_;
+  double incident_cosine_{};  // of the angle between the hull's face and the patch
 
   Rim rim_kind_{Rim::kNone};
-  T rim_lowest_{};
+  double rim_lowest_{};
   std::uint32_t rim_face_{0};  // of the hull
-  HullPolygon<T> rim_points_;  // in the hull's frame
-  Vec3<T> rim_normal_, rim_point_;
+  HullPolygon rim_points_;     // in the hull's frame
+  Vec3d rim_normal_, rim_point_;
   std::uint32_t rim_feature_{0};
 };
 
 }  // namespace
 
-template <class T>
-void collide_hull_patch(const PatchView<T>& patch, const HullView<T>& hull, Manifold<T>& manifold) noexcept {
+void collide_hull_patch(const PatchView& patch, const HullView& hull, Manifold& manifold) noexcept {
   if (patch.triangles.empty()) return;
-  HullOnPatch<T> contact(patch, hull);
+  HullOnPatch contact(patch, hull);
   if (!contact.is_near()) return;
   for (const std::uint32_t triangle : patch.triangles) contact.look_at(triangle);
   contact.finish(manifold);
 }
-
-#define TACTUS_INSTANTIATE(T) \
-  template void collide_hull_patch<T>(const PatchView<T>&, const HullView<T>&, Manifold<T>&) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

@@ -10,40 +10,38 @@ namespace tactus::physics {
 namespace {
 
 // The point of a triangle that is nearest to one in front of it, and what may push there.
-template <class T>
 struct NearestOnTriangle {
   Ruling ruling{Ruling::kDropped};
-  Vec3<T> point;
-  T distance{};  // along the normal for a face
+  Vec3d point;
+  double distance{};  // along the normal for a face
 };
 
-template <class T>
-NearestOnTriangle<T> nearest_on_triangle(const Mesh<T>& mesh, std::uint32_t triangle, const Vec3<T>& c) noexcept {
+NearestOnTriangle nearest_on_triangle(const Mesh& mesh, std::uint32_t triangle, const Vec3d& c) noexcept {
   const MeshTriangle& t = mesh.triangles[triangle];
-  const Vec3<T>& n = mesh.normals[triangle];
-  const T height = dot(n, c - mesh.corners[t.corner[0]]);
-  if (!(height > T(0))) return {};
-  const NearestOnTriangle<T> face{Ruling::kFace, c - n * height, height};
+  const Vec3d& n = mesh.normals[triangle];
+  const double height = dot(n, c - mesh.corners[t.corner[0]]);
+  if (!(height > 0.0)) return {};
+  const NearestOnTriangle face{Ruling::kFace, c - n * height, height};
   bool beyond_any = false, at_corner = false;
   std::uint32_t feature = 0;
-  Vec3<T> nearest;
-  T least = std::numeric_limits<T>::infinity();
+  Vec3d nearest;
+  double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t k = 0; k < 3; ++k) {
-    const Vec3<T>& from = mesh.corners[t.corner[k]];
-    const Vec3<T> along = mesh.corners[t.corner[k == 2 ? 0 : k + 1]] - from;
-    if (!(dot(cross(along, n), c - from) > T(0))) continue;
+    const Vec3d& from = mesh.corners[t.corner[k]];
+    const Vec3d along = mesh.corners[t.corner[k == 2 ? 0 : k + 1]] - from;
+    if (!(dot(cross(along, n), c - from) > 0.0)) continue;
     beyond_any = true;
-    const T share = dot(c - from, along) / norm_squared(along);
-    const T clamped = smaller(T(1), larger(T(0), share));
-    const Vec3<T> point = from + along * clamped;
-    const T squared = norm_squared(c - point);
+    const double share = dot(c - from, along) / norm_squared(along);
+    const double clamped = smaller(1.0, larger(0.0, share));
+    const Vec3d point = from + along * clamped;
+    const double squared = norm_squared(c - point);
     if (!(squared < least)) continue;
     least = squared, nearest = point;
     at_corner = clamped != share;
-    feature = at_corner && clamped > T(0) ? (k == 2 ? 0 : k + 1) : k;
+    feature = at_corner && clamped > 0.0 ? (k == 2 ? 0 : k + 1) : k;
   }
   if (!beyond_any) return face;
-  const Vec3<T> d = c - nearest;
+  const Vec3d d = c - nearest;
   const Ruling ruling =
       at_corner ? rule_corner(mesh, triangle, t.corner[feature], d) : rule_edge(mesh, triangle, feature, d);
   if (ruling == Ruling::kFace) return face;
@@ -51,23 +49,20 @@ NearestOnTriangle<T> nearest_on_triangle(const Mesh<T>& mesh, std::uint32_t tria
 }
 
 // The stretch of a capsule's axis above the triangle.
-template <class T>
 struct Stretch {
-  LineRange<T> range;
+  LineRange range;
   std::uint32_t low_edge{kOwnEnd}, high_edge{kOwnEnd};  // of the triangle, that cuts it
   static constexpr std::uint32_t kOwnEnd = 3;
 };
 
-template <class T>
-Stretch<T> stretch_above(const Mesh<T>& mesh, std::uint32_t triangle, const Vec3<T>& centre,
-                         const Vec3<T>& half) noexcept {
-  Stretch<T> stretch;
+Stretch stretch_above(const Mesh& mesh, std::uint32_t triangle, const Vec3d& centre, const Vec3d& half) noexcept {
+  Stretch stretch;
   const MeshTriangle& t = mesh.triangles[triangle];
   for (std::uint32_t k = 0; k < 3; ++k) {
-    const Vec3<T> outward = outward_of_edge(mesh, triangle, k);
-    const LineRange<T> before = stretch.range;
+    const Vec3d outward = outward_of_edge(mesh, triangle, k);
+    const LineRange before = stretch.range;
     // A side has the width of a rounding error, so that two triangles leave no gap at their seam.
-    cut_range(stretch.range, dot(outward, centre - mesh.corners[t.corner[k]]) - T(1e-9) * norm(outward),
+    cut_range(stretch.range, dot(outward, centre - mesh.corners[t.corner[k]]) - 1e-9 * norm(outward),
               dot(outward, half));
     if (stretch.range.low > before.low) stretch.low_edge = k;
     if (stretch.range.high < before.high) stretch.high_edge = k;
@@ -76,10 +71,9 @@ Stretch<T> stretch_above(const Mesh<T>& mesh, std::uint32_t triangle, const Vec3
 }
 
 // The outermost points of the axis above the patch, and the deepest edge or corner beside it.
-template <class T>
 class CapsuleOnPatch {
  public:
-  CapsuleOnPatch(const PatchView<T>& patch, const Vec3<T>& half, T radius) noexcept
+  CapsuleOnPatch(const PatchView& patch, const Vec3d& half, double radius) noexcept
       : patch_(patch), half_(half), radius_(radius) {}
 
   void look_at(std::uint32_t triangle) noexcept {
@@ -88,49 +82,49 @@ class CapsuleOnPatch {
       for (std::uint32_t k = 0; k < 3; ++k) look_at_edge(triangle, k);
   }
 
-  void finish(Manifold<T>& manifold) const noexcept {
-    const bool face = any_face_ && !(edge_distance_ + T(1e-7) < least_height_);
+  void finish(Manifold& manifold) const noexcept {
+    const bool face = any_face_ && !(edge_distance_ + 1e-7 < least_height_);
     if (!face) {
-      if (!(edge_distance_ < std::numeric_limits<T>::infinity())) return;
-      const Vec3<T> outward = edge_direction_ * (T(1) / edge_distance_);
+      if (!(edge_distance_ < std::numeric_limits<double>::infinity())) return;
+      const Vec3d outward = edge_direction_ * (1.0 / edge_distance_);
       patch_.set_normal(manifold, outward);
-      patch_.add(manifold, edge_point_ + outward * (T(0.5) * (edge_distance_ - radius_)), edge_distance_ - radius_,
+      patch_.add(manifold, edge_point_ + outward * (0.5 * (edge_distance_ - radius_)), edge_distance_ - radius_,
                  kMeshEdgeFeature);
       return;
     }
-    const Vec3<T>& n = patch_.mesh.normals[face_];
+    const Vec3d& n = patch_.mesh.normals[face_];
     patch_.set_normal(manifold, n);
-    const bool one = (high_.t - low_.t) * norm(half_) <= kFlatTolerance<T>;
+    const bool one = (high_.t - low_.t) * norm(half_) <= kFlatTolerance;
     const End& nearer = high_.height < low_.height ? high_ : low_;
     for (const End* end : {&low_, &high_}) {
       if (one && end != &nearer) continue;
-      const T separation = end->height - radius_;
-      const Vec3<T> mid = at(end->t) - n * (T(0.5) * (end->height + radius_));
+      const double separation = end->height - radius_;
+      const Vec3d mid = at(end->t) - n * (0.5 * (end->height + radius_));
       patch_.add(manifold, mid, separation, one ? kBodyFeature : end->feature);
     }
   }
 
  private:
   struct End {
-    T t{}, height{};
+    double t{}, height{};
     std::uint32_t feature{0};
   };
 
-  Vec3<T> at(T t) const noexcept { return patch_.centre + half_ * t; }
+  Vec3d at(double t) const noexcept { return patch_.centre + half_ * t; }
 
   void look_at_face(std::uint32_t triangle) noexcept {
-    const Mesh<T>& mesh = patch_.mesh;
+    const Mesh& mesh = patch_.mesh;
     const MeshTriangle& t = mesh.triangles[triangle];
-    const Vec3<T>& n = mesh.normals[triangle];
-    const auto height = [&](T s) noexcept { return dot(n, at(s) - mesh.corners[t.corner[0]]); };
-    const Stretch<T> stretch = stretch_above(mesh, triangle, patch_.centre, half_);
+    const Vec3d& n = mesh.normals[triangle];
+    const auto height = [&](double s) noexcept { return dot(n, at(s) - mesh.corners[t.corner[0]]); };
+    const Stretch stretch = stretch_above(mesh, triangle, patch_.centre, half_);
     if (stretch.range.empty()) return;
-    const T low = height(stretch.range.low), high = height(stretch.range.high);
+    const double low = height(stretch.range.low), high = height(stretch.range.high);
     // One-sided: the middle of the capsule is in front, or all of the stretch.
-    if (!(height(T(0)) > T(0) || (low > T(0) && high > T(0)))) return;
+    if (!(height(0.0) > 0.0 || (low > 0.0 && high > 0.0))) return;
     if (!any_face_ || smaller(low, high) < least_height_) face_ = triangle, least_height_ = smaller(low, high);
     const auto feature = [&](std::uint32_t edge, std::uint32_t own) noexcept {
-      return edge == Stretch<T>::kOwnEnd ? kBodyFeature | own : kCrossingFeature | (3 * triangle + edge);
+      return edge == Stretch::kOwnEnd ? kBodyFeature | own : kCrossingFeature | (3 * triangle + edge);
     };
     if (!any_face_ || stretch.range.low < low_.t) low_ = {stretch.range.low, low, feature(stretch.low_edge, 1)};
     if (!any_face_ || stretch.range.high > high_.t) high_ = {stretch.range.high, high, feature(stretch.high_edge, 2)};
@@ -138,68 +132,58 @@ class CapsuleOnPatch {
   }
 
   void look_at_edge(std::uint32_t triangle, std::uint32_t k) noexcept {
-    const Mesh<T>& mesh = patch_.mesh;
+    const Mesh& mesh = patch_.mesh;
     const MeshTriangle& t = mesh.triangles[triangle];
     const std::uint32_t next = k == 2 ? 0 : k + 1;
-    const Vec3<T>&from = mesh.corners[t.corner[k]], &to = mesh.corners[t.corner[next]];
-    const Vec3<T> half_edge = T(0.5) * (to - from), middle = T(0.5) * (from + to);
+    const Vec3d &from = mesh.corners[t.corner[k]], &to = mesh.corners[t.corner[next]];
+    const Vec3d half_edge = 0.5 * (to - from), middle = 0.5 * (from + to);
     const auto [s, u] = closest_on_segments(half_, half_edge, middle - patch_.centre);
-    const Vec3<T> point = middle + half_edge * u, d = at(s) - point;
-    const T distance = norm(d);
-    if (!(distance > kNoDirection<T> && distance < edge_distance_ && distance - radius_ <= patch_.pair.margin)) return;
-    const Ruling ruling = u == T(1)    ? rule_corner(mesh, triangle, t.corner[next], d)
-                          : u == T(-1) ? rule_corner(mesh, triangle, t.corner[k], d)
-                                       : rule_edge(mesh, triangle, k, d);
+    const Vec3d point = middle + half_edge * u, d = at(s) - point;
+    const double distance = norm(d);
+    if (!(distance > kNoDirection && distance < edge_distance_ && distance - radius_ <= patch_.pair.margin)) return;
+    const Ruling ruling = u == 1.0    ? rule_corner(mesh, triangle, t.corner[next], d)
+                          : u == -1.0 ? rule_corner(mesh, triangle, t.corner[k], d)
+                                      : rule_edge(mesh, triangle, k, d);
     // At the rim of a face its own stretch is as near.
     if (ruling != Ruling::kAllowed) return;
     edge_distance_ = distance, edge_direction_ = d, edge_point_ = point;
   }
 
-  const PatchView<T>& patch_;
-  Vec3<T> half_;
-  T radius_;
+  const PatchView& patch_;
+  Vec3d half_;
+  double radius_;
   bool any_face_{false};
   std::uint32_t face_{0};  // the one with the least height
-  T least_height_{};
+  double least_height_{};
   End low_, high_;
-  T edge_distance_{std::numeric_limits<T>::infinity()};
-  Vec3<T> edge_direction_, edge_point_;
+  double edge_distance_{std::numeric_limits<double>::infinity()};
+  Vec3d edge_direction_, edge_point_;
 };
 
 }  // namespace
 
-template <class T>
-void collide_sphere_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept {
-  NearestOnTriangle<T> nearest;
+void collide_sphere_patch(const PatchView& patch, Manifold& manifold) noexcept {
+  NearestOnTriangle nearest;
   std::uint32_t at = 0;
   for (const std::uint32_t triangle : patch.triangles) {
-    const NearestOnTriangle<T> found = nearest_on_triangle(patch.mesh, triangle, patch.centre);
+    const NearestOnTriangle found = nearest_on_triangle(patch.mesh, triangle, patch.centre);
     if (found.ruling == Ruling::kDropped) continue;
     if (nearest.ruling == Ruling::kDropped || found.distance < nearest.distance) nearest = found, at = triangle;
   }
-  const T separation = nearest.distance - patch.pair.a.radius;
+  const double separation = nearest.distance - patch.pair.a.radius;
   if (nearest.ruling == Ruling::kDropped || !(separation <= patch.pair.margin)) return;
-  const Vec3<T> outward = nearest.ruling == Ruling::kFace
-                              ? patch.mesh.normals[at]
-                              : direction_or(patch.centre - nearest.point, patch.mesh.normals[at]);
+  const Vec3d outward = nearest.ruling == Ruling::kFace
+                            ? patch.mesh.normals[at]
+                            : direction_or(patch.centre - nearest.point, patch.mesh.normals[at]);
   patch.set_normal(manifold, outward);
-  patch.add(manifold, nearest.point + outward * (T(0.5) * separation), separation, kBodyFeature);
+  patch.add(manifold, nearest.point + outward * (0.5 * separation), separation, kBodyFeature);
 }
 
-template <class T>
-void collide_capsule_patch(const PatchView<T>& patch, Manifold<T>& manifold) noexcept {
-  const Vec3<T> half =
-      rotate_inverse(patch.pair.world_from_b, capsule_half_axis(patch.pair.a, patch.pair.world_from_a));
-  CapsuleOnPatch<T> capsule(patch, half, patch.pair.a.radius);
+void collide_capsule_patch(const PatchView& patch, Manifold& manifold) noexcept {
+  const Vec3d half = rotate_inverse(patch.pair.world_from_b, capsule_half_axis(patch.pair.a, patch.pair.world_from_a));
+  CapsuleOnPatch capsule(patch, half, patch.pair.a.radius);
   for (const std::uint32_t triangle : patch.triangles) capsule.look_at(triangle);
   capsule.finish(manifold);
 }
-
-#define TACTUS_INSTANTIATE(T)                                                        \
-  template void collide_sphere_patch<T>(const PatchView<T>&, Manifold<T>&) noexcept; \
-  template void collide_capsule_patch<T>(const PatchView<T>&, Manifold<T>&) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

@@ -12,32 +12,29 @@ namespace {
 constexpr std::uint32_t kClosest = 0, kLowEnd = 1, kHighEnd = 2;
 
 // Where the axes meet there is no direction between them: across both, towards the other's centre.
-template <class T>
-Vec3<T> across(const Vec3<T>& half_a, const Vec3<T>& half_b, const Vec3<T>& offset) noexcept {
-  const Vec3<T> axis_a = direction_or(half_a, Vec3<T>{T(0), T(0), T(1)}), axis_b = direction_or(half_b, axis_a);
-  const Vec3<T> n = direction_or(cross(axis_a, axis_b), tangents_of(axis_a).t1);
-  return dot(n, offset) < T(0) ? -n : n;
+Vec3d across(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& offset) noexcept {
+  const Vec3d axis_a = direction_or(half_a, Vec3d{0.0, 0.0, 1.0}), axis_b = direction_or(half_b, axis_a);
+  const Vec3d n = direction_or(cross(axis_a, axis_b), tangents_of(axis_a).t1);
+  return dot(n, offset) < 0.0 ? -n : n;
 }
 
 // A stretch where the two axes run side by side: what lies across from each other, square to A's axis, at both ends
 // of the stretch.
-template <class T>
 struct SideBySide {
   bool found{false};
-  Vec3<T> on_a[2], on_b[2];
+  Vec3d on_a[2], on_b[2];
 };
 
-template <class T>
-SideBySide<T> side_by_side(const Vec3<T>& half_a, const Vec3<T>& half_b, const Vec3<T>& offset) noexcept {
-  const T aa = dot(half_a, half_a), ab = dot(half_a, half_b);
-  if (!(aa > kNoDirection<T>) || !(std::abs(ab) > T(0.5) * norm(half_b) * std::sqrt(aa))) return {};
+SideBySide side_by_side(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& offset) noexcept {
+  const double aa = dot(half_a, half_a), ab = dot(half_a, half_b);
+  if (!(aa > kNoDirection) || !(std::abs(ab) > 0.5 * norm(half_b) * std::sqrt(aa))) return {};
   // Along A, in half lengths of A: A covers [-1, 1], B covers centre -+ reach.
-  const T centre = dot(half_a, offset) / aa, reach = ab / aa;
-  const T low = std::max(T(-1), centre - std::abs(reach)), high = std::min(T(1), centre + std::abs(reach));
-  if (!((high - low) * std::sqrt(aa) > kFlatTolerance<T>)) return {};
-  SideBySide<T> result{true, {}, {}};
+  const double centre = dot(half_a, offset) / aa, reach = ab / aa;
+  const double low = std::max(-1.0, centre - std::abs(reach)), high = std::min(1.0, centre + std::abs(reach));
+  if (!((high - low) * std::sqrt(aa) > kFlatTolerance)) return {};
+  SideBySide result{true, {}, {}};
   for (int i = 0; i < 2; ++i) {
-    const T s = i == 0 ? low : high, t = std::clamp((s - centre) / reach, T(-1), T(1));
+    const double s = i == 0 ? low : high, t = std::clamp((s - centre) / reach, -1.0, 1.0);
     result.on_a[i] = half_a * s, result.on_b[i] = offset + half_b * t;
   }
   return result;
@@ -45,20 +42,18 @@ SideBySide<T> side_by_side(const Vec3<T>& half_a, const Vec3<T>& half_b, const V
 
 }  // namespace
 
-template <class T>
-void collide_sphere_sphere(const PairView<T>& pair, Manifold<T>& manifold) noexcept {
-  const T separation = norm(pair.b_from_a) - pair.a.radius - pair.b.radius;
+void collide_sphere_sphere(const PairView& pair, Manifold& manifold) noexcept {
+  const double separation = norm(pair.b_from_a) - pair.a.radius - pair.b.radius;
   if (!(separation <= pair.margin)) return;
-  manifold.normal = direction_or(pair.b_from_a, Vec3<T>{T(0), T(0), T(1)});
+  manifold.normal = direction_or(pair.b_from_a, Vec3d{0.0, 0.0, 1.0});
   add_round_point(pair, manifold, {}, pair.a.radius, pair.b_from_a, pair.b.radius, separation, 0);
 }
 
-template <class T>
-void collide_sphere_capsule(const PairView<T>& pair, Manifold<T>& manifold) noexcept {
-  const Vec3<T> half = capsule_half_axis(pair.b, pair.world_from_b);
-  const T t = closest_on_segments(Vec3<T>{}, half, pair.b_from_a).t;
-  const Vec3<T> on_b = pair.b_from_a + half * t;
-  const T separation = norm(on_b) - pair.a.radius - pair.b.radius;
+void collide_sphere_capsule(const PairView& pair, Manifold& manifold) noexcept {
+  const Vec3d half = capsule_half_axis(pair.b, pair.world_from_b);
+  const double t = closest_on_segments(Vec3d{}, half, pair.b_from_a).t;
+  const Vec3d on_b = pair.b_from_a + half * t;
+  const double separation = norm(on_b) - pair.a.radius - pair.b.radius;
   if (!(separation <= pair.margin)) return;
   manifold.normal = direction_or(on_b, across(half, half, pair.b_from_a));
   add_round_point(pair, manifold, {}, pair.a.radius, on_b, pair.b.radius, separation, 0);
@@ -66,23 +61,22 @@ void collide_sphere_capsule(const PairView<T>& pair, Manifold<T>& manifold) noex
 
 // Two points where the axes run side by side so flatly that the two ends tell all: one normal then fits both, and the
 // gap in between is no smaller than at the ends. Otherwise the closest point alone: crossing capsules touch in one.
-template <class T>
-void collide_capsule_capsule(const PairView<T>& pair, Manifold<T>& manifold) noexcept {
-  const Vec3<T> half_a = capsule_half_axis(pair.a, pair.world_from_a),
-                half_b = capsule_half_axis(pair.b, pair.world_from_b);
+void collide_capsule_capsule(const PairView& pair, Manifold& manifold) noexcept {
+  const Vec3d half_a = capsule_half_axis(pair.a, pair.world_from_a),
+              half_b = capsule_half_axis(pair.b, pair.world_from_b);
   const auto [s, t] = closest_on_segments(half_a, half_b, pair.b_from_a);
-  const Vec3<T> on_a = half_a * s, on_b = pair.b_from_a + half_b * t, gap = on_b - on_a;
-  const T radii = pair.a.radius + pair.b.radius, separation = norm(gap) - radii;
+  const Vec3d on_a = half_a * s, on_b = pair.b_from_a + half_b * t, gap = on_b - on_a;
+  const double radii = pair.a.radius + pair.b.radius, separation = norm(gap) - radii;
   if (!(separation <= pair.margin)) return;
-  const Vec3<T> n = manifold.normal = direction_or(gap, across(half_a, half_b, pair.b_from_a));
+  const Vec3d n = manifold.normal = direction_or(gap, across(half_a, half_b, pair.b_from_a));
 
-  const SideBySide<T> ends = side_by_side(half_a, half_b, pair.b_from_a);
-  T along[2] = {T(0), T(0)};
+  const SideBySide ends = side_by_side(half_a, half_b, pair.b_from_a);
+  double along[2] = {0.0, 0.0};
   bool flat = ends.found;
   for (int i = 0; i < 2 && flat; ++i) {
-    const Vec3<T> between = ends.on_b[i] - ends.on_a[i];
+    const Vec3d between = ends.on_b[i] - ends.on_a[i];
     along[i] = dot(n, between);
-    flat = norm(between) - along[i] <= kFlatTolerance<T>;
+    flat = norm(between) - along[i] <= kFlatTolerance;
   }
   if (!flat) {
     add_round_point(pair, manifold, on_a, pair.a.radius, on_b, pair.b.radius, separation, kClosest);
@@ -95,13 +89,5 @@ void collide_capsule_capsule(const PairView<T>& pair, Manifold<T>& manifold) noe
     add_round_point(pair, manifold, ends.on_a[i], pair.a.radius, ends.on_b[i], pair.b.radius, along[i] - radii,
                     i == 0 ? kLowEnd : kHighEnd);
 }
-
-#define TACTUS_INSTANTIATE(T)                                                         \
-  template void collide_sphere_sphere<T>(const PairView<T>&, Manifold<T>&) noexcept;  \
-  template void collide_sphere_capsule<T>(const PairView<T>&, Manifold<T>&) noexcept; \
-  template void collide_capsule_capsule<T>(const PairView<T>&, Manifold<T>&) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

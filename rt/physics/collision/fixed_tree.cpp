@@ -6,17 +6,15 @@ namespace tactus::physics {
 namespace {
 
 // The axis along which the box is longest.
-template <class T>
-T Vec3<T>::*longest_side(const Aabb<T>& box) noexcept {
-  const Vec3<T> e = box.upper - box.lower;
-  if (e.x >= e.y && e.x >= e.z) return &Vec3<T>::x;
-  return e.y >= e.z ? &Vec3<T>::y : &Vec3<T>::z;
+double Vec3d::*longest_side(const Aabb& box) noexcept {
+  const Vec3d e = box.upper - box.lower;
+  if (e.x >= e.y && e.x >= e.z) return &Vec3d::x;
+  return e.y >= e.z ? &Vec3d::y : &Vec3d::z;
 }
 
 }  // namespace
 
-template <class T>
-void FixedTree<T>::build(std::span<const Aabb<T>> bounds) noexcept {
+void FixedTree::build(std::span<const Aabb> bounds) noexcept {
   order_.clear(), unbounded_.clear(), nodes_.clear();
   for (std::uint32_t slot = 0; slot < bounds.size(); ++slot) {
     const bool bounded = is_finite(bounds[slot].lower) && is_finite(bounds[slot].upper);
@@ -26,16 +24,15 @@ void FixedTree<T>::build(std::span<const Aabb<T>> bounds) noexcept {
 }
 
 // The subtree of these slots. As deep as the logarithm of their number.
-template <class T>
-void FixedTree<T>::add(std::span<const Aabb<T>> bounds, std::span<std::uint32_t> slots) noexcept {
-  Aabb<T> box = bounds[slots[0]];
+void FixedTree::add(std::span<const Aabb> bounds, std::span<std::uint32_t> slots) noexcept {
+  Aabb box = bounds[slots[0]];
   for (const std::uint32_t slot : slots) box = join(box, bounds[slot]);
   const std::uint32_t node = nodes_.size();
   TACTUS_CHECK(nodes_.try_push({box}), node, nodes_.capacity());
   if (slots.size() == 1) {
     nodes_[node].slot = slots[0];
   } else {
-    T Vec3<T>::*const axis = longest_side(box);
+    double Vec3d::*const axis = longest_side(box);
     const auto middle = [&](std::uint32_t slot) { return bounds[slot].lower.*axis + bounds[slot].upper.*axis; };
     const std::size_t half = slots.size() / 2;
     std::nth_element(
@@ -46,8 +43,5 @@ void FixedTree<T>::add(std::span<const Aabb<T>> bounds, std::span<std::uint32_t>
   }
   nodes_[node].next = nodes_.size();
 }
-
-template class FixedTree<double>;
-template class FixedTree<float>;
 
 }  // namespace tactus::physics

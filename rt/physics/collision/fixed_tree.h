@@ -16,24 +16,22 @@
 namespace tactus::physics {
 
 // The smallest box that holds both.
-template <class T>
-Aabb<T> join(const Aabb<T>& a, const Aabb<T>& b) noexcept {
+inline Aabb join(const Aabb& a, const Aabb& b) noexcept {
   return {{std::min(a.lower.x, b.lower.x), std::min(a.lower.y, b.lower.y), std::min(a.lower.z, b.lower.z)},
           {std::max(a.upper.x, b.upper.x), std::max(a.upper.y, b.upper.y), std::max(a.upper.z, b.upper.z)}};
 }
 
-template <class T>
 class FixedTree {
  public:
   explicit FixedTree(std::uint32_t capacity) : order_(capacity), unbounded_(capacity), nodes_(2 * capacity) {}
 
-  void build(std::span<const Aabb<T>> bounds) noexcept;  // by slot
+  void build(std::span<const Aabb> bounds) noexcept;  // by slot
 
   std::span<const std::uint32_t> unbounded() const noexcept { return unbounded_.span(); }  // slots, ascending
 
   // Calls found(slot) for each box that overlaps, in an order of the tree's own, until it says false.
   template <class F>
-  void find(const Aabb<T>& box, F&& found) const noexcept {
+  void find(const Aabb& box, F&& found) const noexcept {
     for (std::uint32_t n = 0; n < nodes_.size();) {
       const Node& node = nodes_[n];
       if (!node.box.overlaps(box)) {
@@ -48,12 +46,12 @@ class FixedTree {
  private:
   static constexpr std::uint32_t kInner = 0xffffffffu;
   struct Node {
-    Aabb<T> box;
+    Aabb box;
     std::uint32_t next{0};       // the node after all that is below this one
     std::uint32_t slot{kInner};  // of a leaf
   };
 
-  void add(std::span<const Aabb<T>> bounds, std::span<std::uint32_t> slots) noexcept;
+  void add(std::span<const Aabb> bounds, std::span<std::uint32_t> slots) noexcept;
 
   BoundedVector<std::uint32_t> order_, unbounded_;
   BoundedVector<Node> nodes_;

@@ -11,9 +11,8 @@ namespace tactus::physics {
 
 inline constexpr std::uint32_t kMaxHullClipPoints = 2 * kMaxHullVertices;
 
-template <class T>
 struct HullClipPoint {
-  T u, v, w;           // m
+  double u, v, w;      // m
   std::uint32_t id;    // a vertex of the incident hull, or the crossing of a line with a side
   std::uint32_t line;  // the line from this point to the next: an edge of the incident hull, or a side
   bool kept;           // among the points of the last step
@@ -24,18 +23,16 @@ struct HullClipPoint {
 inline constexpr std::uint32_t kFirstHullSide = 256;
 inline constexpr std::uint32_t kFirstHullCrossing = 1u << 18;
 
-template <class T>
 struct HullPolygon {
   std::uint32_t count{0};
-  std::array<HullClipPoint<T>, kMaxHullClipPoints> points;
+  std::array<HullClipPoint, kMaxHullClipPoints> points;
 };
 
 // Keeps what has nu u + nv v <= limit, (nu, nv) of length 1; `side` is an edge of the reference hull.
-template <class T>
-void clip_to_side(HullPolygon<T>& polygon, T nu, T nv, T limit, std::uint32_t side) noexcept {
+inline void clip_to_side(HullPolygon& polygon, double nu, double nv, double limit, std::uint32_t side) noexcept {
   cut(
-      polygon, [=](const HullClipPoint<T>& point) noexcept { return nu * point.u + nv * point.v - limit; },
-      [=](const HullClipPoint<T>& from) noexcept { return kFirstHullCrossing + from.line * 256u + side; },
+      polygon, [=](const HullClipPoint& point) noexcept { return nu * point.u + nv * point.v - limit; },
+      [=](const HullClipPoint& from) noexcept { return kFirstHullCrossing + from.line * 256u + side; },
       kFirstHullSide + side);
 }
 

@@ -3,7 +3,6 @@
 namespace tactus::physics {
 namespace {
 
-template <class T>
 struct EdgeList {
   std::uint32_t count{0};
   std::array<std::uint8_t, kMaxHullEdges> edge;
@@ -15,23 +14,22 @@ struct EdgeList {
 // the other hull at distances d0, d1 from the two planes bounds what such an axis can give: by max(d0, d1) where that
 // is not positive, by edge_reach times it where it is; a ball about the point takes its radius off. Two points are
 // tried: the centre with the ball inside, and the vertex that lies deepest behind the best face.
-template <class T>
-void list_edges(const RelativeHulls<T>& hulls, T at_least, std::uint32_t face, EdgeList<T>& list) noexcept {
+void list_edges(const RelativeHulls& hulls, double at_least, std::uint32_t face, EdgeList& list) noexcept {
   const HullTopology& topology = *hulls.ref.topology;
-  const Vec3<T> deepest = hulls.other_vertex(hulls.other.support(hulls.to_other(-hulls.ref.normals[face])));
-  std::array<T, kMaxHullFaces> centre, vertex;
+  const Vec3d deepest = hulls.other_vertex(hulls.other.support(hulls.to_other(-hulls.ref.normals[face])));
+  std::array<double, kMaxHullFaces> centre, vertex;
   for (std::uint32_t f = 0; f < topology.faces; ++f) {
     centre[f] = dot(hulls.ref.normals[f], hulls.centre) - hulls.ref.offsets[f];
     vertex[f] = dot(hulls.ref.normals[f], deepest) - hulls.ref.offsets[f];
   }
   // The planes of merged faces pass their vertices by the flatness.
-  const T slack = hulls.ref.flatness;
+  const double slack = hulls.ref.flatness;
   for (std::uint32_t e = 0; e < topology.edges; ++e) {
     const HullEdge& edge = topology.edge[e];
-    const T reach = hulls.ref.edge_reach[e];
-    const auto bound = [&](T d0, T d1) noexcept {
-      const T d = larger(d0, d1) + slack;
-      return d > T(0) ? d * reach : d;
+    const double reach = hulls.ref.edge_reach[e];
+    const auto bound = [&](double d0, double d1) noexcept {
+      const double d = larger(d0, d1) + slack;
+      return d > 0.0 ? d * reach : d;
     };
     if (bound(centre[edge.left], centre[edge.right]) - hulls.other.inner_radius < at_least) continue;
     if (bound(vertex[edge.left], vertex[edge.right]) < at_least) continue;
@@ -41,69 +39,65 @@ void list_edges(const RelativeHulls<T>& hulls, T at_least, std::uint32_t face, E
 
 // An edge of the other hull in the frame of ref, with the normals of its faces. Plain numbers: a list of them is not
 // cleared before it is filled, which cost more than all the rest.
-template <class T>
 struct OtherEdge {
-  T number[9];
+  double number[9];
 
-  void set(const Vec3<T>& along, const Vec3<T>& left, const Vec3<T>& right) noexcept {
-    const Vec3<T> v[3] = {along, left, right};
+  void set(const Vec3d& along, const Vec3d& left, const Vec3d& right) noexcept {
+    const Vec3d v[3] = {along, left, right};
     for (int i = 0; i < 9; ++i) number[i] = v[i / 3][i % 3];
   }
-  Vec3<T> along() const noexcept { return {number[0], number[1], number[2]}; }
-  Vec3<T> left() const noexcept { return {number[3], number[4], number[5]}; }
-  Vec3<T> right() const noexcept { return {number[6], number[7], number[8]}; }
+  Vec3d along() const noexcept { return {number[0], number[1], number[2]}; }
+  Vec3d left() const noexcept { return {number[3], number[4], number[5]}; }
+  Vec3d right() const noexcept { return {number[6], number[7], number[8]}; }
 };
 
 }  // namespace
 
-template <class T>
-FaceAxis<T> best_face(const RelativeHulls<T>& hulls, T margin, std::uint32_t first) noexcept {
+FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t first) noexcept {
   // The centre's ball bounds each separation from above; where it is largest is a good start.
   const std::uint32_t faces = hulls.ref.topology->faces;
-  std::array<T, kMaxHullFaces> bound;
+  std::array<double, kMaxHullFaces> bound;
   std::uint32_t start = 0;
   for (std::uint32_t f = 0; f < faces; ++f) {
     bound[f] = dot(hulls.ref.normals[f], hulls.centre) - hulls.ref.offsets[f] - hulls.other.inner_radius;
     if (bound[f] > bound[start]) start = f;
   }
   if (first < faces) start = first;
-  FaceAxis<T> best{start, hulls.face_separation(start)};
+  FaceAxis best{start, hulls.face_separation(start)};
   for (std::uint32_t f = 0; f < faces; ++f) {
     if (!(best.separation <= margin)) return best;  // also where a pose is not finite
     if (f == start || bound[f] < best.separation) continue;
-    const T separation = hulls.face_separation(f);
+    const double separation = hulls.face_separation(f);
     if (separation > best.separation) best = {f, separation};
   }
   return best;
 }
 
-template <class T>
-EdgeAxis<T> edge_axis(const RelativeHulls<T>& hulls, std::uint32_t e, std::uint32_t other_e) noexcept {
+EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t e, std::uint32_t other_e) noexcept {
   const HullEdge &edge = hulls.ref.topology->edge[e], &other = hulls.other.topology->edge[other_e];
-  const Vec3<T> from = hulls.ref.vertex(edge.from), other_from = hulls.other.vertex(other.from);
-  const Vec3<T> along = hulls.ref.vertex(edge.to) - from,
-                other_along = hulls.to_ref(hulls.other.vertex(other.to) - other_from);
-  const Vec3<T> w = cross(along, other_along);
-  const T length_squared = norm_squared(w);
-  if (!(length_squared > kParallelSineSquared<T> * norm_squared(along) * norm_squared(other_along))) return {};
+  const Vec3d from = hulls.ref.vertex(edge.from), other_from = hulls.other.vertex(other.from);
+  const Vec3d along = hulls.ref.vertex(edge.to) - from,
+              other_along = hulls.to_ref(hulls.other.vertex(other.to) - other_from);
+  const Vec3d w = cross(along, other_along);
+  const double length_squared = norm_squared(w);
+  if (!(length_squared > kParallelSineSquared * norm_squared(along) * norm_squared(other_along))) return {};
   // The origin is inside, so the outward one of the two directions is that of the edge's places.
-  const Vec3<T> n = w * ((dot(w, from) < T(0) ? T(-1) : T(1)) / std::sqrt(length_squared));
+  const Vec3d n = w * ((dot(w, from) < 0.0 ? -1.0 : 1.0) / std::sqrt(length_squared));
   return {true, e, other_e, n, dot(n, hulls.centre + hulls.to_ref(other_from) - from)};
 }
 
 // Two edges make a face of the Minkowski difference just where their arcs on the sphere of normals cross (Gregorius
 // 2013): the normals of each edge's faces are on different sides of the plane that the other edge is normal to, and the
 // crossing is on the near side of the sphere.
-template <class T>
-EdgeAxis<T> best_edges(const RelativeHulls<T>& hulls, T margin, T at_least, std::uint32_t best_face_of_ref,
-                       std::uint32_t best_face_of_other) noexcept {
-  EdgeAxis<T> best;
+EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t best_face_of_ref,
+                    std::uint32_t best_face_of_other) noexcept {
+  EdgeAxis best;
   best.separation = at_least;
-  EdgeList<T> mine, others;
+  EdgeList mine, others;
   list_edges(hulls, at_least, best_face_of_ref, mine);
   if (mine.count == 0) return best;
   list_edges(hulls.reversed(), at_least, best_face_of_other, others);
-  std::array<OtherEdge<T>, kMaxHullEdges> other;
+  std::array<OtherEdge, kMaxHullEdges> other;
   for (std::uint32_t j = 0; j < others.count; ++j) {
     const HullEdge& edge = hulls.other.topology->edge[others.edge[j]];
     other[j].set(hulls.to_ref(hulls.other.vertex(edge.to) - hulls.other.vertex(edge.from)),
@@ -111,14 +105,14 @@ EdgeAxis<T> best_edges(const RelativeHulls<T>& hulls, T margin, T at_least, std:
   }
   for (std::uint32_t i = 0; i < mine.count; ++i) {
     const HullEdge& edge = hulls.ref.topology->edge[mine.edge[i]];
-    const Vec3<T> along = hulls.ref.vertex(edge.to) - hulls.ref.vertex(edge.from);
-    const Vec3<T>&left = hulls.ref.normals[edge.left], &right = hulls.ref.normals[edge.right];
+    const Vec3d along = hulls.ref.vertex(edge.to) - hulls.ref.vertex(edge.from);
+    const Vec3d &left = hulls.ref.normals[edge.left], &right = hulls.ref.normals[edge.right];
     for (std::uint32_t j = 0; j < others.count; ++j) {
-      const T other_left = dot(other[j].left(), along), other_right = dot(other[j].right(), along);
-      if (!(other_left * other_right < T(0))) continue;
-      const T my_left = dot(left, other[j].along()), my_right = dot(right, other[j].along());
-      if (!(my_left * my_right < T(0) && other_left * my_right < T(0))) continue;
-      const EdgeAxis<T> axis = edge_axis(hulls, mine.edge[i], others.edge[j]);
+      const double other_left = dot(other[j].left(), along), other_right = dot(other[j].right(), along);
+      if (!(other_left * other_right < 0.0)) continue;
+      const double my_left = dot(left, other[j].along()), my_right = dot(right, other[j].along());
+      if (!(my_left * my_right < 0.0 && other_left * my_right < 0.0)) continue;
+      const EdgeAxis axis = edge_axis(hulls, mine.edge[i], others.edge[j]);
       if (!axis.found || !(axis.separation > best.separation)) continue;
       best = axis;
       if (best.separation > margin) return best;
@@ -126,13 +120,5 @@ EdgeAxis<T> best_edges(const RelativeHulls<T>& hulls, T margin, T at_least, std:
   }
   return best;
 }
-
-#define TACTUS_INSTANTIATE(T)                                                                               \
-  template FaceAxis<T> best_face<T>(const RelativeHulls<T>&, T, std::uint32_t) noexcept;                    \
-  template EdgeAxis<T> best_edges<T>(const RelativeHulls<T>&, T, T, std::uint32_t, std::uint32_t) noexcept; \
-  template EdgeAxis<T> edge_axis<T>(const RelativeHulls<T>&, std::uint32_t, std::uint32_t) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

@@ -10,17 +10,14 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct RelativeHulls {
-  HullView<T> ref, other;
-  Vec3<T> column[3];  // axes of the other in the frame of ref
-  Vec3<T> centre;     // m, of the other
+  HullView ref, other;
+  Vec3d column[3];  // axes of the other in the frame of ref
+  Vec3d centre;     // m, of the other
 
-  Vec3<T> to_ref(const Vec3<T>& v) const noexcept { return column[0] * v.x + column[1] * v.y + column[2] * v.z; }
-  Vec3<T> to_other(const Vec3<T>& v) const noexcept {
-    return {dot(column[0], v), dot(column[1], v), dot(column[2], v)};
-  }
-  Vec3<T> other_vertex(std::uint32_t i) const noexcept { return centre + to_ref(other.vertex(i)); }
+  Vec3d to_ref(const Vec3d& v) const noexcept { return column[0] * v.x + column[1] * v.y + column[2] * v.z; }
+  Vec3d to_other(const Vec3d& v) const noexcept { return {dot(column[0], v), dot(column[1], v), dot(column[2], v)}; }
+  Vec3d other_vertex(std::uint32_t i) const noexcept { return centre + to_ref(other.vertex(i)); }
 
   // The same pair from the other side.
   RelativeHulls reversed() const noexcept {
@@ -32,47 +29,41 @@ struct RelativeHulls {
             -to_other(centre)};
   }
 
-  T face_separation(std::uint32_t face) const noexcept {
-    const Vec3<T>& n = ref.normals[face];
+  double face_separation(std::uint32_t face) const noexcept {
+    const Vec3d& n = ref.normals[face];
     return dot(n, centre) - other.reach_along(to_other(-n)) - ref.offsets[face];
   }
   // Gap between the shadows on the unit vector n, which points from ref to the other.
-  T separation_along(const Vec3<T>& n) const noexcept {
+  double separation_along(const Vec3d& n) const noexcept {
     return dot(n, centre) - other.reach_along(to_other(-n)) - ref.reach_along(n);
   }
 };
 
-template <class T>
-RelativeHulls<T> relative_hulls(const PairView<T>& pair, const HullView<T>& a, const HullView<T>& b) noexcept {
-  const Axes<T> axes = axes_of(conjugate(pair.world_from_a) * pair.world_from_b);
+inline RelativeHulls relative_hulls(const PairView& pair, const HullView& a, const HullView& b) noexcept {
+  const Axes axes = axes_of(conjugate(pair.world_from_a) * pair.world_from_b);
   return {a, b, {axes.x, axes.y, axes.z}, rotate_inverse(pair.world_from_a, pair.b_from_a)};
 }
 
-template <class T>
 struct FaceAxis {
   std::uint32_t face{0};
-  T separation{};
+  double separation{};
 };
 // The face of ref that separates best (the lower one on a tie; `first` before all), or the first found whose separation
 // is above the margin. `first`: a face to begin with, or any number beyond.
-template <class T>
-FaceAxis<T> best_face(const RelativeHulls<T>& hulls, T margin, std::uint32_t first) noexcept;
+FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t first) noexcept;
 
-template <class T>
 struct EdgeAxis {
   bool found{false};
   std::uint32_t edge{0}, other_edge{0};
-  Vec3<T> normal;  // unit, from ref to the other
-  T separation{};
+  Vec3d normal;  // unit, from ref to the other
+  double separation{};
 };
 // The pair of edges that separates best, if it beats `at_least`, or the first found whose separation is above the
 // margin. Edges within 0.3 degrees of parallel are left out: faces say the same.
-template <class T>
-EdgeAxis<T> best_edges(const RelativeHulls<T>& hulls, T margin, T at_least, std::uint32_t best_face_of_ref,
-                       std::uint32_t best_face_of_other) noexcept;
+EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t best_face_of_ref,
+                    std::uint32_t best_face_of_other) noexcept;
 
 // The axis of one pair of edges, where they make one.
-template <class T>
-EdgeAxis<T> edge_axis(const RelativeHulls<T>& hulls, std::uint32_t edge, std::uint32_t other_edge) noexcept;
+EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t edge, std::uint32_t other_edge) noexcept;
 
 }  // namespace tactus::physics

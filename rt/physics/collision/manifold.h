@@ -16,10 +16,9 @@ namespace tactus::physics {
 
 inline constexpr std::uint32_t kMaxManifoldPoints = 4;
 
-template <class T>
 struct ManifoldPoint {
-  Vec3<T> from_a, from_b;  // m: the contact point (midway between the surfaces) from the centre of A, of B; world axes
-  T separation{};          // m: signed gap along the normal; negative where the shapes overlap
+  Vec3d from_a, from_b;  // m: the contact point (midway between the surfaces) from the centre of A, of B; world axes
+  double separation{};   // m: signed gap along the normal; negative where the shapes overlap
   std::uint32_t feature{0};  // which features made it: the same pair of features has the same id from step to step
 };
 
@@ -27,18 +26,16 @@ struct ManifoldPoint {
 constexpr bool is_of_face(std::uint32_t feature) noexcept { return (feature >> 30) % 3 != 0; }
 
 // Gaps are not known to be larger than this [m], however large they are.
-template <class T>
-inline constexpr T kLargestGap = T(2e-2);
+inline constexpr double kLargestGap = 2e-2;
 
-template <class T>
 struct Manifold {
-  Vec3<T> normal;  // unit, from A to B
+  Vec3d normal;  // unit, from A to B
   std::uint32_t count{0};
   // Between boxes that are apart: the gap along one of the axes, rounding included. As long as the centres move
   // against each other by d [m] and the bodies turn by t [rad] in all, that axis' gap stays above gap - d - lever t,
   // and as long as this is more than the margin there is no point. 0 where nothing is known.
-  T gap{}, lever{};  // m
-  std::array<ManifoldPoint<T>, kMaxManifoldPoints> points;
+  double gap{}, lever{};  // m
+  std::array<ManifoldPoint, kMaxManifoldPoints> points;
 };
 
 // What narrow phase remembers of a pair from one step to the next: a hint that saves work, and a preference that
@@ -71,9 +68,7 @@ struct LastFeatures {
 // A plane may be A or B. Two planes never touch; a mesh is not touched here but patch by patch (collide_mesh.h). Ties
 // are broken by the lower feature id: the same input gives the same bits, and a pair given in the other order gives the
 // mirrored manifold only approximately, so callers keep A as the body with the lower id.
-template <class T>
-Manifold<T> collide(const Shape<T>& a, const Pose<T>& world_from_a, const Shape<T>& b, const Pose<T>& world_from_b,
-                    T margin, AxisCache& cache, std::type_identity_t<Hulls<T>> hulls = {},
-                    const LastFeatures& last = {}) noexcept;
+Manifold collide(const Shape& a, const Posed& world_from_a, const Shape& b, const Posed& world_from_b, double margin,
+                 AxisCache& cache, std::type_identity_t<Hulls> hulls = {}, const LastFeatures& last = {}) noexcept;
 
 }  // namespace tactus::physics

@@ -6,38 +6,25 @@
 // list asks the tree, which is bounded too (mesh_query.h).
 #pragma once
 
-#include <algorithm>
 #include <span>
 
 #include "rt/physics/shapes/mesh_query.h"
 
 namespace tactus::physics {
 
-template <class T>
 struct NearRegion {
   BodyId body{kNoBody};
   std::uint32_t mesh{0};             // in the list of the world
   std::uint32_t first{0}, count{0};  // of the triangles
-  Aabb<T> box;
+  Aabb box;
 };
 
-template <class T>
 struct NearTriangles {
-  std::span<const NearRegion<T>> regions;    // by body, then by mesh
+  std::span<const NearRegion> regions;       // by body, then by mesh
   std::span<const std::uint32_t> triangles;  // of each region ascending
 
-  void find(const Mesh<T>& mesh, BodyId body, std::uint32_t mesh_index, const Aabb<T>& box,
-            TriangleList& found) const noexcept {
-    const auto before = [](const NearRegion<T>& r, std::pair<BodyId, std::uint32_t> key) noexcept {
-      return r.body != key.first ? r.body < key.first : r.mesh < key.second;
-    };
-    const auto at = std::lower_bound(regions.begin(), regions.end(), std::pair(body, mesh_index), before);
-    const bool holds = at != regions.end() && at->body == body && at->mesh == mesh_index && at->box.holds(box);
-    if (holds)
-      choose_triangles(mesh, box, triangles.subspan(at->first, at->count), found);
-    else
-      find_triangles(mesh, box, found);
-  }
+  void find(const Mesh& mesh, BodyId body, std::uint32_t mesh_index, const Aabb& box,
+            TriangleList& found) const noexcept;
 };
 
 }  // namespace tactus::physics

@@ -17,22 +17,16 @@ struct Blocks {
   std::uint32_t near[kBlock];  // 0: apart from the box in question
 };
 
-template <class T>
-float rounded_down(T value) noexcept {
-  if constexpr (sizeof(T) == sizeof(float)) return value;
-  constexpr T most = static_cast<T>(std::numeric_limits<float>::max());
+float rounded_down(double value) noexcept {
+  constexpr double most = static_cast<double>(std::numeric_limits<float>::max());
   const float f = static_cast<float>(std::clamp(value, -most, most));
   return f - std::abs(f) * std::numeric_limits<float>::epsilon() - std::numeric_limits<float>::min();
 }
-template <class T>
-float rounded_up(T value) noexcept {
-  return -rounded_down(-value);
-}
+float rounded_up(double value) noexcept { return -rounded_down(-value); }
 
-template <class T>
-void fill(std::span<const Aabb<T>> bounds, Blocks& blocks) noexcept {
+void fill(std::span<const Aabb> bounds, Blocks& blocks) noexcept {
   for (std::uint32_t i = 0; i < bounds.size(); ++i) {
-    const Aabb<T>& box = bounds[i];
+    const Aabb& box = bounds[i];
     blocks.lower[0][i] = rounded_down(box.lower.x), blocks.upper[0][i] = rounded_up(box.upper.x);
     blocks.lower[1][i] = rounded_down(box.lower.y), blocks.upper[1][i] = rounded_up(box.upper.y);
     blocks.lower[2][i] = rounded_down(box.lower.z), blocks.upper[2][i] = rounded_up(box.upper.z);
@@ -57,8 +51,7 @@ bool is_empty(const Blocks& blocks, std::uint32_t stride) noexcept {
   return (marks[0] | marks[1] | marks[2] | marks[3]) == 0;
 }
 
-template <class T>
-bool find_one_by_one(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>& pairs) noexcept {
+bool find_one_by_one(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pairs) noexcept {
   const auto count = static_cast<std::uint32_t>(bounds.size());
   for (std::uint32_t a = 0; a < count; ++a)
     for (std::uint32_t b = a + 1; b < count; ++b)
@@ -68,8 +61,7 @@ bool find_one_by_one(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>& p
 
 }  // namespace
 
-template <class T>
-bool find_pairs_brute_force(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>& pairs) noexcept {
+bool find_pairs_brute_force(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pairs) noexcept {
   const auto count = static_cast<std::uint32_t>(bounds.size());
   if (count > kBlock) return find_one_by_one(bounds, pairs);
   Blocks blocks;
@@ -86,8 +78,5 @@ bool find_pairs_brute_force(std::span<const Aabb<T>> bounds, BoundedVector<SlotP
   }
   return true;
 }
-
-template bool find_pairs_brute_force(std::span<const Aabb<double>>, BoundedVector<SlotPair>&) noexcept;
-template bool find_pairs_brute_force(std::span<const Aabb<float>>, BoundedVector<SlotPair>&) noexcept;
 
 }  // namespace tactus::physics

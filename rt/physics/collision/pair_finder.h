@@ -15,7 +15,6 @@ struct SlotPair {
 
 // All pairs of dynamic bodies whose bounds overlap, by brute force: O(n^2), fixed order, no structure. False: there was
 // no room for all of them; those with the highest slots are missing.
-template <class T>
-bool find_pairs_brute_force(std::span<const Aabb<T>> bounds, BoundedVector<SlotPair>& pairs) noexcept;
+bool find_pairs_brute_force(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pairs) noexcept;
 
 }  // namespace tactus::physics

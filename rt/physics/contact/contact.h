@@ -11,32 +11,30 @@ namespace tactus::physics {
 
 inline constexpr std::uint32_t kNoSlot = 0xffffffffu;
 
-template <class T>
 struct ContactPoint {
-  Vec3<T> from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
-  T separation{};          // m, at the start of the step
+  Vec3d from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
+  double separation{};   // m, at the start of the step
   std::uint32_t feature{0};
-  T normal_impulse{};        // N s, of the last sub-step
-  T tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
-  T total_normal_impulse{};  // N s, over the step
-  Vec3<T> total_friction{};  // N s, over the step, on B, world
+  double normal_impulse{};        // N s, of the last sub-step
+  double tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
+  double total_normal_impulse{};  // N s, over the step
+  Vec3d total_friction{};         // N s, over the step, on B, world
 };
 
-template <class T>
 struct Contact {
   PairKey key;
   std::uint32_t slot_a{0}, slot_b{0};  // slots in the world's bodies; fixed bodies: index into the fixed ones
   bool b_fixed{false};                 // true: B is a fixed body. A fixed body is always B.
   AxisCache axis_cache;
-  T friction{};
-  Vec3<T> normal;  // from A to B
+  double friction{};
+  Vec3d normal;  // from A to B
   std::uint32_t count{0};
-  std::array<ContactPoint<T>, kMaxManifoldPoints> points;
+  std::array<ContactPoint, kMaxManifoldPoints> points;
 
   // Does it press, or did it in the last step?
   bool touching() const noexcept {
     for (std::uint32_t i = 0; i < count; ++i)
-      if (points[i].total_normal_impulse > T(0) || points[i].separation <= T(0)) return true;
+      if (points[i].total_normal_impulse > 0.0 || points[i].separation <= 0.0) return true;
     return false;
   }
 };

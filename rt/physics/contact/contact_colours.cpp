@@ -4,14 +4,14 @@
 
 namespace tactus::physics {
 
-template <class T, class S>
-void ContactColours::assign(std::span<const Contact<T>> contacts, std::span<const SolverBody<S>> motion) noexcept {
+template <class S>
+void ContactColours::assign(std::span<const Contact> contacts, std::span<const SolverBody<S>> motion) noexcept {
   moving_ = {}, fixed_ = {};
   used_.resize(static_cast<std::uint32_t>(motion.size()));
   for (Used& used : used_) used = {};
   colour_.resize(static_cast<std::uint32_t>(contacts.size()));
   for (std::uint32_t k = 0; k < colour_.size(); ++k) {
-    const Contact<T>& contact = contacts[k];
+    const Contact& contact = contacts[k];
     const bool is_held =
         motion[contact.slot_a].inverse_mass == S(0) && (contact.b_fixed || motion[contact.slot_b].inverse_mass == S(0));
     if (is_held) {
@@ -30,8 +30,7 @@ void ContactColours::assign(std::span<const Contact<T>> contacts, std::span<cons
   }
 }
 
-template void ContactColours::assign(std::span<const Contact<double>>, std::span<const SolverBody<double>>) noexcept;
-template void ContactColours::assign(std::span<const Contact<double>>, std::span<const SolverBody<float>>) noexcept;
-template void ContactColours::assign(std::span<const Contact<float>>, std::span<const SolverBody<float>>) noexcept;
+template void ContactColours::assign(std::span<const Contact>, std::span<const SolverBody<double>>) noexcept;
+template void ContactColours::assign(std::span<const Contact>, std::span<const SolverBody<float>>) noexcept;
 
 }  // namespace tactus::physics

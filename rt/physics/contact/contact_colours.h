@@ -29,8 +29,8 @@ class ContactColours {
       : colour_(capacities.contacts), used_(capacities.bodies) {}  // [setup]
 
   // `motion`: the moving bodies, by slot.
-  template <class T, class S>
-  void assign(std::span<const Contact<T>> contacts, std::span<const SolverBody<S>> motion) noexcept;
+  template <class S>
+  void assign(std::span<const Contact> contacts, std::span<const SolverBody<S>> motion) noexcept;
 
   std::uint8_t of(std::uint32_t contact) const noexcept { return colour_[contact]; }
   const Counts& moving() const noexcept { return moving_; }

@@ -15,21 +15,19 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct ContactReference {
   static constexpr std::uint32_t kPoints = kMaxManifoldPoints;
 
-  T tolerance{};                             // m: what the surfaces may move, in all; 0: to be found anew
-  T moved{};                                 // m, against each other since the points were found, at most
-  T margin{};                                // m, with which they were found
-  T lever{};                                 // m, the larger of the two bodies' radii
-  T on_a[3][kPoints]{}, on_b[3][kPoints]{};  // m, body axes, from the centres of A and B
-  T separation[kPoints]{};                   // m, when they were found
+  double tolerance{};                             // m: what the surfaces may move, in all; 0: to be found anew
+  double moved{};                                 // m, against each other since the points were found, at most
+  double margin{};                                // m, with which they were found
+  double lever{};                                 // m, the larger of the two bodies' radii
+  double on_a[3][kPoints]{}, on_b[3][kPoints]{};  // m, body axes, from the centres of A and B
+  double separation[kPoints]{};                   // m, when they were found
 };
 
 // Which pairs are worth it: two polyhedra. All others are found in less time than it takes.
-template <class T>
-constexpr bool is_carried_over(const Shape<T>& a, const Shape<T>& b) noexcept {
+constexpr bool is_carried_over(const Shape& a, const Shape& b) noexcept {
   const auto is_polyhedron = [](ShapeKind kind) { return kind == ShapeKind::kBox || kind == ShapeKind::kHull; };
   return is_polyhedron(a.kind) && is_polyhedron(b.kind);
 }
@@ -37,24 +35,19 @@ constexpr bool is_carried_over(const Shape<T>& a, const Shape<T>& b) noexcept {
 // What two such bodies may move before their contact is found anew [m]: `most`, but no more than a hundredth of what
 // the thinner one is half as thick as. Spread over half of that by the pair's key, so that the contacts of bodies which
 // move together do not all end at the same tick.
-template <class T>
-T tolerance_of(PairKey key, const Shape<T>& a, const Shape<T>& b, T most) noexcept;
+double tolerance_of(PairKey key, const Shape& a, const Shape& b, double most) noexcept;
 
 // Of the contact that was just found with that margin.
-template <class T>
-void keep_reference(const Contact<T>& contact, const BodyFrame<T>& a, const BodyFrame<T>& b, T margin, T tolerance,
-                    T lever, ContactReference<T>& reference) noexcept;
+void keep_reference(const Contact& contact, const BodyFrame& a, const BodyFrame& b, double margin, double tolerance,
+                    double lever, ContactReference& reference) noexcept;
 
 // Have the bodies moved so little in all, `moved` [m], that the contact may be carried over? `closing` [m]: what this
 // step may close.
-template <class T>
-constexpr bool may_carry_over(const ContactReference<T>& reference, T moved, T closing) noexcept {
-  return reference.tolerance > T(0) && moved <= reference.tolerance && moved + closing <= reference.margin;
+constexpr bool may_carry_over(const ContactReference& reference, double moved, double closing) noexcept {
+  return reference.tolerance > 0.0 && moved <= reference.tolerance && moved + closing <= reference.margin;
 }
 
 // Points and separations of the contact as the bodies are now; normal, features and impulses stay. Totals become 0.
-template <class T>
-void carry_over(const ContactReference<T>& reference, const BodyFrame<T>& a, const BodyFrame<T>& b,
-                Contact<T>& contact) noexcept;
+void carry_over(const ContactReference& reference, const BodyFrame& a, const BodyFrame& b, Contact& contact) noexcept;
 
 }  // namespace tactus::physics

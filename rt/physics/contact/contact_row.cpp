@@ -184,11 +184,11 @@ TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from)
 
 }  // namespace
 
-template <class V, class U>
-void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact<U>& contact,
+template <class V>
+void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
                const SolverBodies<LaneOf<V>>& bodies) noexcept {
   using T = LaneOf<V>;
-  const auto as_lane = [](U x) noexcept { return static_cast<T>(x); };
+  const auto as_lane = [](double x) noexcept { return static_cast<T>(x); };
   row.a[lane] = contact.slot_a, row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
   row.contact[lane] = index;
   set(row.n, lane, number_cast<T>(contact.normal));
@@ -198,13 +198,13 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact<
   set_lane(row.inverse_mass_b, lane, contact.b_fixed ? T(0) : bodies.motion[contact.slot_b].inverse_mass);
   set(row.inverse_inertia_b, lane, contact.b_fixed ? SymMat3<T>{} : bodies.inverse_inertia[contact.slot_b]);
 
-  Vec3<U> c_a, c_b;
+  Vec3d c_a, c_b;
   for (std::uint32_t i = 0; i < contact.count; ++i) c_a += contact.points[i].from_a, c_b += contact.points[i].from_b;
-  c_a *= U(1) / static_cast<U>(contact.count), c_b *= U(1) / static_cast<U>(contact.count);
+  c_a *= 1.0 / static_cast<double>(contact.count), c_b *= 1.0 / static_cast<double>(contact.count);
   set(row.c_a, lane, number_cast<T>(c_a)), set(row.c_b, lane, number_cast<T>(c_b));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
     const bool there = i < contact.count;
-    const ContactPoint<U>& from = contact.points[there ? i : 0];
+    const ContactPoint& from = contact.points[there ? i : 0];
     // Until `complete` the totals hold the points' places from the centre; a point that is not there has no mass.
     set_lane(row.total_normal_impulse[i], lane, as_lane(from.from_a.x - c_a.x));
     set_lane(row.total_tangent_impulse[0][i], lane, as_lane(from.from_a.y - c_a.y));
@@ -315,21 +315,16 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   TACTUS_SWEEP(V, false, kFixed, true, false)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, true)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, false)
-#define TACTUS_FILL(V, U)                                                        \
-  template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact<U>&, \
-                          const SolverBodies<LaneOf<V>>&) noexcept;
-#define TACTUS_INSTANTIATE(V)                         \
-  TACTUS_FILL(V, LaneOf<V>)                           \
-  template void complete<V>(ContactRow<V>&) noexcept; \
-  TACTUS_SWEEPS(V, false)                             \
+#define TACTUS_INSTANTIATE(V)                                                 \
+  template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact&, \
+                          const SolverBodies<LaneOf<V>>&) noexcept;           \
+  template void complete<V>(ContactRow<V>&) noexcept;                         \
+  TACTUS_SWEEPS(V, false)                                                     \
   TACTUS_SWEEPS(V, true)
 TACTUS_INSTANTIATE(double)
 TACTUS_INSTANTIATE(float)
 TACTUS_INSTANTIATE(Register<double>)
 TACTUS_INSTANTIATE(Register<float>)
-TACTUS_FILL(float, double)
-TACTUS_FILL(Register<float>, double)
-#undef TACTUS_FILL
 #undef TACTUS_INSTANTIATE
 #undef TACTUS_SWEEPS
 #undef TACTUS_SWEEP

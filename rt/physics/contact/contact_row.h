@@ -68,17 +68,16 @@ struct SweepRule {
   T slop{};            // m
   T max_push_speed{};  // m/s
 
-  template <class U>
-  static constexpr SweepRule of(const StepSettings<U>& s, T h) noexcept {
+  static constexpr SweepRule of(const StepSettings& s, T h) noexcept {
     return {Softness<T>::make(static_cast<T>(s.contact_hertz), static_cast<T>(s.contact_damping_ratio), h), T(1) / h,
             static_cast<T>(s.slop), static_cast<T>(s.max_push_speed)};
   }
 };
 
-// --- filling a row: every lane with a contact, then the whole. An empty lane must have been cleared before. U: number
-// of the contacts, which may be wider than the row's.
-template <class V, class U>
-void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact<U>& contact,
+// --- filling a row: every lane with a contact, then the whole. An empty lane must have been cleared before.
+// The contacts' numbers are double, whatever the row's are.
+template <class V>
+void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
                const SolverBodies<LaneOf<V>>& bodies) noexcept;
 template <class V>
 void complete(ContactRow<V>& row) noexcept;

@@ -52,8 +52,7 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
 }
 
 template <class T, int kWidth>
-template <class U>
-void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies,
+void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, SolverBodies<T> bodies,
                                        const Executor& executor) noexcept {
   executor_ = executor;
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
@@ -258,9 +257,11 @@ void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
 }
 
 template <class T, int kWidth>
-template <bool kTotals, class U>
-void ContactSolver<T, kWidth>::store_rows(std::span<Contact<U>> contacts, U share) const noexcept {
-  const auto blend = [share](U& kept, U now) noexcept { kept = share == U(1) ? now : kept + share * (now - kept); };
+template <bool kTotals>
+void ContactSolver<T, kWidth>::store_rows(std::span<Contact> contacts, double share) const noexcept {
+  const auto blend = [share](double& kept, double now) noexcept {
+    kept = share == 1.0 ? now : kept + share * (now - kept);
+  };
   for_each_row([&](const auto& row) {
     for (std::uint32_t used = 0; used < row.used; ++used) {
       const int lane = static_cast<int>(used);
@@ -268,16 +269,16 @@ void ContactSolver<T, kWidth>::store_rows(std::span<Contact<U>> contacts, U shar
         return Vec3<T>{lane_of(v.x, lane), lane_of(v.y, lane), lane_of(v.z, lane)};
       };
       const Vec3<T> t1 = at(row.t1), t2 = at(row.t2);
-      Contact<U>& contact = contacts[row.contact[used]];
+      Contact& contact = contacts[row.contact[used]];
       for (std::uint32_t i = 0; i < contact.count; ++i) {
-        ContactPoint<U>& point = contact.points[i];
-        blend(point.normal_impulse, static_cast<U>(lane_of(row.normal_impulse[i], lane)));
+        ContactPoint& point = contact.points[i];
+        blend(point.normal_impulse, static_cast<double>(lane_of(row.normal_impulse[i], lane)));
         for (int d = 0; d < 2; ++d)
-          blend(point.tangent_impulse[d], static_cast<U>(lane_of(row.tangent_impulse[d][i], lane)));
+          blend(point.tangent_impulse[d], static_cast<double>(lane_of(row.tangent_impulse[d][i], lane)));
         if constexpr (kTotals) {
-          point.total_normal_impulse = static_cast<U>(lane_of(row.total_normal_impulse[i], lane));
-          point.total_friction = number_cast<U>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +
-                                                lane_of(row.total_tangent_impulse[1][i], lane) * t2);
+          point.total_normal_impulse = static_cast<double>(lane_of(row.total_normal_impulse[i], lane));
+          point.total_friction = number_cast<double>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +
+                                                     lane_of(row.total_tangent_impulse[1][i], lane) * t2);
         }
       }
     }
@@ -285,31 +286,18 @@ void ContactSolver<T, kWidth>::store_rows(std::span<Contact<U>> contacts, U shar
 }
 
 template <class T, int kWidth>
-template <class U>
-void ContactSolver<T, kWidth>::store(std::span<Contact<U>> contacts, U share) const noexcept {
+void ContactSolver<T, kWidth>::store(std::span<Contact> contacts, double share) const noexcept {
   store_rows<true>(contacts, share);
 }
 
 template <class T, int kWidth>
-template <class U>
-void ContactSolver<T, kWidth>::keep_impulses(std::span<Contact<U>> contacts) const noexcept {
-  store_rows<false>(contacts, U(1));
+void ContactSolver<T, kWidth>::keep_impulses(std::span<Contact> contacts) const noexcept {
+  store_rows<false>(contacts, 1.0);
 }
 
-#define TACTUS_CONTACTS(T, kWidth, U)                                                           \
-  template void ContactSolver<T, kWidth>::prepare(std::span<const Contact<U>>, SolverBodies<T>, \
-                                                  const Executor&) noexcept;                    \
-  template void ContactSolver<T, kWidth>::store(std::span<Contact<U>>, U) const noexcept;       \
-  template void ContactSolver<T, kWidth>::keep_impulses(std::span<Contact<U>>) const noexcept;
-#define TACTUS_INSTANTIATE(T, kWidth)      \
-  template class ContactSolver<T, kWidth>; \
-  TACTUS_CONTACTS(T, kWidth, T)
-TACTUS_INSTANTIATE(double, 4)
-TACTUS_INSTANTIATE(float, 8)
-TACTUS_INSTANTIATE(double, 1)
-TACTUS_INSTANTIATE(float, 1)
-TACTUS_CONTACTS(float, 8, double)
-#undef TACTUS_INSTANTIATE
-#undef TACTUS_CONTACTS
+template class ContactSolver<double, kLanes<Register<double>>>;
+template class ContactSolver<float, kLanes<Register<float>>>;
+template class ContactSolver<double, 1>;
+template class ContactSolver<float, 1>;
 
 }  // namespace tactus::physics

@@ -24,9 +24,8 @@ class ContactSolver {
  public:
   explicit ContactSolver(const Capacities& capacities);  // [setup]
 
-  // `executor`: for all that follows, up to the next prepare. The contacts' numbers may be wider than the solver's.
-  template <class U>
-  void prepare(std::span<const Contact<U>> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
+  // `executor`: for all that follows, up to the next prepare. The contacts' numbers are double.
+  void prepare(std::span<const Contact> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
   // Held back where it would give energy: see EnergyGate.
   void warm_start(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
   // The same, whatever it gives.
@@ -39,10 +38,8 @@ class ContactSolver {
   void scale_impulses(T factor) noexcept;
   // Impulses and totals, for the next step. `share`: see Solver. Below 1 the impulses stored are those of the last
   // keep_impulses, and that share of what came since.
-  template <class U>
-  void store(std::span<Contact<U>> contacts, U share) const noexcept;
-  template <class U>
-  void keep_impulses(std::span<Contact<U>> contacts) const noexcept;
+  void store(std::span<Contact> contacts, double share) const noexcept;
+  void keep_impulses(std::span<Contact> contacts) const noexcept;
 
  private:
   using V = std::conditional_t<kWidth == 1, T, Wide<T, kWidth>>;
@@ -64,8 +61,8 @@ class ContactSolver {
   void for_each_row(F&& f) const noexcept;
   template <class F>
   void for_each_body(F&& f) noexcept;
-  template <bool kTotals, class U>
-  void store_rows(std::span<Contact<U>> contacts, U share) const noexcept;
+  template <bool kTotals>
+  void store_rows(std::span<Contact> contacts, double share) const noexcept;
   bool holds_blow(T blow_m_per_s) const noexcept;
   void hold_back_gain(SolverBodies<T> bodies, T blow_m_per_s) noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;

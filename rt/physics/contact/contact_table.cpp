@@ -9,22 +9,19 @@ namespace tactus::physics {
 namespace {
 
 // Not called when the sub-step stays: the bits stay too.
-template <class T>
-void scale_impulses(ContactPoint<T>& point, T factor) noexcept {
+void scale_impulses(ContactPoint& point, double factor) noexcept {
   point.normal_impulse *= factor;
   point.tangent_impulse[0] *= factor, point.tangent_impulse[1] *= factor;
 }
 
 // From the centre of A.
-template <class T>
-ContactPoint<T>& nearest_point(Contact<T>& contact, const Vec3<T>& from_a) noexcept {
-  const auto distance = [&](const ContactPoint<T>& p) noexcept { return norm_squared(p.from_a - from_a); };
+ContactPoint& nearest_point(Contact& contact, const Vec3d& from_a) noexcept {
+  const auto distance = [&](const ContactPoint& p) noexcept { return norm_squared(p.from_a - from_a); };
   return *std::min_element(contact.points.begin(), contact.points.begin() + contact.count,
                            [&](const auto& p, const auto& q) { return distance(p) < distance(q); });
 }
 
-template <class T>
-LastFeatures features_of(const Contact<T>* last, const WarmStart<T>* given) noexcept {
+LastFeatures features_of(const Contact* last, const WarmStart* given) noexcept {
   if (last == nullptr) return given != nullptr ? LastFeatures{given->count, given->features} : LastFeatures{};
   LastFeatures features{last->count, {}};
   for (std::uint32_t i = 0; i < last->count; ++i) features.of[i] = last->points[i].feature;
@@ -33,12 +30,10 @@ LastFeatures features_of(const Contact<T>* last, const WarmStart<T>* given) noex
 
 // A body may be near to many patches of a mesh and touch few: those that cannot be touched in this step are left out
 // sooner. A box as wide as two cells of a rolling ground has a third of the contacts (at 0.5 mm: 13 patches).
-template <class T>
-inline constexpr T kPatchMargin = T(5e-5);
+inline constexpr double kPatchMargin = 5e-5;
 
-template <class T>
-T separation_of(const Contact<T>& contact) noexcept {
-  T least = contact.points[0].separation;
+double separation_of(const Contact& contact) noexcept {
+  double least = contact.points[0].separation;
   for (std::uint32_t i = 1; i < contact.count; ++i) least = std::min(least, contact.points[i].separation);
   return least;
 }
@@ -54,25 +49,23 @@ constexpr std::uint32_t kVerticesPerComparison = 16, kTrianglesPerComparison = 4
 
 // The contacts of this step are written over those of the last: in the usual step the same pairs touch, and each stays
 // where it is. Where a new one comes between, those written so far move to last_, and the others follow.
-template <class T>
-struct ContactTable<T>::Walk {
+struct ContactTable::Walk {
   const Scene& scene;
-  const StepSettings<T>& settings;
-  T sub_step, impulse_scale;
-  const Contact<T>* old;  // contacts of the last step
-  const ContactReference<T>* old_references;
+  const StepSettings& settings;
+  double sub_step, impulse_scale;
+  const Contact* old;  // contacts of the last step
+  const ContactReference* old_references;
   std::uint32_t old_count, old_next{0};  // of them, the next to be read
-  Contact<T>* contacts;                  // of this step: where the old ones are, or in last_
-  ContactReference<T>* references;
+  Contact* contacts;                     // of this step: where the old ones are, or in last_
+  ContactReference* references;
   std::uint32_t written{0};
   std::uint32_t last_pair{0}, old_seen{0}, given{0};
   std::uint32_t visits{0}, searches{0};       // of the stretch of pairs
   std::uint32_t searched{0}, comparisons{0};  // as in StepReport
-  Contact<T> replaced{};                      // of the last step, where this step's is written over it
+  Contact replaced{};                         // of the last step, where this step's is written over it
 };
 
-template <class T>
-ContactTable<T>::ContactTable(const Capacities& capacities)
+ContactTable::ContactTable(const Capacities& capacities)
     : pairs_(capacities.pairs),
       last_pairs_(capacities.pairs),
       visits_(kStretch),
@@ -89,14 +82,12 @@ ContactTable<T>::ContactTable(const Capacities& capacities)
   visits_.resize(kStretch), searches_.resize(kStretch), manifolds_.resize(kStretch);
 }
 
-template <class T>
-void ContactTable<T>::clear() noexcept {
+void ContactTable::clear() noexcept {
   pairs_.clear(), clear_pairs();
   contacts_.clear(), references_.clear(), warm_starts_.clear();
 }
 
-template <class T>
-void ContactTable<T>::clear_pairs() noexcept {
+void ContactTable::clear_pairs() noexcept {
   last_pairs_.swap(pairs_);
   pairs_.clear();
   pairs_are_heap_ = false;
@@ -104,8 +95,7 @@ void ContactTable<T>::clear_pairs() noexcept {
 }
 
 // Beyond the capacity the pairs are a heap with the highest key on top: the one that gives way.
-template <class T>
-void ContactTable<T>::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
+void ContactTable::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
   const Pair pair{key, a, b, patch};
   if (pairs_.try_push(pair)) return;
   ++pairs_dropped_;
@@ -121,8 +111,7 @@ void ContactTable<T>::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, co
 
 // Keys are distinct once duplicates are gone, and duplicates are equal, so the result does not depend on how they came.
 // The world gives them sorted but for odd scenes.
-template <class T>
-void ContactTable<T>::sort_pairs() noexcept {
+void ContactTable::sort_pairs() noexcept {
   const auto lower_key = [](const Pair& p, const Pair& q) { return p.key < q.key; };
   const auto not_ascending = [](const Pair& p, const Pair& q) { return !(p.key < q.key); };
   if (std::adjacent_find(pairs_.begin(), pairs_.end(), not_ascending) == pairs_.end()) return;
@@ -131,8 +120,7 @@ void ContactTable<T>::sort_pairs() noexcept {
   pairs_.resize(static_cast<std::uint32_t>(end - pairs_.begin()));
 }
 
-template <class T>
-void ContactTable<T>::sort_warm_starts() noexcept {
+void ContactTable::sort_warm_starts() noexcept {
   warm_start_order_.resize(warm_starts_.size());
   for (std::uint32_t i = 0; i < warm_starts_.size(); ++i) warm_start_order_[i] = i;
   std::sort(warm_start_order_.begin(), warm_start_order_.end(), [this](std::uint32_t i, std::uint32_t j) {
@@ -142,16 +130,16 @@ void ContactTable<T>::sort_warm_starts() noexcept {
 
 // Pairs of this step and the last, contacts of the last and given impulses are all sorted by key: one merge. It goes
 // ahead of the contacts that are written by a stretch of pairs, and writes none itself.
-template <class T>
-void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
+void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   Pair& pair = pairs_[index];
   const bool with_fixed = pair.key.with_fixed();
-  const Reach<T>& a = walk.scene.reach[pair.a];
+  const Reach& a = walk.scene.reach[pair.a];
   // Two bodies fall side by side, or one of them is held: gravity counts once.
-  const Reach<T> b = with_fixed ? Reach<T>{} : walk.scene.reach[pair.b];
-  const T closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
-  const T least = pair.patch.count > 0 ? std::min(kPatchMargin<T>, walk.settings.min_margin) : walk.settings.min_margin;
-  const T margin = std::max(least, closing + room_to_carry_over(walk.settings));
+  const Reach b = with_fixed ? Reach{} : walk.scene.reach[pair.b];
+  const double closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
+  const double least =
+      pair.patch.count > 0 ? std::min(kPatchMargin, walk.settings.min_margin) : walk.settings.min_margin;
+  const double margin = std::max(least, closing + room_to_carry_over(walk.settings));
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
@@ -159,20 +147,20 @@ void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
     pair.gap = last.gap - moved_against(a, b, last.lever), pair.lever = last.lever;
     if (pair.gap > margin) return;
   }
-  pair.gap = pair.lever = T(0);
+  pair.gap = pair.lever = 0.0;
 
   while (walk.old_seen < walk.old_count && walk.old[walk.old_seen].key < pair.key) ++walk.old_seen;
   const bool known = walk.old_seen < walk.old_count && walk.old[walk.old_seen].key == pair.key;
-  const WarmStart<T>* given = nullptr;
+  const WarmStart* given = nullptr;
   if (!warm_starts_.empty()) {
-    const auto of = [&](std::uint32_t i) -> const WarmStart<T>& { return warm_starts_[warm_start_order_[i]]; };
+    const auto of = [&](std::uint32_t i) -> const WarmStart& { return warm_starts_[warm_start_order_[i]]; };
     while (walk.given < warm_starts_.size() && of(walk.given).key < pair.key) ++walk.given;
     if (walk.given < warm_starts_.size() && of(walk.given).key == pair.key) given = &of(walk.given);
   }
   Visit& visit = visits_[walk.visits++];
   visit.pair = index, visit.old = walk.old_seen;
-  if (known && walk.settings.recycle_tolerance_m > T(0)) {
-    const ContactReference<T>& reference = walk.old_references[walk.old_seen];
+  if (known && walk.settings.recycle_tolerance_m > 0.0) {
+    const ContactReference& reference = walk.old_references[walk.old_seen];
     visit.moved = reference.moved + moved_against(a, b, reference.lever);
     visit.search = kCarryOver;
     if (may_carry_over(reference, visit.moved, closing)) return;
@@ -184,23 +172,21 @@ void ContactTable<T>::visit(Walk& walk, std::uint32_t index) noexcept {
   search.axis_cache = known ? walk.old[walk.old_seen].axis_cache : given ? given->axis_cache : AxisCache{};
 }
 
-template <class T>
-std::uint32_t ContactTable<T>::comparisons_in(const Scene& scene, const Search& search) const noexcept {
+std::uint32_t ContactTable::comparisons_in(const Scene& scene, const Search& search) const noexcept {
   const Pair& pair = pairs_[search.pair];
-  const Shape<T>& a = scene.bodies[pair.a].shape;
-  const Shape<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b].shape : scene.bodies[pair.b].shape;
+  const Shape& a = scene.bodies[pair.a].shape;
+  const Shape& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b].shape : scene.bodies[pair.b].shape;
   if (b.kind == ShapeKind::kMesh) return 1 + pair.patch.count / kTrianglesPerComparison;
-  const auto vertices = [&](const Shape<T>& shape) {
+  const auto vertices = [&](const Shape& shape) {
     return shape.kind == ShapeKind::kHull ? scene.hulls[shape.index].topology.vertices : 0;
   };
   return 1 + (vertices(a) + vertices(b)) / kVerticesPerComparison;
 }
 
-template <class T>
-Manifold<T> ContactTable<T>::compare(const Scene& scene, Search& search) const noexcept {
+Manifold ContactTable::compare(const Scene& scene, Search& search) const noexcept {
   const Pair& pair = pairs_[search.pair];
-  const Body<T>& a = scene.bodies[pair.a];
-  const Body<T>& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
+  const Body& a = scene.bodies[pair.a];
+  const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
   if (b.shape.kind == ShapeKind::kMesh)
     return collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
                          scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), search.margin, scene.hulls,
@@ -210,26 +196,24 @@ Manifold<T> ContactTable<T>::compare(const Scene& scene, Search& search) const n
 }
 
 // The contact that is next stays, with its points as the bodies are now.
-template <class T>
-void ContactTable<T>::keep(Walk& walk, const Visit& visit) noexcept {
+void ContactTable::keep(Walk& walk, const Visit& visit) noexcept {
   const Pair& pair = pairs_[visit.pair];
-  const Contact<T>* last = &walk.old[visit.old];
-  const ContactReference<T>* last_reference = &walk.old_references[visit.old];
+  const Contact* last = &walk.old[visit.old];
+  const ContactReference* last_reference = &walk.old_references[visit.old];
   walk.old_next = visit.old + 1;
-  Contact<T>* contact = place(walk);  // there is room: it was there before
-  ContactReference<T>& reference = walk.references[walk.written - 1];
+  Contact* contact = place(walk);  // there is room: it was there before
+  ContactReference& reference = walk.references[walk.written - 1];
   if (contact != last) *contact = *last, reference = *last_reference;
   reference.moved = visit.moved;
   contact->slot_a = pair.a, contact->slot_b = pair.b;
   const auto& frame_b = contact->b_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
   carry_over(reference, walk.scene.frames[pair.a], frame_b, *contact);
-  if (walk.impulse_scale != T(1))
+  if (walk.impulse_scale != 1.0)
     for (std::uint32_t i = 0; i < contact->count; ++i) scale_impulses(contact->points[i], walk.impulse_scale);
 }
 
 // Where the next contact of this step goes.
-template <class T>
-Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
+Contact* ContactTable::place(Walk& walk) noexcept {
   if (walk.contacts == walk.old && walk.written == walk.old_next && walk.old_next < walk.old_count) {
     std::copy(walk.contacts, walk.contacts + walk.written, last_.begin());
     std::copy(walk.references, walk.references + walk.written, last_references_.begin());
@@ -240,20 +224,18 @@ Contact<T>* ContactTable<T>::place(Walk& walk) noexcept {
   return &beyond_[beyond_.size() - 1];
 }
 
-template <class T>
-void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& search,
-                                 const Manifold<T>& manifold) noexcept {
+void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold& manifold) noexcept {
   Pair& pair = pairs_[visit.pair];
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever = manifold.lever;
     return;
   }
   const bool with_fixed = pair.key.with_fixed();
-  const Body<T>& a = walk.scene.bodies[pair.a];
-  const Body<T>& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
+  const Body& a = walk.scene.bodies[pair.a];
+  const Body& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
   if (search.known) walk.replaced = walk.old[visit.old];
   walk.old_next = visit.old + (search.known ? 1 : 0);
-  Contact<T>& contact = *place(walk);
+  Contact& contact = *place(walk);
   contact.key = pair.key;
   contact.slot_a = pair.a, contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
@@ -262,8 +244,8 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& s
   contact.normal = manifold.normal;
   contact.count = manifold.count;
   for (std::uint32_t i = 0; i < manifold.count; ++i) {
-    const ManifoldPoint<T>& made = manifold.points[i];
-    ContactPoint<T>& point = contact.points[i];
+    const ManifoldPoint& made = manifold.points[i];
+    ContactPoint& point = contact.points[i];
     point = {};
     point.from_a = made.from_a, point.from_b = made.from_b;
     point.separation = made.separation;
@@ -271,9 +253,9 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& s
   }
   start_impulses(walk, search.known ? &walk.replaced : nullptr, search.given, contact);
   if (walk.written == 0 || &contact != &walk.contacts[walk.written - 1]) return;  // beyond the capacity
-  ContactReference<T>& reference = walk.references[walk.written - 1];
-  reference.tolerance = T(0);
-  if (!(walk.settings.recycle_tolerance_m > T(0)) || !is_carried_over(a.shape, b.shape)) return;
+  ContactReference& reference = walk.references[walk.written - 1];
+  reference.tolerance = 0.0;
+  if (!(walk.settings.recycle_tolerance_m > 0.0) || !is_carried_over(a.shape, b.shape)) return;
   const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
   keep_reference(contact, walk.scene.frames[pair.a], frame_b, search.margin,
                  tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
@@ -282,32 +264,31 @@ void ContactTable<T>::take_found(Walk& walk, const Visit& visit, const Search& s
 
 // The impulses of the same features: of the last step, or else those given. Where a point of the last step is not
 // chosen again, the nearest takes its impulse: a stack must not drop because its corners are counted anew.
-template <class T>
-void ContactTable<T>::start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
-                                     Contact<T>& contact) const noexcept {
+void ContactTable::start_impulses(const Walk& walk, const Contact* last, const WarmStart* given,
+                                  Contact& contact) const noexcept {
   if (last == nullptr && given == nullptr) return;
-  const Tangents<T> now = tangents_of(contact.normal);
-  const auto add = [&now](ContactPoint<T>& point, T normal, const Vec3<T>& friction) noexcept {
+  const Tangents<double> now = tangents_of(contact.normal);
+  const auto add = [&now](ContactPoint& point, double normal, const Vec3d& friction) noexcept {
     point.normal_impulse += normal;
     point.tangent_impulse[0] += dot(friction, now.t1), point.tangent_impulse[1] += dot(friction, now.t2);
   };
-  const auto point_of = [&contact](std::uint32_t feature) noexcept -> ContactPoint<T>* {
+  const auto point_of = [&contact](std::uint32_t feature) noexcept -> ContactPoint* {
     for (std::uint32_t i = 0; i < contact.count; ++i)
       if (contact.points[i].feature == feature) return &contact.points[i];
     return nullptr;
   };
   if (last == nullptr) {
     for (std::uint32_t j = 0; j < given->count; ++j)
-      if (ContactPoint<T>* point = point_of(given->features[j]))
+      if (ContactPoint* point = point_of(given->features[j]))
         add(*point, given->normal_force[j] * walk.sub_step, given->friction_force[j] * walk.sub_step);
     return;
   }
   // The normal has turned since: the old friction vector is projected on the new tangents.
-  const Tangents<T> then = tangents_of(last->normal);
+  const Tangents<double> then = tangents_of(last->normal);
   const bool same_kind = is_of_face(last->points[0].feature) == is_of_face(contact.points[0].feature);
   for (std::uint32_t j = 0; j < last->count; ++j) {
-    const ContactPoint<T>& before = last->points[j];
-    ContactPoint<T>* point = point_of(before.feature);
+    const ContactPoint& before = last->points[j];
+    ContactPoint* point = point_of(before.feature);
     if (point == nullptr && same_kind) point = &nearest_point(contact, before.from_a);
     if (point == nullptr) continue;
     add(*point, walk.impulse_scale * before.normal_impulse,
@@ -316,17 +297,16 @@ void ContactTable<T>::start_impulses(const Walk& walk, const Contact<T>* last, c
 }
 
 // There are more contacts than room: the deepest of contacts_ and beyond_ stay, in the order of keys.
-template <class T>
-void ContactTable<T>::keep_deepest(StepReport<T>& report) noexcept {
+void ContactTable::keep_deepest(StepReport& report) noexcept {
   const std::uint32_t room = contacts_.capacity();
   report.capacity_bits |= kContactsFull;
   report.dropped += beyond_.size();
-  const auto at = [&](std::uint32_t i) -> const Contact<T>& { return i < room ? contacts_[i] : beyond_[i - room]; };
+  const auto at = [&](std::uint32_t i) -> const Contact& { return i < room ? contacts_[i] : beyond_[i - room]; };
   order_.resize(room + beyond_.size());
   for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
   // The index decides ties as the key would.
   std::nth_element(order_.begin(), order_.begin() + room, order_.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const T s = separation_of(at(i)), t = separation_of(at(j));
+    const double s = separation_of(at(i)), t = separation_of(at(j));
     return s != t ? s < t : i < j;
   });
   order_.resize(room);
@@ -334,13 +314,12 @@ void ContactTable<T>::keep_deepest(StepReport<T>& report) noexcept {
   for (std::uint32_t i = 0; i < room; ++i) {  // order_[i] >= i: nothing is overwritten before it was read
     if (order_[i] == i) continue;
     contacts_[i] = at(order_[i]);
-    references_[i] = order_[i] < room ? references_[order_[i]] : ContactReference<T>{};
+    references_[i] = order_[i] < room ? references_[order_[i]] : ContactReference{};
   }
 }
 
-template <class T>
-void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings, T sub_step, T impulse_scale,
-                            StepReport<T>& report, const Executor& executor) noexcept {
+void ContactTable::build(const Scene& scene, const StepSettings& settings, double sub_step, double impulse_scale,
+                         StepReport& report, const Executor& executor) noexcept {
   sort_pairs();
   sort_warm_starts();
   if (pairs_dropped_ > 0) report.capacity_bits |= kPairsFull;
@@ -380,8 +359,8 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
   contacts_.resize(walk.written), references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
 
-  T smallest = T(0);
-  for (const Contact<T>& contact : contacts_) {
+  double smallest = 0.0;
+  for (const Contact& contact : contacts_) {
     report.points += contact.count;
     for (std::uint32_t i = 0; i < contact.count; ++i) smallest = std::min(smallest, contact.points[i].separation);
   }
@@ -391,27 +370,24 @@ void ContactTable<T>::build(const Scene& scene, const StepSettings<T>& settings,
   warm_starts_.clear();
 }
 
-template <class T>
-void ContactTable<T>::scale_impulses_of(std::span<const std::uint8_t> bodies, T factor) noexcept {
-  for (Contact<T>& contact : contacts_)
+void ContactTable::scale_impulses_of(std::span<const std::uint8_t> bodies, double factor) noexcept {
+  for (Contact& contact : contacts_)
     for (std::uint32_t i = 0; i < contact.count && bodies[contact.slot_a] != 0; ++i)
       scale_impulses(contact.points[i], factor);
 }
 
-template <class T>
-void ContactTable<T>::slot_inserted(std::uint32_t slot, bool fixed) noexcept {
+void ContactTable::slot_inserted(std::uint32_t slot, bool fixed) noexcept {
   if (fixed) pairs_.clear();  // what is known of a gap holds for bodies that were there: one of that id may have gone
-  for (Contact<T>& contact : contacts_) {
+  for (Contact& contact : contacts_) {
     if (!fixed && contact.slot_a >= slot) ++contact.slot_a;
     if (contact.b_fixed == fixed && contact.slot_b >= slot) ++contact.slot_b;
   }
 }
 
-template <class T>
-void ContactTable<T>::slot_removed(std::uint32_t slot, bool fixed) noexcept {
+void ContactTable::slot_removed(std::uint32_t slot, bool fixed) noexcept {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
-    Contact<T>& contact = contacts_[i];
+    Contact& contact = contacts_[i];
     const bool b_in_question = contact.b_fixed == fixed;
     if ((!fixed && contact.slot_a == slot) || (b_in_question && contact.slot_b == slot)) continue;
     if (!fixed && contact.slot_a > slot) --contact.slot_a;
@@ -422,11 +398,10 @@ void ContactTable<T>::slot_removed(std::uint32_t slot, bool fixed) noexcept {
   contacts_.resize(kept), references_.resize(kept);
 }
 
-template <class T>
-void ContactTable<T>::slots_moved(std::span<const std::uint32_t> to) noexcept {
+void ContactTable::slots_moved(std::span<const std::uint32_t> to) noexcept {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
-    Contact<T>& contact = contacts_[i];
+    Contact& contact = contacts_[i];
     const std::uint32_t a = to[contact.slot_a], b = contact.b_fixed ? contact.slot_b : to[contact.slot_b];
     if (a == kNoSlot || b == kNoSlot) continue;
     contact.slot_a = a, contact.slot_b = b;
@@ -435,8 +410,5 @@ void ContactTable<T>::slots_moved(std::span<const std::uint32_t> to) noexcept {
   }
   contacts_.resize(kept), references_.resize(kept);
 }
-
-template class ContactTable<double>;
-template class ContactTable<float>;
 
 }  // namespace tactus::physics

@@ -30,14 +30,13 @@ struct PatchTriangles {
   std::uint32_t first{0}, count{0};
 };
 
-template <class T>
 class ContactTable {
  public:
   explicit ContactTable(const Capacities& capacities);  // [setup]
 
-  std::span<const Contact<T>> contacts() const noexcept { return contacts_.span(); }
-  std::span<Contact<T>> contacts() noexcept { return contacts_.span(); }
-  std::span<const ContactReference<T>> references() const noexcept { return references_.span(); }  // by contact
+  std::span<const Contact> contacts() const noexcept { return contacts_.span(); }
+  std::span<Contact> contacts() noexcept { return contacts_.span(); }
+  std::span<const ContactReference> references() const noexcept { return references_.span(); }  // by contact
 
   // --- pairs of this step
   void clear_pairs() noexcept;
@@ -47,24 +46,24 @@ class ContactTable {
 
   // What narrow phase needs to know about the bodies, all by slot.
   struct Scene {
-    std::span<const Body<T>> bodies, fixed_bodies;
-    std::span<const BodyFrame<T>> frames, fixed_frames;
-    std::span<const Reach<T>> reach;
-    Hulls<T> hulls{};                                 // of the shapes
-    Meshes<T> meshes{};                               // same
+    std::span<const Body> bodies, fixed_bodies;
+    std::span<const BodyFrame> frames, fixed_frames;
+    std::span<const Reach> reach;
+    Hulls hulls{};                                    // of the shapes
+    Meshes meshes{};                                  // same
     std::span<const std::uint32_t> mesh_triangles{};  // what PatchTriangles are stretches of
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
   // Fills pairs, contacts, points, deepest, dropped and the bits of the report.
-  void build(const Scene& scene, const StepSettings<T>& settings, T sub_step, T impulse_scale, StepReport<T>& report,
-             const Executor& executor = {}) noexcept;
+  void build(const Scene& scene, const StepSettings& settings, double sub_step, double impulse_scale,
+             StepReport& report, const Executor& executor = {}) noexcept;
 
   // --- impulses from another world, used by the next build, then dropped. False: no room.
-  bool add_warm_start(const WarmStart<T>& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
-  std::span<const WarmStart<T>> warm_starts() const noexcept { return warm_starts_.span(); }
+  bool add_warm_start(const WarmStart& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
+  std::span<const WarmStart> warm_starts() const noexcept { return warm_starts_.span(); }
 
   // Of the contacts whose A is one of these bodies, by slot.
-  void scale_impulses_of(std::span<const std::uint8_t> bodies, T factor) noexcept;
+  void scale_impulses_of(std::span<const std::uint8_t> bodies, double factor) noexcept;
 
   // --- membership changed: a slot was inserted below which all others moved up, or removed with all its contacts
   void slot_inserted(std::uint32_t slot, bool fixed) noexcept;
@@ -74,30 +73,30 @@ class ContactTable {
 
   // For restoring: empties the table and hands out its storage. As many references as contacts.
   void clear() noexcept;
-  BoundedVector<Contact<T>>& stored_contacts() noexcept { return contacts_; }
-  BoundedVector<ContactReference<T>>& stored_references() noexcept { return references_; }
-  BoundedVector<WarmStart<T>>& stored_warm_starts() noexcept { return warm_starts_; }
+  BoundedVector<Contact>& stored_contacts() noexcept { return contacts_; }
+  BoundedVector<ContactReference>& stored_references() noexcept { return references_; }
+  BoundedVector<WarmStart>& stored_warm_starts() noexcept { return warm_starts_; }
 
  private:
   struct Pair {
     PairKey key;
     std::uint32_t a{0}, b{0};
     PatchTriangles patch;
-    T gap{}, lever{};  // as of a manifold without points, less the motion against each other since; 0: not known
+    double gap{}, lever{};  // as of a manifold without points, less the motion against each other since; 0: not known
   };
   // A pair that has a contact or may get one: what is carried over, or what is searched.
   struct Visit {
     std::uint32_t pair;
     std::uint32_t old;     // the first contact of the last step whose key is not lower
     std::uint32_t search;  // kCarryOver, or among the searches
-    T moved;               // m, of a contact carried over: see ContactReference
+    double moved;          // m, of a contact carried over: see ContactReference
   };
   static constexpr std::uint32_t kCarryOver = ~0u;
   struct Search {
     std::uint32_t pair;
-    bool known;                 // the last step had its contact
-    const WarmStart<T>* given;  // null: none
-    T margin;
+    bool known;              // the last step had its contact
+    const WarmStart* given;  // null: none
+    double margin;
     LastFeatures last;
     AxisCache axis_cache;
   };
@@ -108,26 +107,25 @@ class ContactTable {
   void sort_warm_starts() noexcept;
   void visit(Walk& walk, std::uint32_t index) noexcept;
   std::uint32_t comparisons_in(const Scene& scene, const Search& search) const noexcept;
-  Manifold<T> compare(const Scene& scene, Search& search) const noexcept;
+  Manifold compare(const Scene& scene, Search& search) const noexcept;
   void keep(Walk& walk, const Visit& visit) noexcept;
-  void take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold<T>& manifold) noexcept;
-  Contact<T>* place(Walk& walk) noexcept;
-  void start_impulses(const Walk& walk, const Contact<T>* last, const WarmStart<T>* given,
-                      Contact<T>& contact) const noexcept;
-  void keep_deepest(StepReport<T>& report) noexcept;
+  void take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold& manifold) noexcept;
+  Contact* place(Walk& walk) noexcept;
+  void start_impulses(const Walk& walk, const Contact* last, const WarmStart* given, Contact& contact) const noexcept;
+  void keep_deepest(StepReport& report) noexcept;
 
   BoundedVector<Pair> pairs_, last_pairs_;
   bool pairs_are_heap_{false};
   std::uint32_t pairs_dropped_{0};
-  BoundedVector<Visit> visits_;                                      // of a stretch of pairs
-  BoundedVector<Search> searches_;                                   // same
-  BoundedVector<Manifold<T>> manifolds_;                             // by search, where an executor shares them
-  BoundedVector<Contact<T>> contacts_, last_;                        // by key
-  BoundedVector<ContactReference<T>> references_, last_references_;  // of contacts_, of last_
-  BoundedVector<Contact<T>> beyond_;                                 // contacts beyond the capacity, by key
-  BoundedVector<std::uint32_t> order_;                               // of both, by depth
-  BoundedVector<WarmStart<T>> warm_starts_;                          // as they came
-  BoundedVector<std::uint32_t> warm_start_order_;                    // by key, then as they came
+  BoundedVector<Visit> visits_;                                   // of a stretch of pairs
+  BoundedVector<Search> searches_;                                // same
+  BoundedVector<Manifold> manifolds_;                             // by search, where an executor shares them
+  BoundedVector<Contact> contacts_, last_;                        // by key
+  BoundedVector<ContactReference> references_, last_references_;  // of contacts_, of last_
+  BoundedVector<Contact> beyond_;                                 // contacts beyond the capacity, by key
+  BoundedVector<std::uint32_t> order_;                            // of both, by depth
+  BoundedVector<WarmStart> warm_starts_;                          // as they came
+  BoundedVector<std::uint32_t> warm_start_order_;                 // by key, then as they came
 };
 
 }  // namespace tactus::physics

@@ -9,11 +9,10 @@
 
 namespace tactus::physics {
 
-template <class T>
-const Contact<T>* find_contact(std::span<const Contact<T>> contacts, BodyId a, BodyId b) noexcept {
+inline const Contact* find_contact(std::span<const Contact> contacts, BodyId a, BodyId b) noexcept {
   const PairKey key = PairKey::of(a, b, false);
   const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
-                                   [](const Contact<T>& contact, const PairKey& k) { return contact.key < k; });
+                                   [](const Contact& contact, const PairKey& k) { return contact.key < k; });
   return at != contacts.end() && at->key == key ? &*at : nullptr;
 }
 

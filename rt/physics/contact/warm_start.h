@@ -8,14 +8,13 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct WarmStart {
   PairKey key;
   AxisCache axis_cache;
   std::uint32_t count{0};
   std::array<std::uint32_t, kMaxManifoldPoints> features{};
-  std::array<T, kMaxManifoldPoints> normal_force{};          // N
-  std::array<Vec3<T>, kMaxManifoldPoints> friction_force{};  // N, on B, world
+  std::array<double, kMaxManifoldPoints> normal_force{};   // N
+  std::array<Vec3d, kMaxManifoldPoints> friction_force{};  // N, on B, world
 };
 
 }  // namespace tactus::physics

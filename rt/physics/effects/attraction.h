@@ -12,27 +12,25 @@ namespace tactus::physics {
 
 inline constexpr std::uint32_t kMaxAttractionSources = 32;
 
-template <class T>
 struct AttractionSource {
-  BodyId body{kNoBody};  // fixed or moving; kNoBody: a place
-  Vec3<T> position_m;    // the place
-  T strength_Nm2{};      // negative: pushes away
-  T softening_m{T(0.01)};
+  BodyId body{kNoBody};   // fixed or moving; kNoBody: a place
+  Vec3d position_m;       // the place
+  double strength_Nm2{};  // negative: pushes away
+  double softening_m{0.01};
 };
 
-template <class T>
 class Attraction : public Stateless {
  public:
   struct Setup {
-    FixedVector<AttractionSource<T>, kMaxAttractionSources> sources{};
-    std::span<const T> weight_by_id{};  // those beyond the end have 0. Must outlive the world
+    FixedVector<AttractionSource, kMaxAttractionSources> sources{};
+    std::span<const double> weight_by_id{};  // those beyond the end have 0. Must outlive the world
     bool used() const noexcept { return !sources.empty() && !weight_by_id.empty(); }
   };
   Attraction(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable<T>& table) noexcept { table.template add<&Attraction::pull>(Phase::kForces, *this); }
+  void enter(StageTable& table) noexcept { table.add<&Attraction::pull>(Phase::kForces, *this); }
 
  private:
-  void pull(StageContext<T>& c) noexcept;
+  void pull(StageContext& c) noexcept;
 
   Setup setup_;
 };

@@ -14,29 +14,28 @@
 
 namespace tactus::physics {
 
-template <class T>
 class ContinuousCollision : public Stateless {
  public:
   static constexpr std::uint32_t kMostNear = 16;
 
   struct Setup {
     BodyId proxy{kNoBody};
-    Hulls<T> hulls{};  // of the world's shapes. Must outlive the world
+    Hulls hulls{};  // of the world's shapes. Must outlive the world
     bool used() const noexcept { return proxy != kNoBody; }
   };
   ContinuousCollision(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable<T>& table) noexcept;
+  void enter(StageTable& table) noexcept;
 
  private:
   struct Near {
     std::uint32_t slot{0};
     bool fixed{false};
-    T distance{};  // m, of the balls that hold the shapes; the least that it may be
+    double distance{};  // m, of the balls that hold the shapes; the least that it may be
   };
 
-  void look_around(StageContext<T>& c) noexcept;
-  void add(StageContext<T>& c, const Near& near) noexcept;
-  void hold_back(StageContext<T>& c) noexcept;
+  void look_around(StageContext& c) noexcept;
+  void add(StageContext& c, const Near& near) noexcept;
+  void hold_back(StageContext& c) noexcept;
 
   Setup setup_;
   std::uint32_t proxy_{0};               // slot

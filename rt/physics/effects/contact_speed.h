@@ -7,9 +7,8 @@
 namespace tactus::physics {
 
 // m/s, along the contact's normal; negative while they close.
-template <class T>
-T separating_speed(const StageContext<T>& c, const Contact<T>& contact, std::uint32_t point) noexcept {
-  Vec3<T> v = -velocity_at(c.motion[contact.slot_a], contact.points[point].from_a);
+inline double separating_speed(const StageContext& c, const Contact& contact, std::uint32_t point) noexcept {
+  Vec3d v = -velocity_at(c.motion[contact.slot_a], contact.points[point].from_a);
   if (!contact.b_fixed) v += velocity_at(c.motion[contact.slot_b], contact.points[point].from_b);
   return dot(contact.normal, v);
 }

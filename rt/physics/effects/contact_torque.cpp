@@ -4,27 +4,24 @@
 
 namespace tactus::physics {
 
-template <class T>
-void ContactTorque<T>::enter(StageTable<T>& table) noexcept {
-  table.template add<&ContactTorque::list>(Phase::kPrepare, *this);
-  table.template add<&ContactTorque::begin_sub_step>(Phase::kBeginSubStep, *this);
-  table.template add<&ContactTorque::resist>(Phase::kBiased, *this);
-  table.template add<&ContactTorque::resist>(Phase::kRelax, *this);
+void ContactTorque::enter(StageTable& table) noexcept {
+  table.add<&ContactTorque::list>(Phase::kPrepare, *this);
+  table.add<&ContactTorque::begin_sub_step>(Phase::kBeginSubStep, *this);
+  table.add<&ContactTorque::resist>(Phase::kBiased, *this);
+  table.add<&ContactTorque::resist>(Phase::kRelax, *this);
 }
 
-template <class T>
-void ContactTorque<T>::list(StageContext<T>& c) noexcept {
+void ContactTorque::list(StageContext& c) noexcept {
   rows_.clear();
   for (std::uint32_t k = 0; k < c.contacts.size(); ++k) {
-    const Contact<T>& contact = c.contacts[k];
+    const Contact& contact = c.contacts[k];
     if (contact.count != 1) continue;
-    const ContactPatch<T> a = patch_of(c.bodies[contact.slot_a].id);
-    const ContactPatch<T> b =
-        patch_of(contact.b_fixed ? c.fixed_bodies[contact.slot_b].id : c.bodies[contact.slot_b].id);
-    const T radius = std::max(a.radius_m, b.radius_m), rolling = std::max(a.rolling_m, b.rolling_m);
-    const T pressed = contact.points[0].normal_impulse;
-    if ((radius == T(0) && rolling == T(0)) || pressed == T(0)) continue;
-    SymMat3<T> turning = c.inverse_inertia[contact.slot_a];
+    const ContactPatch a = patch_of(c.bodies[contact.slot_a].id);
+    const ContactPatch b = patch_of(contact.b_fixed ? c.fixed_bodies[contact.slot_b].id : c.bodies[contact.slot_b].id);
+    const double radius = std::max(a.radius_m, b.radius_m), rolling = std::max(a.rolling_m, b.rolling_m);
+    const double pressed = contact.points[0].normal_impulse;
+    if ((radius == 0.0 && rolling == 0.0) || pressed == 0.0) continue;
+    SymMat3d turning = c.inverse_inertia[contact.slot_a];
     if (!contact.b_fixed) turning = turning + c.inverse_inertia[contact.slot_b];
     Row row;
     row.contact = k;
@@ -32,36 +29,31 @@ void ContactTorque<T>::list(StageContext<T>& c) noexcept {
     row.t1 = t1, row.t2 = t2;
     row.spin_mass = invert_or_zero(dot(turning * contact.normal, contact.normal));
     row.roll_mass = tangent_mass_of(dot(turning * t1, t1), dot(turning * t2, t2), dot(turning * t1, t2));
-    row.most_spin = c.settings.friction ? T(2.0 / 3) * contact.friction * radius * pressed : T(0);
+    row.most_spin = c.settings.friction ? (2.0 / 3) * contact.friction * radius * pressed : 0.0;
     row.most_roll = rolling * pressed;
     (void)rows_.try_push(row);
   }
 }
 
-template <class T>
-void ContactTorque<T>::begin_sub_step(StageContext<T>&) noexcept {
-  for (Row& row : rows_) row.spin = row.roll_1 = row.roll_2 = T(0);
+void ContactTorque::begin_sub_step(StageContext&) noexcept {
+  for (Row& row : rows_) row.spin = row.roll_1 = row.roll_2 = 0.0;
 }
 
-template <class T>
-void ContactTorque<T>::resist(StageContext<T>& c) noexcept {
+void ContactTorque::resist(StageContext& c) noexcept {
   for (Row& row : rows_) {
-    const Contact<T>& contact = c.contacts[row.contact];
-    SolverBody<T>& a = c.motion[contact.slot_a];
-    Vec3<T> w = -a.w;
+    const Contact& contact = c.contacts[row.contact];
+    SolverBody<double>& a = c.motion[contact.slot_a];
+    Vec3d w = -a.w;
     if (!contact.b_fixed) w += c.motion[contact.slot_b].w;
-    const T spin = std::clamp(row.spin - row.spin_mass * dot(contact.normal, w), -row.most_spin, row.most_spin);
-    T roll_1 = row.roll_1 - row.roll_mass * dot(row.t1, w), roll_2 = row.roll_2 - row.roll_mass * dot(row.t2, w);
+    const double spin = std::clamp(row.spin - row.spin_mass * dot(contact.normal, w), -row.most_spin, row.most_spin);
+    double roll_1 = row.roll_1 - row.roll_mass * dot(row.t1, w), roll_2 = row.roll_2 - row.roll_mass * dot(row.t2, w);
     clamp_to_disk(roll_1, roll_2, row.most_roll);
-    const Vec3<T> m =
+    const Vec3d m =
         (spin - row.spin) * contact.normal + (roll_1 - row.roll_1) * row.t1 + (roll_2 - row.roll_2) * row.t2;
     row.spin = spin, row.roll_1 = roll_1, row.roll_2 = roll_2;
     a.w -= c.inverse_inertia[contact.slot_a] * m;
     if (!contact.b_fixed) c.motion[contact.slot_b].w += c.inverse_inertia[contact.slot_b] * m;
   }
 }
-
-template class ContactTorque<double>;
-template class ContactTorque<float>;
 
 }  // namespace tactus::physics

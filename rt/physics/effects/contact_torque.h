@@ -14,37 +14,35 @@
 namespace tactus::physics {
 
 // What a body's surface does to turns.
-template <class T>
 struct ContactPatch {
-  T radius_m{};   // R
-  T rolling_m{};  // d
+  double radius_m{};   // R
+  double rolling_m{};  // d
 };
 
-template <class T>
 class ContactTorque : public Stateless {
  public:
   struct Setup {
-    std::span<const ContactPatch<T>> by_id{};  // those beyond the end have none. Must outlive the world
+    std::span<const ContactPatch> by_id{};  // those beyond the end have none. Must outlive the world
     bool used() const noexcept { return !by_id.empty(); }
   };
   ContactTorque(const Setup& setup, const Capacities& capacities) : by_id_(setup.by_id), rows_(capacities.contacts) {}
-  void enter(StageTable<T>& table) noexcept;
+  void enter(StageTable& table) noexcept;
 
  private:
   struct Row {
     std::uint32_t contact{0};
-    Vec3<T> t1, t2;
-    T spin_mass{}, roll_mass{};    // kg m^2
-    T most_spin{}, most_roll{};    // N m s, in a sub-step
-    T spin{}, roll_1{}, roll_2{};  // N m s, of this sub-step, on B
+    Vec3d t1, t2;
+    double spin_mass{}, roll_mass{};    // kg m^2
+    double most_spin{}, most_roll{};    // N m s, in a sub-step
+    double spin{}, roll_1{}, roll_2{};  // N m s, of this sub-step, on B
   };
 
-  ContactPatch<T> patch_of(BodyId id) const noexcept { return id < by_id_.size() ? by_id_[id] : ContactPatch<T>{}; }
-  void list(StageContext<T>& c) noexcept;
-  void begin_sub_step(StageContext<T>& c) noexcept;
-  void resist(StageContext<T>& c) noexcept;
+  ContactPatch patch_of(BodyId id) const noexcept { return id < by_id_.size() ? by_id_[id] : ContactPatch{}; }
+  void list(StageContext& c) noexcept;
+  void begin_sub_step(StageContext& c) noexcept;
+  void resist(StageContext& c) noexcept;
 
-  std::span<const ContactPatch<T>> by_id_;
+  std::span<const ContactPatch> by_id_;
   BoundedVector<Row> rows_;
 };
 

@@ -2,17 +2,13 @@
 
 namespace tactus::physics {
 
-template <class T>
-void Damping<T>::slow_down(StageContext<T>& c) noexcept {
-  const T linear = T(1) / (T(1) + c.h * setup_.linear_per_s), angular = T(1) / (T(1) + c.h * setup_.angular_per_s);
+void Damping::slow_down(StageContext& c) noexcept {
+  const double linear = 1.0 / (1.0 + c.h * setup_.linear_per_s), angular = 1.0 / (1.0 + c.h * setup_.angular_per_s);
   for_each_slot(c, [&](std::uint32_t i) noexcept {
-    if (c.motion[i].inverse_mass == T(0)) return;
+    if (c.motion[i].inverse_mass == 0.0) return;
     c.motion[i].v *= linear;
     c.motion[i].w *= angular;
   });
 }
-
-template class Damping<double>;
-template class Damping<float>;
 
 }  // namespace tactus::physics

@@ -8,18 +8,17 @@
 
 namespace tactus::physics {
 
-template <class T>
 class Damping : public Stateless {
  public:
   struct Setup {
-    T linear_per_s{}, angular_per_s{};  // c
-    bool used() const noexcept { return linear_per_s > T(0) || angular_per_s > T(0); }
+    double linear_per_s{}, angular_per_s{};  // c
+    bool used() const noexcept { return linear_per_s > 0.0 || angular_per_s > 0.0; }
   };
   Damping(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable<T>& table) noexcept { table.template add<&Damping::slow_down>(Phase::kForces, *this); }
+  void enter(StageTable& table) noexcept { table.add<&Damping::slow_down>(Phase::kForces, *this); }
 
  private:
-  void slow_down(StageContext<T>& c) noexcept;
+  void slow_down(StageContext& c) noexcept;
 
   Setup setup_;
 };

@@ -9,19 +9,18 @@
 
 namespace tactus::physics {
 
-template <class T>
 class Drag : public Stateless {
  public:
   struct Setup {
-    std::span<const T> per_m{};  // k by body id; those beyond the end have none. Must outlive the world
-    Vec3<T> flow{};              // m/s, of the fluid
+    std::span<const double> per_m{};  // k by body id; those beyond the end have none. Must outlive the world
+    Vec3d flow{};                     // m/s, of the fluid
     bool used() const noexcept { return !per_m.empty(); }
   };
   Drag(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable<T>& table) noexcept { table.template add<&Drag::resist>(Phase::kForces, *this); }
+  void enter(StageTable& table) noexcept { table.add<&Drag::resist>(Phase::kForces, *this); }
 
  private:
-  void resist(StageContext<T>& c) noexcept;
+  void resist(StageContext& c) noexcept;
 
   Setup setup_;
 };

@@ -21,19 +21,18 @@
 
 namespace tactus::physics {
 
-template <class T>
 using EffectRooms = std::tuple<  //
-    Gravity<T>,                  //
-    Damping<T>,                  //
-    Drag<T>,                     //
-    Attraction<T>,               //
-    Kinematics<T>,               //
-    Joints<T>,                   //
-    ContactTorque<T>,            //
-    Restitution<T>,              //
-    ContinuousCollision<T>,      //
-    Texture<T>,                  //
-    Transients<T>                //
+    Gravity,                     //
+    Damping,                     //
+    Drag,                        //
+    Attraction,                  //
+    Kinematics,                  //
+    Joints,                      //
+    ContactTorque,               //
+    Restitution,                 //
+    ContinuousCollision,         //
+    Texture,                     //
+    Transients                   //
     >;
 
 }  // namespace tactus::physics

@@ -18,8 +18,7 @@ void for_each_room(Rooms& rooms, F&& f) noexcept {
 
 }  // namespace
 
-template <class T>
-Effects<T>::Effects(const EffectSetups<T>& setups, const Capacities& capacities) {
+Effects::Effects(const EffectSetups& setups, const Capacities& capacities) {
   const auto open = [&]<class Room>(std::unique_ptr<Room>& room) {
     const auto& setup = std::get<typename Room::Setup>(setups);
     if (!setup.used()) return;
@@ -29,51 +28,41 @@ Effects<T>::Effects(const EffectSetups<T>& setups, const Capacities& capacities)
   std::apply([&](auto&... room) { (open(room), ...); }, rooms_);
 }
 
-template <class T>
-bool Effects<T>::only_gravity() const noexcept {
+bool Effects::only_gravity() const noexcept {
   std::uint32_t others = 0;
-  for_each_room(rooms_, [&]<class Room>(const Room&) noexcept { others += std::is_same_v<Room, Gravity<T>> ? 0 : 1; });
+  for_each_room(rooms_, [&]<class Room>(const Room&) noexcept { others += std::is_same_v<Room, Gravity> ? 0 : 1; });
   return others == 0;
 }
 
-template <class T>
-void Effects<T>::begin_anew() noexcept {
+void Effects::begin_anew() noexcept {
   for_each_room(rooms_, [](auto& room) noexcept { room.begin_anew(); });
 }
 
-template <class T>
-void Effects<T>::save(ByteWriter& out) const noexcept {
+void Effects::save(ByteWriter& out) const noexcept {
   for_each_room(rooms_, [&](const auto& room) noexcept { room.save(out); });
 }
 
-template <class T>
-bool Effects<T>::restore(ByteReader& in) noexcept {
+bool Effects::restore(ByteReader& in) noexcept {
   bool good = true;
   for_each_room(rooms_, [&](auto& room) noexcept { good = room.restore(in) && good; });
   return good;
 }
 
-template <class T>
-std::size_t Effects<T>::save_size_bound() const noexcept {
+std::size_t Effects::save_size_bound() const noexcept {
   std::size_t bytes = 0;
   for_each_room(rooms_, [&](const auto& room) noexcept { bytes += room.save_size_bound(); });
   return bytes;
 }
 
-template <class T>
-void Effects<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
-                           std::span<const std::uint8_t> inside) const noexcept {
+void Effects::hand_over(ByteWriter& out, std::span<const Body> bodies,
+                        std::span<const std::uint8_t> inside) const noexcept {
   for_each_room(rooms_, [&](const auto& room) noexcept { room.hand_over(out, bodies, inside); });
 }
 
-template <class T>
-bool Effects<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept {
+bool Effects::take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
   bool good = true;
   for_each_room(rooms_, [&](auto& room) noexcept { good = good && room.take_over(in, bodies, known_too); });
   return good;
 }
-
-template class Effects<double>;
-template class Effects<float>;
 
 }  // namespace tactus::physics

@@ -20,16 +20,14 @@ struct Of<std::tuple<Room...>> {
 };
 }  // namespace effects_detail
 
-// What each effect is told; std::get<Joints<T>::Setup>(setups) is that of the joints. Without a word: gravity alone.
-template <class T>
-using EffectSetups = typename effects_detail::Of<EffectRooms<T>>::Setups;
+// What each effect is told; std::get<Joints::Setup>(setups) is that of the joints. Without a word: gravity alone.
+using EffectSetups = effects_detail::Of<EffectRooms>::Setups;
 
-template <class T>
 class Effects {
  public:
-  Effects(const EffectSetups<T>& setups, const Capacities& capacities);
+  Effects(const EffectSetups& setups, const Capacities& capacities);
 
-  const StageTable<T>& stages() const noexcept { return stages_; }
+  const StageTable& stages() const noexcept { return stages_; }
   // Null where the effect is not used.
   template <class Room>
   const Room* find() const noexcept {
@@ -48,14 +46,14 @@ class Effects {
 
   // Between two worlds with the same effects: what the rooms hold of the bodies that are `inside` (by slot; empty:
   // all).
-  void hand_over(ByteWriter& out, std::span<const Body<T>> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  void hand_over(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
   // `known_too`: also of bodies that this world has already; what broke is always believed. False where the bytes are
   // none that hand_over wrote: what was read up to there counts.
-  bool take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept;
+  bool take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:
-  typename effects_detail::Of<EffectRooms<T>>::Held rooms_;
-  StageTable<T> stages_;
+  effects_detail::Of<EffectRooms>::Held rooms_;
+  StageTable stages_;
 };
 
 }  // namespace tactus::physics

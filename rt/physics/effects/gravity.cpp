@@ -2,16 +2,12 @@
 
 namespace tactus::physics {
 
-template <class T>
-void Gravity<T>::fall(StageContext<T>& c) noexcept {
-  if (c.settings.gravity == Vec3<T>{}) return;
-  const Vec3<T> change = c.h * c.settings.gravity;
+void Gravity::fall(StageContext& c) noexcept {
+  if (c.settings.gravity == Vec3d{}) return;
+  const Vec3d change = c.h * c.settings.gravity;
   for_each_slot(c, [change, motion = c.motion, bodies = c.bodies](std::uint32_t i) noexcept {
-    if (motion[i].inverse_mass > T(0)) motion[i].v += bodies[i].gravity_scale * change;
+    if (motion[i].inverse_mass > 0.0) motion[i].v += bodies[i].gravity_scale * change;
   });
 }
-
-template class Gravity<double>;
-template class Gravity<float>;
 
 }  // namespace tactus::physics

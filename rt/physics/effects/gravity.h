@@ -8,7 +8,6 @@
 
 namespace tactus::physics {
 
-template <class T>
 class Gravity : public Stateless {
  public:
   struct Setup {
@@ -16,10 +15,10 @@ class Gravity : public Stateless {
     bool used() const noexcept { return on; }
   };
   Gravity(const Setup&, const Capacities&) noexcept {}
-  void enter(StageTable<T>& table) noexcept { table.template add<&Gravity::fall>(Phase::kForces, *this); }
+  void enter(StageTable& table) noexcept { table.add<&Gravity::fall>(Phase::kForces, *this); }
 
  private:
-  void fall(StageContext<T>& c) noexcept;
+  void fall(StageContext& c) noexcept;
 };
 
 }  // namespace tactus::physics

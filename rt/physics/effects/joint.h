@@ -18,31 +18,29 @@ namespace tactus::physics {
 
 enum class JointKind : std::uint32_t { kFixed = 0, kBall = 1, kHinge = 2, kSlider = 3, kDistance = 4 };
 
-template <class T>
 struct Joint {
   JointKind kind{JointKind::kFixed};
-  BodyId a{kNoBody};     // kNoBody: the world
-  BodyId b{kNoBody};     // a moving body
-  Pose<T> a_from_joint;  // the frame on A; in the world where A is
-  Pose<T> b_from_joint;  // the frame on B
+  BodyId a{kNoBody};   // kNoBody: the world
+  BodyId b{kNoBody};   // a moving body
+  Posed a_from_joint;  // the frame on A; in the world where A is
+  Posed b_from_joint;  // the frame on B
   bool bodies_collide{false};
-  bool limited{false};                                    // hinge within (-pi, pi), slider, distance
-  T low{}, high{};                                        // of the coordinate
-  bool driven{false};                                     // hinge, slider: a motor
-  T motor_speed{};                                        // rad/s, m/s, of the coordinate
-  T motor_effort{};                                       // N m, N: at most
-  T break_force_N{std::numeric_limits<T>::infinity()};    // the mean over a step that breaks it, for good
-  T break_torque_Nm{std::numeric_limits<T>::infinity()};  // same
+  bool limited{false};                                              // hinge within (-pi, pi), slider, distance
+  double low{}, high{};                                             // of the coordinate
+  bool driven{false};                                               // hinge, slider: a motor
+  double motor_speed{};                                             // rad/s, m/s, of the coordinate
+  double motor_effort{};                                            // N m, N: at most
+  double break_force_N{std::numeric_limits<double>::infinity()};    // the mean over a step that breaks it, for good
+  double break_torque_Nm{std::numeric_limits<double>::infinity()};  // same
 };
 
 // In the joint's axes (A's frame), on B. Of a sub-step: impulses [N s, N m s]; between steps: forces [N, N m], because
 // sub-steps differ.
-template <class T>
 struct JointEffort {
-  Vec3<T> linear, angular;
-  T drive{}, lower{}, upper{};  // along the axis, or about it: motor or rod; limits
+  Vec3d linear, angular;
+  double drive{}, lower{}, upper{};  // along the axis, or about it: motor or rod; limits
 
-  friend constexpr JointEffort operator*(T s, const JointEffort& e) noexcept {
+  friend constexpr JointEffort operator*(double s, const JointEffort& e) noexcept {
     return {s * e.linear, s * e.angular, s * e.drive, s * e.lower, s * e.upper};
   }
   friend constexpr JointEffort operator+(const JointEffort& p, const JointEffort& q) noexcept {
@@ -50,11 +48,10 @@ struct JointEffort {
   }
 };
 
-template <class T>
 struct JointState {
-  JointEffort<T> effort;    // starts the next step
-  Vec3<T> force, torque;    // N, N m, world: on B, at its frame; mean over the last step
-  T coordinate{};           // at the end of the last step
+  JointEffort effort;       // starts the next step
+  Vec3d force, torque;      // N, N m, world: on B, at its frame; mean over the last step
+  double coordinate{};      // at the end of the last step
   std::uint32_t broken{0};  // 1: for good
 };
 

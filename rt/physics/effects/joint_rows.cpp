@@ -17,61 +17,52 @@ constexpr Locks kLocks[] = {{{true, true, true}, {true, true, true}},         //
                             {{false, false, false}, {false, false, false}}};  // distance
 constexpr Locks locks_of(JointKind kind) noexcept { return kLocks[static_cast<std::uint32_t>(kind)]; }
 
-template <class T>
-Vec3<T> masked(const Vec3<T>& v, const std::array<bool, 3>& mask) noexcept {
-  return {mask[0] ? v.x : T(0), mask[1] ? v.y : T(0), mask[2] ? v.z : T(0)};
+Vec3d masked(const Vec3d& v, const std::array<bool, 3>& mask) noexcept {
+  return {mask[0] ? v.x : 0.0, mask[1] ? v.y : 0.0, mask[2] ? v.z : 0.0};
 }
-template <class T>
-Vec3<T> into(const Axes<T>& axes, const Vec3<T>& v) noexcept {
-  return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)};
-}
-template <class T>
-Vec3<T> out_of(const Axes<T>& axes, const Vec3<T>& v) noexcept {
-  return v.x * axes.x + v.y * axes.y + v.z * axes.z;
-}
+Vec3d into(const Axes& axes, const Vec3d& v) noexcept { return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)}; }
+Vec3d out_of(const Axes& axes, const Vec3d& v) noexcept { return v.x * axes.x + v.y * axes.y + v.z * axes.z; }
 
 // The inverse of J M^-1 J^T; `entry(p, q)` of axes p and q. What is free is made a unit row: it takes no part.
-template <class T, class F>
-SymMat3<T> mass_of(const Axes<T>& axes, const std::array<bool, 3>& mask, F&& entry) noexcept {
-  const Vec3<T>* d[] = {&axes.x, &axes.y, &axes.z};
+template <class F>
+SymMat3d mass_of(const Axes& axes, const std::array<bool, 3>& mask, F&& entry) noexcept {
+  const Vec3d* d[] = {&axes.x, &axes.y, &axes.z};
   const auto at = [&](int p, int q) noexcept {
     const bool both = mask[static_cast<std::size_t>(p)] && mask[static_cast<std::size_t>(q)];
-    return both ? entry(*d[p], *d[q]) : (p == q ? T(1) : T(0));
+    return both ? entry(*d[p], *d[q]) : (p == q ? 1.0 : 0.0);
   };
-  return inverse(SymMat3<T>{at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)});
+  return inverse(SymMat3d{at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)});
 }
 
 // J M^-1 J^T itself; what is free has none.
-template <class T, class F>
-SymMat3<T> matrix_of(const Axes<T>& axes, const std::array<bool, 3>& mask, F&& entry) noexcept {
-  const Vec3<T>* d[] = {&axes.x, &axes.y, &axes.z};
+template <class F>
+SymMat3d matrix_of(const Axes& axes, const std::array<bool, 3>& mask, F&& entry) noexcept {
+  const Vec3d* d[] = {&axes.x, &axes.y, &axes.z};
   const auto at = [&](int p, int q) noexcept {
     const bool both = mask[static_cast<std::size_t>(p)] && mask[static_cast<std::size_t>(q)];
-    return both ? entry(*d[p], *d[q]) : T(0);
+    return both ? entry(*d[p], *d[q]) : 0.0;
   };
   return {at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)};
 }
 
 // asin(x) for small x, to x^7.
-template <class T>
-T small_asin(T x) noexcept {
-  const T x2 = x * x;
-  return x * (T(1) + x2 * (T(1.0 / 6) + x2 * (T(3.0 / 40) + x2 * T(15.0 / 336))));
+double small_asin(double x) noexcept {
+  const double x2 = x * x;
+  return x * (1.0 + x2 * ((1.0 / 6) + x2 * ((3.0 / 40) + x2 * (15.0 / 336))));
 }
 
 // The angle with that sine and cosine (up to a common positive factor), in (-pi, pi]: twice from a guess, by our own
 // sine, because results depend on it. The error of the first look, below 3e-4, leaves 1e-28 to the second.
-template <class T>
-T angle_of(T s, T c) noexcept {
-  const T length = std::sqrt(s * s + c * c);
-  if (!(length > T(0))) return T(0);
+double angle_of(double s, double c) noexcept {
+  const double length = std::sqrt(s * s + c * c);
+  if (!(length > 0.0)) return 0.0;
   s /= length, c /= length;
-  constexpr T eighth = T(0.78539816339744830962);
-  const T a = std::abs(s), b = std::abs(c);
+  constexpr double eighth = 0.78539816339744830962;
+  const double a = std::abs(s), b = std::abs(c);
   // To the nearest of 0, 45, 90 degrees, then by sign to the whole circle.
-  T guess = a < T(0.41421356237309504880) * b ? T(0) : (b < T(0.41421356237309504880) * a ? T(2) * eighth : eighth);
-  if (c < T(0)) guess = T(4) * eighth - guess;
-  if (s < T(0)) guess = -guess;
+  double guess = a < 0.41421356237309504880 * b ? 0.0 : (b < 0.41421356237309504880 * a ? 2.0 * eighth : eighth);
+  if (c < 0.0) guess = 4.0 * eighth - guess;
+  if (s < 0.0) guess = -guess;
   for (int i = 0; i < 2; ++i) {
     const auto [sine, cosine] = sin_cos(guess);
     guess += small_asin(s * cosine - c * sine);
@@ -81,23 +72,21 @@ T angle_of(T s, T c) noexcept {
 
 }  // namespace
 
-template <class T>
-typename Joints<T>::Side Joints<T>::side(StageContext<T>& c, Row& row, std::uint32_t slot) noexcept {
-  static constexpr SymMat3<T> kNone{};
+Joints::Side Joints::side(StageContext& c, Row& row, std::uint32_t slot) noexcept {
+  static constexpr SymMat3d kNone{};
   if (slot != kOutside) return {c.motion[slot], c.inverse_inertia[slot]};
   if (row.ghost == kNoGhost) return {row.outside, kNone};
-  GhostState<T>& ghost = c.ghosts[row.ghost];
-  const Twist<T> seen = c.ghosts_may_give ? ghost.velocity : Twist<T>{};
+  GhostState& ghost = c.ghosts[row.ghost];
+  const Twistd seen = c.ghosts_may_give ? ghost.velocity : Twistd{};
   row.outside.v = seen.linear, row.outside.w = seen.angular;
   return {row.outside, kNone, &ghost};
 }
 
 // The impulses p at r [m, from the centre] and m on the body.
-template <class T>
-void Joints<T>::push(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& m) noexcept {
-  const Vec3<T> turning = cross(r, p) + m;
+void Joints::push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& m) noexcept {
+  const Vec3d turning = cross(r, p) + m;
   if (side.ghost != nullptr) {
-    const Twist<T> change = side.ghost->admittance * Wrench<T>{p, turning};
+    const Twistd change = side.ghost->admittance * Wrenchd{p, turning};
     side.ghost->velocity.linear += change.linear, side.ghost->velocity.angular += change.angular;
     side.body.v += change.linear, side.body.w += change.angular;
     return;
@@ -107,15 +96,13 @@ void Joints<T>::push(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const
 }
 
 // What a unit impulse along q at r does to the velocity along p there.
-template <class T>
-T Joints<T>::answer(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& q) noexcept {
+double Joints::answer(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& q) noexcept {
   if (side.ghost == nullptr) return inverse_effective_mass(side.body.inverse_mass, side.inverse_inertia, r, p, q);
-  const Twist<T> change = side.ghost->admittance * Wrench<T>{q, cross(r, q)};
+  const Twistd change = side.ghost->admittance * Wrenchd{q, cross(r, q)};
   return dot(p, change.linear + cross(change.angular, r));
 }
 
-template <class T>
-void Joints<T>::prepare(StageContext<T>& c) noexcept {
+void Joints::prepare(StageContext& c) noexcept {
   for (Row& row : rows_) {
     row.outside = {};
     row.outside.v = row.outside_motion.velocity.linear, row.outside.w = row.outside_motion.velocity.angular;
@@ -125,25 +112,24 @@ void Joints<T>::prepare(StageContext<T>& c) noexcept {
 }
 
 // Where the bodies are now: axes, levers, errors, the coordinate.
-template <class T>
-void Joints<T>::measure(const StageContext<T>&, Row& row, const SolverBody<T>& a,
-                        const SolverBody<T>& b) const noexcept {
-  const Joint<T>& joint = joints_[row.joint];
-  const Vec3<T> r_a = rotate(a.delta_rotation, row.arm_a);
+void Joints::measure(const StageContext&, Row& row, const SolverBody<double>& a,
+                     const SolverBody<double>& b) const noexcept {
+  const Joint& joint = joints_[row.joint];
+  const Vec3d r_a = rotate(a.delta_rotation, row.arm_a);
   row.r_b = rotate(b.delta_rotation, row.arm_b);
-  const Vec3<T> d = row.apart + (b.delta_position - a.delta_position) + (row.r_b - row.arm_b) - (r_a - row.arm_a);
+  const Vec3d d = row.apart + (b.delta_position - a.delta_position) + (row.r_b - row.arm_b) - (r_a - row.arm_a);
   row.r_a = r_a + d;  // forces act at B's frame, on both: what the rows do is then exactly what their errors measure
-  const Quat<T> q_a = a.delta_rotation * row.frame_a, q_b = b.delta_rotation * row.frame_b;
+  const Quatd q_a = a.delta_rotation * row.frame_a, q_b = b.delta_rotation * row.frame_b;
   row.axes = axes_of(q_a);
   row.linear_error = masked(into(row.axes, d), locks_of(joint.kind).linear);
   row.axis = row.axes.z;
   switch (joint.kind) {
     case JointKind::kHinge: {
-      const Vec3<T> z_b = rotate(q_b, Vec3<T>{T(0), T(0), T(1)});
+      const Vec3d z_b = rotate(q_b, Vec3d{0.0, 0.0, 1.0});
       row.angular_error = masked(into(row.axes, cross(row.axes.z, z_b)), locks_of(joint.kind).angular);
-      const Quat<T> turn = conjugate(q_a) * q_b;
-      const T sign = turn.w < T(0) ? T(-1) : T(1);
-      row.coordinate = T(2) * angle_of(sign * turn.z, sign * turn.w);
+      const Quatd turn = conjugate(q_a) * q_b;
+      const double sign = turn.w < 0.0 ? -1.0 : 1.0;
+      row.coordinate = 2.0 * angle_of(sign * turn.z, sign * turn.w);
       break;
     }
     case JointKind::kDistance:
@@ -156,44 +142,41 @@ void Joints<T>::measure(const StageContext<T>&, Row& row, const SolverBody<T>& a
   }
 }
 
-template <class T>
-void Joints<T>::fill_masses(Row& row, const Side& a, const Side& b) const noexcept {
+void Joints::fill_masses(Row& row, const Side& a, const Side& b) const noexcept {
   const JointKind kind = joints_[row.joint].kind;
-  const auto linear = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept {
+  const auto linear = [&](const Vec3d& p, const Vec3d& q) noexcept {
     return answer(a, row.r_a, p, q) + answer(b, row.r_b, p, q);
   };
   const auto turning_of = [](const Side& side) noexcept {
     return side.ghost != nullptr ? side.ghost->admittance.angular : side.inverse_inertia;
   };
-  const SymMat3<T> turning = turning_of(a) + turning_of(b);
-  const auto angular = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept { return dot(turning * p, q); };
+  const SymMat3d turning = turning_of(a) + turning_of(b);
+  const auto angular = [&](const Vec3d& p, const Vec3d& q) noexcept { return dot(turning * p, q); };
   row.linear_mass = mass_of(row.axes, locks_of(kind).linear, linear);
   row.angular_mass = mass_of(row.axes, locks_of(kind).angular, angular);
   row.axis_mass = invert_or_zero(kind == JointKind::kHinge ? angular(row.axis, row.axis) : linear(row.axis, row.axis));
 }
 
 // What the ghost's body is alone: one that nothing moves, as a kinematic one, has a ghost that nothing moves.
-template <class T>
-void Joints<T>::take_own_mass(Row& row, const StageContext<T>& c) const noexcept {
-  const SymMat3<T>& w = c.ghosts[row.ghost].admittance.linear;
-  if (w.xx + w.yy + w.zz > T(0)) return;
-  row.own_inverse_mass = T(0), row.own_inverse_inertia = {};
+void Joints::take_own_mass(Row& row, const StageContext& c) const noexcept {
+  const SymMat3d& w = c.ghosts[row.ghost].admittance.linear;
+  if (w.xx + w.yy + w.zz > 0.0) return;
+  row.own_inverse_mass = 0.0, row.own_inverse_inertia = {};
 }
 
 // The same masses with the spring of the two bodies alone (joints.h).
-template <class T>
-void Joints<T>::fill_give(Row& row, const Side& a, const Side& b, const Softness<T>& softness) const noexcept {
+void Joints::fill_give(Row& row, const Side& a, const Side& b, const Softness<double>& softness) const noexcept {
   const JointKind kind = joints_[row.joint].kind;
   const Locks& locks = kLocks[static_cast<std::uint32_t>(kind)];
-  const T give = softness.impulse_scale / softness.mass_scale;  // 1 / a2
-  const auto own = [&](const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& q) noexcept {
+  const double give = softness.impulse_scale / softness.mass_scale;  // 1 / a2
+  const auto own = [&](const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& q) noexcept {
     return side.ghost != nullptr ? inverse_effective_mass(row.own_inverse_mass, row.own_inverse_inertia, r, p, q)
                                  : answer(side, r, p, q);
   };
-  const auto linear = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept {
+  const auto linear = [&](const Vec3d& p, const Vec3d& q) noexcept {
     return give * (own(a, row.r_a, p, q) + own(b, row.r_b, p, q));
   };
-  const auto both = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept {
+  const auto both = [&](const Vec3d& p, const Vec3d& q) noexcept {
     return answer(a, row.r_a, p, q) + answer(b, row.r_b, p, q) + linear(p, q);
   };
   const auto turning_of = [](const Side& side) noexcept {
@@ -202,9 +185,9 @@ void Joints<T>::fill_give(Row& row, const Side& a, const Side& b, const Softness
   const auto own_turning_of = [&](const Side& side) noexcept {
     return side.ghost != nullptr ? row.own_inverse_inertia : side.inverse_inertia;
   };
-  const SymMat3<T> turning = turning_of(a) + turning_of(b), own_turning = own_turning_of(a) + own_turning_of(b);
-  const auto angular = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept { return give * dot(own_turning * p, q); };
-  const auto both_angular = [&](const Vec3<T>& p, const Vec3<T>& q) noexcept {
+  const SymMat3d turning = turning_of(a) + turning_of(b), own_turning = own_turning_of(a) + own_turning_of(b);
+  const auto angular = [&](const Vec3d& p, const Vec3d& q) noexcept { return give * dot(own_turning * p, q); };
+  const auto both_angular = [&](const Vec3d& p, const Vec3d& q) noexcept {
     return dot(turning * p, q) + angular(p, q);
   };
   row.linear_soft_mass = mass_of(row.axes, locks.linear, both);
@@ -218,19 +201,16 @@ void Joints<T>::fill_give(Row& row, const Side& a, const Side& b, const Softness
 
 // The world's inertia of a body that spins fast has turned since the start of the step: a joint's pull that goes by the
 // old one spins it up (a top at 100 rad/s gained 0.2 % of its energy in 4 s).
-template <class T>
-void turn_inertia(const StageContext<T>& c, std::uint32_t slot) noexcept {
-  const SolverBody<T>& state = c.motion[slot];
-  if (state.gyroscopic == T(0) || state.inverse_mass == T(0)) return;
-  const Body<T>& body = c.bodies[slot];
-  c.inverse_inertia[slot] =
-      rotate_diagonal(state.delta_rotation * body.motion.pose.rotation,
-                      Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
+void turn_inertia(const StageContext& c, std::uint32_t slot) noexcept {
+  const SolverBody<double>& state = c.motion[slot];
+  if (state.gyroscopic == 0.0 || state.inverse_mass == 0.0) return;
+  const Body& body = c.bodies[slot];
+  c.inverse_inertia[slot] = rotate_diagonal(state.delta_rotation * body.motion.pose.rotation,
+                                            Vec3d{1.0 / body.inertia.x, 1.0 / body.inertia.y, 1.0 / body.inertia.z});
 }
 
-template <class T>
-void Joints<T>::begin_sub_step(StageContext<T>& c) noexcept {
-  const T elapsed = static_cast<T>(c.sub_step) * c.h;
+void Joints::begin_sub_step(StageContext& c) noexcept {
+  const double elapsed = static_cast<double>(c.sub_step) * c.h;
   for (Row& row : rows_) {
     if (c.sub_step > 0) add_to_sums(c, row);
     if (c.sub_step == 0 && row.anchored) {
@@ -255,108 +235,99 @@ void Joints<T>::begin_sub_step(StageContext<T>& c) noexcept {
 }
 
 // On the side that is here, of a joint with a body of another world.
-template <class T>
-Twist<T> Joints<T>::frame_velocity(const StageContext<T>& c, const Row& row) const noexcept {
+Twistd Joints::frame_velocity(const StageContext& c, const Row& row) const noexcept {
   const bool is_a = row.slot_a != kOutside;
-  const SolverBody<T>& body = c.motion[is_a ? row.slot_a : row.slot_b];
+  const SolverBody<double>& body = c.motion[is_a ? row.slot_a : row.slot_b];
   return {velocity_at(body, is_a ? row.r_a : row.r_b), body.w};
 }
 
 // `effort` on B, the opposite on A.
-template <class T>
-void Joints<T>::apply(const Row& row, const Side& a, const Side& b, const JointEffort<T>& effort) const noexcept {
-  Vec3<T> p = out_of(row.axes, effort.linear), m = out_of(row.axes, effort.angular);
-  const T along = effort.drive + effort.lower + effort.upper;
+void Joints::apply(const Row& row, const Side& a, const Side& b, const JointEffort& effort) const noexcept {
+  Vec3d p = out_of(row.axes, effort.linear), m = out_of(row.axes, effort.angular);
+  const double along = effort.drive + effort.lower + effort.upper;
   (joints_[row.joint].kind == JointKind::kHinge ? m : p) += along * row.axis;
   push(a, row.r_a, -p, -m);
   push(b, row.r_b, p, m);
 }
 
-template <class T>
-void Joints<T>::add_to_sums(StageContext<T>& c, Row& row) const noexcept {
-  const Vec3<T> along = (row.now.drive + row.now.lower + row.now.upper) * row.axis;
+void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
+  const Vec3d along = (row.now.drive + row.now.lower + row.now.upper) * row.axis;
   const bool turns = joints_[row.joint].kind == JointKind::kHinge;
-  const Vec3<T> force = out_of(row.axes, row.now.linear) + (turns ? Vec3<T>{} : along);
-  const Vec3<T> torque = out_of(row.axes, row.now.angular) + (turns ? along : Vec3<T>{});
+  const Vec3d force = out_of(row.axes, row.now.linear) + (turns ? Vec3d{} : along);
+  const Vec3d torque = out_of(row.axes, row.now.angular) + (turns ? along : Vec3d{});
   row.sum_force += force, row.sum_torque += torque;
   if (!row.anchored) return;
-  const Twist<T> end = frame_velocity(c, row);
-  const T on_b = dot(force, T(0.5) * (row.start_velocity.linear + end.linear)) +
-                 dot(torque, T(0.5) * (row.start_velocity.angular + end.angular));
+  const Twistd end = frame_velocity(c, row);
+  const double on_b = dot(force, 0.5 * (row.start_velocity.linear + end.linear)) +
+                      dot(torque, 0.5 * (row.start_velocity.angular + end.angular));
   c.report.border_joints_J += row.slot_b != kOutside ? on_b : -on_b;
 }
 
-template <class T>
-void Joints<T>::warm_start(StageContext<T>& c) noexcept {
+void Joints::warm_start(StageContext& c) noexcept {
   for (Row& row : rows_) apply(row, side(c, row, row.slot_a), side(c, row, row.slot_b), row.now);
 }
 
 // A ghost that may not give does not push out errors either. Its row is rigid then: a spring that pushes nothing out,
 // but whose impulse leaks, would let go of its load within some sub-steps, and with the tank empty for it that stays so
 // (tests/border/pendulum_cut.toml with three members: 15 N of 100 N).
-template <class T>
-bool may_push(const StageContext<T>& c, const auto& row) noexcept {
-  return row.ghost == kNoGhost || c.ghosts_may_give;
-}
+bool may_push(const StageContext& c, const auto& row) noexcept { return row.ghost == kNoGhost || c.ghosts_may_give; }
 
-template <class T>
 template <bool kBias>
-void Joints<T>::solve_axis(const StageContext<T>& c, Row& row, const Side& a, const Side& b) noexcept {
-  const Joint<T>& joint = joints_[row.joint];
+void Joints::solve_axis(const StageContext& c, Row& row, const Side& a, const Side& b) noexcept {
+  const Joint& joint = joints_[row.joint];
   const bool turns = joint.kind == JointKind::kHinge;
-  const T mass = row.axis_mass;
-  Softness<T> soft = kBias && may_push(c, row) ? c.rule.softness : Softness<T>::rigid();
-  if (soft.bias_rate > T(0) && row.ghost != kNoGhost) {
+  const double mass = row.axis_mass;
+  Softness<double> soft = kBias && may_push(c, row) ? c.rule.softness : Softness<double>::rigid();
+  if (soft.bias_rate > 0.0 && row.ghost != kNoGhost) {
     soft.mass_scale = row.axis_soft_mass * invert_or_zero(mass);
     soft.impulse_scale = row.axis_soft_mass * row.axis_give;
   }
-  const T push = soft.mass_scale * soft.bias_rate;
+  const double push = soft.mass_scale * soft.bias_rate;
   const auto speed = [&]() noexcept {
     if (turns) return dot(row.axis, b.body.w - a.body.w);
     return dot(row.axis, velocity_at(b.body, row.r_b) - velocity_at(a.body, row.r_a));
   };
-  const auto add = [&](T& sum, T next) noexcept {
-    JointEffort<T> change;
+  const auto add = [&](double& sum, double next) noexcept {
+    JointEffort change;
     change.drive = next - sum;
     sum = next;
     apply(row, a, b, change);
   };
   if (joint.driven) {
-    const T most = c.h * joint.motor_effort;
+    const double most = c.h * joint.motor_effort;
     add(row.now.drive, std::clamp(row.now.drive - mass * (speed() - joint.motor_speed), -most, most));
   }
   if (!joint.limited) return;
   if (joint.low == joint.high) {
-    const T error = row.coordinate - joint.low;
-    const T last = row.now.lower;
-    add(row.now.lower, last - mass * (soft.mass_scale * speed() + (kBias ? push * error : T(0))) -
-                           (kBias ? soft.impulse_scale * last : T(0)));
+    const double error = row.coordinate - joint.low;
+    const double last = row.now.lower;
+    add(row.now.lower, last - mass * (soft.mass_scale * speed() + (kBias ? push * error : 0.0)) -
+                           (kBias ? soft.impulse_scale * last : 0.0));
     return;
   }
   // As a contact: apart it may close the gap, no more.
-  const auto hold = [&](T gap, T closing, T last) noexcept {
-    if (gap > T(0)) return std::max(T(0), last - mass * (gap * c.rule.inverse_h + closing));
-    return std::max(T(0), last - mass * (soft.mass_scale * closing + (kBias ? push * gap : T(0))) -
-                              (kBias ? soft.impulse_scale * last : T(0)));
+  const auto hold = [&](double gap, double closing, double last) noexcept {
+    if (gap > 0.0) return std::max(0.0, last - mass * (gap * c.rule.inverse_h + closing));
+    return std::max(0.0, last - mass * (soft.mass_scale * closing + (kBias ? push * gap : 0.0)) -
+                             (kBias ? soft.impulse_scale * last : 0.0));
   };
   add(row.now.lower, hold(row.coordinate - joint.low, speed(), row.now.lower));
   add(row.now.upper, -hold(joint.high - row.coordinate, -speed(), -row.now.upper));
 }
 
-template <class T>
 template <bool kBias>
-void Joints<T>::solve(StageContext<T>& c) noexcept {
+void Joints::solve(StageContext& c) noexcept {
   for (Row& row : rows_) {
-    const Softness<T> soft = kBias && may_push(c, row) ? c.rule.softness : Softness<T>::rigid();
-    const T rate = soft.bias_rate, push = soft.mass_scale * rate, leak = soft.impulse_scale;
-    const bool gives = rate > T(0) && row.ghost != kNoGhost;
+    const Softness<double> soft = kBias && may_push(c, row) ? c.rule.softness : Softness<double>::rigid();
+    const double rate = soft.bias_rate, push = soft.mass_scale * rate, leak = soft.impulse_scale;
+    const bool gives = rate > 0.0 && row.ghost != kNoGhost;
     const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
     const JointKind kind = joints_[row.joint].kind;
     const Locks locks = locks_of(kind);
     solve_axis<kBias>(c, row, a, b);
     if (locks.angular[0]) {
-      const Vec3<T> u = masked(into(row.axes, b.body.w - a.body.w), locks.angular);
-      JointEffort<T> change;
+      const Vec3d u = masked(into(row.axes, b.body.w - a.body.w), locks.angular);
+      JointEffort change;
       change.angular =
           gives ? -(row.angular_soft_mass * (u + rate * row.angular_error + row.angular_give * row.now.angular))
                 : -(row.angular_mass * (soft.mass_scale * u + push * row.angular_error)) - leak * row.now.angular;
@@ -364,9 +335,8 @@ void Joints<T>::solve(StageContext<T>& c) noexcept {
       apply(row, a, b, change);
     }
     if (locks.linear[0]) {
-      const Vec3<T> u =
-          masked(into(row.axes, velocity_at(b.body, row.r_b) - velocity_at(a.body, row.r_a)), locks.linear);
-      JointEffort<T> change;
+      const Vec3d u = masked(into(row.axes, velocity_at(b.body, row.r_b) - velocity_at(a.body, row.r_a)), locks.linear);
+      JointEffort change;
       change.linear =
           gives ? -(row.linear_soft_mass * (u + rate * row.linear_error + row.linear_give * row.now.linear))
                 : -(row.linear_mass * (soft.mass_scale * u + push * row.linear_error)) - leak * row.now.linear;
@@ -376,8 +346,7 @@ void Joints<T>::solve(StageContext<T>& c) noexcept {
   }
 }
 
-template <class T>
-void Joints<T>::follow(StageContext<T>& c) noexcept {
+void Joints::follow(StageContext& c) noexcept {
   for (Row& row : rows_) {
     if (!joints_[row.joint].limited) continue;
     Row moved = row;
@@ -387,28 +356,25 @@ void Joints<T>::follow(StageContext<T>& c) noexcept {
   }
 }
 
-template <class T>
-void Joints<T>::scale(StageContext<T>& c) noexcept {
+void Joints::scale(StageContext& c) noexcept {
   for (Row& row : rows_) row.now = c.factor * row.now;
 }
 
-template <class T>
-void Joints<T>::keep(StageContext<T>&) noexcept {
+void Joints::keep(StageContext&) noexcept {
   for (Row& row : rows_) row.kept = row.now;
 }
 
-template <class T>
-void Joints<T>::finish(StageContext<T>& c) noexcept {
-  const T rate = T(1) / c.settings.dt;
+void Joints::finish(StageContext& c) noexcept {
+  const double rate = 1.0 / c.settings.dt;
   for (Row& row : rows_) {
     const bool still =
         (row.slot_a == kOutside || c.held[row.slot_a] != 0) && (row.slot_b == kOutside || c.held[row.slot_b] != 0);
     if (still) continue;  // another solve's, or nobody's
     add_to_sums(c, row);
-    const Joint<T>& joint = joints_[row.joint];
-    JointState<T>& state = states_[row.joint];
-    const JointEffort<T> next = c.factor == T(1) ? row.now : row.kept + c.factor * (row.now + T(-1) * row.kept);
-    state.effort = (T(1) / c.h) * next;
+    const Joint& joint = joints_[row.joint];
+    JointState& state = states_[row.joint];
+    const JointEffort next = c.factor == 1.0 ? row.now : row.kept + c.factor * (row.now + -1.0 * row.kept);
+    state.effort = (1.0 / c.h) * next;
     state.force = rate * row.sum_force, state.torque = rate * row.sum_torque;
     state.coordinate = row.coordinate;
     if (norm(state.force) <= joint.break_force_N && norm(state.torque) <= joint.break_torque_Nm) continue;
@@ -416,29 +382,15 @@ void Joints<T>::finish(StageContext<T>& c) noexcept {
     ++c.report.broken_joints;
   }
   for (Anchor& anchor : anchors_) {
-    BodyMotion<T>& m = anchor.motion;
+    BodyMotion& m = anchor.motion;
     const std::uint32_t ghost = find_ghost(c.ghosts, outside_of(anchor.joint, c.bodies));
     const bool known = ghost != kNoGhost;
-    const Vec3<T> moved = known ? c.ghosts[ghost].moved : c.settings.dt * m.velocity.linear;
-    const Vec3<T> turned = known ? c.ghosts[ghost].turned : c.settings.dt * m.velocity.angular;
+    const Vec3d moved = known ? c.ghosts[ghost].moved : c.settings.dt * m.velocity.linear;
+    const Vec3d turned = known ? c.ghosts[ghost].turned : c.settings.dt * m.velocity.angular;
     if (known) m.velocity = c.ghosts[ghost].velocity;
     m.pose.position += moved;
     m.pose.rotation = normalized(quat_from_rotation_vector(turned) * m.pose.rotation);
   }
 }
-
-#define TACTUS_INSTANTIATE(T)                                         \
-  template void Joints<T>::prepare(StageContext<T>&) noexcept;        \
-  template void Joints<T>::begin_sub_step(StageContext<T>&) noexcept; \
-  template void Joints<T>::warm_start(StageContext<T>&) noexcept;     \
-  template void Joints<T>::solve<true>(StageContext<T>&) noexcept;    \
-  template void Joints<T>::solve<false>(StageContext<T>&) noexcept;   \
-  template void Joints<T>::follow(StageContext<T>&) noexcept;         \
-  template void Joints<T>::scale(StageContext<T>&) noexcept;          \
-  template void Joints<T>::keep(StageContext<T>&) noexcept;           \
-  template void Joints<T>::finish(StageContext<T>&) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

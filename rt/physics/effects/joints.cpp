@@ -8,8 +8,7 @@
 namespace tactus::physics {
 namespace {
 
-template <class T>
-bool is_finite_effort(const JointEffort<T>& e) noexcept {
+bool is_finite_effort(const JointEffort& e) noexcept {
   return is_finite(e.linear) && is_finite(e.angular) && std::isfinite(e.drive) && std::isfinite(e.lower) &&
          std::isfinite(e.upper);
 }
@@ -32,15 +31,14 @@ void take_out(BoundedVector<SlotPair>& pairs, const BoundedVector<SlotPair>& apa
 
 }  // namespace
 
-template <class T>
-Joints<T>::Joints(const Setup& setup, const Capacities&) : joints_(setup.joints) {
+Joints::Joints(const Setup& setup, const Capacities&) : joints_(setup.joints) {
   const auto count = static_cast<std::uint32_t>(joints_.size());
   BodyId highest = 0;
-  for (const Joint<T>& joint : joints_) {
+  for (const Joint& joint : joints_) {
     TACTUS_CHECK(joint.b <= kMaxBodyId && (joint.a == kNoBody || joint.a <= kMaxBodyId), joint.a, joint.b);
     highest = std::max(highest, joint.a == kNoBody ? joint.b : std::max(joint.a, joint.b));
   }
-  states_ = BoundedVector<JointState<T>>(count);
+  states_ = BoundedVector<JointState>(count);
   states_.resize(count);
   first_of_ = BoundedVector<std::uint32_t>(highest + 2);
   first_of_.resize(highest + 2);
@@ -49,7 +47,7 @@ Joints<T>::Joints(const Setup& setup, const Capacities&) : joints_(setup.joints)
   rows_ = BoundedVector<Row>(count);
   apart_ = BoundedVector<SlotPair>(count), apart_fixed_ = BoundedVector<SlotPair>(count);
   for (BodyId id = 0; id <= highest; ++id) first_of_[id] = 0;
-  for (const Joint<T>& joint : joints_) {
+  for (const Joint& joint : joints_) {
     ++first_of_[joint.b];
     if (joint.a != kNoBody) ++first_of_[joint.a];
   }
@@ -66,54 +64,48 @@ Joints<T>::Joints(const Setup& setup, const Capacities&) : joints_(setup.joints)
   }
 }
 
-template <class T>
-void Joints<T>::enter(StageTable<T>& table) noexcept {
-  table.template add<&Joints::find_active>(Phase::kPairs, *this);
-  table.template add<&Joints::separate>(Phase::kPairs, *this);
-  table.template add<&Joints::separate_fixed>(Phase::kFixedPairs, *this);
-  table.template add<&Joints::prepare>(Phase::kPrepare, *this);
-  table.template add<&Joints::begin_sub_step>(Phase::kBeginSubStep, *this);
-  table.template add<&Joints::warm_start>(Phase::kWarmStart, *this);
-  table.template add<&Joints::template solve<true>>(Phase::kBiased, *this);
-  table.template add<&Joints::follow>(Phase::kMoved, *this);
-  table.template add<&Joints::template solve<false>>(Phase::kRelax, *this);
-  table.template add<&Joints::scale>(Phase::kScale, *this);
-  table.template add<&Joints::keep>(Phase::kKeep, *this);
-  table.template add<&Joints::finish>(Phase::kFinish, *this);
+void Joints::enter(StageTable& table) noexcept {
+  table.add<&Joints::find_active>(Phase::kPairs, *this);
+  table.add<&Joints::separate>(Phase::kPairs, *this);
+  table.add<&Joints::separate_fixed>(Phase::kFixedPairs, *this);
+  table.add<&Joints::prepare>(Phase::kPrepare, *this);
+  table.add<&Joints::begin_sub_step>(Phase::kBeginSubStep, *this);
+  table.add<&Joints::warm_start>(Phase::kWarmStart, *this);
+  table.add<&Joints::solve<true>>(Phase::kBiased, *this);
+  table.add<&Joints::follow>(Phase::kMoved, *this);
+  table.add<&Joints::solve<false>>(Phase::kRelax, *this);
+  table.add<&Joints::scale>(Phase::kScale, *this);
+  table.add<&Joints::keep>(Phase::kKeep, *this);
+  table.add<&Joints::finish>(Phase::kFinish, *this);
 }
 
-template <class T>
-bool Joints<T>::is_sound(const Anchor& anchor) noexcept {
-  const Vec3<T>& i = anchor.inverse_inertia;
+bool Joints::is_sound(const Anchor& anchor) noexcept {
+  const Vec3d& i = anchor.inverse_inertia;
   return is_finite(anchor.motion.pose) && is_finite(anchor.motion.velocity) && std::isfinite(anchor.inverse_mass) &&
-         anchor.inverse_mass >= T(0) && is_finite(i) && i.x >= T(0) && i.y >= T(0) && i.z >= T(0);
+         anchor.inverse_mass >= 0.0 && is_finite(i) && i.x >= 0.0 && i.y >= 0.0 && i.z >= 0.0;
 }
 
-template <class T>
-std::uint32_t Joints<T>::slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept {
+std::uint32_t Joints::slot_of(std::span<const Body> bodies, BodyId id) noexcept {
   return id == kNoBody ? kNoSlot : find_slot(bodies, id);
 }
 
-template <class T>
-std::span<const std::uint32_t> Joints<T>::joints_of(BodyId id) const noexcept {
+std::span<const std::uint32_t> Joints::joints_of(BodyId id) const noexcept {
   if (id + 1 >= first_of_.size()) return {};
   return joints_of_.span().subspan(first_of_[id], first_of_[id + 1] - first_of_[id]);
 }
 
-template <class T>
-const typename Joints<T>::Anchor* Joints<T>::anchor_of(std::uint32_t joint) const noexcept {
+const Joints::Anchor* Joints::anchor_of(std::uint32_t joint) const noexcept {
   const auto* at = std::lower_bound(anchors_.begin(), anchors_.end(), joint,
                                     [](const Anchor& x, std::uint32_t k) { return x.joint < k; });
   return at != anchors_.end() && at->joint == joint ? at : nullptr;
 }
 
 // The joints of the bodies that are here, each once: by its B, or by its A where B is another world's.
-template <class T>
-void Joints<T>::find_active(StageContext<T>& c) noexcept {
+void Joints::find_active(StageContext& c) noexcept {
   rows_.clear(), apart_.clear(), apart_fixed_.clear();
   for (std::uint32_t slot = 0; slot < c.bodies.size(); ++slot) {
     for (const std::uint32_t k : joints_of(c.bodies[slot].id)) {
-      const Joint<T>& joint = joints_[k];
+      const Joint& joint = joints_[k];
       if (states_[k].broken != 0) continue;
       if (joint.b != c.bodies[slot].id) {
         if (slot_of(c.bodies, joint.b) == kNoSlot && anchor_of(k) != nullptr) add_row(c, k, slot, kOutside);
@@ -133,10 +125,9 @@ void Joints<T>::find_active(StageContext<T>& c) noexcept {
   std::sort(apart_fixed_.begin(), apart_fixed_.end(), comes_before);
 }
 
-template <class T>
-void Joints<T>::add_row(StageContext<T>& c, std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+void Joints::add_row(StageContext& c, std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
   if (!rows_.try_push({})) return;  // room for all joints
-  const Joint<T>& joint = joints_[k];
+  const Joint& joint = joints_[k];
   Row& row = rows_[rows_.size() - 1];
   row.joint = k, row.slot_a = slot_a, row.slot_b = slot_b;
   if (slot_a == kOutside || slot_b == kOutside) {
@@ -151,8 +142,8 @@ void Joints<T>::add_row(StageContext<T>& c, std::uint32_t k, std::uint32_t slot_
       row.own_inverse_inertia = rotate_diagonal(anchor.motion.pose.rotation, anchor.inverse_inertia);
     }
   }
-  const Pose<T>& a = slot_a == kOutside ? row.outside_motion.pose : c.bodies[slot_a].motion.pose;
-  const Pose<T>& b = slot_b == kOutside ? row.outside_motion.pose : c.bodies[slot_b].motion.pose;
+  const Posed& a = slot_a == kOutside ? row.outside_motion.pose : c.bodies[slot_a].motion.pose;
+  const Posed& b = slot_b == kOutside ? row.outside_motion.pose : c.bodies[slot_b].motion.pose;
   row.arm_a = rotate(a.rotation, joint.a_from_joint.position);
   row.arm_b = rotate(b.rotation, joint.b_from_joint.position);
   row.apart = (b.position - a.position) + (row.arm_b - row.arm_a);
@@ -161,39 +152,33 @@ void Joints<T>::add_row(StageContext<T>& c, std::uint32_t k, std::uint32_t slot_
 }
 
 // Of a joint with a body of another world: which one that is.
-template <class T>
-BodyId Joints<T>::outside_of(std::uint32_t joint, std::span<const Body<T>> bodies) const noexcept {
+BodyId Joints::outside_of(std::uint32_t joint, std::span<const Body> bodies) const noexcept {
   return slot_of(bodies, joints_[joint].b) == kNoSlot ? joints_[joint].b : joints_[joint].a;
 }
 
-template <class T>
-void Joints<T>::separate(StageContext<T>& c) noexcept {
+void Joints::separate(StageContext& c) noexcept {
   if (!apart_.empty()) take_out(*c.pairs, apart_);
 }
 
-template <class T>
-void Joints<T>::separate_fixed(StageContext<T>& c) noexcept {
+void Joints::separate_fixed(StageContext& c) noexcept {
   if (!apart_fixed_.empty()) take_out(*c.pairs, apart_fixed_);
 }
 
-template <class T>
-void Joints<T>::save(ByteWriter& out) const noexcept {
-  for (const JointState<T>& s : states_)  // field by field: the struct has padding
+void Joints::save(ByteWriter& out) const noexcept {
+  for (const JointState& s : states_)  // field by field: the struct has padding
     out.put(s.effort), out.put(s.force), out.put(s.torque), out.put(s.coordinate), out.put(s.broken);
   out.put(anchors_.size());
   for (const Anchor& anchor : anchors_)
     out.put(anchor.joint), out.put(anchor.motion), out.put(anchor.inverse_mass), out.put(anchor.inverse_inertia);
 }
 
-template <class T>
-std::size_t Joints<T>::save_size_bound() const noexcept {
-  return states_.size() * (sizeof(JointState<T>) + sizeof(Anchor)) + sizeof(std::uint32_t);
+std::size_t Joints::save_size_bound() const noexcept {
+  return states_.size() * (sizeof(JointState) + sizeof(Anchor)) + sizeof(std::uint32_t);
 }
 
-template <class T>
-bool Joints<T>::restore(ByteReader& in) noexcept {
+bool Joints::restore(ByteReader& in) noexcept {
   anchors_.clear();
-  for (JointState<T>& s : states_)
+  for (JointState& s : states_)
     in.get(s.effort), in.get(s.force), in.get(s.torque), in.get(s.coordinate), in.get(s.broken);
   std::uint32_t count = 0;
   in.get(count);
@@ -204,7 +189,7 @@ bool Joints<T>::restore(ByteReader& in) noexcept {
     good = in.ok() && anchor.joint < joints_.size() && (i == 0 || anchors_[i - 1].joint < anchor.joint) &&
            is_sound(anchor) && anchors_.try_push(anchor);
   }
-  for (JointState<T>& state : states_)
+  for (JointState& state : states_)
     if (!is_finite_effort(state.effort) || !is_finite(state.force) || !is_finite(state.torque) || state.broken > 1)
       state = {}, good = false;
   return good;
@@ -212,9 +197,8 @@ bool Joints<T>::restore(ByteReader& in) noexcept {
 
 // Count, then for each joint with a body inside: its number, whether it is broken (1), whether one of its bodies is
 // outside (2), its effort, and the outside body's motion and inverse masses where there is one.
-template <class T>
-void Joints<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
-                          std::span<const std::uint8_t> inside) const noexcept {
+void Joints::hand_over(ByteWriter& out, std::span<const Body> bodies,
+                       std::span<const std::uint8_t> inside) const noexcept {
   const auto is_inside = [&](std::uint32_t slot) noexcept {
     return slot != kNoSlot && (inside.empty() || inside[slot] != 0);
   };
@@ -237,32 +221,30 @@ void Joints<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
   each([&](std::uint32_t k, std::uint32_t beyond) noexcept {
     out.put(k), out.put(states_[k].broken | (beyond != kNoSlot ? kAnchored : 0u)), out.put(states_[k].effort);
     if (beyond == kNoSlot) return;
-    const Body<T>& body = bodies[beyond];
-    out.put(body.motion), out.put(T(1) / body.mass);
-    out.put(Vec3<T>{T(1) / body.inertia.x, T(1) / body.inertia.y, T(1) / body.inertia.z});
+    const Body& body = bodies[beyond];
+    out.put(body.motion), out.put(1.0 / body.mass);
+    out.put(Vec3d{1.0 / body.inertia.x, 1.0 / body.inertia.y, 1.0 / body.inertia.z});
   });
 }
 
-template <class T>
-void Joints<T>::begin_anew() noexcept {
-  std::fill(states_.begin(), states_.end(), JointState<T>{});
+void Joints::begin_anew() noexcept {
+  std::fill(states_.begin(), states_.end(), JointState{});
   anchors_.clear();
 }
 
-template <class T>
-bool Joints<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept {
+bool Joints::take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
   std::uint32_t count = 0;
   in.get(count);
   if (!known_too) anchors_.clear();
   for (std::uint32_t i = 0; i < count && in.ok(); ++i) {
     Anchor anchor;
     std::uint32_t flags = 0;
-    JointEffort<T> effort;
+    JointEffort effort;
     in.get(anchor.joint), in.get(flags), in.get(effort);
     if ((flags & kAnchored) != 0) in.get(anchor.motion), in.get(anchor.inverse_mass), in.get(anchor.inverse_inertia);
     if (!in.ok() || anchor.joint >= joints_.size() || !is_finite_effort(effort) || !is_sound(anchor)) return false;
-    const Joint<T>& joint = joints_[anchor.joint];
-    JointState<T>& state = states_[anchor.joint];
+    const Joint& joint = joints_[anchor.joint];
+    JointState& state = states_[anchor.joint];
     const bool known =
         slot_of(bodies, joint.b) != kNoSlot && (joint.a == kNoBody || slot_of(bodies, joint.a) != kNoSlot);
     if (known_too || !known) state.effort = effort;
@@ -272,8 +254,5 @@ bool Joints<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, bool 
   std::sort(anchors_.begin(), anchors_.end(), [](const Anchor& p, const Anchor& q) { return p.joint < q.joint; });
   return in.ok();
 }
-
-template class Joints<double>;
-template class Joints<float>;
 
 }  // namespace tactus::physics

@@ -23,21 +23,20 @@
 
 namespace tactus::physics {
 
-template <class T>
 class Joints {
  public:
   struct Setup {
-    std::span<const Joint<T>> joints{};  // must outlive the world
+    std::span<const Joint> joints{};  // must outlive the world
     bool used() const noexcept { return !joints.empty(); }
   };
   Joints(const Setup& setup, const Capacities& capacities);
-  void enter(StageTable<T>& table) noexcept;
+  void enter(StageTable& table) noexcept;
 
-  std::span<const Joint<T>> joints() const noexcept { return joints_; }
-  std::span<const JointState<T>> states() const noexcept { return states_.span(); }  // by joint
+  std::span<const Joint> joints() const noexcept { return joints_; }
+  std::span<const JointState> states() const noexcept { return states_.span(); }  // by joint
   // `f(slot_a, slot_b, joint)` for joints that hold two of these bodies together, by B.
   template <class F>
-  void for_each_link(std::span<const Body<T>> bodies, F&& f) const noexcept {
+  void for_each_link(std::span<const Body> bodies, F&& f) const noexcept {
     for (std::uint32_t slot = 0; slot < bodies.size(); ++slot)
       for (const std::uint32_t k : joints_of(bodies[slot].id)) {
         if (states_[k].broken != 0 || joints_[k].b != bodies[slot].id) continue;
@@ -49,8 +48,8 @@ class Joints {
   void save(ByteWriter& out) const noexcept;
   bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept;
-  void hand_over(ByteWriter& out, std::span<const Body<T>> bodies, std::span<const std::uint8_t> inside) const noexcept;
-  bool take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept;
+  void hand_over(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  bool take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:
   static constexpr std::uint32_t kOutside = kNoSlot;
@@ -58,75 +57,76 @@ class Joints {
   // Where a body of another world goes.
   struct Anchor {
     std::uint32_t joint{0};
-    BodyMotion<T> motion;
-    T inverse_mass{};         // 1/kg,
-    Vec3<T> inverse_inertia;  // 1/(kg m^2), body frame: of that body alone, whatever moves with it
+    BodyMotion motion;
+    double inverse_mass{};  // 1/kg,
+    Vec3d inverse_inertia;  // 1/(kg m^2), body frame: of that body alone, whatever moves with it
   };
   struct Row {
     std::uint32_t joint{0}, slot_a{kOutside}, slot_b{kOutside};
-    Vec3<T> arm_a, arm_b, apart;    // m: from the centres to the frames, between the frames; at the start of the step
-    Quat<T> frame_a, frame_b;       // world_from_joint, at the start of the step
-    SolverBody<T> outside;          // of the side that has no slot
-    BodyMotion<T> outside_motion;   // at the start of the step
+    Vec3d arm_a, arm_b, apart;      // m: from the centres to the frames, between the frames; at the start of the step
+    Quatd frame_a, frame_b;         // world_from_joint, at the start of the step
+    SolverBody<double> outside;     // of the side that has no slot
+    BodyMotion outside_motion;      // at the start of the step
     bool anchored{false};           // that side is a body of another world,
     std::uint32_t ghost{kNoGhost};  // and this its ghost
     // Of the sub-step.
-    Axes<T> axes;
-    Vec3<T> r_a, r_b, axis;  // m; axis: unit, of the coordinate
-    Vec3<T> linear_error, angular_error;
-    T coordinate{};
-    SymMat3<T> linear_mass, angular_mass;
-    T axis_mass{};
+    Axes axes;
+    Vec3d r_a, r_b, axis;  // m; axis: unit, of the coordinate
+    Vec3d linear_error, angular_error;
+    double coordinate{};
+    SymMat3d linear_mass, angular_mass;
+    double axis_mass{};
     // Against a ghost, in the biased sweep: (A + A' / a2)^-1 and A' / a2, of forces, torques and the coordinate; and
     // what the ghost's body is alone (0: nothing moves it).
-    T own_inverse_mass{};
-    SymMat3<T> own_inverse_inertia;  // world
-    SymMat3<T> linear_soft_mass, linear_give, angular_soft_mass, angular_give;
-    T axis_soft_mass{}, axis_give{};
-    JointEffort<T> now, kept;       // N s, N m s
-    Vec3<T> sum_force, sum_torque;  // N s, N m s, on B, world, over the step
-    Twist<T> start_velocity;        // of the frame on the side that is here
+    double own_inverse_mass{};
+    SymMat3d own_inverse_inertia;  // world
+    SymMat3d linear_soft_mass, linear_give, angular_soft_mass, angular_give;
+    double axis_soft_mass{}, axis_give{};
+    JointEffort now, kept;        // N s, N m s
+    Vec3d sum_force, sum_torque;  // N s, N m s, on B, world, over the step
+    Twistd start_velocity;        // of the frame on the side that is here
   };
   struct Side {
-    SolverBody<T>& body;
-    const SymMat3<T>& inverse_inertia;
-    GhostState<T>* ghost{nullptr};  // the body is its image
+    SolverBody<double>& body;
+    const SymMat3d& inverse_inertia;
+    GhostState* ghost{nullptr};  // the body is its image
   };
 
   static bool is_sound(const Anchor& anchor) noexcept;
-  static std::uint32_t slot_of(std::span<const Body<T>> bodies, BodyId id) noexcept;
+  static std::uint32_t slot_of(std::span<const Body> bodies, BodyId id) noexcept;
   std::span<const std::uint32_t> joints_of(BodyId id) const noexcept;
   const Anchor* anchor_of(std::uint32_t joint) const noexcept;
-  BodyId outside_of(std::uint32_t joint, std::span<const Body<T>> bodies) const noexcept;
-  Side side(StageContext<T>& c, Row& row, std::uint32_t slot) noexcept;
-  void measure(const StageContext<T>& c, Row& row, const SolverBody<T>& a, const SolverBody<T>& b) const noexcept;
+  BodyId outside_of(std::uint32_t joint, std::span<const Body> bodies) const noexcept;
+  Side side(StageContext& c, Row& row, std::uint32_t slot) noexcept;
+  void measure(const StageContext& c, Row& row, const SolverBody<double>& a,
+               const SolverBody<double>& b) const noexcept;
   void fill_masses(Row& row, const Side& a, const Side& b) const noexcept;
-  void fill_give(Row& row, const Side& a, const Side& b, const Softness<T>& softness) const noexcept;
-  void take_own_mass(Row& row, const StageContext<T>& c) const noexcept;
-  void add_row(StageContext<T>& c, std::uint32_t joint, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
+  void fill_give(Row& row, const Side& a, const Side& b, const Softness<double>& softness) const noexcept;
+  void take_own_mass(Row& row, const StageContext& c) const noexcept;
+  void add_row(StageContext& c, std::uint32_t joint, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
 
-  void find_active(StageContext<T>& c) noexcept;
-  void separate(StageContext<T>& c) noexcept;
-  void separate_fixed(StageContext<T>& c) noexcept;
-  void prepare(StageContext<T>& c) noexcept;
-  void begin_sub_step(StageContext<T>& c) noexcept;
-  void warm_start(StageContext<T>& c) noexcept;
+  void find_active(StageContext& c) noexcept;
+  void separate(StageContext& c) noexcept;
+  void separate_fixed(StageContext& c) noexcept;
+  void prepare(StageContext& c) noexcept;
+  void begin_sub_step(StageContext& c) noexcept;
+  void warm_start(StageContext& c) noexcept;
   template <bool kBias>
-  void solve(StageContext<T>& c) noexcept;
+  void solve(StageContext& c) noexcept;
   template <bool kBias>
-  void solve_axis(const StageContext<T>& c, Row& row, const Side& a, const Side& b) noexcept;
-  void follow(StageContext<T>& c) noexcept;  // limits after the bodies have moved
-  void scale(StageContext<T>& c) noexcept;
-  void keep(StageContext<T>& c) noexcept;
-  void finish(StageContext<T>& c) noexcept;
-  void apply(const Row& row, const Side& a, const Side& b, const JointEffort<T>& effort) const noexcept;
-  static void push(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& m) noexcept;
-  static T answer(const Side& side, const Vec3<T>& r, const Vec3<T>& p, const Vec3<T>& q) noexcept;
-  Twist<T> frame_velocity(const StageContext<T>& c, const Row& row) const noexcept;
-  void add_to_sums(StageContext<T>& c, Row& row) const noexcept;
+  void solve_axis(const StageContext& c, Row& row, const Side& a, const Side& b) noexcept;
+  void follow(StageContext& c) noexcept;  // limits after the bodies have moved
+  void scale(StageContext& c) noexcept;
+  void keep(StageContext& c) noexcept;
+  void finish(StageContext& c) noexcept;
+  void apply(const Row& row, const Side& a, const Side& b, const JointEffort& effort) const noexcept;
+  static void push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& m) noexcept;
+  static double answer(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& q) noexcept;
+  Twistd frame_velocity(const StageContext& c, const Row& row) const noexcept;
+  void add_to_sums(StageContext& c, Row& row) const noexcept;
 
-  std::span<const Joint<T>> joints_;
-  BoundedVector<JointState<T>> states_;                // by joint
+  std::span<const Joint> joints_;
+  BoundedVector<JointState> states_;                   // by joint
   BoundedVector<std::uint32_t> first_of_, joints_of_;  // by body id: where its joints begin among those of all bodies
   BoundedVector<Anchor> anchors_;                      // by joint
   BoundedVector<Row> rows_;

@@ -5,69 +5,63 @@
 #include "rt/physics/body_search.h"
 
 namespace tactus::physics {
-template <class T>
-Kinematics<T>::Kinematics(const Setup& setup, const Capacities&)
+Kinematics::Kinematics(const Setup& setup, const Capacities&)
     : setup_(setup),
       time_(static_cast<std::uint32_t>(setup.scripts.size())),
       followers_(static_cast<std::uint32_t>(setup.scripts.size())) {
   time_.resize(time_.capacity());
 }
 
-template <class T>
-void Kinematics<T>::enter(StageTable<T>& table) noexcept {
-  table.template add<&Kinematics::take_hold>(Phase::kPrepare, *this);
-  table.template add<&Kinematics::aim>(Phase::kBeginSubStep, *this);
-  table.template add<&Kinematics::place>(Phase::kMoved, *this);
-  table.template add<&Kinematics::finish>(Phase::kFinish, *this);
+void Kinematics::enter(StageTable& table) noexcept {
+  table.add<&Kinematics::take_hold>(Phase::kPrepare, *this);
+  table.add<&Kinematics::aim>(Phase::kBeginSubStep, *this);
+  table.add<&Kinematics::place>(Phase::kMoved, *this);
+  table.add<&Kinematics::finish>(Phase::kFinish, *this);
 }
 
-template <class T>
-Pose<T> Kinematics<T>::pose_at(const KinematicScript& script, T time_s) const noexcept {
+Posed Kinematics::pose_at(const KinematicScript& script, double time_s) const noexcept {
   const auto keys = setup_.keys.subspan(script.first_key, script.keys);
-  const T end = keys.back().time_s;
-  T time = time_s;
-  if (script.repeat && end > T(0)) time -= std::floor(time / end) * end;
+  const double end = keys.back().time_s;
+  double time = time_s;
+  if (script.repeat && end > 0.0) time -= std::floor(time / end) * end;
   const auto next =
-      std::upper_bound(keys.begin(), keys.end(), time, [](T t, const PathKey<T>& k) { return t < k.time_s; });
-  const PathKey<T>& to = next == keys.end() ? keys.back() : *next;
-  const PathKey<T>& from = next == keys.begin() ? keys.front() : *(next - 1);
-  const T length = to.time_s - from.time_s;
-  const T u = length > T(0) ? std::clamp((time - from.time_s) / length, T(0), T(1)) : T(1);
-  const T s = u * u * u * (T(10) - T(15) * u + T(6) * u * u);
+      std::upper_bound(keys.begin(), keys.end(), time, [](double t, const PathKey& k) { return t < k.time_s; });
+  const PathKey& to = next == keys.end() ? keys.back() : *next;
+  const PathKey& from = next == keys.begin() ? keys.front() : *(next - 1);
+  const double length = to.time_s - from.time_s;
+  const double u = length > 0.0 ? std::clamp((time - from.time_s) / length, 0.0, 1.0) : 1.0;
+  const double s = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
   return {
       from.position_m + s * (to.position_m - from.position_m),
       quat_from_rotation_vector(from.rotation_vector_rad + s * (to.rotation_vector_rad - from.rotation_vector_rad))};
 }
 
-template <class T>
-Pose<T> Kinematics<T>::pose_in_step(const Follower& follower, const Twist<T>& steady, T elapsed) const noexcept {
+Posed Kinematics::pose_in_step(const Follower& follower, const Twistd& steady, double elapsed) const noexcept {
   const KinematicScript& script = setup_.scripts[follower.script];
   if (script.keys > 0) return pose_at(script, time_[follower.script] + elapsed);
   return {follower.start.position + elapsed * steady.linear,
           normalized(quat_from_rotation_vector(elapsed * steady.angular) * follower.start.rotation)};
 }
 
-template <class T>
-void Kinematics<T>::take_hold(StageContext<T>& c) noexcept {
+void Kinematics::take_hold(StageContext& c) noexcept {
   followers_.clear();
   for (std::uint32_t k = 0; k < setup_.scripts.size(); ++k) {
-    const std::uint32_t slot = find_slot<T>(c.bodies, setup_.scripts[k].id);
+    const std::uint32_t slot = find_slot(c.bodies, setup_.scripts[k].id);
     if (slot == kNoSlot || c.held[slot] != 0) continue;
-    c.motion[slot].inverse_mass = c.motion[slot].gyroscopic = T(0);
+    c.motion[slot].inverse_mass = c.motion[slot].gyroscopic = 0.0;
     c.inverse_inertia[slot] = {};
-    const Pose<T>& pose = c.bodies[slot].motion.pose;
+    const Posed& pose = c.bodies[slot].motion.pose;
     (void)followers_.try_push({k, slot, pose, pose});
   }
 }
 
 // The velocity that takes each to where it will be at the end of the sub-step.
-template <class T>
-void Kinematics<T>::aim(StageContext<T>& c) noexcept {
-  const T elapsed = static_cast<T>(c.sub_step + 1) * c.h, rate = T(1) / c.h;
+void Kinematics::aim(StageContext& c) noexcept {
+  const double elapsed = static_cast<double>(c.sub_step + 1) * c.h, rate = 1.0 / c.h;
   for (Follower& f : followers_) {
-    const Twist<T>& steady = c.bodies[f.slot].motion.velocity;
-    const Pose<T> next = pose_in_step(f, steady, elapsed);
-    SolverBody<T>& body = c.motion[f.slot];
+    const Twistd& steady = c.bodies[f.slot].motion.velocity;
+    const Posed next = pose_in_step(f, steady, elapsed);
+    SolverBody<double>& body = c.motion[f.slot];
     if (setup_.scripts[f.script].keys > 0) {
       body.v = rate * (next.position - f.now.position);
       body.w = rate * small_rotation_vector(next.rotation * conjugate(f.now.rotation));
@@ -78,40 +72,33 @@ void Kinematics<T>::aim(StageContext<T>& c) noexcept {
   }
 }
 
-template <class T>
-void Kinematics<T>::place(StageContext<T>& c) noexcept {
+void Kinematics::place(StageContext& c) noexcept {
   for (const Follower& f : followers_) {
     c.motion[f.slot].delta_position = f.now.position - f.start.position;
     c.motion[f.slot].delta_rotation = f.now.rotation * conjugate(f.start.rotation);
   }
 }
 
-template <class T>
-void Kinematics<T>::finish(StageContext<T>& c) noexcept {
+void Kinematics::finish(StageContext& c) noexcept {
   for (const Follower& f : followers_) {
     c.bodies[f.slot].motion = {f.now, {c.motion[f.slot].v, c.motion[f.slot].w}};
     time_[f.script] += c.settings.dt;
   }
 }
 
-template <class T>
-void Kinematics<T>::save(ByteWriter& out) const noexcept {
-  out.put_all(time_.span());
-}
+void Kinematics::save(ByteWriter& out) const noexcept { out.put_all(time_.span()); }
 
-template <class T>
-bool Kinematics<T>::restore(ByteReader& in) noexcept {
+bool Kinematics::restore(ByteReader& in) noexcept {
   in.get_all(time_.span());
   bool good = in.ok();
-  for (T& time : time_)
-    if (!std::isfinite(time)) time = T(0), good = false;
+  for (double& time : time_)
+    if (!std::isfinite(time)) time = 0.0, good = false;
   return good;
 }
 
 // Count, then for each body here: the script's number and its time.
-template <class T>
-void Kinematics<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
-                              std::span<const std::uint8_t> inside) const noexcept {
+void Kinematics::hand_over(ByteWriter& out, std::span<const Body> bodies,
+                           std::span<const std::uint8_t> inside) const noexcept {
   const auto each = [&](auto&& f) noexcept {
     for (std::uint32_t k = 0; k < time_.size(); ++k) {
       const std::uint32_t slot = find_slot(bodies, setup_.scripts[k].id);
@@ -124,21 +111,17 @@ void Kinematics<T>::hand_over(ByteWriter& out, std::span<const Body<T>> bodies,
   each([&](std::uint32_t k) noexcept { out.put(k), out.put(time_[k]); });
 }
 
-template <class T>
-bool Kinematics<T>::take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept {
+bool Kinematics::take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
   std::uint32_t count = 0;
   in.get(count);
   for (std::uint32_t i = 0; i < count && in.ok(); ++i) {
     std::uint32_t k = 0;
-    T time{};
+    double time{};
     in.get(k), in.get(time);
     if (!in.ok() || k >= time_.size() || !std::isfinite(time)) return false;
     if (known_too || find_slot(bodies, setup_.scripts[k].id) == kNoSlot) time_[k] = time;
   }
   return in.ok();
 }
-
-template class Kinematics<double>;
-template class Kinematics<float>;
 
 }  // namespace tactus::physics

@@ -11,10 +11,9 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct PathKey {
-  T time_s{};
-  Vec3<T> position_m, rotation_vector_rad;  // of the body, about the world's axes
+  double time_s{};
+  Vec3d position_m, rotation_vector_rad;  // of the body, about the world's axes
 };
 
 struct KinematicScript {
@@ -23,43 +22,42 @@ struct KinematicScript {
   bool repeat{false};                   // begins again at its end; else it stays there
 };
 
-template <class T>
 class Kinematics {
  public:
   struct Setup {  // by id; must outlive the world
     std::span<const KinematicScript> scripts{};
-    std::span<const PathKey<T>> keys{};
+    std::span<const PathKey> keys{};
     bool used() const noexcept { return !scripts.empty(); }
   };
   Kinematics(const Setup& setup, const Capacities& capacities);
-  void enter(StageTable<T>& table) noexcept;
+  void enter(StageTable& table) noexcept;
 
   std::span<const KinematicScript> scripts() const noexcept { return setup_.scripts; }
   // Time on a body's path [s], by script.
-  std::span<const T> times() const noexcept { return time_.span(); }
+  std::span<const double> times() const noexcept { return time_.span(); }
 
-  void begin_anew() noexcept { std::fill(time_.begin(), time_.end(), T(0)); }
+  void begin_anew() noexcept { std::fill(time_.begin(), time_.end(), 0.0); }
   void save(ByteWriter& out) const noexcept;
   bool restore(ByteReader& in) noexcept;
-  std::size_t save_size_bound() const noexcept { return time_.capacity() * sizeof(T); }
-  void hand_over(ByteWriter& out, std::span<const Body<T>> bodies, std::span<const std::uint8_t> inside) const noexcept;
-  bool take_over(ByteReader& in, std::span<const Body<T>> bodies, bool known_too) noexcept;
+  std::size_t save_size_bound() const noexcept { return time_.capacity() * sizeof(double); }
+  void hand_over(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  bool take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:
   struct Follower {
     std::uint32_t script{0}, slot{0};
-    Pose<T> start, now;  // at the start of the step; after the sub-steps so far
+    Posed start, now;  // at the start of the step; after the sub-steps so far
   };
 
-  Pose<T> pose_at(const KinematicScript& script, T time_s) const noexcept;
-  Pose<T> pose_in_step(const Follower& follower, const Twist<T>& steady, T elapsed) const noexcept;
-  void take_hold(StageContext<T>& c) noexcept;  // of the bodies that are here
-  void aim(StageContext<T>& c) noexcept;
-  void place(StageContext<T>& c) noexcept;
-  void finish(StageContext<T>& c) noexcept;
+  Posed pose_at(const KinematicScript& script, double time_s) const noexcept;
+  Posed pose_in_step(const Follower& follower, const Twistd& steady, double elapsed) const noexcept;
+  void take_hold(StageContext& c) noexcept;  // of the bodies that are here
+  void aim(StageContext& c) noexcept;
+  void place(StageContext& c) noexcept;
+  void finish(StageContext& c) noexcept;
 
   Setup setup_;
-  BoundedVector<T> time_;
+  BoundedVector<double> time_;
   BoundedVector<Follower> followers_;
 };
 

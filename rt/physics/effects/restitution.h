@@ -16,41 +16,40 @@
 
 namespace tactus::physics {
 
-template <class T>
 class Restitution : public Stateless {
  public:
-  static constexpr T kLeastSpeed = T(0.05);  // m/s: slower contacts would only make resting ones jitter
-  static constexpr int kMostRounds = 8;      // through the list, in turns from either end
+  static constexpr double kLeastSpeed = 0.05;  // m/s: slower contacts would only make resting ones jitter
+  static constexpr int kMostRounds = 8;        // through the list, in turns from either end
 
   struct Setup {
-    std::span<const T> by_id{};  // e by body id; those beyond the end have 0. Must outlive the world
+    std::span<const double> by_id{};  // e by body id; those beyond the end have 0. Must outlive the world
     bool used() const noexcept { return !by_id.empty(); }
   };
   Restitution(const Setup& setup, const Capacities& capacities) : by_id_(setup.by_id), rows_(capacities.contacts) {}
-  void enter(StageTable<T>& table) noexcept;
+  void enter(StageTable& table) noexcept;
 
  private:
   struct Row {
     std::uint32_t contact{0};
-    T coefficient{};
-    std::array<T, kMaxManifoldPoints> given{};  // N s, by point, in this step
+    double coefficient{};
+    std::array<double, kMaxManifoldPoints> given{};  // N s, by point, in this step
   };
   struct Strike {
     std::uint32_t point{0};
-    T speed{};  // m/s, at which it comes
-    T after{};  // m/s, at which it is to part
-    T mass{};
-    T impulse{};  // N s
+    double speed{};  // m/s, at which it comes
+    double after{};  // m/s, at which it is to part
+    double mass{};
+    double impulse{};  // N s
   };
   using Strikes = FixedVector<Strike, kMaxManifoldPoints>;
 
-  T coefficient_of(BodyId id) const noexcept { return id < by_id_.size() ? by_id_[id] : T(0); }
-  void list(StageContext<T>& c) noexcept;
-  void bounce(StageContext<T>& c) noexcept;
-  bool bounce_off(StageContext<T>& c, Row& row) noexcept;  // did anything strike?
-  void finish(StageContext<T>& c) noexcept;
+  double coefficient_of(BodyId id) const noexcept { return id < by_id_.size() ? by_id_[id] : 0.0; }
+  void list(StageContext& c) noexcept;
+  void bounce(StageContext& c) noexcept;
+  bool bounce_off(StageContext& c, Row& row) noexcept;  // did anything strike?
+  void finish(StageContext& c) noexcept;
 
-  std::span<const T> by_id_;
+  std::span<const double> by_id_;
   BoundedVector<Row> rows_;  // by contact
 };
 

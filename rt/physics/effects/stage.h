@@ -40,56 +40,54 @@ inline constexpr std::uint32_t kPhases = 12;
 inline constexpr std::uint32_t kMostStages = 16;
 
 // What a stage sees. All by slot but contacts and fixed bodies.
-template <class T>
 struct StageContext {
-  std::span<Body<T>> bodies;  // as they were when the step began, until it has ended
-  std::span<const Body<T>> fixed_bodies;
+  std::span<Body> bodies;  // as they were when the step began, until it has ended
+  std::span<const Body> fixed_bodies;
   std::span<const std::uint8_t> held;  // 1: neither moves nor feels anything in this solve
-  std::span<Contact<T>> contacts;
-  const StepSettings<T>& settings;
-  StepReport<T>& report;
+  std::span<Contact> contacts;
+  const StepSettings& settings;
+  StepReport& report;
   Executor executor{};
   BoundedVector<SlotPair>* pairs{nullptr};  // kPairs, kFixedPairs
 
   // From kPrepare on.
-  std::span<SolverBody<T>> motion{};
-  std::span<SymMat3<T>> inverse_inertia{};  // world, at the start of the step
-  SweepRule<T> rule{};
-  T h{};                      // s
+  std::span<SolverBody<double>> motion{};
+  std::span<SymMat3d> inverse_inertia{};  // world, at the start of the step
+  SweepRule<double> rule{};
+  double h{};                 // s
   std::uint32_t sub_step{0};  // from 0
-  T factor{1};                // kScale, kFinish
+  double factor{1};           // kScale, kFinish
 
   // From kBeginSubStep on: bodies of another world that this one knows by ghosts, by id. Where they may not give, they
   // do no work on bodies of this world.
-  std::span<GhostState<T>> ghosts{};
+  std::span<GhostState> ghosts{};
   bool ghosts_may_give{true};
 };
 
-template <class T>
 class StageTable {
  public:
   // [setup] `kStage`: a member function of the room, taking the context. The room stays where it is.
   template <auto kStage, class Room>
   void add(Phase phase, Room& room) noexcept {
     const bool fits = stages_[static_cast<std::uint32_t>(phase)].try_push(
-        {[](void* self, StageContext<T>& context) noexcept { (static_cast<Room*>(self)->*kStage)(context); }, &room});
+        {[](void* self, StageContext& context) noexcept { (static_cast<Room*>(self)->*kStage)(context); }, &room});
     TACTUS_CHECK(fits, phase, kMostStages);
   }
-  void run(Phase phase, StageContext<T>& context) const noexcept {
+  void run(Phase phase, StageContext& context) const noexcept {
     for (const Stage& stage : stages_[static_cast<std::uint32_t>(phase)]) stage.run(stage.room, context);
   }
 
  private:
   struct Stage {
-    void (*run)(void* room, StageContext<T>& context) noexcept {nullptr};
+    void (*run)(void* room, StageContext& context) noexcept {nullptr};
     void* room{nullptr};
   };
   std::array<FixedVector<Stage, kMostStages>, kPhases> stages_{};
 };
 
 // `f(slot)` for every body, shared where that pays.
-template <class T, class F>
-void for_each_slot(const StageContext<T>& context, F&& f) noexcept {
+template <class F>
+void for_each_slot(const StageContext& context, F&& f) noexcept {
   constexpr std::uint32_t kFewest = 128;  // a body takes some ten nanoseconds, handing some over about a microsecond
   context.executor.for_each_range(static_cast<std::uint32_t>(context.motion.size()), kFewest,
                                   [&](std::uint32_t i, std::uint32_t end) noexcept {
@@ -103,12 +101,8 @@ struct Stateless {
   void save(ByteWriter&) const noexcept {}
   bool restore(ByteReader&) noexcept { return true; }
   std::size_t save_size_bound() const noexcept { return 0; }
-  template <class T>
-  void hand_over(ByteWriter&, std::span<const Body<T>>, std::span<const std::uint8_t>) const noexcept {}
-  template <class T>
-  bool take_over(ByteReader&, std::span<const Body<T>>, bool) noexcept {
-    return true;
-  }
+  void hand_over(ByteWriter&, std::span<const Body>, std::span<const std::uint8_t>) const noexcept {}
+  bool take_over(ByteReader&, std::span<const Body>, bool) noexcept { return true; }
 };
 
 }  // namespace tactus::physics

@@ -14,25 +14,23 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct Grain {
-  T height_m{};      // of each of the three waves
-  T wavelength_m{};  // not zero
+  double height_m{};      // of each of the three waves
+  double wavelength_m{};  // not zero
 };
 
-template <class T>
 class Texture : public Stateless {
  public:
   struct Setup {
     BodyId proxy{kNoBody};
-    std::span<const Grain<T>> by_id{};  // those beyond the end, or of height 0, are smooth. Must outlive the world
+    std::span<const Grain> by_id{};  // those beyond the end, or of height 0, are smooth. Must outlive the world
     bool used() const noexcept { return proxy != kNoBody && !by_id.empty(); }
   };
   Texture(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable<T>& table) noexcept { table.template add<&Texture::feel>(Phase::kFinish, *this); }
+  void enter(StageTable& table) noexcept { table.add<&Texture::feel>(Phase::kFinish, *this); }
 
  private:
-  void feel(StageContext<T>& c) noexcept;
+  void feel(StageContext& c) noexcept;
 
   Setup setup_;
 };

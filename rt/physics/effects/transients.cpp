@@ -8,21 +8,16 @@
 namespace tactus::physics {
 namespace {
 
-template <class T>
-T amplitude_squared(T sine, T cosine) noexcept {
-  return sine * sine + cosine * cosine;
-}
+double amplitude_squared(double sine, double cosine) noexcept { return sine * sine + cosine * cosine; }
 
 }  // namespace
 
-template <class T>
-void Transients<T>::enter(StageTable<T>& table) noexcept {
-  table.template add<&Transients::look_ahead>(Phase::kPrepare, *this);
-  table.template add<&Transients::ring>(Phase::kFinish, *this);
+void Transients::enter(StageTable& table) noexcept {
+  table.add<&Transients::look_ahead>(Phase::kPrepare, *this);
+  table.add<&Transients::ring>(Phase::kFinish, *this);
 }
 
-template <class T>
-bool Transients<T>::restore(ByteReader& in) noexcept {
+bool Transients::restore(ByteReader& in) noexcept {
   in.get(state_);
   const bool good = in.ok() && state_.ringing.count <= kMostRinging && state_.touched.count <= kMostTouched;
   if (!good) state_ = {};
@@ -30,24 +25,22 @@ bool Transients<T>::restore(ByteReader& in) noexcept {
 }
 
 // The proxy's contacts with what rings, and how fast they close before anything answers.
-template <class T>
-void Transients<T>::look_ahead(StageContext<T>& c) noexcept {
+void Transients::look_ahead(StageContext& c) noexcept {
   touches_.clear();
   for (std::uint32_t k = 0; k < c.contacts.size(); ++k) {
-    const Contact<T>& contact = c.contacts[k];
+    const Contact& contact = c.contacts[k];
     const BodyId a = c.bodies[contact.slot_a].id;
     const BodyId b = contact.b_fixed ? c.fixed_bodies[contact.slot_b].id : c.bodies[contact.slot_b].id;
     if (a != setup_.proxy && b != setup_.proxy) continue;
     const BodyId other = a == setup_.proxy ? b : a;
-    if (other >= setup_.by_id.size() || setup_.by_id[other].strength_Ns_per_m == T(0)) continue;
-    T speed = T(0);
+    if (other >= setup_.by_id.size() || setup_.by_id[other].strength_Ns_per_m == 0.0) continue;
+    double speed = 0.0;
     for (std::uint32_t i = 0; i < contact.count; ++i) speed = std::max(speed, -separating_speed(c, contact, i));
     (void)touches_.try_push({k, other, speed});
   }
 }
 
-template <class T>
-void Transients<T>::start(const Oscillation& oscillation) noexcept {
+void Transients::start(const Oscillation& oscillation) noexcept {
   if (state_.ringing.try_push(oscillation)) return;
   const auto strength = [](const Oscillation& o) noexcept { return amplitude_squared(o.sine_N, o.cosine_N); };
   Oscillation& weakest =
@@ -56,37 +49,33 @@ void Transients<T>::start(const Oscillation& oscillation) noexcept {
   if (strength(weakest) < strength(oscillation)) weakest = oscillation;
 }
 
-template <class T>
-void Transients<T>::ring(StageContext<T>& c) noexcept {
+void Transients::ring(StageContext& c) noexcept {
   FixedVector<BodyId, kMostTouched> touched{};
   for (const Touch& touch : touches_) {
-    const Contact<T>& contact = c.contacts[touch.contact];
+    const Contact& contact = c.contacts[touch.contact];
     const auto points = std::span(contact.points).first(contact.count);
-    if (std::none_of(points.begin(), points.end(), [](const auto& p) { return p.total_normal_impulse > T(0); }))
+    if (std::none_of(points.begin(), points.end(), [](const auto& p) { return p.total_normal_impulse > 0.0; }))
       continue;
     (void)touched.try_push(touch.other);
     const auto before = state_.touched.span();
     if (touch.speed < kLeastSpeed || std::find(before.begin(), before.end(), touch.other) != before.end()) continue;
-    const Ringing<T>& surface = setup_.by_id[touch.other];
+    const Ringing& surface = setup_.by_id[touch.other];
     const bool proxy_is_a = c.bodies[contact.slot_a].id == setup_.proxy;
-    start({proxy_is_a ? -contact.normal : contact.normal, T(0), surface.strength_Ns_per_m * touch.speed,
+    start({proxy_is_a ? -contact.normal : contact.normal, 0.0, surface.strength_Ns_per_m * touch.speed,
            surface.frequency_Hz, surface.decay_s});
   }
   state_.touched = touched;
 
   std::uint32_t kept = 0;
   for (Oscillation& o : state_.ringing) {
-    const auto [s, cosine] = sin_cos(T(2) * std::numbers::pi_v<T> * o.frequency_Hz * c.settings.dt);
-    const T x = T(0.5) * c.settings.dt / o.decay_s, fade = (T(1) - x) / (T(1) + x);
-    const T sine_N = fade * (cosine * o.sine_N + s * o.cosine_N);
+    const auto [s, cosine] = sin_cos(2.0 * std::numbers::pi * o.frequency_Hz * c.settings.dt);
+    const double x = 0.5 * c.settings.dt / o.decay_s, fade = (1.0 - x) / (1.0 + x);
+    const double sine_N = fade * (cosine * o.sine_N + s * o.cosine_N);
     o.cosine_N = fade * (cosine * o.cosine_N - s * o.sine_N), o.sine_N = sine_N;
     c.report.felt.force += o.sine_N * o.direction;
     if (amplitude_squared(o.sine_N, o.cosine_N) > kFaded_N * kFaded_N) state_.ringing[kept++] = o;
   }
   state_.ringing.count = kept;
 }
-
-template class Transients<double>;
-template class Transients<float>;
 
 }  // namespace tactus::physics

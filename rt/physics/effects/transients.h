@@ -18,27 +18,25 @@
 namespace tactus::physics {
 
 // How a surface rings.
-template <class T>
 struct Ringing {
-  T strength_Ns_per_m{};  // N per m/s of the impact
-  T frequency_Hz{};
-  T decay_s{};
+  double strength_Ns_per_m{};  // N per m/s of the impact
+  double frequency_Hz{};
+  double decay_s{};
 };
 
-template <class T>
 class Transients : public Stateless {  // nothing for other worlds: only the hand's feels
  public:
   static constexpr std::uint32_t kMostRinging = 8, kMostTouched = 16;
-  static constexpr T kLeastSpeed = T(0.005);  // m/s: slower, a contact that comes and goes would buzz
-  static constexpr T kFaded_N = T(1e-4);
+  static constexpr double kLeastSpeed = 0.005;  // m/s: slower, a contact that comes and goes would buzz
+  static constexpr double kFaded_N = 1e-4;
 
   struct Setup {
     BodyId proxy{kNoBody};
-    std::span<const Ringing<T>> by_id{};  // those beyond the end, or of strength 0, do not ring. Must outlive the world
+    std::span<const Ringing> by_id{};  // those beyond the end, or of strength 0, do not ring. Must outlive the world
     bool used() const noexcept { return proxy != kNoBody && !by_id.empty(); }
   };
   Transients(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable<T>& table) noexcept;
+  void enter(StageTable& table) noexcept;
 
   void begin_anew() noexcept { state_ = {}; }
   void save(ByteWriter& out) const noexcept { out.put(state_); }
@@ -47,9 +45,9 @@ class Transients : public Stateless {  // nothing for other worlds: only the han
 
  private:
   struct Oscillation {
-    Vec3<T> direction;       // unit, away from the surface
-    T sine_N{}, cosine_N{};  // A sin and A cos of the phase
-    T frequency_Hz{}, decay_s{};
+    Vec3d direction;              // unit, away from the surface
+    double sine_N{}, cosine_N{};  // A sin and A cos of the phase
+    double frequency_Hz{}, decay_s{};
   };
   struct State {
     FixedVector<Oscillation, kMostRinging> ringing{};
@@ -58,11 +56,11 @@ class Transients : public Stateless {  // nothing for other worlds: only the han
   struct Touch {
     std::uint32_t contact{0};
     BodyId other{kNoBody};
-    T speed{};  // m/s, at which they come together
+    double speed{};  // m/s, at which they come together
   };
 
-  void look_ahead(StageContext<T>& c) noexcept;
-  void ring(StageContext<T>& c) noexcept;
+  void look_ahead(StageContext& c) noexcept;
+  void ring(StageContext& c) noexcept;
   void start(const Oscillation& oscillation) noexcept;
 
   Setup setup_;

@@ -11,9 +11,9 @@ namespace {
 constexpr double kFlatShare = 1e-4;
 
 struct Moments {
-  double volume{0};        // m^3
-  Vec3d first;             // m^4
-  SymMat3<double> second;  // m^5: integral of x x^T
+  double volume{0};  // m^3
+  Vec3d first;       // m^4
+  SymMat3d second;   // m^5: integral of x x^T
 };
 
 // Of the polyhedron, about `origin`: the tetrahedra from there to every triangle of every face, with sign.
@@ -46,7 +46,7 @@ struct Principal {
 
 // Cyclic Jacobi, a fixed number of sweeps: it converges quadratically, six are enough for any 3 x 3 matrix. What is
 // off the diagonal by rounding alone stays: a cube keeps its axes.
-Principal principal_axes(const SymMat3<double>& m) noexcept {
+Principal principal_axes(const SymMat3d& m) noexcept {
   double a[3][3] = {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}};
   double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const double noise = 1e-9 * (m.xx + m.yy + m.zz);
@@ -99,7 +99,7 @@ Quatd quat_from_axes(const Vec3d* axis) noexcept {
 }
 
 // Newell's normal: of the polygon that lies nearest to the loop.
-Vec3d normal_of(const Hull<double>& hull, std::uint32_t face) noexcept {
+Vec3d normal_of(const Hull& hull, std::uint32_t face) noexcept {
   const auto loop = hull.topology.loop(face);
   const Vec3d origin = hull.vertex(loop[0]);
   Vec3d sum;
@@ -108,7 +108,7 @@ Vec3d normal_of(const Hull<double>& hull, std::uint32_t face) noexcept {
   return normalized_or(sum, Vec3d{});
 }
 
-void add_planes(Hull<double>& hull) noexcept {
+void add_planes(Hull& hull) noexcept {
   const HullTopology& topology = hull.topology;
   for (std::uint32_t face = 0; face < topology.faces; ++face) {
     const Vec3d n = normal_of(hull, face);
@@ -132,7 +132,7 @@ void add_planes(Hull<double>& hull) noexcept {
 
 }  // namespace
 
-HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull<double>& hull,
+HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull& hull,
                     Posed& given_from_body) noexcept {
   hull = {};
   hull.topology = topology;
@@ -165,23 +165,6 @@ HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topolog
   if (!(hull.inner_radius > 0)) return HullFault::kFlat;
   if (!(hull.flatness <= kFlatShare * hull.bounding_radius)) return HullFault::kNotConvex;
   return HullFault::kNone;
-}
-
-Hull<float> narrowed(const Hull<double>& hull) noexcept {
-  const auto f = [](double value) { return static_cast<float>(value); };
-  const auto v = [f](const Vec3d& value) { return Vec3<float>{f(value.x), f(value.y), f(value.z)}; };
-  Hull<float> out;
-  out.topology = hull.topology;
-  for (std::uint32_t i = 0; i < kMaxHullVertices; ++i)
-    out.x[i] = f(hull.x[i]), out.y[i] = f(hull.y[i]), out.z[i] = f(hull.z[i]);
-  for (std::uint32_t i = 0; i < hull.topology.faces; ++i)
-    out.normals[i] = v(hull.normals[i]), out.offsets[i] = f(hull.offsets[i]);
-  for (std::uint32_t i = 0; i < hull.topology.edges; ++i) out.edge_reach[i] = f(hull.edge_reach[i]);
-  out.inner_radius = f(hull.inner_radius), out.bounding_radius = f(hull.bounding_radius);
-  // Rounding moves the vertices by 6e-8 of their size against the planes.
-  out.flatness = f(hull.flatness + 1e-6 * hull.bounding_radius), out.least_width = f(hull.least_width);
-  out.half_extents = v(hull.half_extents), out.volume = f(hull.volume), out.inertia_per_kg = v(hull.inertia_per_kg);
-  return out;
 }
 
 }  // namespace tactus::physics

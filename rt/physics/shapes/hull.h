@@ -49,29 +49,27 @@ struct HullTopology {
   friend constexpr bool operator==(const HullTopology&, const HullTopology&) noexcept = default;
 };
 
-template <class T>
 struct Hull {
   HullTopology topology;
   // Vertices, by coordinate; filled up with the first one to whole registers.
-  alignas(32) std::array<T, kMaxHullVertices> x{}, y{}, z{};
-  std::array<Vec3<T>, kMaxHullFaces> normals{};  // unit, outward
-  std::array<T, kMaxHullFaces> offsets{};        // m: the largest of n.v over all vertices
-  std::array<T, kMaxHullEdges> edge_reach{};     // 1 / cos(half the angle between the normals of the edge's faces)
-  T inner_radius{};                              // m: of the ball about the origin that touches the nearest face
-  T bounding_radius{};                           // m: of the ball about the origin that holds all
-  T flatness{};                                  // m: a face's vertices lie at most this much below its plane
-  T least_width{};                               // m: the smallest over the faces of the extent across it
-  Vec3<T> half_extents{};                        // m: the box |x| <= h.x .. about the origin holds all
-  T volume{};                                    // m^3
-  Vec3<T> inertia_per_kg{};                      // m^2: principal moments of the homogeneous body of 1 kg
+  alignas(32) std::array<double, kMaxHullVertices> x{}, y{}, z{};
+  std::array<Vec3d, kMaxHullFaces> normals{};      // unit, outward
+  std::array<double, kMaxHullFaces> offsets{};     // m: the largest of n.v over all vertices
+  std::array<double, kMaxHullEdges> edge_reach{};  // 1 / cos(half the angle between the normals of the edge's faces)
+  double inner_radius{};                           // m: of the ball about the origin that touches the nearest face
+  double bounding_radius{};                        // m: of the ball about the origin that holds all
+  double flatness{};                               // m: a face's vertices lie at most this much below its plane
+  double least_width{};                            // m: the smallest over the faces of the extent across it
+  Vec3d half_extents{};                            // m: the box |x| <= h.x .. about the origin holds all
+  double volume{};                                 // m^3
+  Vec3d inertia_per_kg{};                          // m^2: principal moments of the homogeneous body of 1 kg
 
-  constexpr Vec3<T> vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
+  constexpr Vec3d vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
   friend constexpr bool operator==(const Hull&, const Hull&) noexcept = default;
 };
 
 // What a shape's index refers to. The worlds only look: the list stays where it is as long as they live.
-template <class T>
-using Hulls = std::span<const Hull<T>>;
+using Hulls = std::span<const Hull>;
 
 enum class HullFault : std::uint32_t {
   kNone = 0,
@@ -84,11 +82,8 @@ enum class HullFault : std::uint32_t {
 // Fills `hull` from vertices in any frame and the loops of `topology` (its edges are found here), and `given_from_body`
 // with where the hull's own frame is in the frame of the vertices. Mass properties are exact for the polyhedron (sums
 // over tetrahedra; the moments of one: Tonon 2004, equations 9a to 9f).
-[[nodiscard]] HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull<double>& hull,
+[[nodiscard]] HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull& hull,
                                   Posed& given_from_body) noexcept;
-
-// The same hull in single precision.
-Hull<float> narrowed(const Hull<double>& hull) noexcept;
 
 constexpr bool HullTopology::close() noexcept {
   edges = 0;

@@ -7,21 +7,20 @@
 
 namespace tactus::physics {
 
-template <class T>
 struct HullView {
   const HullTopology* topology;
-  const T *x, *y, *z;    // vertices, filled up to whole registers, aligned to them
-  std::uint32_t padded;  // how many with the filling
-  const Vec3<T>* normals;
-  const T* offsets;
-  const T* edge_reach;
-  T inner_radius, flatness;
+  const double *x, *y, *z;  // vertices, filled up to whole registers, aligned to them
+  std::uint32_t padded;     // how many with the filling
+  const Vec3d* normals;
+  const double* offsets;
+  const double* edge_reach;
+  double inner_radius, flatness;
 
-  Vec3<T> vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
+  Vec3d vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
 
   // The largest of d.v over the vertices.
-  T reach_along(const Vec3<T>& d) const noexcept {
-    using V = Register<T>;
+  double reach_along(const Vec3d& d) const noexcept {
+    using V = Register<double>;
     const V dx(d.x), dy(d.y), dz(d.z);
     const auto at = [&](std::uint32_t i) noexcept {
       V vx, vy, vz;
@@ -30,23 +29,22 @@ struct HullView {
     };
     V best = at(0);
     for (std::uint32_t i = kLanes<V>; i < padded; i += kLanes<V>) best = larger(best, at(i));
-    T reach = best[0];
+    double reach = best[0];
     for (int lane = 1; lane < kLanes<V>; ++lane) reach = larger(reach, best[lane]);
     return reach;
   }
 
   // The first vertex that has it; 0 where no number does.
-  std::uint32_t support(const Vec3<T>& d) const noexcept {
-    const T reach = reach_along(d);
+  std::uint32_t support(const Vec3d& d) const noexcept {
+    const double reach = reach_along(d);
     for (std::uint32_t i = 0; i < topology->vertices; ++i)
       if (d.x * x[i] + d.y * y[i] + d.z * z[i] == reach) return i;
     return 0;
   }
 };
 
-template <class T>
-HullView<T> view_of(const Hull<T>& hull) noexcept {
-  constexpr std::uint32_t lanes = kLanes<Register<T>>;
+inline HullView view_of(const Hull& hull) noexcept {
+  constexpr std::uint32_t lanes = kLanes<Register<double>>;
   return {&hull.topology,
           hull.x.data(),
           hull.y.data(),
@@ -74,23 +72,22 @@ inline constexpr HullTopology kBoxTopology = make_box_topology();
 static_assert(kBoxTopology.faces == 6 && kBoxTopology.edges == 12);
 
 // A box as a hull: the numbers that depend on its size. Lives as long as its view is used.
-template <class T>
 struct BoxHull {
-  alignas(32) T x[8], y[8], z[8];
-  T offsets[6];
-  T inner_radius;
+  alignas(32) double x[8], y[8], z[8];
+  double offsets[6];
+  double inner_radius;
 
-  explicit BoxHull(const Vec3<T>& h) noexcept : inner_radius(smaller(h.x, smaller(h.y, h.z))) {
+  explicit BoxHull(const Vec3d& h) noexcept : inner_radius(smaller(h.x, smaller(h.y, h.z))) {
     for (unsigned k = 0; k < 8; ++k)
       x[k] = (k & 1u) != 0 ? h.x : -h.x, y[k] = (k & 2u) != 0 ? h.y : -h.y, z[k] = (k & 4u) != 0 ? h.z : -h.z;
     for (int f = 0; f < 6; ++f) offsets[f] = h[f / 2];
   }
-  HullView<T> view() const noexcept {
-    static constexpr Vec3<T> normals[6] = {{T(-1), T(0), T(0)}, {T(1), T(0), T(0)},  {T(0), T(-1), T(0)},
-                                           {T(0), T(1), T(0)},  {T(0), T(0), T(-1)}, {T(0), T(0), T(1)}};
-    constexpr T k = T(1.41421356237309504880);
-    static constexpr T reach[12] = {k, k, k, k, k, k, k, k, k, k, k, k};
-    return {&kBoxTopology, x, y, z, 8, normals, offsets, reach, inner_radius, T(0)};
+  HullView view() const noexcept {
+    static constexpr Vec3d normals[6] = {{-1.0, 0.0, 0.0}, {1.0, 0.0, 0.0},  {0.0, -1.0, 0.0},
+                                         {0.0, 1.0, 0.0},  {0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}};
+    constexpr double k = 1.41421356237309504880;
+    static constexpr double reach[12] = {k, k, k, k, k, k, k, k, k, k, k, k};
+    return {&kBoxTopology, x, y, z, 8, normals, offsets, reach, inner_radius, 0.0};
   }
 };
 

@@ -45,34 +45,31 @@ struct MeshTriangle {
   friend bool operator==(const MeshTriangle&, const MeshTriangle&) = default;
 };
 
-template <class T>
 struct MeshPatch {
-  Vec3<T> normal;  // unit, outward
-  T offset{};      // m: the plane is normal . x = offset; the patch's corners are within the slop of it
+  Vec3d normal;     // unit, outward
+  double offset{};  // m: the plane is normal . x = offset; the patch's corners are within the slop of it
 };
 
 // Nodes are in depth-first order: the first child of a node follows it.
-template <class T>
 struct MeshNode {
-  Aabb<T> box;
+  Aabb box;
   std::uint32_t first{0}, count{0};  // of Mesh::order, everything below the node
   std::uint32_t second{0};           // the other child; 0 for a leaf
 };
 
-template <class T>
 struct Mesh {
-  std::span<const Vec3<T>> corners;         // m
+  std::span<const Vec3d> corners;           // m
   std::span<const MeshTriangle> triangles;  // patch by patch
-  std::span<const Vec3<T>> normals;         // by triangle, unit
-  std::span<const MeshPatch<T>> patches;
-  std::span<const MeshNode<T>> nodes;  // the tree's root is the first
+  std::span<const Vec3d> normals;           // by triangle, unit
+  std::span<const MeshPatch> patches;
+  std::span<const MeshNode> nodes;  // the tree's root is the first
   std::span<const std::uint32_t> order;
   // The triangles that meet at a corner: around[around_start[c]] to around[around_start[c + 1]], ascending.
   std::span<const std::uint32_t> around_start, around;
-  Vec3<T> half_extents;            // m: the box about the origin that holds it
+  Vec3d half_extents;              // m: the box about the origin that holds it
   BodyId first_patch_id{kNoBody};  // of its patches, one after the other; no two meshes of a scene share one
 
-  const Vec3<T>& place(const MeshTriangle& t, int k) const noexcept {
+  const Vec3d& place(const MeshTriangle& t, int k) const noexcept {
     return corners[t.corner[static_cast<std::size_t>(k)]];
   }
   bool is_inner_edge(const MeshTriangle& t, std::uint32_t k) const noexcept {  // between triangles of one patch
@@ -81,9 +78,9 @@ struct Mesh {
   std::span<const std::uint32_t> triangles_at(std::uint32_t c) const noexcept {
     return around.subspan(around_start[c], around_start[c + 1] - around_start[c]);
   }
-  Aabb<T> box_of(std::uint32_t triangle) const noexcept {
+  Aabb box_of(std::uint32_t triangle) const noexcept {
     const MeshTriangle& t = triangles[triangle];
-    Aabb<T> box{place(t, 0), place(t, 0)};
+    Aabb box{place(t, 0), place(t, 0)};
     for (int k = 1; k < 3; ++k)
       for (int i = 0; i < 3; ++i) {
         box.lower[i] = smaller(box.lower[i], place(t, k)[i]);
@@ -95,7 +92,6 @@ struct Mesh {
 
 // What a shape's index refers to. The worlds only look: the list stays where it is as long as they live. Each mesh
 // belongs to one body: its patches have ids.
-template <class T>
-using Meshes = std::span<const Mesh<T>>;
+using Meshes = std::span<const Mesh>;
 
 }  // namespace tactus::physics

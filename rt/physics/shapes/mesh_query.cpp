@@ -7,26 +7,24 @@ namespace tactus::physics {
 namespace {
 
 // Of a point from a box: 0 inside. m^2.
-template <class T>
-T squared_distance(const Aabb<T>& box, const Vec3<T>& p) noexcept {
-  T sum = T(0);
+double squared_distance(const Aabb& box, const Vec3d& p) noexcept {
+  double sum = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const T beyond = larger(larger(box.lower[i] - p[i], p[i] - box.upper[i]), T(0));
+    const double beyond = larger(larger(box.lower[i] - p[i], p[i] - box.upper[i]), 0.0);
     sum += beyond * beyond;
   }
   return sum;
 }
 
 // The nearest triangles so far: a heap with the farthest on top once it is full.
-template <class T>
 class Nearest {
  public:
   bool is_full() const noexcept { return count_ == kMaxBodyTriangles; }
-  bool is_beaten_by(T distance, std::uint32_t index) const noexcept {
+  bool is_beaten_by(double distance, std::uint32_t index) const noexcept {
     return !is_full() || Entry{distance, index} < entries_[0];
   }
   // False: one was left out.
-  bool offer(T distance, std::uint32_t index) noexcept {
+  bool offer(double distance, std::uint32_t index) noexcept {
     if (!is_full()) {
       entries_[count_++] = {distance, index};
       if (is_full()) std::make_heap(entries_.begin(), entries_.end());
@@ -47,7 +45,7 @@ class Nearest {
 
  private:
   struct Entry {
-    T distance;
+    double distance;
     std::uint32_t index;
     bool operator<(const Entry& o) const noexcept {
       return distance != o.distance ? distance < o.distance : index < o.index;
@@ -59,18 +57,17 @@ class Nearest {
 
 }  // namespace
 
-template <class T>
-void find_triangles(const Mesh<T>& mesh, const Aabb<T>& box, TriangleList& found) noexcept {
+void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept {
   found.triangles.clear(), found.left_out = 0;
   if (mesh.nodes.empty()) return;
-  const Vec3<T> middle = T(0.5) * (box.lower + box.upper);
-  Nearest<T> nearest;
+  const Vec3d middle = 0.5 * (box.lower + box.upper);
+  Nearest nearest;
   std::array<std::uint32_t, kMaxMeshDepth> stack;
   std::uint32_t waiting = 0, visits = 0;
   stack[waiting++] = 0;
   while (waiting > 0) {
     const std::uint32_t at = stack[--waiting];
-    const MeshNode<T>& node = mesh.nodes[at];
+    const MeshNode& node = mesh.nodes[at];
     if (!node.box.overlaps(box)) continue;
     if (visits++ >= kMaxMeshVisits || !nearest.is_beaten_by(squared_distance(node.box, middle), 0)) {
       found.left_out += node.count;
@@ -78,7 +75,7 @@ void find_triangles(const Mesh<T>& mesh, const Aabb<T>& box, TriangleList& found
     }
     if (node.second == 0) {
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-        const Aabb<T> triangle = mesh.box_of(mesh.order[i]);
+        const Aabb triangle = mesh.box_of(mesh.order[i]);
         if (triangle.overlaps(box) && !nearest.offer(squared_distance(triangle, middle), mesh.order[i]))
           ++found.left_out;
       }
@@ -97,20 +94,11 @@ void find_triangles(const Mesh<T>& mesh, const Aabb<T>& box, TriangleList& found
   nearest.list(found);
 }
 
-template <class T>
-void choose_triangles(const Mesh<T>& mesh, const Aabb<T>& box, std::span<const std::uint32_t> among,
+void choose_triangles(const Mesh& mesh, const Aabb& box, std::span<const std::uint32_t> among,
                       TriangleList& found) noexcept {
   found.triangles.clear(), found.left_out = 0;
   for (const std::uint32_t triangle : among)
     if (mesh.box_of(triangle).overlaps(box) && !found.triangles.try_push(triangle)) ++found.left_out;
 }
-
-#define TACTUS_INSTANTIATE(T)                                                                       \
-  template void find_triangles<T>(const Mesh<T>&, const Aabb<T>&, TriangleList&) noexcept;          \
-  template void choose_triangles<T>(const Mesh<T>&, const Aabb<T>&, std::span<const std::uint32_t>, \
-                                    TriangleList&) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

@@ -19,29 +19,25 @@ struct TriangleList {
 };
 
 // The triangles whose boxes overlap `box`.
-template <class T>
-void find_triangles(const Mesh<T>& mesh, const Aabb<T>& box, TriangleList& found) noexcept;
+void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept;
 
 // The same from a list that is known to hold them all.
-template <class T>
-void choose_triangles(const Mesh<T>& mesh, const Aabb<T>& box, std::span<const std::uint32_t> among,
+void choose_triangles(const Mesh& mesh, const Aabb& box, std::span<const std::uint32_t> among,
                       TriangleList& found) noexcept;
 
 // Where a body is in the frame of another, without going through the world's origin, which may be far.
-template <class T>
-constexpr Pose<T> relative_pose(const Pose<T>& world_from_a, const Pose<T>& world_from_b) noexcept {
+constexpr Posed relative_pose(const Posed& world_from_a, const Posed& world_from_b) noexcept {
   return {rotate_inverse(world_from_a.rotation, world_from_b.position - world_from_a.position),
           conjugate(world_from_a.rotation) * world_from_b.rotation};
 }
 
 // Can a body whose box in the mesh's frame is `box` touch this triangle? Not if it is all above the patch's plane.
-template <class T>
-bool reaches_plane(const Mesh<T>& mesh, const Aabb<T>& box, std::uint32_t triangle) noexcept {
-  const MeshPatch<T>& patch = mesh.patches[mesh.triangles[triangle].patch];
-  const Vec3<T>& n = patch.normal;
-  const Vec3<T> lowest{n.x > T(0) ? box.lower.x : box.upper.x, n.y > T(0) ? box.lower.y : box.upper.y,
-                       n.z > T(0) ? box.lower.z : box.upper.z};
-  return dot(n, lowest) <= patch.offset + T(1e-5);  // its corners are as far from its plane at most
+inline bool reaches_plane(const Mesh& mesh, const Aabb& box, std::uint32_t triangle) noexcept {
+  const MeshPatch& patch = mesh.patches[mesh.triangles[triangle].patch];
+  const Vec3d& n = patch.normal;
+  const Vec3d lowest{n.x > 0.0 ? box.lower.x : box.upper.x, n.y > 0.0 ? box.lower.y : box.upper.y,
+                     n.z > 0.0 ? box.lower.z : box.upper.z};
+  return dot(n, lowest) <= patch.offset + 1e-5;  // its corners are as far from its plane at most
 }
 
 }  // namespace tactus::physics

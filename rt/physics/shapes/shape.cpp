@@ -6,33 +6,31 @@ namespace tactus::physics {
 namespace {
 
 // A cylinder and two half balls, by their shares of the volume (divided by pi r^2, so that a thin capsule is a rod).
-template <class T>
-Vec3<T> inertia_of_capsule(T radius, T half_length, T mass) noexcept {
-  const T cylinder = T(2) * half_length, ball = T(4) / T(3) * radius;
-  if (!(cylinder + ball > T(0))) return {};
-  const T mass_cylinder = mass * (cylinder / (cylinder + ball)), mass_ball = mass - mass_cylinder;
-  const T r2 = radius * radius, l2 = half_length * half_length;
-  const T along = mass_cylinder * r2 / T(2) + mass_ball * r2 * T(0.4);
+Vec3d inertia_of_capsule(double radius, double half_length, double mass) noexcept {
+  const double cylinder = 2.0 * half_length, ball = 4.0 / 3.0 * radius;
+  if (!(cylinder + ball > 0.0)) return {};
+  const double mass_cylinder = mass * (cylinder / (cylinder + ball)), mass_ball = mass - mass_cylinder;
+  const double r2 = radius * radius, l2 = half_length * half_length;
+  const double along = mass_cylinder * r2 / 2.0 + mass_ball * r2 * 0.4;
   // A half ball about the capsule's centre: its own centre of mass is 3/8 r beyond its flat side.
-  const T across =
-      mass_cylinder * (r2 / T(4) + l2 / T(3)) + mass_ball * (r2 * T(0.4) + l2 + T(0.75) * half_length * radius);
+  const double across =
+      mass_cylinder * (r2 / 4.0 + l2 / 3.0) + mass_ball * (r2 * 0.4 + l2 + 0.75 * half_length * radius);
   return {across, across, along};
 }
 
 }  // namespace
 
-template <class T>
-Vec3<T> inertia_of(const Shape<T>& shape, T mass) noexcept {
+Vec3d inertia_of(const Shape& shape, double mass) noexcept {
   switch (shape.kind) {
     case ShapeKind::kSphere: {
-      const T i = T(0.4) * mass * shape.radius * shape.radius;
+      const double i = 0.4 * mass * shape.radius * shape.radius;
       return {i, i, i};
     }
     case ShapeKind::kCapsule:
       return inertia_of_capsule(shape.radius, shape.half_length, mass);
     case ShapeKind::kBox: {
-      const Vec3<T> h2 = scale(shape.half_extents, shape.half_extents);
-      return Vec3<T>{h2.y + h2.z, h2.x + h2.z, h2.x + h2.y} * (mass / T(3));
+      const Vec3d h2 = scale(shape.half_extents, shape.half_extents);
+      return Vec3d{h2.y + h2.z, h2.x + h2.z, h2.x + h2.y} * (mass / 3.0);
     }
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
@@ -42,27 +40,25 @@ Vec3<T> inertia_of(const Shape<T>& shape, T mass) noexcept {
   return {};
 }
 
-template <class T>
-T volume_of(const Shape<T>& shape) noexcept {
-  constexpr T pi = T(3.14159265358979323846);
-  const T r2 = shape.radius * shape.radius;
+double volume_of(const Shape& shape) noexcept {
+  constexpr double pi = 3.14159265358979323846;
+  const double r2 = shape.radius * shape.radius;
   switch (shape.kind) {
     case ShapeKind::kSphere:
-      return T(4) / T(3) * pi * r2 * shape.radius;
+      return 4.0 / 3.0 * pi * r2 * shape.radius;
     case ShapeKind::kCapsule:
-      return pi * r2 * (T(2) * shape.half_length + T(4) / T(3) * shape.radius);
+      return pi * r2 * (2.0 * shape.half_length + 4.0 / 3.0 * shape.radius);
     case ShapeKind::kBox:
-      return T(8) * shape.half_extents.x * shape.half_extents.y * shape.half_extents.z;
+      return 8.0 * shape.half_extents.x * shape.half_extents.y * shape.half_extents.z;
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
     case ShapeKind::kMesh:
       break;
   }
-  return T(0);
+  return 0.0;
 }
 
-template <class T>
-T bounding_radius(const Shape<T>& shape) noexcept {
+double bounding_radius(const Shape& shape) noexcept {
   switch (shape.kind) {
     case ShapeKind::kSphere:
     case ShapeKind::kHull:
@@ -75,45 +71,34 @@ T bounding_radius(const Shape<T>& shape) noexcept {
     case ShapeKind::kPlane:
       break;
   }
-  return std::numeric_limits<T>::infinity();
+  return std::numeric_limits<double>::infinity();
 }
 
-template <class T>
-Aabb<T> bounds_of(const Shape<T>& shape, const Pose<T>& world_from_body, T margin) noexcept {
-  const Quat<T>& q = world_from_body.rotation;
-  Vec3<T> reach;
+Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) noexcept {
+  const Quatd& q = world_from_body.rotation;
+  Vec3d reach;
   switch (shape.kind) {
     case ShapeKind::kSphere:
       reach = {shape.radius, shape.radius, shape.radius};
       break;
     case ShapeKind::kCapsule:
-      reach =
-          abs(rotate(q, Vec3<T>{T(0), T(0), shape.half_length})) + Vec3<T>{shape.radius, shape.radius, shape.radius};
+      reach = abs(rotate(q, Vec3d{0.0, 0.0, shape.half_length})) + Vec3d{shape.radius, shape.radius, shape.radius};
       break;
     case ShapeKind::kBox:
     case ShapeKind::kHull:
     case ShapeKind::kMesh: {
-      const Vec3<T>& h = shape.half_extents;
-      reach = abs(rotate(q, Vec3<T>{h.x, T(0), T(0)})) + abs(rotate(q, Vec3<T>{T(0), h.y, T(0)})) +
-              abs(rotate(q, Vec3<T>{T(0), T(0), h.z}));
+      const Vec3d& h = shape.half_extents;
+      reach = abs(rotate(q, Vec3d{h.x, 0.0, 0.0})) + abs(rotate(q, Vec3d{0.0, h.y, 0.0})) +
+              abs(rotate(q, Vec3d{0.0, 0.0, h.z}));
       break;
     }
     case ShapeKind::kPlane: {
-      constexpr T infinity = std::numeric_limits<T>::infinity();
+      constexpr double infinity = std::numeric_limits<double>::infinity();
       return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
     }
   }
-  reach += Vec3<T>{margin, margin, margin};
+  reach += Vec3d{margin, margin, margin};
   return {world_from_body.position - reach, world_from_body.position + reach};
 }
-
-#define TACTUS_INSTANTIATE(T)                                  \
-  template Vec3<T> inertia_of<T>(const Shape<T>&, T) noexcept; \
-  template T volume_of<T>(const Shape<T>&) noexcept;           \
-  template T bounding_radius<T>(const Shape<T>&) noexcept;     \
-  template Aabb<T> bounds_of<T>(const Shape<T>&, const Pose<T>&, T) noexcept;
-TACTUS_INSTANTIATE(double)
-TACTUS_INSTANTIATE(float)
-#undef TACTUS_INSTANTIATE
 
 }  // namespace tactus::physics

@@ -14,30 +14,29 @@ namespace tactus::physics {
 
 enum class ShapeKind : std::uint32_t { kSphere = 0, kCapsule = 1, kBox = 2, kPlane = 3, kHull = 4, kMesh = 5 };
 
-template <class T>
 struct Shape {
   ShapeKind kind{ShapeKind::kSphere};
   std::uint32_t index{0};  // hull, mesh: which one, in the list of the world
-  T radius{};              // m: sphere, capsule; hull: of the ball about the origin that holds it; 0 otherwise
-  T half_length{};         // m: capsule, half the distance between the cap centres, along body z
-  Vec3<T> half_extents{};  // m: box; hull, mesh: the box about the origin that holds it
+  double radius{};         // m: sphere, capsule; hull: of the ball about the origin that holds it; 0 otherwise
+  double half_length{};    // m: capsule, half the distance between the cap centres, along body z
+  Vec3d half_extents{};    // m: box; hull, mesh: the box about the origin that holds it
 
-  static constexpr Shape sphere(T radius) noexcept { return {ShapeKind::kSphere, 0, radius, T(0), {}}; }
-  static constexpr Shape capsule(T radius, T half_length) noexcept {
+  static constexpr Shape sphere(double radius) noexcept { return {ShapeKind::kSphere, 0, radius, 0.0, {}}; }
+  static constexpr Shape capsule(double radius, double half_length) noexcept {
     return {ShapeKind::kCapsule, 0, radius, half_length, {}};
   }
-  static constexpr Shape box(const Vec3<T>& half_extents) noexcept {
-    return {ShapeKind::kBox, 0, T(0), T(0), half_extents};
+  static constexpr Shape box(const Vec3d& half_extents) noexcept {
+    return {ShapeKind::kBox, 0, 0.0, 0.0, half_extents};
   }
   // The half space z <= 0 of the body frame is solid. Fixed bodies only.
-  static constexpr Shape plane() noexcept { return {ShapeKind::kPlane, 0, T(0), T(0), {}}; }
+  static constexpr Shape plane() noexcept { return {ShapeKind::kPlane, 0, 0.0, 0.0, {}}; }
   // `index`: where it is in the world's list.
-  static constexpr Shape convex(const Hull<T>& hull, std::uint32_t index) noexcept {
-    return {ShapeKind::kHull, index, hull.bounding_radius, T(0), hull.half_extents};
+  static constexpr Shape convex(const Hull& hull, std::uint32_t index) noexcept {
+    return {ShapeKind::kHull, index, hull.bounding_radius, 0.0, hull.half_extents};
   }
   // Fixed bodies only; `index` as for hulls.
-  static constexpr Shape mesh(const Vec3<T>& half_extents, std::uint32_t index) noexcept {
-    return {ShapeKind::kMesh, index, T(0), T(0), half_extents};
+  static constexpr Shape mesh(const Vec3d& half_extents, std::uint32_t index) noexcept {
+    return {ShapeKind::kMesh, index, 0.0, 0.0, half_extents};
   }
 
   friend constexpr bool operator==(const Shape&, const Shape&) noexcept = default;
@@ -45,21 +44,17 @@ struct Shape {
 
 // Diagonal of the inertia tensor of a homogeneous body of `mass` [kg m^2]; zero for a plane or mesh, and for a hull:
 // that of its Hull is inertia_per_kg.
-template <class T>
-Vec3<T> inertia_of(const Shape<T>& shape, T mass) noexcept;
+Vec3d inertia_of(const Shape& shape, double mass) noexcept;
 
 // Volume [m^3]; zero for a plane or mesh, and for a hull: that is in its Hull.
-template <class T>
-T volume_of(const Shape<T>& shape) noexcept;
+double volume_of(const Shape& shape) noexcept;
 
 // Radius of the smallest sphere about the body's origin that holds the shape [m]; +infinity for a plane.
-template <class T>
-T bounding_radius(const Shape<T>& shape) noexcept;
+double bounding_radius(const Shape& shape) noexcept;
 
 // Axis-aligned box in the world.
-template <class T>
 struct Aabb {
-  Vec3<T> lower, upper;  // m
+  Vec3d lower, upper;  // m
 
   constexpr bool overlaps(const Aabb& o) const noexcept {
     return lower.x <= o.upper.x && o.lower.x <= upper.x && lower.y <= o.upper.y && o.lower.y <= upper.y &&
@@ -70,15 +65,14 @@ struct Aabb {
            lower.z <= o.lower.z && o.upper.z <= upper.z;
   }
   // On every side.
-  constexpr Aabb grown(T by) const noexcept {
-    const Vec3<T> all{by, by, by};
+  constexpr Aabb grown(double by) const noexcept {
+    const Vec3d all{by, by, by};
     return {lower - all, upper + all};
   }
 };
 
 // The shape's box at `world_from_body`, grown by `margin` on every side. A plane's is unbounded; a hull's or
 // mesh's is that of the box that holds it, so larger than need be.
-template <class T>
-Aabb<T> bounds_of(const Shape<T>& shape, const Pose<T>& world_from_body, T margin) noexcept;
+Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) noexcept;
 
 }  // namespace tactus::physics

@@ -29,7 +29,7 @@ Bench bench_with_buffer() {
 
 TEST_CASE("A buffer body takes the global world's state at a synchronisation, an inner member keeps its own") {
   Bench bench = bench_with_buffer();
-  const physics::BodyMotion<double> other{{{0.5, 0.25, -0.125}, {}}, {{0.1, 0, 0}, {0, 0, 2}}};
+  const physics::BodyMotion other{{{0.5, 0.25, -0.125}, {}}, {{0.1, 0, 0}, {0, 0, 2}}};
   const auto own = bench.motion(1);
   REQUIRE(bench.snapshot->renewed.try_push({1, 0, other}));  // was no buffer body: not to be believed
   REQUIRE(bench.snapshot->renewed.try_push({2, 0, other}));
@@ -51,7 +51,7 @@ TEST_CASE("The report says of whom the global world keeps its own state") {
 
 TEST_CASE("A buffer body that turns inner goes on from the global world's state and is the sub-world's from then on") {
   Bench bench = bench_with_buffer();
-  const physics::BodyMotion<double> other{{{0.5, 0, 0}, {}}, {{0.2, 0, 0}, {}}};
+  const physics::BodyMotion other{{{0.5, 0, 0}, {}}, {{0.2, 0, 0}, {}}};
   REQUIRE(bench.snapshot->renewed.try_push({2, 0, other}));
   bench.synchronise();
   bench.step(5);
@@ -71,7 +71,7 @@ Bench resting_on_slab(double friction) {
   SubWorldConfig config = ghost_config();
   config.step.gravity = {0, 0, -9.81};
   Bench bench(config);
-  auto slab = physics::make_dynamic_body<double>(5, physics::Shape<double>::box({0.2, 0.2, 0.05}), 1000, friction, {});
+  auto slab = physics::make_dynamic_body(5, physics::Shape::box({0.2, 0.2, 0.05}), 1000, friction, {});
   slab.gravity_scale = 0;
   auto proxy = ball(config.proxy, {0, 0, 0.05 + kRadius});
   proxy.friction = friction;
@@ -106,7 +106,7 @@ TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodi
   auto snapshot = std::make_unique<haptics::WorldSnapshot>();
   REQUIRE(snapshot->buffer.try_push(1));
   REQUIRE(snapshot->buffer.try_push(2));
-  physics::World<double> world(bench.sub_world.config().capacities);
+  physics::World world(bench.sub_world.config().capacities);
   for (const auto& body : bench.sub_world.world().bodies()) REQUIRE(world.insert(body));
   (void)buffer.adopt(*snapshot, make_config().proxy, world);
   std::vector<std::byte> bytes(haptics::BorderBuffer::kMostBytes);

@@ -13,9 +13,9 @@ using namespace tactus::haptics;
 
 namespace {
 
-constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(physics::BodyMotion<double>);
+constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(physics::BodyMotion);
 
-physics::BodyMotion<double> random_motion(test::Random& random) {
+physics::BodyMotion random_motion(test::Random& random) {
   return {{random.vector(10), quat_from_rotation_vector(random.vector(1))}, {random.vector(2), random.vector(5)}};
 }
 
@@ -37,13 +37,13 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
   }
   for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->effects.try_push(static_cast<std::byte>(i)));
   for (std::uint32_t i = 0; i < counts.joiners; ++i) {
-    auto body = physics::make_dynamic_body<double>(i, physics::Shape<double>::sphere(random(0.01, 1)), random(0.1, 9),
-                                                   random(0, 1), {});
+    auto body =
+        physics::make_dynamic_body(i, physics::Shape::sphere(random(0.01, 1)), random(0.1, 9), random(0, 1), {});
     body.motion = random_motion(random);
     REQUIRE(s->joiners.try_push(body));
   }
   for (std::uint32_t i = 0; i < counts.warm_starts; ++i) {
-    physics::WarmStart<double> w;
+    physics::WarmStart w;
     w.key = PairKey::of(i, i + 7, i % 2 == 0);
     w.count = i % 5;
     for (std::uint32_t k = 0; k < w.count; ++k) {
@@ -94,8 +94,7 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     const auto bytes = bytes_of(*s);
     CHECK(bytes.size() == kHeader + 10 * 4 + counts.members * (sizeof(BodyId) + 1) +
                               s->buffer.size() * (sizeof(BodyId) + sizeof(MemberMotion)) +
-                              counts.joiners * sizeof(physics::Body<double>) +
-                              counts.warm_starts * sizeof(physics::WarmStart<double>) +
+                              counts.joiners * sizeof(physics::Body) + counts.warm_starts * sizeof(physics::WarmStart) +
                               counts.border * (sizeof(BorderPoint) + sizeof(OutsideBody)));
     REQUIRE(read(bytes, *back));
     CHECK(back->cycle == s->cycle);

@@ -37,18 +37,17 @@ inline SubWorldConfig make_config(CouplingScheme scheme = CouplingScheme::kSubWo
   return config;
 }
 
-inline Body<double> ball(BodyId id, const Vec3d& at, const Twistd& velocity = {}) {
-  auto body = physics::make_dynamic_body<double>(id, Shape<double>::sphere(kRadius), kMass, 0.5, {at, {}});
+inline Body ball(BodyId id, const Vec3d& at, const Twistd& velocity = {}) {
+  auto body = physics::make_dynamic_body(id, Shape::sphere(kRadius), kMass, 0.5, {at, {}});
   body.motion.velocity = velocity;
   return body;
 }
 
-inline Body<double> cube(BodyId id, double height) {
-  return physics::make_dynamic_body<double>(id, Shape<double>::box({0.05, 0.05, 0.05}), kMass, 0.5,
-                                            {{0, 0, height}, {}});
+inline Body cube(BodyId id, double height) {
+  return physics::make_dynamic_body(id, Shape::box({0.05, 0.05, 0.05}), kMass, 0.5, {{0, 0, height}, {}});
 }
 
-inline Body<double> ground() { return physics::make_fixed_body<double>(kGround, Shape<double>::plane(), 0.5, {}); }
+inline Body ground() { return physics::make_fixed_body(kGround, Shape::plane(), 0.5, {}); }
 
 // A border point at the foot of a ball, where it stands on an outside body whose surface is z = 0: it pushes up and
 // turns nothing.
@@ -64,7 +63,7 @@ inline BorderPoint support(BodyId member, double force_N, double friction = 0, s
 
 // A sub-world, the snapshot that it gets next and the report that it gave last.
 struct Bench {
-  explicit Bench(const SubWorldConfig& config, std::vector<Body<double>> fixed = {}) : sub_world(config, fixed) {}
+  explicit Bench(const SubWorldConfig& config, std::vector<Body> fixed = {}) : sub_world(config, fixed) {}
 
   SubWorld sub_world;
   std::unique_ptr<WorldSnapshot> snapshot = std::make_unique<WorldSnapshot>();
@@ -79,7 +78,7 @@ struct Bench {
     for (const BodyId id : members) REQUIRE(snapshot->members.try_push(id));
     return *snapshot;
   }
-  WorldSnapshot& next_with(std::vector<Body<double>> joiners) {
+  WorldSnapshot& next_with(std::vector<Body> joiners) {
     next({});
     for (const auto& body : joiners) {
       REQUIRE(snapshot->members.try_push(body.id));
@@ -94,18 +93,16 @@ struct Bench {
   void step(std::uint32_t ticks = 1, const DeviceTarget& target = {}, std::uint32_t sub_steps = 4) {
     for (std::uint32_t i = 0; i < ticks; ++i) last = sub_world.step(target, sub_steps, {});
   }
-  BodyMotion<double> motion(BodyId id) const {
+  BodyMotion motion(BodyId id) const {
     const std::int32_t slot = sub_world.world().slot_of(id);
     REQUIRE(slot >= 0);
     return sub_world.world().bodies()[static_cast<std::size_t>(slot)].motion;
   }
   bool is_member(BodyId id) const { return sub_world.world().slot_of(id) >= 0; }
-  const physics::BorderContact<double>& border(std::uint32_t i) const { return sub_world.world().border_contacts()[i]; }
+  const physics::BorderContact& border(std::uint32_t i) const { return sub_world.world().border_contacts()[i]; }
 };
 
-inline bool same_bits(const BodyMotion<double>& a, const BodyMotion<double>& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
-}
+inline bool same_bits(const BodyMotion& a, const BodyMotion& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 inline void check_close(const Vec3d& a, const Vec3d& b, double within) {
   CAPTURE(a.x, a.y, a.z, b.x, b.y, b.z);

@@ -20,7 +20,7 @@ OutsideBody outside(double inverse_mass, const Vec3d& velocity = {}, double load
   body.id = kOutside;
   body.centre = {0, 0, -kRadius};
   body.velocity.linear = velocity;
-  body.admittance.linear = SymMat3<double>::identity(inverse_mass);
+  body.admittance.linear = SymMat3d::identity(inverse_mass);
   body.drive.linear = {0, 0, inverse_mass * load_N};
   return body;
 }
@@ -32,7 +32,7 @@ BorderPoint touch(double force_N, double inverse_mass, double friction = 0) {
   return point;
 }
 
-const physics::BorderGhost<double>& ghost_of(const Bench& bench) { return bench.sub_world.world().border_ghosts()[0]; }
+const physics::BorderGhost& ghost_of(const Bench& bench) { return bench.sub_world.world().border_ghosts()[0]; }
 
 }  // namespace
 

@@ -137,7 +137,7 @@ TEST_CASE("direct: the dynamic bodies given are members, and nothing is ever lat
   SubWorldConfig config = make_config(CouplingScheme::kDirect);
   config.step.gravity = {0, 0, -kGravity};
   Bench bench(config, {ground()});
-  const std::vector<Body<double>> bodies{ground(), ball(3, {0, 0, 1}), ball(kProxy, {1, 0, 1})};
+  const std::vector<Body> bodies{ground(), ball(3, {0, 0, 1}), ball(kProxy, {1, 0, 1})};
   bench.sub_world.set_members(bodies);
   CHECK(bench.sub_world.members() == 2);
   CHECK_FALSE(bench.sub_world.exchanges());

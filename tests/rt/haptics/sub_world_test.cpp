@@ -25,7 +25,7 @@ TEST_CASE("a synchronisation reports what was, leavers included, and only then t
   CHECK(bench.report->ticks == 0);
   CHECK(bench.report->members.empty());
   bench.step(3);
-  const BodyMotion<double> before[] = {bench.motion(0), bench.motion(1), bench.motion(2)};
+  const BodyMotion before[] = {bench.motion(0), bench.motion(1), bench.motion(2)};
 
   const auto joiner = ball(5, {3, 1.0 / 3, 0}, {{0, 0, 0.7}, {0.1, 0, 0}});
   bench.next({0, 2, 5});
@@ -70,7 +70,7 @@ TEST_CASE("the contacts of those that leave are reported as forces, the others' 
   // Three sub-steps and not the configured four: the forces must be those of the sub-steps that were taken.
   bench.step(400, {}, 3);
 
-  const auto sum_of = [](const physics::WarmStart<double>& w) {
+  const auto sum_of = [](const physics::WarmStart& w) {
     double sum = 0;
     for (std::uint32_t i = 0; i < w.count; ++i) sum += w.normal_force[i];
     return sum;

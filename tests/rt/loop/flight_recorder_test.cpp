@@ -31,8 +31,7 @@ struct Bench {
   Bench(std::uint64_t ring_bytes, std::uint32_t keyframe_ticks)
       : loop(make_config(), {}), recorder(loop, ring_bytes, keyframe_ticks) {
     REQUIRE(snapshot->members.try_push(0));
-    REQUIRE(snapshot->joiners.try_push(
-        physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(0.02), 0.2, 0.5, {})));
+    REQUIRE(snapshot->joiners.try_push(physics::make_dynamic_body(0, physics::Shape::sphere(0.02), 0.2, 0.5, {})));
     in.sink.report = report.get();
     in.device.sample.state = haptics::DeviceState::kForce;
   }

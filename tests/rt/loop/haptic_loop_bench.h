@@ -41,13 +41,13 @@ inline LoopConfig make_config(CouplingScheme scheme = CouplingScheme::kDirect) {
 }
 
 // So heavy that it stays where it is: the coupling's wrench is K times the stretch.
-inline Body<double> anvil(const Posed& pose = {}) {
-  return physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.5), 1e9, 0.5, pose);
+inline Body anvil(const Posed& pose = {}) {
+  return physics::make_dynamic_body(kProxy, Shape::sphere(0.5), 1e9, 0.5, pose);
 }
 
 // A loop, and a device that does as it is told and streams where the test puts it.
 struct Bench {
-  explicit Bench(const LoopConfig& config = make_config(), const Body<double>& proxy = anvil()) : loop(config, {}) {
+  explicit Bench(const LoopConfig& config = make_config(), const Body& proxy = anvil()) : loop(config, {}) {
     in.device.sample.state = DeviceState::kIdle;
     if (!loop.sub_world().exchanges()) loop.set_members({&proxy, 1});
   }

@@ -123,7 +123,7 @@ TEST_CASE("the work of the coupling on the proxy is the proxy's own energy, wher
   LoopConfig config = make_config();
   config.sub_world.step.gravity = {};
   const double mass = 0.2;
-  const auto ball = physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.01), mass, 0.5, {});
+  const auto ball = physics::make_dynamic_body(kProxy, Shape::sphere(0.01), mass, 0.5, {});
   Bench bench(config, ball);
   bench.run(3);
   bench.tick(kArm);
@@ -146,10 +146,9 @@ TEST_CASE(
   LoopConfig config = make_config();
   config.sub_world.step.gravity = {};
   config.thinnest_m = GENERATE(0.02, 1.0, 0.0);  // of the ball, of another; not asked for
-  const auto ground = physics::make_fixed_body<double>(9, Shape<double>::plane(), 0.5, {});
+  const auto ground = physics::make_fixed_body(9, Shape::plane(), 0.5, {});
   loop::HapticLoop loop(config, {&ground, 1});
-  const auto ball =
-      physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.01), 0.2, 0.5, {{0, 0, 0.006}, {}});
+  const auto ball = physics::make_dynamic_body(kProxy, Shape::sphere(0.01), 0.2, 0.5, {{0, 0, 0.006}, {}});
   loop.set_members({&ball, 1});
   TickInput in;
   TickOutput out;
@@ -316,15 +315,13 @@ struct Chaos {
     c.placement.motion_scale = 1.5;
     return c;
   }
-  static std::vector<Body<double>> fixed() {
-    return {physics::make_fixed_body<double>(9, Shape<double>::plane(), 0.5, {})};
-  }
-  static std::vector<Body<double>> members() {
-    auto proxy = physics::make_dynamic_body<double>(kProxy, Shape<double>::sphere(0.02), 0.2, 0.5, {{0, 0, 0.12}, {}});
+  static std::vector<Body> fixed() { return {physics::make_fixed_body(9, Shape::plane(), 0.5, {})}; }
+  static std::vector<Body> members() {
+    auto proxy = physics::make_dynamic_body(kProxy, Shape::sphere(0.02), 0.2, 0.5, {{0, 0, 0.12}, {}});
     proxy.gravity_scale = 0;
-    const auto block = Shape<double>::box({0.05, 0.05, 0.05});
-    return {proxy, physics::make_dynamic_body<double>(1, block, 1.0, 0.5, {{0, 0, 0.05}, {}}),
-            physics::make_dynamic_body<double>(2, block, 1.0, 0.5, {{0.11, 0, 0.05}, {}})};
+    const auto block = Shape::box({0.05, 0.05, 0.05});
+    return {proxy, physics::make_dynamic_body(1, block, 1.0, 0.5, {{0, 0, 0.05}, {}}),
+            physics::make_dynamic_body(2, block, 1.0, 0.5, {{0.11, 0, 0.05}, {}})};
   }
 
   bool chance(double p) { return random(0, 1) < p; }

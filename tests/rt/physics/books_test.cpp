@@ -8,7 +8,7 @@ using tactus::test::PhysicsBench;
 using tactus::test::Random;
 
 TEST_CASE("Kinetic energy is half m v^2 and half I w^2 of every body, also when it is turned") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_sphere(1, 0.1, 2, 0.5, {}, {3, 0, 4});  // 25 J
   CHECK(bench.world.kinetic_energy() == Approx(25));
   // A box 2 x 4 x 6 of 12 kg: I = m/3 (b^2 + c^2) = 4 (4 + 9, 1 + 9, 1 + 4), turned a quarter about z: its y axis is x.
@@ -18,7 +18,7 @@ TEST_CASE("Kinetic energy is half m v^2 and half I w^2 of every body, also when 
 }
 
 TEST_CASE("Potential energy is - m g x, of what falls") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_sphere(1, 0.1, 2, 0.5, {1, 2, 3});
   bench.add_sphere(2, 0.1, 5, 0.5, {1, 2, 30});
   bench.body(2).gravity_scale = 0;
@@ -27,7 +27,7 @@ TEST_CASE("Potential energy is - m g x, of what falls") {
 }
 
 TEST_CASE("Momentum is m v, and about the origin x cross m v and the spin") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_sphere(1, 0.5, 2, 0.5, {1, 0, 0}, {0, 3, 0});
   bench.velocity(1).angular = {0, 0, 7};  // I = 0.4 m r^2 = 0.2
   const Wrenchd momentum = bench.world.momentum();
@@ -38,7 +38,7 @@ TEST_CASE("Momentum is m v, and about the origin x cross m v and the spin") {
 TEST_CASE("An impulse changes the momentum by itself, also of a turned body") {
   Random random(4);
   for (int k = 0; k < 20; ++k) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     bench.add_box(1, {0.1, 0.2, 0.3}, 1.5, 0.5, {{}, quat_from_rotation_vector(random.vector(2))},
                   {random.vector(1), random.vector(1)});
     const Wrenchd before = bench.world.momentum(), impulse{random.vector(1), random.vector(1)};
@@ -49,7 +49,7 @@ TEST_CASE("An impulse changes the momentum by itself, also of a turned body") {
 }
 
 TEST_CASE("Free flight keeps momentum and energy, rotation included") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   Random random(5);
   for (BodyId id = 0; id < 5; ++id)
@@ -63,11 +63,11 @@ TEST_CASE("Free flight keeps momentum and energy, rotation included") {
 }
 
 TEST_CASE("The hash of the state changes with every bit that counts, and with nothing else") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_sphere(1, 0.1, 1, 0.5, {1, 2, 3}, {4, 5, 6});
   bench.add_sphere(2, 0.1, 1, 0.5, {2, 2, 3});
   const std::uint64_t hash = bench.world.state_hash();
-  BodyMotion<double>& motion = bench.body(1).motion;
+  BodyMotion& motion = bench.body(1).motion;
   double* const fields[] = {&motion.pose.position.x,   &motion.pose.position.y,    &motion.pose.position.z,
                             &motion.pose.rotation.w,   &motion.pose.rotation.x,    &motion.pose.rotation.y,
                             &motion.pose.rotation.z,   &motion.velocity.linear.x,  &motion.velocity.linear.y,
@@ -86,6 +86,6 @@ TEST_CASE("The hash of the state changes with every bit that counts, and with no
 }
 
 TEST_CASE("The hash is FNV-1a of ids, poses and velocities") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   CHECK(bench.world.state_hash() == 0xcbf29ce484222325ull);  // the offset basis, of nothing
 }

@@ -10,25 +10,25 @@ namespace {
 
 constexpr double kMass = 0.5, kHalf = 0.05;
 
-Admittance<double> free_mass(double mass) { return {SymMat3<double>::identity(1 / mass), {}, {}}; }
+Admittance free_mass(double mass) { return {SymMat3d::identity(1 / mass), {}, {}}; }
 
 // A cube at the origin without gravity, hard to turn, whose face towards -x touches the ghost of an outside body:
 // normal +x. Nothing holds the ghost but its admittance.
 struct GhostBench {
-  PhysicsBench<> bench{[] {
+  PhysicsBench bench{[] {
     Capacities capacities;
     capacities.border_contacts = 4;
     return capacities;
   }()};
 
-  explicit GhostBench(const Admittance<double>& admittance, double friction = 0) {
+  explicit GhostBench(const Admittance& admittance, double friction = 0) {
     bench.settings.gravity = {};
     bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
     bench.body(3).inertia = {1e6, 1e6, 1e6};
-    BorderGhost<double> ghost;
+    BorderGhost ghost;
     ghost.outside = 9, ghost.centre = {-2 * kHalf, 0, 0}, ghost.admittance = admittance;
     REQUIRE(bench.world.border_ghosts().try_push(ghost));
-    BorderContact<double> contact;
+    BorderContact contact;
     contact.member = 3, contact.outside = 9, contact.ghost = 0;
     contact.normal = {1, 0, 0};
     contact.member_anchor = contact.line_point = {-kHalf, 0, 0};
@@ -36,8 +36,8 @@ struct GhostBench {
     bench.world.border_mode = BorderMode::kGhost;
     REQUIRE(bench.world.add_border_contact(contact));
   }
-  BorderGhost<double>& ghost() { return bench.world.border_ghosts()[0]; }
-  BorderContact<double>& contact() { return bench.world.border_contacts()[0]; }
+  BorderGhost& ghost() { return bench.world.border_ghosts()[0]; }
+  BorderContact& contact() { return bench.world.border_contacts()[0]; }
   Vec3d& velocity() { return bench.velocity(3).linear; }
   void pull(const Vec3d& force) { bench.world.apply_wrench(bench.slot(3), {force, {}}); }
 };
@@ -72,7 +72,7 @@ TEST_CASE("Momentum is shared also when every sweep is cut") {
 
 TEST_CASE("A load sinks as deep into a ghost as into the outside body, whatever moves with that") {
   const double admittance = GENERATE(0.0, 0.1, 2.0, 10.0);
-  GhostBench b({SymMat3<double>::identity(admittance), {}, {}});
+  GhostBench b({SymMat3d::identity(admittance), {}, {}});
   const double load = 9;
   b.ghost().drive.linear = {load * admittance, 0, 0};  // the ground holds the outside body against the load
   for (int k = 0; k < 400; ++k) {
@@ -144,7 +144,7 @@ TEST_CASE("Friction on a ghost sticks below mu times the load, slides above, and
 TEST_CASE("An impulse off its centre turns a ghost as its admittance says") {
   // A cube of 2 kg, 0.1 m wide, hit on its face 0.03 m above its centre: W has both blocks.
   const double mass = 2, inertia = mass * 0.1 * 0.1 / 6;
-  GhostBench b({SymMat3<double>::identity(1 / mass), SymMat3<double>::identity(1 / inertia), {}});
+  GhostBench b({SymMat3d::identity(1 / mass), SymMat3d::identity(1 / inertia), {}});
   b.contact().member_anchor = b.contact().line_point = {-kHalf, 0, 0.03};
   b.velocity() = {-0.2, 0, 0};
   b.bench.run(1);

@@ -12,11 +12,11 @@ constexpr double kMass = 0.5, kHalf = 0.05;
 
 // A cube at the origin without gravity whose lower face an outside body touches, pushing up (+z) with `rate` newtons.
 // It is made hard to turn: pressed on one point it would tip over, as mechanics says.
-BorderContact<double>& add_border(PhysicsBench<>& bench, BorderMode mode, double rate, double friction = 0) {
+BorderContact& add_border(PhysicsBench& bench, BorderMode mode, double rate, double friction = 0) {
   bench.settings.gravity = {};
   bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
   bench.body(3).inertia = {1e6, 1e6, 1e6};
-  BorderContact<double> contact;
+  BorderContact contact;
   contact.member = 3, contact.outside = 9;
   contact.normal = {0, 0, 1};
   contact.member_anchor = {0, 0, -kHalf};
@@ -27,14 +27,14 @@ BorderContact<double>& add_border(PhysicsBench<>& bench, BorderMode mode, double
   return bench.world.border_contacts()[0];
 }
 
-PhysicsBench<> make_bench() {
+PhysicsBench make_bench() {
   Capacities capacities;
   capacities.border_contacts = 4;
-  return PhysicsBench<>(capacities);
+  return PhysicsBench(capacities);
 }
 
 // Keeps a pull of `force` newtons on the cube at the height of its lower face, so that it does not turn.
-void pull(PhysicsBench<>& bench, const Vec3d& force) {
+void pull(PhysicsBench& bench, const Vec3d& force) {
   bench.world.apply_wrench(bench.slot(3), {force, cross(Vec3d{0, 0, -kHalf}, force)});
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("The cap is the pair's: one of its points may carry more than its shar
   bench.settings.gravity = {};
   bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
   for (int i = 0; i < 2; ++i) {
-    BorderContact<double> contact;
+    BorderContact contact;
     contact.member = 3, contact.outside = 9, contact.feature = static_cast<std::uint32_t>(i);
     contact.normal = {0, 0, 1};
     contact.member_anchor = {i == 0 ? -kHalf : kHalf, 0, -kHalf};
@@ -221,7 +221,7 @@ TEST_CASE("A friction point draws the body's point back to its line") {
     bench.step();
   }
   CHECK_FALSE(border.friction_free);
-  const Pose<double>& pose = bench.body(3).motion.pose;
+  const Posed& pose = bench.body(3).motion.pose;
   CHECK((pose * Vec3d{0, 0, -kHalf}).x == Approx(1e-4).epsilon(0.01));
 }
 
@@ -290,7 +290,7 @@ TEST_CASE("A border contact of a body that is not here, or frozen, exerts nothin
 TEST_CASE("Border contacts beyond the capacity are refused, counted and named") {
   auto bench = make_bench();
   add_border(bench, BorderMode::kCapped, 1);
-  const BorderContact<double> more = bench.world.border_contacts()[0];
+  const BorderContact more = bench.world.border_contacts()[0];
   for (int k = 0; k < 3; ++k) REQUIRE(bench.world.add_border_contact(more));
   CHECK_FALSE(bench.world.add_border_contact(more));
   CHECK_FALSE(bench.world.add_border_contact(more));

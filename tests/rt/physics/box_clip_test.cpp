@@ -9,28 +9,28 @@ using namespace tactus::physics;
 
 namespace {
 
-ClipPolygon<double> polygon_of(std::initializer_list<ClipPoint<double>> points) {
-  ClipPolygon<double> polygon;
+ClipPolygon polygon_of(std::initializer_list<ClipPoint> points) {
+  ClipPolygon polygon;
   for (const auto& p : points) polygon.points[polygon.count++] = p;
   return polygon;
 }
 
-ClipPolygon<double> square(double half, double w) {
+ClipPolygon square(double half, double w) {
   return polygon_of({{half, half, w, 3, 0, false},
                      {-half, half, w, 2, 1, false},
                      {-half, -half, w, 0, 2, false},
                      {half, -half, w, 1, 3, false}});
 }
 
-std::set<int> ids(const ClipPolygon<double>& polygon) {
+std::set<int> ids(const ClipPolygon& polygon) {
   std::set<int> result;
   for (std::uint32_t i = 0; i < polygon.count; ++i) result.insert(polygon.points[i].id);
   return result;
 }
 
 // Eight corners at 45 degrees from each other, ids 0..7 in the order of the angle.
-ClipPolygon<double> octagon() {
-  ClipPolygon<double> polygon;
+ClipPolygon octagon() {
+  ClipPolygon polygon;
   for (std::uint8_t k = 0; k < 8; ++k) {
     const double angle = 0.78539816339744831 * k;
     polygon.points[polygon.count++] = {std::cos(angle), std::sin(angle), 0.0, k, k, false};
@@ -48,7 +48,7 @@ TEST_CASE("A face inside the rectangle stays whole") {
 }
 
 TEST_CASE("A face larger than the rectangle is cut to it, at its own slope") {
-  ClipPolygon<double> polygon = square(1.0, 0.0);
+  ClipPolygon polygon = square(1.0, 0.0);
   for (auto& p : polygon.points) p.w = 0.1 * p.u + 0.2 * p.v + 0.5;
   clip_to_rectangle(polygon, 0.3, 0.2);
   REQUIRE(polygon.count == 4);

@@ -15,33 +15,33 @@ constexpr BodyId kProxy = 0, kPlate = 1;
 constexpr double kRadius = 0.005, kMass = 0.2;
 
 struct Range {
-  World<double> world;
-  StepSettings<double> settings;
+  World world;
+  StepSettings settings;
   explicit Range(bool ccd) : world(Capacities{}, {}, {}, setups(ccd)) {}
-  static EffectSetups<double> setups(bool ccd) {
-    EffectSetups<double> all;
-    if (ccd) std::get<ContinuousCollision<double>::Setup>(all).proxy = kProxy;
+  static EffectSetups setups(bool ccd) {
+    EffectSetups all;
+    if (ccd) std::get<ContinuousCollision::Setup>(all).proxy = kProxy;
     return all;
   }
   // At x = 0 with its speed along +x.
   void add_proxy(double speed, double y = 0) {
-    auto made = make_dynamic_body<double>(kProxy, Shape<double>::sphere(kRadius), kMass, 0.5, {{0, y, 0}, {}});
+    auto made = make_dynamic_body(kProxy, Shape::sphere(kRadius), kMass, 0.5, {{0, y, 0}, {}});
     made.motion.velocity.linear.x = speed;
     REQUIRE(world.insert(made));
   }
-  Body<double> plate(double at, double mass) const {
-    const auto shape = Shape<double>::box({0.0005, 0.1, 0.1});
-    return mass > 0 ? make_dynamic_body<double>(kPlate, shape, mass, 0.5, {{at, 0, 0}, {}})
-                    : make_fixed_body<double>(kPlate, shape, 0.5, {{at, 0, 0}, {}});
+  Body plate(double at, double mass) const {
+    const auto shape = Shape::box({0.0005, 0.1, 0.1});
+    return mass > 0 ? make_dynamic_body(kPlate, shape, mass, 0.5, {{at, 0, 0}, {}})
+                    : make_fixed_body(kPlate, shape, 0.5, {{at, 0, 0}, {}});
   }
   void run(int steps) {
     for (int i = 0; i < steps; ++i) {
       world.begin_step(settings);
-      find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+      find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
       (void)world.finish_step(settings);
     }
   }
-  const BodyMotion<double>& proxy() const { return world.bodies()[0].motion; }
+  const BodyMotion& proxy() const { return world.bodies()[0].motion; }
 };
 
 }  // namespace

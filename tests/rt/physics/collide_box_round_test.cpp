@@ -10,8 +10,8 @@ using namespace tactus::physics::test;
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-const Shape<double> kBox = Shape<double>::box({0.1, 0.2, 0.3});
-const Shape<double> kCapsule = Shape<double>::capsule(0.02, 0.05);
+const Shape kBox = Shape::box({0.1, 0.2, 0.3});
+const Shape kCapsule = Shape::capsule(0.02, 0.05);
 const Quatd kAlongX = turn({0, 1, 0}, kPi / 2), kAlongY = turn({1, 0, 0}, -kPi / 2);
 
 void require_vec(const Vec3d& v, const Vec3d& expected) {
@@ -20,7 +20,7 @@ void require_vec(const Vec3d& v, const Vec3d& expected) {
   REQUIRE(v.z == Approx(expected.z).margin(1e-12));
 }
 
-const ManifoldPoint<double>& point_near(const Manifold<double>& m, const Vec3d& from_b) {
+const ManifoldPoint& point_near(const Manifold& m, const Vec3d& from_b) {
   std::uint32_t best = 0;
   for (std::uint32_t i = 1; i < m.count; ++i)
     if (norm(m.points[i].from_b - from_b) < norm(m.points[best].from_b - from_b)) best = i;
@@ -30,7 +30,7 @@ const ManifoldPoint<double>& point_near(const Manifold<double>& m, const Vec3d& 
 }  // namespace
 
 TEST_CASE("A sphere touches a box on a face, an edge and a corner") {
-  const auto sphere = Shape<double>::sphere(0.05);
+  const auto sphere = Shape::sphere(0.05);
   const Vec3d directions[] = {{0, 0, 1}, Vec3d{0, 1, 1} * (1 / std::sqrt(2.0)), Vec3d{-1, 1, 1} * (1 / std::sqrt(3.0))};
   const Vec3d touched[] = {{0.03, 0.05, 0.3}, {0.03, 0.2, 0.3}, {-0.1, 0.2, 0.3}};
   for (int k = 0; k < 3; ++k) {
@@ -43,17 +43,17 @@ TEST_CASE("A sphere touches a box on a face, an edge and a corner") {
 }
 
 TEST_CASE("A sphere whose centre is in a box leaves through the nearest face") {
-  const auto sphere = Shape<double>::sphere(0.05);
+  const auto sphere = Shape::sphere(0.05);
   const auto m = touch(sphere, {{0.01, -0.17, 0.05}, {}}, kBox, {}, 0.0);
   REQUIRE(m.count == 1);
   require_vec(m.normal, {0, 1, 0});  // from the sphere to the box: the sphere leaves along -y
   REQUIRE(m.points[0].separation == Approx(-0.08).margin(1e-12));
-  const auto centred = touch(sphere, {}, Shape<double>::box({0.1, 0.1, 0.1}), {}, 0.0);
+  const auto centred = touch(sphere, {}, Shape::box({0.1, 0.1, 0.1}), {}, 0.0);
   require_vec(centred.normal, {-1, 0, 0});  // a tie: the lowest axis, towards +
 }
 
 TEST_CASE("The gap of a sphere changes smoothly as its centre enters a box") {
-  const auto sphere = Shape<double>::sphere(0.05);
+  const auto sphere = Shape::sphere(0.05);
   for (const double depth : {-1e-6, -1e-13, 0.0, 1e-13, 1e-6}) {
     const auto m = touch(sphere, {{0.03, 0.05, 0.3 - depth}, {}}, kBox, {}, 0.0);
     REQUIRE(m.count == 1);
@@ -129,7 +129,7 @@ TEST_CASE("A capsule whose axis is in a box is pushed out along the face that ne
 TEST_CASE("A long capsule stuck through an edge of a box is pushed out square to both") {
   // In the xz plane, across the upper right edge, 5 mm inside of it: the edge direction is x + z.
   const Vec3d diagonal = Vec3d{1, 0, 1} * (1 / std::sqrt(2.0));
-  const auto rod = Shape<double>::capsule(0.01, 0.5);
+  const auto rod = Shape::capsule(0.01, 0.5);
   const auto m = touch(rod, {Vec3d{0.1, 0.03, 0.3} - diagonal * 0.005, turn({0, 1, 0}, kPi * 0.75)}, kBox, {}, 0.0);
   REQUIRE(m.count == 1);
   require_vec(m.normal, -diagonal);

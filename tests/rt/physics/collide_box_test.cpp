@@ -12,14 +12,14 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-std::set<std::uint32_t> touching_features(const Manifold<double>& m, double within) {
+std::set<std::uint32_t> touching_features(const Manifold& m, double within) {
   std::set<std::uint32_t> result;
   for (std::uint32_t i = 0; i < m.count; ++i)
     if (m.points[i].separation <= within) result.insert(m.points[i].feature);
   return result;
 }
 
-bool has_point(const Manifold<double>& m, const Vec3d& from_a) {
+bool has_point(const Manifold& m, const Vec3d& from_a) {
   for (std::uint32_t i = 0; i < m.count; ++i)
     if (norm(m.points[i].from_a - from_a) < 1e-9) return true;
   return false;
@@ -31,7 +31,7 @@ Posed shaken(Random& random, const Posed& pose, double by_m, double by_rad) {
 
 // The points that carry the load keep their names, and the normal stays, while both bodies tremble by a micrometre.
 // Gives the normal.
-Vec3d require_steady(const Shape<double>& a, const Posed& pose_a, const Shape<double>& b, const Posed& pose_b,
+Vec3d require_steady(const Shape& a, const Posed& pose_a, const Shape& b, const Posed& pose_b,
                      std::size_t expected_points, double least_cosine = 1 - 1e-9) {
   Random random(11);
   AxisCache cache;
@@ -46,13 +46,13 @@ Vec3d require_steady(const Shape<double>& a, const Posed& pose_a, const Shape<do
   return first.normal;
 }
 
-const Shape<double> kCube = Shape<double>::box({0.1, 0.1, 0.1});
-const Shape<double> kCard = Shape<double>::box({0.05, 0.03, 0.00015});  // 100 x 60 x 0.3 mm
+const Shape kCube = Shape::box({0.1, 0.1, 0.1});
+const Shape kCard = Shape::box({0.05, 0.03, 0.00015});  // 100 x 60 x 0.3 mm
 
 }  // namespace
 
 TEST_CASE("A small box on a large one rests on its four lower corners") {
-  const auto large = Shape<double>::box({1, 1, 0.1}), small = Shape<double>::box({0.1, 0.2, 0.3});
+  const auto large = Shape::box({1, 1, 0.1}), small = Shape::box({0.1, 0.2, 0.3});
   const auto m = touch(large, {{3, 4, 5}, {}}, small, {{3.2, 3.8, 5.401}, {}}, 0.002);
   REQUIRE(m.count == 4);
   REQUIRE(m.normal == Vec3d{0, 0, 1});
@@ -73,7 +73,7 @@ TEST_CASE("Each face of a box can be touched") {
   Random random(4);
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
-      const auto a = Shape<double>::box({0.1, 0.2, 0.3}), b = Shape<double>::box({0.05, 0.06, 0.07});
+      const auto a = Shape::box({0.1, 0.2, 0.3}), b = Shape::box({0.05, 0.06, 0.07});
       Posed pose_b{random.vec(0.04), {}};
       pose_b.position[axis] = sign * (a.half_extents[axis] + b.half_extents[axis] + 1e-3);
       const Posed world = random.pose(1.0);
@@ -126,7 +126,7 @@ TEST_CASE("Corner to corner the gap is the distance of the corners") {
 TEST_CASE("A box tipped over the edge of another touches it along that edge") {
   // B's lower face, tilted by 0.1 rad about y, lies on A's upper edge at x = 0.1, both ends of it.
   const double tilt = 0.1;
-  const auto b = Shape<double>::box({0.1, 0.05, 0.02});
+  const auto b = Shape::box({0.1, 0.05, 0.02});
   const Quatd q = turn({0, 1, 0}, tilt);
   const Vec3d lower_face_middle = rotate(q, Vec3d{0, 0, -0.02});
   const auto m = touch(kCube, {}, b, {Vec3d{0.1, 0, 0.1} - lower_face_middle, q}, 5e-4);
@@ -137,7 +137,7 @@ TEST_CASE("A box tipped over the edge of another touches it along that edge") {
 }
 
 TEST_CASE("A card's edge on a face keeps two points, at any lean, and a lying card four") {
-  const auto floor = Shape<double>::box({0.5, 0.5, 0.01});
+  const auto floor = Shape::box({0.5, 0.5, 0.01});
   for (const double lean : {0.3, 0.7, kPi / 4, 1.0, 1.3, 1.5}) {  // from the floor
     INFO("lean " << lean);
     const Posed card{{0.01, 0.02, 0.01 + 0.05 * std::sin(lean) + 0.00015 * std::cos(lean) - 5e-6},
@@ -231,7 +231,7 @@ TEST_CASE("Whatever the cache says, touching boxes are found and nothing is over
         b{random_shape(random, ShapeKind::kBox).half_extents, random.pose(0.1)};
     const double truth = distance(a, b);
     AxisCache cache{static_cast<std::uint8_t>(random.below(256))};
-    const auto m = collide(Shape<double>::box(a.half), a.pose, Shape<double>::box(b.half), b.pose, 5e-3, cache);
+    const auto m = collide(Shape::box(a.half), a.pose, Shape::box(b.half), b.pose, 5e-3, cache);
     if (truth <= 5e-3 - 1e-9) {
       REQUIRE(m.count > 0);
       REQUIRE(least_separation(m) <= truth + 1e-9);
@@ -250,7 +250,7 @@ TEST_CASE("Pushing the boxes apart by the reported overlap leaves next to none")
     const Vec3d direction = random.unit();
     while (overlap(a, b)) b.pose.position += direction * 1e-3;  // now apart by less than a millimetre
     b.pose.position -= direction * 1e-3;
-    const auto m = touch(Shape<double>::box(a.half), a.pose, Shape<double>::box(b.half), b.pose, 0.0);
+    const auto m = touch(Shape::box(a.half), a.pose, Shape::box(b.half), b.pose, 0.0);
     REQUIRE(m.count > 0);
     // Shallow overlap: the preference (5 % and 10 um) and the part beside the reference face are all that may remain.
     b.pose.position += m.normal * (1.1 * -least_separation(m) + 3e-5);

@@ -11,31 +11,31 @@ using namespace tactus::physics::test;
 namespace {
 
 struct HullBench {
-  explicit HullBench(std::vector<Hull<double>> list) : hulls(std::move(list)), world({}, hulls) {
+  explicit HullBench(std::vector<Hull> list) : hulls(std::move(list)), world({}, hulls) {
     settings.gravity = {0, 0, -tactus::test::kGravity};
-    world.insert(make_fixed_body<double>(100, Shape<double>::plane(), 0.5, {}));
+    world.insert(make_fixed_body(100, Shape::plane(), 0.5, {}));
   }
   void add(BodyId id, std::uint32_t hull, double mass, const Posed& pose) {
-    auto body = make_dynamic_body<double>(id, Shape<double>::convex(hulls[hull], hull), mass, 0.5, pose);
+    auto body = make_dynamic_body(id, Shape::convex(hulls[hull], hull), mass, 0.5, pose);
     body.inertia = hulls[hull].inertia_per_kg * mass;
     world.insert(body);
   }
   void run(int steps) {
     for (int i = 0; i < steps; ++i) {
       world.begin_step(settings);
-      find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+      find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
       report = world.finish_step(settings);
     }
   }
 
-  std::vector<Hull<double>> hulls;
-  World<double> world;
-  StepSettings<double> settings;
-  StepReport<double> report;
+  std::vector<Hull> hulls;
+  World world;
+  StepSettings settings;
+  StepReport report;
 };
 
-Manifold<double> touch_hulls(const std::vector<Hull<double>>& hulls, const Shape<double>& a, const Posed& pose_a,
-                             const Shape<double>& b, const Posed& pose_b, double margin) {
+Manifold touch_hulls(const std::vector<Hull>& hulls, const Shape& a, const Posed& pose_a, const Shape& b,
+                     const Posed& pose_b, double margin) {
   AxisCache cache;
   return collide(a, pose_a, b, pose_b, margin, cache, hulls);
 }
@@ -43,8 +43,8 @@ Manifold<double> touch_hulls(const std::vector<Hull<double>>& hulls, const Shape
 }  // namespace
 
 TEST_CASE("Two prisms of 32 sides end to end meet in four points far apart") {
-  const std::vector<Hull<double>> hulls{prism_hull(32, 0.1, 0.05).hull};
-  const auto prism = Shape<double>::convex(hulls[0], 0);
+  const std::vector<Hull> hulls{prism_hull(32, 0.1, 0.05).hull};
+  const auto prism = Shape::convex(hulls[0], 0);
   const auto m = touch_hulls(hulls, prism, {}, prism, {{0.01, 0, 0.099}, turn({0, 0, 1}, 0.05)}, 1e-3);
   REQUIRE(m.count == 4);
   REQUIRE(norm(m.normal - Vec3d{0, 0, 1}) < 1e-12);
@@ -62,8 +62,8 @@ TEST_CASE("Two prisms of 32 sides end to end meet in four points far apart") {
 }
 
 TEST_CASE("The edges of two hulls that cross touch in the middle between them") {
-  const std::vector<Hull<double>> hulls{box_hull({0.1, 0.1, 0.1}).hull};
-  const auto cube = Shape<double>::convex(hulls[0], 0);
+  const std::vector<Hull> hulls{box_hull({0.1, 0.1, 0.1}).hull};
+  const auto cube = Shape::convex(hulls[0], 0);
   const double diagonal = 0.1 * std::sqrt(2.0);
   const Posed below{{0, 0, 0}, turn({1, 0, 0}, 0.25 * tactus::test::kPi)};
   const Posed above{{0.02, 0.03, 2 * diagonal - 0.002}, turn({0, 1, 0}, 0.25 * tactus::test::kPi)};
@@ -75,8 +75,8 @@ TEST_CASE("The edges of two hulls that cross touch in the middle between them") 
 }
 
 TEST_CASE("Two hulls corner to corner report the distance, along the line between the corners") {
-  const std::vector<Hull<double>> hulls{box_hull({0.1, 0.1, 0.1}).hull};
-  const auto cube = Shape<double>::convex(hulls[0], 0);
+  const std::vector<Hull> hulls{box_hull({0.1, 0.1, 0.1}).hull};
+  const auto cube = Shape::convex(hulls[0], 0);
   const double gap = 0.003;
   const Vec3d n = Vec3d{1, 1, 1} * (1 / std::sqrt(3.0));
   const auto m = touch_hulls(hulls, cube, {}, cube, {Vec3d{0.2, 0.2, 0.2} + n * gap, {}}, 0.005);
@@ -86,24 +86,24 @@ TEST_CASE("Two hulls corner to corner report the distance, along the line betwee
 }
 
 TEST_CASE("A hull lies on a plane with the corners of one face") {
-  const std::vector<Hull<double>> hulls{prism_hull(5, 0.1, 0.05).hull};
-  const auto prism = Shape<double>::convex(hulls[0], 0);
-  const auto m = touch_hulls(hulls, prism, {{1, 2, 0.0499}, {}}, Shape<double>::plane(), {}, 1e-3);
+  const std::vector<Hull> hulls{prism_hull(5, 0.1, 0.05).hull};
+  const auto prism = Shape::convex(hulls[0], 0);
+  const auto m = touch_hulls(hulls, prism, {{1, 2, 0.0499}, {}}, Shape::plane(), {}, 1e-3);
   REQUIRE(m.count == 4);
   REQUIRE(norm(m.normal - Vec3d{0, 0, -1}) < 1e-12);
   for (std::uint32_t i = 0; i < 4; ++i) REQUIRE(m.points[i].separation == Approx(-1e-4).margin(1e-12));
   const auto side =
       touch_hulls(hulls, prism,
                   {{0, 0, 0.1 * sin_cos(0.4 * tactus::test::kPi).sin - 1e-4}, turn({1, 0, 0}, 0.5 * tactus::test::kPi)},
-                  Shape<double>::plane(), {}, 1e-3);
+                  Shape::plane(), {}, 1e-3);
   REQUIRE(side.count == 2);  // on the edge between two of its five sides
   for (std::uint32_t i = 0; i < 2; ++i) REQUIRE(side.points[i].separation == Approx(-1e-4).margin(1e-12));
 }
 
 TEST_CASE("A capsule lies on a hull's face with two points, and along its edge too") {
-  const std::vector<Hull<double>> hulls{box_hull({0.1, 0.2, 0.3}).hull};
-  const auto box = Shape<double>::convex(hulls[0], 0);
-  const auto capsule = Shape<double>::capsule(0.02, 0.05);
+  const std::vector<Hull> hulls{box_hull({0.1, 0.2, 0.3}).hull};
+  const auto box = Shape::convex(hulls[0], 0);
+  const auto capsule = Shape::capsule(0.02, 0.05);
   const auto on_face =
       touch_hulls(hulls, capsule, {{0.01, 0.02, 0.319}, turn({0, 1, 0}, 0.5 * tactus::test::kPi)}, box, {}, 0.002);
   REQUIRE(on_face.count == 2);
@@ -119,7 +119,7 @@ TEST_CASE("A capsule lies on a hull's face with two points, and along its edge t
 
 TEST_CASE("A tower of hulls stands, as deep in each other as boxes are") {
   HullBench bench({box_hull({0.05, 0.05, 0.05}).hull});
-  tactus::test::PhysicsBench<> boxes;
+  tactus::test::PhysicsBench boxes;
   boxes.settings = bench.settings;
   boxes.add_ground(100, 0.5);
   boxes.add_stack(0, 5, 0.05, 0.3, 0.5);
@@ -140,7 +140,7 @@ TEST_CASE("A prism of 32 sides and a tetrahedron come to rest on the ground and 
   bench.add(0, 0, 0.5, {{0, 0, 0.06}, turn({1, 0, 0}, 0.1)});
   bench.add(1, 1, 0.5, {{0.5, 0, 0.08}, turn({0.3, 1, 0}, 0.7)});
   bench.run(3000);
-  const std::vector<BodyMotion<double>> before{bench.world.bodies()[0].motion, bench.world.bodies()[1].motion};
+  const std::vector<BodyMotion> before{bench.world.bodies()[0].motion, bench.world.bodies()[1].motion};
   for (const auto& motion : before) REQUIRE(norm(motion.velocity.linear) < 1e-4);
   bench.run(1000);
   for (std::size_t k = 0; k < 2; ++k)
@@ -150,12 +150,12 @@ TEST_CASE("A prism of 32 sides and a tetrahedron come to rest on the ground and 
 
 TEST_CASE("A heap of hulls rests as deep and as quiet whether its contacts are carried over or found anew") {
   Random random(4);
-  const std::vector<Hull<double>> hulls{prism_hull(6, 0.05, 0.03).hull, box_hull({0.04, 0.05, 0.03}).hull,
-                                        random_hull(random, 20, 0.06).hull};
+  const std::vector<Hull> hulls{prism_hull(6, 0.05, 0.03).hull, box_hull({0.04, 0.05, 0.03}).hull,
+                                random_hull(random, 20, 0.06).hull};
   for (const bool carried : {false, true}) {
     HullBench bench(hulls);
     if (!carried) bench.settings.recycle_tolerance_m = 0;
-    bench.world.insert(make_fixed_body<double>(101, Shape<double>::box({1, 1, 0.05}), 0.5, {{0, 0, 0.1}, {}}));
+    bench.world.insert(make_fixed_body(101, Shape::box({1, 1, 0.05}), 0.5, {{0, 0, 0.1}, {}}));
     for (std::uint32_t k = 0; k < 9; ++k)
       bench.add(k, k % 3, 0.3, {{0.05 * (k % 2), 0.04 * (k % 3), 0.25 + 0.12 * k}, turn({1, 0.5, 0.2}, 0.4 * k)});
     bench.run(6000);
@@ -172,7 +172,7 @@ TEST_CASE("A heap of hulls rests as deep and as quiet whether its contacts are c
 
 TEST_CASE("A world with hulls goes on from its bytes with the same bits") {
   Random random(1);
-  std::vector<Hull<double>> hulls;
+  std::vector<Hull> hulls;
   for (const std::uint32_t vertices : {8u, 20u, 12u}) hulls.push_back(random_hull(random, vertices, 0.1).hull);
   HullBench bench(hulls);
   for (std::uint32_t k = 0; k < 6; ++k) bench.add(k, k % 3, 0.3, {{0.02 * k, 0, 0.1 + 0.15 * k}, random.rotation()});

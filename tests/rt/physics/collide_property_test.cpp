@@ -13,7 +13,7 @@ namespace {
 constexpr double kMargin = 5e-3;
 
 struct Pair {
-  Shape<double> a, b;
+  Shape a, b;
   Posed pose_a, pose_b;
 };
 
@@ -52,9 +52,7 @@ void for_random_pairs(std::uint32_t seed, int count, Check check) {
   }
 }
 
-Manifold<double> touch(const Pair& p, double margin = kMargin) {
-  return test::touch(p.a, p.pose_a, p.b, p.pose_b, margin);
-}
+Manifold touch(const Pair& p, double margin = kMargin) { return test::touch(p.a, p.pose_a, p.b, p.pose_b, margin); }
 
 double gap(const Pair& p) { return reference_distance(p.a, p.pose_a, p.b, p.pose_b); }
 
@@ -65,7 +63,7 @@ double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), 
 TEST_CASE("A contact is found just where the shapes are within the margin, and its gap is never overstated") {
   for_random_pairs(1, 600, [](const Pair& p, Random&) {
     const double truth = gap(p);
-    const Manifold<double> m = touch(p);
+    const Manifold m = touch(p);
     if (truth <= kMargin - 1e-9) REQUIRE(m.count >= 1);
     if (m.count == 0) return;
     const double reported = least_separation(m);
@@ -83,7 +81,7 @@ TEST_CASE("A contact is found just where the shapes are within the margin, and i
 
 TEST_CASE("Every manifold has at most four distinct points within the margin and a unit normal from A to B") {
   for_random_pairs(2, 600, [](const Pair& p, Random&) {
-    const Manifold<double> m = touch(p);
+    const Manifold m = touch(p);
     REQUIRE(m.count <= 4);
     if (m.count == 0) return;
     REQUIRE(norm(m.normal) == Approx(1.0).margin(1e-12));
@@ -103,7 +101,7 @@ TEST_CASE("Every manifold has at most four distinct points within the margin and
 
 TEST_CASE("Both bodies name the same contact point") {
   for_random_pairs(3, 300, [](const Pair& p, Random&) {
-    const Manifold<double> m = touch(p);
+    const Manifold m = touch(p);
     for (std::uint32_t i = 0; i < m.count; ++i)
       REQUIRE(largest(p.pose_a.position + m.points[i].from_a - p.pose_b.position - m.points[i].from_b) < 1e-12);
   });
@@ -112,7 +110,7 @@ TEST_CASE("Both bodies name the same contact point") {
 TEST_CASE("A manifold moves with its bodies") {
   for_random_pairs(4, 400, [](const Pair& p, Random& random) {
     const Posed moved = random.pose(2.0);
-    const Manifold<double> m = touch(p), n = touch({p.a, p.b, moved * p.pose_a, moved * p.pose_b});
+    const Manifold m = touch(p), n = touch({p.a, p.b, moved * p.pose_a, moved * p.pose_b});
     REQUIRE(m.count == n.count);
     if (m.count == 0) return;
     REQUIRE(largest(rotate(moved.rotation, m.normal) - n.normal) < 1e-9);
@@ -129,7 +127,7 @@ TEST_CASE("A kilometre from the origin the separation is the same to a nanometre
     const Vec3d far{1000, -700, 300};
     Pair q = p;
     q.pose_a.position += far, q.pose_b.position += far;
-    const Manifold<double> m = touch(p), n = touch(q);
+    const Manifold m = touch(p), n = touch(q);
     REQUIRE(m.count == n.count);
     for (std::uint32_t i = 0; i < m.count; ++i)
       REQUIRE(m.points[i].separation == Approx(n.points[i].separation).margin(1e-9));
@@ -138,7 +136,7 @@ TEST_CASE("A kilometre from the origin the separation is the same to a nanometre
 
 TEST_CASE("The pair in the other order gives the mirrored manifold") {
   for_random_pairs(6, 600, [](const Pair& p, Random&) {
-    const Manifold<double> m = touch(p), n = touch({p.b, p.a, p.pose_b, p.pose_a});
+    const Manifold m = touch(p), n = touch({p.b, p.a, p.pose_b, p.pose_a});
     const bool boxes = p.a.kind == ShapeKind::kBox && p.b.kind == ShapeKind::kBox;
     if (boxes) {  // which face is the reference may differ where two are about equally good
       if (gap(p) <= kMargin - 1e-9) REQUIRE((m.count > 0 && n.count > 0));
@@ -158,25 +156,25 @@ TEST_CASE("Deep overlap, equal centres and extreme sizes give finite unit normal
     const auto size = [&] { return random.below(8) == 0 ? 0.0 : random.log_uniform(1e-4, 5.0); };
     switch (kind) {
       case ShapeKind::kSphere:
-        return Shape<double>::sphere(size());
+        return Shape::sphere(size());
       case ShapeKind::kCapsule:
-        return Shape<double>::capsule(size(), size());
+        return Shape::capsule(size(), size());
       case ShapeKind::kBox:
-        return Shape<double>::box({size(), size(), size()});
+        return Shape::box({size(), size(), size()});
       case ShapeKind::kPlane:
       case ShapeKind::kHull:
       case ShapeKind::kMesh:
         break;
     }
-    return Shape<double>::plane();
+    return Shape::plane();
   };
   int found = 0;
   for (int n = 0; n < 40000; ++n) {
-    const Shape<double> a = extreme(kinds[random.below(4)]), b = extreme(kinds[random.below(4)]);
+    const Shape a = extreme(kinds[random.below(4)]), b = extreme(kinds[random.below(4)]);
     Posed pose_a{{}, random.below(2) == 0 ? Quatd{} : random.rotation()}, pose_b = pose_a;
     if (random.below(2) == 0) pose_b.rotation = random.rotation();
     if (random.below(2) == 0) pose_b.position = random.vec(random.log_uniform(1e-14, 1.0));
-    const Manifold<double> m = touch({a, b, pose_a, pose_b}, 1e-3);
+    const Manifold m = touch({a, b, pose_a, pose_b}, 1e-3);
     REQUIRE(m.count <= 4);
     if (a.kind != ShapeKind::kPlane || b.kind != ShapeKind::kPlane)
       if (pose_b.position == Vec3d{}) REQUIRE(m.count > 0);
@@ -200,31 +198,4 @@ TEST_CASE("A pose that is not finite touches nothing") {
     p.pose_b.position.x = nan, p.pose_b.position.y = nan, p.pose_b.position.z = nan;
     REQUIRE(touch(p).count == 0);
   }
-}
-
-TEST_CASE("Single precision finds what double precision finds") {
-  for_random_pairs(9, 200, [](const Pair& p, Random&) {
-    const auto narrow = [](const Vec3d& v) {
-      return Vec3<float>{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-    };
-    const auto narrow_shape = [&](const Shape<double>& s) {
-      return Shape<float>{s.kind, s.index, static_cast<float>(s.radius), static_cast<float>(s.half_length),
-                          narrow(s.half_extents)};
-    };
-    const auto narrow_pose = [&](const Posed& pose) {
-      const Quatd& q = pose.rotation;
-      return Pose<float>{narrow(pose.position), Quat<float>{static_cast<float>(q.w), static_cast<float>(q.x),
-                                                            static_cast<float>(q.y), static_cast<float>(q.z)}};
-    };
-    AxisCache cache;
-    const Manifold<float> m = collide(narrow_shape(p.a), narrow_pose(p.pose_a), narrow_shape(p.b),
-                                      narrow_pose(p.pose_b), static_cast<float>(kMargin), cache);
-    const double truth = gap(p);
-    if (truth <= kMargin - 1e-5) REQUIRE(m.count > 0);
-    if (m.count == 0) return;
-    float least = m.points[0].separation;
-    for (std::uint32_t i = 1; i < m.count; ++i) least = std::min(least, m.points[i].separation);
-    REQUIRE(static_cast<double>(least) <= truth + 1e-5);
-    REQUIRE(std::abs(norm(m.normal) - 1.0f) < 1e-5f);
-  });
 }

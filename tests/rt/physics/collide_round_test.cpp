@@ -18,7 +18,7 @@ void require_vec(const Vec3d& v, const Vec3d& expected) {
   REQUIRE(v.z == Approx(expected.z).margin(1e-12));
 }
 
-const ManifoldPoint<double>& point_near(const Manifold<double>& m, const Vec3d& from_a) {
+const ManifoldPoint& point_near(const Manifold& m, const Vec3d& from_a) {
   std::uint32_t best = 0;
   for (std::uint32_t i = 1; i < m.count; ++i)
     if (norm(m.points[i].from_a - from_a) < norm(m.points[best].from_a - from_a)) best = i;
@@ -28,7 +28,7 @@ const ManifoldPoint<double>& point_near(const Manifold<double>& m, const Vec3d& 
 }  // namespace
 
 TEST_CASE("Two spheres touch midway between their surfaces") {
-  const auto a = Shape<double>::sphere(0.1), b = Shape<double>::sphere(0.2);
+  const auto a = Shape::sphere(0.1), b = Shape::sphere(0.2);
   const auto m = touch(a, {{1, 2, 3}, {}}, b, {{1, 2, 3.31}, {}}, 0.02);
   REQUIRE(m.count == 1);
   require_vec(m.normal, {0, 0, 1});
@@ -39,14 +39,14 @@ TEST_CASE("Two spheres touch midway between their surfaces") {
 }
 
 TEST_CASE("Spheres with one centre are pushed along z by the whole of both radii") {
-  const auto m = touch(Shape<double>::sphere(0.1), {}, Shape<double>::sphere(0.2), {}, 0.0);
+  const auto m = touch(Shape::sphere(0.1), {}, Shape::sphere(0.2), {}, 0.0);
   REQUIRE(m.count == 1);
   require_vec(m.normal, {0, 0, 1});
   REQUIRE(m.points[0].separation == Approx(-0.3));
 }
 
 TEST_CASE("A sphere touches a capsule on its side and on its cap") {
-  const auto sphere = Shape<double>::sphere(0.05), capsule = Shape<double>::capsule(0.1, 0.3);
+  const auto sphere = Shape::sphere(0.05), capsule = Shape::capsule(0.1, 0.3);
   const auto side = touch(sphere, {{0.16, 0, 0.2}, {}}, capsule, {}, 0.02);
   REQUIRE(side.count == 1);
   require_vec(side.normal, {-1, 0, 0});
@@ -59,14 +59,14 @@ TEST_CASE("A sphere touches a capsule on its side and on its cap") {
 }
 
 TEST_CASE("A sphere centred on a capsule's axis is pushed square to the axis") {
-  const auto m = touch(Shape<double>::sphere(0.05), {}, Shape<double>::capsule(0.1, 0.3), {}, 0.0);
+  const auto m = touch(Shape::sphere(0.05), {}, Shape::capsule(0.1, 0.3), {}, 0.0);
   REQUIRE(m.count == 1);
   REQUIRE(m.normal.z == Approx(0.0).margin(1e-12));
   REQUIRE(m.points[0].separation == Approx(-0.15));
 }
 
 TEST_CASE("Parallel capsules rest on the two ends of their common stretch") {
-  const auto a = Shape<double>::capsule(0.02, 0.1), b = Shape<double>::capsule(0.03, 0.1);
+  const auto a = Shape::capsule(0.02, 0.1), b = Shape::capsule(0.03, 0.1);
   // B lies along A, shifted by 0.05: they share [-0.05, 0.1].
   const auto m = touch(a, {{0, 0, 0}, kAlongX}, b, {{0.05, 0, 0.049}, kAlongX}, 0.005);
   REQUIRE(m.count == 2);
@@ -79,13 +79,13 @@ TEST_CASE("Parallel capsules rest on the two ends of their common stretch") {
 }
 
 TEST_CASE("Capsules that run in opposite directions rest on two points as well") {
-  const auto a = Shape<double>::capsule(0.02, 0.1);
+  const auto a = Shape::capsule(0.02, 0.1);
   const auto m = touch(a, {{0, 0, 0}, kAlongX}, a, {{0, 0, 0.04}, turn({0, 1, 0}, -kPi / 2)}, 0.005);
   REQUIRE(m.count == 2);
 }
 
 TEST_CASE("Crossing capsules touch in one point, at any angle that shows") {
-  const auto a = Shape<double>::capsule(0.02, 0.1);
+  const auto a = Shape::capsule(0.02, 0.1);
   for (const double angle : {0.02, 0.1, 0.5, kPi / 2}) {
     const auto m = touch(a, {{0, 0, 0}, kAlongX}, a, {{0, 0, 0.041}, turn({0, 0, 1}, angle) * kAlongX}, 0.005);
     INFO("angle " << angle);
@@ -96,7 +96,7 @@ TEST_CASE("Crossing capsules touch in one point, at any angle that shows") {
 }
 
 TEST_CASE("A capsule tipped onto another reports both ends, each with its own gap") {
-  const auto a = Shape<double>::capsule(0.02, 0.1), b = Shape<double>::capsule(0.02, 0.05);
+  const auto a = Shape::capsule(0.02, 0.1), b = Shape::capsule(0.02, 0.05);
   const double tilt = 0.01;  // rad: one end of B 0.5 mm lower than its middle, the other as much higher
   const Quatd q = turn({0, 1, 0}, tilt) * kAlongX;
   const auto m = touch(a, {{0, 0, 0}, kAlongX}, b, {{0, 0, 0.041}, q}, 0.005);
@@ -108,7 +108,7 @@ TEST_CASE("A capsule tipped onto another reports both ends, each with its own ga
 
 TEST_CASE("Where two capsules' ends pass by a hair the nearer point carries the distance of the ends") {
   // B's low end is 0.4 mm beyond A's end; B rises back over A by 1 in 50, so the closest points are the two ends.
-  const auto a = Shape<double>::capsule(0.02, 0.1), b = Shape<double>::capsule(0.02, 0.05);
+  const auto a = Shape::capsule(0.02, 0.1), b = Shape::capsule(0.02, 0.05);
   const double rise = std::atan(0.02), past = 4e-4, above = 0.041;
   const Vec3d low_end{0.1 + past, 0, above}, direction{-std::cos(rise), 0, std::sin(rise)};
   const auto m = touch(a, {{}, kAlongX}, b, {low_end + direction * 0.05, turn({0, 1, 0}, rise - kPi / 2)}, 0.005);
@@ -117,7 +117,7 @@ TEST_CASE("Where two capsules' ends pass by a hair the nearer point carries the 
 }
 
 TEST_CASE("Capsules end to end touch in one point on the caps") {
-  const auto a = Shape<double>::capsule(0.02, 0.1);
+  const auto a = Shape::capsule(0.02, 0.1);
   const auto m = touch(a, {}, a, {{0, 0, 0.241}, {}}, 0.005);
   REQUIRE(m.count == 1);
   require_vec(m.normal, {0, 0, 1});
@@ -125,7 +125,7 @@ TEST_CASE("Capsules end to end touch in one point on the caps") {
 }
 
 TEST_CASE("Capsules whose axes cross are pushed along the common perpendicular") {
-  const auto a = Shape<double>::capsule(0.02, 0.1);
+  const auto a = Shape::capsule(0.02, 0.1);
   const auto m = touch(a, {}, a, {{0, 0, 0}, kAlongX}, 0.0);
   REQUIRE(m.count == 1);
   REQUIRE(std::abs(m.normal.y) == Approx(1.0));
@@ -136,8 +136,8 @@ TEST_CASE("A sphere on a tilted plane touches under its centre along the plane's
   const Quatd tilt = turn({1, 0, 0}, 0.5);
   const Vec3d up = rotate(tilt, Vec3d{0, 0, 1}), on_plane{3, -2, 1};
   const Vec3d aside = rotate(tilt, Vec3d{0.7, 0.4, 0});
-  const auto m = touch(Shape<double>::sphere(0.1), {on_plane + aside + up * 0.102, {}}, Shape<double>::plane(),
-                       {on_plane, tilt}, 0.005);
+  const auto m =
+      touch(Shape::sphere(0.1), {on_plane + aside + up * 0.102, {}}, Shape::plane(), {on_plane, tilt}, 0.005);
   REQUIRE(m.count == 1);
   require_vec(m.normal, -up);
   REQUIRE(m.points[0].separation == Approx(0.002).margin(1e-12));
@@ -145,15 +145,15 @@ TEST_CASE("A sphere on a tilted plane touches under its centre along the plane's
 }
 
 TEST_CASE("A plane may come first: the normal is the plane's own") {
-  const auto m = touch(Shape<double>::plane(), {}, Shape<double>::sphere(0.1), {{0, 0, 0.1}, {}}, 0.001);
+  const auto m = touch(Shape::plane(), {}, Shape::sphere(0.1), {{0, 0, 0.1}, {}}, 0.001);
   REQUIRE(m.count == 1);
   require_vec(m.normal, {0, 0, 1});
   require_vec(m.points[0].from_b, {0, 0, -0.1});
 }
 
 TEST_CASE("A lying capsule rests on the plane on two points and a standing one on one") {
-  const auto capsule = Shape<double>::capsule(0.02, 0.1);
-  const auto lying = touch(capsule, {{0, 0, 0.019}, kAlongX}, Shape<double>::plane(), {}, 0.002);
+  const auto capsule = Shape::capsule(0.02, 0.1);
+  const auto lying = touch(capsule, {{0, 0, 0.019}, kAlongX}, Shape::plane(), {}, 0.002);
   REQUIRE(lying.count == 2);
   require_vec(lying.normal, {0, 0, -1});
   for (const double x : {-0.1, 0.1}) {
@@ -161,11 +161,11 @@ TEST_CASE("A lying capsule rests on the plane on two points and a standing one o
     require_vec(p.from_a, {x, 0, -0.0195});
     REQUIRE(p.separation == Approx(-0.001).margin(1e-12));
   }
-  const auto standing = touch(capsule, {{0, 0, 0.121}, {}}, Shape<double>::plane(), {}, 0.002);
+  const auto standing = touch(capsule, {{0, 0, 0.121}, {}}, Shape::plane(), {}, 0.002);
   REQUIRE(standing.count == 1);
   REQUIRE(standing.points[0].separation == Approx(0.001).margin(1e-12));
 }
 
 TEST_CASE("Two planes never touch") {
-  REQUIRE(touch(Shape<double>::plane(), {}, Shape<double>::plane(), {{0, 0, -1}, {}}, 0.01).count == 0);
+  REQUIRE(touch(Shape::plane(), {}, Shape::plane(), {{0, 0, -1}, {}}, 0.01).count == 0);
 }

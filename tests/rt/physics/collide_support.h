@@ -45,13 +45,12 @@ class Random {
 
 inline Quatd turn(const Vec3d& axis, double angle_rad) { return quat_from_rotation_vector(axis * angle_rad); }
 
-inline Manifold<double> touch(const Shape<double>& a, const Posed& pose_a, const Shape<double>& b, const Posed& pose_b,
-                              double margin) {
+inline Manifold touch(const Shape& a, const Posed& pose_a, const Shape& b, const Posed& pose_b, double margin) {
   AxisCache cache;
   return collide(a, pose_a, b, pose_b, margin, cache);
 }
 
-inline double least_separation(const Manifold<double>& m) {
+inline double least_separation(const Manifold& m) {
   double least = m.points[0].separation;
   for (std::uint32_t i = 1; i < m.count; ++i) least = std::min(least, m.points[i].separation);
   return least;
@@ -154,13 +153,12 @@ inline double distance(const PosedBox& a, const PosedBox& b) {
   return least;
 }
 
-inline Segment axis_of(const Shape<double>& capsule, const Posed& pose) {
+inline Segment axis_of(const Shape& capsule, const Posed& pose) {
   return {pose * Vec3d{0, 0, -capsule.half_length}, pose * Vec3d{0, 0, capsule.half_length}};
 }
 
 // Signed for round shapes against each other and against a plane; a box's inside counts as distance 0 to its skeleton.
-inline double reference_distance(const Shape<double>& a, const Posed& pose_a, const Shape<double>& b,
-                                 const Posed& pose_b) {
+inline double reference_distance(const Shape& a, const Posed& pose_a, const Shape& b, const Posed& pose_b) {
   if (a.kind > b.kind) return reference_distance(b, pose_b, a, pose_a);
   const double radii = a.radius + b.radius;
   if (b.kind == ShapeKind::kPlane) {
@@ -187,21 +185,21 @@ inline double reference_distance(const Shape<double>& a, const Posed& pose_a, co
   return distance(PosedBox{a.half_extents, pose_a}, box_b);
 }
 
-inline Shape<double> random_shape(Random& random, ShapeKind kind) {
+inline Shape random_shape(Random& random, ShapeKind kind) {
   switch (kind) {
     case ShapeKind::kSphere:
-      return Shape<double>::sphere(random.uniform(0.01, 0.1));
+      return Shape::sphere(random.uniform(0.01, 0.1));
     case ShapeKind::kCapsule:
-      return Shape<double>::capsule(random.uniform(0.005, 0.05), random.uniform(0.01, 0.15));
+      return Shape::capsule(random.uniform(0.005, 0.05), random.uniform(0.01, 0.15));
     case ShapeKind::kBox:
-      return Shape<double>::box(
+      return Shape::box(
           {random.log_uniform(3e-4, 0.15), random.log_uniform(3e-3, 0.15), random.log_uniform(3e-3, 0.15)});
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
     case ShapeKind::kMesh:
       break;
   }
-  return Shape<double>::plane();
+  return Shape::plane();
 }
 
 }  // namespace tactus::physics::test

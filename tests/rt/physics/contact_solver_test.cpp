@@ -16,7 +16,7 @@ template <class T>
 struct Heap {
   std::vector<SolverBody<T>> motion;
   std::vector<SymMat3<T>> inverse_inertia;
-  std::vector<Contact<T>> contacts;
+  std::vector<Contact> contacts;
   Capacities capacities;
 
   SolverBodies<T> bodies() { return {motion, inverse_inertia}; }
@@ -42,19 +42,19 @@ Heap<T> random_heap(std::uint64_t seed, std::uint32_t bodies, std::uint32_t cont
     heap.inverse_inertia.push_back(i % 7 == 6 ? SymMat3<T>{} : SymMat3<T>::identity(inertia));
   }
   for (std::uint32_t k = 0; k < contacts; ++k) {
-    Contact<T> c;
+    Contact c;
     c.slot_a = hub ? 0 : static_cast<std::uint32_t>(random(0, bodies - 1.001));
     c.slot_b = c.slot_a + 1 + static_cast<std::uint32_t>(random(0, bodies - c.slot_a - 1.001));
     c.b_fixed = k % 5 == 4;
-    c.normal = normalized_or(vec(1), Vec3<T>{T(0), T(0), T(1)});
-    c.friction = number(0, 1);
+    c.normal = normalized_or(random.vector(1), Vec3d{0, 0, 1});
+    c.friction = random(0, 1);
     c.count = 1 + k % 4;
     for (std::uint32_t i = 0; i < c.count; ++i) {
-      ContactPoint<T>& p = c.points[i];
-      p.from_a = vec(0.05), p.from_b = vec(0.05);
-      p.separation = number(-1e-3, 1e-3);
-      p.normal_impulse = number(0, 0.1), p.tangent_impulse[0] = number(-0.02, 0.02);
-      p.tangent_impulse[1] = number(-0.02, 0.02);
+      ContactPoint& p = c.points[i];
+      p.from_a = random.vector(0.05), p.from_b = random.vector(0.05);
+      p.separation = random(-1e-3, 1e-3);
+      p.normal_impulse = random(0, 0.1), p.tangent_impulse[0] = random(-0.02, 0.02);
+      p.tangent_impulse[1] = random(-0.02, 0.02);
     }
     heap.contacts.push_back(c);
   }
@@ -66,7 +66,7 @@ template <class T, int kWidth>
 void solve_steps(Heap<T>& heap) {
   ContactSolver<T, kWidth> solver(heap.capacities);
   const SweepRule<T> rule{Softness<T>::make(T(250), T(10), T(2.5e-4)), T(4000), T(1e-5), T(0.25)};
-  solver.prepare(std::span<const Contact<T>>(heap.contacts), heap.bodies());
+  solver.prepare(std::span<const Contact>(heap.contacts), heap.bodies());
   for (int sub_step = 0; sub_step < 3; ++sub_step) {
     solver.warm_start(heap.bodies(), rule);
     solver.solve_biased(heap.bodies(), rule, sub_step > 0);
@@ -75,7 +75,7 @@ void solve_steps(Heap<T>& heap) {
     solver.scale_impulses(T(0.75));
   }
   solver.relax(heap.bodies(), rule, false, false);
-  solver.store(std::span(heap.contacts), T(1));
+  solver.store(std::span(heap.contacts), 1.0);
 }
 
 template <class T>
@@ -93,7 +93,7 @@ void check_same_bits(std::uint64_t seed, std::uint32_t bodies, std::uint32_t con
   }
   for (std::size_t k = 0; k < one.contacts.size(); ++k)
     for (std::uint32_t i = 0; i < one.contacts[k].count; ++i) {
-      const ContactPoint<T>&p = one.contacts[k].points[i], &q = wide.contacts[k].points[i];
+      const ContactPoint &p = one.contacts[k].points[i], &q = wide.contacts[k].points[i];
       REQUIRE(p.normal_impulse == q.normal_impulse);
       REQUIRE(p.tangent_impulse[0] == q.tangent_impulse[0]);
       REQUIRE(p.tangent_impulse[1] == q.tangent_impulse[1]);
@@ -120,17 +120,17 @@ TEST_CASE("A body with more contacts than there are colours has the rest solved 
 TEST_CASE("No two contacts of a colour share a moving body, a colour is the first free, what nothing moves has none") {
   const Heap<double> heap = random_heap<double>(5, 60, 300, false);
   ContactColours colours(heap.capacities);
-  colours.assign(std::span<const Contact<double>>(heap.contacts), std::span<const SolverBody<double>>(heap.motion));
+  colours.assign(std::span<const Contact>(heap.contacts), std::span<const SolverBody<double>>(heap.motion));
   const auto is_held = [&](std::uint32_t slot) { return heap.motion[slot].inverse_mass == 0; };
   std::size_t not_solved = 0;
   for (std::size_t k = 0; k < heap.contacts.size(); ++k) {
-    const Contact<double>& c = heap.contacts[k];
+    const Contact& c = heap.contacts[k];
     const bool held = is_held(c.slot_a) && (c.b_fixed || is_held(c.slot_b));
     CHECK((colours.of(static_cast<std::uint32_t>(k)) == ContactColours::kNotSolved) == held);
     if (held && ++not_solved > 0) continue;
     std::uint64_t taken = 0;
     for (std::size_t j = 0; j < k; ++j) {
-      const Contact<double>& d = heap.contacts[j];
+      const Contact& d = heap.contacts[j];
       if (c.b_fixed != d.b_fixed || colours.of(static_cast<std::uint32_t>(j)) == ContactColours::kNotSolved) continue;
       const bool shared =
           c.b_fixed ? c.slot_a == d.slot_a
@@ -147,7 +147,7 @@ TEST_CASE("No two contacts of a colour share a moving body, a colour is the firs
 TEST_CASE("Bodies moved together have the bits of bodies moved one by one") {
   Random random(11);
   const auto make = [&](std::size_t count) {
-    std::vector<Body<double>> bodies(count);
+    std::vector<Body> bodies(count);
     std::vector<SolverBody<double>> motion(count);
     for (std::size_t i = 0; i < count; ++i) {
       bodies[i].inertia = i % 9 == 8 ? Vec3d{1, 2, 3} : Vec3d{1, 1, 1};
@@ -165,8 +165,7 @@ TEST_CASE("Bodies moved together have the bits of bodies moved one by one") {
   const double h = 2.5e-4;
   move_bodies<double, double>(motion, bodies, h);
   for (std::size_t i = 0; i < single.size(); ++i) {
-    move_bodies<double, double>(std::span(single).subspan(i, 1), std::span<const Body<double>>(bodies).subspan(i, 1),
-                                h);
+    move_bodies<double, double>(std::span(single).subspan(i, 1), std::span<const Body>(bodies).subspan(i, 1), h);
     CHECK(motion[i].delta_position == single[i].delta_position);
     CHECK(motion[i].delta_rotation == single[i].delta_rotation);
     CHECK(motion[i].w == single[i].w);

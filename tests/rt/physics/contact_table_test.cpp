@@ -21,30 +21,30 @@ Posed moved(const Posed& pose, double shift, double angle, test::Random& random)
 }
 
 // Boxes that fall on each other: cubes, plates and rods, so that faces, edges and corners meet.
-std::vector<Body<double>> heap(std::uint64_t seed) {
+std::vector<Body> heap(std::uint64_t seed) {
   test::Random random(seed);
-  std::vector<Body<double>> bodies;
-  bodies.push_back(make_fixed_body<double>(100, Shape<double>::plane(), 0.6, {}));
-  bodies.push_back(make_fixed_body<double>(101, Shape<double>::box({0.1, 0.1, 0.02}), 0.6, {{0.1, 0, 0}, {}}));
+  std::vector<Body> bodies;
+  bodies.push_back(make_fixed_body(100, Shape::plane(), 0.6, {}));
+  bodies.push_back(make_fixed_body(101, Shape::box({0.1, 0.1, 0.02}), 0.6, {{0.1, 0, 0}, {}}));
   for (BodyId id = 0; id < 27; ++id) {
     const Posed pose{{0.075 * (id % 3) + random(-0.01, 0.01), 0.075 * (id / 3 % 3), 0.06 + 0.08 * (id / 9)},
                      quat_from_rotation_vector(random.vector(0.4))};
     const Vec3d half = id % 3 == 0   ? Vec3d{0.03, 0.03, 0.03}
                        : id % 3 == 1 ? Vec3d{0.035, 0.03, 0.004}
                                      : Vec3d{0.01, 0.01, 0.035};
-    bodies.push_back(make_dynamic_body<double>(id, Shape<double>::box(half), random(0.1, 0.5), 0.5, pose));
+    bodies.push_back(make_dynamic_body(id, Shape::box(half), random(0.1, 0.5), 0.5, pose));
   }
   return bodies;
 }
 
-std::unique_ptr<PhysicsBench<>> bench_with(const std::vector<Body<double>>& bodies, double tolerance_m) {
-  auto bench = std::make_unique<PhysicsBench<>>();
+std::unique_ptr<PhysicsBench> bench_with(const std::vector<Body>& bodies, double tolerance_m) {
+  auto bench = std::make_unique<PhysicsBench>();
   bench->settings.recycle_tolerance_m = tolerance_m;
-  for (const Body<double>& body : bodies) REQUIRE(bench->world.insert(body));
+  for (const Body& body : bodies) REQUIRE(bench->world.insert(body));
   return bench;
 }
 
-std::vector<std::byte> bytes_of(const World<double>& world) {
+std::vector<std::byte> bytes_of(const World& world) {
   std::vector<std::byte> bytes(world.save_size_bound());
   ByteWriter out(bytes);
   world.save(out);
@@ -60,12 +60,12 @@ TEST_CASE("A pair that waits because it was apart has no contact, however its bo
   int near_the_limit = 0, edges = 0;
   for (int n = 0; n < 20000; ++n) {
     const auto half = [&] { return Vec3d{random(0.002, 0.06), random(0.002, 0.06), random(0.002, 0.06)}; };
-    const auto a = Shape<double>::box(half()), b = Shape<double>::box(half());
+    const auto a = Shape::box(half()), b = Shape::box(half());
     const Posed at_a{random.vector(0.01), quat_from_rotation_vector(random.vector(3))};
     const Posed at_b{random.vector(0.12), quat_from_rotation_vector(random.vector(3))};
     AxisCache cache;
-    const Manifold<double> then = collide(a, at_a, b, at_b, kMargin, cache);
-    REQUIRE(then.gap <= kLargestGap<double>);
+    const Manifold then = collide(a, at_a, b, at_b, kMargin, cache);
+    REQUIRE(then.gap <= kLargestGap);
     if (!(then.gap > kMargin)) continue;
     REQUIRE(then.count == 0);
     if (cache.axis >= 7) ++edges;
@@ -101,7 +101,7 @@ TEST_CASE("Two bodies' motion against each other is never said to be less than a
       now_b = moved(before_b, random(0, 1e-3 * size), random(0, size), random);
       now_b.position += now_a.position - before_a.position;
     }
-    Reach<double> a, b;
+    Reach a, b;
     measure_motion(before_a, now_a, 0.02, a), measure_motion(before_b, now_b, 0.02, b);
     const Vec3d on_a = radius * normalized_or(random.vector(1), Vec3d{0, 0, 1});
     const Vec3d on_b = radius * normalized_or(random.vector(1), Vec3d{0, 0, 1});
@@ -110,14 +110,14 @@ TEST_CASE("Two bodies' motion against each other is never said to be less than a
     const double between = norm((now_b.position - now_a.position) - (before_b.position - before_a.position));
     REQUIRE(moved_against(a, b, radius) <= 1.01 * between + 2.1 * 2 * size * radius + 1e-13);
   }
-  const Reach<double> fixed;
-  Reach<double> same, along, unknown;
-  measure_motion<double>({}, {}, 0.02, same);
+  const Reach fixed;
+  Reach same, along, unknown;
+  measure_motion({}, {}, 0.02, same);
   CHECK(moved_against(same, fixed, 1.0) == 0);
-  measure_motion<double>({{}, {}}, {{0.5, 0, 0}, {}}, 0.02, along);
+  measure_motion({{}, {}}, {{0.5, 0, 0}, {}}, 0.02, along);
   CHECK(moved_against(along, fixed, 1.0) >= 0.5);
   CHECK(moved_against(along, along, 1.0) <= 2e-15);
-  measure_motion<double>(unknown_pose<double>(), {}, 0.02, unknown);
+  measure_motion(unknown_pose(), {}, 0.02, unknown);
   CHECK(moved_against(unknown, fixed, 1.0) == std::numeric_limits<double>::infinity());
   CHECK(moved_against(unknown, unknown, 1.0) == std::numeric_limits<double>::infinity());
 }
@@ -126,29 +126,29 @@ TEST_CASE("A contact that is carried over is as deep as the two faces say, but f
   test::Random random(3);
   double most_changed = 0;
   for (int n = 0; n < 3000; ++n) {
-    const auto box = Shape<double>::box({0.05, 0.05, 0.05});
+    const auto box = Shape::box({0.05, 0.05, 0.05});
     const Posed at_a{random.vector(1), quat_from_rotation_vector(random.vector(3))};
     const Posed b_on_a{{random(-0.03, 0.03), random(-0.03, 0.03), 0.1 - 2e-5},
                        quat_from_rotation_vector(Vec3d{0, 0, random(0.2, 0.6)})};
     const Posed at_b = at_a * b_on_a;
     AxisCache cache;
-    const Manifold<double> then = collide(box, at_a, box, at_b, kMargin, cache);
+    const Manifold then = collide(box, at_a, box, at_b, kMargin, cache);
     REQUIRE(then.count == 4);
-    Contact<double> contact;
+    Contact contact;
     contact.normal = then.normal, contact.count = then.count;
     for (std::uint32_t i = 0; i < 4; ++i) {
       contact.points[i].from_a = then.points[i].from_a, contact.points[i].from_b = then.points[i].from_b;
       contact.points[i].separation = then.points[i].separation, contact.points[i].feature = then.points[i].feature;
     }
-    ContactReference<double> reference;
-    keep_reference(contact, BodyFrame<double>::of(at_a), BodyFrame<double>::of(at_b), kMargin, 5e-5, 0.0866, reference);
+    ContactReference reference;
+    keep_reference(contact, BodyFrame::of(at_a), BodyFrame::of(at_b), kMargin, 5e-5, 0.0866, reference);
     const Posed now_a = moved(at_a, 1e-5, 1e-4, random), now_b = moved(at_b, 1e-5, 1e-4, random);
-    carry_over(reference, BodyFrame<double>::of(now_a), BodyFrame<double>::of(now_b), contact);
+    carry_over(reference, BodyFrame::of(now_a), BodyFrame::of(now_b), contact);
     // The truth is the two faces that touch: top of A, bottom of B. What a new search says is not: of the eight points
     // here it chooses four, and gives the first the depth of the deepest.
     const Vec3d up_a = rotate(now_a.rotation, Vec3d{0, 0, 1}), up_b = rotate(now_b.rotation, Vec3d{0, 0, 1});
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const ContactPoint<double>& point = contact.points[i];
+      const ContactPoint& point = contact.points[i];
       // The same place of the world, seen from both bodies.
       REQUIRE(norm(now_a.position + point.from_a - now_b.position - point.from_b) < 1e-14);
       const double gap = (dot(up_a, point.from_a) - 0.05) - (dot(up_b, point.from_b) + 0.05);
@@ -161,15 +161,15 @@ TEST_CASE("A contact that is carried over is as deep as the two faces say, but f
 }
 
 TEST_CASE("A contact is carried over only within the tolerance and the margin, a newcomer's never") {
-  ContactReference<double> reference;
+  ContactReference reference;
   reference.tolerance = 5e-5, reference.margin = 5e-4;
   CHECK(may_carry_over(reference, 5e-5, 1e-4));
   CHECK_FALSE(may_carry_over(reference, 5.1e-5, 1e-4));  // moved too far
   CHECK_FALSE(may_carry_over(reference, 4e-5, 4.7e-4));  // this step could close what was not found
   CHECK_FALSE(may_carry_over(reference, std::numeric_limits<double>::infinity(), 0.0));
-  CHECK_FALSE(may_carry_over(ContactReference<double>{}, 0.0, 0.0));
+  CHECK_FALSE(may_carry_over(ContactReference{}, 0.0, 0.0));
   // A card of 2 mm moves its contact by 10 um at most, whatever the settings say; no pair by more than these.
-  const auto card = Shape<double>::box({0.03, 0.04, 0.001}), cube = Shape<double>::box({0.05, 0.05, 0.05});
+  const auto card = Shape::box({0.03, 0.04, 0.001}), cube = Shape::box({0.05, 0.05, 0.05});
   for (BodyId id = 1; id < 100; ++id) {
     const PairKey key = PairKey::of(0, id, false);
     CHECK(tolerance_of(key, card, cube, 5e-5) <= 1e-5);
@@ -184,7 +184,7 @@ TEST_CASE("A world restored in every step gives the same bits: what waits is no 
   auto world = bench_with(bodies, 5e-5);
   for (int k = 0; k < 600; ++k) {
     plain->step();
-    auto other = std::make_unique<PhysicsBench<>>();
+    auto other = std::make_unique<PhysicsBench>();
     const auto bytes = bytes_of(world->world);
     ByteReader in(bytes);
     REQUIRE(other->world.restore(in));
@@ -198,7 +198,7 @@ TEST_CASE("A world restored in every step gives the same bits: what waits is no 
 
 TEST_CASE("A body that is put elsewhere from outside is found there at once") {
   for (const double tolerance : {0.0, 5e-5}) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     bench.settings.gravity = {}, bench.settings.recycle_tolerance_m = tolerance;
     bench.add_box(1, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0}, {}});
     bench.add_box(2, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.1 - 1e-5}, {}});

@@ -16,35 +16,35 @@ using tactus::test::kPi;
 namespace {
 
 struct EffectBench {
-  World<double> world;
-  StepSettings<double> settings;
-  explicit EffectBench(const EffectSetups<double>& setups, const Vec3d& gravity = {0, 0, -kGravity})
+  World world;
+  StepSettings settings;
+  explicit EffectBench(const EffectSetups& setups, const Vec3d& gravity = {0, 0, -kGravity})
       : world(Capacities{}, {}, {}, setups) {
     settings.gravity = gravity;
   }
   void add_ground(BodyId id, double friction, double slope_rad = 0) {
     const Quatd tilt = quat_from_rotation_vector(Vec3d{0, slope_rad, 0});
-    REQUIRE(world.insert(make_fixed_body<double>(id, Shape<double>::plane(), friction, {{}, tilt})));
+    REQUIRE(world.insert(make_fixed_body(id, Shape::plane(), friction, {{}, tilt})));
   }
   void add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at, const Twistd& velocity) {
-    auto made = make_dynamic_body<double>(id, Shape<double>::sphere(radius), mass, friction, {at, {}});
+    auto made = make_dynamic_body(id, Shape::sphere(radius), mass, friction, {at, {}});
     made.motion.velocity = velocity;
     REQUIRE(world.insert(made));
   }
   void step() {
     world.begin_step(settings);
-    find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     (void)world.finish_step(settings);
   }
   void run(int steps) {
     for (int i = 0; i < steps; ++i) step();
   }
-  BodyMotion<double>& motion(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))].motion; }
+  BodyMotion& motion(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))].motion; }
 };
 
 template <class Room>
-EffectSetups<double> with(const typename Room::Setup& setup) {
-  EffectSetups<double> setups;
+EffectSetups with(const typename Room::Setup& setup) {
+  EffectSetups setups;
   std::get<typename Room::Setup>(setups) = setup;
   return setups;
 }
@@ -59,32 +59,32 @@ std::uint64_t hash_after(EffectBench& bench) {
 }  // namespace
 
 TEST_CASE("An effect that is not used has no room, and the bits are those of a world without it") {
-  const EffectSetups<double> none;
+  const EffectSetups none;
   EffectBench without(none);
-  CHECK(without.world.effects().find<Gravity<double>>() != nullptr);
-  CHECK(without.world.effects().find<Damping<double>>() == nullptr);
-  CHECK(without.world.effects().find<Joints<double>>() == nullptr);
-  CHECK(without.world.effects().find<Restitution<double>>() == nullptr);
+  CHECK(without.world.effects().find<Gravity>() != nullptr);
+  CHECK(without.world.effects().find<Damping>() == nullptr);
+  CHECK(without.world.effects().find<Joints>() == nullptr);
+  CHECK(without.world.effects().find<Restitution>() == nullptr);
   CHECK(without.world.effects().save_size_bound() == 0);
   const std::uint64_t expected = hash_after(without);
   const std::vector<double> hard(2, 0.0);  // there, and all zero
-  EffectBench with_zeros(with<Restitution<double>>({hard}));
-  CHECK(with_zeros.world.effects().find<Restitution<double>>() != nullptr);
+  EffectBench with_zeros(with<Restitution>({hard}));
+  CHECK(with_zeros.world.effects().find<Restitution>() != nullptr);
   CHECK(hash_after(with_zeros) == expected);
   const std::vector<double> soft(2, 0.5);
-  EffectBench bouncing(with<Restitution<double>>({soft}));
+  EffectBench bouncing(with<Restitution>({soft}));
   CHECK(hash_after(bouncing) != expected);
 }
 
 TEST_CASE("Without the gravity stage nothing falls, whatever the step's gravity") {
-  EffectBench bench(with<Gravity<double>>({false}));
+  EffectBench bench(with<Gravity>({false}));
   bench.add_sphere(1, 0.1, 1, 0, {}, {});
   bench.run(100);
   CHECK(bench.motion(1).velocity.linear == Vec3d{});
 }
 
 TEST_CASE("Damping follows implicit Euler, (1 + h c)^-n, in translation and rotation") {
-  EffectBench bench(with<Damping<double>>({2, 30}), {});
+  EffectBench bench(with<Damping>({2, 30}), {});
   bench.add_sphere(1, 0.1, 1, 0, {}, {{3, 0, -1}, {0, 5, 0}});
   bench.run(250);
   const double h = bench.settings.dt / bench.settings.sub_steps, n = 1000;
@@ -96,7 +96,7 @@ TEST_CASE("Damping follows implicit Euler, (1 + h c)^-n, in translation and rota
 TEST_CASE("Drag slows by 1 / v = 1 / v0 + k t exactly, towards the flow, and a fall ends at sqrt(g / k)") {
   const std::vector<double> k{0, 0.7};
   SECTION("decay through a flow") {
-    EffectBench bench(with<Drag<double>>({k, {1, 0, 0}}), {});
+    EffectBench bench(with<Drag>({k, {1, 0, 0}}), {});
     bench.add_sphere(1, 0.1, 1, 0, {}, {{6, 0, 0}, {}});
     bench.add_sphere(2, 0.1, 1, 0, {0, 5, 0}, {{6, 0, 0}, {}});  // beyond the list: no drag
     bench.run(800);
@@ -104,7 +104,7 @@ TEST_CASE("Drag slows by 1 / v = 1 / v0 + k t exactly, towards the flow, and a f
     CHECK(bench.motion(2).velocity.linear.x == 6);
   }
   SECTION("terminal velocity") {
-    EffectBench bench(with<Drag<double>>({k, {}}));
+    EffectBench bench(with<Drag>({k, {}}));
     bench.add_sphere(1, 0.1, 1, 0, {}, {});
     bench.run(8000);
     CHECK(bench.motion(1).velocity.linear.z == Approx(-std::sqrt(kGravity / 0.7)).epsilon(1e-3));
@@ -113,12 +113,11 @@ TEST_CASE("Drag slows by 1 / v = 1 / v0 + k t exactly, towards the flow, and a f
 
 TEST_CASE("A kinematic body goes its way through what stands on it, and carries it along") {
   const std::vector<KinematicScript> scripts{{1, 0, 0, false}};
-  EffectBench bench(with<Kinematics<double>>({scripts, {}}));
-  auto platform = make_dynamic_body<double>(1, Shape<double>::box({0.5, 0.5, 0.05}), 1e-3, 0.8, {{0, 0, -0.05}, {}});
+  EffectBench bench(with<Kinematics>({scripts, {}}));
+  auto platform = make_dynamic_body(1, Shape::box({0.5, 0.5, 0.05}), 1e-3, 0.8, {{0, 0, -0.05}, {}});
   platform.motion.velocity.linear = {0.25, 0, 0};
   REQUIRE(bench.world.insert(platform));
-  REQUIRE(bench.world.insert(
-      make_dynamic_body<double>(2, Shape<double>::box({0.05, 0.05, 0.05}), 100, 0.8, {{0, 0, 0.05}, {}})));
+  REQUIRE(bench.world.insert(make_dynamic_body(2, Shape::box({0.05, 0.05, 0.05}), 100, 0.8, {{0, 0, 0.05}, {}})));
   bench.run(1000);
   // A gram under 100 kg, and it moves as if alone.
   CHECK(bench.motion(1).pose.position.x == Approx(0.25).epsilon(1e-12));
@@ -129,9 +128,9 @@ TEST_CASE("A kinematic body goes its way through what stands on it, and carries 
 }
 
 TEST_CASE("A path is a smooth step between its way points, repeats, and is saved where it is") {
-  const std::vector<PathKey<double>> keys{{0, {0, 0, 1}, {}}, {1, {2, 0, 1}, {0, 0, 8}}, {2, {0, 0, 1}, {}}};
+  const std::vector<PathKey> keys{{0, {0, 0, 1}, {}}, {1, {2, 0, 1}, {0, 0, 8}}, {2, {0, 0, 1}, {}}};
   const std::vector<KinematicScript> scripts{{1, 0, 3, true}};
-  const auto setups = with<Kinematics<double>>({scripts, keys});
+  const auto setups = with<Kinematics>({scripts, keys});
   EffectBench bench(setups), other(setups);
   bench.add_sphere(1, 0.1, 1, 0, {0, 0, 1}, {});
   bench.run(250);
@@ -155,7 +154,7 @@ TEST_CASE("A path is a smooth step between its way points, repeats, and is saved
 TEST_CASE("Spheres head-on: with e = 1 they exchange their velocities, with e = 0.5 they part at half") {
   for (const double e : {1.0, 0.5, 0.0}) {
     const std::vector<double> by_id{e, e};
-    EffectBench bench(with<Restitution<double>>({by_id}), {});
+    EffectBench bench(with<Restitution>({by_id}), {});
     bench.add_sphere(0, 0.1, 2, 0.5, {-0.3, 0, 0}, {{1, 0, 0}, {}});
     bench.add_sphere(1, 0.1, 1, 0.5, {0.3, 0, 0}, {{-0.5, 0, 0}, {}});
     bench.run(600);
@@ -169,7 +168,7 @@ TEST_CASE("Spheres head-on: with e = 1 they exchange their velocities, with e = 
 TEST_CASE("A ball with e = 0.8 comes back to e^2n of its height, five times") {
   const double e = 0.8, radius = 0.05, height = 0.5;
   const std::vector<double> by_id{0, e};
-  EffectBench bench(with<Restitution<double>>({by_id}));
+  EffectBench bench(with<Restitution>({by_id}));
   bench.add_ground(0, 0.5);
   bench.add_sphere(1, radius, 0.2, 0.5, {0, 0, radius + height}, {});
   double top = 0, expected = height;
@@ -190,8 +189,8 @@ TEST_CASE("A ball with e = 0.8 comes back to e^2n of its height, five times") {
 
 TEST_CASE("A spinning sphere on a disk of contact stops after I w / (2/3 mu m g R)") {
   const double mass = 0.5, radius = 0.1, patch = 0.02, mu = 0.4, spin = 10;
-  const std::vector<ContactPatch<double>> by_id{{}, {patch, 0}};
-  EffectBench bench(with<ContactTorque<double>>({by_id}));
+  const std::vector<ContactPatch> by_id{{}, {patch, 0}};
+  EffectBench bench(with<ContactTorque>({by_id}));
   bench.add_ground(0, mu);
   bench.add_sphere(1, radius, mass, mu, {0, 0, radius}, {});
   bench.run(200);  // settled: N = m g
@@ -207,23 +206,23 @@ TEST_CASE("A spinning sphere on a disk of contact stops after I w / (2/3 mu m g 
 TEST_CASE("Rolling: 5/7 g sin on an incline without the effect, 5/7 g d / r against it on the level, and it rests") {
   const double mass = 0.5, radius = 0.1, d = 0.002, slope = 0.1;
   SECTION("free rolling down") {
-    EffectBench bench(EffectSetups<double>{});
+    EffectBench bench(EffectSetups{});
     bench.add_ground(0, 0.8, slope);
     bench.add_sphere(1, radius, mass, 0.8, {radius * std::sin(slope), 0, radius * std::cos(slope)}, {});
     bench.run(1000);
     CHECK(norm(bench.motion(1).velocity.linear) == Approx(5.0 / 7 * kGravity * std::sin(slope)).epsilon(5e-3));
   }
   SECTION("slows down on the level") {
-    const std::vector<ContactPatch<double>> by_id{{}, {0, d}};
-    EffectBench bench(with<ContactTorque<double>>({by_id}));
+    const std::vector<ContactPatch> by_id{{}, {0, d}};
+    EffectBench bench(with<ContactTorque>({by_id}));
     bench.add_ground(0, 0.8);
     bench.add_sphere(1, radius, mass, 0.8, {0, 0, radius}, {{1, 0, 0}, {0, 1 / radius, 0}});
     bench.run(1000);
     CHECK(bench.motion(1).velocity.linear.x == Approx(1 - 5.0 / 7 * kGravity * d / radius).epsilon(5e-3));
   }
   SECTION("rests where d / r is more than the slope") {
-    const std::vector<ContactPatch<double>> by_id{{}, {0, 1.1 * radius * std::tan(slope)}};
-    EffectBench bench(with<ContactTorque<double>>({by_id}));
+    const std::vector<ContactPatch> by_id{{}, {0, 1.1 * radius * std::tan(slope)}};
+    EffectBench bench(with<ContactTorque>({by_id}));
     bench.add_ground(0, 0.8, slope);
     bench.add_sphere(1, radius, mass, 0.8, {radius * std::sin(slope), 0, radius * std::cos(slope)}, {});
     bench.run(500);

@@ -14,7 +14,7 @@ constexpr double kMass = 2, kInertia = 0.5, kBlow_m_per_s = 0.05;
 // Equal bodies that have already got what was given.
 struct Bench {
   std::vector<SolverBody<double>> motion;
-  std::vector<SymMat3<double>> inverse_inertia;
+  std::vector<SymMat3d> inverse_inertia;
   std::vector<Twistd> given;
   EnergyGate<double> gate{8};
 
@@ -23,7 +23,7 @@ struct Bench {
     body.inverse_mass = 1 / kMass;
     body.v = before + change.linear, body.w = change.angular;
     motion.push_back(body), given.push_back(change);
-    inverse_inertia.push_back(SymMat3<double>::identity(1 / kInertia));
+    inverse_inertia.push_back(SymMat3d::identity(1 / kInertia));
   }
   SolverBodies<double> bodies() { return {motion, inverse_inertia}; }
   bool hold_back(std::initializer_list<std::array<std::uint32_t, 2>> links) {

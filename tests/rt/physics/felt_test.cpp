@@ -18,39 +18,35 @@ constexpr double kMass = 0.2, kRadius = 0.01, kDt = 1e-3;
 
 // A smooth ball, the proxy, above or on a table whose top is z = 0.
 struct Feeler {
-  World<double> world;
-  StepSettings<double> settings;
-  StepReport<double> report;
-  explicit Feeler(const EffectSetups<double>& setups, double height_m = 0) : world(Capacities{}, {}, {}, setups) {
+  World world;
+  StepSettings settings;
+  StepReport report;
+  explicit Feeler(const EffectSetups& setups, double height_m = 0) : world(Capacities{}, {}, {}, setups) {
     settings.gravity = {0, 0, -kGravity};
     settings.friction = false;
-    REQUIRE(world.insert(
-        make_dynamic_body<double>(kProxy, Shape<double>::sphere(kRadius), kMass, 0, {{0, 0, kRadius + height_m}, {}})));
-    REQUIRE(world.insert(make_fixed_body<double>(kTable, Shape<double>::box({1, 1, 0.05}), 0, {{0, 0, -0.05}, {}})));
+    REQUIRE(
+        world.insert(make_dynamic_body(kProxy, Shape::sphere(kRadius), kMass, 0, {{0, 0, kRadius + height_m}, {}})));
+    REQUIRE(world.insert(make_fixed_body(kTable, Shape::box({1, 1, 0.05}), 0, {{0, 0, -0.05}, {}})));
   }
-  BodyMotion<double>& ball() { return world.bodies()[0].motion; }
+  BodyMotion& ball() { return world.bodies()[0].motion; }
   const Vec3d& step() {
     world.begin_step(settings);
-    find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     report = world.finish_step(settings);
     return report.felt.force;
   }
 };
 
 struct Grained {
-  std::vector<Grain<double>> by_id;
-  EffectSetups<double> setups;
-  explicit Grained(const Grain<double>& grain) : by_id{{}, grain} {
-    std::get<Texture<double>::Setup>(setups) = {kProxy, by_id};
-  }
+  std::vector<Grain> by_id;
+  EffectSetups setups;
+  explicit Grained(const Grain& grain) : by_id{{}, grain} { std::get<Texture::Setup>(setups) = {kProxy, by_id}; }
 };
 
 struct Rings {
-  std::vector<Ringing<double>> by_id;
-  EffectSetups<double> setups;
-  explicit Rings(const Ringing<double>& ringing) : by_id{{}, ringing} {
-    std::get<Transients<double>::Setup>(setups) = {kProxy, by_id};
-  }
+  std::vector<Ringing> by_id;
+  EffectSetups setups;
+  explicit Rings(const Ringing& ringing) : by_id{{}, ringing} { std::get<Transients::Setup>(setups) = {kProxy, by_id}; }
 };
 
 }  // namespace
@@ -148,7 +144,7 @@ TEST_CASE(
     if (i % 6 == 3) drummer.ball().velocity.linear.z = -0.5;
     most = std::max(most, norm(drummer.step()));
   }
-  CHECK(most < 5 * 0.6 * Transients<double>::kMostRinging);
+  CHECK(most < 5 * 0.6 * Transients::kMostRinging);
 }
 
 TEST_CASE("What still rings is part of the world's state") {

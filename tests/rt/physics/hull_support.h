@@ -9,7 +9,7 @@
 namespace tactus::physics::test {
 
 struct TestHull {
-  Hull<double> hull;
+  Hull hull;
   Posed given_from_body;
 };
 
@@ -49,7 +49,7 @@ inline TestHull random_hull(Random& random, std::uint32_t vertices, double size)
 
 // A box with its own axes as a hull.
 inline TestHull box_hull(const Vec3d& half) {
-  const BoxHull<double> box(half);
+  const BoxHull box(half);
   std::vector<Vec3d> points;
   for (std::uint32_t k = 0; k < 8; ++k) points.push_back(box.view().vertex(k));
   TestHull made;
@@ -92,7 +92,7 @@ struct Solid {
   std::vector<Face> faces;
 };
 
-inline Solid solid_of(const HullView<double>& hull, const Posed& pose) {
+inline Solid solid_of(const HullView& hull, const Posed& pose) {
   Solid solid;
   const HullTopology& t = *hull.topology;
   for (std::uint32_t i = 0; i < t.vertices; ++i) solid.vertices.push_back(pose * hull.vertex(i));
@@ -109,9 +109,9 @@ inline Solid solid_of(const HullView<double>& hull, const Posed& pose) {
   return solid;
 }
 
-inline Solid solid_of(const Shape<double>& shape, const Posed& pose, Hulls<double> hulls) {
+inline Solid solid_of(const Shape& shape, const Posed& pose, Hulls hulls) {
   if (shape.kind == ShapeKind::kHull) return solid_of(view_of(hulls[shape.index]), pose);
-  return solid_of(BoxHull<double>(shape.half_extents).view(), pose);
+  return solid_of(BoxHull(shape.half_extents).view(), pose);
 }
 
 inline bool meets(const Segment& s, const Solid& solid) {

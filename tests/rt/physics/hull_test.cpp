@@ -13,12 +13,12 @@ namespace {
 
 std::vector<Vec3d> corners(const Vec3d& half, const Posed& pose) {
   std::vector<Vec3d> points;
-  for (const Vec3d& v : solid_of(BoxHull<double>(half).view(), pose).vertices) points.push_back(v);
+  for (const Vec3d& v : solid_of(BoxHull(half).view(), pose).vertices) points.push_back(v);
   return points;
 }
 
 // R diag(inertia) R^T: does not depend on which principal axis comes first.
-SymMat3<double> inertia_in_given(const TestHull& made) {
+SymMat3d inertia_in_given(const TestHull& made) {
   return rotate_diagonal(made.given_from_body.rotation, made.hull.inertia_per_kg);
 }
 
@@ -33,8 +33,8 @@ TEST_CASE("A box anywhere has a box's volume, centre and moments") {
     REQUIRE(make_hull(corners(half, pose), kBoxTopology, made.hull, made.given_from_body) == HullFault::kNone);
     REQUIRE(made.hull.volume == Approx(8 * half.x * half.y * half.z).epsilon(1e-12));
     REQUIRE(norm(made.given_from_body.position - pose.position) < 1e-12);
-    const SymMat3<double> given = inertia_in_given(made);
-    const SymMat3<double> expected = rotate_diagonal(pose.rotation, inertia_of(Shape<double>::box(half), 1.0));
+    const SymMat3d given = inertia_in_given(made);
+    const SymMat3d expected = rotate_diagonal(pose.rotation, inertia_of(Shape::box(half), 1.0));
     for (const auto& [a, b] :
          {std::pair(given.xx, expected.xx), std::pair(given.yy, expected.yy), std::pair(given.zz, expected.zz),
           std::pair(given.xy, expected.xy), std::pair(given.xz, expected.xz), std::pair(given.yz, expected.yz)})
@@ -62,7 +62,7 @@ TEST_CASE("The tetrahedron at the corner of a cube has the moments of the formul
   REQUIRE(made.hull.topology.faces == 4);
   REQUIRE(made.hull.volume == Approx(a * a * a / 6).epsilon(1e-12));
   REQUIRE(norm(made.given_from_body.position - Vec3d{a / 4, a / 4, a / 4}) < 1e-15);
-  const SymMat3<double> inertia = inertia_in_given(made);
+  const SymMat3d inertia = inertia_in_given(made);
   REQUIRE(inertia.xx == Approx(3 * a * a / 40).epsilon(1e-12));
   REQUIRE(inertia.xy == Approx(a * a / 80).epsilon(1e-12));
   REQUIRE(inertia.yz == Approx(a * a / 80).epsilon(1e-12));
@@ -77,7 +77,7 @@ TEST_CASE("Moments of random hulls agree with a count of random points inside") 
     const int total = 200'000;
     int inside = 0;
     Vec3d first;
-    SymMat3<double> second;
+    SymMat3d second;
     for (int k = 0; k < total; ++k) {
       const Vec3d p{random.uniform(-h.x, h.x), random.uniform(-h.y, h.y), random.uniform(-h.z, h.z)};
       if (!std::all_of(solid.faces.begin(), solid.faces.end(),
@@ -105,7 +105,7 @@ TEST_CASE("Every face has all vertices below it, and every edge its two faces") 
   Random random(5);
   for (const std::uint32_t vertices : {4u, 8u, 20u, 64u}) {
     const TestHull made = random_hull(random, vertices, 0.2);
-    const Hull<double>& hull = made.hull;
+    const Hull& hull = made.hull;
     REQUIRE(hull.topology.faces == 2 * vertices - 4);
     REQUIRE(hull.topology.edges == 3 * vertices - 6);
     for (std::uint32_t f = 0; f < hull.topology.faces; ++f) {
@@ -124,7 +124,7 @@ TEST_CASE("Every face has all vertices below it, and every edge its two faces") 
 
 TEST_CASE("What is no solid is refused") {
   const std::vector<Vec3d> cube = corners({0.1, 0.1, 0.1}, {});
-  Hull<double> hull;
+  Hull hull;
   Posed pose;
   HullTopology open;
   for (std::uint32_t f = 0; f < 5; ++f) (void)open.add_face(kBoxTopology.loop(f));

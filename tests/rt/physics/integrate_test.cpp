@@ -13,16 +13,14 @@ using tactus::test::PhysicsBench;
 namespace {
 
 // A box whose principal inertias are as given (kg m^2), far from everything.
-Body<double> free_body(const Vec3d& inertia, const Vec3d& w) {
-  Body<double> body = make_dynamic_body<double>(1, Shape<double>::sphere(0.01), 1.0, 0.0, {});
+Body free_body(const Vec3d& inertia, const Vec3d& w) {
+  Body body = make_dynamic_body(1, Shape::sphere(0.01), 1.0, 0.0, {});
   body.inertia = inertia;
   body.motion.velocity.angular = w;
   return body;
 }
 
-Vec3d spin_in_body(const Body<double>& body) {
-  return rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
-}
+Vec3d spin_in_body(const Body& body) { return rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular); }
 
 // Complete elliptic integral of the first kind by the arithmetic-geometric mean.
 double elliptic_k(double modulus_squared) {
@@ -38,7 +36,7 @@ double elliptic_k(double modulus_squared) {
 
 TEST_CASE("A thrown body follows the semi-implicit recurrence, g t h / 2 below the parabola") {
   for (const unsigned sub_steps : {1u, 4u, 10u}) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     bench.settings.sub_steps = sub_steps;
     const Vec3d x0{1, 2, 3}, v0{0.5, -1, 4};
     bench.add_sphere(1, 0.01, 0.2, 0.5, x0, v0);
@@ -53,7 +51,7 @@ TEST_CASE("A thrown body follows the semi-implicit recurrence, g t h / 2 below t
 }
 
 TEST_CASE("A body that nothing acts on keeps its velocity to the last bit") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   const Vec3d v0{0.1, -0.2, 0.3}, w0{3, 2, 1};
   bench.add_sphere(1, 0.05, 0.2, 0.5, {}, v0);
@@ -77,7 +75,7 @@ TEST_CASE("The exponential map is the same where its two forms meet") {
 }
 
 TEST_CASE("A body that spins about its middle axis tumbles with the period of Jacobi's elliptic functions") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   const Vec3d inertia{1e-3, 2e-3, 3e-3};
   bench.world.insert(free_body(inertia, {0.02, 50, 0.03}));
@@ -113,7 +111,7 @@ TEST_CASE("A body that spins about its middle axis tumbles with the period of Ja
 }
 
 TEST_CASE("A thin rod that spins fast gains no energy") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   bench.world.insert(free_body({1e-3, 1e-3, 2e-5}, {10, 0, 200}));
   const double energy = bench.world.kinetic_energy();
@@ -125,7 +123,7 @@ TEST_CASE("A thin rod that spins fast gains no energy") {
 
 TEST_CASE("A body that spins by more than half a radian in a sub-step keeps its energy, whatever its inertia") {
   for (const double spin : {2.5e3, 3e4, 1e6}) {  // rad/s, in sub-steps of 0.25 ms
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     bench.settings.gravity = {};
     bench.world.insert(free_body({1e-6, 2e-6, 3e-4}, {spin, 0.7 * spin, -0.3 * spin}));
     const double before = bench.world.kinetic_energy();
@@ -135,7 +133,7 @@ TEST_CASE("A body that spins by more than half a radian in a sub-step keeps its 
 }
 
 TEST_CASE("Without the gyroscopic effect the angular velocity stays as it is") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   bench.settings.gyroscopic = false;
   const Vec3d w0{1, 20, 2};
@@ -148,7 +146,7 @@ TEST_CASE("Without the gyroscopic effect the angular velocity stays as it is") {
 }
 
 TEST_CASE("A wrench acts for one step: momentum grows by wrench times time, then no more") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   bench.world.insert(free_body({1e-3, 1e-3, 1e-3}, {}));
   bench.add_sphere(2, 0.01, 0.5, 0.5, {5, 0, 0});
@@ -163,14 +161,14 @@ TEST_CASE("A wrench acts for one step: momentum grows by wrench times time, then
 }
 
 TEST_CASE("A body with gravity scale 0 floats, and no gravity moves nothing") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_sphere(1, 0.01, 0.2, 0.5, {0, 0, 1});
   bench.add_sphere(2, 0.01, 0.2, 0.5, {1, 0, 1});
   bench.body(1).gravity_scale = 0;
   bench.run(10);
   CHECK(bench.position(1) == Vec3d{0, 0, 1});
   CHECK(bench.position(2).z < 1);
-  PhysicsBench<> still;
+  PhysicsBench still;
   still.settings.gravity = {};
   still.add_sphere(1, 0.01, 0.2, 0.5, {0, 0, 1});
   still.run(10);

@@ -18,8 +18,8 @@ constexpr double kMassA = 3, kMassB = 2;
 const Vec3d kHalf{0.05, 0.04, 0.03};
 const Vec3d kAtB{0.1, 0.02, 0};
 
-Joint<double> joint_of(JointKind kind) {
-  Joint<double> joint;
+Joint joint_of(JointKind kind) {
+  Joint joint;
   joint.kind = kind, joint.a = kA, joint.b = kB;
   joint.a_from_joint.position = 0.5 * kAtB, joint.b_from_joint.position = -0.5 * kAtB;
   if (kind == JointKind::kDistance)
@@ -27,26 +27,26 @@ Joint<double> joint_of(JointKind kind) {
   return joint;
 }
 
-Body<double> body_of(BodyId id) {
-  auto body = make_dynamic_body<double>(id, Shape<double>::box(kHalf), id == kA ? kMassA : kMassB, 0.5,
-                                        {id == kA ? Vec3d{} : kAtB, {}});
+Body body_of(BodyId id) {
+  auto body =
+      make_dynamic_body(id, Shape::box(kHalf), id == kA ? kMassA : kMassB, 0.5, {id == kA ? Vec3d{} : kAtB, {}});
   if (id == kB) body.motion.velocity = {{0.02, 0.3, -0.1}, {0.5, 0, 1}};
   return body;
 }
 
 struct Bench {
-  std::vector<Joint<double>> joints;
-  World<double> world;
-  StepSettings<double> settings;
-  StepReport<double> report;
+  std::vector<Joint> joints;
+  World world;
+  StepSettings settings;
+  StepReport report;
   double border_J{0};
 
   explicit Bench(JointKind kind) : joints{joint_of(kind)}, world(Capacities{4, 1, 8, 8, 4}, {}, {}, setups()) {
     REQUIRE(world.insert(body_of(kB)));
   }
-  EffectSetups<double> setups() const {
-    EffectSetups<double> setups;
-    std::get<Joints<double>::Setup>(setups) = {joints};
+  EffectSetups setups() const {
+    EffectSetups setups;
+    std::get<Joints::Setup>(setups) = {joints};
     return setups;
   }
   // What this world, which has both bodies, tells one that has B alone.
@@ -59,10 +59,10 @@ struct Bench {
     REQUIRE(other.world.effects().take_over(in, std::as_const(other.world).bodies(), false));
   }
   void add_ghost() {
-    BorderGhost<double> ghost;
+    BorderGhost ghost;
     const Vec3d& inertia = body_of(kA).inertia;
     ghost.outside = kA;
-    ghost.admittance.linear = SymMat3<double>::identity(1 / kMassA);
+    ghost.admittance.linear = SymMat3d::identity(1 / kMassA);
     ghost.admittance.angular = {1 / inertia.x, 1 / inertia.y, 1 / inertia.z, 0, 0, 0};
     world.border_mode = BorderMode::kGhost;
     REQUIRE(world.border_ghosts().try_push(ghost));
@@ -70,12 +70,12 @@ struct Bench {
   void step(int steps) {
     for (int i = 0; i < steps; ++i) {
       world.begin_step(settings);
-      find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs());
+      find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
       report = world.finish_step(settings);
       border_J += report.border_joints_J;
     }
   }
-  const BodyMotion<double>& motion(BodyId id) const {
+  const BodyMotion& motion(BodyId id) const {
     return world.bodies()[static_cast<std::size_t>(world.slot_of(id))].motion;
   }
 };
@@ -133,14 +133,14 @@ struct HangingBench : Bench {
   static constexpr double kBelow = 0.1;
 
   explicit HangingBench(JointKind kind) : Bench(kind) {
-    Joint<double>& joint = joints[0];
+    Joint& joint = joints[0];
     joint.a_from_joint = {{0, 0, -0.5 * kBelow}, {}}, joint.b_from_joint = {{0, 0, 0.5 * kBelow}, {}};
     if (kind == JointKind::kDistance) joint.a_from_joint = joint.b_from_joint = {}, joint.low = joint.high = kBelow;
     Bench both(kind);
     REQUIRE(both.world.insert(body_of(kA)));
     both.tell_of_a(*this);
     add_ghost();
-    world.border_ghosts()[0].admittance = {SymMat3<double>::identity(1e-9), SymMat3<double>::identity(1e-9), {}};
+    world.border_ghosts()[0].admittance = {SymMat3d::identity(1e-9), SymMat3d::identity(1e-9), {}};
     world.bodies()[0].motion = {{{0, 0, -kBelow}, {}}, {}};
     settings.gravity = {0, 0, -kGravity};
   }

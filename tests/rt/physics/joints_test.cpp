@@ -15,12 +15,12 @@ using tactus::test::PhysicsBench;
 
 namespace {
 
-using Settings = StepSettings<double>;
+using Settings = StepSettings;
 
 constexpr double kHalf = 0.05, kMass = 2;
 
-Joint<double> joint_of(JointKind kind, BodyId a, BodyId b, const Posed& a_from_joint, const Posed& b_from_joint) {
-  Joint<double> joint;
+Joint joint_of(JointKind kind, BodyId a, BodyId b, const Posed& a_from_joint, const Posed& b_from_joint) {
+  Joint joint;
   joint.kind = kind, joint.a = a, joint.b = b;
   joint.a_from_joint = a_from_joint, joint.b_from_joint = b_from_joint;
   return joint;
@@ -28,21 +28,21 @@ Joint<double> joint_of(JointKind kind, BodyId a, BodyId b, const Posed& a_from_j
 
 // A world with joints. They come before the world: it looks into them.
 struct JointBench {
-  std::vector<Joint<double>> joints;
-  std::optional<World<double>> world;
+  std::vector<Joint> joints;
+  std::optional<World> world;
   Settings settings;
-  StepReport<double> report;
+  StepReport report;
   std::uint32_t broken{0};
   CutPredicate cut;
 
-  explicit JointBench(std::vector<Joint<double>> given) : joints(std::move(given)) {
-    EffectSetups<double> setups;
-    std::get<Joints<double>::Setup>(setups) = {joints};
-    world.emplace(Capacities{}, Hulls<double>{}, Meshes<double>{}, setups);
+  explicit JointBench(std::vector<Joint> given) : joints(std::move(given)) {
+    EffectSetups setups;
+    std::get<Joints::Setup>(setups) = {joints};
+    world.emplace(Capacities{}, Hulls{}, Meshes{}, setups);
     settings.gravity = {0, 0, -kGravity};
   }
   void add_box(BodyId id, const Vec3d& half, double mass, const Vec3d& at, const Twistd& velocity = {}) {
-    auto made = make_dynamic_body<double>(id, Shape<double>::box(half), mass, 0.5, {at, {}});
+    auto made = make_dynamic_body(id, Shape::box(half), mass, 0.5, {at, {}});
     made.motion.velocity = velocity;
     REQUIRE(world->insert(made));
   }
@@ -51,16 +51,16 @@ struct JointBench {
   }
   void step() {
     world->begin_step(settings);
-    find_pairs_brute_force<double>(world->bounds(), world->dynamic_pairs());
+    find_pairs_brute_force(world->bounds(), world->dynamic_pairs());
     report = world->finish_step(settings, cut);
     broken += report.broken_joints;
   }
   void run_seconds(double seconds) {
     for (long i = std::lround(seconds / settings.dt); i > 0; --i) step();
   }
-  BodyMotion<double>& motion(BodyId id) { return world->bodies()[static_cast<std::size_t>(world->slot_of(id))].motion; }
-  const Joints<double>& room() const { return *world->effects().find<Joints<double>>(); }
-  const JointState<double>& state(std::size_t joint = 0) const { return room().states()[joint]; }
+  BodyMotion& motion(BodyId id) { return world->bodies()[static_cast<std::size_t>(world->slot_of(id))].motion; }
+  const Joints& room() const { return *world->effects().find<Joints>(); }
+  const JointState& state(std::size_t joint = 0) const { return room().states()[joint]; }
 };
 
 }  // namespace
@@ -123,7 +123,7 @@ TEST_CASE("A hinge turns about its axis alone, and its angle is the rotation of 
 }
 
 TEST_CASE("A hinge stops at its limits, and its motor keeps its speed until the torque is not enough") {
-  Joint<double> hinge = joint_of(JointKind::kHinge, kNoBody, 1, {}, {});
+  Joint hinge = joint_of(JointKind::kHinge, kNoBody, 1, {}, {});
   hinge.limited = true, hinge.low = -0.5, hinge.high = 0.5;
   SECTION("limits") {
     JointBench bench({hinge});
@@ -149,7 +149,7 @@ TEST_CASE("A hinge stops at its limits, and its motor keeps its speed until the 
 }
 
 TEST_CASE("A slider falls along its axis as a free body does, and stops at its limit with the weight on it") {
-  Joint<double> slider = joint_of(JointKind::kSlider, kNoBody, 1, {{0, 0, 1}, {}}, {});
+  Joint slider = joint_of(JointKind::kSlider, kNoBody, 1, {{0, 0, 1}, {}}, {});
   slider.limited = true, slider.low = -0.2, slider.high = 1;
   JointBench bench({slider});
   bench.add_cube(1, {0, 0, 1}, {{1, 0.5, 0}, {1, 2, 3}});  // what it may not do is taken at once
@@ -164,7 +164,7 @@ TEST_CASE("A slider falls along its axis as a free body does, and stops at its l
 }
 
 TEST_CASE("A distance joint is a rod where its limits agree and a rope where they do not") {
-  Joint<double> rod = joint_of(JointKind::kDistance, kNoBody, 1, {{0, 0, 2}, {}}, {});
+  Joint rod = joint_of(JointKind::kDistance, kNoBody, 1, {{0, 0, 2}, {}}, {});
   rod.limited = true, rod.low = rod.high = 0.5;
   SECTION("rod") {
     JointBench bench({rod});
@@ -202,7 +202,7 @@ TEST_CASE("Joints between free bodies keep momentum and angular momentum") {
 }
 
 TEST_CASE("A joint breaks above its force, not below, once and for good, and says so") {
-  Joint<double> weld = joint_of(JointKind::kFixed, kNoBody, 1, {{0, 0, 1}, {}}, {});
+  Joint weld = joint_of(JointKind::kFixed, kNoBody, 1, {{0, 0, 1}, {}}, {});
   for (const double strength : {0.99, 1.01}) {
     weld.break_force_N = strength * kMass * kGravity;
     JointBench bench({weld});
@@ -216,7 +216,7 @@ TEST_CASE("A joint breaks above its force, not below, once and for good, and say
 
 TEST_CASE("Joined bodies do not collide unless asked") {
   for (const bool collide : {false, true}) {
-    Joint<double> slider = joint_of(JointKind::kSlider, 1, 2, {}, {});
+    Joint slider = joint_of(JointKind::kSlider, 1, 2, {}, {});
     slider.bodies_collide = collide;
     JointBench bench({slider});
     bench.settings.gravity = {};
@@ -230,7 +230,7 @@ TEST_CASE("Joined bodies do not collide unless asked") {
 }
 
 TEST_CASE("A chain of ten with 100 kg at its end hangs, and a cut of every sweep makes no energy") {
-  std::vector<Joint<double>> links;
+  std::vector<Joint> links;
   for (BodyId id = 1; id <= 10; ++id)
     links.push_back(joint_of(JointKind::kBall, id == 1 ? kNoBody : id - 1, id,
                              id == 1 ? Posed{{0, 0, 3}, {}} : Posed{{0, 0, -0.05}, {}}, {{0, 0, 0.05}, {}}));
@@ -272,8 +272,8 @@ TEST_CASE("A chain of ten with 100 kg at its end hangs, and a cut of every sweep
 }
 
 TEST_CASE("What joints hold is saved and restored: the same bits follow, broken ones stay so") {
-  Joint<double> weld = joint_of(JointKind::kFixed, 1, 2, {{0.05, 0, 0}, {}}, {{-0.05, 0, 0}, {}});
-  Joint<double> weak = joint_of(JointKind::kBall, kNoBody, 3, {{1, 0, 0}, {}}, {});
+  Joint weld = joint_of(JointKind::kFixed, 1, 2, {{0.05, 0, 0}, {}}, {{-0.05, 0, 0}, {}});
+  Joint weak = joint_of(JointKind::kBall, kNoBody, 3, {{1, 0, 0}, {}}, {});
   weak.break_force_N = 1;
   const auto fill = [](JointBench& bench) {
     bench.add_cube(1, {0, 0, 0}, {{0, 1, 0}, {1, 2, 3}}), bench.add_cube(2, {0.1, 0, 0}), bench.add_cube(3, {1, 0, 0});
@@ -297,7 +297,7 @@ TEST_CASE("What joints hold is saved and restored: the same bits follow, broken 
 }
 
 TEST_CASE("A joint whose other body is another world's holds on to where that one goes") {
-  const std::vector<Joint<double>> links{joint_of(JointKind::kBall, 1, 2, {{0.1, 0, 0}, {}}, {{-0.1, 0, 0}, {}})};
+  const std::vector<Joint> links{joint_of(JointKind::kBall, 1, 2, {{0.1, 0, 0}, {}}, {{-0.1, 0, 0}, {}})};
   JointBench whole(links), part(links);
   for (JointBench* bench : {&whole, &part}) bench->settings.gravity = {};
   whole.add_cube(1, {}, {{0.5, 0, 0}, {}}), whole.add_cube(2, {0.2, 0, 0}, {{0.5, 0, 0}, {}});

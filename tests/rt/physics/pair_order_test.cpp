@@ -49,7 +49,7 @@ TEST_CASE("Pairs of slots are sorted, turned and made unique as by comparing") {
 TEST_CASE("The wide finder finds exactly what overlaps, whatever single precision makes of it") {
   Random random(2);
   for (const std::uint32_t count : {1u, 2u, 7u, 8u, 9u, 64u, 333u, 1024u, 1025u}) {
-    std::vector<Aabb<double>> boxes;
+    std::vector<Aabb> boxes;
     for (std::uint32_t i = 0; i < count; ++i) {
       // Faces a hundred millionth apart, and far from the origin: less than single precision can tell.
       const auto grid = [&] { return 1000 + 0.1 * std::floor(random(0, 8)) + 1e-8 * std::floor(random(-2, 3)); };
@@ -62,7 +62,7 @@ TEST_CASE("The wide finder finds exactly what overlaps, whatever single precisio
       boxes[5] = {{1000, nan, 1000}, {1001, nan, 1001}};
     }
     BoundedVector<SlotPair> pairs(count * count);
-    REQUIRE(find_pairs_brute_force<double>(boxes, pairs));
+    REQUIRE(find_pairs_brute_force(boxes, pairs));
     std::vector<std::pair<std::uint32_t, std::uint32_t>> expected;
     for (std::uint32_t a = 0; a < count; ++a)
       for (std::uint32_t b = a + 1; b < count; ++b)

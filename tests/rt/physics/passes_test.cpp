@@ -11,8 +11,8 @@ using tactus::test::PhysicsBench;
 
 namespace {
 
-PhysicsBench<> bench_of(double step_s, std::uint32_t sub_steps) {
-  PhysicsBench<> bench;
+PhysicsBench bench_of(double step_s, std::uint32_t sub_steps) {
+  PhysicsBench bench;
   bench.settings.dt = step_s, bench.settings.sub_steps = sub_steps;
   return bench;
 }

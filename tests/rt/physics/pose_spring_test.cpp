@@ -12,10 +12,10 @@ using tactus::test::PhysicsBench;
 namespace {
 
 // One free sphere on a spring, no gravity.
-void add_body_on_spring(PhysicsBench<>& bench, double stiffness, double damping) {
+void add_body_on_spring(PhysicsBench& bench, double stiffness, double damping) {
   bench.settings.gravity = {};
   bench.add_sphere(5, 0.02, 0.2, 0.5, {});
-  PoseSpring<double>& spring = bench.world.device_spring();
+  PoseSpring& spring = bench.world.device_spring();
   spring.enabled = true;
   spring.slot = bench.slot(5);
   spring.stiffness_N_per_m = stiffness, spring.damping_Ns_per_m = damping;
@@ -25,9 +25,9 @@ void add_body_on_spring(PhysicsBench<>& bench, double stiffness, double damping)
 
 TEST_CASE("A mass on the device spring follows implicit Euler, sub-step by sub-step") {
   const double k = 2000, b = 5, m = 0.2;
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   add_body_on_spring(bench, k, b);
-  PoseSpring<double>& spring = bench.world.device_spring();
+  PoseSpring& spring = bench.world.device_spring();
   spring.target.position = {0.01, 0, -0.02};
   const double h = bench.h();
   double x = 0, v = 0;
@@ -49,9 +49,9 @@ TEST_CASE("A mass on the device spring follows implicit Euler, sub-step by sub-s
 
 TEST_CASE("The device spring turns a body by implicit Euler as well") {
   const double k = 5, b = 0.02;
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   add_body_on_spring(bench, 0, 0);
-  PoseSpring<double>& spring = bench.world.device_spring();
+  PoseSpring& spring = bench.world.device_spring();
   spring.stiffness_Nm_per_rad = k, spring.damping_Nms_per_rad = b;
   const double angle = 1e-3, inertia = bench.body(5).inertia.x, h = bench.h();
   spring.target.rotation = quat_from_rotation_vector(Vec3d{0, angle, 0});
@@ -74,9 +74,9 @@ TEST_CASE("The device spring turns a body by implicit Euler as well") {
 TEST_CASE("The device spring is stable for every stiffness and damping") {
   for (const double k : {0.0, 1.0, 1e3, 1e5, 1e7})
     for (const double b : {0.0, 1.0, 1e2, 1e4}) {
-      PhysicsBench<> bench;
+      PhysicsBench bench;
       add_body_on_spring(bench, k, b);
-      PoseSpring<double>& spring = bench.world.device_spring();
+      PoseSpring& spring = bench.world.device_spring();
       spring.stiffness_Nm_per_rad = k, spring.damping_Nms_per_rad = b;
       spring.target = {{0.1, 0, 0}, quat_from_rotation_vector(Vec3d{0, 0, 0.5})};
       double worst = 0;
@@ -92,9 +92,9 @@ TEST_CASE("The device spring is stable for every stiffness and damping") {
 }
 
 TEST_CASE("A body on the spring follows a moving target without lag, and what it gets is the momentum it gains") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   add_body_on_spring(bench, 2000, 40);
-  PoseSpring<double>& spring = bench.world.device_spring();
+  PoseSpring& spring = bench.world.device_spring();
   spring.stiffness_Nm_per_rad = 5, spring.damping_Nms_per_rad = 0.02;
   const Twistd velocity{{0.3, -0.1, 0}, {0, 0, 2}};
   spring.target_velocity = velocity;
@@ -112,7 +112,7 @@ TEST_CASE("A body on the spring follows a moving target without lag, and what it
 }
 
 TEST_CASE("A body hung on the spring sags by m g / K and weighs m g in its impulse") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   add_body_on_spring(bench, 2000, 20);
   bench.settings.gravity = {0, 0, -kGravity};
   bench.run(2000);
@@ -121,7 +121,7 @@ TEST_CASE("A body hung on the spring sags by m g / K and weighs m g in its impul
 }
 
 TEST_CASE("Pressed against the ground the spring's force is what the ground carries") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_ground(0, 0.5);
   add_body_on_spring(bench, 2000, 20);
   bench.position(5).z = 0.02;
@@ -142,7 +142,7 @@ TEST_CASE("Pressed against the ground the spring's force is what the ground carr
 }
 
 TEST_CASE("A frozen body holds against the spring, whose force is still K e") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   add_body_on_spring(bench, 2000, 0);
   bench.world.device_spring().target.position = {0.01, 0, 0};
   bench.world.set_frozen(bench.slot(5), true);
@@ -152,9 +152,9 @@ TEST_CASE("A frozen body holds against the spring, whose force is still K e") {
 }
 
 TEST_CASE("A spring that is off, or has no gains, does nothing and holds no impulse") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   add_body_on_spring(bench, 2000, 5);
-  PoseSpring<double>& spring = bench.world.device_spring();
+  PoseSpring& spring = bench.world.device_spring();
   spring.target.position = {0.01, 0, 0};
   bench.run(1);
   const Vec3d velocity = bench.velocity(5).linear;
@@ -171,7 +171,7 @@ TEST_CASE("A spring that is off, or has no gains, does nothing and holds no impu
 }
 
 TEST_CASE("The spring's force does not jump when the number of sub-steps changes") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   add_body_on_spring(bench, 2000, 20);
   bench.settings.gravity = {0, 0, -kGravity};
   bench.run(3000);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kHalf = 0.05;
 
 // Columns of cubes, each turned by any angle and a little tilted, that fall on a floor and lean on each other.
-void add_columns(PhysicsBench<>& bench, std::uint64_t seed) {
+void add_columns(PhysicsBench& bench, std::uint64_t seed) {
   test::Random random(seed);
   bench.add_ground(1000, 0.5);
   for (BodyId id = 0; id < 54; ++id) {
@@ -27,15 +27,15 @@ void add_columns(PhysicsBench<>& bench, std::uint64_t seed) {
   }
 }
 
-double fastest(const PhysicsBench<>& bench) {
+double fastest(const PhysicsBench& bench) {
   double speed = 0;
-  for (const Body<double>& body : bench.world.bodies()) speed = std::max(speed, norm(body.motion.velocity.linear));
+  for (const Body& body : bench.world.bodies()) speed = std::max(speed, norm(body.motion.velocity.linear));
   return speed;
 }
 
-double sum_of_impulses(const Contact<double>& contact) {
+double sum_of_impulses(const Contact& contact) {
   return std::accumulate(contact.points.begin(), contact.points.begin() + contact.count, 0.0,
-                         [](double sum, const ContactPoint<double>& p) { return sum + p.normal_impulse; });
+                         [](double sum, const ContactPoint& p) { return sum + p.normal_impulse; });
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ double sum_of_impulses(const Contact<double>& contact) {
 TEST_CASE("Columns of cubes come to rest, in steps of 1 ms and in steps of 10 ms") {
   for (const double dt : {1e-3, 1e-2})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
-      PhysicsBench<> bench;
+      PhysicsBench bench;
       bench.settings.dt = dt, bench.settings.sub_steps = dt > 5e-3 ? 10 : 4;
       bench.settings.contact_hertz = std::min(250.0, 0.2 * bench.settings.sub_steps / dt);
       add_columns(bench, seed);
@@ -55,20 +55,19 @@ TEST_CASE("Columns of cubes come to rest, in steps of 1 ms and in steps of 10 ms
 
 TEST_CASE("When a contact's points are chosen anew, the nearest takes the impulse of one that is dropped") {
   const Capacities capacities{2, 0, 4, 4, 0};
-  std::vector<Body<double>> bodies;
-  const Shape<double> cube = Shape<double>::box({kHalf, kHalf, kHalf});
+  std::vector<Body> bodies;
+  const Shape cube = Shape::box({kHalf, kHalf, kHalf});
   // A face turned by 45 degrees over another: eight corners, of which every other one is chosen.
   const Quatd turn = quat_from_rotation_vector(Vec3d{0, 0, 0.785398});
-  bodies.push_back(make_dynamic_body<double>(0, cube, 1, 0.5, {}));
-  bodies.push_back(make_dynamic_body<double>(1, cube, 1, 0.5, {{0, 0, 2 * kHalf - 1e-4}, turn}));
-  ContactTable<double> table(capacities);
-  StepSettings<double> settings;
+  bodies.push_back(make_dynamic_body(0, cube, 1, 0.5, {}));
+  bodies.push_back(make_dynamic_body(1, cube, 1, 0.5, {{0, 0, 2 * kHalf - 1e-4}, turn}));
+  ContactTable table(capacities);
+  StepSettings settings;
   settings.recycle_tolerance_m = 0;
   const auto build = [&] {
-    const BodyFrame<double> frames[2] = {BodyFrame<double>::of(bodies[0].motion.pose),
-                                         BodyFrame<double>::of(bodies[1].motion.pose)};
-    const Reach<double> reach[2];
-    StepReport<double> report;
+    const BodyFrame frames[2] = {BodyFrame::of(bodies[0].motion.pose), BodyFrame::of(bodies[1].motion.pose)};
+    const Reach reach[2];
+    StepReport report;
     table.clear_pairs();
     table.add_pair(PairKey::of(0, 1, false), 0, 1);
     table.build({bodies, {}, frames, {}, reach}, settings, 1e-3, 1.0, report);

@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kHalf = 0.05;
 
-struct MixedBench : PhysicsBench<> {
-  MixedBench() { world = World<double>({}, {}, {}, {}, SweepPrecision::kSingle); }
+struct MixedBench : PhysicsBench {
+  MixedBench() { world = World({}, {}, {}, {}, SweepPrecision::kSingle); }
 };
 
-double fastest(const PhysicsBench<>& bench) {
+double fastest(const PhysicsBench& bench) {
   double speed = 0;
-  for (const Body<double>& body : bench.world.bodies()) speed = std::max(speed, norm(body.motion.velocity.linear));
+  for (const Body& body : bench.world.bodies()) speed = std::max(speed, norm(body.motion.velocity.linear));
   return speed;
 }
 
@@ -27,7 +27,7 @@ double fastest(const PhysicsBench<>& bench) {
 TEST_CASE("Sweeps in single precision leave a free body's velocity as it is, to the last bit") {
   MixedBench bench;
   bench.settings.gravity = {};
-  const Twist<double> thrown{{1.0 / 3, -2.0 / 7, 0.1}, {0.3, 0.7, -1.0 / 9}};
+  const Twistd thrown{{1.0 / 3, -2.0 / 7, 0.1}, {0.3, 0.7, -1.0 / 9}};
   bench.add_box(1, {kHalf, kHalf, kHalf}, 1, 0.5, {}, thrown);
   bench.run(1000);
   CHECK(bench.velocity(1).linear == thrown.linear);

@@ -9,14 +9,14 @@ using tactus::test::PhysicsBench;
 namespace {
 
 // Three stacks of three on the ground; body 10 s + k is the k-th of stack s.
-void add_stacks(PhysicsBench<>& bench) {
+void add_stacks(PhysicsBench& bench) {
   bench.add_ground(1, 0.5);
   for (BodyId stack = 1; stack <= 3; ++stack)
     for (BodyId k = 0; k < 3; ++k)
       bench.add_box(10 * stack + k, {0.05, 0.05, 0.05}, 0.5, 0.5, {{0.5 * stack, 0, 0.05 + 0.1 * k}, {}});
 }
 
-bool slots_match(const World<double>& world) {
+bool slots_match(const World& world) {
   for (const auto& contact : world.contacts()) {
     const BodyId a = world.bodies()[contact.slot_a].id;
     const BodyId b = contact.b_fixed ? world.fixed_bodies()[contact.slot_b].id : world.bodies()[contact.slot_b].id;
@@ -25,7 +25,7 @@ bool slots_match(const World<double>& world) {
   return true;
 }
 
-std::vector<BodyId> ids(const World<double>& world) {
+std::vector<BodyId> ids(const World& world) {
   std::vector<BodyId> result;
   for (const auto& body : world.bodies()) result.push_back(body.id);
   return result;
@@ -34,7 +34,7 @@ std::vector<BodyId> ids(const World<double>& world) {
 }  // namespace
 
 TEST_CASE("Many bodies that leave at once leave the others, their contacts, wrenches and the spring as they were") {
-  PhysicsBench<> one, other;
+  PhysicsBench one, other;
   for (auto* bench : {&one, &other}) {
     add_stacks(*bench);
     bench->run(50);
@@ -60,8 +60,8 @@ TEST_CASE("Many bodies that leave at once leave the others, their contacts, wren
 }
 
 TEST_CASE("Many bodies that come at once, between the others, are as if they had come one by one") {
-  PhysicsBench<> one, other;
-  std::vector<Body<double>> coming;
+  PhysicsBench one, other;
+  std::vector<Body> coming;
   for (auto* bench : {&one, &other}) {
     add_stacks(*bench);
     bench->run(50);
@@ -83,11 +83,11 @@ TEST_CASE("Many bodies that come at once, between the others, are as if they had
 }
 
 TEST_CASE("Many bodies for whom there is no room: none comes, and the report says so") {
-  PhysicsBench<> bench({10, 4, 64, 64, 0});
+  PhysicsBench bench({10, 4, 64, 64, 0});
   add_stacks(bench);
-  std::vector<Body<double>> coming;
+  std::vector<Body> coming;
   for (BodyId id = 40; id < 42; ++id)
-    coming.push_back(make_dynamic_body<double>(id, Shape<double>::sphere(0.05), 1, 0.5, {{3.0 + id, 0, 1}, {}}));
+    coming.push_back(make_dynamic_body(id, Shape::sphere(0.05), 1, 0.5, {{3.0 + id, 0, 1}, {}}));
   CHECK_FALSE(bench.world.insert(coming));
   CHECK(bench.world.bodies().size() == 9);
   bench.step();

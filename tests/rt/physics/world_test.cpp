@@ -14,31 +14,31 @@ using tactus::test::Random;
 namespace {
 
 // A small heap that falls on a plane and a fixed block, with spin: everything a step does happens in it.
-std::vector<Body<double>> heap(std::uint64_t seed) {
+std::vector<Body> heap(std::uint64_t seed) {
   Random random(seed);
-  std::vector<Body<double>> bodies;
-  bodies.push_back(make_fixed_body<double>(0, Shape<double>::plane(), 0.6, {}));
+  std::vector<Body> bodies;
+  bodies.push_back(make_fixed_body(0, Shape::plane(), 0.6, {}));
   for (BodyId n = 1; n <= 18; ++n) {
     const BodyId id = 2 * n;  // between them there is room for visitors
-    const Pose<double> pose{{0.07 * (n % 3) + random(-0.01, 0.01), 0.07 * (n / 3 % 2), 0.05 + 0.08 * (n / 6)},
-                            quat_from_rotation_vector(random.vector(0.4))};
-    const Shape<double> shape = n % 3 == 0   ? Shape<double>::sphere(0.03)
-                                : n % 3 == 1 ? Shape<double>::box({0.03, 0.025, 0.02})
-                                             : Shape<double>::capsule(0.02, 0.02);
-    bodies.push_back(make_dynamic_body<double>(id, shape, random(0.1, 0.5), 0.5, pose));
+    const Posed pose{{0.07 * (n % 3) + random(-0.01, 0.01), 0.07 * (n / 3 % 2), 0.05 + 0.08 * (n / 6)},
+                     quat_from_rotation_vector(random.vector(0.4))};
+    const Shape shape = n % 3 == 0   ? Shape::sphere(0.03)
+                        : n % 3 == 1 ? Shape::box({0.03, 0.025, 0.02})
+                                     : Shape::capsule(0.02, 0.02);
+    bodies.push_back(make_dynamic_body(id, shape, random(0.1, 0.5), 0.5, pose));
     bodies.back().motion.velocity = {random.vector(0.5), random.vector(5)};
   }
-  bodies.push_back(make_fixed_body<double>(50, Shape<double>::box({0.1, 0.1, 0.02}), 0.6, {{0.1, 0, 0}, {}}));
+  bodies.push_back(make_fixed_body(50, Shape::box({0.1, 0.1, 0.02}), 0.6, {{0.1, 0, 0}, {}}));
   return bodies;
 }
 
-void insert_all(PhysicsBench<>& bench, const std::vector<Body<double>>& bodies) {
-  for (const Body<double>& body : bodies) REQUIRE(bench.world.insert(body));
+void insert_all(PhysicsBench& bench, const std::vector<Body>& bodies) {
+  for (const Body& body : bodies) REQUIRE(bench.world.insert(body));
 }
 
-std::uint64_t contacts_hash(const World<double>& world) {
+std::uint64_t contacts_hash(const World& world) {
   std::uint64_t hash = 0;
-  for (const Contact<double>& contact : world.contacts())
+  for (const Contact& contact : world.contacts())
     for (std::uint32_t i = 0; i < contact.count; ++i) {
       std::uint64_t bits = 0;
       std::memcpy(&bits, &contact.points[i].normal_impulse, sizeof bits);
@@ -48,8 +48,8 @@ std::uint64_t contacts_hash(const World<double>& world) {
 }
 
 // Do the slots of every contact name the bodies of its key?
-bool slots_match(const World<double>& world) {
-  for (const Contact<double>& contact : world.contacts()) {
+bool slots_match(const World& world) {
+  for (const Contact& contact : world.contacts()) {
     const BodyId a = world.bodies()[contact.slot_a].id;
     const BodyId b = contact.b_fixed ? world.fixed_bodies()[contact.slot_b].id : world.bodies()[contact.slot_b].id;
     if (PairKey::of(a, b, contact.b_fixed) != contact.key) return false;
@@ -62,7 +62,7 @@ bool slots_match(const World<double>& world) {
 TEST_CASE("The same world stepped twice gives the same bits") {
   std::vector<std::uint64_t> hashes[2];
   for (auto& list : hashes) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     insert_all(bench, heap(1));
     for (int k = 0; k < 300; ++k) bench.step(), list.push_back(bench.world.state_hash());
     CHECK(bench.report.contacts > 10);
@@ -71,16 +71,16 @@ TEST_CASE("The same world stepped twice gives the same bits") {
 }
 
 TEST_CASE("Bodies inserted in any order have the slots of their ids and give the same bits") {
-  const std::vector<Body<double>> sorted = heap(2);
-  PhysicsBench<> reference;
+  const std::vector<Body> sorted = heap(2);
+  PhysicsBench reference;
   insert_all(reference, sorted);
   reference.run(100);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    std::vector<Body<double>> shuffled = sorted;
+    std::vector<Body> shuffled = sorted;
     Random random(seed);
     for (std::size_t i = shuffled.size() - 1; i > 0; --i)
       std::swap(shuffled[i], shuffled[static_cast<std::size_t>(random(0, static_cast<double>(i) + 0.999))]);
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     insert_all(bench, shuffled);
     for (std::uint32_t slot = 0; slot < bench.world.bodies().size(); ++slot)
       CHECK(bench.world.slot_of(bench.world.bodies()[slot].id) == static_cast<std::int32_t>(slot));
@@ -90,7 +90,7 @@ TEST_CASE("Bodies inserted in any order have the slots of their ids and give the
 }
 
 TEST_CASE("Bodies that come and go far away change no bit of the others") {
-  PhysicsBench<> alone, visited;
+  PhysicsBench alone, visited;
   insert_all(alone, heap(3));
   insert_all(visited, heap(3));
   for (int k = 0; k < 200; ++k) {
@@ -100,15 +100,14 @@ TEST_CASE("Bodies that come and go far away change no bit of the others") {
     REQUIRE(slots_match(visited.world));
     if (k % 2 == 0) REQUIRE(visited.world.remove(visitor));
     REQUIRE(slots_match(visited.world));
-    if (k == 50)
-      visited.world.insert(make_fixed_body<double>(40, Shape<double>::box({1, 1, 1}), 0.5, {{0, 0, -60}, {}}));
+    if (k == 50) visited.world.insert(make_fixed_body(40, Shape::box({1, 1, 1}), 0.5, {{0, 0, -60}, {}}));
     REQUIRE(alone.world.state_hash() == visited.world.state_hash());
   }
   CHECK(contacts_hash(alone.world) == contacts_hash(visited.world));
 }
 
 TEST_CASE("Inserting and removing moves the slots of contacts, spring and frozen flags along") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_ground(100, 0.5);
   for (BodyId id = 10; id < 14; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.3 * (id - 10), 0, 0.05});
   bench.world.device_spring().enabled = true;
@@ -117,12 +116,12 @@ TEST_CASE("Inserting and removing moves the slots of contacts, spring and frozen
   bench.run(50);
   bench.add_sphere(1, 0.05, 0.2, 0.5, {5, 0, 5});
   CHECK(bench.world.device_spring().slot == bench.slot(12));
-  for (const Contact<double>& contact : bench.world.contacts())
+  for (const Contact& contact : bench.world.contacts())
     CHECK(bench.world.bodies()[contact.slot_a].id == contact.key.low());
   REQUIRE(bench.world.remove(10));
   CHECK(bench.world.device_spring().slot == bench.slot(12));
   CHECK(bench.world.contacts().size() == 2);  // 11 and 12; a frozen body needs no contact with what is fixed
-  for (const Contact<double>& contact : bench.world.contacts()) {
+  for (const Contact& contact : bench.world.contacts()) {
     CHECK(contact.key.low() != 10);
     CHECK(bench.world.bodies()[contact.slot_a].id == contact.key.low());
   }
@@ -138,13 +137,13 @@ TEST_CASE("Inserting and removing moves the slots of contacts, spring and frozen
 }
 
 TEST_CASE("An id that is there already is refused, whatever its kind") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_ground(4, 0.5);
   bench.add_sphere(5, 0.05, 0.2, 0.5, {0, 0, 1});
-  const auto sphere = [](BodyId id) { return make_dynamic_body<double>(id, Shape<double>::sphere(0.1), 1.0, 0.5, {}); };
+  const auto sphere = [](BodyId id) { return make_dynamic_body(id, Shape::sphere(0.1), 1.0, 0.5, {}); };
   CHECK_FALSE(bench.world.insert(sphere(5)));
   CHECK_FALSE(bench.world.insert(sphere(4)));
-  CHECK_FALSE(bench.world.insert(make_fixed_body<double>(5, Shape<double>::plane(), 0.5, {})));
+  CHECK_FALSE(bench.world.insert(make_fixed_body(5, Shape::plane(), 0.5, {})));
   CHECK(bench.world.bodies().size() == 1);
   CHECK(bench.world.slot_of(4) == -1);  // fixed bodies have no dynamic slot
   CHECK(bench.world.slot_of(6) == -1);
@@ -153,13 +152,13 @@ TEST_CASE("An id that is there already is refused, whatever its kind") {
 TEST_CASE("Each capacity that runs out sets its bit, counts and is kept") {
   Capacities capacities;
   capacities.bodies = 6, capacities.fixed_bodies = 1;
-  PhysicsBench<> bench(capacities);
+  PhysicsBench bench(capacities);
   bench.add_ground(0, 0.5);
   for (BodyId id = 1; id <= 6; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.2 * id, 0, 0.0501 - 1e-5 * id});
-  const auto sphere = make_dynamic_body<double>(7, Shape<double>::sphere(0.1), 1.0, 0.5, {});
+  const auto sphere = make_dynamic_body(7, Shape::sphere(0.1), 1.0, 0.5, {});
   CHECK_FALSE(bench.world.insert(sphere));
   CHECK_FALSE(bench.world.insert(sphere));
-  CHECK_FALSE(bench.world.insert(make_fixed_body<double>(8, Shape<double>::plane(), 0.5, {})));
+  CHECK_FALSE(bench.world.insert(make_fixed_body(8, Shape::plane(), 0.5, {})));
   bench.step();
   CHECK(bench.report.capacity_bits == (kBodiesFull | kFixedBodiesFull));
   CHECK(bench.report.dropped == 3);
@@ -173,7 +172,7 @@ TEST_CASE("Each capacity that runs out sets its bit, counts and is kept") {
 TEST_CASE("Beyond the capacity of pairs those with the highest keys are dropped") {
   Capacities capacities;
   capacities.pairs = 4;
-  PhysicsBench<> bench(capacities);
+  PhysicsBench bench(capacities);
   bench.add_ground(0, 0.5);
   for (BodyId id = 1; id <= 7; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.2 * id, 0, 0.0499});
   bench.step();
@@ -183,7 +182,7 @@ TEST_CASE("Beyond the capacity of pairs those with the highest keys are dropped"
   for (std::uint32_t i = 0; i < 4; ++i) CHECK(bench.world.contacts()[i].key == PairKey::of(i + 1, 0, true));
   // The same with pairs of dynamic bodies, in whatever order the finder finds them.
   for (const bool reversed : {false, true}) {
-    PhysicsBench<> row(capacities);
+    PhysicsBench row(capacities);
     row.settings.gravity = {};
     for (BodyId id = 1; id <= 6; ++id) row.add_sphere(id, 0.05, 0.2, 0.5, {0.0999 * id, 0, 0});
     row.world.begin_step(row.settings);
@@ -202,7 +201,7 @@ TEST_CASE("Beyond the capacity of pairs those with the highest keys are dropped"
 TEST_CASE("Beyond the capacity of contacts the deepest are kept, ties by the lower key") {
   Capacities capacities;
   capacities.contacts = 3;
-  PhysicsBench<> bench(capacities);
+  PhysicsBench bench(capacities);
   bench.add_ground(0, 0.5);
   const double depth[] = {1e-5, 4e-5, 2e-5, 5e-5, 2e-5, 2e-5};  // kept: 2 and 4, and of the ties the first, 3
   for (BodyId id = 1; id <= 6; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.2 * id, 0, 0.05 - depth[id - 1]});
@@ -216,7 +215,7 @@ TEST_CASE("Beyond the capacity of contacts the deepest are kept, ties by the low
 }
 
 TEST_CASE("Pairs that touch nothing, pairs given twice and pairs given backwards change no bit") {
-  PhysicsBench<> plain, noisy;
+  PhysicsBench plain, noisy;
   insert_all(plain, heap(4));
   insert_all(noisy, heap(4));
   for (int k = 0; k < 200; ++k) {
@@ -236,7 +235,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
   Capacities capacities;
   capacities.border_contacts = 2;
   const auto make = [&] {
-    auto bench = std::make_unique<PhysicsBench<>>(capacities);
+    auto bench = std::make_unique<PhysicsBench>(capacities);
     insert_all(*bench, heap(5));
     return bench;
   };
@@ -246,19 +245,19 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
   bench->world.set_frozen(3, true);
   bench->world.device_spring() = {true, 2, 500, 2, 1, 0.01, {{0, 0, 0.1}, {}}, {{0.1, 0, 0}, {}}, {}};
   bench->world.border_mode = BorderMode::kReplay;
-  BorderContact<double> border;
+  BorderContact border;
   border.member = 10, border.outside = 99, border.normal = {0, 0, 1}, border.impulse_rate = 1, border.friction = 0.5;
   REQUIRE(bench->world.add_border_contact(border));
   bench->run(20);
   bench->world.apply_wrench(1, {{1, 0, 0}, {0, 0, 0.1}});
   REQUIRE_FALSE(bench->world.contacts().empty());
-  REQUIRE(bench->world.add_warm_start(World<double>::warm_start_of(bench->world.contacts()[0], bench->h())));
+  REQUIRE(bench->world.add_warm_start(World::warm_start_of(bench->world.contacts()[0], bench->h())));
 
   std::vector<std::byte> bytes(bench->world.save_size_bound());
   ByteWriter out(bytes);
   bench->world.save(out);
   REQUIRE(out.ok());
-  PhysicsBench<> copy(capacities);
+  PhysicsBench copy(capacities);
   copy.add_sphere(77, 0.1, 1, 0.5, {});  // whatever was there is gone afterwards
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
   REQUIRE(copy.world.restore(in));
@@ -279,7 +278,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
 }
 
 TEST_CASE("Bytes that are short or hold too much are refused and leave an empty world") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   insert_all(bench, heap(6));
   bench.run(50);
   std::vector<std::byte> bytes(bench.world.save_size_bound());
@@ -288,7 +287,7 @@ TEST_CASE("Bytes that are short or hold too much are refused and leave an empty 
   std::vector<std::size_t> sizes{out.size() - 1};
   for (std::size_t size = 0; size < out.size(); size += 1 + size / 20) sizes.push_back(size);
   for (const std::size_t size : sizes) {
-    PhysicsBench<> copy;
+    PhysicsBench copy;
     ByteReader in(std::span<const std::byte>(bytes).first(size));
     CHECK_FALSE(copy.world.restore(in));
     CHECK(copy.world.bodies().empty());
@@ -296,13 +295,13 @@ TEST_CASE("Bytes that are short or hold too much are refused and leave an empty 
   }
   Capacities small;
   small.bodies = 4;
-  PhysicsBench<> copy(small);
+  PhysicsBench copy(small);
   ByteReader in(bytes);
   CHECK_FALSE(copy.world.restore(in));
 }
 
 TEST_CASE("Damaged bytes are refused or give a world that can be asked, never a slot that is not there") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   insert_all(bench, heap(8));
   bench.run(50);
   std::vector<std::byte> bytes(bench.world.save_size_bound());
@@ -313,39 +312,39 @@ TEST_CASE("Damaged bytes are refused or give a world that can be asked, never a 
   for (int k = 0; k < 2000; ++k) {
     std::vector<std::byte> damaged(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(out.size()));
     damaged[static_cast<std::size_t>(random(0, static_cast<double>(out.size())))] ^= std::byte{0x80};
-    PhysicsBench<> copy;
+    PhysicsBench copy;
     ByteReader in(damaged);
     if (!copy.world.restore(in)) {
       ++refused;
       CHECK(copy.world.bodies().empty());
       continue;
     }
-    for (const Contact<double>& contact : copy.world.contacts()) {
+    for (const Contact& contact : copy.world.contacts()) {
       REQUIRE(contact.slot_a < copy.world.bodies().size());
       REQUIRE(contact.slot_b < (contact.b_fixed ? copy.world.fixed_bodies().size() : copy.world.bodies().size()));
       REQUIRE(contact.count <= kMaxManifoldPoints);
     }
-    for (const Body<double>& body : copy.world.bodies()) REQUIRE(is_finite(body.motion.pose));
+    for (const Body& body : copy.world.bodies()) REQUIRE(is_finite(body.motion.pose));
   }
   CHECK(refused > 20);
 }
 
 TEST_CASE("Impulses given from another world start a contact as if it had been here all along") {
-  const auto make = [](PhysicsBench<>& bench) {
+  const auto make = [](PhysicsBench& bench) {
     bench.add_ground(0, 0.5, 0.1);
     bench.add_stack(1, 4, 0.05, 0.2, 0.5);
   };
-  PhysicsBench<> old;
+  PhysicsBench old;
   make(old);
   old.run(1000);
-  PhysicsBench<> with, without;
-  for (PhysicsBench<>* bench : {&with, &without}) {
+  PhysicsBench with, without;
+  for (PhysicsBench* bench : {&with, &without}) {
     bench->add_ground(0, 0.5, 0.1);
-    for (const Body<double>& body : old.world.bodies()) REQUIRE(bench->world.insert(body));
+    for (const Body& body : old.world.bodies()) REQUIRE(bench->world.insert(body));
   }
   const auto contacts = old.world.contacts();
   for (std::size_t i = contacts.size(); i-- > 0;)  // in any order
-    REQUIRE(with.world.add_warm_start(World<double>::warm_start_of(contacts[i], old.h())));
+    REQUIRE(with.world.add_warm_start(World::warm_start_of(contacts[i], old.h())));
   old.settings.sub_steps = with.settings.sub_steps = without.settings.sub_steps = 8;  // forces, not impulses, travel
   old.step(), with.step(), without.step();
   for (BodyId id = 1; id <= 4; ++id) {
@@ -356,19 +355,19 @@ TEST_CASE("Impulses given from another world start a contact as if it had been h
 }
 
 TEST_CASE("Impulses of a pair that does not touch are dropped after the next step") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.gravity = {};
   bench.add_ground(0, 0.5);
   bench.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0.2});
-  PhysicsBench<> touching;
+  PhysicsBench touching;
   touching.add_ground(0, 0.5);
   touching.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0.05});
   touching.run(10);
   REQUIRE(touching.report.contacts == 1);
-  WarmStart<double> given = World<double>::warm_start_of(touching.world.contacts()[0], touching.h());
+  WarmStart given = World::warm_start_of(touching.world.contacts()[0], touching.h());
   given.normal_force[0] = 100;
   REQUIRE(bench.world.add_warm_start(given));
-  PhysicsBench<> fresh;
+  PhysicsBench fresh;
   fresh.settings.gravity = {};
   fresh.add_ground(0, 0.5);
   fresh.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0.2});
@@ -383,11 +382,11 @@ TEST_CASE("Impulses of a pair that does not touch are dropped after the next ste
 }
 
 TEST_CASE("A frozen body stays as it is, bears any load and goes on with its velocity") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0}, {0, 0, 1});
   bench.add_sphere(2, 0.05, 50, 0.5, {0, 0, 0.1001});
   bench.world.set_frozen(0, true);
-  const BodyMotion<double> before = bench.body(1).motion;
+  const BodyMotion before = bench.body(1).motion;
   bench.run(500);
   CHECK(bench.body(1).motion == before);
   // To the other it is infinitely heavy and at rest.
@@ -403,7 +402,7 @@ TEST_CASE("A frozen body stays as it is, bears any load and goes on with its vel
 TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of them moves or falls") {
   Random random(4);
   for (int n = 0; n < 2000; ++n) {
-    PhysicsBench<> bench;
+    PhysicsBench bench;
     bench.settings.dt = n % 2 == 0 ? 1e-3 : 1e-2;
     bench.settings.sub_steps = n % 3 == 0 ? 1 : 5;
     const double half = random(0.005, 0.05), speed = random(0, 1), turn = random(0, 3);
@@ -420,10 +419,8 @@ TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of 
     if (n % 5 == 0) bench.world.set_frozen(1, true);
     if (n % 5 == 1) bench.body(2).gravity_scale = 0;
     if (n % 5 == 2) bench.velocity(2).linear.z = speed;
-    if (n % 5 == 3)
-      bench.world.insert(make_fixed_body<double>(2, Shape<double>::box({half, half, half}), 0.5, {below, {}}));
-    if (n % 5 == 4)
-      bench.world.insert(make_fixed_body<double>(2, Shape<double>::plane(), 0.5, {{0, 0, below.z + half}, {}}));
+    if (n % 5 == 3) bench.world.insert(make_fixed_body(2, Shape::box({half, half, half}), 0.5, {below, {}}));
+    if (n % 5 == 4) bench.world.insert(make_fixed_body(2, Shape::plane(), 0.5, {{0, 0, below.z + half}, {}}));
     bench.step();
     REQUIRE(bench.report.pairs == 1);
     if (n % 5 != 0) continue;
@@ -435,7 +432,7 @@ TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of 
 }
 
 TEST_CASE("What a body with the fewer sub-steps falls on is found, though the others take more") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.settings.dt = 1e-2, bench.settings.sub_steps = 1;
   const double gap = 0.999 * fall_in_step(bench.settings);
   bench.add_ground(9, 0.5);
@@ -446,30 +443,30 @@ TEST_CASE("What a body with the fewer sub-steps falls on is found, though the ot
 }
 
 TEST_CASE("The bounds of a step hold what a body moves in it, and no more than the largest margin, however fast") {
-  PhysicsBench<> bench;
+  PhysicsBench bench;
   bench.add_box(1, {0.05, 0.02, 0.01}, 0.2, 0.5, {{0, 0, 1}, quat_from_rotation_vector(Vec3d{1, 2, 3})},
                 {{1, -2, 0.5}, {10, 5, -20}});
   bench.world.begin_step(bench.settings);
-  const Aabb<double> before = bench.world.bounds()[0];
+  const Aabb before = bench.world.bounds()[0];
   static_cast<void>(bench.world.finish_step(bench.settings));
-  const Aabb<double> after = bounds_of(bench.body(1).shape, bench.body(1).motion.pose, 0.0);
+  const Aabb after = bounds_of(bench.body(1).shape, bench.body(1).motion.pose, 0.0);
   CHECK(before.holds(after));
   bench.velocity(1).linear = {1e4, 0, 0};
   bench.world.begin_step(bench.settings);
-  const Aabb<double> tight = bounds_of(bench.body(1).shape, bench.body(1).motion.pose, 0.0);
+  const Aabb tight = bounds_of(bench.body(1).shape, bench.body(1).motion.pose, 0.0);
   CHECK(bench.world.bounds()[0].upper.x - tight.upper.x ==
         Approx(bench.settings.max_margin + 0.5 * room_to_carry_over(bench.settings)));
 }
 
 TEST_CASE("Brute force finds every overlapping pair once, in the order of slots, and says when there are too many") {
   Random random(9);
-  std::vector<Aabb<double>> boxes;
+  std::vector<Aabb> boxes;
   for (int i = 0; i < 40; ++i) {
     const Vec3d at = random.vector(1);
     boxes.push_back({at, at + Vec3d{0.6, 0.6, 0.6}});
   }
   BoundedVector<SlotPair> pairs(1000);
-  REQUIRE(find_pairs_brute_force<double>(boxes, pairs));
+  REQUIRE(find_pairs_brute_force(boxes, pairs));
   std::size_t next = 0;
   for (std::uint32_t a = 0; a < 40; ++a)
     for (std::uint32_t b = a + 1; b < 40; ++b) {
@@ -484,6 +481,6 @@ TEST_CASE("Brute force finds every overlapping pair once, in the order of slots,
   CHECK(next == pairs.size());
   CHECK(next > 50);
   BoundedVector<SlotPair> few(static_cast<std::uint32_t>(next) - 1);
-  CHECK_FALSE(find_pairs_brute_force<double>(boxes, few));
+  CHECK_FALSE(find_pairs_brute_force(boxes, few));
   CHECK(few.full());
 }

@@ -52,9 +52,9 @@ struct Trial {
   std::vector<sim::Stall> stalls{};              // of the global world; in real time only
 };
 
-std::uint32_t joints_between_members(const physics::World<double>& world) noexcept {
+std::uint32_t joints_between_members(const physics::World& world) noexcept {
   std::uint32_t count = 0;
-  if (const auto* joints = world.effects().find<physics::Joints<double>>())
+  if (const auto* joints = world.effects().find<physics::Joints>())
     joints->for_each_link(world.bodies(), [&](auto, auto, auto) noexcept { ++count; });
   return count;
 }

@@ -7,7 +7,7 @@
 namespace tactus::experiment {
 namespace {
 
-void add_motion(const physics::Body<double>& body, Motion& sum) noexcept {
+void add_motion(const physics::Body& body, Motion& sum) noexcept {
   sum.kinetic_J += kinetic_energy(body);
   sum.speed_squared += norm_squared(body.motion.velocity.linear);
 }
@@ -17,7 +17,7 @@ void add_motion(const physics::Body<double>& body, Motion& sum) noexcept {
 CoupledWorlds::CoupledWorlds(const sim::Scene& scene, const session::RunOptions& options,
                              const haptics::DeviceProperties& device)
     : config_(session::loop_config(scene, options, device).sub_world), coupling_(traits_of(options.coupling)) {
-  std::vector<physics::Body<double>> fixed;
+  std::vector<physics::Body> fixed;
   for (const auto& body : scene.bodies) (body.kind == physics::BodyKind::kFixed ? fixed : at_rest_).push_back(body);
   // Room for all bodies, so that the state of a direct run fits.
   session::RunOptions direct = options;
@@ -148,7 +148,7 @@ Motion CoupledWorlds::motion() const noexcept {
 }
 
 // Members as the haptic side has them, the others as the global world has them.
-void CoupledWorlds::bodies(std::vector<physics::Body<double>>& all) const {
+void CoupledWorlds::bodies(std::vector<physics::Body>& all) const {
   const auto& inner = sub_world_->world();
   all.clear();
   if (!exchanges()) {
@@ -169,7 +169,7 @@ Moment CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
   moment.bodies.assign(world.bodies().begin(), world.bodies().end());
   const double sub_step_s = config_.step.dt / config_.step.sub_steps;
   for (const auto& contact : world.contacts())
-    moment.contacts.push_back(physics::World<double>::warm_start_of(contact, sub_step_s));
+    moment.contacts.push_back(physics::World::warm_start_of(contact, sub_step_s));
   if (!every_bit) return moment;
   moment.state.resize(sub_world_->save_size_bound());
   ByteWriter out(moment.state);

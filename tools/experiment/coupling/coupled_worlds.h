@@ -20,9 +20,9 @@ namespace tactus::experiment {
 // The whole of a world at the beginning of a tick.
 struct Moment {
   std::uint64_t tick{0};
-  std::vector<physics::Body<double>> bodies;         // that move, by id
-  std::vector<physics::WarmStart<double>> contacts;  // what they hold
-  std::vector<std::byte> state;                      // of the haptic side, every bit
+  std::vector<physics::Body> bodies;         // that move, by id
+  std::vector<physics::WarmStart> contacts;  // what they hold
+  std::vector<std::byte> state;              // of the haptic side, every bit
 };
 
 // Of all moving bodies at once.
@@ -51,9 +51,9 @@ class CoupledWorlds {
 
   // Does the next tick begin with a synchronisation? Then all bodies are at the same time.
   bool at_synchronisation() const noexcept;
-  Motion motion() const noexcept;                              // at a synchronisation
-  void bodies(std::vector<physics::Body<double>>& all) const;  // that move, by id; at a synchronisation
-  Moment moment(std::uint64_t tick, bool every_bit) const;     // of the direct coupling; without every bit: no `state`
+  Motion motion() const noexcept;                           // at a synchronisation
+  void bodies(std::vector<physics::Body>& all) const;       // that move, by id; at a synchronisation
+  Moment moment(std::uint64_t tick, bool every_bit) const;  // of the direct coupling; without every bit: no `state`
 
   const haptics::SubWorld& sub_world() const noexcept { return *sub_world_; }
   const sim::GlobalWorld* global() const noexcept { return global_.get(); }
@@ -71,7 +71,7 @@ class CoupledWorlds {
   haptics::CouplingTraits coupling_;
   std::unique_ptr<haptics::SubWorld> sub_world_;
   std::unique_ptr<sim::GlobalWorld> global_;  // null with the direct coupling
-  std::vector<physics::Body<double>> at_rest_;
+  std::vector<physics::Body> at_rest_;
   std::array<std::unique_ptr<haptics::WorldSnapshot>, 2> snapshots_;
   std::unique_ptr<haptics::SubWorldReport> report_;
   std::uint64_t cycle_{0};

@@ -27,7 +27,7 @@ constexpr double kLeastWork_J = 1e-6;
 // A force no device gives: the run has left all bounds and ends there.
 constexpr double kLostForce_N = 1e4;
 
-double smallest_extent(const physics::Shape<double>& shape) {
+double smallest_extent(const physics::Shape& shape) {
   switch (shape.kind) {
     case physics::ShapeKind::kSphere:
     case physics::ShapeKind::kCapsule:
@@ -37,31 +37,29 @@ double smallest_extent(const physics::Shape<double>& shape) {
   }
 }
 
-double turned(const Body<double>& a, const Body<double>& b) {
+double turned(const Body& a, const Body& b) {
   return norm(small_rotation_vector(a.motion.pose.rotation * conjugate(b.motion.pose.rotation)));
 }
 
-double off(const Body<double>& a, const Body<double>& b) {
-  return norm(a.motion.pose.position - b.motion.pose.position);
-}
+double off(const Body& a, const Body& b) { return norm(a.motion.pose.position - b.motion.pose.position); }
 
 // One run, tick by tick: what the comparison and the direct run both need.
 struct Trace {
   std::vector<Vec3d> force;
   std::vector<haptics::DeviceTarget> target;
-  std::vector<std::vector<Body<double>>> poses;  // every kCompareEvery ticks
-  std::vector<Body<double>> end;
+  std::vector<std::vector<Body>> poses;  // every kCompareEvery ticks
+  std::vector<Body> end;
   double deepest_m{0}, kinetic_J{0}, kinetic_over_work{0}, gain_J{0}, work_J{0}, border_work_J{0};
   bool lost{false};
 };
 
-double potential_J(std::span<const Body<double>> bodies, const Vec3d& gravity) {
+double potential_J(std::span<const Body> bodies, const Vec3d& gravity) {
   double sum = 0;
   for (const auto& body : bodies) sum -= body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
   return sum;
 }
 
-double kinetic_J(std::span<const Body<double>> bodies) {
+double kinetic_J(std::span<const Body> bodies) {
   double sum = 0;
   for (const auto& body : bodies) sum += kinetic_energy(body);
   return sum;
@@ -98,7 +96,7 @@ class WholeRun {
     ScriptedArm arm(profile_, session::make_hand(scene_), config.placement, config.period_s);
     worlds.start_at_rest();
     Trace trace;
-    std::vector<Body<double>> bodies;
+    std::vector<Body> bodies;
     worlds.bodies(bodies);
     const double start_J = potential_J(bodies, scene_.gravity_m_per_s2) + kinetic_J(bodies);
     const double start_potential_J = potential_J(bodies, scene_.gravity_m_per_s2);
@@ -169,17 +167,17 @@ void compare_force(const Trace& run, const Trace& direct, WholeRunRow& row) {
   for (double& quarter : row.force_error_quarter) quarter = row.force_rms_N > 0 ? quarter / row.force_rms_N : 0;
 }
 
-double farthest(std::span<const Body<double>> a, std::span<const Body<double>> b) {
+double farthest(std::span<const Body> a, std::span<const Body> b) {
   double most = 0;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) most = std::max(most, off(a[i], b[i]));
   return most;
 }
 
-bool turned_over(const Body<double>& a, const Body<double>& b) {
+bool turned_over(const Body& a, const Body& b) {
   return a.shape.kind != physics::ShapeKind::kSphere && turned(a, b) >= StandingRule::kTurnedOver_rad;
 }
 
-bool has_fallen(const Body<double>& start, const Body<double>& end, double extent) {
+bool has_fallen(const Body& start, const Body& end, double extent) {
   const double sunk = start.motion.pose.position.z - end.motion.pose.position.z;
   return sunk > StandingRule::kShareOfExtent * extent || turned_over(start, end);
 }
@@ -256,8 +254,7 @@ WholeRunRow floor_row(const sim::Scene& scene, const DirectRun& own, const hal::
 
 }  // namespace
 
-Standing judge_standing(std::span<const Body<double>> start, std::span<const Body<double>> direct_end,
-                        std::span<const Body<double>> end) {
+Standing judge_standing(std::span<const Body> start, std::span<const Body> direct_end, std::span<const Body> end) {
   Standing result;
   for (std::size_t i = 0; i < std::min(end.size(), direct_end.size()); ++i) {
     if (norm(direct_end[i].motion.velocity.linear) > StandingRule::kAtRest_m_per_s) continue;

@@ -50,8 +50,8 @@ struct Standing {
   std::vector<BodyId> fell;  // of these
   double most_off_share{0};  // farthest of these from where the direct run has it, of its smallest extent
 };
-Standing judge_standing(std::span<const physics::Body<double>> start, std::span<const physics::Body<double>> direct_end,
-                        std::span<const physics::Body<double>> end);
+Standing judge_standing(std::span<const physics::Body> start, std::span<const physics::Body> direct_end,
+                        std::span<const physics::Body> end);
 
 struct WholeRunRow {
   std::string scene;
@@ -79,7 +79,7 @@ struct WholeRunRow {
   bool stands{true};
   double border_work_J{0};  // done on members by the border
   // Where the request keeps them: the bodies that move, in the order of their ids.
-  std::vector<physics::Body<double>> start, end, direct_end;
+  std::vector<physics::Body> start, end, direct_end;
 };
 
 // One line where a scene does not go with the schemes.

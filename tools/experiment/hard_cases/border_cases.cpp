@@ -139,14 +139,14 @@ Outcome friction_point(const Setting& setting) {
       world.energy_is_booked = false;  // the border's work is its own book
       world.add_box(0, {half, half, half}, mass, 0.5, {});
       world.body(0).inertia = {1e6, 1e6, 1e6};  // pressed on one point it would tip over
-      physics::BorderContact<double> contact;
+      physics::BorderContact contact;
       contact.member = 0, contact.outside = 9;
       contact.normal = {0, 0, 1};
       contact.member_anchor = contact.line_point = {0, 0, -half};
       contact.impulse_rate = press + 5, contact.friction = friction;
       world.world.border_mode = mode;
       if (mode == physics::BorderMode::kGhost) {  // of a body that nothing moves
-        physics::BorderGhost<double> ghost;
+        physics::BorderGhost ghost;
         ghost.outside = contact.outside, ghost.centre = {0, 0, -2 * half};
         TACTUS_CHECK(world.world.border_ghosts().try_push(ghost), 0, 0);
         contact.ghost = 0;

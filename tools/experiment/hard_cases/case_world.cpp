@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMostGain = 1e-3;  // of the largest energy in play
 
-double inverse_mass_at(const physics::Body<double>& body, const Vec3d& arm, const Vec3d& n) {
+double inverse_mass_at(const physics::Body& body, const Vec3d& arm, const Vec3d& n) {
   const Vec3d turned = rotate_inverse(body.motion.pose.rotation, cross(arm, n));
   return 1 / body.mass + turned.x * turned.x / body.inertia.x + turned.y * turned.y / body.inertia.y +
          turned.z * turned.z / body.inertia.z;
@@ -23,8 +23,8 @@ double inverse_mass_at(const physics::Body<double>& body, const Vec3d& arm, cons
 
 }  // namespace
 
-physics::StepSettings<double> settings_of(const Setting& setting, double contact_hertz) {
-  physics::StepSettings<double> settings;
+physics::StepSettings settings_of(const Setting& setting, double contact_hertz) {
+  physics::StepSettings settings;
   settings.dt = setting.step_s;
   settings.sub_steps = sub_steps_of(setting);
   const double h = settings.dt / settings.sub_steps;
@@ -36,8 +36,7 @@ physics::StepSettings<double> settings_of(const Setting& setting, double contact
 }
 
 CaseWorld::CaseWorld(const Setting& setting, double contact_hertz, const physics::Capacities& capacities,
-                     physics::Hulls<double> hulls, physics::Meshes<double> meshes,
-                     const physics::EffectSetups<double>& effects)
+                     physics::Hulls hulls, physics::Meshes meshes, const physics::EffectSetups& effects)
     : world(capacities, hulls, meshes, effects), settings(settings_of(setting, contact_hertz)) {
   set_denormals_flush();
 }
@@ -55,12 +54,12 @@ void CaseWorld::step() {
   for (std::uint32_t k = 0; k < passes; ++k) take_pass(physics::settings_of_pass(settings, passes));
 }
 
-void CaseWorld::take_pass(const physics::StepSettings<double>& pass) {
+void CaseWorld::take_pass(const physics::StepSettings& pass) {
   const double before_J = stored_J(0);
   for (const Held& held : held_) world.apply_wrench(slot(held.id), held.wrench);
   const std::uint64_t allocations = experiment::allocation_count();
   world.begin_step(pass);
-  if (!find_pairs_brute_force<double>(world.bounds(), world.dynamic_pairs())) lost_ |= physics::kPairsFull;
+  if (!find_pairs_brute_force(world.bounds(), world.dynamic_pairs())) lost_ |= physics::kPairsFull;
   report = world.finish_step(pass, cut);
   allocations_ += experiment::allocation_count() - allocations;
   lost_ |= report.capacity_bits;
@@ -156,25 +155,23 @@ double CaseWorld::fastest() const {
   return speed;
 }
 
-void CaseWorld::add(const physics::Body<double>& body) {
-  TACTUS_CHECK(world.insert(body), body.id, world.bodies().size());
-}
+void CaseWorld::add(const physics::Body& body) { TACTUS_CHECK(world.insert(body), body.id, world.bodies().size()); }
 
 void CaseWorld::add_ground(BodyId id, double friction, double slope_rad) {
   const Quatd tilt = quat_from_rotation_vector(Vec3d{0, slope_rad, 0});
-  add(physics::make_fixed_body<double>(id, physics::Shape<double>::plane(), friction, {{}, tilt}));
+  add(physics::make_fixed_body(id, physics::Shape::plane(), friction, {{}, tilt}));
 }
 
 void CaseWorld::add_box(BodyId id, const Vec3d& half, double mass, double friction, const Posed& pose,
                         const Twistd& twist) {
-  auto made = physics::make_dynamic_body<double>(id, physics::Shape<double>::box(half), mass, friction, pose);
+  auto made = physics::make_dynamic_body(id, physics::Shape::box(half), mass, friction, pose);
   made.motion.velocity = twist;
   add(made);
 }
 
 void CaseWorld::add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at,
                            const Vec3d& velocity) {
-  auto made = physics::make_dynamic_body<double>(id, physics::Shape<double>::sphere(radius), mass, friction, {at, {}});
+  auto made = physics::make_dynamic_body(id, physics::Shape::sphere(radius), mass, friction, {at, {}});
   made.motion.velocity.linear = velocity;
   add(made);
 }
@@ -190,7 +187,7 @@ double CaseWorld::carried_by_fixed() const {
 double CaseWorld::carried_between(BodyId a, BodyId b) const {
   double impulse = 0;
   for (const auto& contact : world.contacts()) {
-    const auto others = contact.b_fixed ? world.fixed_bodies() : std::span<const physics::Body<double>>(world.bodies());
+    const auto others = contact.b_fixed ? world.fixed_bodies() : std::span<const physics::Body>(world.bodies());
     const BodyId first = world.bodies()[contact.slot_a].id, second = others[contact.slot_b].id;
     if (std::min(first, second) != std::min(a, b) || std::max(first, second) != std::max(a, b)) continue;
     for (std::uint32_t i = 0; i < contact.count; ++i) impulse += contact.points[i].total_normal_impulse;

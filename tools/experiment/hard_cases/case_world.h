@@ -17,17 +17,16 @@ inline constexpr double kPi = 3.14159265358979323846;
 
 // Of the stiffest contacts that the sub-step resolves, and the relax sweeps that they need. `contact_hertz`: what the
 // scene would ask for.
-physics::StepSettings<double> settings_of(const Setting& setting, double contact_hertz);
+physics::StepSettings settings_of(const Setting& setting, double contact_hertz);
 
 class CaseWorld {
  public:
   explicit CaseWorld(const Setting& setting, double contact_hertz = 1000, const physics::Capacities& capacities = {},
-                     physics::Hulls<double> hulls = {}, physics::Meshes<double> meshes = {},
-                     const physics::EffectSetups<double>& effects = {});
+                     physics::Hulls hulls = {}, physics::Meshes meshes = {}, const physics::EffectSetups& effects = {});
 
-  physics::World<double> world;
-  physics::StepSettings<double> settings;
-  physics::StepReport<double> report;  // of the last pass
+  physics::World world;
+  physics::StepSettings settings;
+  physics::StepReport report;  // of the last pass
   physics::CutPredicate cut;
   bool energy_is_booked{true};  // false: where something acts whose work is not known
 
@@ -39,15 +38,15 @@ class CaseWorld {
   // The gates, and the hash of the state.
   void close(Outcome& outcome) const;
 
-  physics::Body<double>& body(BodyId id) { return world.bodies()[slot(id)]; }
-  const physics::Body<double>& body(BodyId id) const { return world.bodies()[slot(id)]; }
+  physics::Body& body(BodyId id) { return world.bodies()[slot(id)]; }
+  const physics::Body& body(BodyId id) const { return world.bodies()[slot(id)]; }
   std::uint32_t slot(BodyId id) const { return static_cast<std::uint32_t>(world.slot_of(id)); }
   const Vec3d& position(BodyId id) const { return body(id).motion.pose.position; }
   Twistd& velocity(BodyId id) { return body(id).motion.velocity; }
   double fastest() const;  // m/s, of the centres
   double h() const { return settings.dt / settings.sub_steps; }
 
-  void add(const physics::Body<double>& body);
+  void add(const physics::Body& body);
   void add_ground(BodyId id, double friction, double slope_rad = 0);  // z = 0, downhill is +x
   void add_box(BodyId id, const Vec3d& half, double mass, double friction, const Posed& pose, const Twistd& twist = {});
   void add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at, const Vec3d& velocity = {});
@@ -60,7 +59,7 @@ class CaseWorld {
   double overlap_under(double load_N, double mass_kg) const;
 
  private:
-  void take_pass(const physics::StepSettings<double>& pass);
+  void take_pass(const physics::StepSettings& pass);
 
   struct Springs {
     double before{0}, after{0};

@@ -41,11 +41,10 @@ Outcome peg_in_hole(const Setting& setting) {
   for (int k = 0; k < 4; ++k) {
     const double out = (k % 2 == 0 ? 1 : -1) * (in + wall);
     const Vec3d half = k < 2 ? Vec3d{wall, 0.2, wall} : Vec3d{in, wall, wall};
-    world.add(physics::make_fixed_body<double>(kGround + static_cast<BodyId>(k), physics::Shape<double>::box(half), 0.2,
-                                               {k < 2 ? Vec3d{out, 0, 0} : Vec3d{0, out, 0}, {}}));
+    world.add(physics::make_fixed_body(kGround + static_cast<BodyId>(k), physics::Shape::box(half), 0.2,
+                                       {k < 2 ? Vec3d{out, 0, 0} : Vec3d{0, out, 0}, {}}));
   }
-  world.add(
-      physics::make_fixed_body<double>(kGround + 4, physics::Shape<double>::plane(), 0.2, {{0, 0, -0.5 * length}, {}}));
+  world.add(physics::make_fixed_body(kGround + 4, physics::Shape::plane(), 0.2, {{0, 0, -0.5 * length}, {}}));
   world.add_box(0, {0.5 * side, 0.5 * side, 0.5 * length}, 0.1, 0.2, {});
   double tilt = 0, energy = 0, most = 0;
   for (const double way : {1.0, -1.0}) {
@@ -78,8 +77,8 @@ Outcome into_a_corner(const Setting& setting) {
   world.settings.gravity = {};
   const Quatd to_x = quat_from_rotation_vector(Vec3d{0, 0.5 * kPi, 0}),
               to_y = quat_from_rotation_vector(Vec3d{-0.5 * kPi, 0, 0});
-  world.add(physics::make_fixed_body<double>(kGround, physics::Shape<double>::plane(), 0.3, {{}, to_x}));
-  world.add(physics::make_fixed_body<double>(kGround + 1, physics::Shape<double>::plane(), 0.3, {{}, to_y}));
+  world.add(physics::make_fixed_body(kGround, physics::Shape::plane(), 0.3, {{}, to_x}));
+  world.add(physics::make_fixed_body(kGround + 1, physics::Shape::plane(), 0.3, {{}, to_y}));
   world.add_sphere(0, radius, 0.2, 0.3, {2 * radius, 2 * radius, 0});
   couple(world, 0, 2000, 5);
   const haptics::DeviceProperties device;

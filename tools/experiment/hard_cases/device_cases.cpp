@@ -101,7 +101,7 @@ Outcome squeeze(const Setting& setting) {
     loop::LoopConfig config = session::loop_config(scene, options, device);
     config.sub_world.proxy = d == 0 ? scene.proxy : other;
     config.placement.world_from_device = {{d == 0 ? -kStart_m : kStart_m, 0, 0}, {}};
-    hands[d].loop = std::make_unique<loop::HapticLoop>(config, std::span<const physics::Body<double>>());
+    hands[d].loop = std::make_unique<loop::HapticLoop>(config, std::span<const physics::Body>());
     world.first_snapshot(*hands[d].snapshot, d);
     hands[d].in.device.sample.state = haptics::DeviceState::kIdle;
   }

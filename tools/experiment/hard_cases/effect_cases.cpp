@@ -17,8 +17,8 @@ using physics::JointKind;
 constexpr BodyId kGround = 1000;
 
 template <class Room>
-EffectSetups<double> with(const typename Room::Setup& setup) {
-  EffectSetups<double> setups;
+EffectSetups with(const typename Room::Setup& setup) {
+  EffectSetups setups;
   std::get<typename Room::Setup>(setups) = setup;
   return setups;
 }
@@ -36,7 +36,7 @@ Outcome head_on(const Setting& setting) {
   for (const double e : {1.0, 0.5})
     for (const double ratio : {1.0, 3.0}) {
       const std::array<double, 2> by_id{e, e};
-      CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Restitution<double>>({by_id}));
+      CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Restitution>({by_id}));
       world.settings.gravity = {};
       const double v0 = 1, v1 = -0.6, m0 = 0.2 * ratio, m1 = 0.2;
       world.add_sphere(0, 0.05, m0, 0.5, {-0.2, 0, 0}, {v0, 0, 0});
@@ -53,7 +53,7 @@ Outcome head_on(const Setting& setting) {
 Outcome bouncing_ball(const Setting& setting) {
   const double e = 0.8, radius = 0.05, height = 1;
   const std::array<double, 1> by_id{e};
-  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Restitution<double>>({by_id}));
+  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Restitution>({by_id}));
   world.add_ground(kGround, 0.5);
   world.add_sphere(0, radius, 0.2, 0.5, {0, 0, radius + height});
   Outcome outcome;
@@ -81,15 +81,15 @@ Outcome bouncing_ball(const Setting& setting) {
 Outcome newtons_cradle(const Setting& setting) {
   const double radius = 0.02, mass = 0.1, length = 0.3, angle = 0.5;
   const std::array<double, 5> by_id{1, 1, 1, 1, 1};
-  std::array<Joint<double>, 5> rods;
+  std::array<Joint, 5> rods;
   for (BodyId id = 0; id < 5; ++id) {
     rods[id].kind = JointKind::kDistance;
     rods[id].b = id;
     rods[id].a_from_joint.position = {2 * radius * id, 0, length};
     rods[id].limited = true, rods[id].low = rods[id].high = length;
   }
-  EffectSetups<double> setups = with<physics::Restitution<double>>({by_id});
-  std::get<physics::Joints<double>::Setup>(setups) = {rods};
+  EffectSetups setups = with<physics::Restitution>({by_id});
+  std::get<physics::Joints::Setup>(setups) = {rods};
   CaseWorld world(setting, 1000, {}, {}, {}, setups);
   for (BodyId id = 0; id < 5; ++id) {
     const double a = id == 0 ? angle : 0;
@@ -127,13 +127,13 @@ Outcome heavy_top(const Setting& setting) {
   const double mass = 0.2, arm = 0.05, spin = 100;
   const Vec3d inertia{3e-4, 3e-4, 4e-4};
   const double precession = mass * kGravity * arm / (inertia.z * spin);
-  Joint<double> pivot;
+  Joint pivot;
   pivot.kind = JointKind::kBall, pivot.b = 0;
   pivot.b_from_joint.position = {0, 0, -arm};
-  const std::array<Joint<double>, 1> joints{pivot};
-  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Joints<double>>({joints}));
-  auto top = physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(0.02), mass, 0.5,
-                                                {{arm, 0, 0}, quat_from_rotation_vector(Vec3d{0, 0.5 * kPi, 0})});
+  const std::array<Joint, 1> joints{pivot};
+  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Joints>({joints}));
+  auto top = physics::make_dynamic_body(0, physics::Shape::sphere(0.02), mass, 0.5,
+                                        {{arm, 0, 0}, quat_from_rotation_vector(Vec3d{0, 0.5 * kPi, 0})});
   top.inertia = inertia;
   top.motion.velocity = {{0, precession * arm, 0}, {spin, 0, precession}};
   world.add(top);
@@ -156,8 +156,8 @@ Outcome heavy_top(const Setting& setting) {
 // A ball that touches with a disk of even pressure: the moment is 2/3 mu N R.
 Outcome spinning_disk(const Setting& setting) {
   const double radius = 0.05, patch = 0.02, mass = 1, friction = 0.3, spin = 20;
-  const std::array<physics::ContactPatch<double>, 1> by_id{{{patch, 0}}};
-  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::ContactTorque<double>>({by_id}));
+  const std::array<physics::ContactPatch, 1> by_id{{{patch, 0}}};
+  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::ContactTorque>({by_id}));
   world.add_ground(kGround, friction);
   world.add_sphere(0, radius, mass, friction, {0, 0, radius});
   world.run(0.5);

@@ -138,17 +138,17 @@ Wedge press_wedge(double alpha, double friction, double force_N, const Setting& 
   const auto built = sim::build_hull(points);
   TACTUS_CHECK(built.ok(), points.size(), 0);
   const sim::BuiltHull& hull = built.value();
-  const physics::Hull<double> hulls[] = {hull.hull};
+  const physics::Hull hulls[] = {hull.hull};
   CaseWorld world(setting, 1000, {}, hulls);
   world.settings.gravity = {};
   for (int side = 0; side < 2; ++side) {
     const double turn = (side == 0 ? 1 : -1) * (kPi / 2 - alpha);  // the plane's normal from up to the groove's inside
-    world.add(physics::make_fixed_body<double>(kGround + static_cast<BodyId>(side), physics::Shape<double>::plane(),
-                                               friction, {{}, quat_from_rotation_vector(Vec3d{0, turn, 0})}));
+    world.add(physics::make_fixed_body(kGround + static_cast<BodyId>(side), physics::Shape::plane(), friction,
+                                       {{}, quat_from_rotation_vector(Vec3d{0, turn, 0})}));
   }
   const double mass = 0.2;
-  physics::Body<double> body = physics::make_dynamic_body<double>(0, physics::Shape<double>::convex(hulls[0], 0), mass,
-                                                                  friction, hull.given_from_body);
+  physics::Body body =
+      physics::make_dynamic_body(0, physics::Shape::convex(hulls[0], 0), mass, friction, hull.given_from_body);
   body.inertia = mass * hull.hull.inertia_per_kg;
   world.add(body);
   // Slowly, so that the sides slide all the way and friction is used up.

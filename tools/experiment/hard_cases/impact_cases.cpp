@@ -17,8 +17,7 @@ constexpr BodyId kGround = 1000;
 Outcome impact_on_a_plate(const Setting& setting) {
   CaseWorld world(setting);
   world.settings.gravity = {};
-  world.add(physics::make_fixed_body<double>(kGround, physics::Shape<double>::box({0.1, 0.1, 0.001}), 0.5,
-                                             {{0, 0, -0.001}, {}}));
+  world.add(physics::make_fixed_body(kGround, physics::Shape::box({0.1, 0.1, 0.001}), 0.5, {{0, 0, -0.001}, {}}));
   const double radius = 0.01, mass = 0.2;
   world.add_sphere(0, radius, mass, 0.5, {0, 0, 0.1034}, {0, 0, -10});
   const double energy = world.world.kinetic_energy();
@@ -129,7 +128,7 @@ Outcome come_and_go(const Setting& setting) {
   double fastest = 0;
   for (int round = 0; round < 40; ++round) {
     const BodyId id = static_cast<BodyId>((round * 5) % 8);
-    const physics::Body<double> taken = world.body(id);
+    const physics::Body taken = world.body(id);
     world.world.remove(id);
     world.run(0.02);
     auto back = taken;
@@ -180,12 +179,12 @@ sim::TriangleSoup bad_grid() {
 Outcome bad_mesh(const Setting& setting) {
   auto made = sim::build_mesh(sim::weld(bad_grid()), physics::kFirstPatchId);
   TACTUS_CHECK(made.ok(), 0, 0);
-  const physics::Mesh<double> meshes[] = {made.value().mesh};
+  const physics::Mesh meshes[] = {made.value().mesh};
   physics::Capacities capacities;
   capacities.mesh_triangles = 4096;
   CaseWorld world(setting, 1000, capacities, {}, meshes);
-  world.add(physics::make_fixed_body<double>(kGround, physics::Shape<double>::mesh(meshes[0].half_extents, 0), 0.1,
-                                             made.value().given_from_body));
+  world.add(physics::make_fixed_body(kGround, physics::Shape::mesh(meshes[0].half_extents, 0), 0.1,
+                                     made.value().given_from_body));
   world.add_box(0, {0.03, 0.02, 0.01}, 0.2, 0.1, {{-0.1, 0.013, 0.01}, quat_from_rotation_vector(Vec3d{0, 0, 0.3})});
   world.add_sphere(1, 0.02, 0.2, 0.1, {-0.15, -0.083, 0.02});
   world.run(0.5);

@@ -8,7 +8,7 @@
 namespace tactus::hard_cases {
 namespace {
 
-Vec3d spin_in_body(const physics::Body<double>& body) {
+Vec3d spin_in_body(const physics::Body& body) {
   return rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
 }
 
@@ -47,7 +47,7 @@ Outcome tumbling_body(const Setting& setting) {
   CaseWorld world(setting);
   world.settings.gravity = {};
   const Vec3d inertia{1e-3, 2e-3, 3e-3};
-  auto body = physics::make_dynamic_body<double>(0, physics::Shape<double>::sphere(0.1), 1, 0.5, {});
+  auto body = physics::make_dynamic_body(0, physics::Shape::sphere(0.1), 1, 0.5, {});
   body.inertia = inertia, body.motion.velocity.angular = {0.02, 50, 0.03};
   world.add(body);
   const double e2 = 2 * world.world.kinetic_energy(), l2 = norm_squared(world.world.momentum().torque);

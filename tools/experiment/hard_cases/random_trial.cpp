@@ -26,24 +26,24 @@ constexpr double kClear_m = 1e-4;           // of proxy and ground, at the start
 constexpr std::uint32_t kFirstPlane = 100;  // ids of the planes that are added
 constexpr double kAtRest_m_per_s = experiment::StandingRule::kAtRest_m_per_s;
 
-Aabb<double> box_of(const Body<double>& body) { return bounds_of(body.shape, body.motion.pose, 0.0); }
+Aabb box_of(const Body& body) { return bounds_of(body.shape, body.motion.pose, 0.0); }
 
 // Without speeds, on the ground, and every other one between four walls, some of them closer than its bodies: what
 // flies apart leaves nothing that could stand. No body is larger than the room.
 RandomWorld calmed(RandomWorld world, Draw& random) {
   double reach = 0, largest = 0;
   bool grounded = false;
-  for (Body<double>& body : world.bodies) {
+  for (Body& body : world.bodies) {
     body.motion.velocity = {};
     grounded = grounded || body.shape.kind == ShapeKind::kPlane;
     if (body.kind != BodyKind::kDynamic) continue;
-    const Aabb<double> box = box_of(body);
+    const Aabb box = box_of(body);
     largest = std::max(largest, bounding_radius(body.shape));
     reach = std::max({reach, box.upper.x, box.upper.y, -box.lower.x, -box.lower.y});
   }
   const auto add_plane = [&](const Posed& pose, double friction) {
-    world.bodies.push_back(physics::make_fixed_body<double>(static_cast<BodyId>(kFirstPlane + world.bodies.size()),
-                                                            physics::Shape<double>::plane(), friction, pose));
+    world.bodies.push_back(physics::make_fixed_body(static_cast<BodyId>(kFirstPlane + world.bodies.size()),
+                                                    physics::Shape::plane(), friction, pose));
   };
   if (!grounded) add_plane({}, random.uniform(0, 1));
   if (random.chance(0.5)) return world;
@@ -54,9 +54,9 @@ RandomWorld calmed(RandomWorld world, Draw& random) {
 }
 
 // A body that rests, if there is one.
-const Body<double>& chosen_body(const RandomWorld& world, Draw& random) {
-  std::vector<const Body<double>*> moving, resting;
-  for (const Body<double>& body : world.bodies) {
+const Body& chosen_body(const RandomWorld& world, Draw& random) {
+  std::vector<const Body*> moving, resting;
+  for (const Body& body : world.bodies) {
     if (body.kind != BodyKind::kDynamic) continue;
     moving.push_back(&body);
     if (norm(body.motion.velocity.linear) < kAtRest_m_per_s) resting.push_back(&body);
@@ -66,7 +66,7 @@ const Body<double>& chosen_body(const RandomWorld& world, Draw& random) {
 }
 
 // From a point to a body's surface; negative inside. Exact outside, for spheres, capsules, boxes and planes.
-double distance_to(const Body<double>& body, const Vec3d& point) {
+double distance_to(const Body& body, const Vec3d& point) {
   const Posed& pose = body.motion.pose;
   const Vec3d p = rotate_inverse(pose.rotation, point - pose.position);
   const auto& shape = body.shape;
@@ -89,14 +89,14 @@ double distance_to(const Body<double>& body, const Vec3d& point) {
 // Where a ball that comes from outside towards `at`, against `out`, touches the first body: sphere tracing (Hart 1996).
 Vec3d first_touch(const RandomWorld& world, const Vec3d& at, const Vec3d& out, double radius) {
   double along = 0;
-  for (const Body<double>& body : world.bodies)
+  for (const Body& body : world.bodies)
     if (body.shape.kind != ShapeKind::kPlane)
       along = std::max(along, dot(body.motion.pose.position - at, out) + bounding_radius(body.shape) + radius);
   constexpr int kSteps = 1000;
   constexpr double kTouches_m = 1e-7;
   for (int k = 0; k < kSteps; ++k) {
     double free = along;
-    for (const Body<double>& body : world.bodies)
+    for (const Body& body : world.bodies)
       if (body.shape.kind != ShapeKind::kPlane) free = std::min(free, distance_to(body, at + along * out) - radius);
     if (free < kTouches_m) break;
     along -= free;
@@ -105,8 +105,8 @@ Vec3d first_touch(const RandomWorld& world, const Vec3d& at, const Vec3d& out, d
 }
 
 ScriptedHand random_hand(const RandomWorld& world, Draw& random) {
-  const Body<double>& body = chosen_body(world, random);
-  const Aabb<double> box = box_of(body);
+  const Body& body = chosen_body(world, random);
+  const Aabb box = box_of(body);
   const Vec3d half = 0.5 * (box.upper - box.lower);
   ScriptedHand hand;
   hand.radius_m =
@@ -120,7 +120,7 @@ ScriptedHand random_hand(const RandomWorld& world, Draw& random) {
   const Vec3d out = kWays[random.below(planes > 1 ? 3 : std::size(kWays))];  // between walls from above
   Vec3d at = body.motion.pose.position;
   for (int k = 0; k < 3; ++k) at[k] += random.uniform(-0.4, 0.4) * half[k];
-  for (const Body<double>& plane : world.bodies)  // the proxy begins on the free side of ground and walls
+  for (const Body& plane : world.bodies)  // the proxy begins on the free side of ground and walls
     if (plane.shape.kind == ShapeKind::kPlane)
       at += std::max(0.0, hand.radius_m + kClear_m - distance_to(plane, at)) *
             rotate(plane.motion.pose.rotation, Vec3d{0, 0, 1});
@@ -144,7 +144,7 @@ experiment::WholeRunRequest request_of(sim::Scene scene) {
 }
 
 sim::Scene shaken(sim::Scene scene, Draw& random) {
-  for (Body<double>& body : scene.bodies)
+  for (Body& body : scene.bodies)
     if (body.kind == BodyKind::kDynamic) body.motion.pose.position += random.vector(CollapseRule::kApart_m);
   return scene;
 }
@@ -154,7 +154,7 @@ bool contains(const std::vector<BodyId>& ids, BodyId id) { return std::find(ids.
 std::vector<BodyId> stood_still(const std::vector<BodyId>& among, const experiment::WholeRunRow& row) {
   const auto moved = experiment::judge_standing(row.start, row.start, row.direct_end).fell;
   std::vector<BodyId> still;
-  for (const Body<double>& body : row.start)
+  for (const Body& body : row.start)
     if (contains(among, body.id) && norm(body.motion.velocity.linear) <= kAtRest_m_per_s && !contains(moved, body.id))
       still.push_back(body.id);
   return still;
@@ -199,7 +199,7 @@ Result<RandomTrial> try_random_world(std::uint64_t seed) {
   auto parsed = sim::parse_scene(trial.scene, fmt::format("random-world-{}", seed));
   if (!parsed.ok()) return parsed.status();
   const sim::Scene& scene = parsed.value();
-  for (const Body<double>& body : scene.bodies)
+  for (const Body& body : scene.bodies)
     if (body.kind == BodyKind::kFixed) trial.fixed.push_back(body);
   auto rows = experiment::run_whole(request_of(scene), {});
   if (!rows.ok()) return rows.status();

@@ -33,7 +33,7 @@ struct RandomTrial {
   std::uint64_t seed{0};
   std::string scene;            // TOML, as `tactus run` and `tactus experiment energy-loss --scene` take it
   experiment::WholeRunRow row;  // with its bodies
-  std::vector<physics::Body<double>> fixed;
+  std::vector<physics::Body> fixed;
   std::vector<BodyId> fell;   // who stands in both direct runs and not here
   std::vector<BodyId> still;  // of these: who rests at the start, and ends there in the direct run
 

@@ -23,14 +23,14 @@ constexpr unsigned kTicksOneWay = 10;
 // the same world everywhere.
 
 // About `size` long; every third box is a sliver, up to 1:1000.
-Shape<double> random_shape(Draw& random, double size) {
+Shape random_shape(Draw& random, double size) {
   switch (random.below(3)) {
     case 0:
-      return Shape<double>::sphere(0.5 * size);
+      return Shape::sphere(0.5 * size);
     case 1: {
       const double half_length = random.uniform(0.05, 0.4) * size;
       const double radius = std::max(random.uniform(0.05, 0.3) * size, 0.5 * kSmallest_m);
-      return Shape<double>::capsule(radius, half_length);
+      return Shape::capsule(radius, half_length);
     }
     default:
       break;
@@ -38,7 +38,7 @@ Shape<double> random_shape(Draw& random, double size) {
   Vec3d half{0.5 * size, 0.5 * size * random.uniform(0.2, 1), 0.5 * size * random.uniform(0.2, 1)};
   if (random.chance(0.33)) half[static_cast<int>(random.below(3))] *= random.logarithmic(1e-3, 0.1);
   for (int k = 0; k < 3; ++k) half[k] = std::max(half[k], 0.5 * kSmallest_m);
-  return Shape<double>::box(half);
+  return Shape::box(half);
 }
 
 double mechanical_J(const CaseWorld& world) {
@@ -61,18 +61,18 @@ RandomWorld make_random_world(std::uint64_t seed) {
     const double weight = std::clamp(mass * random.logarithmic(1 / ratio, ratio), kLightest_kg, kHeaviest_kg);
     const Posed pose{random.vector(room) + Vec3d{0, 0, room}, quat_from_rotation_vector(random.vector(3))};
     const double friction = random.chance(0.2) ? 0 : random.uniform(0, random.chance(0.5) ? 1 : kMostFriction);
-    auto body = physics::make_dynamic_body<double>(k, random_shape(random, size), weight, friction, pose);
+    auto body = physics::make_dynamic_body(k, random_shape(random, size), weight, friction, pose);
     body.motion.velocity = {random.vector(random.chance(0.5) ? 10 : 0.1), random.vector(random.chance(0.5) ? 50 : 0)};
     if (k > 0 && random.chance(0.1)) body.motion.pose = world.bodies.back().motion.pose;  // coincident
     world.bodies.push_back(body);
   }
   if (random.chance(0.8))
-    world.bodies.push_back(physics::make_fixed_body<double>(count, Shape<double>::plane(), random.uniform(0, 1), {}));
+    world.bodies.push_back(physics::make_fixed_body(count, Shape::plane(), random.uniform(0, 1), {}));
   if (random.chance(0.3)) {
     const Posed pose{random.vector(room), quat_from_rotation_vector(random.vector(3))};
     const double friction = random.uniform(0, kMostFriction);
-    world.bodies.push_back(physics::make_fixed_body<double>(
-        count + 1, Shape<double>::box({0.5 * room, 0.5 * room, 0.5 * room}), friction, pose));
+    world.bodies.push_back(
+        physics::make_fixed_body(count + 1, Shape::box({0.5 * room, 0.5 * room, 0.5 * room}), friction, pose));
   }
   world.held = random.chance(0.4);
   if (world.held) {
@@ -91,7 +91,7 @@ RandomRun run_once(const RandomWorld& random) {
   CaseWorld world({}, random.contact_hertz, kCapacities);
   double mass = 0, weight_moment = 0;
   unsigned moving = 0;
-  for (const Body<double>& body : random.bodies) {
+  for (const Body& body : random.bodies) {
     world.add(body);
     if (body.kind == BodyKind::kDynamic) mass += body.mass, ++moving;
   }
@@ -153,13 +153,13 @@ RandomWorld shrink(RandomWorld world, const std::function<bool(const RandomWorld
 
 RandomWorld settled(RandomWorld random, double seconds) {
   CaseWorld world({}, random.contact_hertz, kCapacities);
-  for (Body<double>& body : random.bodies) {
+  for (Body& body : random.bodies) {
     body.gravity_scale = body.kind == BodyKind::kDynamic ? 1 : 0;
     world.add(body);
   }
   random.held = false;
   world.run(seconds);
-  for (Body<double>& body : random.bodies)
+  for (Body& body : random.bodies)
     if (body.kind == BodyKind::kDynamic) body.motion = world.body(body.id).motion;
   return random;
 }
@@ -168,7 +168,7 @@ namespace {
 
 std::string in_toml(const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 
-std::string in_toml(const Body<double>& body) {
+std::string in_toml(const Body& body) {
   std::string text = "[[body]]\n";
   switch (body.shape.kind) {
     case ShapeKind::kSphere:
@@ -208,7 +208,7 @@ std::string to_scene(const RandomWorld& world, const std::string& about, const S
       "[proxy]\nshape = \"sphere\"\nradius_m = {}\nmass_kg = {}\nfriction = {}\nposition_m = {}\n",
       about, world.seed, members, world.contact_hertz, start, hand.stiffness_N_per_m, hand.damping_Ns_per_m,
       hand.radius_m, hand.mass_kg, hand.friction, start);
-  for (const Body<double>& body : world.bodies) text += in_toml(body);
+  for (const Body& body : world.bodies) text += in_toml(body);
   text += "[hand]\nrepeat = false\npath = [\n";
   for (const auto& point : hand.path)
     text += fmt::format("  {{time_s = {}, position_m = {}}},\n", point.time_s, in_toml(point.at_m));

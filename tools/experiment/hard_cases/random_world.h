@@ -17,7 +17,7 @@ namespace tactus::hard_cases {
 
 struct RandomWorld {
   std::uint64_t seed{0};
-  std::vector<physics::Body<double>> bodies;  // the first is the proxy
+  std::vector<physics::Body> bodies;  // the first is the proxy
   double contact_hertz{1000};
   unsigned ticks{60};
   bool held{false};  // the proxy by the device

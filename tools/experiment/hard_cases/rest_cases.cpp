@@ -65,8 +65,8 @@ Outcome redundant_contacts(const Setting& setting) {
   CaseWorld world(setting, 1000, capacities);
   const double pitch = 0.02, pin = 0.005, mass = 10;
   for (BodyId k = 0; k < 500; ++k)
-    world.add(physics::make_fixed_body<double>(1 + k, physics::Shape<double>::box({pin, pin, pin}), 0.5,
-                                               {{pitch * (k % 25 - 12.0), pitch * (k / 25 - 9.5), -pin}, {}}));
+    world.add(physics::make_fixed_body(1 + k, physics::Shape::box({pin, pin, pin}), 0.5,
+                                       {{pitch * (k % 25 - 12.0), pitch * (k / 25 - 9.5), -pin}, {}}));
   world.add_box(0, {0.26, 0.21, 0.01}, mass, 0.5, {{0, 0, 0.01}, {}});
   world.run(1);
   double most = 0;
@@ -84,7 +84,7 @@ Outcome redundant_contacts(const Setting& setting) {
 // A heap that falls, far from the origin and at it.
 Outcome far_from_origin(const Setting& setting) {
   const auto fall = [&](CaseWorld& world, const Vec3d& origin) {
-    world.add(physics::make_fixed_body<double>(kGround, physics::Shape<double>::plane(), 0.5, {origin, {}}));
+    world.add(physics::make_fixed_body(kGround, physics::Shape::plane(), 0.5, {origin, {}}));
     for (BodyId id = 0; id < 4; ++id)
       world.add_box(id, {0.05, 0.05, 0.05}, 1, 0.5, {origin + Vec3d{0.01 * id, 0, 0.05 + 0.1 * id}, {}});
     world.run(3);

@@ -47,7 +47,7 @@ ordered_json figures_json(const RandomTrial& trial) {
           {"force_rms_N", number(row.force_rms_N)}};
 }
 
-ordered_json pose_json(const Body<double>& body) {
+ordered_json pose_json(const Body& body) {
   const auto& [p, q] = body.motion.pose;
   ordered_json pose = ordered_json::array();
   for (const double value : {p.x, p.y, p.z, q.w, q.x, q.y, q.z}) pose.push_back(number(value));
@@ -55,7 +55,7 @@ ordered_json pose_json(const Body<double>& body) {
 }
 
 // Half extents of a box; radius and half length of a capsule, a sphere being one without length; none of a plane.
-ordered_json shape_json(const Body<double>& body) {
+ordered_json shape_json(const Body& body) {
   const auto& shape = body.shape;
   if (shape.kind == ShapeKind::kPlane) return {{"shape", "plane"}};
   if (shape.kind == ShapeKind::kBox)
@@ -75,7 +75,7 @@ ordered_json drawn_json(const RandomTrial& trial) {
     body["sub_world"] = pose_json(row.end[k]);
     bodies.push_back(std::move(body));
   }
-  for (const Body<double>& one_fixed : trial.fixed) {
+  for (const Body& one_fixed : trial.fixed) {
     ordered_json body = shape_json(one_fixed);
     body["pose"] = pose_json(one_fixed);
     fixed.push_back(std::move(body));

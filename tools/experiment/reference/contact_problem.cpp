@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 Vector3d as_eigen(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-Matrix3d inverse_inertia(const physics::Body<double>& body) {
+Matrix3d inverse_inertia(const physics::Body& body) {
   const Quatd& q = body.motion.pose.rotation;
   const Matrix3d r = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
   return r * Vector3d(1 / body.inertia.x, 1 / body.inertia.y, 1 / body.inertia.z).asDiagonal() * r.transpose();
@@ -69,8 +69,7 @@ double residual_of(const ContactProblem& p, const VectorXd& impulse) {
 
 VectorXd net_wrenches(const ContactProblem& p, const VectorXd& impulse) { return p.jacobian.transpose() * impulse; }
 
-ContactProblem dump(const physics::World<double>& before, const physics::World<double>& after, const Vec3d& gravity,
-                    double dt) {
+ContactProblem dump(const physics::World& before, const physics::World& after, const Vec3d& gravity, double dt) {
   const auto bodies = before.bodies();
   const auto count = static_cast<Index>(bodies.size());
   ContactProblem p;

@@ -52,8 +52,7 @@ Solution solve_admm(const ContactProblem& problem, double residual, std::size_t 
 
 // What the world was at the start of the step it has just made: velocities with gravity and the wrench-free forces of
 // `dt`, the contacts as they were found, all as hard as can be.
-ContactProblem dump(const physics::World<double>& before, const physics::World<double>& after, const Vec3d& gravity,
-                    double dt);
+ContactProblem dump(const physics::World& before, const physics::World& after, const Vec3d& gravity, double dt);
 
 // As text, numbers to their last bit, and back. An error says what is wrong.
 std::string to_text(const ContactProblem& problem);

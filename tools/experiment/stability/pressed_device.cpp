@@ -69,10 +69,10 @@ haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, d
   config.step.dt = 1 / timing.rate_Hz;
   config.gains.stiffness_N_per_m = stiffness, config.gains.damping_Ns_per_m = damping;
   config.capacities = {.bodies = 1, .fixed_bodies = 1, .pairs = 4, .contacts = 4};
-  const auto wall = physics::make_fixed_body<double>(kWall, physics::Shape<double>::plane(), 0.5, {});
+  const auto wall = physics::make_fixed_body(kWall, physics::Shape::plane(), 0.5, {});
   haptics::SubWorld world(config, {&wall, 1});
-  const auto proxy = physics::make_dynamic_body<double>(kProxy, physics::Shape<double>::sphere(kProxyRadius_m),
-                                                        kProxy_kg, 0.5, {{0, 0, kProxyRadius_m}, {}});
+  const auto proxy = physics::make_dynamic_body(kProxy, physics::Shape::sphere(kProxyRadius_m), kProxy_kg, 0.5,
+                                                {{0, 0, kProxyRadius_m}, {}});
   world.set_members({&proxy, 1});
   return world;
 }

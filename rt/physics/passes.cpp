@@ -1,0 +1,68 @@
+#include "rt/physics/passes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::physics {
+namespace {
+
+// In a pass a body's surface moves by no more than this part of its half thickness.
+constexpr double kMotionInPass = 0.25;
+constexpr double kShortestPass = 1e-3;  // s
+
+// What is round and touches goes on by no more than this [m]: its point, carried along by d, is off by d^2 / 2 r, and
+// within the overlap that contacts leave alone that neither lets it sink nor pushes it out.
+double most_along_contact(double radius, const StepSettings& settings) noexcept {
+  return std::sqrt(2.0 * settings.slop * radius);
+}
+
+}  // namespace
+
+double half_thickness(const Shape& shape) noexcept {
+  const Vec3d& half = shape.half_extents;
+  const bool round = shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule;
+  return round ? shape.radius : std::min({half.x, half.y, half.z});
+}
+
+std::uint32_t passes_of(const World& world, const StepSettings& settings,
+                        std::span<const std::uint8_t> left_out) noexcept {
+  const double most = std::min(settings.dt / kShortestPass * (1.0 + 1e-6), static_cast<double>(settings.sub_steps));
+  if (most < 2.0) return 1;
+  double needed = 1.0;
+  const auto count = [&](double moved, double allowed) noexcept {  // nothing allowed: the most
+    if (moved > needed * allowed) needed = std::min(moved / allowed, most);
+  };
+  const auto counts = [&](std::uint32_t slot) noexcept { return left_out.empty() || left_out[slot] == 0; };
+  const std::span<const Body> bodies = world.bodies();
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    const Twistd& v = bodies[i].motion.velocity;
+    const double speed = norm(v.linear) + norm(v.angular) * bounding_radius(bodies[i].shape);
+    if (counts(i)) count(settings.dt * speed, kMotionInPass * half_thickness(bodies[i].shape));
+  }
+  const auto roll = [&](std::uint32_t slot) noexcept {
+    const Body& body = bodies[slot];
+    const bool round = body.shape.kind == ShapeKind::kSphere || body.shape.kind == ShapeKind::kCapsule;
+    if (!round || !counts(slot)) return;
+    const Twistd& v = body.motion.velocity;
+    count(settings.dt * std::max(norm(v.linear), norm(v.angular) * body.shape.radius),
+          most_along_contact(body.shape.radius, settings));
+  };
+  for (const Contact& contact : world.contacts()) {
+    if (!contact.touching()) continue;
+    roll(contact.slot_a);
+    if (!contact.b_fixed) roll(contact.slot_b);
+  }
+  const auto top = static_cast<std::uint32_t>(most);
+  std::uint32_t passes = std::min(top, static_cast<std::uint32_t>(std::ceil(needed)));
+  while (passes < top && settings.sub_steps % passes != 0) ++passes;
+  while (settings.sub_steps % passes != 0) --passes;
+  return passes;
+}
+
+StepSettings settings_of_pass(const StepSettings& settings, std::uint32_t passes) noexcept {
+  StepSettings pass = settings;
+  pass.dt = settings.dt / static_cast<double>(passes), pass.sub_steps = settings.sub_steps / passes;
+  return pass;
+}
+
+}  // namespace tactus::physics
