@@ -42,7 +42,7 @@ class OnOneCore {
 session::RunOptions run_options(const TuneRequest& request, const Setting& setting, double duration_s) {
   session::RunOptions options = request.run;
   options.rate_Hz = kHapticRate_Hz;
-  options.members = setting.members, options.ratio = setting.scheme.ratio;
+  options.members = setting.members, options.ratio = setting.ratio;
   options.duration_s = duration_s;
   return options;
 }
@@ -121,7 +121,7 @@ class Bench {
     experiment::measure_setting(request_.scene, profile_, setting, reference_, ratios_, sums);
     known_.push_back({setting, sums.error.relative(), experiment::median(sums.ticks_us),
                       experiment::quantile(sums.ticks_us, 0.99),
-                      experiment::quantile(sums.global_us, 0.9) / setting.scheme.ratio});
+                      experiment::quantile(sums.global_us, 0.9) / setting.ratio});
     return known_.back();
   }
 
@@ -139,8 +139,8 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
   setting.friction = scene.solver.friction_sweeps;
   setting.contact_Hz = scene.solver.contact_hertz;
   setting.members = std::min(request.run.members != 0 ? request.run.members : scene.members, bodies);
-  setting.scheme.ratio = request.run.ratio != 0 ? request.run.ratio : scene.ratio;
-  setting.scheme.border = request.run.border, setting.order = request.run.order;
+  setting.ratio = request.run.ratio != 0 ? request.run.ratio : scene.ratio;
+  setting.border = request.run.border, setting.order = request.run.order;
   setting.precision = request.run.world_precision;
   return setting;
 }
@@ -190,7 +190,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
   report.core_factor = bench.core_factor;
   const Measure measure = [&](const Setting& setting) {
     pace.say(fmt::format("{} sub-steps, {} relax sweeps, {} members, ratio {}", setting.sub_steps, setting.relax_sweeps,
-                         setting.members, setting.scheme.ratio),
+                         setting.members, setting.ratio),
              kRealWork + kReferenceWork + bench.trials());
     return bench.measure(setting);
   };

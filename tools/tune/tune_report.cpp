@@ -59,7 +59,7 @@ ordered_json to_json(const Trial& t) {
 
 std::string command_of(const TuneReport& report) {
   return fmt::format("tactus run {} --members {} --ratio {}", report.file, report.chosen.setting.members,
-                     report.chosen.setting.scheme.ratio);
+                     report.chosen.setting.ratio);
 }
 
 std::string snippet_of(const TuneReport& report) {

@@ -393,4 +393,7 @@ void Joints::finish(StageContext& c) noexcept {
   }
 }
 
+template void Joints::solve<true>(StageContext&) noexcept;
+template void Joints::solve<false>(StageContext&) noexcept;
+
 }  // namespace tactus::physics

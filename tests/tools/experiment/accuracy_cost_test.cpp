@@ -80,7 +80,7 @@ TEST_CASE("Accuracy has a price: more sub-steps cost more, and all that was meas
                                   [](const CostPoint& p) { return p.setting.members == 32; });
   REQUIRE(whole != report.value().points.end());
   const auto frozen = std::find_if(report.value().points.begin(), report.value().points.end(), [](const CostPoint& p) {
-    return p.setting.scheme.border == physics::BorderMode::kFrozen;
+    return p.setting.border == physics::BorderMode::kFrozen;
   });
   REQUIRE(frozen != report.value().points.end());
   CHECK(whole->force_error < frozen->force_error);

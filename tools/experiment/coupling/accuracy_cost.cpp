@@ -34,7 +34,7 @@ CostPoint point_of(const std::string& scene, const Setting& setting, const Setti
   point.loss = sums.energy.kinetic().loss, point.gain = sums.energy.kinetic().gain;
   point.tick_us_p50 = median(sums.ticks_us), point.tick_us_p99 = quantile(sums.ticks_us, 0.99);
   point.tick_us_max = quantile(sums.ticks_us, 1);
-  point.global_us_per_tick = median(sums.global_us) / setting.scheme.ratio;
+  point.global_us_per_tick = median(sums.global_us) / setting.ratio;
   return point;
 }
 
@@ -65,11 +65,9 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
       add("contact frequency [Hz]", base.contact_Hz, hertz, [hertz](Setting& s) { s.contact_Hz = hertz; });
   for (const unsigned n : {base.members / 2, base.members * 2, base.members * 4})
     if (n > 0 && n / 2 < bodies) add("members", base.members, n, [n](Setting& s) { s.members = n; });
-  for (const unsigned n : {2u, 4u, 8u, 16u})
-    add("ratio", base.scheme.ratio, n, [n](Setting& s) { s.scheme.ratio = n; });
+  for (const unsigned n : {2u, 4u, 8u, 16u}) add("ratio", base.ratio, n, [n](Setting& s) { s.ratio = n; });
   for (const auto border : physics::kBorderModes)
-    add("border", sim::name_of(base.scheme.border), sim::name_of(border),
-        [border](Setting& s) { s.scheme.border = border; });
+    add("border", sim::name_of(base.border), sim::name_of(border), [border](Setting& s) { s.border = border; });
   for (const CutOrder order : {CutOrder::kBestFirst, CutOrder::kBreadthFirst})
     add("extraction", sim::name_of(base.order), sim::name_of(order), [order](Setting& s) { s.order = order; });
   add("world precision", sim::name_of(base.precision), sim::name_of(SweepPrecision::kFull),
@@ -82,7 +80,7 @@ Setting default_setting(const sim::Scene& scene, unsigned members) {
   setting.sub_steps = scene.solver.sub_steps, setting.relax_sweeps = scene.solver.relax_sweeps;
   setting.friction = physics::resolve(scene.solver.friction_sweeps, setting.relax_sweeps);
   setting.contact_Hz = scene.solver.contact_hertz;
-  setting.members = members, setting.scheme.ratio = kDefaultRatio;
+  setting.members = members, setting.ratio = kDefaultRatio;
   return setting;
 }
 
@@ -100,8 +98,7 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
   const auto settings = settings_for(written.value(), one.members, request.quick);
   std::vector<unsigned> ratios;
   for (const Setting& setting : settings)
-    if (std::find(ratios.begin(), ratios.end(), setting.scheme.ratio) == ratios.end())
-      ratios.push_back(setting.scheme.ratio);
+    if (std::find(ratios.begin(), ratios.end(), setting.ratio) == ratios.end()) ratios.push_back(setting.ratio);
   std::vector<SettingSums> sums(settings.size());
   std::vector<std::vector<double>> errors(settings.size()), ticks_us(settings.size());  // by seed
   const double unit = moving_bodies(written.value());
@@ -212,7 +209,7 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
             Setting setting = base;
             setting.sub_steps = sub_steps, setting.relax_sweeps = relax_sweeps;
             setting.friction = physics::resolve(FrictionSweeps::kAuto, relax_sweeps);
-            setting.members = cap, setting.scheme.ratio = ratio, setting.scheme.border = border;
+            setting.members = cap, setting.ratio = ratio, setting.border = border;
             add(setting);
           }
   return settings;

@@ -125,7 +125,7 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
     const TickTimes taken = timed_tick(worlds, target);
     if (k >= settle && taken.global_us) steps_us.push_back(*taken.global_us);
     if (k >= settle) ticks_us.push_back(taken.haptic_us);
-    point.contact_points = direct ? worlds.last().report.points : worlds.global()->statistics().points;
+    point.contact_points = point.scheme.direct() ? worlds.last().report.points : worlds.global()->statistics().points;
   }
   const double period_us = 1e6 / point.rate_Hz;
   const std::vector<double> tick_us = minimum_by_step(times.ticks_us), step_us = minimum_by_step(times.steps_us);

@@ -24,8 +24,8 @@ struct Setting {
   unsigned sub_steps{4}, relax_sweeps{1};
   physics::FrictionSweeps friction{physics::FrictionSweeps::kAuto};
   double contact_Hz{250};
-  unsigned members{64};
-  Scheme scheme{};  // the sub-world coupling
+  unsigned members{64}, ratio{8};
+  physics::BorderMode border{physics::BorderMode::kGhost};
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};  // of the global world
   friend bool operator==(const Setting&, const Setting&) = default;
@@ -36,7 +36,7 @@ unsigned least_sub_steps(double contact_Hz);
 
 // The scene and the options of a run with this setting.
 sim::Scene with(sim::Scene scene, const Setting& setting);
-session::RunOptions options_of(const Setting& setting);
+session::RunOptions options_of(const Setting& setting);  // with the sub-world coupling
 
 unsigned moving_bodies(const sim::Scene& scene);
 
