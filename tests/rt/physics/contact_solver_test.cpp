@@ -163,9 +163,9 @@ TEST_CASE("Bodies moved together have the bits of bodies moved one by one") {
   auto [bodies, motion] = make(103);
   auto single = motion;
   const double h = 2.5e-4;
-  move_bodies<double, double>(motion, bodies, h);
+  move_bodies<double>(motion, bodies, h);
   for (std::size_t i = 0; i < single.size(); ++i) {
-    move_bodies<double, double>(std::span(single).subspan(i, 1), std::span<const Body>(bodies).subspan(i, 1), h);
+    move_bodies<double>(std::span(single).subspan(i, 1), std::span<const Body>(bodies).subspan(i, 1), h);
     CHECK(motion[i].delta_position == single[i].delta_position);
     CHECK(motion[i].delta_rotation == single[i].delta_rotation);
     CHECK(motion[i].w == single[i].w);
