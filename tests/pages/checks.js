@@ -145,7 +145,7 @@ if (kind === 'page') {
   }
 } else {
   for (const line of all('.answer, .made').slice(0, -1))
-    if (/(^| )[\d.]+$/.test(line.textContent) && line.nextElementSibling?.className === line.className)
+    if (/(^| )[\d.]+$/.test(line.textContent) && line.nextElementSibling?.getAttribute('class') === line.getAttribute('class'))
       bad('unit', `${short(line.textContent)} ends between a number and what follows it`);
   const stroke = (selector) => { const e = root.querySelector(selector); return e ? rgb(getComputedStyle(e).stroke) : null; };
   const limit = stroke('.limit');

@@ -94,9 +94,15 @@ class ResetLink {
   firmware::CommandAssembler commands_;
 };
 
-// The hand of kPressScene, in the device's frame, from the first tick on in contact and pressing up to `depth_m`.
-hal::HandModel pressing_hand(double depth_m) {
-  return hal::HandModel({}, {{{0.0, {0, 0, -0.006}, {}}, {0.1, {0, 0, -0.006 - depth_m}, {}}}});
+// A hand that goes down steadily, from just above the block of kPressScene, in the device's frame: wherever the device
+// is coupled again, its force rises.
+hal::HandModel pressing_hand(double speed_m_per_s) {
+  constexpr double kWhole_s = 5;
+  hal::HandParameters parameters;
+  parameters.motion = hal::HandMotion::kLinear;
+  const std::vector<hal::HandWaypoint> path = {{0.0, {0, 0, -0.008}, {}},
+                                               {kWhole_s, {0, 0, -0.008 - kWhole_s * speed_m_per_s}, {}}};
+  return hal::HandModel(parameters, path);
 }
 
 struct ResetRun {
@@ -106,9 +112,9 @@ struct ResetRun {
   firmware::AxisValues before{};
   double largest{0}, rise{0};  // of the efforts, and of their rise in one period: in shares of the motors' limits
 
-  ResetRun(Wire wire, double depth_m) {
+  ResetRun(Wire wire, double speed_m_per_s) {
     const hal::DeviceProfile& profile = *hal::find_profile("virtuose6d");
-    auto any = std::make_unique<hal::AnyLink>(std::make_unique<ResetLink>(profile, pressing_hand(depth_m), wire));
+    auto any = std::make_unique<hal::AnyLink>(std::make_unique<ResetLink>(profile, pressing_hand(speed_m_per_s), wire));
     link = any->as<ResetLink>();
     session::Hardware hardware;
     using Device = hal::DeviceOnLink<hal::AnyLink>;
@@ -139,21 +145,21 @@ struct ResetRun {
   }
   Fault fault() const { return run_output().fault; }
   const loop::TickOutput& run_output() const { return session->driver->output(); }
-  bool presses() const { return largest > 0.05; }
+  bool presses() const { return largest > 2 * kMostRise; }
 };
 
 }  // namespace
 
 TEST_CASE("a device that is reset at any tick of a run gives its force back without a step, and the run says why") {
   const auto wire = GENERATE(Wire::kUsb, Wire::kUsbLate, Wire::kClassicCan);
-  const auto depth_m = GENERATE(0.004, 0.012);
+  const auto speed_m_per_s = GENERATE(0.03, 0.06);
   const auto periods = GENERATE(0u, 1u, 2u);
-  CAPTURE(static_cast<int>(wire), depth_m, periods);
-  ResetRun r(wire, depth_m);
+  CAPTURE(static_cast<int>(wire), speed_m_per_s, periods);
+  ResetRun r(wire, speed_m_per_s);
   r.ticks(500);
   REQUIRE(r.fault() == Fault::kNone);
   REQUIRE(r.presses());
-  for (int reset = 0; reset < 12; ++reset) {
+  for (int reset = 0; reset < 6; ++reset) {
     CAPTURE(reset);
     r.link->restart(periods);
     r.rise = 0;
@@ -162,7 +168,7 @@ TEST_CASE("a device that is reset at any tick of a run gives its force back with
     CHECK(r.fault() == Fault::kDeviceLeftForce);
     r.largest = 0;
     // Some are reset again while the force comes in, some when it is back.
-    r.ticks(kBack - 29 * reset, loop::kRearm);
+    r.ticks(kBack - 40 * reset, loop::kRearm);
     REQUIRE(r.fault() == Fault::kNone);
     CHECK(r.presses());
     CHECK(r.rise <= kMostRise);
@@ -172,7 +178,7 @@ TEST_CASE("a device that is reset at any tick of a run gives its force back with
 TEST_CASE("a device that is reset while a run begins gives no step either") {
   const auto wire = GENERATE(Wire::kUsb, Wire::kUsbLate, Wire::kClassicCan);
   for (int at = 0; at < 60; ++at) {
-    ResetRun r(wire, 0.012);
+    ResetRun r(wire, 0.06);
     r.ticks(at);
     r.link->restart(static_cast<unsigned>(at) % 2);
     r.ticks(200);
