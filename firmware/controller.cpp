@@ -124,6 +124,7 @@ ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<con
   outputs.brake = state_ == State::kReset || state_ == State::kBrake;
   if (inputs.stop_line) limits_ |= bit_of(Limit::kStopLine);
   if (!inputs.motor_bus_ok) limits_ |= bit_of(Limit::kMotorBusLow);
+  if (!idle_wanted_) limits_ |= bit_of(Limit::kIdleFirst);
 
   const StateFrame frame{state_,
                          inputs.buttons,
@@ -169,6 +170,7 @@ Controller::Reception Controller::receive() noexcept {
   const CommandFrame& frame = heard.newest;
   newest_command_ = frame.sequence, sequence_known_ = true;
   missed_ = 0;
+  if (frame.wanted == State::kIdle) idle_wanted_ = true;
   if (starts) {
     rearm_before_ = true;
     return reception;
@@ -193,7 +195,8 @@ Event Controller::event_of(const ControllerInputs& inputs, const Reception& rece
   if (!reception.accepted) return force_must_end ? Event::kWantIdle : Event::kNothing;
   if (reception.wanted == State::kBrake) return Event::kWantBrake;
   if (reception.rearm_edge) return Event::kRearm;
-  return reception.wanted == State::kForce && supervision.force_allowed ? Event::kWantForce : Event::kWantIdle;
+  const bool force_allowed = supervision.force_allowed && idle_wanted_;
+  return reception.wanted == State::kForce && force_allowed ? Event::kWantForce : Event::kWantIdle;
 }
 
 void Controller::enter(State next, Event event, Fault supervision_fault) noexcept {

@@ -11,6 +11,9 @@
 // that an old frame left in a buffer moves no motor and a host that starts afresh is understood. The watchdog brakes in
 // FORCE only; a device that nobody commands is IDLE, not broken.
 //
+// FORCE is refused until a command has wanted IDLE since the start, be it the one that starts the sequence: a device
+// that is reset in mid-run gives no force to a host that noticed nothing and goes on wanting FORCE.
+//
 // What the rooms around the controller know (homing, temperature, self-test, the arm's weight) comes in as Supervision,
 // by value, once per period; a controller that gets none is complete without it.
 #pragma once
@@ -143,6 +146,7 @@ class Controller {
   std::uint32_t newest_command_{0};
   std::uint32_t missed_{0};  // periods in a row without an accepted command; saturates
   bool sequence_known_{false};
+  bool idle_wanted_{false};  // by a command since the start
   bool rearm_before_{true};  // the flag must be seen clear before it counts
   std::uint32_t refused_{0};
   DecodeError last_decode_error_{DecodeError::kNone};

@@ -36,6 +36,7 @@ enum class Limit : std::uint16_t {
   kWarm = 75,         // a winding is above its warning: its effort is cut further the hotter it gets
   kNotHomed = 76,     // homing is demanded and not done: FORCE is refused
   kHoming = 77,       // homing is under way: FORCE is refused
+  kIdleFirst = 78,    // no command has wanted IDLE since the device started: FORCE is refused
 };
 
 inline constexpr std::uint16_t kFirstLimit = 64, kLastLimit = 79;

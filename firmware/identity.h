@@ -12,7 +12,7 @@ namespace tactus::firmware {
 
 // Rises with the wire: PROTOCOL.md says what may change under the same number. The frames carry it.
 // The table of registers grows under the same protocol version; its own revision counts that.
-inline constexpr std::uint32_t kRegisterRevision = 2;
+inline constexpr std::uint32_t kRegisterRevision = 3;
 // Major in bits 16 and up, minor in 8 to 15, patch in 0 to 7.
 inline constexpr std::uint32_t kFirmwareVersion = 0x000100;
 

@@ -49,6 +49,7 @@ constexpr LimitWords kLimits[] = {
     {firmware::Limit::kWarm, "a motor winding is warm: let it cool"},
     {firmware::Limit::kNotHomed, "homing is demanded and not done: home it"},
     {firmware::Limit::kHoming, "homing is under way: end it"},
+    {firmware::Limit::kIdleFirst, "it has started and waits for a command that wants IDLE: re-arm"},
 };
 
 }  // namespace

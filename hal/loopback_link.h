@@ -17,6 +17,7 @@
 #include "firmware/board.h"
 #include "hal/frame_link.h"
 #include "hal/plant.h"
+#include "hal/told_idle.h"
 #include "rt/base/clock.h"
 
 namespace tactus::hal {
@@ -29,8 +30,8 @@ class LoopbackLink {
   LoopbackLink(const DeviceProfile& profile, const HandModel& hand, std::int64_t period_ns,
                Stamp stamp = Stamp::kPeriods)
       : config_(firmware_config(profile, static_cast<std::uint32_t>(period_ns / 1000))),
-        device_(config_),
         mechanics_(profile, hand, period_ns),
+        device_(told_idle(config_, mechanics_.counts())),
         period_ns_(period_ns),
         stamp_(stamp) {}
 
@@ -82,7 +83,8 @@ class LoopbackLink {
     if (plugged_ && !plugged) ++counters_.disconnects, wire_.command_size = 0;
     plugged_ = plugged;
   }
-  // Off: the device's program ends and the mechanics stand still. On: the program starts afresh, motors shorted.
+  // Off: the device's program ends and the mechanics stand still. On: the program starts again, motors shorted, and
+  // gives no FORCE before it was told to be IDLE.
   void set_powered(bool powered) noexcept {
     if (powered && !powered_) device_ = firmware::Device(config_), wire_.command_size = 0;
     if (powered_ && !powered) ++counters_.disconnects, mechanics_.drive({});
@@ -126,10 +128,15 @@ class LoopbackLink {
 
     void sample(firmware::ControllerInputs& inputs) noexcept {
       if (samples > 0) advance();
-      for (unsigned i = 0; i < kAxisCount; ++i)
-        inputs.counts[i] = firmware::count_of(plant.coordinates()[i], quantum[i]);
+      inputs.counts = counts();
       inputs.time_us = samples++ * static_cast<std::uint64_t>(period_ns) / 1000;
       inputs.buttons = buttons, inputs.stop_line = stop_line, inputs.motor_bus_ok = motor_bus_ok;
+    }
+
+    firmware::AxisCounts counts() const noexcept {
+      firmware::AxisCounts counts{};
+      for (unsigned i = 0; i < kAxisCount; ++i) counts[i] = firmware::count_of(plant.coordinates()[i], quantum[i]);
+      return counts;
     }
 
     void drive(const firmware::ControllerOutputs& next) noexcept { outputs = next; }
@@ -177,8 +184,8 @@ class LoopbackLink {
 
   std::atomic_flag busy_;
   firmware::Config config_;
-  firmware::Device device_;
   SimulatedMechanics mechanics_;
+  firmware::Device device_;
   Wire wire_;
   std::int64_t period_ns_;
   Stamp stamp_;

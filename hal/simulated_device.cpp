@@ -44,7 +44,7 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, HandModel hand, c
       command_delay_ticks_(delay_of(profile, options) - 1 - state_delay_ticks_),
       hand_(std::move(hand)),
       plant_(profile.plant, hand_.parameters(), hand_.target_at(0.0).pose, profile.kinematics),
-      device_(firmware_config(profile, static_cast<std::uint32_t>(options.period_ns / 1000))),
+      device_(told_idle(firmware_config(profile, static_cast<std::uint32_t>(options.period_ns / 1000)), counts())),
       codec_(profile.kinematics, profile.quantum, profile.properties.has_rotation),
       random_state_(options.seed) {
   properties_.delay_s = static_cast<double>(delay_of(profile, options)) * static_cast<double>(options.period_ns) * 1e-9;
@@ -100,6 +100,12 @@ const InjectedFault* SimulatedDevice::fault(FaultKind kind, FaultDirection direc
   return options_.faults.active(kind, direction, now_);
 }
 
+firmware::AxisCounts SimulatedDevice::counts() const noexcept {
+  firmware::AxisCounts counts{};
+  for (unsigned i = 0; i < kAxisCount; ++i) counts[i] = firmware::count_of(plant_.coordinates()[i], quantum_[i]);
+  return counts;
+}
+
 void SimulatedDevice::advance_plant() noexcept {
   AxisVector effort{};
   for (unsigned i = 0; i < kAxisCount; ++i) effort[i] = static_cast<double>(outputs_.effort[i]);
@@ -118,7 +124,7 @@ void SimulatedDevice::run_firmware() noexcept {
     return;
   }
   firmware::ControllerInputs inputs;
-  for (unsigned i = 0; i < kAxisCount; ++i) inputs.counts[i] = firmware::count_of(plant_.coordinates()[i], quantum_[i]);
+  inputs.counts = counts();
   inputs.time_us = now_ * static_cast<std::uint64_t>(options_.period_ns) / 1000;
   inputs.buttons = buttons_;
   inputs.stop_line = fault(FaultKind::kEmergencyStop, FaultDirection::kState) != nullptr;

@@ -18,6 +18,7 @@
 #include "hal/frame_codec.h"
 #include "hal/plant.h"
 #include "hal/simulated_link.h"
+#include "hal/told_idle.h"
 
 namespace tactus::hal {
 
@@ -31,7 +32,8 @@ struct SimulationOptions {
 
 class SimulatedDevice {
  public:
-  // [setup] The tool starts at rest in the hand, at the first pose of its path. Check the options first.
+  // [setup] The tool starts at rest in the hand, at the first pose of its path; the firmware has been told to be IDLE,
+  // so that the first command that wants FORCE may have it. Check the options first.
   SimulatedDevice(const DeviceProfile& profile, HandModel hand, const SimulationOptions& options);
 
   // [setup] One line: which option is out of its range.
@@ -64,6 +66,7 @@ class SimulatedDevice {
   double time_s(std::uint64_t tick, unsigned sub_step) const noexcept;
   HandTarget target_at(std::uint64_t tick, unsigned sub_step) const noexcept;
   const InjectedFault* fault(FaultKind kind, FaultDirection direction) const noexcept;
+  firmware::AxisCounts counts() const noexcept;  // of the encoders now
   void advance_plant() noexcept;
   void run_firmware() noexcept;
   void send_state(const StateBytes& fresh) noexcept;

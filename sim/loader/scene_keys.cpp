@@ -336,6 +336,15 @@ std::string some_of(const std::vector<std::string>& with, std::size_t variants_o
 
 }  // namespace
 
+std::span<const EitherKey> either_keys() noexcept {
+  static constexpr EitherKey kEither[] = {{"[[body]]", "", "mass_kg", "density_kg_per_m3", true},
+                                          {"[proxy]", "", "mass_kg", "density_kg_per_m3", true},
+                                          {"[[body]]", "hull", "points_m", "file", true},
+                                          {"[proxy]", "hull", "points_m", "file", true},
+                                          {"[hand]", "", "path", "file", false}};
+  return kEither;
+}
+
 std::vector<SceneTable> scene_language() {
   std::vector<std::pair<std::string, std::string>> tried;
   const auto found = ask_everything(tried);

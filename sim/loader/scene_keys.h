@@ -4,6 +4,7 @@
 // fails. Thread: [setup].
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,13 @@ struct SceneTable {
   std::string purpose;  // a sentence
   std::vector<SceneKey> keys;
 };
+
+// Two keys of a table of which the loader takes one; `needed`: and not neither.
+struct EitherKey {
+  std::string_view table, only_with, key, other;
+  bool needed;
+};
+std::span<const EitherKey> either_keys() noexcept;
 
 // In the order of the documentation.
 std::vector<SceneTable> scene_language();

@@ -9,12 +9,21 @@
 namespace tactus::sim {
 namespace {
 
+// More keys than these are not listed beside the one that was meant.
+constexpr std::size_t kFewKeys = 10;
+
 std::string accepted(const Range& range) { return fmt::format("a number >= {:g} and <= {:g}", range.low, range.high); }
 
 bool is_number(const TomlNode& node) { return node.kind == TomlKind::kNumber || node.kind == TomlKind::kInteger; }
 
 // True also for NaN, which no comparison holds for.
 bool outside(double value, const Range& range) { return !(value >= range.low && value <= range.high); }
+
+// Of UTF-8, which TOML is.
+std::size_t characters_in(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
+}
 
 std::string list_of(std::span<const std::string_view> words) {
   std::string list;
@@ -151,7 +160,7 @@ std::string TableReader::text(const char* key, std::string fallback, std::size_t
   if (node == nullptr) return fallback;
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
   const bool one_line = std::none_of(node->text.begin(), node->text.end(), is_control);
-  if (node->kind == TomlKind::kText && node->text.size() <= longest && one_line) return node->text;
+  if (node->kind == TomlKind::kText && characters_in(node->text) <= longest && one_line) return node->text;
   mistake(key,
           node->kind == TomlKind::kText ? "the text is too long or has line breaks" : node->shown() + " is not text",
           fmt::format("one line of at most {} characters in quotes", longest));
@@ -234,9 +243,10 @@ void TableReader::finish() {
     }
     const auto nearest = nearest_word(item.key, known_);
     const std::string key = item.key.size() <= 60 ? item.key : item.key.substr(0, 57) + "...";
+    const bool long_list = !nearest.empty() && known_.size() > kFewKeys;
     diagnostics_.add({item.key_line, item.key_column, where_.empty() ? key : fmt::format("{} {}", where_, key),
                       nearest.empty() ? "not a key" : fmt::format("not a key, did you mean {}?", nearest),
-                      list_of(known_)});
+                      long_list ? fmt::format("{} and {} others", nearest, known_.size() - 1) : list_of(known_)});
   }
 }
 

@@ -77,13 +77,45 @@ unsigned breaking_line(std::string_view text) {
   return static_cast<unsigned>(first - ends.begin()) + 1;
 }
 
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+  return first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1);
+}
+
+std::string_view line_of(std::string_view text, unsigned number) {
+  for (; number > 1 && !text.empty(); --number) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text.substr(0, text.find('\n'));
+}
+
+// What the parser says where the right side of `key = value` is none; empty where that is not the mistake.
+std::optional<Mistake> bad_value(std::string_view line, const toml::source_position& at) {
+  const std::size_t equals = line.find('=');
+  if (equals == std::string_view::npos || at.column <= equals + 1) return std::nullopt;
+  const std::string key(trimmed(line.substr(0, equals)));
+  const std::string value(trimmed(line.substr(equals + 1).substr(0, line.substr(equals + 1).find('#'))));
+  const auto is_plain = [](char c) { return c >= ' ' && c <= '~'; };
+  const bool plain = std::all_of(line.begin(), line.end(), is_plain);
+  if (!plain || key.empty() || key.size() > 60 || value.size() > 60 || value.find_first_of("\"'[{") == 0)
+    return std::nullopt;
+  constexpr const char* kValues = "a number such as 0.5, true or false, text in quotes, or a list [1, 2, 3]";
+  if (value.empty()) return Mistake{at.line, at.column, key, "has no value", kValues};
+  std::string lower = value;
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const bool yes = lower == "yes" || lower == "on" || lower == "true";
+  const bool no = lower == "no" || lower == "off" || lower == "false";
+  if (yes || no)
+    return Mistake{at.line, at.column, key, fmt::format("{} is no value, did you mean {}?", value, yes), "true, false"};
+  return Mistake{at.line, at.column, key, fmt::format("{} is no value", value), kValues};
+}
+
 // Nothing, and one mistake, where the text is no TOML.
 std::optional<toml::table> parse_text(std::string_view text, SceneDiagnostics& diagnostics) {
   try {
     toml::parse_result parsed = toml::parse(text);
     if (parsed) return std::move(parsed).table();
     const auto& at = parsed.error().source().begin;
-    diagnostics.add({at.line, at.column, "the file", std::string(parsed.error().description()), "TOML 1.0"});
+    Mistake mistake{at.line, at.column, "the file", std::string(parsed.error().description()), "TOML 1.0"};
+    diagnostics.add(bad_value(line_of(text, at.line), at).value_or(std::move(mistake)));
   } catch (const TomlAssertion&) {
     diagnostics.add({breaking_line(text), 1, "the file", "a key or a bracket that is not complete", "TOML 1.0"});
   }

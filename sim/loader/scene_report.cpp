@@ -236,8 +236,12 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.generated = scene.generated;
   report.meshes = scene.mesh_accounts;
   report.lightest_kg = std::numeric_limits<double>::infinity();
+  const auto follows_script = [&](BodyId id) {  // weighs nothing to anybody
+    return std::any_of(scene.effect_data.scripts.begin(), scene.effect_data.scripts.end(),
+                       [id](const auto& script) { return script.id == id; });
+  };
   for (const auto& body : scene.bodies) {
-    if (body.kind == BodyKind::kFixed) continue;
+    if (body.kind == BodyKind::kFixed || follows_script(body.id)) continue;
     report.lightest_kg = std::min(report.lightest_kg, body.mass);
     report.heaviest_kg = std::max(report.heaviest_kg, body.mass);
   }

@@ -67,7 +67,7 @@ struct SceneReport {
   std::string name, title;
   BodyCounts bodies;
   std::vector<EffectReport> effects;                     // all that there are, sim/loader/scene_effects.cpp
-  double lightest_kg{0}, heaviest_kg{0}, mass_ratio{1};  // dynamic bodies
+  double lightest_kg{0}, heaviest_kg{0}, mass_ratio{1};  // dynamic bodies that follow no script
   double contact_hertz_Hz{0}, max_contact_hertz_Hz{0};
   PenetrationReport penetration;
   haptics::CouplingVerdict coupling;  // at the hand: stiffness and damping of translation x motion scale squared

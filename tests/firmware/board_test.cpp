@@ -61,7 +61,7 @@ TEST_CASE("a period takes the command, drives the motors, sends the state, and a
   FakeMechanics mechanics;
   FakeLink link;
   for (std::uint32_t i = 1; i <= 3; ++i) {
-    link.command = CommandFrame{State::kForce, false, i, {1, 2, 3, 0, 0, 0}};
+    link.command = CommandFrame{i == 1 ? State::kIdle : State::kForce, false, i, {1, 2, 3, 0, 0, 0}};
     run_period(device, mechanics, link);
   }
   CHECK(link.state.state == State::kForce);

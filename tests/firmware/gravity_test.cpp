@@ -114,7 +114,8 @@ TEST_CASE("support and command stay within motor and norm, the support is kept a
   ControllerInputs inputs;
   unsigned scaled = 0;
   for (std::uint32_t i = 1; i < 30000; ++i) {
-    CommandFrame command{State::kForce, false, i, {force(random), force(random), force(random), 0, 0, 0}};
+    CommandFrame command{
+        i == 1 ? State::kIdle : State::kForce, false, i, {force(random), force(random), force(random), 0, 0, 0}};
     Supervision s;
     s.support = {weight(random), weight(random), weight(random), 0, 0, 0};
     std::array<std::byte, kCommandFrameSize> bytes{};

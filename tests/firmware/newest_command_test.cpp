@@ -20,10 +20,9 @@ TEST_CASE("of the commands of one period the newest by sequence acts, whatever c
       std::copy(frame.begin(), frame.end(), buffer.begin());
       return frame.size();
     }
-    void command(std::uint32_t sequence, float effort) {
+    void command(std::uint32_t sequence, float effort, State wanted = State::kForce) {
       std::vector<std::byte> frame(kCommandFrameSize);
-      encode_command({State::kForce, false, sequence, {effort, 0, 0, 0, 0, 0}},
-                     std::span(frame).first<kCommandFrameSize>());
+      encode_command({wanted, false, sequence, {effort, 0, 0, 0, 0, 0}}, std::span(frame).first<kCommandFrameSize>());
       queue.push_back(std::move(frame));
     }
     void send_state(std::span<const std::byte> frame) noexcept { static_cast<void>(decode_state(frame, state)); }
@@ -41,7 +40,7 @@ TEST_CASE("of the commands of one period the newest by sequence acts, whatever c
   QueueLink link;
   const auto start = GENERATE(7u, 0xfffffff0u);
   for (std::uint32_t i = 0; i < 12; ++i) {
-    link.command(start + i, 1.0f);
+    link.command(start + i, 1.0f, i == 0 ? State::kIdle : State::kForce);
     run_period(device, mechanics, link);
   }
   REQUIRE(device.controller().state() == State::kForce);

@@ -157,7 +157,7 @@ TEST_CASE("the document has every state, fault, limit, status and self-test bit,
   };
   has("States", 0, 3);
   has("Faults", 1, static_cast<unsigned>(Fault::kSelfTest));
-  has("Limits", kFirstLimit, static_cast<unsigned>(Limit::kHoming));
+  has("Limits", kFirstLimit, static_cast<unsigned>(Limit::kIdleFirst));
   has("Service messages", 0, static_cast<unsigned>(ServiceStatus::kBusy));
   has("Self-test", 0, 5);
 }

@@ -96,6 +96,12 @@ TEST_CASE("a device that lost its power starts afresh") {
   rig.tick();
   CHECK(rig.input.sample.sequence < sequence);
   rig.ticks(5);
+  CHECK(rig.input.sample.state == DeviceState::kIdle);  // whoever goes on wanting FORCE gets none
+  CHECK(rig.force() == 0.0);
+  rig.command.wanted = DeviceState::kIdle;
+  rig.ticks(2);
+  rig.command.wanted = DeviceState::kForce;
+  rig.ticks(5);
   CHECK(rig.input.sample.state == DeviceState::kForce);
 }
 

@@ -13,6 +13,11 @@ if (root.scrollWidth > innerWidth && kind === 'page') bad('overflow', `the page 
 if (matchMedia('print').matches)
   for (const box of all('.wide'))
     if (box.scrollWidth > box.clientWidth + 1) bad('overflow', `printed, a table is ${box.scrollWidth} px wide of ${box.clientWidth}: ${short(box.textContent)}`);
+// A table of few columns shows them all.
+for (const table of all('table.few')) {
+  const box = table.closest('.wide');
+  if (box.scrollWidth > box.clientWidth + 1) bad('columns-hidden', `a table is ${box.scrollWidth} px wide of ${box.clientWidth}: ${short(box.textContent)}`);
+}
 if (kind === 'plot' && root.getBoundingClientRect().width > innerWidth) bad('overflow', 'the plot is wider than the window');
 
 // Text lies within its drawing, nowhere on other text, and is large enough to be read.
@@ -139,6 +144,16 @@ if (kind === 'page') {
     for (const head of all('th', table)) if (!words.includes(head.textContent)) bad('columns', `${short(head.textContent)} is not explained`);
   }
 } else {
+  for (const line of all('.answer, .made').slice(0, -1))
+    if (/(^| )[\d.]+$/.test(line.textContent) && line.nextElementSibling?.getAttribute('class') === line.getAttribute('class'))
+      bad('unit', `${short(line.textContent)} ends between a number and what follows it`);
+  const stroke = (selector) => { const e = root.querySelector(selector); return e ? rgb(getComputedStyle(e).stroke) : null; };
+  const limit = stroke('.limit');
+  for (const series of all('[data-series]')) {
+    const colour = rgb(getComputedStyle(series).stroke);
+    const apart = limit && colour ? Math.hypot(...[0, 1, 2].map((i) => limit[i] - colour[i])) : 0;
+    if (apart < 100) bad('limit', `the deadline has nearly the colour of ${short(series.dataset.series)}`);
+  }
   const sentence = all('.answer').map((t) => t.textContent).join(' '), made = all('.made').map((t) => t.textContent).join(' ');
   if (sentence.length < 30 || !sentence.endsWith('.')) bad('answer', short(sentence));
   if (!date.test(made) || !['version: ', 'machine: ', 'command: '].every((word) => made.includes(word))) bad('provenance', short(made));

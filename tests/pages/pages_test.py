@@ -46,7 +46,12 @@ DEFECTS = {
     "provenance": "document.querySelector('.made dd').textContent = ''",
     "columns": "document.querySelector('dl.columns dt').remove()",
     "network": "document.body.insertAdjacentHTML('beforeend', '<img src=https://example.org/a.png loading=lazy hidden>')",
+    "columns-hidden": "document.querySelector('table.few').style.width = '3000px'",
     "console": "console.error('a defect')"}
+PLOT_DEFECTS = {
+    "unit": "document.querySelector('.made').textContent += ' 12'",
+    "limit": "{const c = getComputedStyle(document.querySelector('[data-series]')).stroke;"
+             " document.querySelectorAll('.limit').forEach((e) => e.style.stroke = c);}"}
 
 
 def write_page(experiment, data, path):
@@ -92,6 +97,16 @@ class Pages(unittest.TestCase):
                 self.browser.open(path)
                 self.browser.driver.execute_script(defect)
                 found = {line.split(":")[0] for line in self.browser.problems("wide, light", "page")}
+                self.assertIn(check, found)
+
+    def test_each_check_of_the_plot_sees_its_defect(self):
+        path = os.path.join(self.folder, "good.svg")
+        subprocess.run([PROGRAM, "timing", "--duration", "3", "--svg", path], stdout=subprocess.DEVNULL)
+        for check, defect in PLOT_DEFECTS.items():
+            with self.subTest(check=check):
+                self.browser.open(path)
+                self.browser.driver.execute_script(defect)
+                found = {line.split(":")[0] for line in self.browser.problems("wide, light", "plot")}
                 self.assertIn(check, found)
 
     def test_a_wide_table_is_seen_where_it_is_printed(self):

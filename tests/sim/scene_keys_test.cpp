@@ -123,3 +123,26 @@ TEST_CASE("reading a scene notes each key of a table once, whether it is there o
   CHECK(seen.count("[proxy] radius_m") == 1);
   CHECK(seen.count("[proxy] size_m") == 0);  // a box has it
 }
+
+TEST_CASE("of two keys that stand in each other's place the loader takes one") {
+  const std::string proxy = "[proxy]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 1\n";
+  const auto written = [](std::string_view key) {
+    if (key == "path") return std::string("path = [{time_s = 0, position_m = [0, 0, 0]}]\n");
+    if (key == "file") return std::string("file = \"no.obj\"\n");
+    if (key == "points_m") return std::string("points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]\n");
+    return std::string(key) + " = 1000\n";
+  };
+  for (const EitherKey& either : either_keys()) {
+    INFO(either.table << ' ' << either.key << ' ' << either.other);
+    std::string head = std::string(either.table) + "\n";
+    if (either.table != "[hand]" && either.only_with.empty()) head += "shape = \"sphere\"\nradius_m = 0.01\n";
+    if (either.only_with == "hull") head += "shape = \"hull\"\nmass_kg = 1\n";
+    const auto says = [&](const std::string& keys) {
+      return parse_scene(head + keys + (either.table == "[proxy]" ? "" : proxy), "x.toml").message();
+    };
+    const std::string both = says(written(either.key) + written(either.other)), neither = says("");
+    CHECK(both.find("already") != std::string::npos);
+    CHECK((neither.find("missing") != std::string::npos) == either.needed);
+    CHECK(says(written(either.key)).empty());
+  }
+}

@@ -58,7 +58,7 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {"simulation = 1", 1, 14, "simulation", "1 is not a table", "[simulation]"},
       {"[simulation]\nratio = 10.0", 2, 9, "[simulation] ratio", "10 is written with a decimal point", "such as 10"},
       {box("mass_kg = 1\nrotation_deg = [0, 0, 90]"), 5, 1, "[body.1] rotation_deg",
-       "did you mean rotation_vector_rad?", "mass_kg"},
+       "did you mean rotation_vector_rad?", "rotation_vector_rad and "},
       {"[simulation]\nratio = 0", 2, 9, "[simulation] ratio", "0 is not a ratio", "a whole number from 1 to 64"},
       {"[simulation]\nratio = 2.5", 2, 9, "[simulation] ratio", "2.5 is not", "a whole number"},
       {"[simulation]\nratio = \"ten\"", 2, 9, "[simulation] ratio", "\"ten\" is not", "a whole number"},
@@ -98,7 +98,7 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {box("mass_kg = 1\nfriction = 11"), 5, 12, "[body.1] friction", "11 is not a coefficient", "<= 10"},
       {box("mass_kg = 1\nposition_m = [0, 0, 1e5]"), 5, 14, "[body.1] position_m", "100000 in z", "<= 10000"},
       {box("mass_kg = 1\nvelocity_m_per_s = [200, 0, 0]"), 5, 20, "[body.1] velocity_m_per_s", "200 in x", "<= 100"},
-      {box("mass_kg = 1\nfricton = 0.5"), 5, 1, "[body.1] fricton", "did you mean friction?", "mass_kg"},
+      {box("mass_kg = 1\nfricton = 0.5"), 5, 1, "[body.1] fricton", "did you mean friction?", "friction and "},
       {box("mass_kg = 1\n") + box("mass_kg = -2"), 8, 11, "[body.2] mass_kg", "-2 is not a mass", ">="},
       {"body = [3]", 1, 9, "[body.1]", "3 is not a table", "a table"},
       {"[[generate]]\ncount = 3", 1, 1, "[generate.1] kind", "missing", "wall, pile, tower, card_house, domino_row"},
@@ -113,8 +113,13 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {"[[generate]]\nkind = \"card_house\"\ngap_m = 0.01", 3, 9, "[generate.1] gap_m", "nothing to rest on",
        "at most"},
       {"[[generate]]\nkind = \"domino_row\"\nspacing_m = 0.001", 3, 13, "[generate.1] spacing_m", "thickness", ">="},
-      {"[[generate]]\nkind = \"pile\"\ncubes_m = 1", 3, 1, "[generate.1] cubes_m", "did you mean cube_m?", "count"},
-      {"title = ", 1, 9, "the file", "", "TOML"},
+      {"[[generate]]\nkind = \"pile\"\ncubes_m = 1", 3, 1, "[generate.1] cubes_m", "did you mean cube_m?",
+       "cube_m and "},
+      {"title = ", 1, 9, "title", "has no value", "true or false, text in quotes"},
+      {"title = mine # one", 1, 9, "title", "mine is no value", "text in quotes"},
+      {box("kinematic = yes"), 4, 13, "kinematic", "yes is no value, did you mean true?", "true, false"},
+      {box("kinematic = False"), 4, 13, "kinematic", "False is no value, did you mean false?", "true, false"},
+      {box("mass_kg = 1,5"), 4, 12, "mass_kg", "1,5 is no value", "a number such as 0.5"},
       {"title = \"a\"\n# b\n[\n", 3, 1, "the file", "not complete", "TOML"},
       {"title = \"a\"\ntitle = \"b\"", 2, 9, "the file", "redefine", "TOML"},
   };
@@ -145,6 +150,26 @@ TEST_CASE("mistakes are in the order of the file, whatever order its tables are 
   CHECK(found.mistakes[0].line == 2);
   CHECK(found.mistakes[1].line == 4);
   CHECK(found.mistakes[2].line == 6);
+}
+
+TEST_CASE("a text is as long as its characters, whatever bytes each takes") {
+  std::string longest, longer;
+  while (diagnose("title = \"" + longest + "x\"" + kProxy).mistakes.empty()) longest += "x";
+  REQUIRE(longest.size() > 20);
+  std::string umlauts;
+  for (std::size_t i = 0; i < longest.size(); ++i) umlauts += "\u00fc";
+  REQUIRE(umlauts.size() == 2 * longest.size());
+  CHECK(diagnose("title = \"" + umlauts + "\"" + kProxy).mistakes.empty());
+  CHECK(diagnose("title = \"" + umlauts + "x\"" + kProxy).mistakes.size() == 1);
+}
+
+TEST_CASE("beside the key that was meant a long list of keys is a number, a short one is there") {
+  const std::string far = diagnose(box("mass_kg = 1\nzzzz = 1") + kProxy).message();
+  CHECK_THAT(far, Contains("zzzz: not a key; accepted: ") && Contains("mass_kg") && Contains("size_m"));
+  const std::string near = diagnose(box("mass_kg = 1\nfricton = 1") + kProxy).message();
+  CHECK(near.size() < 110);
+  CHECK_THAT(diagnose("[coupling]\nstiffness = 1" + kProxy).message(),
+             Contains("did you mean stiffness_N_per_m?; accepted: damping_Nms_per_rad, damping_Ns_per_m, "));
 }
 
 TEST_CASE("a line stays a line whatever a key holds") {

@@ -91,6 +91,27 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
   }
 }
 
+TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without") {
+  for (const std::string arguments :
+       {"run", "run /nowhere.toml", "run --config /nowhere.toml", "run --accuracy best /nowhere.toml",
+        "replay /nowhere.tape", "control state --socket /nowhere", "control fly", "tune /nowhere.toml",
+        "timing --duration 1", "timing --scene /nowhere.toml --duration 3", "hil --device usbb", "doctor --device x",
+        "scene check /nowhere.toml", "scene chekc", "experiment capacity --ratio x"}) {
+    const Output plain = run(arguments), output = run(arguments + " --json");
+    INFO("tactus " << arguments << " --json\n" << output.err << output.out);
+    CHECK(plain.exit_code >= 2);
+    CHECK(plain.out.empty());
+    CHECK(output.exit_code == plain.exit_code);
+    CHECK(output.err == plain.err);
+    const auto object = nlohmann::json::parse(output.out, nullptr, false);
+    REQUIRE(object.is_object());
+    const std::string error = object.value("error", "");
+    CHECK_FALSE(error.empty());
+    CHECK_THAT(output.err, Contains(error.substr(0, error.find('\n'))));
+    CHECK(object.contains("version"));
+  }
+}
+
 TEST_CASE("a bad scene is a line for each mistake, with file, line and column, and exit 2") {
   const std::string file = temporary(".toml");
   std::ofstream(file) << "titel = 1\n[proxy]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = -1\n";

@@ -105,11 +105,11 @@ TEST_CASE("a reset does not take a fault back, nor arm what is not armed") {
   CHECK(session->driver->output().command.wrench == Wrenchd{});
 }
 
-TEST_CASE("the direct coupling has nothing that could begin anew, and says so") {
+TEST_CASE("the direct coupling has nothing to reset, and says so") {
   session::RunOptions options = virtual_options();
   options.coupling = haptics::CouplingScheme::kDirect;
   options.inject = "reset@1000";
   const auto session = session::Session::create(scene_file("stack20.toml"), options);
   REQUIRE_FALSE(session.ok());
-  CHECK(session.message() == "--inject: reset: the direct coupling has no global world that could begin anew");
+  CHECK(session.message() == "--inject: reset: the direct coupling has no global world to reset");
 }

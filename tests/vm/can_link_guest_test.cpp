@@ -159,6 +159,7 @@ void check_exchange(const char* device_interface, const char* host_interface, bo
   Host host{opened(board, {.interface = host_interface}), {}};
   REQUIRE(host.link->is_fd() == fd);
   REQUIRE(host.link->start().ok());
+  exchange(board, host, firmware::State::kIdle);
   for (int i = 0; i < 300; ++i) exchange(board, host, firmware::State::kForce);
   CHECK(host.state.state == firmware::State::kForce);
   CHECK(host.state.counts == firmware::AxisCounts{-2000, -1000, 0, 1000, 2000, 3000});
@@ -210,6 +211,7 @@ TEST_CASE("bus-off disconnects the host and silences the device until the restar
   Board board("vcan0", true);
   Host host{opened(board, {.interface = "vcan0"}), {}};
   REQUIRE(host.link->start().ok());
+  exchange(board, host, firmware::State::kIdle);
   for (int i = 0; i < 3; ++i) exchange(board, host, firmware::State::kForce);
   REQUIRE(board.device.controller().state() == firmware::State::kForce);
   const Node bus("vcan0");

@@ -4,6 +4,9 @@ import html
 from pages import theme
 
 
+MOST_STACKED = 6  # columns of a table whose rows are cards in a narrow window; a wider one is scrolled
+
+
 class Column:
     """Of a table: its head, what it means, and how its cells stand: "n" numbers, "t" words, "w" words that wrap."""
 
@@ -51,7 +54,8 @@ class Page:
         def cell(column, content):
             classes = " ".join(c for c in ({"n": "", "t": "t", "w": "t w"}[column.kind], getattr(content, "verdict", "")) if c)
             markup = content.markup if isinstance(content, Cell) else html.escape(str(content))
-            return f'<td class="{classes}">{markup}</td>' if classes else f"<td>{markup}</td>"
+            named = f' class="{classes}"' if classes else ""
+            return f'<td{named} data-head="{html.escape(column.head)}">{markup}</td>'
         heads = "".join(f'<th scope="col" class="{"" if c.kind == "n" else "t"}">{html.escape(c.head)}</th>' for c in columns)
         body = "\n".join("<tr>" + "".join(cell(c, x) for c, x in zip(columns, row)) + "</tr>" for row in rows)
         words, meanings = "", []  # columns in a row that mean the same are explained together
@@ -62,7 +66,8 @@ class Page:
                 meanings.append(([c.head], c.meaning))
         for named, meaning in meanings:
             words += "<div>" + ", ".join(f"<dt>{html.escape(n)}</dt>" for n in named) + f" <dd>{meaning}</dd></div> "
-        self.parts.append(f'<div class="wide" tabindex="0"><table><thead><tr>{heads}</tr></thead>\n<tbody>{body}</tbody></table>'
+        few = ' class="few"' if len(columns) <= MOST_STACKED else ""
+        self.parts.append(f'<div class="wide" tabindex="0"><table{few}><thead><tr>{heads}</tr></thead>\n<tbody>{body}</tbody></table>'
                           f'</div><dl class="columns">{words}</dl>')
 
     def made_by(self):

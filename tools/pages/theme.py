@@ -69,6 +69,10 @@ td.good{color:var(--good)}td.bad{color:var(--bad);font-weight:bold}
 .columns{font-size:12px;color:var(--mute);max-width:60rem;margin:.3rem 0 0}
 .columns div{display:inline}.columns dt,.columns dd{display:inline;margin:0}.columns dt{font-weight:bold;color:var(--ink)}
 .columns dd::after{content:"; "}.columns div:last-child dd::after{content:"."}
+@media screen and (max-width:560px){.few{width:100%}.few thead{display:none}
+.few tr{display:block;padding:4px 0;border-bottom:1px solid var(--grid)}
+.few td,.few td.w{display:flex;gap:1rem;justify-content:space-between;border:0;padding:1px 0;min-width:0;white-space:normal;
+text-align:right;overflow-wrap:anywhere}.few td::before{content:attr(data-head);color:var(--mute);text-align:left}}
 @page{size:A4;margin:12mm}
 @media print{body{margin:0;padding:0;max-width:none;font-size:10pt}.panels{grid-template-columns:1fr 1fr}.wide{overflow:visible}
 table{font-size:7pt;width:auto}th,td{padding:1px 3px;white-space:normal}th,.t{overflow-wrap:anywhere}td.w{min-width:0}

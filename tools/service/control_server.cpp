@@ -162,8 +162,8 @@ std::string ControlServer::answer(const std::string& line) {
                                  : "nothing is latched: nothing was done");
   if (line == "disarm") return ask(loop::kDisarm, "disarmed: force off");
   if (line == "reset") {
-    if (!can_reset_) return bad("the direct coupling has no global world that could begin anew");
-    return ask(loop::kReset, "reset: the scene begins anew; the force fades, and comes back with it");
+    if (!can_reset_) return bad("the direct coupling has no global world to reset");
+    return ask(loop::kReset, "reset: the scene is reset; the force fades, and comes back by the ramp");
   }
   if (line == "stop") {
     stop_.store(true, std::memory_order_relaxed);

@@ -2,7 +2,7 @@
 //
 //   state     what the loop does now        arm       force on, with the device where it is
 //   rearm     take a latched fault back     disarm    force off
-//   reload    read the configuration again  reset     the scene begins anew, the force off meanwhile
+//   reload    read the configuration again  reset     the scene back to its start, the force off meanwhile
 //   stop      end the run
 // Who may write to the socket may do all of it: its mode is 0660, its folder the service's. Thread: construction and
 // destruction [setup]; it serves on a thread of its own, of normal priority; tell() by one normal thread.

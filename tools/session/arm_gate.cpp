@@ -11,8 +11,9 @@ constexpr std::uint32_t kGivesForce = loop::kArm | loop::kRearm;
 }  // namespace
 
 std::uint32_t ArmGate::pass(std::uint32_t asked) noexcept {
-  if (!same_device_ || first_) {
-    first_ = false;
+  if (!same_device_) return asked;
+  if (unchecked_ticks_ > 0) {
+    --unchecked_ticks_;
     return asked;
   }
   if ((asked & kGivesForce) != 0) waiting_.fetch_or(asked & kGivesForce, relaxed);

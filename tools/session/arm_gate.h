@@ -14,6 +14,10 @@
 
 namespace tactus::session {
 
+// A device on a link is told to be IDLE for so many ticks before a run arms it: it gives no FORCE to a host that never
+// wanted IDLE. Many, for some may be lost.
+inline constexpr std::uint32_t kIdleTicks = 20;
+
 class ArmGate {
  public:
   // `same_device`: null where nothing can change, as on the simulated device.
@@ -27,7 +31,7 @@ class ArmGate {
 
  private:
   std::function<Status()> same_device_;
-  bool first_{true};  // the first tick follows the check at the start
+  std::uint32_t unchecked_ticks_{kIdleTicks + 1};  // the first ones follow the check at the start
   std::atomic<std::uint32_t> waiting_{0}, granted_{0};
 };
 

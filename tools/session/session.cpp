@@ -9,6 +9,7 @@
 #include "sim/loader/choice_names.h"
 #include "sim/loader/scene_effects.h"
 #include "sim/loader/scene_load.h"
+#include "tools/session/arm_gate.h"
 #include "tools/session/open_link.h"
 #include "tools/session/scheme_gains.h"
 
@@ -202,7 +203,7 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   if (!script.ok()) return script.status();
   session->stalls = script.value().stalls, session->resets = script.value().resets;
   if (!session->resets.empty() && !traits_of(options.coupling).global_world)
-    return Status::error("--inject: reset: the direct coupling has no global world that could begin anew");
+    return Status::error("--inject: reset: the direct coupling has no global world to reset");
   auto faults = hal::parse_fault_script(script.value().device);
   if (!faults.ok())
     return Status::error("--inject: " + faults.message() +
@@ -217,6 +218,7 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   }
   session->device = std::move(hardware.device);
   session->hand_ = session->device->as<hal::SimulatedDevice>();
+  if (session->device->link_report().has_value()) session->arm_tick_ = kIdleTicks;
   session->device_identity = std::move(hardware.identity);
   session->same_device = std::move(hardware.same_device);
   session->gpio = std::move(hardware.gpio);
@@ -308,7 +310,7 @@ std::uint32_t Session::hold_for_hand(std::uint32_t bits) noexcept {
 }
 
 std::uint32_t Session::operator_bits(std::uint32_t asked) noexcept {
-  std::uint32_t bits = asked | (stats.ticks == 0 && options.arm_at_start ? loop::kArm : 0u);
+  std::uint32_t bits = asked | (stats.ticks == arm_tick_ && options.arm_at_start ? loop::kArm : 0u);
   for (; next_reset_ < resets.size() && resets[next_reset_] <= stats.ticks; ++next_reset_) bits |= loop::kReset;
   if (options.rearm && latched_ticks_ >= kRearmAfter_s * options.rate_Hz) {
     latched_ticks_ = 0;

@@ -90,6 +90,7 @@ class Session {
 
   hal::SimulatedDevice* hand_{nullptr};  // the device whose hand begins anew; null on a real one
   bool hand_returns_{false};
+  std::uint64_t arm_tick_{0};                   // of a run that is armed at its start
   std::optional<std::uint64_t> first_engaged_;  // tick, of a run that is armed at its start
   std::size_t next_reset_{0};
   std::uint32_t latched_ticks_{0};

@@ -35,6 +35,19 @@ Ruling fault_of(const RunSummary& s) {
           "see the faults below; Enter or --rearm takes one back"};
 }
 
+Ruling recovered_of(const RunSummary& s) {
+  const std::uint64_t recovered = s.stats.fault_count - std::min<std::uint64_t>(s.stats.fault_count, s.fault_latched());
+  return {
+      "faults",
+      "faults that were taken back",
+      "",
+      static_cast<double>(recovered),
+      0,
+      kInfinite,
+      fmt::format("{} {} latched and taken back: no force meanwhile", recovered, recovered == 1 ? "fault" : "faults"),
+      "see the faults below: each has its cause"};
+}
+
 // What the hand felt without a sample was a fading force, or none.
 Ruling samples_of(const RunSummary& s) {
   const auto ticks_with = [&](StatusBit bit) {
@@ -252,7 +265,7 @@ double most_lost_of_10000(std::uint64_t ticks) noexcept {
 }
 
 std::vector<Ruling> judge_simulation(const RunSummary& s) {
-  std::vector<Ruling> rulings{fault_of(s), samples_of(s), scene_of(s.scene_problems), overlap_of(s)};
+  std::vector<Ruling> rulings{fault_of(s), recovered_of(s), samples_of(s), scene_of(s.scene_problems), overlap_of(s)};
   add_energy(s, rulings);
   rulings.push_back(border_of(s));
   rulings.push_back(capacity_of(s));

@@ -7,6 +7,8 @@
 //
 //   rule        degraded above      bad above           figure; why there
 //   fault       -                   0                   a fault is latched at the end
+//   faults      0                   -                   faults that were taken back: the hand felt nothing meanwhile
+//   samples     1 % of the ticks    -                   no sample of the device that could be used
 //   own-work    -                   0                   ticks lost to the program's own work
 //   scene       -                   0                   problems that `tactus scene check` names
 //   overlap     10 %                50 %                deepest overlap of the thinner body's thickness. A soft contact

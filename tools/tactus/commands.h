@@ -22,7 +22,12 @@ CLI::App* add_config_command(CLI::App& program, int& exit_code);
 CLI::App* add_control_command(CLI::App& program, int& exit_code);
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code);
 
-// One line on stderr: "tactus: " and the text. Returns `exit_code`, so that a command can end with it.
+// Why a command ends: one line on stderr, "tactus: " and the text. With --json and an exit status of 2 or 3 also the
+// one object on stdout, which has `error`. Returns `exit_code`, so that a command can end with it.
 int complain(const std::string& text, int exit_code);
+// The same of a text with a line for each mistake.
+int complain_of_each(const std::string& lines, int exit_code);
+// What goes wrong after the object has been printed: the line on stderr alone.
+int complain_after(const std::string& text, int exit_code);
 
 }  // namespace tactus::tools

@@ -62,7 +62,7 @@ CLI::App* add_control_command(CLI::App& program, int& exit_code) {
       "Examples:\n  tactus control state --json\n  tactus control rearm --socket /run/tactus/control");
   control
       ->add_option("REQUEST", options->request,
-                   "state, arm, rearm, disarm, reset (the scene starts again), reload, stop")
+                   "state, arm, rearm, disarm, reset (the scene back to its start), reload, stop")
       ->required()
       ->check(CLI::IsMember({"state", "arm", "rearm", "disarm", "reset", "reload", "stop"}));
   control->add_option("--socket", options->socket, "of the run")->capture_default_str();

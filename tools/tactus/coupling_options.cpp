@@ -179,9 +179,9 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
                                           report.whole.empty() ? std::string() : experiment::whole_csv(report.whole)));
   if (options.page.empty()) return exit_code;
   const Status status = experiment::write_page(options.name, json, command_of(options, request), options.page);
-  return status.ok()
-             ? exit_code
-             : complain(fmt::format("tactus experiment {}: {}", options.name, status.message()), kExitMachineCannot);
+  return status.ok() ? exit_code
+                     : complain_after(fmt::format("tactus experiment {}: {}", options.name, status.message()),
+                                      kExitMachineCannot);
 }
 
 }  // namespace tactus::tools

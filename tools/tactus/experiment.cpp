@@ -14,7 +14,7 @@ int write_file(const std::string& path, const std::string& text) {
   std::ofstream file(path);
   file << text;
   file.close();
-  return file.good() ? kExitGood : complain(fmt::format("{}: cannot be written", path), kExitBadInput);
+  return file.good() ? kExitGood : complain_after(fmt::format("{}: cannot be written", path), kExitBadInput);
 }
 
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code) {

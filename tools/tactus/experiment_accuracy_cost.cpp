@@ -50,7 +50,8 @@ int run_cost(const CostOptions& options) {
                   options.scenes.empty() ? "" : fmt::format(" --scenes {}", fmt::join(options.scenes, ",")),
                   request.seeds, options.quick ? " --quick" : "", options.page);
   const Status status = experiment::write_page("accuracy-cost", json, command, options.page);
-  return status.ok() ? exit_code : complain("tactus experiment accuracy-cost: " + status.message(), kExitMachineCannot);
+  return status.ok() ? exit_code
+                     : complain_after("tactus experiment accuracy-cost: " + status.message(), kExitMachineCannot);
 }
 
 std::vector<std::string> case_names() {

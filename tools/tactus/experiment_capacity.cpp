@@ -46,7 +46,8 @@ int run_capacity(const CapacityOptions& options) {
                   fmt::join(request.rates_Hz, ","), fmt::join(request.ratios, ","), fmt::join(options.couplings, ","),
                   options.members, options.most, options.quick ? " --quick" : "", options.page);
   const Status status = experiment::write_page("capacity", json, command, options.page);
-  return status.ok() ? exit_code : complain("tactus experiment capacity: " + status.message(), kExitMachineCannot);
+  return status.ok() ? exit_code
+                     : complain_after("tactus experiment capacity: " + status.message(), kExitMachineCannot);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ int run_random_trials(const HardCasesOptions& options) {
     const std::string command = fmt::format("tactus experiment hard-cases --random {} --first {} --sub-world --page {}",
                                             options.random, options.first, options.page);
     const Status status = experiment::write_page("random-worlds", json, command, options.page);
-    if (!status.ok()) return complain("tactus experiment hard-cases: " + status.message(), kExitMachineCannot);
+    if (!status.ok()) return complain_after("tactus experiment hard-cases: " + status.message(), kExitMachineCannot);
   }
   return report.collapsed() == 0 ? written : kExitVerdictBad;
 }

@@ -66,7 +66,7 @@ int run_peers(const PeersOptions& options) {
   if (!missing.empty())
     complain(
         fmt::format("tactus experiment peers: built without {}: install, then build again", fmt::join(missing, ", ")),
-        kExitGood);
+        request.engines.empty() ? kExitMachineCannot : kExitGood);
   if (request.engines.empty()) return kExitMachineCannot;
   const auto rows = experiment::run_peers(request, experiment::terminal_progress());
   const std::string json = experiment::peers_json(rows);
@@ -83,7 +83,7 @@ int run_peers(const PeersOptions& options) {
   if (options.page.empty()) return exit_code;
   const Status status =
       experiment::write_page("peers", json, command_of(options) + " --page " + options.page, options.page);
-  if (!status.ok()) return complain("tactus experiment peers: " + status.message(), kExitMachineCannot);
+  if (!status.ok()) return complain_after("tactus experiment peers: " + status.message(), kExitMachineCannot);
   return exit_code;
 }
 

@@ -56,7 +56,8 @@ int run_map(const MapOptions& options) {
   const int exit_code = write_file(options.csv, experiment::map_csv(report));
   if (options.page.empty()) return exit_code;
   const Status status = experiment::write_page("stability-map", json, command_of(options), options.page);
-  return status.ok() ? exit_code : complain("tactus experiment stability-map: " + status.message(), kExitMachineCannot);
+  return status.ok() ? exit_code
+                     : complain_after("tactus experiment stability-map: " + status.message(), kExitMachineCannot);
 }
 
 }  // namespace

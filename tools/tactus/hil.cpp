@@ -93,7 +93,7 @@ int finish(const HilCommand& c, const hil::SuiteReport& report) {
     std::ofstream file(c.junit);
     file << to_junit(report);
     if (!file.flush())
-      return complain(fmt::format("tactus hil: --junit: {} cannot be written", c.junit), kExitBadInput);
+      return complain_after(fmt::format("tactus hil: --junit: {} cannot be written", c.junit), kExitBadInput);
   }
   return report.good() ? kExitGood : kExitVerdictBad;
 }
@@ -108,10 +108,7 @@ int run_hil(HilCommand& c) {
         fmt::format("tactus hil: --virtual-time: {} keeps real time; accepted: with --device sim", c.device),
         kExitBadInput);
   const auto profile = session::find_description(c.profile, c.device_file);
-  if (!profile.ok()) {
-    fmt::print(stderr, "tactus: {}\n", profile.message());  // a line for each mistake in the file
-    return kExitBadInput;
-  }
+  if (!profile.ok()) return complain_of_each(profile.message(), kExitBadInput);
 
   c.options.stepped = c.virtual_time;
   c.options.judge_timing = c.timing == "judge";

@@ -10,11 +10,19 @@
 #include <vector>
 
 #include "sim/loader/nearest_word.h"
+#include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/version/version.h"
 
 namespace tactus::tools {
 namespace {
+
+bool g_json{false};  // --json is on the command line, whatever else is wrong with it
+
+void print_error_object(const std::string& text, int exit_code) {
+  if (!g_json || (exit_code != kExitBadInput && exit_code != kExitMachineCannot)) return;
+  fmt::print("{}\n", report_text(nlohmann::ordered_json{{"error", text}, {"exit_code", exit_code}}, 2));
+}
 
 // The innermost subcommand that was named: the program itself where none was.
 const CLI::App& innermost(const CLI::App& program) {
@@ -75,6 +83,7 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
 }
 
 int run_program(int argc, char** argv) {
+  g_json = std::find(argv, argv + argc, std::string("--json")) != argv + argc;
   CLI::App program{"tactus: feel a large world of rigid bodies through a force-feedback device, at 1 kHz."};
   program.name("tactus");
   program.footer(
@@ -100,6 +109,17 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int complain(const std::string& text, int exit_code) {
+  print_error_object(text, exit_code);
+  return complain_after(text, exit_code);
+}
+
+int complain_of_each(const std::string& lines, int exit_code) {
+  print_error_object(lines, exit_code);
+  fmt::print(stderr, "tactus: {}\n", lines);
+  return exit_code;
+}
+
+int complain_after(const std::string& text, int exit_code) {
   std::string line = text;
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
   std::replace_if(line.begin(), line.end(), is_control, ' ');

@@ -38,10 +38,7 @@ struct RunCommand {
 
 // What an error of the library is to the program: the exit status by who can do something about it.
 int complain_of(const Error& error) {
-  if (error.kind() == Error::Kind::kFile) {
-    fmt::print(stderr, "tactus: {}\n", error.message());  // a line for each mistake in the file
-    return kExitBadInput;
-  }
+  if (error.kind() == Error::Kind::kFile) return complain_of_each(error.message(), kExitBadInput);
   return complain("tactus run: " + error.message(),
                   error.kind() == Error::Kind::kMachine ? kExitMachineCannot : kExitBadInput);
 }
@@ -206,10 +203,8 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
 }
 
 int run_scene(const CLI::App& app, RunCommand& command) {
-  if (const Status status = read_configuration(app, command); !status.ok()) {
-    fmt::print(stderr, "{}\n", status.message());  // a line for each mistake in the file
-    return kExitBadInput;
-  }
+  if (const Status status = read_configuration(app, command); !status.ok())
+    return complain_of_each(status.message(), kExitBadInput);
   if (command.scene.empty())
     return complain("tactus run: SCENE is required; accepted: see tactus run --help", kExitBadInput);
   if (const Error error = complete_options(command)) return complain_of(error);

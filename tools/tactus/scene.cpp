@@ -131,6 +131,7 @@ int check_scene(const CheckOptions& options) {
                       {"mistakes", to_json(diagnostics.mistakes)},
                       {"warnings", to_json(diagnostics.warnings)}};
   if (!scene.ok()) {
+    object["error"] = scene.message();
     if (options.json) fmt::print("{}\n", report_text(object, 2));
     fmt::print(stderr, "tactus: {}\n", scene.message());
     return kExitBadInput;

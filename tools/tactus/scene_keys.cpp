@@ -3,17 +3,15 @@
 
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "sim/loader/scene_effects.h"
 #include "sim/loader/scene_keys.h"
 #include "tools/json_text.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/scene_schema.h"
 
 namespace tactus::tools {
 namespace {
 
-using nlohmann::ordered_json;
 using sim::AskedKey;
 using sim::SceneKey;
 using sim::SceneTable;
@@ -97,94 +95,6 @@ void print_man(const std::vector<SceneTable>& language) {
   fmt::print(".SH SEE ALSO\n.BR tactus (1), tactus.toml (5)\n");
 }
 
-ordered_json schema_of(const SceneKey& key) {
-  ordered_json j;
-  switch (key.asked.type) {
-    case AskedKey::Type::kNumber:
-      j = {{"type", "number"}, {"minimum", key.asked.low}, {"maximum", key.asked.high}};
-      break;
-    case AskedKey::Type::kCount:
-      j = {{"type", "integer"}, {"minimum", key.asked.low}, {"maximum", key.asked.high}};
-      break;
-    case AskedKey::Type::kSeed:
-      j = {{"type", "integer"}, {"minimum", 0}};
-      break;
-    case AskedKey::Type::kFlag:
-      j = {{"type", "boolean"}};
-      break;
-    case AskedKey::Type::kText:
-      j = {{"type", "string"}, {"maxLength", static_cast<unsigned>(key.asked.high)}};
-      break;
-    case AskedKey::Type::kWord:
-      j = {{"enum", key.asked.words}};
-      break;
-    case AskedKey::Type::kVector:
-      j = {{"type", "array"},
-           {"items", {{"type", "number"}, {"minimum", key.asked.low}, {"maximum", key.asked.high}}},
-           {"minItems", 3},
-           {"maxItems", 3}};
-      break;
-    case AskedKey::Type::kArray:
-      j = {{"type", "array"}, {"maxItems", static_cast<unsigned>(key.asked.high)}};
-      break;
-    default:
-      j = {{"type", "object"}};
-      break;
-  }
-  std::string text = key.meaning;
-  if (!key.only_with.empty()) text += fmt::format("; of {}", key.only_with);
-  if (!key.asked.required && !key.fallback.empty()) text += fmt::format("; default {}", key.fallback);
-  j["description"] = text;
-  return j;
-}
-
-ordered_json schema_of(const SceneTable& table) {
-  ordered_json properties = ordered_json::object(), required = ordered_json::array();
-  for (const SceneKey& key : table.keys) {
-    const std::string& name = key.asked.key;
-    if (properties.contains(name)) {  // another generator's range or default: what one of them accepts
-      auto& other = properties[name];
-      if (!other.contains("anyOf")) other = {{"anyOf", ordered_json::array({other})}};
-      other["anyOf"].push_back(schema_of(key));
-      continue;
-    }
-    properties[name] = schema_of(key);
-    if (key.asked.required && key.only_with.empty()) required.push_back(name);
-  }
-  return {{"type", "object"},
-          {"description", table.purpose},
-          {"properties", properties},
-          {"required", required},
-          {"additionalProperties", false}};
-}
-
-ordered_json schema_of(const std::vector<SceneTable>& language) {
-  ordered_json root = schema_of(language.front());
-  for (const SceneTable& table : language) {
-    if (table.name.empty()) continue;
-    // "[[body]] path": the list `path` of each entry of the list `body`.
-    const bool is_list = table.name.rfind("[[", 0) == 0;
-    const std::size_t begin = is_list ? 2 : 1, end = table.name.find(']');
-    const std::string name = table.name.substr(begin, end - begin);
-    const std::size_t blank = table.name.find(' ');
-    ordered_json& own = root["properties"][name];
-    if (blank == std::string::npos) {
-      (is_list ? own["items"] : own) = schema_of(table);
-    } else {
-      (is_list ? own["items"] : own)["properties"][table.name.substr(blank + 1)]["items"] = schema_of(table);
-    }
-  }
-  ordered_json effects = ordered_json::array();
-  for (const auto& effect : sim::known_effects()) effects.push_back(effect.name);
-  root["properties"]["effects"]["items"] = {{"enum", effects}};
-  root["properties"]["effects"]["uniqueItems"] = true;
-  root["properties"]["body"]["items"]["properties"]["points_m"]["items"] = {
-      {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 3}, {"maxItems", 3}};
-  ordered_json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "a scene of tactus"}};
-  schema.update(root);
-  return schema;
-}
-
 bool is_called(const SceneTable& table, const std::string& name) {
   return table.name == name || table.name == "[" + name + "]" || table.name == "[[" + name + "]]";
 }
@@ -192,7 +102,7 @@ bool is_called(const SceneTable& table, const std::string& name) {
 int print_keys(const KeysOptions& options) {
   auto language = sim::scene_language();
   if (options.schema) {
-    fmt::print("{}\n", json_text(schema_of(language), 2));
+    fmt::print("{}\n", json_text(scene_schema(language), 2));
     return 0;
   }
   if (!options.table.empty()) {
@@ -201,8 +111,8 @@ int print_keys(const KeysOptions& options) {
       if (!table.name.empty()) all += (all.empty() ? "" : ", ") + table.name;
     std::erase_if(language, [&](const SceneTable& table) { return !is_called(table, options.table); });
     if (language.empty()) {
-      fmt::print(stderr, "tactus: scene keys: '{}' is not a table; accepted: {}\n", options.table, all);
-      return kExitBadInput;
+      return complain(fmt::format("tactus scene keys: '{}' is not a table; accepted: {}", options.table, all),
+                      kExitBadInput);
     }
   }
   if (options.markdown)

@@ -39,10 +39,7 @@ int keep_budget(TuneCommand& command) {
 
 int run_tune_command(TuneCommand& command) {
   auto scene = sim::load_scene(command.request.file);
-  if (!scene.ok()) {
-    fmt::print(stderr, "tactus: {}\n", scene.message());
-    return kExitBadInput;
-  }
+  if (!scene.ok()) return complain_of_each(scene.message(), kExitBadInput);
   command.request.scene = std::move(scene).value();
   if (const int exit_code = keep_budget(command); exit_code != kExitGood) return exit_code;
   std::signal(SIGINT, ask_to_stop);

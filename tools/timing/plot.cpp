@@ -77,12 +77,12 @@ constexpr std::size_t kWordsBold = 68, kWords = 84;  // characters that fit a li
 // Text and paper are 4.5 : 1 apart or more, curves and paper 3 : 1, light and dark; printed it is light.
 constexpr const char* kStyle =
     "<style>svg{--paper:#fff;--ink:#1a1a1b;--mute:#55595e;--grid:#e2e4e7;--c0:#0067a5;--c1:#c94f00;--c2:#00805d;"
-    "--c3:#6b4fb3;--limit:#b03a00;background:var(--paper);color-scheme:light dark;max-width:100%;height:auto;"
+    "--c3:#6b4fb3;background:var(--paper);color-scheme:light dark;max-width:100%;height:auto;"
     "font:12px 'DejaVu Sans',Verdana,sans-serif}"
     "@media screen and (prefers-color-scheme:dark){svg{--paper:#14171a;--ink:#e6e6e7;--mute:#a9afb6;--grid:#33383e;"
-    "--c0:#5db5f2;--c1:#ff8d4d;--c2:#3fcfa3;--c3:#b9a6ff;--limit:#ff9a66}}"
+    "--c0:#5db5f2;--c1:#ff8d4d;--c2:#3fcfa3;--c3:#b9a6ff}}"
     "text{fill:var(--ink)}.answer{font-weight:bold;font-size:13px}.made{fill:var(--mute);font-size:11px}"
-    ".grid{stroke:var(--grid)}.limit{stroke:var(--limit);stroke-dasharray:4 2 1 2;stroke-width:1.4}"
+    ".grid{stroke:var(--grid)}.limit{stroke:var(--ink);stroke-dasharray:4 2 1 2;stroke-width:1.4}"
     ".series{fill:none}.s0{stroke:var(--c0);stroke-width:2.6}.s1{stroke:var(--c1);stroke-width:2;stroke-dasharray:7 3}"
     ".s2{stroke:var(--c2);stroke-width:1.6;stroke-dasharray:2 2}"
     ".s3{stroke:var(--c3);stroke-width:1.6;stroke-dasharray:8 3 2 3}</style>\n";
@@ -94,11 +94,20 @@ std::string escaped(const std::string& words) {
   return text;
 }
 
-// Lines of at most so many bytes, broken at spaces; a word that is longer is cut.
+bool is_figure(std::string_view word) {
+  const auto in_number = [](char c) { return (c >= '0' && c <= '9') || c == '.' || c == '-'; };
+  return !word.empty() && std::all_of(word.begin(), word.end(), in_number);
+}
+
+// Lines of at most so many bytes, broken at spaces, but not between a number and what follows it, its unit; a word that
+// is longer is cut.
 std::vector<std::string> wrapped(const std::string& words, std::size_t most) {
   std::vector<std::string> lines{""};
   for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find(' ', at), std::min(words.size(), at + most));
+    std::size_t end = std::min(words.find(' ', at), words.size());
+    if (end < words.size() && is_figure(std::string_view(words).substr(at, end - at)))
+      end = std::min(words.find(' ', end + 1), words.size());
+    end = std::min(end, at + most);
     const std::string word = words.substr(at, end - at);
     if (!lines.back().empty() && lines.back().size() + 1 + word.size() > most) lines.emplace_back();
     lines.back() += (lines.back().empty() ? "" : " ") + word;

@@ -131,11 +131,10 @@ std::string to_text(const TimingResult& r) {
 
 ordered_json to_json(const TimingResult& r) {
   const Books& b = r.books;
-  ordered_json j{{"verdict", name_of(r.verdict())},
-                 {"degraded", r.summary.degraded()},
-                 {"ticks", b.ticks},
-                 {"rate_Hz", r.options.run.rate_Hz},
-                 {"cpu", r.options.run.cpu}};
+  ordered_json j{{"scene", r.summary.scene_name},      {"scene_file", r.options.run.scene.string()},
+                 {"scene_hash", r.summary.scene_hash}, {"verdict", name_of(r.verdict())},
+                 {"degraded", r.summary.degraded()},   {"ticks", b.ticks},
+                 {"rate_Hz", r.options.run.rate_Hz},   {"cpu", r.options.run.cpu}};
   for (std::uint32_t i = 0; i < kStages; ++i) j["stages"][name_of(static_cast<Stage>(i))] = times_json(b.stages[i]);
   j["execution"] = times_json(b.execution);
   j["computing"] = times_json(b.compute);

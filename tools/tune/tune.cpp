@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "sim/loader/scene_load.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
 #include "tools/session/open_link.h"
@@ -163,6 +164,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
                             const std::atomic<bool>& stop) {
   TuneReport report;
   report.file = request.file, report.scene = request.scene.name;
+  report.scene_hash = sim::source_hash(request.scene.source);
   report.bodies = experiment::moving_bodies(request.scene);
   report.limits = request.limits, report.limits.bodies = report.bodies;
   if (report.bodies > haptics::kMaxMembers)

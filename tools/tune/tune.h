@@ -46,7 +46,7 @@ struct FurtherStep {
 };
 
 struct TuneReport {
-  std::string file, scene;
+  std::string file, scene, scene_hash;
   unsigned bodies{0}, windows{0};
   Limits limits;
   double core_factor{1};  // a tick in the loop / the same tick in a row

@@ -101,6 +101,8 @@ std::string tune_json(const TuneReport& r) {
     further.push_back(one);
   }
   return report_text(ordered_json{{"scene", r.scene},
+                                  {"scene_file", r.file},
+                                  {"scene_hash", r.scene_hash},
                                   {"bodies", r.bodies},
                                   {"windows", r.windows},
                                   {"trials", r.trials},

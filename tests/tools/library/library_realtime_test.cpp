@@ -1,5 +1,7 @@
 // The front door in real time. Nothing here depends on how fast the machine is.
 #include <atomic>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "tests/tools/library/library_bench.h"
@@ -82,4 +84,35 @@ TEST_CASE("a monitor or another thread ends a run, and a short history says what
   }));
   other.join();
   CHECK(session.ticks_done() > 0);
+}
+
+TEST_CASE("a recorded run that ends with a fault leaves its last seconds beside it, and says where") {
+  namespace fs = std::filesystem;
+  const fs::path before = fs::current_path(), folder = fs::temp_directory_path() / "tactus-fault-tape-test";
+  fs::create_directories(folder);
+  fs::current_path(folder);
+  std::ofstream("tactus-fault.tape") << "an earlier one";
+  const bool faulty = GENERATE(true, false);
+  Options options = real_time();
+  if (faulty) options.inject = "estop@200+10000";
+  Session session = session_of(scene_of("press.toml"), options);
+  REQUIRE_FALSE(session.record("mine.tape"));
+  const Error error = session.run(0.4);
+  const std::string text = session.summary().text;
+  REQUIRE_FALSE(session.close());
+  Replay whole, last;
+  const Error mine = replay_tape("mine.tape", whole), fault = replay_tape("tactus-fault.tape", last);
+  fs::current_path(before);
+  fs::remove_all(folder);
+  INFO(error.message() << mine.message() << text);
+  REQUIRE_FALSE(error);
+  REQUIRE_FALSE(mine);
+  CHECK(whole.ticks == 400);
+  if (faulty) {  // without a fault a tick that was lost to own work may leave one, too
+    CHECK_THAT(text, Contains("flight recorder        tactus-fault.tape"));
+    INFO(fault.message());
+    REQUIRE_FALSE(fault);
+    CHECK(last.ticks > 200);
+    CHECK(last.same_bits);
+  }
 }

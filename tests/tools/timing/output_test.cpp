@@ -72,7 +72,12 @@ TEST_CASE("the trace has the stages of the ticks around a spike, and a mark on i
 }
 
 TEST_CASE("the report has percentiles by stage in us, overruns by cause and the verdict") {
-  const auto j = to_json(made_result());
+  TimingResult made = made_result();
+  made.options.run.scene = "my/scene.toml", made.summary.scene_name = "scene", made.summary.scene_hash = "0123";
+  const auto j = to_json(made);
+  CHECK(j["scene"] == "scene");
+  CHECK(j["scene_file"] == "my/scene.toml");
+  CHECK(j["scene_hash"] == "0123");
   CHECK(j["ticks"] == 400);
   CHECK(j["stages"].size() == kStages);
   CHECK(j["stages"]["solve"]["p50_us"] == Approx(120).epsilon(0.02));

@@ -14,7 +14,7 @@ namespace {
 
 TuneReport made_up() {
   TuneReport report;
-  report.file = "my.toml", report.scene = "my";
+  report.file = "my.toml", report.scene = "my", report.scene_hash = "0123";
   report.limits = {.tick_us = 600, .global_us = 800, .members = 256, .sub_steps = 16, .bodies = 40};
   report.chosen.setting = {.sub_steps = 8, .relax_sweeps = 2, .contact_Hz = 250, .members = 40, .ratio = 4};
   report.chosen.tick_us_p99 = 400, report.chosen.force_error = 0.02;
@@ -51,6 +51,8 @@ TEST_CASE("The lines for the scene make it what was chosen") {
 
 TEST_CASE("A further step says what it buys, what it costs and whether it fits") {
   const auto json = nlohmann::json::parse(tune_json(made_up()));
+  CHECK(json["scene_file"] == "my.toml");
+  CHECK(json["scene_hash"] == "0123");
   const std::string first = json["further"][0]["sentence"], second = json["further"][1]["sentence"];
   CHECK_THAT(first, Catch::Contains("sub-steps 8 -> 16: saves 0.500 % of force error, costs 390 us a tick") &&
                         Catch::Contains("does not fit: a tick of 790 us, 600 are allowed"));

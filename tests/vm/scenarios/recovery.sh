@@ -79,6 +79,8 @@ for periods in 1 8; do
   [ "$(grep -c 'FAULT at' "$host_log")" -gt "$before" ]
   verdict "reset of $periods periods: a fault in words" "$(last_lines)"
   report
+  awk -v rise="$(value largest_rise)" 'BEGIN { exit !(rise <= 0.01) }'
+  verdict "reset of $periods periods: no step before the brake" "a step of $(value largest_rise) of the limit"
   comes_in "reset of $periods periods"
 done
 

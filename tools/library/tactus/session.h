@@ -71,10 +71,15 @@ class Session {
   bool is_open() const noexcept;
 
   /// Writes a tape of all that follows, for replay_tape and `tactus replay`. Before the first tick.
+  ///
+  /// A recorded run() that ends with a fault latched, or lost a tick to its own work, also leaves its last seconds in
+  /// `tactus-fault.tape` in the working directory, in place of an earlier one; summary() names it, as *flight recorder*.
+  /// \param tape is written over
+  /// \return kUse: not open, or ticks have been; kFile: it cannot be written
   Error record(const std::filesystem::path& tape);
 
   /// One tick in virtual time: the device is read, the sub-world moves, the force is written; where a global step is
-  /// due it is taken, too. Allocates nothing, but for a step in which the scene begins anew and for a tape. \return
+  /// due it is taken, too. Allocates nothing, but for a step that resets the scene and for a tape. \return
   /// kUse: not open, in real time, or ended; kMachine: the device did not start
   Error tick() { return step(1); }
   /// As many ticks; stop() ends them early. What the device's code throws or prints is not the library's.

@@ -51,7 +51,7 @@ enum class Condition : std::uint32_t {
   kNotArmed = 1u << 12,          ///< no force until armed
   kProxyContact = 1u << 13,      ///< the proxy touches something
   kBorderSpent = 1u << 14,       ///< the border has no energy left to give
-  kSceneReset = 1u << 15,        ///< the scene begins anew, with the force off
+  kSceneReset = 1u << 15,        ///< the scene is being reset, with the force off
 };
 
 /// A condition in a few words; empty for a value that is none.
