@@ -116,8 +116,8 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
-    if (border_.ghosts) choose_buffer(device, next);
     if (stepped_) fill_border(device, next);
+    if (options_.border_mode == physics::BorderMode::kGhost) choose_buffer(device, next);
   }
   if (coupling_.proxy_planes > 0 && stepped_)
     fill_proxy_planes(world_, device.id, pass_s_, coupling_.proxy_planes, next.border);
@@ -131,7 +131,9 @@ void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
   for (const std::uint32_t place : device.extraction.members())
     if (device.buffer[place] != 0)
       (void)next.renewed.try_push({bodies[place].id, 0, bodies[place].motion});  // as many as members, at most
-  const std::uint32_t uneven = buffer_choice_.choose(bodies, device.extraction, graph_, device.proxy, device.buffer);
+  const BufferChoice::Surroundings around{world_.contacts(), islands_.awake(), next.outside.span()};
+  const std::uint32_t uneven =
+      buffer_choice_.choose(bodies, device.extraction, graph_, device.proxy, around, device.buffer);
   statistics_.most_uneven_members = std::max(statistics_.most_uneven_members, uneven);
   if (uneven > 0) ++statistics_.uneven_cycles;
   for (const std::uint32_t place : device.extraction.members())
