@@ -117,7 +117,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
     if (stepped_) fill_border(device, next);
-    if (options_.border_mode == physics::BorderMode::kGhost) choose_buffer(device, next);
+    if (border_.ghosts) choose_buffer(device, next);
   }
   if (coupling_.proxy_planes > 0 && stepped_)
     fill_proxy_planes(world_, device.id, pass_s_, coupling_.proxy_planes, next.border);

@@ -69,8 +69,8 @@ bool BufferChoice::weigh(std::span<const Body> bodies, const Extraction& extract
   return any;
 }
 
-void BufferChoice::find_shares(std::span<const Body> bodies, const Extraction& extraction,
-                               const ContactGraph& graph, std::uint32_t proxy, const Surroundings& around) noexcept {
+void BufferChoice::find_shares(std::span<const Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                               std::uint32_t proxy, const Surroundings& around) noexcept {
   for (const auto& contact : around.contacts)
     if (contact.b_fixed && contact.touching()) shares_[around.places[contact.slot_a]].other = 1;
   const auto add = [&](const Touch& touch, std::uint32_t of, std::uint32_t by) noexcept {

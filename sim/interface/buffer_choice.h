@@ -43,9 +43,9 @@ class BufferChoice {
 
   // What holds members from outside their group, of the last step; all empty before the first one.
   struct Surroundings {
-    std::span<const physics::Contact> contacts;  // of the world, those with static geometry among them
-    std::span<const std::uint32_t> places;               // by the world's slots: slots of `bodies`
-    std::span<const haptics::OutsideBody> outside;       // ghosts of the cycle to come, ascending ids
+    std::span<const physics::Contact> contacts;     // of the world, those with static geometry among them
+    std::span<const std::uint32_t> places;          // by the world's slots: slots of `bodies`
+    std::span<const haptics::OutsideBody> outside;  // ghosts of the cycle to come, ascending ids
   };
 
   explicit BufferChoice(std::uint32_t max_bodies)
@@ -57,9 +57,8 @@ class BufferChoice {
 
   // Marks the buffer bodies, by slot, among the chosen members; never the proxy. Returns how many of them are there for
   // their uneven group alone.
-  std::uint32_t choose(std::span<const physics::Body> bodies, const Extraction& extraction,
-                       const ContactGraph& graph, std::uint32_t proxy, const Surroundings& around,
-                       std::span<std::uint8_t> in_buffer) noexcept;
+  std::uint32_t choose(std::span<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                       std::uint32_t proxy, const Surroundings& around, std::span<std::uint8_t> in_buffer) noexcept;
 
  private:
   // What a sweep leaves of an error of a member, w / (w + W), against the last member that is linked to it, and the
@@ -74,8 +73,8 @@ class BufferChoice {
   // The extremes of every group, without those at_end. Is one at the border uneven?
   bool weigh(std::span<const physics::Body> bodies, const Extraction& extraction,
              std::span<const std::uint8_t> in_buffer, physics::Islands& groups) noexcept;
-  void find_shares(std::span<const physics::Body> bodies, const Extraction& extraction,
-                   const ContactGraph& graph, std::uint32_t proxy, const Surroundings& around) noexcept;
+  void find_shares(std::span<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                   std::uint32_t proxy, const Surroundings& around) noexcept;
   bool is_uneven(std::uint32_t group) const noexcept {
     return at_border_[group] != 0 && heaviest_[group] > kMostUneven * lightest_[group];
   }
