@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "sim/loader/scene.h"
+#include "sim/model/scene.h"
 
 namespace tactus::sim {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "rt/base/histogram.h"
-#include "sim/interface/snapshot_server.h"
+#include "sim/snapshot_server.h"
 
 namespace tactus::sim {
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
-#include "rt/haptics/snapshot_bytes.h"
+#include "rt/haptics/coupling/snapshot_bytes.h"
 #include "rt/physics/passes.h"
-#include "sim/loader/scene_effects.h"
+#include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
 namespace {

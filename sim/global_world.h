@@ -17,16 +17,16 @@
 
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_limits.h"
-#include "rt/haptics/coupling_scheme.h"
+#include "rt/haptics/coupling/coupling_scheme.h"
 #include "rt/physics/overlap.h"
 #include "sim/energy_book.h"
-#include "sim/interface/approach.h"
-#include "sim/interface/border_log.h"
-#include "sim/interface/buffer_choice.h"
-#include "sim/interface/extraction.h"
+#include "sim/exchange/approach.h"
+#include "sim/exchange/border_log.h"
+#include "sim/exchange/buffer_choice.h"
+#include "sim/exchange/extraction.h"
 #include "sim/island_manager.h"
-#include "sim/loader/scene.h"
-#include "sim/pair_cache.h"
+#include "sim/model/scene.h"
+#include "sim/broad_phase/pair_cache.h"
 #include "sim/worker_pool.h"
 
 namespace tactus::sim {

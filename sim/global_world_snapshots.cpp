@@ -1,11 +1,11 @@
 // What the global world tells a sub-world after a step: touches, members, joiners, the border.
 #include <utility>
 
-#include "rt/haptics/plane_coupling.h"
-#include "rt/haptics/snapshot_bytes.h"
+#include "rt/haptics/coupling/plane_coupling.h"
+#include "rt/haptics/coupling/snapshot_bytes.h"
 #include "sim/global_world.h"
-#include "sim/interface/mesh_neighbourhood.h"
-#include "sim/interface/proxy_planes.h"
+#include "sim/exchange/mesh_neighbourhood.h"
+#include "sim/exchange/proxy_planes.h"
 
 namespace tactus::sim {
 

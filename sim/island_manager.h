@@ -12,7 +12,7 @@
 
 #include "rt/physics/islands.h"
 #include "rt/physics/world.h"
-#include "sim/box_grid.h"
+#include "sim/broad_phase/box_grid.h"
 
 namespace tactus::sim {
 

@@ -23,7 +23,7 @@
 #include "hal/frame_link.h"
 #include "hal/usb/usb_connection.h"
 #include "rt/base/latest_value.h"
-#include "rt/loop/realtime_thread.h"
+#include "rt/thread/realtime_thread.h"
 
 namespace tactus::hal {
 

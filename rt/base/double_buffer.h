@@ -2,7 +2,7 @@
 // reader, no wait on either side.
 //
 // Strict alternation makes it safe: value n lives in buffer n & 1, and the writer begins n only after it knows, by the
-// other direction's sequence number, that the reader has done with n - 2 (see rt/haptics/exchange.h). Two edges order
+// other direction's sequence number, that the reader has done with n - 2 (see rt/haptics/coupling/exchange.h). Two edges order
 // the memory, and both are needed:
 //   down: write of n -> publish(n), release -> try_read(n), acquire -> reads of n. Nobody sees half a value.
 //   up:   reads of n - 2 -> the reader's publish() in the other direction, release -> the writer's try_read() there,

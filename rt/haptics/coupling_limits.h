@@ -25,7 +25,7 @@
 // stands behind the coupling.
 #pragma once
 
-#include "rt/haptics/coupling_gains.h"
+#include "rt/haptics/coupling/coupling_gains.h"
 #include "rt/haptics/device.h"
 
 namespace tactus::haptics {

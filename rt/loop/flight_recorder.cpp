@@ -1,6 +1,6 @@
 #include "rt/loop/flight_recorder.h"
 
-#include "rt/haptics/snapshot_bytes.h"
+#include "rt/haptics/coupling/snapshot_bytes.h"
 
 namespace tactus::loop {
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "rt/base/nonblocking.h"
-#include "rt/haptics/exchange.h"
+#include "rt/haptics/coupling/exchange.h"
 #include "rt/loop/flight_recorder.h"
 
 namespace tactus::loop {

@@ -14,7 +14,7 @@
 #include "rt/haptics/force_watch.h"
 #include "rt/haptics/input_guard.h"
 #include "rt/haptics/passivity.h"
-#include "rt/haptics/sub_world.h"
+#include "rt/haptics/coupling/sub_world.h"
 #include "rt/haptics/velocity_estimator.h"
 #include "rt/loop/governor.h"
 #include "rt/loop/tick_stages.h"

@@ -15,7 +15,7 @@
 
 #include "rt/base/ring.h"
 #include "rt/loop/tick_stages.h"
-#include "rt/loop/timing.h"
+#include "rt/thread/timing.h"
 
 namespace tactus::loop {
 

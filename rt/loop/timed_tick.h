@@ -21,7 +21,7 @@
 #include "rt/loop/haptic_driver.h"
 #include "rt/loop/run_stats.h"
 #include "rt/loop/tick_probe.h"
-#include "rt/loop/timing.h"
+#include "rt/thread/timing.h"
 
 namespace tactus::loop {
 

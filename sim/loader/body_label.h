@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "sim/loader/scene.h"
+#include "sim/model/scene.h"
 
 namespace tactus::sim {
 

@@ -7,7 +7,7 @@
 
 #include "rt/base/rotation_vector.h"
 #include "sim/loader/scene_load.h"
-#include "sim/loader/shape_words.h"
+#include "sim/geometry/shape_words.h"
 
 namespace tactus::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/loader/scene_effects.h"
+#include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
 namespace {

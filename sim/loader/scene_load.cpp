@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "rt/base/hash.h"
-#include "rt/haptics/snapshot.h"
-#include "sim/loader/choice_names.h"
+#include "rt/haptics/coupling/snapshot.h"
+#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load_effects.h"
 #include "sim/loader/scene_load_hand.h"
 #include "sim/loader/scene_load_parts.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "rt/base/result.h"
-#include "sim/loader/scene.h"
+#include "sim/model/scene.h"
 
 namespace tactus::sim {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "sim/loader/nearest_word.h"
-#include "sim/loader/scene_effects.h"
+#include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
 namespace {

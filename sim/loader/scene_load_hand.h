@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "sim/loader/motion_file.h"
-#include "sim/loader/scene.h"
+#include "sim/model/scene.h"
 #include "sim/loader/scene_load_reader.h"
 
 namespace tactus::sim {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/loader/hull_gap.h"
-#include "sim/loader/mesh_files.h"
+#include "sim/geometry/hull_gap.h"
+#include "sim/geometry/mesh_files.h"
 #include "sim/loader/scene_load_files.h"
-#include "sim/loader/shape_files.h"
+#include "sim/geometry/shape_files.h"
 
 namespace tactus::sim {
 namespace {

@@ -9,7 +9,7 @@
 #include <map>
 #include <optional>
 
-#include "sim/loader/hull_builder.h"
+#include "sim/geometry/hull_builder.h"
 #include "sim/loader/scene_load_reader.h"
 
 namespace tactus::sim {

@@ -12,9 +12,9 @@
 #include "rt/physics/shapes/mesh_query.h"
 #include "rt/physics/step.h"
 #include "sim/loader/body_label.h"
-#include "sim/loader/rounded_down.h"
-#include "sim/loader/scene_effects.h"
-#include "sim/pair_grid.h"
+#include "sim/model/rounded_down.h"
+#include "sim/model/scene_effects.h"
+#include "sim/broad_phase/pair_grid.h"
 
 namespace tactus::sim {
 namespace {

@@ -66,7 +66,7 @@ struct CapacityReport {
 struct SceneReport {
   std::string name, title;
   BodyCounts bodies;
-  std::vector<EffectReport> effects;                     // all that there are, sim/loader/scene_effects.cpp
+  std::vector<EffectReport> effects;                     // all that there are, sim/model/scene_effects.cpp
   double lightest_kg{0}, heaviest_kg{0}, mass_ratio{1};  // dynamic bodies that follow no script
   double contact_hertz_Hz{0}, max_contact_hertz_Hz{0};
   PenetrationReport penetration;

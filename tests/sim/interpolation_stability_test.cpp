@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "rt/haptics/interpolation_limit.h"
-#include "rt/haptics/sub_world.h"
+#include "rt/haptics/coupling/sub_world.h"
 #include "sim/global_world.h"
 
 namespace {

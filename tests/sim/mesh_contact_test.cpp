@@ -1,5 +1,5 @@
 // What lies, slides and rolls on a mesh: as on the solid that it bounds, and without a bump at its seams.
-#include "tests/sim/mesh_support.h"
+#include "tests/sim/geometry/mesh_support.h"
 #include "tests/support/rt_guard.h"
 #include "tests/support/skip.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
 #include "tools/session/realtime_run.h"

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "rt/base/hash.h"
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;

@@ -5,7 +5,7 @@
 
 #include "rt/base/denormals.h"
 #include "rt/physics/world.h"
-#include "sim/pair_cache.h"
+#include "sim/broad_phase/pair_cache.h"
 
 namespace tactus::bench {
 

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "rt/loop/realtime_setup.h"
+#include "rt/thread/realtime_setup.h"
 
 namespace tactus::doctor {
 namespace {

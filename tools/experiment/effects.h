@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loader/scene.h"
+#include "sim/model/scene.h"
 #include "tools/experiment/progress.h"
 
 namespace tactus::experiment {

@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "rt/base/denormals.h"
-#include "rt/haptics/snapshot.h"
-#include "sim/loader/choice_names.h"
-#include "sim/pair_cache.h"
+#include "rt/haptics/coupling/snapshot.h"
+#include "sim/model/choice_names.h"
+#include "sim/broad_phase/pair_cache.h"
 #include "sim/worker_pool.h"
 #include "tools/experiment/engine.h"
 #include "tools/experiment/scene_shapes.h"

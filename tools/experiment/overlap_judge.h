@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "rt/physics/world.h"
-#include "sim/pair_grid.h"
+#include "sim/broad_phase/pair_grid.h"
 #include "tools/experiment/scene.h"
 
 namespace tactus::experiment {

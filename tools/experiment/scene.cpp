@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "rt/base/check.h"
-#include "sim/loader/hull_builder.h"
+#include "sim/geometry/hull_builder.h"
 #include "sim/random.h"
 #include "tools/experiment/scene_shapes.h"
 

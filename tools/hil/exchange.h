@@ -15,7 +15,7 @@
 #include "hal/any_link.h"
 #include "hal/frame_codec.h"
 #include "rt/base/ring.h"
-#include "rt/loop/periodic_thread.h"
+#include "rt/thread/periodic_thread.h"
 
 namespace tactus::hil {
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/library/access.h"
 
 namespace tactus::library {

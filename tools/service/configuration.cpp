@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "rt/haptics/snapshot.h"
-#include "sim/loader/choice_names.h"
+#include "rt/haptics/coupling/snapshot.h"
+#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load_reader.h"
 #include "sim/worker_pool.h"
 #include "tools/doctor/system_view.h"

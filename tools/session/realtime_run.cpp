@@ -8,8 +8,8 @@
 
 #include "hal/device_words.h"
 #include "rt/base/denormals.h"
-#include "rt/loop/calibration.h"
-#include "rt/loop/periodic_thread.h"
+#include "rt/calibration/calibration.h"
+#include "rt/thread/periodic_thread.h"
 #include "sim/global_thread.h"
 #include "tools/caught.h"
 #include "tools/session/stolen_time.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "rt/base/denormals.h"
-#include "rt/haptics/snapshot_bytes.h"
-#include "rt/loop/tape.h"
+#include "rt/haptics/coupling/snapshot_bytes.h"
+#include "rt/tape/tape.h"
 #include "sim/loader/scene_load.h"
 #include "tools/session/session.h"
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/gpio/gpio_options.h"
-#include "rt/haptics/snapshot.h"
-#include "sim/loader/choice_names.h"
+#include "rt/haptics/coupling/snapshot.h"
+#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load.h"
 #include "sim/worker_pool.h"
 #include "tools/json_text.h"

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "rt/base/result.h"
-#include "rt/haptics/coupling_scheme.h"
+#include "rt/haptics/coupling/coupling_scheme.h"
 #include "rt/haptics/device.h"
 #include "rt/physics/border/border_contact.h"
-#include "sim/interface/extraction.h"
+#include "sim/exchange/extraction.h"
 
 namespace tactus::session {
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "rt/haptics/interpolation_limit.h"
-#include "sim/loader/choice_names.h"
-#include "sim/loader/rounded_down.h"
+#include "sim/model/choice_names.h"
+#include "sim/model/rounded_down.h"
 #include "tools/session/session.h"
 
 namespace tactus::session {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "rt/haptics/coupling_limits.h"
-#include "sim/loader/scene.h"
+#include "sim/model/scene.h"
 #include "tools/session/run_options.h"
 
 namespace tactus::session {

@@ -7,7 +7,7 @@
 
 #include "hal/device_words.h"
 #include "hal/printable.h"
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/version/version.h"
 
 namespace tactus::session {

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "hal/device_on_link.h"
-#include "rt/loop/calibration.h"
-#include "rt/loop/realtime_setup.h"
+#include "rt/calibration/calibration.h"
+#include "rt/thread/realtime_setup.h"
 #include "rt/loop/run_stats.h"
-#include "rt/loop/timing.h"
+#include "rt/thread/timing.h"
 #include "sim/global_world.h"
 #include "tools/session/run_options.h"
 #include "tools/session/scheme_gains.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/capacity.h"
 #include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/experiment/hard_cases/random_world.h"
-#include "tools/experiment/hard_cases/report.h"
-#include "tools/experiment/hard_cases/trial_report.h"
+#include "tools/validation/random_world.h"
+#include "tools/validation/report.h"
+#include "tools/validation/trial_report.h"
 #include "tools/experiment/page.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/timing.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "sim/loader/scene_effects.h"
+#include "sim/model/scene_effects.h"
 
 namespace tactus::tools {
 namespace {

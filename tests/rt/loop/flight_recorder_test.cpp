@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "rt/haptics/snapshot_bytes.h"
+#include "rt/haptics/coupling/snapshot_bytes.h"
 #include "tests/support/rt_guard.h"
 
 using namespace tactus;

@@ -11,7 +11,7 @@
 #include <ctime>
 #include <thread>
 
-#include "rt/loop/periodic_thread.h"
+#include "rt/thread/periodic_thread.h"
 #include "sim/global_thread.h"
 #include "tests/support/rt_guard.h"
 #include "tests/support/syscall_filter.h"

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sim/loader/scene_effects.h"
+#include "sim/model/scene_effects.h"
 #include "sim/loader/scene_load.h"
 #include "sim/loader/scene_report.h"
 

@@ -61,7 +61,7 @@ TEST_CASE("The judge sees a scene fall: an upper cube that a border of frozen bo
   CHECK(rows[0].fallen == 1);
 }
 
-// The border below the heavy one, below the first light one and through the light ones (sim/interface/buffer_choice.h).
+// The border below the heavy one, below the first light one and through the light ones (sim/exchange/buffer_choice.h).
 TEST_CASE("A tonne stands on light cubes, wherever the border runs") {
   for (const WholeRunRow& row : runs_of("thousand", {2, 8, 16}, {2, 0, 5}, 5)) {
     INFO("ratio " << row.scheme.ratio << ", " << row.members << " members: off by " << 1e3 * row.pose_off_m << " mm");

@@ -1,6 +1,6 @@
 // The front door in virtual time: the same bits as the program, views that follow, errors that say what helps.
 #include "rt/base/denormals.h"
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tests/support/rt_guard.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_file.h"

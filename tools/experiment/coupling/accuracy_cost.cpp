@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "rt/loop/governor.h"
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"

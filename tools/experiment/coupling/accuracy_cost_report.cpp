@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/accuracy_cost.h"
 #include "tools/json_report.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load.h"
 #include "tools/experiment/coupling/coupled_worlds.h"
 #include "tools/experiment/statistics.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "rt/base/result.h"
-#include "rt/haptics/coupling_scheme.h"
+#include "rt/haptics/coupling/coupling_scheme.h"
 #include "tools/experiment/coupling/scheme.h"
 #include "tools/experiment/progress.h"
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/capacity.h"
 #include "tools/json_report.h"
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "rt/haptics/sub_world.h"
+#include "rt/haptics/coupling/sub_world.h"
 #include "sim/global_world.h"
 #include "tools/session/run_options.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "rt/base/result.h"
-#include "sim/loader/scene.h"
+#include "sim/model/scene.h"
 
 namespace tactus::experiment {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/coupling_study.h"
 #include "tools/experiment/coupling/reference_run.h"
 #include "tools/json_report.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "rt/haptics/coupling_limits.h"
-#include "sim/interface/extraction.h"
+#include "sim/exchange/extraction.h"
 #include "tools/experiment/coupling/coupling_cases.h"
 #include "tools/experiment/coupling/energy_measures.h"
 #include "tools/experiment/coupling/scheme.h"

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/session/run_options.h"
 
 namespace tactus::experiment {

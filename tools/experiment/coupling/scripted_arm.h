@@ -10,7 +10,7 @@
 #include "hal/hand.h"
 #include "hal/plant.h"
 #include "rt/haptics/device_placement.h"
-#include "rt/haptics/sub_world.h"
+#include "rt/haptics/coupling/sub_world.h"
 #include "rt/haptics/velocity_estimator.h"
 
 namespace tactus::experiment {

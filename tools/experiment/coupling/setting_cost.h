@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "hal/profiles.h"
-#include "rt/haptics/coupling_scheme.h"
+#include "rt/haptics/coupling/coupling_scheme.h"
 #include "rt/physics/step.h"
 #include "rt/physics/sweep_precision.h"
-#include "sim/interface/extraction.h"
+#include "sim/exchange/extraction.h"
 #include "tools/experiment/coupling/force_measures.h"
 #include "tools/experiment/coupling/reference_run.h"
 #include "tools/experiment/coupling/scheme.h"

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "rt/base/denormals.h"
-#include "sim/loader/choice_names.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/force_measures.h"
 #include "tools/experiment/coupling/reference_run.h"
 #include "tools/session/open_link.h"

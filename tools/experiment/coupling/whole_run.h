@@ -13,8 +13,8 @@
 
 #include "rt/base/result.h"
 #include "rt/haptics/coupling_limits.h"
-#include "sim/interface/extraction.h"
-#include "sim/loader/scene.h"
+#include "sim/exchange/extraction.h"
+#include "sim/model/scene.h"
 #include "tools/experiment/coupling/scheme.h"
 #include "tools/experiment/progress.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hal/simulated_device.h"
-#include "rt/haptics/sub_world.h"
+#include "rt/haptics/coupling/sub_world.h"
 #include "rt/haptics/velocity_estimator.h"
 #include "sim/random.h"
 #include "tools/experiment/coupling/scheme.h"

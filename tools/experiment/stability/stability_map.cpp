@@ -8,7 +8,7 @@
 
 #include "hal/profiles.h"
 #include "rt/base/denormals.h"
-#include "rt/loop/periodic_thread.h"
+#include "rt/thread/periodic_thread.h"
 
 namespace tactus::experiment {
 namespace {

@@ -1,0 +1,78 @@
+#include "rt/haptics/coupling/border_buffer.h"
+
+#include <functional>
+
+#include "rt/physics/contact/find_contact.h"
+
+namespace tactus::haptics {
+
+namespace {
+
+// A contact whose friction is further used up than this slides.
+constexpr double kHolds = 0.95;
+
+// The body's point at which it and the proxy hold on to each other by friction; null: they do not.
+struct Hold {
+  const physics::Contact* contact{nullptr};
+  Vec3d point;  // m, world
+};
+
+Hold hold_between(const physics::World& world, BodyId proxy, std::uint32_t slot) noexcept {
+  const auto& body = world.bodies()[slot];
+  const auto* contact = physics::find_contact(world.contacts(), proxy, body.id);
+  if (contact == nullptr) return {};
+  Vec3d friction, arm;
+  double pressed = 0;
+  for (std::uint32_t i = 0; i < contact->count; ++i) {
+    const auto& point = contact->points[i];
+    friction += point.total_friction, pressed += point.total_normal_impulse;
+    arm += point.total_normal_impulse * (contact->slot_a == slot ? point.from_a : point.from_b);
+  }
+  if (!(norm(friction) < kHolds * contact->friction * pressed)) return {};
+  return {contact, body.motion.pose.position + arm * (1 / pressed)};
+}
+
+}  // namespace
+
+BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId proxy, physics::World& world) noexcept {
+  Adopted adopted;
+  double held = 0;
+  for (const MemberMotion& renewed : snapshot.renewed) {
+    const std::int32_t slot = world.slot_of(renewed.id);
+    if (slot < 0 || !holds(renewed.id)) continue;
+    auto& body = world.bodies()[static_cast<std::uint32_t>(slot)];
+    const Hold hold = hold_between(world, proxy, static_cast<std::uint32_t>(slot));
+    const Posed before = body.motion.pose;
+    adopted.gained_J -= kinetic_energy(body);
+    body.motion = renewed.motion;
+    adopted.gained_J += kinetic_energy(body);
+    if (hold.contact == nullptr) continue;
+    const Vec3d moved = body.motion.pose * (inverse(before) * hold.point) - hold.point;
+    adopted.proxy_carried += moved - dot(moved, hold.contact->normal) * hold.contact->normal;
+    held += 1;
+  }
+  if (held > 0) adopted.proxy_carried *= 1 / held;
+  bodies_.clear();
+  for (const BodyId id : snapshot.buffer)
+    if (world.slot_of(id) >= 0) (void)bodies_.try_push(id);  // members: never more than fit
+  return adopted;
+}
+
+void BorderBuffer::save(ByteWriter& out) const noexcept {
+  out.put(bodies_.size());
+  out.put_all(bodies_.span());
+}
+
+bool BorderBuffer::restore(ByteReader& in, const physics::World& world) noexcept {
+  clear();
+  std::uint32_t count = 0;
+  in.get(count);
+  if (!in.ok() || count > kMaxMembers) return false;
+  bodies_.resize(count);
+  in.get_all(bodies_.span());
+  if (!in.ok() || std::adjacent_find(bodies_.begin(), bodies_.end(), std::greater_equal<>()) != bodies_.end())
+    return false;
+  return std::all_of(bodies_.begin(), bodies_.end(), [&](BodyId id) { return world.slot_of(id) >= 0; });
+}
+
+}  // namespace tactus::haptics

@@ -1,0 +1,100 @@
+#include "rt/haptics/coupling/border_import.h"
+
+namespace tactus::haptics {
+namespace {
+
+using physics::BorderContact;
+using physics::BorderGhost;
+
+// How far a border contact's predecessor is looked for; one that moved further starts cold, which costs a sweep.
+constexpr std::uint32_t kSearchWindow = 32;
+
+// A ghost for each outside body, moving as the global step left it.
+void renew_ghosts(const WorldSnapshot& snapshot, BoundedVector<BorderGhost>& ghosts) noexcept {
+  for (const OutsideBody& body : snapshot.outside) {
+    BorderGhost ghost;
+    ghost.outside = body.id;
+    ghost.centre = body.centre;
+    ghost.velocity = body.velocity;
+    ghost.admittance = body.admittance;
+    ghost.drive = body.drive;
+    if (!ghosts.try_push(ghost)) return;
+  }
+}
+
+BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept {
+  BorderContact contact;
+  contact.member = point.member, contact.outside = point.outside, contact.feature = point.feature;
+  contact.normal = point.normal;
+  contact.member_anchor = point.member_anchor;
+  contact.impulse_rate = point.impulse_rate_N;
+  contact.friction = point.friction;
+  contact.outside_velocity = point.outside_velocity;
+  contact.outside_inverse_mass = point.outside_inverse_mass;
+  contact.line_point = member * point.member_anchor;
+  contact.gap = point.separation_m + dot(point.normal, contact.line_point - point.outside_point);
+  return contact;
+}
+
+// Both lists are in the global world's order, so the predecessor is near `hint`, where the last one was found.
+void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, BorderContact& contact) noexcept {
+  const auto count = static_cast<std::uint32_t>(former.size());
+  for (std::uint32_t i = 0; i < std::min(kSearchWindow, count); ++i) {
+    const std::uint32_t at = (hint + i) % count;
+    const BorderContact& old = former[at];
+    if (old.member != contact.member || old.outside != contact.outside || old.feature != contact.feature) continue;
+    contact.normal_impulse = old.normal_impulse;
+    contact.tangent_impulse[0] = old.tangent_impulse[0];
+    contact.tangent_impulse[1] = old.tangent_impulse[1];
+    hint = at + 1;
+    return;
+  }
+}
+
+}  // namespace
+
+void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits,
+                         physics::World& world) noexcept {
+  auto& contacts = world.border_contacts();
+  auto& ghosts = world.border_ghosts();
+  replaced_.swap(contacts);
+  contacts.clear(), ghosts.clear(), outside_velocity_.clear();
+  if (traits.ghosts) renew_ghosts(snapshot, ghosts);
+  std::uint32_t hint = 0;
+  for (const BorderPoint& point : snapshot.border) {
+    const std::int32_t slot = world.slot_of(point.member);
+    if (slot < 0) continue;
+    BorderContact contact = contact_at(point, world.bodies()[static_cast<std::uint32_t>(slot)].motion.pose);
+    warm_start(replaced_.span(), hint, contact);
+    if (traits.ghosts) contact.ghost = physics::find_ghost(ghosts.span(), point.outside);
+    // The world counts what does not fit, and the next step reports it.
+    if (world.add_border_contact(contact)) (void)outside_velocity_.try_push(point.outside_velocity);
+  }
+}
+
+void BorderImport::slow_down(const WorldLateness& late, physics::World& world) const noexcept {
+  auto& contacts = world.border_contacts();
+  for (std::uint32_t i = 0; i < contacts.size(); ++i)
+    contacts[i].outside_velocity = late.surface_share * outside_velocity_[i];
+  if (late.ticks == 0) return;
+  for (BorderGhost& ghost : world.border_ghosts()) {
+    ghost.velocity = {late.ghost_share * ghost.velocity.linear, late.ghost_share * ghost.velocity.angular};
+    ghost.drive = {late.ghost_share * ghost.drive.linear, late.ghost_share * ghost.drive.angular};
+  }
+}
+
+void BorderImport::save(ByteWriter& out) const noexcept {
+  out.put(outside_velocity_.size());
+  out.put_all(outside_velocity_.span());
+}
+
+bool BorderImport::restore(ByteReader& in, const physics::World& world) noexcept {
+  std::uint32_t count = 0;
+  in.get(count);
+  if (!in.ok() || count != world.border_contacts().size()) return false;
+  outside_velocity_.resize(count);
+  in.get_all(outside_velocity_.span());
+  return in.ok();
+}
+
+}  // namespace tactus::haptics

@@ -1,0 +1,94 @@
+// How the haptic side and the global world are coupled: the paper's method, the three it is compared with (paper,
+// section 3.3), and three that its introduction cites as intermediate representations.
+//
+// A scheme is a row of traits: what the haptic side simulates, and what the global world does with its report. The
+// code on both sides asks for traits and never for a scheme, so a new scheme is an enumerator, its traits, and a local
+// model where none of these serves (rt/haptics/README.md, "Add a coupling scheme"). Thread: [any].
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "rt/base/choice.h"
+#include "rt/haptics/coupling/plane_projection.h"
+
+namespace tactus::haptics {
+
+enum class CouplingScheme : std::uint32_t {
+  kSubWorld = 0,       // members run at the device's rate; the worlds exchange once a cycle
+  kDirect = 1,         // the whole world runs at the device's rate; no global world
+  kInterpolation = 2,  // the device feels the proxy's positions interpolated between global states; the global step
+                       // holds the proxy to the device, see proxy_interpolation.h
+  kStatic = 3,         // the proxy moves at the device's rate among members that are frozen; its state is imposed on
+                       // the global world at the synchronisation
+  // The device feels what the global world makes of the proxy's contacts, see plane_coupling.h; the bodies move in the
+  // global world alone, where the proxy's state is imposed and pushed by the force that the hand felt.
+  kPlane = 4,       // one plane: the contact that presses most
+  kPlanes = 5,      // a plane for each contact point
+  kLinearised = 6,  // force and Jacobian of the contacts that press
+};
+
+// What the haptic side simulates between two synchronisations.
+enum class LocalModel : std::uint32_t {
+  kMembers,            // a world of members, the proxy on the coupling's spring (sub_world.h)
+  kInterpolatedProxy,  // the proxy between its last two global states (proxy_interpolation.h)
+  kProxyOnPlanes,      // the proxy on planes at its contact points (plane_coupling.h)
+};
+
+// What the device does to the proxy in a global step.
+enum class DeviceLoad : std::uint32_t {
+  kSpring,  // holds it by the coupling's spring and damper, solved implicitly with the contacts
+  kWrench,  // acts on it with the wrench of the last cycle, extrapolated
+};
+
+struct CouplingTraits {
+  std::string_view name;  // in options, JSON and tables
+  LocalModel model{LocalModel::kMembers};
+  bool global_world{true};     // false: the haptic side simulates the whole world
+  bool members_frozen{false};  // members but the proxy stay as the last snapshot has them
+  bool border{false};          // contacts and joints between members and outside bodies are exchanged (BorderMode)
+  bool imposes_motion{true};   // the motion of reported members replaces that of the global world
+  DeviceLoad device_load{DeviceLoad::kWrench};
+  std::uint32_t proxy_planes{0};  // of the proxy's contact points, those that press most: how many a snapshot lists
+  bool planes_hold{false};        // planes act from both sides: a linearised force
+
+  // The proxy is the only member.
+  constexpr bool proxy_alone() const noexcept { return model != LocalModel::kMembers; }
+};
+
+// Of a number that is no scheme: without a name.
+constexpr CouplingTraits traits_of(CouplingScheme scheme) noexcept {
+  using enum CouplingScheme;
+  switch (scheme) {
+    case kSubWorld:
+      return {.name = "sub-world", .border = true, .device_load = DeviceLoad::kSpring};
+    case kDirect:
+      return {.name = "direct", .global_world = false};
+    case kInterpolation:
+      return {.name = "interpolation",
+              .model = LocalModel::kInterpolatedProxy,
+              .imposes_motion = false,
+              .device_load = DeviceLoad::kSpring};
+    case kStatic:
+      return {.name = "static", .members_frozen = true};
+    case kPlane:
+      return {.name = "plane", .model = LocalModel::kProxyOnPlanes, .proxy_planes = 1};
+    case kPlanes:
+      return {.name = "planes", .model = LocalModel::kProxyOnPlanes, .proxy_planes = kMaxProxyPlanes};
+    case kLinearised:
+      return {.name = "linearised",
+              .model = LocalModel::kProxyOnPlanes,
+              .proxy_planes = kMaxProxyPlanes,
+              .planes_hold = true};
+  }
+  return {};
+}
+
+// In the order of help texts and tables.
+inline constexpr std::array kCouplingSchemes{
+    CouplingScheme::kSubWorld, CouplingScheme::kDirect, CouplingScheme::kInterpolation, CouplingScheme::kStatic,
+    CouplingScheme::kPlane,    CouplingScheme::kPlanes, CouplingScheme::kLinearised};
+static_assert(lists_every_choice(kCouplingSchemes), "a scheme that has traits is not in the list, or twice");
+
+}  // namespace tactus::haptics

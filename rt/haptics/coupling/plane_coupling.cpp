@@ -1,0 +1,83 @@
+#include "rt/haptics/coupling/plane_coupling.h"
+
+namespace tactus::haptics {
+
+void PlaneCoupling::adopt(std::span<const physics::BorderContact> contacts) noexcept {
+  before_ = now_;
+  now_.planes.clear();
+  now_.held = held_;
+  for (const auto& contact : contacts) {
+    // The contact point of a proxy at x is x + arm; at line_point it was `gap` above the surface.
+    const double height = dot(contact.normal, contact.line_point) - contact.gap;
+    if (!now_.planes.try_push({contact.normal, contact.member_anchor, height, contact.friction, contact.impulse_rate,
+                               contact.outside_velocity}))
+      return;
+  }
+}
+
+void PlaneCoupling::start(const Vec3d& proxy) noexcept {
+  now_.planes.clear();
+  held_ = now_.held = proxy;
+  follows_ = 1;
+}
+
+// The planes are asked for x + lead v with position alone: K times what they take is then spring and damper together,
+// K (x - p) + B (v - v_p), which makes the friction cone that of the whole force. A proxy that is free is at x.
+HeldProxy PlaneCoupling::follow(const DeviceTarget& target, const Tick& tick) noexcept {
+  if (follows_ == 0) held_ = now_.held = before_.held = target.pose.position + tick.lead_s * target.velocity.linear;
+  follows_ = 1;
+  HeldProxy held = keep(now_, target, tick);
+  if (tick.in_cycle + 1 < tick.ratio) {
+    const double share = static_cast<double>(tick.in_cycle + 1) / tick.ratio;
+    const HeldProxy old = keep(before_, target, tick);
+    held.position = old.position + share * (held.position - old.position);
+    held.velocity = old.velocity + share * (held.velocity - old.velocity);
+    held.touches = held.touches || old.touches;
+    held.slides = held.slides || old.slides;
+  }
+  held_ = held.position;
+  held.position -= tick.lead_s * held.velocity;
+  return held;
+}
+
+HeldProxy PlaneCoupling::keep(PlaneSet& set, const DeviceTarget& target, const Tick& tick) noexcept {
+  const double surface_moves_s = tick.in_cycle < tick.ratio ? tick.period_s : 0.0;
+  ProxyPlanes planes;
+  for (const ContactPlane& contact : set.planes) {
+    if (tick.planes_hold && contact.press_N <= 0) continue;
+    const Vec3d arm = rotate(target.pose.rotation, contact.anchor);
+    (void)planes.try_push({contact.normal, contact.height - dot(contact.normal, arm), contact.friction,
+                           set.held + surface_moves_s * contact.surface_velocity, contact.surface_velocity});
+  }
+  const Vec3d wanted = target.pose.position + tick.lead_s * target.velocity.linear;
+  const HeldProxy held = tick.planes_hold ? keep_on(planes.span(), wanted, target.velocity.linear)
+                                          : keep_above(planes.span(), wanted, target.velocity.linear);
+  set.held = held.position;
+  return held;
+}
+
+void PlaneCoupling::save(ByteWriter& out) const noexcept {
+  for (const PlaneSet* set : {&now_, &before_}) {
+    out.put(set->planes.size());
+    out.put_all(set->planes.span());
+    out.put(set->held);
+  }
+  out.put(held_);
+  out.put(follows_);
+}
+
+bool PlaneCoupling::restore(ByteReader& in) noexcept {
+  for (PlaneSet* set : {&now_, &before_}) {
+    std::uint32_t count = 0;
+    in.get(count);
+    if (!in.ok() || count > kMaxProxyPlanes) return false;
+    set->planes.count = count;
+    in.get_all(set->planes.span());
+    in.get(set->held);
+  }
+  in.get(held_);
+  in.get(follows_);
+  return in.ok();
+}
+
+}  // namespace tactus::haptics

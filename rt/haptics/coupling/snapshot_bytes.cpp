@@ -1,0 +1,119 @@
+#include "rt/haptics/coupling/snapshot_bytes.h"
+
+#include <cmath>
+#include <utility>
+
+namespace tactus::haptics {
+namespace {
+
+template <class T, std::uint32_t kCapacity>
+void write_list(ByteWriter& out, const FixedVector<T, kCapacity>& list) noexcept {
+  out.put(list.count);
+  out.put_all(list.span());
+}
+
+template <class T, std::uint32_t kCapacity>
+bool read_list(ByteReader& in, FixedVector<T, kCapacity>& list) noexcept {
+  std::uint32_t count = 0;
+  in.get(count);
+  if (!in.ok() || count > kCapacity) return false;
+  list.count = count;
+  in.get_all(list.span());
+  return in.ok();
+}
+
+bool is_shape_that_moves(const physics::Shape& shape, std::size_t hulls) noexcept {
+  return shape.kind < physics::ShapeKind::kPlane || (shape.kind == physics::ShapeKind::kHull && shape.index < hulls);
+}
+
+bool is_body(const physics::Body& b, std::size_t hulls) noexcept {
+  return b.id < physics::kFirstPatchId && b.kind == physics::BodyKind::kDynamic &&
+         is_shape_that_moves(b.shape, hulls) && is_finite(b.motion.pose) && is_finite(b.motion.velocity) &&
+         std::isfinite(b.mass) && b.mass > 0 && is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 &&
+         b.inertia.z > 0;
+}
+
+bool are_near_triangles(const WorldSnapshot& s, physics::Meshes meshes) noexcept {
+  const physics::NearRegion* last = nullptr;
+  for (const auto& region : s.near_regions) {
+    if (region.mesh >= meshes.size() || region.count > s.near_triangles.size() ||
+        region.first > s.near_triangles.size() - region.count)
+      return false;
+    if (last != nullptr && (last->body != region.body ? last->body > region.body : last->mesh >= region.mesh))
+      return false;
+    last = &region;
+    const auto triangles = s.near_triangles.span().subspan(region.first, region.count);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      if (triangles[i] >= meshes[region.mesh].triangles.size() || (i > 0 && triangles[i - 1] >= triangles[i]))
+        return false;
+  }
+  return true;
+}
+
+// What the sub-world takes for granted of a snapshot: bytes from a damaged tape must not reach its checks.
+bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes) noexcept {
+  for (std::uint32_t i = 1; i < s.members.size(); ++i)
+    if (s.members[i - 1] >= s.members[i]) return false;
+  for (const auto& joiner : s.joiners)
+    if (!is_body(joiner, hulls)) return false;
+  for (const auto& warm_start : s.warm_starts)
+    if (warm_start.count > physics::kMaxManifoldPoints) return false;
+  for (std::uint32_t i = 0; i < s.buffer.size(); ++i)
+    if ((i > 0 && s.buffer[i - 1] >= s.buffer[i]) ||
+        !std::binary_search(s.members.begin(), s.members.end(), s.buffer[i]))
+      return false;
+  for (const MemberMotion& body : s.renewed)
+    if (!is_finite(body.motion.pose) || !is_finite(body.motion.velocity)) return false;
+  return std::isfinite(s.border_work_J) && are_near_triangles(s, meshes);
+}
+
+}  // namespace
+
+void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
+  out.put(s.cycle);
+  out.put(s.global_time_s);
+  out.put(s.dropped);
+  out.put(s.component);
+  out.put(s.epoch);
+  out.put(s.border_work_J);
+  out.put(s.proxy);
+  write_list(out, s.members);
+  write_list(out, s.joiners);
+  write_list(out, s.warm_starts);
+  write_list(out, s.buffer);
+  write_list(out, s.renewed);
+  write_list(out, s.border);
+  write_list(out, s.outside);
+  write_list(out, s.near_regions);
+  write_list(out, s.near_triangles);
+  write_list(out, s.effects);
+}
+
+bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes) noexcept {
+  in.get(s.cycle);
+  in.get(s.global_time_s);
+  in.get(s.dropped);
+  in.get(s.component);
+  in.get(s.epoch);
+  in.get(s.border_work_J);
+  in.get(s.proxy);
+  return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
+         read_list(in, s.buffer) && read_list(in, s.renewed) && read_list(in, s.border) && read_list(in, s.outside) &&
+         read_list(in, s.near_regions) && read_list(in, s.near_triangles) && read_list(in, s.effects) &&
+         is_sound(s, hulls, meshes);
+}
+
+bool write_effects(const physics::World& world, std::span<const std::uint8_t> inside, EffectBytes& out) noexcept {
+  ByteWriter bytes(std::span<std::byte>(out.items));
+  world.effects().hand_over(bytes, world.bodies(), inside);
+  out.count = bytes.ok() ? static_cast<std::uint32_t>(bytes.size()) : 0;
+  return bytes.ok();
+}
+
+void read_effects(const EffectBytes& in, bool known_too, physics::World& world) noexcept {
+  if (in.empty()) return;
+  ByteReader bytes(in.span());
+  (void)world.effects().take_over(bytes, std::as_const(world).bodies(), known_too);
+}
+
+}  // namespace tactus::haptics

@@ -1,0 +1,306 @@
+#include "rt/haptics/coupling/sub_world.h"
+
+#include <array>
+
+#include "rt/base/hash.h"
+#include "rt/base/status.h"
+#include "rt/haptics/coupling/snapshot_bytes.h"
+
+namespace tactus::haptics {
+
+SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body> fixed_bodies)
+    : config_(config),
+      coupling_(traits_of(config.scheme)),
+      border_(traits_of(config.border_mode)),
+      world_(config.capacities, config.hulls, config.meshes, config.effects),
+      near_regions_(config.meshes.empty() ? 0 : kMaxNearRegions),
+      near_triangles_(config.meshes.empty() ? 0 : kMaxNearTriangles),
+      border_import_(config.capacities.border_contacts) {
+  for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
+  world_.index_fixed_bodies();
+  world_.border_mode = config.border_mode;
+  state_.last_sub_steps = config.step.sub_steps;
+  state_.tank.start(border_.budget_at_start_J);
+}
+
+void SubWorld::set_members(std::span<const physics::Body> bodies) noexcept {
+  for (const auto& body : bodies) {
+    if (body.kind != physics::BodyKind::kDynamic) continue;
+    TACTUS_CHECK(world_.insert(body), body.id, bodies.size());
+    if (body.id == config_.proxy) proxy_ = body.motion;
+  }
+}
+
+void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
+  fill_report(snapshot, report);
+  if (snapshot.epoch != state_.epoch) forget_world(snapshot.epoch);
+  const bool first = state_.has_snapshot == 0;
+  if (first) state_.tank.start(border_.budget_at_start_J);
+  read_effects(snapshot.effects, false, world_);
+  change_members(snapshot);
+  adopt_buffer(snapshot, report.mean_device_wrench.force);
+  adopt_border(snapshot);
+  adopt_near_triangles(snapshot);
+  if (coupling_.members_frozen) freeze_all_but_proxy();
+  switch (coupling_.model) {
+    case LocalModel::kMembers:
+      break;
+    case LocalModel::kInterpolatedProxy:
+      if (first) proxy_ = snapshot.proxy;
+      state_.interpolated.adopt(snapshot.proxy, first);
+      break;
+    case LocalModel::kProxyOnPlanes:
+      if (first) planes_.start(proxy_.pose.position);
+      planes_.adopt(world_.border_contacts().span());
+      break;
+  }
+  state_.device.begin_cycle();
+  state_.has_snapshot = 1;
+  state_.ticks_in_cycle = 0;
+  state_.cycle_impulse = {};
+}
+
+void SubWorld::ask_reset(const Posed& world_from_proxy) noexcept {
+  state_.wanted_epoch = state_.epoch + 1;
+  state_.proxy_start = world_from_proxy;
+}
+
+// Nothing of another epoch goes on: no body, no contact, no border, no effect, no energy in the tank.
+void SubWorld::forget_world(std::uint32_t epoch) noexcept {
+  std::array<std::uint8_t, kMaxMembers> all;
+  all.fill(1);
+  world_.remove(std::span<const std::uint8_t>(all).first(members()));
+  world_.effects().begin_anew();
+  state_.border_work_J = border_work_J();
+  world_.border_contacts().clear();
+  world_.border_ghosts().clear();
+  buffer_.clear();
+  state_.epoch = epoch;
+  state_.wanted_epoch = std::max(epoch, state_.wanted_epoch);
+  state_.ticks_in_cycle = state_.has_snapshot = 0;
+}
+
+void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
+  for (std::uint32_t slot = members(); slot-- > 0;) {
+    const BodyId id = world_.bodies()[slot].id;
+    if (!std::binary_search(snapshot.members.begin(), snapshot.members.end(), id)) world_.remove(id);
+  }
+  for (const auto& joiner : snapshot.joiners) {
+    const std::int32_t slot = world_.slot_of(joiner.id);
+    if (slot >= 0) {
+      // Frozen members are sent anew each time.
+      if (coupling_.members_frozen && joiner.id != config_.proxy)
+        world_.bodies()[static_cast<std::uint32_t>(slot)].motion = joiner.motion;
+      continue;
+    }
+    world_.insert(joiner);
+    if (joiner.id == config_.proxy) proxy_ = joiner.motion;
+  }
+  for (const auto& warm_start : snapshot.warm_starts) world_.add_warm_start(warm_start);
+}
+
+// With the proxy the end of the coupling's spring goes where buffer bodies carry it: against its force, mean of the
+// last cycle, that is energy of the border.
+void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept {
+  const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, config_.proxy, world_);
+  state_.buffer_gain_J += adopted.gained_J - dot(coupling_force_N, adopted.proxy_carried);
+  const std::int32_t slot = world_.slot_of(config_.proxy);
+  if (slot < 0 || adopted.proxy_carried == Vec3d{}) return;
+  auto& motion = world_.bodies()[static_cast<std::uint32_t>(slot)].motion;
+  motion.pose.position += adopted.proxy_carried;
+  proxy_ = motion;
+}
+
+void SubWorld::adopt_border(const WorldSnapshot& snapshot) noexcept {
+  state_.border_work_J = border_work_J();
+  border_import_.renew(snapshot, border_, world_);
+  state_.tank.credit_J = snapshot.border_work_J / config_.ratio;
+}
+
+void SubWorld::adopt_near_triangles(const WorldSnapshot& snapshot) noexcept {
+  if (config_.meshes.empty()) return;
+  near_regions_.resize(snapshot.near_regions.size());
+  std::copy(snapshot.near_regions.begin(), snapshot.near_regions.end(), near_regions_.begin());
+  near_triangles_.resize(snapshot.near_triangles.size());
+  std::copy(snapshot.near_triangles.begin(), snapshot.near_triangles.end(), near_triangles_.begin());
+  world_.near_triangles = {near_regions_.span(), near_triangles_.span()};
+}
+
+void SubWorld::freeze_all_but_proxy() noexcept {
+  for (std::uint32_t slot = 0; slot < members(); ++slot)
+    world_.set_frozen(slot, world_.bodies()[slot].id != config_.proxy);
+}
+
+SubWorldStep SubWorld::step(const DeviceTarget& target, std::uint32_t sub_steps,
+                            const physics::CutPredicate& cut) noexcept {
+  SubWorldStep result;
+  const WorldLateness late = apply_lateness();
+  result.status = late.status;
+  result.force_scale = late.force_scale;
+  switch (coupling_.model) {
+    case LocalModel::kMembers:
+      step_members(target, sub_steps, cut, result);
+      break;
+    case LocalModel::kInterpolatedProxy:
+      step_interpolated(target, result);
+      break;
+    case LocalModel::kProxyOnPlanes:
+      step_on_planes(target, result);
+      break;
+  }
+  state_.device.note(target, config_.step.dt);
+  ++state_.ticks_in_cycle;
+  return result;
+}
+
+WorldLateness SubWorld::apply_lateness() noexcept {
+  world_.border_mode = config_.border_mode;
+  if (!coupling_.global_world) return {};
+  const auto late = WorldLateness::in_tick(state_.ticks_in_cycle, config_.ratio, config_.step.dt);
+  border_import_.slow_down(late, world_);
+  if (late.border_frozen()) world_.border_mode = physics::BorderMode::kFrozen;
+  return late;
+}
+
+void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
+                            SubWorldStep& result) noexcept {
+  physics::StepSettings settings = config_.step;
+  settings.sub_steps = sub_steps;
+  auto& spring = world_.device_spring();
+  const std::int32_t slot = world_.slot_of(config_.proxy);
+  spring.enabled = slot >= 0;
+  Posed held_at;
+  if (spring.enabled) {
+    held_at = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose;
+    aim_spring(config_.gains, target, static_cast<std::uint32_t>(slot), proxy_.pose, spring);
+  }
+  result.report = step_world(settings, cut, result);
+  state_.last_sub_steps = sub_steps;
+
+  const Wrenchd& impulse = spring.step_impulse;
+  add_cycle_impulse(impulse);
+  const double rate = -1.0 / settings.dt;
+  const Wrenchd& felt = result.report.felt;  // of effects that are the hand's alone
+  if (target.engaged) result.on_device = {impulse.force * rate + felt.force, impulse.torque * rate + felt.torque};
+  if (spring.enabled) {
+    proxy_ = world_.bodies()[spring.slot].motion;
+    // The mean wrench along the way of the tick.
+    const Vec3d turn = small_rotation_vector(proxy_.pose.rotation * conjugate(held_at.rotation));
+    state_.proxy_work_J -=
+        rate * (dot(impulse.force, proxy_.pose.position - held_at.position) + dot(impulse.torque, turn));
+  }
+  if (proxy_touches()) result.status |= kProxyContact;
+}
+
+// With the border's energy booked.
+physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,
+                                         SubWorldStep& result) noexcept {
+  const bool has_budget = coupling_.border && traits_of(world_.border_mode).has_budget;
+  const double before_J = border_work_J();
+  if (has_budget) world_.border_budget_J = state_.tank.budget_J(tank_credit_J());
+  world_.begin_step(settings);
+  (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
+  const auto report = world_.finish_step(settings, cut);
+  state_.border_work_J += report.border_joints_J;
+  if (has_budget) {
+    state_.tank.settle(tank_credit_J() + before_J - border_work_J());
+    if (state_.tank.empty()) result.status |= kBorderSpent;
+  }
+  if (report.capacity_bits != 0) result.status |= kCapacityExceeded;
+  if (report.cut_sweep != physics::kNeverCut) result.status |= kSolverCut;
+  return report;
+}
+
+// What the outside bodies did to members in the global step, the border may do here as well, tick by tick; a late world
+// has told of no more than r ticks.
+double SubWorld::tank_credit_J() const noexcept {
+  return state_.ticks_in_cycle < config_.ratio ? state_.tank.credit_J : 0.0;
+}
+
+// The proxy as the device feels it is that of the global world, one cycle behind.
+void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept {
+  proxy_ = state_.interpolated.in_tick(state_.ticks_in_cycle, config_.ratio, config_.step.dt);
+  if (target.engaged) feel_proxy(target, result);
+}
+
+// The proxy as the planes of its contacts let it follow the device, without mass; its effort on the bodies is stored.
+void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept {
+  const std::int32_t slot = world_.slot_of(config_.proxy);
+  if (slot < 0) return;
+  proxy_.velocity = {};
+  if (target.engaged) {
+    const PlaneCoupling::Tick tick{.planes_hold = coupling_.planes_hold,
+                                   .period_s = config_.step.dt,
+                                   .in_cycle = state_.ticks_in_cycle,
+                                   .ratio = config_.ratio,
+                                   .lead_s = config_.gains.lead_s()};
+    const HeldProxy held = planes_.follow(target, tick);
+    proxy_ = {{held.position, target.pose.rotation}, {held.velocity, target.velocity.angular}};
+    if (held.touches) result.status |= kProxyContact;
+    feel_proxy(target, result);
+  } else {
+    planes_.let_go();
+  }
+  world_.bodies()[static_cast<std::uint32_t>(slot)].motion = proxy_;
+}
+
+// The coupling between the device and a proxy that no world simulates here.
+void SubWorld::feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept {
+  const Wrenchd on_proxy = coupling_wrench(config_.gains, target, proxy_);
+  add_cycle_impulse({config_.step.dt * on_proxy.force, config_.step.dt * on_proxy.torque});
+  result.on_device = {-on_proxy.force, -on_proxy.torque};
+}
+
+void SubWorld::add_cycle_impulse(const Wrenchd& impulse) noexcept {
+  state_.cycle_impulse.force += impulse.force;
+  state_.cycle_impulse.torque += impulse.torque;
+}
+
+bool SubWorld::proxy_touches() const noexcept {
+  for (const auto& contact : world_.contacts()) {
+    if (contact.key.low() != config_.proxy && contact.key.high() != config_.proxy) continue;
+    for (std::uint32_t i = 0; i < contact.count; ++i)
+      if (contact.points[i].total_normal_impulse > 0) return true;
+  }
+  for (const auto& contact : world_.border_contacts())
+    if (contact.member == config_.proxy && contact.step_normal_impulse > 0) return true;
+  return false;
+}
+
+double SubWorld::border_work_J() const noexcept {
+  double work = state_.border_work_J;
+  for (const auto& contact : world_.border_contacts()) work += contact.work;
+  return work;
+}
+
+std::uint64_t SubWorld::state_hash() const noexcept {
+  Fnv1a hash;
+  hash.add(world_.state_hash());
+  hash.add_bytes(std::as_bytes(std::span<const physics::BodyMotion, 1>(&proxy_, 1)));
+  return hash.value();
+}
+
+void SubWorld::save(ByteWriter& out) const noexcept {
+  world_.save(out);
+  border_import_.save(out);
+  out.put(proxy_);
+  out.put(state_);
+  buffer_.save(out);
+  planes_.save(out);
+}
+
+bool SubWorld::restore(ByteReader& in) noexcept {
+  if (!world_.restore(in) || !border_import_.restore(in, world_)) return false;
+  in.get(proxy_);
+  in.get(state_);
+  if (!buffer_.restore(in, world_) || !planes_.restore(in)) return false;
+  world_.near_triangles = {};
+  return in.ok() && state_.last_sub_steps > 0;
+}
+
+std::size_t SubWorld::save_size_bound() const noexcept {
+  return world_.save_size_bound() + border_import_.save_size_bound() + sizeof(proxy_) + sizeof(state_) +
+         BorderBuffer::kMostBytes + PlaneCoupling::kMostBytes;
+}
+
+}  // namespace tactus::haptics

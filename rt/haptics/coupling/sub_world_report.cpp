@@ -1,0 +1,69 @@
+// What the sub-world tells the global world at a synchronisation: its members, its border, contacts of who leaves.
+#include "rt/haptics/coupling/snapshot_bytes.h"
+#include "rt/haptics/coupling/sub_world.h"
+
+namespace tactus::haptics {
+
+void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
+  report.cycle = snapshot.cycle;
+  report.ticks = state_.ticks_in_cycle;
+  report.epoch = state_.epoch;
+  report.wanted_epoch = state_.wanted_epoch;
+  report.proxy_work_J = state_.proxy_work_J;
+  report.proxy_start = state_.proxy_start;
+  report.members.clear();
+  report.border.clear();
+  report.warm_starts.clear();
+  report.effects.clear();
+  report.mean_device_wrench = {};
+  report.device = state_.device.latest();
+  if (!coupling_.imposes_motion) {
+    report.device = state_.device.over_cycle(state_.ticks_in_cycle, config_.step.dt);
+    return;
+  }
+  if (state_.ticks_in_cycle > 0) {
+    const double rate = 1.0 / (config_.step.dt * state_.ticks_in_cycle);
+    report.mean_device_wrench = {state_.cycle_impulse.force * rate, state_.cycle_impulse.torque * rate};
+  }
+  for (const auto& body : world_.bodies()) {
+    if (coupling_.members_frozen && body.id != config_.proxy) continue;
+    // At most kMaxMembers are ever members of a sub-world that exchanges: joins are bounded by the same capacity.
+    if (!report.members.try_push({body.id, buffer_.holds(body.id) ? 1u : 0u, body.motion})) break;
+  }
+  report_leavers(snapshot, report);
+  report_border(report);
+  (void)write_effects(world_, {}, report.effects);
+}
+
+// What the contacts of those that leave carry, so that the global world goes on from there.
+void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
+  const double sub_step_s = config_.step.dt / state_.last_sub_steps;
+  const auto stays = [&](BodyId id) noexcept {
+    return std::binary_search(snapshot.members.begin(), snapshot.members.end(), id);
+  };
+  for (const auto& contact : world_.contacts()) {
+    const bool low_stays = stays(contact.key.low());
+    const bool high_stays = stays(contact.key.high());
+    const bool one_leaves = contact.b_fixed ? !stays(world_.bodies()[contact.slot_a].id) : !(low_stays && high_stays);
+    if (one_leaves && !report.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s))) return;
+  }
+}
+
+void SubWorld::report_border(SubWorldReport& report) const noexcept {
+  for (const auto& contact : world_.border_contacts()) {
+    const std::int32_t slot = world_.slot_of(contact.member);
+    if (slot < 0) continue;
+    const Posed& pose = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose;
+    const BorderReturn entry{contact.member,
+                             contact.outside,
+                             contact.feature,
+                             0,
+                             pose * contact.member_anchor,
+                             contact.normal,
+                             contact.total_tangent_impulse,
+                             contact.total_normal_impulse};
+    if (!report.border.try_push(entry)) return;
+  }
+}
+
+}  // namespace tactus::haptics

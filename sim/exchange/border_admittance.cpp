@@ -1,0 +1,376 @@
+#include "sim/exchange/border_admittance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::sim {
+namespace {
+
+using physics::Body;
+using physics::Contact;
+using physics::Joint;
+using physics::JointKind;
+using physics::JointState;
+
+constexpr std::uint32_t kNone = physics::kNoSlot;
+// A contact whose friction is further used up than this counts as sliding.
+constexpr double kSticks = 0.95;
+
+// K = L L^T in place, L below and on the diagonal; false where K is not positive.
+bool factorise(Matrix6& k) noexcept {
+#pragma GCC unroll 6
+  for (std::size_t j = 0; j < 6; ++j) {
+#pragma GCC unroll 6
+    for (std::size_t m = 0; m < j; ++m)
+#pragma GCC unroll 6
+      for (std::size_t i = j; i < 6; ++i) k[i][j] -= k[i][m] * k[j][m];
+    if (!(k[j][j] > 0)) return false;
+    k[j][j] = std::sqrt(k[j][j]);
+    const double scale = 1 / k[j][j];
+#pragma GCC unroll 6
+    for (std::size_t i = j + 1; i < 6; ++i) k[i][j] *= scale;
+  }
+  return true;
+}
+
+// x with L x = b, in place.
+void solve_lower(const Matrix6& l, Vector6& b) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t m = 0; m < i; ++m) b[i] -= l[i][m] * b[m];
+    b[i] /= l[i][i];
+  }
+}
+
+// x with L L^T x = b, in place.
+void solve(const Matrix6& l, Vector6& b) noexcept {
+  solve_lower(l, b);
+  for (std::size_t i = 6; i-- > 0;) {
+    for (std::size_t m = i + 1; m < 6; ++m) b[i] -= l[m][i] * b[m];
+    b[i] /= l[i][i];
+  }
+}
+
+// X with L X = B, all columns at once.
+void solve_lower(const Matrix6& l, Matrix6& b) noexcept {
+#pragma GCC unroll 6
+  for (std::size_t i = 0; i < 6; ++i) {
+#pragma GCC unroll 6
+    for (std::size_t m = 0; m < i; ++m)
+      for (std::size_t j = 0; j < 6; ++j) b[i][j] -= l[i][m] * b[m][j];
+    const double scale = 1 / l[i][i];
+    for (std::size_t j = 0; j < 6; ++j) b[i][j] *= scale;
+  }
+}
+
+void add(Vector6& to, const Vector6& by) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) to[i] += by[i];
+}
+void add(Matrix6& to, const Matrix6& by) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) add(to[i], by[i]);
+}
+
+Vector6 product(const Matrix6& m, const Vector6& v) noexcept {
+  Vector6 result{};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) result[i] += m[i][j] * v[j];
+  return result;
+}
+
+// Of a mass whose first moment about a point is `moment`, and its second `turning`: for twists of that point.
+Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3d& turning) noexcept {
+  const auto& [x, y, z] = moment;
+  const SymMat3d& t = turning;
+  return {{{mass, 0, 0, 0, z, -y},
+           {0, mass, 0, -z, 0, x},
+           {0, 0, mass, y, -x, 0},
+           {0, -z, y, t.xx, t.xy, t.xz},
+           {z, 0, -x, t.xy, t.yy, t.yz},
+           {-y, x, 0, t.xz, t.yz, t.zz}}};
+}
+
+// Of a mass at r: mass (|r|^2 - r r^T).
+SymMat3d turning_at(double mass, const Vec3d& r) noexcept {
+  const Vec3d m = mass * r;
+  const double rr = dot(m, r);
+  return {rr - m.x * r.x, rr - m.y * r.y, rr - m.z * r.z, -m.x * r.y, -m.x * r.z, -m.y * r.z};
+}
+
+// Of a free body, for twists of a point `d` before its centre: its velocity there is v + w x d.
+Matrix6 inertia_of(const Body& body, const Vec3d& d) noexcept {
+  const SymMat3d own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
+  return inertia_of(body.mass, body.mass * d, own + turning_at(body.mass, d));
+}
+
+// A body's velocity at a point that is `d` before its centre, and its spin.
+Vector6 at_point(const Twistd& of_centre, const Vec3d& d) noexcept {
+  const Vec3d &w = of_centre.angular, v = of_centre.linear - cross(w, d);
+  return {v.x, v.y, v.z, w.x, w.y, w.z};
+}
+
+Twistd mean_between(const Posed& start, const Posed& end, double step_s) noexcept {
+  const double rate = 1 / step_s;
+  return {(end.position - start.position) * rate,
+          small_rotation_vector(end.rotation * conjugate(start.rotation)) * rate};
+}
+
+// What is held along a direction, which turns about the centre by `turn`: firm s s^T of that screw.
+void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noexcept {
+  const Vector6 row{along.x, along.y, along.z, turn.x, turn.y, turn.z};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double scaled = firm * row[k];
+    for (std::size_t l = 0; l < 6; ++l) sum[k][l] += scaled * row[l];
+  }
+}
+
+double inverse_mass_of(std::span<const Body> bodies, std::uint32_t slot) noexcept {
+  return slot == kNone ? 0 : 1 / bodies[slot].mass;
+}
+double inverse_inertia_of(std::span<const Body> bodies, std::uint32_t slot) noexcept {
+  if (slot == kNone) return 0;
+  const Vec3d& i = bodies[slot].inertia;
+  return 1 / std::min({i.x, i.y, i.z});
+}
+
+// Of B's point of the contact against A's, m/s.
+Vec3d slip_of(const Contact& contact, const physics::ContactPoint& point, std::span<const Body> bodies) noexcept {
+  const Twistd& a = bodies[contact.slot_a].motion.velocity;
+  const Vec3d of_a = a.linear + cross(a.angular, point.from_a);
+  if (contact.b_fixed) return -of_a;
+  const Twistd& b = bodies[contact.slot_b].motion.velocity;
+  return b.linear + cross(b.angular, point.from_b) - of_a;
+}
+
+// What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds. It holds
+// where it can go on as in the last step and stop what motion it has now: pressing, and within the disk of friction.
+Matrix6 firmness_of_contact(const Contact& contact, double added_inertia, std::span<const Body> bodies,
+                            const Vec3d& centre) noexcept {
+  const Body& a = bodies[contact.slot_a];
+  const double mass_of_both = 1 / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
+  const double firm = added_inertia * mass_of_both;
+  Vec3d friction, slip;
+  double pressed = 0, points = 0;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    if (!(point.total_normal_impulse > 0)) continue;
+    friction += point.total_friction, pressed += point.total_normal_impulse;
+    slip += slip_of(contact, point, bodies), points += 1;
+  }
+  const Vec3d stopping = points > 0 ? slip * (-mass_of_both / points) : Vec3d{};
+  const double pull = dot(contact.normal, stopping);
+  if (!(pressed + std::min(0.0, pull) > 0)) return {};
+  const bool sticks = norm(friction + stopping - pull * contact.normal) < kSticks * contact.friction * pressed;
+  // A point that sticks holds in all three directions: as a mass there.
+  double mass = 0;
+  Vec3d moment;
+  SymMat3d turning;
+  Matrix6 sum{};
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    if (!(point.total_normal_impulse > 0)) continue;
+    const Vec3d r = a.motion.pose.position + point.from_a - centre;
+    if (sticks)
+      mass += firm, moment += firm * r, turning = turning + turning_at(firm, r);
+    else
+      hold(sum, firm, contact.normal, cross(r, contact.normal));
+  }
+  return sticks ? inertia_of(mass, moment, turning) : sum;
+}
+
+// Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
+bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
+  if (joint.kind == JointKind::kDistance)
+    return joint.low == joint.high || state.effort.lower != 0 || state.effort.upper != 0;
+  if (joint.limited && (state.effort.lower != 0 || state.effort.upper != 0)) return true;
+  return joint.driven && std::abs(state.effort.drive) < kSticks * joint.motor_effort;
+}
+
+// The same of a joint between bodies at these slots, of which A may be the world.
+Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double added_inertia, std::uint32_t slot_a,
+                          std::uint32_t slot_b, std::span<const Body> bodies, const Vec3d& centre) noexcept {
+  const double firm = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
+  const double firm_turn = added_inertia / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
+  const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
+  const Posed at_b = bodies[slot_b].motion.pose * joint.b_from_joint;
+  const Vec3d r = at_b.position - centre;
+  const bool coordinate = holds_coordinate(joint, state);
+  Matrix6 sum{};
+  if (joint.kind == JointKind::kDistance) {
+    const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
+    if (coordinate) hold(sum, firm, n, cross(r, n));
+    return sum;
+  }
+  const bool slides = joint.kind == JointKind::kSlider && !coordinate;
+  const bool turns = joint.kind == JointKind::kHinge && !coordinate;
+  const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
+                         rotate(at_a.rotation, Vec3d{0, 0, 1})};
+  for (int k = 0; k < 3; ++k) {
+    if (k < 2 || !slides) hold(sum, firm, axes[k], cross(r, axes[k]));
+    if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
+  }
+  return sum;
+}
+
+// Of a body's inertia I and momentum p what its parent feels through a link of firmness G. The body moves by
+// (I + G) v = p + G v_parent, the parent feels G (v - v_parent). With I + G = L L^T, Y = L^-1 G and z = L^-1 p that is
+// Y^T z - (G - Y^T Y) v_parent.
+struct Felt {
+  Matrix6 inertia{};
+  Vector6 momentum{};
+};
+Felt felt_through(const Matrix6& firmness, const Matrix6& inertia, const Vector6& momentum) noexcept {
+  Matrix6 both = firmness, y = firmness;
+  add(both, inertia);
+  if (!factorise(both)) return {};
+  solve_lower(both, y);
+  Vector6 z = momentum;
+  solve_lower(both, z);
+  Felt felt{firmness, {}};
+  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t i = 0; i < 6; ++i) {
+      felt.momentum[i] += y[k][i] * z[k];
+      for (std::size_t j = 0; j < 6; ++j) felt.inertia[i][j] -= y[k][i] * y[k][j];
+    }
+  return felt;
+}
+
+physics::Admittance invert(Matrix6 inertia) noexcept {
+  if (!factorise(inertia)) return {};
+  Matrix6 w;
+  for (std::size_t j = 0; j < 6; ++j) {
+    Vector6 column{};
+    column[j] = 1;
+    solve(inertia, column);
+    for (std::size_t i = 0; i < 6; ++i) w[i][j] = column[i];
+  }
+  physics::Admittance result;
+  result.linear = {w[0][0], w[1][1], w[2][2], w[1][0], w[2][0], w[2][1]};
+  result.angular = {w[3][3], w[4][4], w[5][5], w[4][3], w[5][3], w[5][4]};
+  for (std::size_t i = 0; i < 3; ++i) result.crossed[i] = {w[3][i], w[4][i], w[5][i]};
+  return result;
+}
+
+}  // namespace
+
+BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
+    : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
+  joints_.reserve(max_joints);
+  immovable_.reserve(max_bodies);
+  reached_.reserve(kMostBodies);
+}
+
+// Joints that are whole and have B here. One whose A is asleep holds on to nothing that could be asked.
+void BorderAdmittance::find_joints(const physics::World& world) noexcept {
+  joints_.clear();
+  const auto* effect = world.effects().find<physics::Joints>();
+  if (effect == nullptr) return;
+  for (std::size_t k = 0; k < effect->joints().size(); ++k) {
+    const Joint& joint = effect->joints()[k];
+    const std::int32_t a = joint.a == kNoBody ? -1 : world.slot_of(joint.a), b = world.slot_of(joint.b);
+    if (effect->states()[k].broken != 0 || b < 0 || (joint.a != kNoBody && a < 0)) continue;
+    joints_.push_back(
+        {a < 0 ? kNone : static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), &joint, &effect->states()[k]});
+  }
+}
+
+template <class F>
+void BorderAdmittance::for_each_link(F&& f) const noexcept {
+  std::uint32_t link = 0;
+  for (const auto& contact : contacts_) f(link++, contact.slot_a, contact.b_fixed ? kNone : contact.slot_b);
+  for (const Held& held : joints_) f(link++, held.a, held.b);
+}
+
+void BorderAdmittance::index(const physics::World& world, double added_inertia, double step_s) noexcept {
+  added_inertia_ = added_inertia, step_s_ = step_s;
+  contacts_ = world.contacts(), bodies_ = world.bodies(), starts_ = world.last_poses();
+  find_joints(world);
+  TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
+               bodies_.size(), contacts_.size() + joints_.size());
+  immovable_.assign(bodies_.size(), 0);
+  if (const auto* kinematics = world.effects().find<physics::Kinematics>())
+    for (const auto& script : kinematics->scripts())
+      if (const std::int32_t slot = world.slot_of(script.id); slot >= 0)
+        immovable_[static_cast<std::uint32_t>(slot)] = 1;
+  std::fill(first_.begin(), first_.end(), 0u);
+  const auto count = [&](std::uint32_t slot) noexcept {
+    if (slot != kNone) ++first_[slot + 1];
+  };
+  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept { count(a), count(b); });
+  for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
+  // Filling moves each start to the next one's.
+  const auto add_link = [&](std::uint32_t slot, const Link& link) noexcept {
+    if (slot != kNone) links_[first_[slot]++] = link;
+  };
+  for_each_link([&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept {
+    add_link(a, {link, b}), add_link(b, {link, a});
+  });
+  std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
+  first_[0] = 0;
+}
+
+std::span<const BorderAdmittance::Link> BorderAdmittance::links_of(std::uint32_t slot) const noexcept {
+  return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
+}
+
+Matrix6 BorderAdmittance::firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
+  if (link < contacts_.size()) return firmness_of_contact(contacts_[link], added_inertia_, bodies_, centre);
+  const Held& held = joints_[link - contacts_.size()];
+  return firmness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
+}
+
+// Of the last step; of a newcomer its velocity.
+Twistd BorderAdmittance::mean_velocity(std::uint32_t slot) const noexcept {
+  if (!is_finite(starts_[slot])) return bodies_[slot].motion.velocity;
+  return mean_between(starts_[slot], bodies_[slot].motion.pose, step_s_);
+}
+
+Twistd BorderAdmittance::off_mean(std::uint32_t slot) const noexcept {
+  const Twistd &now = bodies_[slot].motion.velocity, mean = mean_velocity(slot);
+  return {now.linear - mean.linear, now.angular - mean.angular};
+}
+
+void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
+                             const Vec3d& centre) noexcept {
+  found_[slot] = search_;
+  const Vec3d d = bodies_[slot].motion.pose.position - centre;
+  const Matrix6 inertia = inertia_of(bodies_[slot], d);
+  reached_.push_back({slot, parent, link, inertia, {}, product(inertia, at_point(off_mean(slot), d))});
+}
+
+// The bodies that the asked one hangs together with, and the inertia that each shows to its parent's side.
+void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+  ++search_;
+  reached_.clear();
+  const Vec3d centre = bodies_[slot].motion.pose.position;
+  reach(slot, kNone, kNone, centre);
+  for (std::uint32_t head = 0; head < reached_.size(); ++head)
+    for (const auto& [link, other] : links_of(reached_[head].slot)) {
+      if (other == kNone || immovable_[other] != 0) {
+        const Matrix6 firmness = firmness_of(link, centre);
+        add(reached_[head].inertia, firmness);
+        if (other != kNone)
+          add(reached_[head].momentum,
+              product(firmness, at_point(off_mean(other), bodies_[other].motion.pose.position - centre)));
+      } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
+                 (link >= contacts_.size() || contacts_[link].touching())) {
+        reach(other, head, link, centre);
+      }
+    }
+  for (std::size_t i = reached_.size(); i-- > 1;) {
+    Reached& from = reached_[i];
+    from.firmness = firmness_of(from.link, centre);
+    Reached& to = reached_[from.parent];
+    const Felt felt = felt_through(from.firmness, from.inertia, from.momentum);
+    add(to.inertia, felt.inertia), add(to.momentum, felt.momentum);
+  }
+}
+
+OutsideAnswer BorderAdmittance::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+  if (immovable_[slot] != 0) return {bodies_[slot].motion.velocity, {}};
+  collect(slot, members);
+  const Vector6& p = reached_[0].momentum;
+  const physics::Admittance w = invert(reached_[0].inertia);
+  const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+  return {{mean.linear + kept.linear, mean.angular + kept.angular}, w};
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,241 @@
+#include "sim/exchange/border_log.h"
+
+#include "rt/physics/contact/find_contact.h"
+
+namespace tactus::sim {
+namespace {
+
+using haptics::BorderPoint;
+using haptics::BorderReturn;
+using haptics::OutsideBody;
+using physics::Body;
+using physics::Contact;
+
+// The body's share of a contact's inverse effective mass, along n at r from its centre.
+double own_inverse_mass(const Body& body, const Quatd& rotation, const Vec3d& r, const Vec3d& n) noexcept {
+  const Vec3d turn = rotate_inverse(rotation, cross(r, n));
+  return 1 / body.mass + turn.x * turn.x / body.inertia.x + turn.y * turn.y / body.inertia.y +
+         turn.z * turn.z / body.inertia.z;
+}
+
+void give(Body& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point, physics::World& world,
+          HandBack& result) noexcept {
+  const double before = kinetic_energy(body);
+  world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
+  result.impulse_Ns += impulse;
+  result.magnitude_Ns += norm(impulse);
+  result.energy_J += kinetic_energy(body) - before;
+}
+
+// What the global step's own friction gave the outside body at this pair, taken back.
+void take_back(const Contact& contact, std::uint32_t outside, physics::World& world, HandBack& result) noexcept {
+  Body& body = world.bodies()[outside];
+  const bool outside_is_b = contact.slot_b == outside;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    const Vec3d on_outside = outside_is_b ? point.total_friction : -point.total_friction;
+    const Vec3d arm = outside_is_b ? point.from_b : point.from_a;
+    give(body, outside, -on_outside, body.motion.pose.position + arm, world, result);
+  }
+}
+
+// What accelerated a body evenly over the step goes on: it slides to rest, or is pushed along. Where its velocity
+// changed by more than this share in the step it trembles, or met something, and the next step says nothing of it.
+constexpr double kEven = 0.5;
+
+// At most what stops it within another step.
+Vec3d acceleration_to_come(const Body& body, const Posed& start, double step_s, double sub_step_s) noexcept {
+  const double late_s = 0.5 * (step_s - sub_step_s);  // the mean velocity is that of a sub-step in the middle
+  if (!(late_s > 0)) return {};
+  const Vec3d& end = body.motion.velocity.linear;
+  const Vec3d mean = (body.motion.pose.position - start.position) * (1 / step_s);
+  const Vec3d acceleration = (end - mean) * (1 / late_s);
+  const double change = step_s * norm(acceleration), speed = norm(end);
+  if (!(change > 0) || !(change <= kEven * std::max(speed, norm(end - step_s * acceleration)))) return {};
+  return acceleration * (dot(acceleration, end) < 0 ? std::min(1.0, speed / change) : 1.0);
+}
+
+// A joint between a member and an outside body, after a step.
+struct JointAcross {
+  std::uint32_t member, outside;  // slots
+  Vec3d point;                    // m, world: the frame on B, now
+  Wrenchd on_member;              // N, N m, there: mean over the step
+};
+
+template <class F>
+void for_each_joint_across(const physics::World& world, std::span<const std::uint8_t> members, F&& f) noexcept {
+  const auto* joints = world.effects().find<physics::Joints>();
+  if (joints == nullptr) return;
+  const auto bodies = world.bodies();
+  joints->for_each_link(bodies, [&](std::uint32_t a, std::uint32_t b, std::uint32_t joint) noexcept {
+    if (members[a] == members[b]) return;
+    const auto& state = joints->states()[joint];
+    const Vec3d point = bodies[b].motion.pose * joints->joints()[joint].b_from_joint.position;
+    if (members[b] != 0)
+      f(JointAcross{b, a, point, {state.force, state.torque}});
+    else
+      f(JointAcross{a, b, point, {-state.force, -state.torque}});
+  });
+}
+
+}  // namespace
+
+BorderPoint border_point(const Contact& contact, const physics::ContactPoint& point, bool member_is_a,
+                         const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept {
+  BorderPoint result;
+  result.member = member.body.id;
+  result.outside = outside.body.id;
+  result.feature = point.feature;
+  result.normal = member_is_a ? -contact.normal : contact.normal;
+  // Arms are of the start of the step: so is the rotation that takes them into the body.
+  result.member_anchor = rotate_inverse(member.start.rotation, member_is_a ? point.from_a : point.from_b);
+  const Vec3d anchor = rotate_inverse(outside.start.rotation, member_is_a ? point.from_b : point.from_a);
+  result.impulse_rate_N = point.total_normal_impulse / step_s;
+  result.friction = contact.friction;
+  result.outside_point = outside.body.motion.pose * anchor;
+  result.separation_m = point.separation;
+  // The mean over the step, not the velocity at its end: a body that is held trembles within a step, and a member that
+  // follows such an instant for a whole cycle is thrown.
+  result.outside_velocity = (result.outside_point - outside.start * anchor) * (1.0 / step_s);
+  return result;
+}
+
+double border_work_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
+                     double step_s) noexcept {
+  const auto contacts = world.contacts();
+  const auto bodies = world.bodies();
+  double work_J = 0;
+  for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
+    const Twistd& now = bodies[joint.member].motion.velocity;
+    const Vec3d v = 0.5 * (before[joint.member].linear + now.linear);
+    const Vec3d w = 0.5 * (before[joint.member].angular + now.angular);
+    const Vec3d r = joint.point - bodies[joint.member].motion.pose.position;
+    work_J += step_s * (dot(joint.on_member.force, v + cross(w, r)) + dot(joint.on_member.torque, w));
+  });
+  for (const auto& contact : contacts) {
+    if (contact.b_fixed || members[contact.slot_a] == members[contact.slot_b]) continue;
+    const bool a = members[contact.slot_a] != 0;
+    const std::uint32_t member = a ? contact.slot_a : contact.slot_b;
+    const Twistd& now = bodies[member].motion.velocity;
+    const Vec3d v = 0.5 * (before[member].linear + now.linear), w = 0.5 * (before[member].angular + now.angular);
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      const Vec3d on_b = point.total_normal_impulse * contact.normal + point.total_friction;
+      work_J += (a ? -1 : 1) * dot(on_b, v + cross(w, a ? point.from_a : point.from_b));
+    }
+  }
+  return work_J;
+}
+
+BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints,
+                     double added_inertia)
+    : added_inertia_(added_inertia), admittance_(max_bodies, max_contacts, max_joints) {
+  points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
+  loads_.reserve(std::size_t{haptics::kMaxBorderPoints} + max_joints);
+  order_.reserve(points_.capacity());
+}
+
+std::uint32_t BorderLog::fill(std::span<const Contact> contacts, std::span<const Body> bodies,
+                              std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
+                              FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
+  border.clear();
+  points_.clear();
+  for (const auto& contact : contacts) {
+    if (contact.b_fixed || members[contact.slot_a] == members[contact.slot_b]) continue;
+    const bool a = members[contact.slot_a] != 0;
+    const std::uint32_t member = a ? contact.slot_a : contact.slot_b, outside = a ? contact.slot_b : contact.slot_a;
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      if (point.total_normal_impulse <= 0 && point.separation > 0) continue;  // it was only near
+      points_.push_back(
+          border_point(contact, point, a, {bodies[member], start[member]}, {bodies[outside], start[outside]}, step_s));
+      points_.back().friction_N = (a ? -1 / step_s : 1 / step_s) * point.total_friction;
+      points_.back().outside_inverse_mass =
+          own_inverse_mass(bodies[outside], start[outside].rotation, a ? point.from_b : point.from_a, contact.normal);
+    }
+  }
+  const auto fits = std::min<std::size_t>(points_.size(), haptics::kMaxBorderPoints);
+  order_.clear();
+  for (std::uint32_t i = 0; i < points_.size(); ++i) order_.push_back(i);
+  if (fits < points_.size()) {
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t i, std::uint32_t j) {
+      return points_[i].impulse_rate_N != points_[j].impulse_rate_N
+                 ? points_[i].impulse_rate_N > points_[j].impulse_rate_N
+                 : i < j;
+    });
+    std::sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(fits));
+  }
+  for (std::size_t i = 0; i < fits; ++i) (void)border.try_push(points_[order_[i]]);
+  return static_cast<std::uint32_t>(points_.size() - fits);
+}
+
+std::uint32_t BorderLog::fill_outside(const physics::World& world, std::span<const std::uint8_t> members, double step_s,
+                                      double sub_step_s, std::span<const BorderPoint> border,
+                                      FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
+  outside.clear();
+  collect_loads(world, members, border);
+  if (loads_.empty()) return 0;
+  admittance_.index(world, added_inertia_, step_s);
+  std::uint32_t left_out = 0;
+  for (std::size_t i = 0; i < loads_.size();) {
+    const BodyId id = loads_[i].outside;
+    const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
+    OutsideBody body;
+    body.id = id;
+    body.centre = world.bodies()[slot].motion.pose.position;
+    const OutsideAnswer answer = admittance_.find(slot, members);
+    body.velocity = answer.velocity, body.admittance = answer.admittance;
+    Wrenchd load;
+    for (; i < loads_.size() && loads_[i].outside == id; ++i) {
+      load.force += loads_[i].force;
+      load.torque += loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force);
+    }
+    const Twistd under_load = body.admittance * load;
+    body.drive = {
+        acceleration_to_come(world.bodies()[slot], world.last_poses()[slot], step_s, sub_step_s) - under_load.linear,
+        -under_load.angular};
+    if (!outside.try_push(body)) ++left_out;
+  }
+  return left_out;
+}
+
+// By outside body.
+void BorderLog::collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
+                              std::span<const BorderPoint> border) noexcept {
+  loads_.clear();
+  for (const BorderPoint& point : border)
+    loads_.push_back(
+        {point.outside, -(point.impulse_rate_N * point.normal + point.friction_N), point.outside_point, {}});
+  for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
+    loads_.push_back({world.bodies()[joint.outside].id, -joint.on_member.force, joint.point, -joint.on_member.torque});
+  });
+  std::sort(loads_.begin(), loads_.end(), [](const Load& p, const Load& q) { return p.outside < q.outside; });
+}
+
+HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
+                          physics::BorderTraits::Return returned, physics::World& world) noexcept {
+  using Return = physics::BorderTraits::Return;
+  HandBack result;
+  if (returned == Return::kNothing) return result;
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    const BorderReturn& entry = returns[i];
+    const std::int32_t found = world.slot_of(entry.outside);
+    if (found < 0 || !is_finite(entry.tangent_impulse) || !is_finite(entry.point)) continue;
+    const auto outside = static_cast<std::uint32_t>(found);
+    if (members[outside] != 0) {
+      ++result.skipped;
+      continue;
+    }
+    // Once for every pair: a pair's returns follow each other.
+    const bool first_of_pair =
+        i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
+    if (returned == Return::kChange && first_of_pair) {
+      const Contact* contact = physics::find_contact(world.contacts(), entry.member, entry.outside);
+      if (contact != nullptr) take_back(*contact, outside, world, result);
+    }
+    give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);
+  }
+  return result;
+}
+
+}  // namespace tactus::sim

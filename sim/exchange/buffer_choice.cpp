@@ -1,0 +1,93 @@
+#include "sim/exchange/buffer_choice.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace tactus::sim {
+namespace {
+
+using physics::Body;
+
+// Of a body at the point of a touch, along its normal [1/kg].
+double inverse_mass_at(const Body& body, const Touch& touch) noexcept {
+  const Vec3d lever =
+      rotate_inverse(body.motion.pose.rotation, cross(touch.point - body.motion.pose.position, touch.normal));
+  const auto over = [](double x, double inertia) { return inertia > 0 ? x * x / inertia : 0.0; };
+  return 1 / body.mass + over(lever.x, body.inertia.x) + over(lever.y, body.inertia.y) + over(lever.z, body.inertia.z);
+}
+
+// The same of the ghost of an outside body; 0, as on firm ground, where there is none yet.
+double inverse_mass_at(std::span<const haptics::OutsideBody> outside, BodyId id, const Touch& touch) noexcept {
+  const auto at =
+      std::lower_bound(outside.begin(), outside.end(), id, [](const auto& body, BodyId i) { return body.id < i; });
+  if (at == outside.end() || at->id != id) return 0;
+  const Vec3d r = touch.point - at->centre;
+  const Twistd answer = at->admittance * Wrenchd{touch.normal, cross(r, touch.normal)};
+  return dot(touch.normal, answer.linear + cross(answer.angular, r));
+}
+
+}  // namespace
+
+std::uint32_t BufferChoice::choose(std::span<const Body> bodies, const Extraction& extraction,
+                                   const ContactGraph& graph, std::uint32_t proxy, const Surroundings& around,
+                                   std::span<std::uint8_t> in_buffer) noexcept {
+  std::fill(in_buffer.begin(), in_buffer.end(), std::uint8_t{0});
+  physics::Islands groups(std::span<std::uint32_t>(parent_).first(bodies.size()));
+  for (const Touch& touch : graph.touches()) {
+    const bool a = extraction.is_member(touch.a), b = extraction.is_member(touch.b);
+    if (a != b) in_buffer[a ? touch.a : touch.b] = 1;
+    if (a && b && touch.a != proxy && touch.b != proxy) groups.link(touch.a, touch.b);
+  }
+  in_buffer[proxy] = 0;
+  for (const std::uint32_t member : extraction.members()) shares_[member] = {};
+  if (!weigh(bodies, extraction, in_buffer, groups)) return 0;
+  find_shares(bodies, extraction, graph, proxy, around);
+  if (!weigh(bodies, extraction, in_buffer, groups)) return 0;
+  std::uint32_t added = 0;
+  for (const std::uint32_t member : extraction.members()) {
+    if (member == proxy || in_buffer[member] != 0 || !is_uneven(groups.of(member))) continue;
+    in_buffer[member] = 1;
+    ++added;
+  }
+  return added;
+}
+
+bool BufferChoice::weigh(std::span<const Body> bodies, const Extraction& extraction,
+                         std::span<const std::uint8_t> in_buffer, physics::Islands& groups) noexcept {
+  bool any = false;
+  for (const std::uint32_t member : extraction.members()) {
+    const std::uint32_t group = groups.of(member);
+    const double mass = bodies[member].mass;
+    // The lowest slot of a group comes first.
+    if (group == member) lightest_[group] = std::numeric_limits<double>::infinity(), heaviest_[group] = 0;
+    if (group == member) at_border_[group] = 0;
+    if (!shares_[member].at_end()) lightest_[group] = std::min(lightest_[group], mass);
+    heaviest_[group] = std::max(heaviest_[group], mass);
+    if (in_buffer[member] != 0) at_border_[group] = 1;
+    any = any || is_uneven(group);
+  }
+  return any;
+}
+
+void BufferChoice::find_shares(std::span<const Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                               std::uint32_t proxy, const Surroundings& around) noexcept {
+  for (const auto& contact : around.contacts)
+    if (contact.b_fixed && contact.touching()) shares_[around.places[contact.slot_a]].other = 1;
+  const auto add = [&](const Touch& touch, std::uint32_t of, std::uint32_t by) noexcept {
+    const double own = inverse_mass_at(bodies[of], touch);
+    Shares& shares = shares_[of];
+    if (!extraction.is_member(by)) {
+      const double ghost = inverse_mass_at(around.outside, bodies[by].id, touch);
+      shares.other = std::max(shares.other, touch.joined ? 1 : own / (own + ghost));
+    } else if (by != proxy) {
+      ++shares.links;
+      shares.linked = touch.joined ? 1 : own / (own + inverse_mass_at(bodies[by], touch));
+    }
+  };
+  for (const Touch& touch : graph.touches()) {
+    if (extraction.is_member(touch.a)) add(touch, touch.a, touch.b);
+    if (extraction.is_member(touch.b)) add(touch, touch.b, touch.a);
+  }
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,67 @@
+#include "sim/exchange/contact_graph.h"
+
+namespace tactus::sim {
+
+Touch touch_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept {
+  Vec3d weighted, plain;
+  double weight = 0;
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    const auto& point = contact.points[i];
+    weighted += point.total_normal_impulse * point.from_a;
+    weight += point.total_normal_impulse;
+    plain += point.from_a;
+  }
+  const Vec3d from_a = weight > 0 ? weighted * (1 / weight) : plain * (1.0 / std::max(1u, contact.count));
+  return {contact.slot_a, contact.slot_b, bodies[contact.slot_a].motion.pose.position + from_a, contact.normal, false};
+}
+
+ContactGraph::ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches)
+    : touches_(max_touches),
+      links_(2 * std::size_t{max_touches}),
+      first_(max_bodies + 1),
+      hops_(max_bodies, kUnreached),
+      queue_(max_bodies) {}
+
+void ContactGraph::build(std::uint32_t bodies, std::span<const Touch> touches) noexcept {
+  TACTUS_CHECK(bodies < first_.size(), bodies, first_.size());
+  TACTUS_CHECK(touches.size() <= touches_.size(), touches.size(), touches_.size());
+  body_count_ = bodies;
+  touch_count_ = static_cast<std::uint32_t>(touches.size());
+  std::copy(touches.begin(), touches.end(), touches_.begin());
+  std::fill(first_.begin(), first_.begin() + bodies + 1, 0u);
+  for (const Touch& touch : touches) ++first_[touch.a], ++first_[touch.b];
+  // Ends of the bodies' links; filling backwards turns them into the starts and keeps the order.
+  for (std::uint32_t slot = 1; slot < bodies; ++slot) first_[slot] += first_[slot - 1];
+  first_[bodies] = 2 * touch_count_;
+  for (std::uint32_t t = touch_count_; t-- > 0;) {
+    links_[--first_[touches_[t].a]] = {touches_[t].b, t};
+    links_[--first_[touches_[t].b]] = {touches_[t].a, t};
+  }
+  std::fill(hops_.begin(), hops_.end(), kUnreached);
+  visited_count_ = 0;
+}
+
+std::span<const ContactGraph::Link> ContactGraph::links(std::uint32_t slot) const noexcept {
+  return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
+}
+
+std::uint32_t ContactGraph::find_component(std::uint32_t from, std::span<const std::uint32_t> seeds) noexcept {
+  for (const std::uint32_t slot : visited()) hops_[slot] = kUnreached;
+  visited_count_ = 0;
+  visit(from, 0);
+  for (std::uint32_t head = 0; head < visited_count_; ++head) {
+    const std::uint32_t slot = queue_[head];
+    for (const Link& link : links(slot)) visit(link.body, hops_[slot] + 1);
+    if (head == 0)
+      for (const std::uint32_t seed : seeds) visit(seed, 1);
+  }
+  return visited_count_;
+}
+
+void ContactGraph::visit(std::uint32_t slot, std::uint32_t hops) noexcept {
+  if (hops_[slot] != kUnreached) return;
+  hops_[slot] = hops;
+  queue_[visited_count_++] = slot;
+}
+
+}  // namespace tactus::sim

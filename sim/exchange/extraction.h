@@ -1,0 +1,100 @@
+// Who is in the haptic sub-world next: the contact graph, grown from the proxy and cut at the cap.
+//
+// In this order, until the cap: the proxy; bodies in the boundary cube, nearest first; bodies that contacts link to the
+// proxy, by influence (or by hops, as the paper may have meant); members of before that fell out a moment ago. Against
+// flicker a member's influence counts double (its hops one less), and one that no longer qualifies stays a few cycles
+// while there is room. Whoever gets a place brings along those that joints link to him. Few bodies join or leave at
+// once, so that the tick that adopts them stays short: only the cube and what is joined may join more. So the sub-world
+// grows over the cycles, as the paper's does. Thread: the global world's; construction [setup]. Units: SI. Bound: the
+// cap, never exceeded; what was left out is counted. Ties by slot, which is by body id. Source: the paper, section 2;
+// influence in sim/exchange/influence.h.
+#pragma once
+
+#include "rt/haptics/coupling/snapshot.h"
+#include "sim/exchange/boundary_cube.h"
+#include "sim/exchange/influence.h"
+
+namespace tactus::sim {
+
+enum class CutOrder : std::uint32_t {
+  kBestFirst = 0,     // by influence on the proxy
+  kBreadthFirst = 1,  // by contacts from the proxy
+};
+
+struct ExtractionOptions {
+  std::uint32_t cap{64};  // members, the proxy included; at most haptics::kMaxMembers
+  CutOrder order{CutOrder::kBestFirst};
+  std::uint32_t max_joins{8}, max_leaves{8};  // per cycle; the cube may join more, the cap may push out more
+  std::uint32_t linger_cycles{4};             // that a member stays after it last qualified
+  bool all_members{false};  // every dynamic body, from the start: needs a world of at most kMaxMembers
+};
+
+struct ExtractionStatistics {
+  std::uint32_t component{0};       // bodies that contacts link to the proxy, itself included
+  std::uint32_t close{0};           // bodies in the boundary cube
+  std::uint32_t close_left_out{0};  // of them, those that the cap left out: they may be touched before they join
+  std::uint32_t dropped{0};         // bodies of cube and component that the cap leaves out
+  std::uint32_t waiting{0};         // bodies of cube and component that will join in the next cycles
+  std::uint32_t joins{0}, leaves{0};
+};
+
+class Extraction {
+ public:
+  Extraction(const ExtractionOptions& options, const ReachSettings& reach, std::span<const physics::Body> bodies,
+             std::uint32_t proxy, std::uint32_t max_touches);
+
+  // Chooses the next members: slots, ascending. `world_from_proxy` is the pose that the cube is centred at, `budget`
+  // may lower the cap, `free` says by slot which bodies no other sub-world has (empty: all), `awake` which slots may be
+  // near the proxy (empty: all). The first call is not bound by max_joins. Valid until the next call.
+  std::span<const std::uint32_t> choose(std::span<const physics::Body> bodies, ContactGraph& graph,
+                                        const Posed& world_from_proxy, std::uint32_t budget,
+                                        std::span<const std::uint8_t> free = {},
+                                        std::span<const std::uint32_t> awake = {}) noexcept;
+  // The box in which bodies are chosen for their place alone.
+  physics::Aabb region(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept {
+    return cube_.region(proxy, world_from_proxy);
+  }
+
+  bool is_member(std::uint32_t slot) const noexcept { return member_[slot] != 0; }
+  bool was_member(std::uint32_t slot) const noexcept { return was_member_[slot] != 0; }  // before the last choice
+  // Of the last choice: was it no member before?
+  bool is_joiner(std::uint32_t slot) const noexcept { return member_[slot] != 0 && was_member_[slot] == 0; }
+  std::span<const std::uint32_t> members() const noexcept { return chosen_; }
+  std::span<const std::uint8_t> member_flags() const noexcept { return member_; }  // by slot, 1: member
+  const ExtractionStatistics& statistics() const noexcept { return statistics_; }
+
+ private:
+  // In the order in which they get a place.
+  enum class Claim : std::uint32_t { kProxy = 0, kClose = 1, kLinked = 2, kLingering = 3, kLeaving = 4 };
+  struct Candidate {
+    Claim claim{};
+    bool current{false};  // a member already
+    double score{0};      // the higher the sooner
+    std::uint32_t slot{0};
+  };
+
+  bool available(std::uint32_t slot, std::span<const std::uint8_t> free) const noexcept;
+  void add(Claim claim, double score, std::uint32_t slot) noexcept;
+  void add_close(std::span<const CloseBody> close, std::span<const std::uint8_t> free) noexcept;
+  void add_linked(std::span<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
+                  std::span<const std::uint8_t> free) noexcept;
+  void add_former() noexcept;
+  void take(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept;
+  void bring_joined(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept;
+  void take_all(std::uint32_t bodies) noexcept;
+  void count_left_out(std::uint32_t cap, const ContactGraph& graph) noexcept;
+
+  ExtractionOptions options_;
+  std::uint32_t proxy_;
+  BoundaryCube cube_;
+  Influence influence_;
+  bool first_{true};
+  // By slot.
+  std::vector<std::uint8_t> member_, was_member_, listed_;
+  std::vector<std::uint32_t> cycles_out_;  // since it last qualified
+  std::vector<Candidate> candidates_;
+  std::vector<std::uint32_t> chosen_, near_;
+  ExtractionStatistics statistics_;
+};
+
+}  // namespace tactus::sim

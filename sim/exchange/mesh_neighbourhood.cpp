@@ -1,0 +1,45 @@
+#include "sim/exchange/mesh_neighbourhood.h"
+
+namespace tactus::sim {
+namespace {
+
+// Of the sub-world's own contact margin, and of what gravity adds in two cycles.
+constexpr double kSlack_m = 2e-3;
+
+// False: no room.
+bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh& mesh, const physics::Aabb& box,
+                haptics::WorldSnapshot& next) noexcept {
+  if (!box.overlaps({-mesh.half_extents, mesh.half_extents})) return true;
+  physics::TriangleList found;
+  find_triangles(mesh, box, found);
+  if (found.left_out > 0) return false;
+  auto& triangles = next.near_triangles;
+  if (triangles.capacity() - triangles.size() < found.triangles.size()) return false;
+  const std::uint32_t first = triangles.size(), count = found.triangles.size();
+  if (!next.near_regions.try_push({body, mesh_index, first, count, box})) return false;
+  for (const std::uint32_t triangle : found.triangles) (void)triangles.try_push(triangle);
+  return true;
+}
+
+}  // namespace
+
+void fill_near_triangles(std::span<const physics::Body> bodies, std::span<const physics::Body> fixed_bodies,
+                         physics::Meshes meshes, std::span<const std::uint32_t> members, std::uint32_t proxy,
+                         const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept {
+  next.near_regions.clear(), next.near_triangles.clear();
+  if (meshes.empty()) return;
+  for (const std::uint32_t place : members) {
+    const physics::Body& body = bodies[place];
+    const double radius_m = bounding_radius(body.shape);
+    const double moves_m = kSlack_m + (place == proxy ? reach_of_proxy_m(reach, radius_m)
+                                                      : reach_of_body_m(reach, body.motion.velocity, radius_m));
+    for (const auto& fixed : fixed_bodies) {  // by id: in the order of the meshes
+      if (fixed.shape.kind != physics::ShapeKind::kMesh) continue;
+      const Posed pose = physics::relative_pose(fixed.motion.pose, body.motion.pose);
+      const auto box = physics::bounds_of(body.shape, pose, moves_m);
+      if (!add_region(body.id, fixed.shape.index, meshes[fixed.shape.index], box, next)) ++next.dropped;
+    }
+  }
+}
+
+}  // namespace tactus::sim

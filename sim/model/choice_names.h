@@ -1,0 +1,36 @@
+// The words by which people choose on the command line, both ways. Thread: [any]; name_of never empty.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rt/haptics/coupling/coupling_scheme.h"
+#include "rt/physics/border/border_contact.h"
+#include "rt/physics/step.h"
+#include "rt/physics/sweep_precision.h"
+#include "sim/exchange/extraction.h"
+
+namespace tactus::sim {
+
+std::string_view name_of(haptics::CouplingScheme scheme) noexcept;     // sub-world, direct, and so on
+std::string_view name_of(physics::BorderMode mode) noexcept;           // ghost, capped, replay, filtered, frozen
+std::string_view name_of(CutOrder order) noexcept;                     // best-first, breadth-first
+std::string_view name_of(Reach reach) noexcept;                        // two-cycles, paper
+std::string_view name_of(physics::SweepPrecision precision) noexcept;  // double, mixed
+std::string_view name_of(physics::FrictionSweeps sweeps) noexcept;     // auto, relax, every
+
+// All of them, in the order of help texts.
+std::vector<std::string> coupling_names();
+std::vector<std::string> border_names();
+
+// Empty for a word that names nothing.
+std::optional<haptics::CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept;
+std::optional<physics::BorderMode> parse_border_mode(std::string_view word) noexcept;
+std::optional<CutOrder> parse_cut_order(std::string_view word) noexcept;
+std::optional<Reach> parse_reach(std::string_view word) noexcept;
+std::optional<physics::SweepPrecision> parse_precision(std::string_view word) noexcept;
+std::optional<physics::FrictionSweeps> parse_friction_sweeps(std::string_view word) noexcept;
+
+}  // namespace tactus::sim

@@ -1,0 +1,126 @@
+// The buffer of a sub-world: the global world keeps its bodies' state, the sub-world that of the others.
+#include "rt/haptics/coupling/border_buffer.h"
+
+#include "tests/rt/haptics/coupling/sub_world_bench.h"
+
+using namespace tactus;
+using namespace tactus::test::sub_world_bench;
+
+namespace {
+
+SubWorldConfig ghost_config() {
+  SubWorldConfig config = make_config();
+  config.border_mode = physics::BorderMode::kGhost;
+  return config;
+}
+
+// Balls 1 and 2, far apart; 2 is in the buffer.
+Bench bench_with_buffer() {
+  Bench bench(ghost_config());
+  bench.next_with({ball(1, {}), ball(2, {1, 0, 0})});
+  REQUIRE(bench.snapshot->buffer.try_push(2));
+  bench.synchronise();
+  bench.step(5);
+  bench.next({1, 2});
+  return bench;
+}
+
+}  // namespace
+
+TEST_CASE("A buffer body takes the global world's state at a synchronisation, an inner member keeps its own") {
+  Bench bench = bench_with_buffer();
+  const physics::BodyMotion other{{{0.5, 0.25, -0.125}, {}}, {{0.1, 0, 0}, {0, 0, 2}}};
+  const auto own = bench.motion(1);
+  REQUIRE(bench.snapshot->renewed.try_push({1, 0, other}));  // was no buffer body: not to be believed
+  REQUIRE(bench.snapshot->renewed.try_push({2, 0, other}));
+  bench.synchronise();
+  CHECK(bench.motion(2) == other);
+  CHECK(bench.motion(1) == own);
+  CHECK(bench.sub_world.buffer_bodies() == 0);
+  const auto& body = bench.sub_world.world().bodies()[1];
+  CHECK(bench.sub_world.buffer_gain_J() == Approx(kinetic_energy(body)).epsilon(1e-12));
+}
+
+TEST_CASE("The report says of whom the global world keeps its own state") {
+  Bench bench = bench_with_buffer();
+  bench.synchronise();
+  REQUIRE(bench.report->members.size() == 2);
+  CHECK(bench.report->members[0].in_buffer == 0);
+  CHECK(bench.report->members[1].in_buffer == 1);
+}
+
+TEST_CASE("A buffer body that turns inner goes on from the global world's state and is the sub-world's from then on") {
+  Bench bench = bench_with_buffer();
+  const physics::BodyMotion other{{{0.5, 0, 0}, {}}, {{0.2, 0, 0}, {}}};
+  REQUIRE(bench.snapshot->renewed.try_push({2, 0, other}));
+  bench.synchronise();
+  bench.step(5);
+  const auto moved = bench.motion(2);
+  CHECK(moved.pose.position.x == Approx(0.5 + 0.2 * 5 * kTick_s).epsilon(1e-9));
+  bench.next({1, 2});
+  REQUIRE(bench.snapshot->renewed.try_push({2, 0, other}));
+  bench.synchronise();
+  CHECK(bench.motion(2) == moved);
+  CHECK(bench.report->members[1].in_buffer == 0);
+}
+
+namespace {
+
+// The proxy, pressed by its weight on a slab in the buffer that nothing moves, for half a second.
+Bench resting_on_slab(double friction) {
+  SubWorldConfig config = ghost_config();
+  config.step.gravity = {0, 0, -9.81};
+  Bench bench(config);
+  auto slab = physics::make_dynamic_body(5, physics::Shape::box({0.2, 0.2, 0.05}), 1000, friction, {});
+  slab.gravity_scale = 0;
+  auto proxy = ball(config.proxy, {0, 0, 0.05 + kRadius});
+  proxy.friction = friction;
+  bench.next_with({proxy, slab});
+  REQUIRE(bench.snapshot->buffer.try_push(5));
+  bench.synchronise();
+  bench.step(500);
+  bench.next({config.proxy, 5});
+  return bench;
+}
+
+}  // namespace
+
+TEST_CASE("The proxy goes with a buffer body that it holds on to by friction, along the surface") {
+  const double friction = GENERATE(0.0, 0.5);
+  Bench bench = resting_on_slab(friction);
+  const Vec3d before = bench.motion(make_config().proxy).pose.position;
+  auto moved = bench.motion(5);
+  const Vec3d by{1e-4, -2e-4, 3e-4};
+  moved.pose.position += by;
+  REQUIRE(bench.snapshot->renewed.try_push({5, 0, moved}));
+  bench.synchronise();
+  const Vec3d carried = bench.motion(make_config().proxy).pose.position - before;
+  const Vec3d along = friction > 0 ? Vec3d{by.x, by.y, 0} : Vec3d{};
+  CHECK(norm(carried - along) < 1e-9);
+  CHECK(bench.sub_world.proxy().pose.position == bench.motion(make_config().proxy).pose.position);
+}
+
+TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodies are refused") {
+  Bench bench = bench_with_buffer();
+  haptics::BorderBuffer buffer;
+  auto snapshot = std::make_unique<haptics::WorldSnapshot>();
+  REQUIRE(snapshot->buffer.try_push(1));
+  REQUIRE(snapshot->buffer.try_push(2));
+  physics::World world(bench.sub_world.config().capacities);
+  for (const auto& body : bench.sub_world.world().bodies()) REQUIRE(world.insert(body));
+  (void)buffer.adopt(*snapshot, make_config().proxy, world);
+  std::vector<std::byte> bytes(haptics::BorderBuffer::kMostBytes);
+  ByteWriter out(bytes);
+  buffer.save(out);
+  REQUIRE(out.ok());
+  haptics::BorderBuffer again;
+  ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
+  REQUIRE(again.restore(in, world));
+  CHECK(again.size() == 2);
+  CHECK(again.holds(2));
+  REQUIRE(world.remove(2));
+  ByteReader no_such_body(std::span<const std::byte>(bytes).first(out.size()));
+  CHECK_FALSE(again.restore(no_such_body, world));
+  ByteReader cut(std::span<const std::byte>(bytes).first(out.size() - 1));
+  CHECK_FALSE(again.restore(cut, world));
+}

@@ -1,0 +1,243 @@
+// The ghost border of a sub-world: what crosses the border in a cycle, and how it is accounted for.
+#include "rt/base/status.h"
+#include "tests/rt/haptics/coupling/sub_world_bench.h"
+
+using namespace tactus;
+using namespace tactus::test::sub_world_bench;
+using haptics::OutsideBody;
+
+namespace {
+
+SubWorldConfig ghost_config() {
+  SubWorldConfig config = make_config();
+  config.border_mode = physics::BorderMode::kGhost;
+  return config;
+}
+
+// `load_N`: what its other forces stand up to, downwards.
+OutsideBody outside(double inverse_mass, const Vec3d& velocity = {}, double load_N = 0) {
+  OutsideBody body;
+  body.id = kOutside;
+  body.centre = {0, 0, -kRadius};
+  body.velocity.linear = velocity;
+  body.admittance.linear = SymMat3d::identity(inverse_mass);
+  body.drive.linear = {0, 0, inverse_mass * load_N};
+  return body;
+}
+
+BorderPoint touch(double force_N, double inverse_mass, double friction = 0) {
+  BorderPoint point = support(1, force_N, friction);
+  point.member_anchor = {0, 0, -kRadius}, point.outside_point = {0, 0, -kRadius};
+  point.outside_inverse_mass = inverse_mass;
+  return point;
+}
+
+const physics::BorderGhost& ghost_of(const Bench& bench) { return bench.sub_world.world().border_ghosts()[0]; }
+
+}  // namespace
+
+TEST_CASE("What a cycle reports of a ghost is the momentum that its member lost, normal and tangential") {
+  Bench bench(ghost_config());
+  const double mass = 3;
+  bench.next_with({ball(1, {}, {{0.1, 0, -0.2}, {}})});
+  REQUIRE(bench.snapshot->outside.try_push(outside(1 / mass)));
+  REQUIRE(bench.snapshot->border.try_push(touch(0, 1 / mass, 0.3)));
+  bench.synchronise();
+  bench.step(5);
+  const Vec3d lost = kMass * (Vec3d{0.1, 0, -0.2} - bench.motion(1).velocity.linear);
+  check_close(mass * ghost_of(bench).velocity.linear, lost, 1e-15);
+  bench.next({1});
+  bench.synchronise();
+  REQUIRE(bench.report->border.size() == 1);
+  const auto& given = bench.report->border[0];
+  check_close(-given.normal_impulse_Ns * given.normal - given.tangent_impulse, lost, 1e-15);
+  CHECK(given.tangent_impulse.x < 0);
+}
+
+TEST_CASE("A ghost starts a cycle as the global step left it, driven against the load that it bore") {
+  Bench bench(ghost_config());
+  const double mass = 3, load_N = 20;
+  bench.next_with({ball(1, {}, {{0, 0, -0.2}, {}})});
+  REQUIRE(bench.snapshot->outside.try_push(outside(1 / mass)));
+  REQUIRE(bench.snapshot->border.try_push(touch(0, 1 / mass)));
+  bench.synchronise();
+  bench.step(5);
+  REQUIRE(ghost_of(bench).total_impulse.force.z < 0);
+  bench.next({1});
+  REQUIRE(bench.snapshot->outside.try_push(outside(1 / mass, {0, 0, -0.01}, load_N)));
+  REQUIRE(bench.snapshot->border.try_push(touch(load_N, 1 / mass)));
+  bench.synchronise();
+  CHECK(ghost_of(bench).velocity.linear == Vec3d{0, 0, -0.01});
+  CHECK(ghost_of(bench).drive.linear.z == Approx(load_N / mass).epsilon(1e-12));
+  CHECK(ghost_of(bench).total_impulse.force == Vec3d{});
+}
+
+TEST_CASE("A member in balance with an outside body stays there: the force is the global world's, without a ripple") {
+  const double inverse_mass = GENERATE(0.0, 0.5, 2.0);
+  SubWorldConfig config = ghost_config();
+  config.step.gravity = {0, 0, -9.81};
+  Bench bench(config);
+  const double weight_N = kMass * 9.81;
+  bench.next_with({ball(1, {})});
+  for (int cycle = 0; cycle < 60; ++cycle) {
+    REQUIRE(bench.snapshot->outside.try_push(outside(inverse_mass, {}, weight_N)));
+    REQUIRE(bench.snapshot->border.try_push(touch(weight_N, 2)));
+    bench.synchronise();
+    for (int k = 0; k < 5; ++k) {
+      bench.step();
+      if (cycle < 30) continue;
+      REQUIRE(bench.border(0).step_normal_impulse == Approx(weight_N * kTick_s).margin(1e-3 * kTick_s));
+    }
+    bench.next({1});
+  }
+  CHECK(norm(bench.motion(1).velocity.linear) < 1e-5);
+}
+
+namespace {
+
+// Outside bodies that lie: how they say they move and are driven.
+struct Lie {
+  const char* name;
+  Twistd velocity, drive;
+};
+const Lie kLies[] = {
+    {"rises", {{0, 0, 0.5}, {}}, {}},
+    {"slides away below", {{0.5, 0, 0}, {}}, {}},
+    {"spins below", {{}, {10, 0, 0}}, {}},
+    {"is driven upwards", {}, {{0, 0, 40}, {}}},
+    {"is driven sideways", {}, {{200, 0, 0}, {}}},
+    {"rises and slides", {{0.4, 0.2, 0.3}, {0, 5, 0}}, {{5, 5, 10}, {}}},
+};
+constexpr double kFullTank_J = 0.01;
+constexpr int kLiedTicks = 200;
+
+struct Lied {
+  double most_J{0};         // that ghosts had put in at any time
+  double most_in_spent{0};  // in a tick that began with nothing left
+  int spent_ticks{0};
+};
+
+// A ball on another, and a third beside them, all on the lying body, which is where they are whenever they look.
+Lied tell(const Lie& lie, double admitted_work_J) {
+  SubWorldConfig config = ghost_config();
+  config.step.gravity = {0, 0, -9.81};
+  Bench bench(config);
+  bench.next_with({ball(1, {}), ball(2, {0, 0, 2 * kRadius}), ball(3, {0.3, 0, 0})});
+  Lied lied;
+  double before_J = 0;
+  for (int cycle = 0; cycle < kLiedTicks / 5; ++cycle) {
+    REQUIRE(bench.snapshot->outside.try_push(outside(0, lie.velocity.linear)));
+    bench.snapshot->outside[0].velocity = lie.velocity;
+    bench.snapshot->outside[0].centre = {0, 0, -2 * kRadius};
+    bench.snapshot->outside[0].drive = lie.drive;
+    for (const BodyId id : {1u, 3u}) {
+      BorderPoint point = touch(0, 2, 0.8);
+      point.member = id;
+      const auto motion = cycle == 0 ? (id == 1 ? ball(1, {}) : ball(3, {0.3, 0, 0})).motion : bench.motion(id);
+      point.member_anchor = rotate_inverse(motion.pose.rotation, Vec3d{0, 0, -kRadius});
+      point.outside_point = motion.pose.position - Vec3d{0, 0, kRadius};
+      REQUIRE(bench.snapshot->border.try_push(point));
+    }
+    bench.snapshot->border_work_J = admitted_work_J;
+    bench.synchronise();
+    for (int k = 0; k < 5; ++k) {
+      const bool spent = bench.sub_world.border_tank_J() == 0;
+      bench.step(1, {}, 1);  // one sub-step: that is how often the tank is looked at
+      const double work_J = bench.sub_world.border_work_J();
+      lied.most_J = std::max(lied.most_J, work_J);
+      if (spent) lied.most_in_spent = std::max(lied.most_in_spent, work_J - before_J), ++lied.spent_ticks;
+      before_J = work_J;
+      REQUIRE(bench.sub_world.border_tank_J() >= 0);
+      REQUIRE(((bench.last.status & kBorderSpent) != 0) == (bench.sub_world.border_tank_J() == 0));
+    }
+    bench.next({1, 2, 3});
+  }
+  return lied;
+}
+
+}  // namespace
+
+TEST_CASE("However an outside body lies, its ghost puts no more into members than the tank holds") {
+  for (const Lie& lie : kLies) {
+    CAPTURE(lie.name);
+    const Lied lied = tell(lie, 0);
+    CHECK(lied.most_J <= kFullTank_J * (1 + 1e-9));
+    CHECK(lied.spent_ticks > 10);
+    // It is the tank that holds it back: where the global world says that it did work, the ghost does far more.
+    CHECK(tell(lie, 0.05).most_J > 2 * lied.most_J);
+  }
+}
+
+TEST_CASE("With nothing in its tank the border only takes, along the normal and by friction") {
+  for (const Lie& lie : kLies) {
+    CAPTURE(lie.name);
+    const Lied lied = tell(lie, -0.001);  // the global world says that members gave
+    CHECK(lied.spent_ticks > 10);
+    CHECK(lied.most_in_spent <= 1e-9 * kFullTank_J);
+  }
+}
+
+TEST_CASE("What outside bodies did in the global step is the tank's, tick by tick and with sign, once") {
+  Bench bench(ghost_config());
+  bench.next_with({ball(1, {0, 0, 1})});
+  bench.snapshot->border_work_J = 0.02;
+  bench.synchronise();
+  bench.step(3);
+  CHECK(bench.sub_world.border_tank_J() == Approx(kFullTank_J + 3 * 0.02 / 5));
+  bench.step(7);  // late by five ticks
+  CHECK(bench.sub_world.border_tank_J() == Approx(kFullTank_J + 0.02));
+  bench.next({1});
+  bench.snapshot->border_work_J = -0.05;
+  bench.synchronise();
+  bench.step(3);
+  CHECK(bench.sub_world.border_tank_J() == Approx(kFullTank_J + 0.02 - 0.03).margin(1e-12));
+  bench.step(2);
+  CHECK(bench.sub_world.border_tank_J() == 0);
+  CHECK(bench.sub_world.border_owed_J() == Approx(0.02));
+}
+
+TEST_CASE("A filtered replay pushes as a replay while its tank lasts, and puts no more in than that") {
+  const double push_N = 3 * kMass * 9.81;
+  constexpr double kGiven_J = 0.02;  // by the outside body in the global step before the first cycle
+  for (const auto mode : {physics::BorderMode::kReplay, physics::BorderMode::kFiltered}) {
+    SubWorldConfig config = make_config();
+    config.border_mode = mode;
+    config.step.gravity = {0, 0, -9.81};
+    Bench bench(config);
+    bench.next_with({ball(1, {})});
+    double most_J = 0;
+    for (int cycle = 0; cycle < 40; ++cycle) {
+      REQUIRE(bench.snapshot->border.try_push(support(1, push_N)));
+      bench.snapshot->border_work_J = cycle == 0 ? kGiven_J : 0;
+      bench.synchronise();
+      for (int k = 0; k < 5; ++k) {
+        bench.step();
+        most_J = std::max(most_J, bench.sub_world.border_work_J());
+        if (cycle == 0) CHECK(bench.border(0).step_normal_impulse == Approx(push_N * kTick_s));
+      }
+      bench.next({1});
+    }
+    // Replayed, it flies off at 2 g: v = 2 g t, z = g t^2, and the work is 3 m g z.
+    const double t = 40 * 5 * kTick_s, replayed_J = push_N * 9.81 * t * t;
+    if (mode == physics::BorderMode::kReplay)
+      CHECK(most_J == Approx(replayed_J).epsilon(0.01));
+    else
+      CHECK(most_J <= kGiven_J * (1 + 1e-9));
+  }
+}
+
+TEST_CASE("While the world is late ghosts come to rest over r ticks") {
+  Bench bench(ghost_config());
+  bench.next_with({ball(1, {0, 0, 1})});  // far away
+  REQUIRE(bench.snapshot->outside.try_push(outside(0.5, {0.1, 0, 0.2})));
+  REQUIRE(bench.snapshot->border.try_push(touch(0, 2)));
+  bench.synchronise();
+  bench.step(4);
+  CHECK(ghost_of(bench).velocity.linear.x == 0.1);
+  for (int late = 0; late <= 5; ++late) {
+    bench.step();
+    CHECK(ghost_of(bench).velocity.linear.x == Approx(0.1 * (1 - late / 5.0)).margin(1e-15));
+  }
+  bench.step(20);
+  CHECK((bench.last.status & kBorderFrozen) != 0);
+}
