@@ -39,7 +39,7 @@ struct EnergyBook {
   }
   bool due() noexcept { return complete && cycles++ % kEvery == 0; }
   // The scene is as it was at the start; what was done before does not count.
-  void begin_anew() noexcept {
+  void reset() noexcept {
     cycles = 0;
     least_J = std::numeric_limits<double>::infinity();
   }

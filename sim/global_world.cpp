@@ -19,12 +19,12 @@ using physics::Body;
 using physics::BodyKind;
 
 // Enough for impulses to come through a stack of some twenty bodies.
-constexpr unsigned kForeseenSteps = 5;
+constexpr unsigned kPredictionSteps = 5;
 // Of the change of the device's force from cycle to cycle, what the next one is expected to bring. All of it would be
 // right for a force that changes evenly; a hand's trembles. Of the pushed row of `experiment energy-loss`, 20 seeds,
 // for 0.8, 0.9 and 1 (2026-11-23): it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 %
 // at 16.
-constexpr double kGoesOn = 0.9;
+constexpr double kWrenchExtrapolation = 0.9;
 // Bodies awake: a step of more is taken in one pass.
 constexpr std::size_t kMostInPasses = 500;
 
@@ -85,7 +85,7 @@ physics::World world_of(const Scene& scene, const GlobalOptions& options) {
   return world;
 }
 
-Vec3d at_most(const Vec3d& v, double length) noexcept {
+Vec3d clamp_norm(const Vec3d& v, double length) noexcept {
   const double own = norm(v);
   return own > length ? v * (length / own) : v;
 }
@@ -140,10 +140,10 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       pair_cache_(capacities_for(scene).bodies, capacities_for(scene).pairs),
       graph_(capacities_for(scene).bodies, touches_for(scene)),
       approach_(capacities_for(scene).bodies),
-      border_log_(capacities_for(scene).bodies, capacities_for(scene).contacts,
-                  static_cast<std::uint32_t>(scene.effect_data.joints.size()),
-                  physics::Softness<double>::added_inertia(settings_.contact_hertz, settings_.contact_damping_ratio,
-                                                           settings_.dt)),
+      border_exchange_(capacities_for(scene).bodies, capacities_for(scene).contacts,
+                       static_cast<std::uint32_t>(scene.effect_data.joints.size()),
+                       physics::Softness<double>::added_inertia(settings_.contact_hertz,
+                                                                settings_.contact_damping_ratio, settings_.dt)),
       buffer_choice_(capacities_for(scene).bodies),
       bounds_(capacities_for(scene).bodies),
       free_(capacities_for(scene).bodies),
@@ -222,15 +222,15 @@ void GlobalWorld::fill_first(std::uint32_t device, std::uint64_t cycle, std::uin
                              WorldSnapshot& next) noexcept {
   find_touches_at_rest();
   fill_snapshot(device, cycle, budget, next);
-  if (coupling_.border) foresee_border(device, next);
+  if (coupling_.border) predict_border(device, next);
 }
 
 // The books go on, the world does not.
-void GlobalWorld::begin_anew(const Posed& world_from_proxy) {
+void GlobalWorld::reset(const Posed& world_from_proxy) {
   GlobalStatistics statistics = statistics_;
   WorkerPool* const pool = pool_;
   *this = GlobalWorld(*scene_, options_);
-  statistics.energy.begin_anew();
+  statistics.energy.reset();
   statistics.awake = statistics_.awake, statistics.asleep = statistics_.asleep;
   ++statistics.resets;
   statistics_ = statistics;
@@ -244,7 +244,7 @@ void GlobalWorld::begin_anew(const Posed& world_from_proxy) {
 
 // Without impulses in its first snapshot what rests on outside bodies would fall for two cycles. So a few steps are
 // tried, their border is kept, and everything else is taken back.
-void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noexcept {
+void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noexcept {
   // Room for the world as it is: what it may hold is far more.
   std::vector<std::byte> bytes(1u << 20);
   ByteWriter out(bytes);
@@ -257,7 +257,7 @@ void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noe
   const GlobalStatistics statistics = statistics_;
   const double time_s = time_s_;
   const bool stepped = stepped_;
-  for (unsigned step = 0; step < kForeseenSteps; ++step) advance();
+  for (unsigned step = 0; step < kPredictionSteps; ++step) advance();
   fill_border(devices_[device], first);
   devices_[device].has_border = !first.border.empty();
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
@@ -271,7 +271,7 @@ void GlobalWorld::foresee_border(std::uint32_t device, WorldSnapshot& first) noe
 
 void GlobalWorld::step(const SubWorldReport& report, WorldSnapshot& next) noexcept {
   if (report.wanted_epoch > epoch() && is_finite(report.proxy_start)) {
-    begin_anew(report.proxy_start);
+    reset(report.proxy_start);
     fill_first(0, report.cycle + 1, report.member_budget, next);
     return;
   }
@@ -295,10 +295,10 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   if (coupling_.border) {
     haptics::read_effects(report.effects, true, world_);
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
-    const HandBack back = hand_back_border(report.border.span(), slots_of_all_members(), border_.returns, world_);
-    statistics_.handed_back_impulse_Ns += back.magnitude_Ns;
-    statistics_.handed_back_energy_J += back.energy_J;
-    statistics_.handed_back_skipped += back.skipped;
+    const ImpulseReturn back = return_impulses(report.border.span(), slots_of_all_members(), border_.returns, world_);
+    statistics_.returned_impulse_Ns += back.magnitude_Ns;
+    statistics_.returned_energy_J += back.energy_J;
+    statistics_.returned_skipped += back.skipped;
   }
   if (coupling_.device_load == haptics::DeviceLoad::kSpring) {
     take_target(device, report);
@@ -309,8 +309,8 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   const Wrenchd& mean = report.mean_device_wrench;
   if (!is_finite(mean)) return;
   const Wrenchd& before = device.held_before == Wrenchd{} ? mean : device.held_before;
-  device.held_by = {mean.force + at_most(kGoesOn * (mean.force - before.force), norm(mean.force)),
-                    mean.torque + at_most(kGoesOn * (mean.torque - before.torque), norm(mean.torque))};
+  device.held_by = {mean.force + clamp_norm(kWrenchExtrapolation * (mean.force - before.force), norm(mean.force)),
+                    mean.torque + clamp_norm(kWrenchExtrapolation * (mean.torque - before.torque), norm(mean.torque))};
   device.held_before = mean;
 }
 

@@ -16,17 +16,17 @@
 #include <string>
 
 #include "rt/base/result.h"
-#include "rt/haptics/coupling_limits.h"
 #include "rt/haptics/coupling/coupling_scheme.h"
+#include "rt/haptics/coupling_limits.h"
 #include "rt/physics/overlap.h"
+#include "sim/broad_phase/pair_cache.h"
 #include "sim/energy_book.h"
 #include "sim/exchange/approach.h"
-#include "sim/exchange/border_log.h"
+#include "sim/exchange/border_exchange.h"
 #include "sim/exchange/buffer_choice.h"
 #include "sim/exchange/extraction.h"
 #include "sim/island_manager.h"
 #include "sim/model/scene.h"
-#include "sim/broad_phase/pair_cache.h"
 #include "sim/worker_pool.h"
 
 namespace tactus::sim {
@@ -63,9 +63,9 @@ struct GlobalStatistics {
   // members' state did to the global world, kinetic and potential, and what returned impulses gave to outside bodies.
   double border_work_J{0};
   double imposed_energy_J{0};
-  double handed_back_impulse_Ns{0};  // magnitudes, at the border, to outside bodies
-  double handed_back_energy_J{0};
-  std::uint64_t handed_back_skipped{0};
+  double returned_impulse_Ns{0};  // magnitudes, at the border, to outside bodies
+  double returned_energy_J{0};
+  std::uint64_t returned_skipped{0};
   double stopped_energy_J{0};  // kinetic: of bodies that fell asleep
   double deepest_m{0};
   physics::Overlap overlap;  // of all contacts so far the one that is deepest for how thick its bodies are
@@ -155,7 +155,7 @@ class GlobalWorld {
   void add_border_work() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
-  void foresee_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
+  void predict_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
   void find_touches() noexcept;
   void add_joined() noexcept;
   void add_approaching() noexcept;
@@ -163,7 +163,7 @@ class GlobalWorld {
   void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
 
-  void begin_anew(const Posed& world_from_proxy);
+  void reset(const Posed& world_from_proxy);
   void fill_first(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
                   haptics::WorldSnapshot& next) noexcept;
 
@@ -182,10 +182,10 @@ class GlobalWorld {
   PairCache pair_cache_;
   ContactGraph graph_;
   Approach approach_;
-  BorderLog border_log_;
+  BorderExchange border_exchange_;
   BufferChoice buffer_choice_;
   std::vector<Device> devices_;
-  std::vector<Touch> touches_;
+  std::vector<ContactEdge> touches_;
   std::vector<physics::Aabb> bounds_;
   std::vector<std::uint8_t> free_;          // by place: member of no other device's sub-world
   std::vector<std::uint8_t> held_;          // by place: member of a sub-world

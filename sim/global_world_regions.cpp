@@ -30,7 +30,7 @@ void GlobalWorld::wake_near(const Device& device) noexcept {
 // What each device's sub-world has, and where it may get more.
 void GlobalWorld::mark_held() noexcept {
   std::fill(held_.begin(), held_.end(), std::uint8_t{0});
-  if (const auto* kinematics = world_.effects().find<physics::Kinematics>())  // at rest it may move any time
+  if (const auto* kinematics = world_.effects().find<physics::ScriptedMotion>())  // at rest it may move any time
     for (const auto& script : kinematics->scripts())
       if (const std::int32_t place = islands_.place_of(script.id); place >= 0)
         held_[static_cast<std::size_t>(place)] = 1;
@@ -44,7 +44,7 @@ void GlobalWorld::mark_held() noexcept {
 
 void GlobalWorld::sleep() noexcept {
   mark_held();
-  islands_.lay_down(held_, regions_, bounds_settings_, sub_step_s(), world_);
+  islands_.put_to_sleep(held_, regions_, bounds_settings_, sub_step_s(), world_);
 }
 
 // Islands without a member, away from every proxy: they are independent of the others, so they may have sub-steps of

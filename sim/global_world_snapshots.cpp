@@ -3,9 +3,9 @@
 
 #include "rt/haptics/coupling/plane_coupling.h"
 #include "rt/haptics/coupling/snapshot_bytes.h"
-#include "sim/global_world.h"
 #include "sim/exchange/mesh_neighbourhood.h"
 #include "sim/exchange/proxy_planes.h"
+#include "sim/global_world.h"
 
 namespace tactus::sim {
 
@@ -17,7 +17,7 @@ void GlobalWorld::find_touches() noexcept {
   const auto place = islands_.awake();
   for (const auto& contact : world_.contacts()) {
     if (contact.b_fixed || !contact.touching()) continue;
-    Touch touch = touch_of(contact, world_.bodies());
+    ContactEdge touch = contact_edge_of(contact, world_.bodies());
     touch.a = place[touch.a], touch.b = place[touch.b];
     touches_.push_back(touch);
   }
@@ -145,9 +145,10 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
   next.border_work_J = device.border_work_J;
   const auto members = member_slots(device);
   next.dropped +=
-      border_log_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
+      border_exchange_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
   if (!border_.ghosts) return;
-  next.dropped += border_log_.fill_outside(world_, members, pass_s_, sub_step_s(), next.border.span(), next.outside);
+  next.dropped +=
+      border_exchange_.fill_outside(world_, members, pass_s_, sub_step_s(), next.border.span(), next.outside);
 }
 
 // Whole bodies, bit by bit. Frozen members (static coupling) come anew every time, but for the proxy, which is the

@@ -143,8 +143,8 @@ Aabb IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings
   return physics::bounds_of(body.shape, body.motion.pose, physics::growth_of(reach, fall, settings));
 }
 
-void IslandManager::lay_down(std::span<const std::uint8_t> held, std::span<const Aabb> regions,
-                             const Settings& settings, double sub_step_s, World& world) noexcept {
+void IslandManager::put_to_sleep(std::span<const std::uint8_t> held, std::span<const Aabb> regions,
+                                 const Settings& settings, double sub_step_s, World& world) noexcept {
   const auto slow = [this](std::uint32_t place) noexcept { return slow_steps_[place] >= rule_.steps; };
   if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
   const auto count = static_cast<std::uint32_t>(awake_.size());

@@ -54,8 +54,8 @@ class IslandManager {
   void follow(const World& world) noexcept;  // takes over motions, and counts
   // Takes islands that have been slow for long enough out of the world, but for those with a body that is held (by
   // place, 1) or within one of the regions. `settings`: those of begin_step; `sub_step_s`: of the contacts' impulses.
-  void lay_down(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions, const Settings& settings,
-                double sub_step_s, World& world) noexcept;
+  void put_to_sleep(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions,
+                    const Settings& settings, double sub_step_s, World& world) noexcept;
   // Before the first step: what does not move has been slow for long enough. Needs the world's pairs.
   void count_resting_as_slow() noexcept;
 
@@ -68,7 +68,7 @@ class IslandManager {
 
  private:
   static constexpr std::uint32_t kAwake = 0xffffffffu, kNone = 0xffffffffu;
-  struct Parked {  // a contact of a sleeping island
+  struct SleepingContact {  // a contact of a sleeping island
     physics::WarmStart warm_start;
     std::uint32_t next{kNone};
   };
@@ -90,7 +90,7 @@ class IslandManager {
   std::vector<std::uint32_t> next_body_;     // by place: the next of its island
   std::vector<std::uint32_t> first_parked_;  // by island
   std::vector<std::uint8_t> is_marked_;      // by island: to be woken
-  std::vector<Parked> parked_;
+  std::vector<SleepingContact> parked_;
   std::size_t max_parked_;
   std::uint32_t free_parked_{kNone};
   BoxGrid grid_;

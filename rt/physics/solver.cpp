@@ -57,7 +57,7 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
   if constexpr (kIsWhole) {
     border_.prepare(input.border, input.ghosts, input.border_mode, input.bodies, state(), context.h,
                     input.impulse_scale, settings.friction, input.border_budget_J);
-    context.ghosts = border_.ghosts(), context.ghosts_may_give = input.border_budget_J > 0.0;
+    context.ghosts = border_.ghosts(), context.ghosts_may_supply = input.border_budget_J > 0.0;
   }
 }
 
@@ -179,12 +179,12 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
     } else {
       warm_start_without_gain(input, context);
     }
-    for (auto& spring : springs_) spring.note_turning();
+    for (auto& spring : springs_) spring.save_angular_velocity();
     input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies(motion_.span().subspan(begin, end - begin),
                   std::span<const Body>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });
-    for (auto& spring : springs_) spring.resist_turning();
+    for (auto& spring : springs_) spring.apply_held_inertia();
     border_.move_ghosts();
     run_stages(input, Phase::kMoved, context);
     bool counted = false;

@@ -49,12 +49,12 @@ void SpringSolver<S>::hold(std::uint32_t j) noexcept {
 }
 
 template <class S>
-void SpringSolver<S>::note_turning() noexcept {
+void SpringSolver<S>::save_angular_velocity() noexcept {
   if (on()) turning_ = body_->w;
 }
 
 template <class S>
-void SpringSolver<S>::resist_turning() noexcept {
+void SpringSolver<S>::apply_held_inertia() noexcept {
   if (!on() || body_->w == turning_ || angular_gain_ == S(0)) return;
   body_->w = turning_ + held_.inverse_inertia * (inertia_ * (body_->w - turning_));
 }

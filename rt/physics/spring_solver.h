@@ -22,8 +22,8 @@ class SpringSolver {
   void release() noexcept;              // at the start of a sub-step
   void hold(std::uint32_t j) noexcept;  // in sub-step j, after the forces: also makes the velocity the spring's
   // Before and after the bodies move: the gyroscopic term turns the body as heavy as it feels, too.
-  void note_turning() noexcept;
-  void resist_turning() noexcept;
+  void save_angular_velocity() noexcept;
+  void apply_held_inertia() noexcept;
   void end_sub_step() noexcept;
   const Wrench<S>& impulse() const noexcept { return impulse_; }  // N s, N m s: sum over the step, on the body
 

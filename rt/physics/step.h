@@ -73,7 +73,7 @@ struct StepReport {
   std::uint32_t broken_joints{0};      // that broke in this step
   double border_joints_J{};            // work of joints with bodies of another world, on this one's
   // N, N m about the proxy's centre: what the hand feels beyond the coupling (effects texture, transients).
-  Wrenchd felt{};
+  Wrenchd hand_wrench{};
 };
 
 }  // namespace tactus::physics

@@ -41,7 +41,7 @@ World::World(const Capacities& capacities, Hulls hulls, Meshes meshes, const Eff
       fixed_bounds_(capacities.fixed_bodies),
       frames_(capacities.bodies),
       fixed_frames_(capacities.fixed_bodies),
-      reach_(capacities.bodies),
+      motion_bounds_(capacities.bodies),
       last_poses_(capacities.bodies),
       moved_to_(capacities.bodies),
       fixed_tree_(capacities.fixed_bodies),
@@ -166,7 +166,7 @@ void World::begin_step(const StepSettings& settings) noexcept {
   contacts_.clear_pairs();
   index_fixed_bodies();
   const auto count = bodies_.size();
-  bounds_.resize(count), reach_.resize(count), frames_.resize(count);
+  bounds_.resize(count), motion_bounds_.resize(count), frames_.resize(count);
   const double fall = fall_in_step(settings);
   growth_to_fixed_ = growth_to_fixed(fall, settings);
   const auto measure = [&](std::uint32_t i) noexcept {
@@ -175,11 +175,12 @@ void World::begin_step(const StepSettings& settings) noexcept {
     double speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
     for (const auto& spring : springs_)
       if (spring.enabled && spring.slot == i) speed = std::max(speed, norm(spring.target_velocity.linear));
-    reach_[i] = {};
-    if (frozen_[i] == 0) reach_[i].moved = speed * settings.dt, reach_[i].fallen = std::abs(body.gravity_scale) * fall;
-    measure_motion(last_poses_[i], body.motion.pose, kLargestGap, reach_[i]);
+    motion_bounds_[i] = {};
+    if (frozen_[i] == 0)
+      motion_bounds_[i].moved = speed * settings.dt, motion_bounds_[i].fallen = std::abs(body.gravity_scale) * fall;
+    measure_motion(last_poses_[i], body.motion.pose, kLargestGap, motion_bounds_[i]);
     frames_[i] = BodyFrame::of(body.motion.pose);
-    bounds_[i] = bounds_of(body.shape, body.motion.pose, growth_of(reach_[i], fall, settings));
+    bounds_[i] = bounds_of(body.shape, body.motion.pose, growth_of(motion_bounds_[i], fall, settings));
   };
   executor_.for_each_range(count, kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
     for (; i < end; ++i) measure(i);
@@ -213,7 +214,7 @@ void World::index_fixed_bodies() noexcept {
 void World::add_fixed_pair(const SlotPair& pair, const StepSettings& settings, StepReport& report) noexcept {
   const auto [f, i] = pair;
   if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
-    add_mesh_pairs(i, f, margin_to_fixed(reach_[i], settings), report);
+    add_mesh_pairs(i, f, margin_to_fixed(motion_bounds_[i], settings), report);
   else
     contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
 }
@@ -309,8 +310,8 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
   StageContext context{bodies_.span(), fixed_bodies_.span(), frozen_.span(), {}, settings, report, executor_};
   add_pairs(context);
   add_fixed_pairs(context);
-  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), reach_.span(), hulls_,
-                   meshes_, mesh_triangles_.span()},
+  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), motion_bounds_.span(),
+                   hulls_, meshes_, mesh_triangles_.span()},
                   settings, h, impulse_scale, report, executor_);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   if (far.bodies.empty()) {

@@ -152,10 +152,10 @@ class World {
   bool wrench_applied_{false};
   BoundedVector<Aabb> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame> frames_, fixed_frames_;
-  BoundedVector<Reach> reach_;             // by slot
-  double growth_to_fixed_{};               // m, of bounds beside a fixed body, in this step
-  BoundedVector<Posed> last_poses_;        // by slot: at the start of the last step; unknown_pose() of newcomers
-  BoundedVector<std::uint32_t> moved_to_;  // scratch of insert and remove
+  BoundedVector<MotionBound> motion_bounds_;  // by slot
+  double growth_to_fixed_{};                  // m, of bounds beside a fixed body, in this step
+  BoundedVector<Posed> last_poses_;           // by slot: at the start of the last step; unknown_pose() of newcomers
+  BoundedVector<std::uint32_t> moved_to_;     // scratch of insert and remove
   FixedTree fixed_tree_;
   bool fixed_is_indexed_{false};
   BoundedVector<SlotPair> fixed_pairs_;          // fixed slot, slot: boxes that overlap

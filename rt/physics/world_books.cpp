@@ -59,7 +59,7 @@ template <class Io>
 void each_field(Io& io, ContactReference& r) noexcept {
   io(r.tolerance);
   if (!(r.tolerance > 0.0)) return;
-  io(r.moved), io(r.margin), io(r.lever);
+  io(r.moved), io(r.margin), io(r.lever_arm);
   for (std::uint32_t i = 0; i < r.kPoints; ++i) {
     for (int k = 0; k < 3; ++k) io(r.on_a[k][i]), io(r.on_b[k][i]);
     io(r.separation[i]);
@@ -224,7 +224,7 @@ std::size_t World::save_size_bound() const noexcept {
 void World::clear() noexcept {
   bodies_.clear(), fixed_bodies_.clear(), frozen_.clear(), wrenches_.clear();
   bounds_.clear(), fixed_bounds_.clear(), frames_.clear(), fixed_frames_.clear();
-  reach_.clear(), last_poses_.clear(), dynamic_pairs_.clear();
+  motion_bounds_.clear(), last_poses_.clear(), dynamic_pairs_.clear();
   contacts_.clear();
   border_contacts_.clear(), border_ghosts_.clear();
   fixed_is_indexed_ = false;

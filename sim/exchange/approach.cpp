@@ -37,7 +37,7 @@ Approach::Approach(std::uint32_t max_bodies) {
 }
 
 void Approach::find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
-                    double horizon_s, std::vector<Touch>& touches) noexcept {
+                    double horizon_s, std::vector<ContactEdge>& touches) noexcept {
   const std::span<const Body> bodies = world.bodies();
   members_.clear(), others_.clear();
   const auto moving = [&](std::uint32_t slot) noexcept -> Moving {

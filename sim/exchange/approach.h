@@ -21,7 +21,7 @@ class Approach {
 
   // Appends to `touches`, by slot, up to its capacity. `members` by slot.
   void find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members, double horizon_s,
-            std::vector<Touch>& touches) noexcept;
+            std::vector<ContactEdge>& touches) noexcept;
 
  private:
   struct Moving {

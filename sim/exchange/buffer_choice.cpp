@@ -9,15 +9,16 @@ namespace {
 using physics::Body;
 
 // Of a body at the point of a touch, along its normal [1/kg].
-double inverse_mass_at(const Body& body, const Touch& touch) noexcept {
-  const Vec3d lever =
+double inverse_mass_at(const Body& body, const ContactEdge& touch) noexcept {
+  const Vec3d lever_arm =
       rotate_inverse(body.motion.pose.rotation, cross(touch.point - body.motion.pose.position, touch.normal));
   const auto over = [](double x, double inertia) { return inertia > 0 ? x * x / inertia : 0.0; };
-  return 1 / body.mass + over(lever.x, body.inertia.x) + over(lever.y, body.inertia.y) + over(lever.z, body.inertia.z);
+  return 1 / body.mass + over(lever_arm.x, body.inertia.x) + over(lever_arm.y, body.inertia.y) +
+         over(lever_arm.z, body.inertia.z);
 }
 
 // The same of the ghost of an outside body; 0, as on firm ground, where there is none yet.
-double inverse_mass_at(std::span<const haptics::OutsideBody> outside, BodyId id, const Touch& touch) noexcept {
+double inverse_mass_at(std::span<const haptics::OutsideBody> outside, BodyId id, const ContactEdge& touch) noexcept {
   const auto at =
       std::lower_bound(outside.begin(), outside.end(), id, [](const auto& body, BodyId i) { return body.id < i; });
   if (at == outside.end() || at->id != id) return 0;
@@ -33,7 +34,7 @@ std::uint32_t BufferChoice::choose(std::span<const Body> bodies, const Extractio
                                    std::span<std::uint8_t> in_buffer) noexcept {
   std::fill(in_buffer.begin(), in_buffer.end(), std::uint8_t{0});
   physics::Islands groups(std::span<std::uint32_t>(parent_).first(bodies.size()));
-  for (const Touch& touch : graph.touches()) {
+  for (const ContactEdge& touch : graph.touches()) {
     const bool a = extraction.is_member(touch.a), b = extraction.is_member(touch.b);
     if (a != b) in_buffer[a ? touch.a : touch.b] = 1;
     if (a && b && touch.a != proxy && touch.b != proxy) groups.link(touch.a, touch.b);
@@ -73,7 +74,7 @@ void BufferChoice::find_shares(std::span<const Body> bodies, const Extraction& e
                                std::uint32_t proxy, const Surroundings& around) noexcept {
   for (const auto& contact : around.contacts)
     if (contact.b_fixed && contact.touching()) shares_[around.places[contact.slot_a]].other = 1;
-  const auto add = [&](const Touch& touch, std::uint32_t of, std::uint32_t by) noexcept {
+  const auto add = [&](const ContactEdge& touch, std::uint32_t of, std::uint32_t by) noexcept {
     const double own = inverse_mass_at(bodies[of], touch);
     Shares& shares = shares_[of];
     if (!extraction.is_member(by)) {
@@ -84,7 +85,7 @@ void BufferChoice::find_shares(std::span<const Body> bodies, const Extraction& e
       shares.linked = touch.joined ? 1 : own / (own + inverse_mass_at(bodies[by], touch));
     }
   };
-  for (const Touch& touch : graph.touches()) {
+  for (const ContactEdge& touch : graph.touches()) {
     if (extraction.is_member(touch.a)) add(touch, touch.a, touch.b);
     if (extraction.is_member(touch.b)) add(touch, touch.b, touch.a);
   }

@@ -2,7 +2,7 @@
 
 namespace tactus::sim {
 
-Touch touch_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept {
+ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept {
   Vec3d weighted, plain;
   double weight = 0;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
@@ -22,14 +22,14 @@ ContactGraph::ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches)
       hops_(max_bodies, kUnreached),
       queue_(max_bodies) {}
 
-void ContactGraph::build(std::uint32_t bodies, std::span<const Touch> touches) noexcept {
+void ContactGraph::build(std::uint32_t bodies, std::span<const ContactEdge> touches) noexcept {
   TACTUS_CHECK(bodies < first_.size(), bodies, first_.size());
   TACTUS_CHECK(touches.size() <= touches_.size(), touches.size(), touches_.size());
   body_count_ = bodies;
   touch_count_ = static_cast<std::uint32_t>(touches.size());
   std::copy(touches.begin(), touches.end(), touches_.begin());
   std::fill(first_.begin(), first_.begin() + bodies + 1, 0u);
-  for (const Touch& touch : touches) ++first_[touch.a], ++first_[touch.b];
+  for (const ContactEdge& touch : touches) ++first_[touch.a], ++first_[touch.b];
   // Ends of the bodies' links; filling backwards turns them into the starts and keeps the order.
   for (std::uint32_t slot = 1; slot < bodies; ++slot) first_[slot] += first_[slot - 1];
   first_[bodies] = 2 * touch_count_;

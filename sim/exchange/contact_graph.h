@@ -15,7 +15,7 @@
 namespace tactus::sim {
 
 // Two dynamic bodies that touch, by slot.
-struct Touch {
+struct ContactEdge {
   std::uint32_t a{0}, b{0};
   Vec3d point;         // m, world
   Vec3d normal;        // unit, world, from a to b
@@ -24,7 +24,7 @@ struct Touch {
 
 // The pair's representative: mean of its points, weighted by the impulse they carried over the step (evenly where none
 // carried any). `bodies` are the world's, by slot; points move with body A.
-Touch touch_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept;
+ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept;
 
 class ContactGraph {
  public:
@@ -38,10 +38,10 @@ class ContactGraph {
   ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches);
 
   // Replaces the graph. Links of a body come in the order of `touches`, which is kept.
-  void build(std::uint32_t bodies, std::span<const Touch> touches) noexcept;
+  void build(std::uint32_t bodies, std::span<const ContactEdge> touches) noexcept;
 
   std::span<const Link> links(std::uint32_t slot) const noexcept;
-  std::span<const Touch> touches() const noexcept { return {touches_.data(), touch_count_}; }
+  std::span<const ContactEdge> touches() const noexcept { return {touches_.data(), touch_count_}; }
   std::uint32_t bodies() const noexcept { return body_count_; }
 
   // The connected component of `from`, by breadth first: visited() holds its slots in the order of hops, `from` first.
@@ -54,7 +54,7 @@ class ContactGraph {
  private:
   void visit(std::uint32_t slot, std::uint32_t hops) noexcept;
 
-  std::vector<Touch> touches_;
+  std::vector<ContactEdge> touches_;
   std::vector<Link> links_;
   std::vector<std::uint32_t> first_;  // by slot: its first link; one more than bodies
   std::vector<std::uint32_t> hops_, queue_;

@@ -33,7 +33,7 @@ std::span<const std::uint32_t> Extraction::choose(std::span<const physics::Body>
   } else {
     candidates_.clear();
     std::fill(listed_.begin(), listed_.end(), std::uint8_t{0});
-    add(Claim::kProxy, 0, proxy_);
+    add(Priority::kProxy, 0, proxy_);
     add_close(close, free);
     add_linked(bodies, graph, cap, free);
     add_former();
@@ -49,17 +49,17 @@ bool Extraction::available(std::uint32_t slot, std::span<const std::uint8_t> fre
   return listed_[slot] == 0 && (free.empty() || free[slot] != 0);
 }
 
-void Extraction::add(Claim claim, double score, std::uint32_t slot) noexcept {
+void Extraction::add(Priority priority, double score, std::uint32_t slot) noexcept {
   listed_[slot] = 1;
-  if (claim <= Claim::kLinked) cycles_out_[slot] = 0;
-  candidates_.push_back({claim, was_member_[slot] != 0, score, slot});
+  if (priority <= Priority::kLinked) cycles_out_[slot] = 0;
+  candidates_.push_back({priority, was_member_[slot] != 0, score, slot});
 }
 
 void Extraction::add_close(std::span<const CloseBody> close, std::span<const std::uint8_t> free) noexcept {
   near_.clear();
   for (const CloseBody& body : close) {
     near_.push_back(body.slot);
-    if (available(body.slot, free)) add(Claim::kClose, -body.gap_m, body.slot);
+    if (available(body.slot, free)) add(Priority::kClose, -body.gap_m, body.slot);
   }
 }
 
@@ -68,7 +68,7 @@ void Extraction::add_linked(std::span<const physics::Body> bodies, ContactGraph&
   if (options_.order == CutOrder::kBestFirst) {
     for (const Influenced& body : influence_.find(graph, bodies, proxy_, near_, cap))
       if (available(body.slot, free))
-        add(Claim::kLinked, (was_member_[body.slot] != 0 ? 2 : 1) * body.influence, body.slot);
+        add(Priority::kLinked, (was_member_[body.slot] != 0 ? 2 : 1) * body.influence, body.slot);
     return;
   }
   graph.find_component(proxy_, near_);
@@ -76,7 +76,8 @@ void Extraction::add_linked(std::span<const physics::Body> bodies, ContactGraph&
   for (const std::uint32_t slot : graph.visited()) {
     const std::uint32_t hops = graph.hops(slot);
     if (hops > last_hop) break;  // further out than any that could get a place
-    if (available(slot, free)) add(Claim::kLinked, -static_cast<double>(hops - (was_member_[slot] != 0 ? 1 : 0)), slot);
+    if (available(slot, free))
+      add(Priority::kLinked, -static_cast<double>(hops - (was_member_[slot] != 0 ? 1 : 0)), slot);
     if (last_hop == ContactGraph::kUnreached && candidates_.size() >= cap) last_hop = hops + 1;
   }
 }
@@ -86,13 +87,13 @@ void Extraction::add_former() noexcept {
   for (const std::uint32_t slot : chosen_) {
     if (listed_[slot] != 0) continue;
     const std::uint32_t out = ++cycles_out_[slot];
-    add(out <= options_.linger_cycles ? Claim::kLingering : Claim::kLeaving, -static_cast<double>(out), slot);
+    add(out <= options_.linger_cycles ? Priority::kLingering : Priority::kLeaving, -static_cast<double>(out), slot);
   }
 }
 
 void Extraction::take(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept {
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
-    if (a.claim != b.claim) return a.claim < b.claim;
+    if (a.priority != b.priority) return a.priority < b.priority;
     if (a.score != b.score) return a.score > b.score;
     return a.current != b.current ? a.current : a.slot < b.slot;
   });
@@ -104,11 +105,11 @@ void Extraction::take(std::uint32_t cap, const ContactGraph& graph, std::span<co
     if (chosen_.size() == cap) break;
     if (member_[candidate.slot] != 0) continue;  // joined to one that came before
     if (!candidate.current) {
-      const bool may_join = first_ || candidate.claim <= Claim::kClose || statistics_.joins < options_.max_joins;
+      const bool may_join = first_ || candidate.priority <= Priority::kClose || statistics_.joins < options_.max_joins;
       if (!may_join) continue;
     } else {
       // Those whose time is over stay only where too many would go at once.
-      if (candidate.claim == Claim::kLeaving && before - stay <= options_.max_leaves) break;
+      if (candidate.priority == Priority::kLeaving && before - stay <= options_.max_leaves) break;
     }
     const auto first = chosen_.size();
     member_[candidate.slot] = 1;

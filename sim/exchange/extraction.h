@@ -65,16 +65,16 @@ class Extraction {
 
  private:
   // In the order in which they get a place.
-  enum class Claim : std::uint32_t { kProxy = 0, kClose = 1, kLinked = 2, kLingering = 3, kLeaving = 4 };
+  enum class Priority : std::uint32_t { kProxy = 0, kClose = 1, kLinked = 2, kLingering = 3, kLeaving = 4 };
   struct Candidate {
-    Claim claim{};
+    Priority priority{};
     bool current{false};  // a member already
     double score{0};      // the higher the sooner
     std::uint32_t slot{0};
   };
 
   bool available(std::uint32_t slot, std::span<const std::uint8_t> free) const noexcept;
-  void add(Claim claim, double score, std::uint32_t slot) noexcept;
+  void add(Priority priority, double score, std::uint32_t slot) noexcept;
   void add_close(std::span<const CloseBody> close, std::span<const std::uint8_t> free) noexcept;
   void add_linked(std::span<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
                   std::span<const std::uint8_t> free) noexcept;

@@ -33,16 +33,16 @@ bool Influence::ByValue::operator()(const Label& a, const Label& b) const noexce
   return a.slot != b.slot ? a.slot > b.slot : a.touch > b.touch;
 }
 
-Influence::Side Influence::side_of(const Touch& touch, const physics::Body& body) noexcept {
-  const Vec3d lever = cross(touch.point - body.motion.pose.position, touch.normal);
-  return {inverse_mass_of(body), touch.normal, lever, inverse_inertia_times(body, lever)};
+Influence::Side Influence::side_of(const ContactEdge& touch, const physics::Body& body) noexcept {
+  const Vec3d lever_arm = cross(touch.point - body.motion.pose.position, touch.normal);
+  return {inverse_mass_of(body), touch.normal, lever_arm, inverse_inertia_times(body, lever_arm)};
 }
 
 double Influence::inverse_effective_mass(const Side& a, const Side& b) noexcept {
-  return a.inverse_mass + dot(a.lever, a.inertia_lever) + b.inverse_mass + dot(b.lever, b.inertia_lever);
+  return a.inverse_mass + dot(a.lever_arm, a.inertia_lever) + b.inverse_mass + dot(b.lever_arm, b.inertia_lever);
 }
 
-void Influence::prepare(std::uint32_t touch, std::span<const Touch> touches,
+void Influence::prepare(std::uint32_t touch, std::span<const ContactEdge> touches,
                         std::span<const physics::Body> bodies) noexcept {
   if (prepared_[touch] == search_) return;
   prepared_[touch] = search_;
@@ -113,7 +113,8 @@ void Influence::expand(const Label& label, const ContactGraph& graph, std::span<
     prepare(link.touch, touches, bodies);
     const std::uint32_t to = touches[link.touch].b == link.body ? 1 : 0;
     const Side& out = sides_[link.touch][1 - to];
-    const double coupled = std::abs(in.inverse_mass * dot(in.normal, out.normal) + dot(in.lever, out.inertia_lever));
+    const double coupled =
+        std::abs(in.inverse_mass * dot(in.normal, out.normal) + dot(in.lever_arm, out.inertia_lever));
     const double scale = std::sqrt(in_inverse_mass * inverse_mass_[link.touch]);
     push(label.value * std::clamp(scale > 0 ? coupled / scale : 0.0, kLeastTau, 1.0), link.body, link.touch, to);
   }

@@ -38,7 +38,7 @@ class Influence {
  private:
   struct Side {  // a contact as one of its bodies sees it
     double inverse_mass{0};
-    Vec3d normal, lever, inertia_lever;  // n, r x n, I^-1 (r x n)
+    Vec3d normal, lever_arm, inertia_lever;  // n, r x n, I^-1 (r x n)
   };
   struct Label {  // a way that enters `slot` through `touch`
     double value{0};
@@ -50,9 +50,10 @@ class Influence {
 
   static constexpr std::uint32_t kNear = 0xffffffffu;  // entered through no contact: close to the proxy
 
-  static Side side_of(const Touch& touch, const physics::Body& body) noexcept;
+  static Side side_of(const ContactEdge& touch, const physics::Body& body) noexcept;
   static double inverse_effective_mass(const Side& a, const Side& b) noexcept;
-  void prepare(std::uint32_t touch, std::span<const Touch> touches, std::span<const physics::Body> bodies) noexcept;
+  void prepare(std::uint32_t touch, std::span<const ContactEdge> touches,
+               std::span<const physics::Body> bodies) noexcept;
   void push(double value, std::uint32_t slot, std::uint32_t touch, std::uint32_t side) noexcept;
   void expand(const Label& label, const ContactGraph& graph, std::span<const physics::Body> bodies,
               std::uint32_t proxy) noexcept;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "sim/exchange/border_log.h"
+#include "sim/exchange/border_exchange.h"
 
 namespace tactus::sim {
 namespace {

@@ -115,7 +115,7 @@ physics::EffectSetups effect_setups(const Scene& scene) {
   std::get<physics::Gravity::Setup>(setups).on = is_in_use(scene, *find_effect("gravity"));
   if (scene.effects.damping) std::get<physics::Damping::Setup>(setups) = data.damping;
   std::get<physics::Drag::Setup>(setups) = {if_in_use(scene, "drag", data.drag_per_m), data.flow_m_per_s};
-  std::get<physics::Kinematics::Setup>(setups) = {if_in_use(scene, "kinematic", data.scripts), data.path_keys};
+  std::get<physics::ScriptedMotion::Setup>(setups) = {if_in_use(scene, "kinematic", data.scripts), data.path_keys};
   std::get<physics::Joints::Setup>(setups) = {if_in_use(scene, "joints", data.joints)};
   std::get<physics::Restitution::Setup>(setups) = {if_in_use(scene, "restitution", data.restitution)};
   if (is_in_use(scene, *find_effect("torsional")) || is_in_use(scene, *find_effect("rolling")))

@@ -48,7 +48,7 @@ TEST_CASE("a scene that begins anew has its energy again") {
   book.complete = true;
   book.add(0, 10, 0, 0);
   book.add(0, 2, 0, 0);
-  book.begin_anew();
+  book.reset();
   CHECK(book.due());
   CHECK_FALSE(book.due());
   book.add(0, 10, 0, 0);

@@ -274,7 +274,7 @@ TEST_CASE("Friction of the sub-world reaches the outside body, in replay as it i
   REQUIRE(bench.report->border.try_push(entry));
   bench.step();
   CHECK(norm(2.0 * bench.body(1).motion.velocity.linear + entry.tangent_impulse) < 1e-15);
-  CHECK(bench.world.statistics().handed_back_impulse_Ns == Approx(norm(entry.tangent_impulse)));
+  CHECK(bench.world.statistics().returned_impulse_Ns == Approx(norm(entry.tangent_impulse)));
 }
 
 TEST_CASE("Sub-world: the coupling's spring holds the proxy in the step, in sweeps of either precision") {

@@ -87,7 +87,7 @@ TEST_CASE("a reset mends what broke, and sends back what is moved by a script, i
     begun = true;
     for (const auto* world : worlds) {
       for (const auto& state : world->effects().find<physics::Joints>()->states()) CHECK(state.broken == 0);
-      for (const double time_s : world->effects().find<physics::Kinematics>()->times()) CHECK(time_s <= 2e-3);
+      for (const double time_s : world->effects().find<physics::ScriptedMotion>()->times()) CHECK(time_s <= 2e-3);
     }
     return false;
   });

@@ -28,10 +28,10 @@ std::string chosen_word(const std::string& text) {
 
 // /sys/kernel/realtime is not there in every PREEMPT_RT kernel (it came with the patch, not with the main line): the
 // version's own text decides where it is missing.
-Finding check_kernel(const Patient& patient) {
-  const std::string version = patient.system.read("/proc/version").value_or("");
-  const std::string release = patient.system.read("/proc/sys/kernel/osrelease").value_or("an unknown kernel");
-  const auto flag = patient.system.read("/sys/kernel/realtime");
+Finding check_kernel(const CheckContext& context) {
+  const std::string version = context.system.read("/proc/version").value_or("");
+  const std::string release = context.system.read("/proc/sys/kernel/osrelease").value_or("an unknown kernel");
+  const auto flag = context.system.read("/sys/kernel/realtime");
   const bool by_version =
       version.find("PREEMPT_RT") != std::string::npos || version.find("PREEMPT RT") != std::string::npos;
   if (flag ? *flag == "1" : by_version) return green("kernel", release + " is a PREEMPT_RT kernel");
@@ -42,8 +42,8 @@ Finding check_kernel(const Patient& patient) {
   return finding;
 }
 
-Finding check_machine(const Patient& patient) {
-  const std::string cpuinfo = patient.system.read("/proc/cpuinfo").value_or("");
+Finding check_machine(const CheckContext& context) {
+  const std::string cpuinfo = context.system.read("/proc/cpuinfo").value_or("");
   const auto at = cpuinfo.find("model name");
   std::string model = "an unknown CPU";
   if (at != std::string::npos) {
@@ -60,24 +60,24 @@ Finding check_machine(const Patient& patient) {
   return finding;
 }
 
-Finding check_clock_source(const Patient& patient) {
+Finding check_clock_source(const CheckContext& context) {
   const std::string folder = "/sys/devices/system/clocksource/clocksource0/";
-  const auto now = patient.system.read(folder + "current_clocksource");
+  const auto now = context.system.read(folder + "current_clocksource");
   if (!now) return amber("clock", "the clock source cannot be read", "see whether /sys is mounted");
   // Those that a program reads without entering the kernel.
   if (*now == "tsc" || *now == "kvm-clock" || *now == "arch_sys_counter" || *now == "hyperv_clocksource_tsc_page")
     return green("clock", *now + ": read in nanoseconds, without the kernel");
   const bool has_tsc =
-      patient.system.read(folder + "available_clocksource").value_or("").find("tsc") != std::string::npos;
+      context.system.read(folder + "available_clocksource").value_or("").find("tsc") != std::string::npos;
   return amber("clock", *now + " is slow to read: each look at the time costs about a microsecond",
                has_tsc ? "boot with clocksource=tsc, or find in dmesg why the kernel gave the TSC up"
                        : "this machine has no steady time-stamp counter: choose another for real-time work",
                has_tsc ? "echo tsc > " + folder + "current_clocksource" : "");
 }
 
-Finding check_throttling(const Patient& patient) {
-  const auto runtime_us = number_in(patient.system, "/proc/sys/kernel/sched_rt_runtime_us");
-  const auto period_us = number_in(patient.system, "/proc/sys/kernel/sched_rt_period_us");
+Finding check_throttling(const CheckContext& context) {
+  const auto runtime_us = number_in(context.system, "/proc/sys/kernel/sched_rt_runtime_us");
+  const auto period_us = number_in(context.system, "/proc/sys/kernel/sched_rt_period_us");
   if (!runtime_us || !period_us) return green("throttling", "this kernel has no limit on real-time threads");
   if (*runtime_us < 0 || *runtime_us >= *period_us) return green("throttling", "real-time threads are never held back");
   return amber("throttling",
@@ -88,15 +88,15 @@ Finding check_throttling(const Patient& patient) {
                "echo 'kernel.sched_rt_runtime_us = -1' > /etc/sysctl.d/61-tactus-throttling.conf");
 }
 
-Finding check_swap(const Patient& patient) {
-  const auto swaps = patient.system.read("/proc/swaps");
+Finding check_swap(const CheckContext& context) {
+  const auto swaps = context.system.read("/proc/swaps");
   if (!swaps || swaps->find('\n') == std::string::npos) return green("swap", "none");
   return amber("swap", "is on: pages that nobody locked may be on the disk when they are needed",
                "switch it off, or rely on the memory lock (see memory-limit)", "swapoff -a");
 }
 
-Finding check_huge_pages(const Patient& patient) {
-  const auto text = patient.system.read("/sys/kernel/mm/transparent_hugepage/enabled");
+Finding check_huge_pages(const CheckContext& context) {
+  const auto text = context.system.read("/sys/kernel/mm/transparent_hugepage/enabled");
   if (!text) return green("huge-pages", "this kernel makes none by itself");
   const std::string chosen = chosen_word(*text);
   if (chosen != "always") return green("huge-pages", "made only where a program asks (" + chosen + ")");

@@ -34,13 +34,13 @@ std::vector<std::string> lines_of_usb_bus(const SystemView& system, const std::s
 
 }  // namespace
 
-Finding check_usb(const Patient& patient) {
-  if (const auto name = usb_device(patient.system)) {
+Finding check_usb(const CheckContext& context) {
+  if (const auto name = usb_device(context.system)) {
     const auto number = [&](const char* file) {
-      return std::atoi(patient.system.read(kUsbDevices + *name + file).value_or("0").c_str());
+      return std::atoi(context.system.read(kUsbDevices + *name + file).value_or("0").c_str());
     };
     const std::string node = fmt::format("/dev/bus/usb/{:03}/{:03}", number("/busnum"), number("/devnum"));
-    if (patient.system.writable(node))
+    if (context.system.writable(node))
       return green("usb", "a device is there, and this user may use it (" + node + ")");
     return red(
         "usb", node + " is a device that this user may not use", "add a udev rule for it and plug it in again",
@@ -52,9 +52,9 @@ Finding check_usb(const Patient& patient) {
              "plug it in and switch it on; lsusb shows what is there");
 }
 
-Finding check_can(const Patient& patient) {
-  if (!patient.system.is_this_machine()) return amber("can", "not in a recorded tree", "ask on the machine itself");
-  const std::string& name = patient.request.can_interface;
+Finding check_can(const CheckContext& context) {
+  if (!context.system.is_this_machine()) return amber("can", "not in a recorded tree", "ask on the machine itself");
+  const std::string& name = context.request.can_interface;
   const auto interface = hal::find_can_interface(name);
   if (!interface.ok())
     return red("can", interface.message(), "load the controller's driver; ip link shows what is there");
@@ -65,7 +65,7 @@ Finding check_can(const Patient& patient) {
     return red("can", name + " is off the bus: too many errors",
                "check cable, terminators and bit rate, then set it down and up",
                fmt::format("ip link set {} down && ip link set {} up", name, name));
-  const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / patient.request.rate_Hz));
+  const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / context.request.rate_Hz));
   for (const Status& status : {hal::check_can_interface(can, can.fd), hal::check_can_rate(can, can.fd, period)})
     if (!status.ok()) return red("can", status.message(), "set the interface up with the bit rate of the device", up);
   return green("can", can.is_virtual ? name + " is up, a virtual bus"
@@ -73,39 +73,39 @@ Finding check_can(const Patient& patient) {
                                                    can.bit_per_s / 1000, can.tx_errors, can.rx_errors));
 }
 
-std::vector<std::string> bus_interrupt_lines(const Patient& patient) {
-  const SystemView& system = patient.system;
-  if (patient.request.usb) {
+std::vector<std::string> bus_interrupt_lines(const CheckContext& context) {
+  const SystemView& system = context.system;
+  if (context.request.usb) {
     const auto name = usb_device(system);
     return name ? lines_of_usb_bus(system, system.read(kUsbDevices + *name + "/busnum").value_or("0"))
                 : std::vector<std::string>{};
   }
-  if (patient.request.can_interface.empty()) return {};
-  const std::string controller = "/sys/class/net/" + patient.request.can_interface + "/device";
+  if (context.request.can_interface.empty()) return {};
+  const std::string controller = "/sys/class/net/" + context.request.can_interface + "/device";
   // An adapter on USB speaks through that bus's controller.
   if (const auto bus = system.read(controller + "/../busnum")) return lines_of_usb_bus(system, *bus);
   return lines_of(system, controller);
 }
 
 // On one core of its own choice a frame waits for nobody but the loop; spread over many, for whatever those do.
-Finding check_bus_interrupt(const Patient& patient) {
+Finding check_bus_interrupt(const CheckContext& context) {
   std::string where, commands;
   bool spread = false;
-  for (const std::string& line : bus_interrupt_lines(patient)) {
+  for (const std::string& line : bus_interrupt_lines(context)) {
     const std::string file = "/proc/irq/" + line + "/smp_affinity_list";
-    const auto list = patient.system.read(file);
+    const auto list = context.system.read(file);
     const auto allowed = parse_cpu_list(list.value_or(""));
     if (!allowed || allowed->empty()) continue;
     where += fmt::format("{}interrupt {} may come to cpu {}", where.empty() ? "" : ", ", line, *list);
     if (allowed->size() == 1) continue;
     spread = true;
-    commands += fmt::format("{}echo {} > {}", commands.empty() ? "" : "\n", patient.cpu, file);
+    commands += fmt::format("{}echo {} > {}", commands.empty() ? "" : "\n", context.cpu, file);
   }
   if (where.empty())
     return amber("bus-interrupt", "where the link's interrupt goes cannot be read", "see whether /proc is mounted");
   if (!spread) return green("bus-interrupt", "the link's " + where + " alone");
   return amber("bus-interrupt", "the link's " + where + ": a frame waits for what runs there",
-               fmt::format("bind it to one core, best the loop's own, cpu {}, and switch irqbalance off", patient.cpu),
+               fmt::format("bind it to one core, best the loop's own, cpu {}, and switch irqbalance off", context.cpu),
                commands);
 }
 

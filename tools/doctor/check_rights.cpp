@@ -14,8 +14,8 @@ std::string limits_file(const ProcessFacts& process, const char* line) {
 
 }  // namespace
 
-Finding check_priority_limit(const Patient& patient) {
-  const ProcessFacts& process = patient.system.process();
+Finding check_priority_limit(const CheckContext& context) {
+  const ProcessFacts& process = context.system.process();
   if (process.may_set_priority) return green("priority-limit", "this process may ask for any real-time priority");
   if (process.rtprio_limit >= kPriority)
     return green("priority-limit", fmt::format("real-time priorities up to {}", process.rtprio_limit));
@@ -26,8 +26,8 @@ Finding check_priority_limit(const Patient& patient) {
              limits_file(process, "rtprio 98"));
 }
 
-Finding check_memory_limit(const Patient& patient) {
-  const ProcessFacts& process = patient.system.process();
+Finding check_memory_limit(const CheckContext& context) {
+  const ProcessFacts& process = context.system.process();
   if (process.may_lock_memory || process.memlock_limit_B == ~std::uint64_t{0})
     return green("memory-limit", "this process may lock all its memory");
   return red(
@@ -37,11 +37,11 @@ Finding check_memory_limit(const Patient& patient) {
       limits_file(process, "memlock unlimited"));
 }
 
-Finding check_gpio(const Patient& patient) {
+Finding check_gpio(const CheckContext& context) {
   std::string chips;
-  for (const std::string& name : patient.system.list("/dev")) {
+  for (const std::string& name : context.system.list("/dev")) {
     if (!name.starts_with("gpiochip")) continue;
-    if (patient.system.writable("/dev/" + name))
+    if (context.system.writable("/dev/" + name))
       return green("gpio", "/dev/" + name + " is there, and this user may use it");
     chips = name;
   }

@@ -6,42 +6,42 @@
 namespace tactus::doctor {
 
 // What a check looks at: the system, what was asked, and the core that was chosen.
-struct Patient {
+struct CheckContext {
   const SystemView& system;
   const Request& request;
   int cpu{0};
 };
 
 // --- the kernel (check_kernel.cpp)
-Finding check_kernel(const Patient& patient);   // PREEMPT_RT
-Finding check_machine(const Patient& patient);  // hardware, or a guest of somebody's
-Finding check_clock_source(const Patient& patient);
-Finding check_throttling(const Patient& patient);  // the share of a second that real-time threads may use
-Finding check_swap(const Patient& patient);
-Finding check_huge_pages(const Patient& patient);
+Finding check_kernel(const CheckContext& context);   // PREEMPT_RT
+Finding check_machine(const CheckContext& context);  // hardware, or a guest of somebody's
+Finding check_clock_source(const CheckContext& context);
+Finding check_throttling(const CheckContext& context);  // the share of a second that real-time threads may use
+Finding check_swap(const CheckContext& context);
+Finding check_huge_pages(const CheckContext& context);
 
 // --- the chosen core (check_core.cpp)
-Finding check_cores(const Patient& patient);        // enough of them, and the chosen one there
-Finding check_isolation(const Patient& patient);    // isolcpus
-Finding check_timer_ticks(const Patient& patient);  // nohz_full
-Finding check_rcu(const Patient& patient);          // rcu_nocbs
-Finding check_governor(const Patient& patient);
-Finding check_idle_states(const Patient& patient);  // C-states and /dev/cpu_dma_latency
-Finding check_sibling(const Patient& patient);      // the other thread of the core
-Finding check_interrupts(const Patient& patient);   // which may come to the core
-Finding check_smi(const Patient& patient);          // firmware interrupts, which no kernel sees
+Finding check_cores(const CheckContext& context);        // enough of them, and the chosen one there
+Finding check_isolation(const CheckContext& context);    // isolcpus
+Finding check_timer_ticks(const CheckContext& context);  // nohz_full
+Finding check_rcu(const CheckContext& context);          // rcu_nocbs
+Finding check_governor(const CheckContext& context);
+Finding check_idle_states(const CheckContext& context);  // C-states and /dev/cpu_dma_latency
+Finding check_sibling(const CheckContext& context);      // the other thread of the core
+Finding check_interrupts(const CheckContext& context);   // which may come to the core
+Finding check_smi(const CheckContext& context);          // firmware interrupts, which no kernel sees
 
 // --- what this user may do (check_rights.cpp)
-Finding check_priority_limit(const Patient& patient);
-Finding check_memory_limit(const Patient& patient);
-Finding check_gpio(const Patient& patient);
+Finding check_priority_limit(const CheckContext& context);
+Finding check_memory_limit(const CheckContext& context);
+Finding check_gpio(const CheckContext& context);
 
 // --- the device's link (check_link.cpp)
-Finding check_usb(const Patient& patient);
-Finding check_can(const Patient& patient);
-Finding check_bus_interrupt(const Patient& patient);  // where that of its controller goes; only if it has one
+Finding check_usb(const CheckContext& context);
+Finding check_can(const CheckContext& context);
+Finding check_bus_interrupt(const CheckContext& context);  // where that of its controller goes; only if it has one
 // The numbers of the lines of the controller that the device is on; none: it has none, or no link was asked about.
-std::vector<std::string> bus_interrupt_lines(const Patient& patient);
+std::vector<std::string> bus_interrupt_lines(const CheckContext& context);
 
 // --- helpers of all three
 Finding green(const char* check, std::string found);

@@ -9,7 +9,7 @@
 namespace tactus::doctor {
 namespace {
 
-using Check = Finding (*)(const Patient&);
+using Check = Finding (*)(const CheckContext&);
 
 constexpr std::array<Check, 17> kAlways{check_kernel,      check_machine,    check_clock_source, check_throttling,
                                         check_swap,        check_huge_pages, check_cores,        check_isolation,
@@ -22,12 +22,12 @@ constexpr std::array<Check, 17> kAlways{check_kernel,      check_machine,    che
 Report examine(const SystemView& system, const Request& request) {
   Report report;
   report.cpu = request.cpu >= 0 ? request.cpu : std::max(system.process().last_allowed_cpu, 0);
-  const Patient patient{system, request, report.cpu};
-  for (const Check check : kAlways) report.findings.push_back(check(patient));
-  if (request.usb) report.findings.push_back(check_usb(patient));
-  if (!request.can_interface.empty()) report.findings.push_back(check_can(patient));
-  if (!bus_interrupt_lines(patient).empty()) report.findings.push_back(check_bus_interrupt(patient));
-  if (request.gpio) report.findings.push_back(check_gpio(patient));
+  const CheckContext context{system, request, report.cpu};
+  for (const Check check : kAlways) report.findings.push_back(check(context));
+  if (request.usb) report.findings.push_back(check_usb(context));
+  if (!request.can_interface.empty()) report.findings.push_back(check_can(context));
+  if (!bus_interrupt_lines(context).empty()) report.findings.push_back(check_bus_interrupt(context));
+  if (request.gpio) report.findings.push_back(check_gpio(context));
   return report;
 }
 

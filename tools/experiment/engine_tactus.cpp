@@ -7,8 +7,8 @@
 
 #include "rt/base/denormals.h"
 #include "rt/haptics/coupling/snapshot.h"
-#include "sim/model/choice_names.h"
 #include "sim/broad_phase/pair_cache.h"
+#include "sim/model/choice_names.h"
 #include "sim/worker_pool.h"
 #include "tools/experiment/engine.h"
 #include "tools/experiment/scene_shapes.h"
@@ -64,7 +64,7 @@ std::vector<physics::KinematicScript> scripts_of(const BoxScene& scene) {
 
 physics::EffectSetups effects_of(const std::vector<physics::KinematicScript>& scripts) {
   physics::EffectSetups setups;
-  std::get<physics::Kinematics::Setup>(setups).scripts = scripts;
+  std::get<physics::ScriptedMotion::Setup>(setups).scripts = scripts;
   return setups;
 }
 

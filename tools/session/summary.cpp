@@ -218,7 +218,7 @@ std::string border_energy_text(const RunSummary& s) {
       "  {:<22} {:+.4f} J on members, {:+.4f} J where buffer bodies took the global state; tank {:.4f} J\n"
       "  {:<22} {:+.4f} J by outside bodies on members, {:+.4f} J by imposed motion, {:+.4f} J by returned impulses\n",
       "sub-world", s.stats.border_work_J, s.stats.buffer_gain_J, s.stats.border_tank_J, "global world",
-      s.global.border_work_J, s.global.imposed_energy_J, s.global.handed_back_energy_J);
+      s.global.border_work_J, s.global.imposed_energy_J, s.global.returned_energy_J);
 }
 
 // Cuts that no border holds were not made: who of the members was left to the global world, and why.
@@ -396,7 +396,7 @@ json to_json(const RunSummary& s) {
     json& border = j["energy"]["border"];
     border["global_work_on_members_J"] = s.global.border_work_J;
     border["imposed_J"] = s.global.imposed_energy_J;
-    border["returned_J"] = s.global.handed_back_energy_J;
+    border["returned_J"] = s.global.returned_energy_J;
     j["global_world"]["uneven_members_most"] = s.global.most_uneven_members;
     j["global_world"]["uneven_cycles"] = s.global.uneven_cycles;
   }

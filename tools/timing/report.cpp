@@ -45,7 +45,7 @@ std::string verdict_line(const TimingResult& r) {
 }
 
 std::string stages_text(const TimingResult& r) {
-  const Books& b = r.books;
+  const TickStatistics& b = r.books;
   std::string text =
       fmt::format("time of                     {:>8} {:>8} {:>8} {:>9}  us\n", "p50", "p99", "p99.99", "max");
   for (std::uint32_t i = 0; i < kStages; ++i) text += times_line(name_of(static_cast<Stage>(i)), b.stages[i]);
@@ -67,7 +67,7 @@ std::string ratio_text(const TimingResult& r, const char* name, const Histogram&
 }
 
 std::string overruns_text(const TimingResult& r) {
-  const Books& b = r.books;
+  const TickStatistics& b = r.books;
   std::string causes;
   for (std::uint32_t i = 0; i < kCauses; ++i)
     causes += fmt::format("{}{} {}", i > 0 ? ", " : "", name_of(static_cast<Cause>(i)), b.overruns_by_cause[i]);
@@ -105,7 +105,7 @@ double wake_ratio(const TimingResult& r, const Histogram& other, double percent)
 }
 
 std::string to_text(const TimingResult& r) {
-  const Books& b = r.books;
+  const TickStatistics& b = r.books;
   std::string text = fmt::format("tactus timing: {}\n", verdict_line(r));
   text += fmt::format(
       "run                        {} ticks at {:g} Hz on cpu {}, {} processes of load; {} ticks of the bare timer\n",
@@ -130,7 +130,7 @@ std::string to_text(const TimingResult& r) {
 }
 
 ordered_json to_json(const TimingResult& r) {
-  const Books& b = r.books;
+  const TickStatistics& b = r.books;
   ordered_json j{{"scene", r.summary.scene_name},      {"scene_file", r.options.run.scene.string()},
                  {"scene_hash", r.summary.scene_hash}, {"verdict", name_of(r.verdict())},
                  {"degraded", r.summary.degraded()},   {"ticks", b.ticks},
@@ -185,7 +185,7 @@ namespace {
 
 // What the plot shows, in one sentence.
 std::string answer(const TimingResult& r) {
-  const Books& b = r.books;
+  const TickStatistics& b = r.books;
   const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];
   const std::string overruns = b.overruns == 0
                                    ? "none overran"
@@ -201,7 +201,7 @@ std::string answer(const TimingResult& r) {
 }  // namespace
 
 std::string to_svg(const TimingResult& r, const Provenance& made) {
-  const Books& b = r.books;
+  const TickStatistics& b = r.books;
   return histogram_svg(answer(r), made,
                        {{"done, from the period's start on", &b.done},
                         {"wake-up of the loop", &wake(r)},

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "tools/session/realtime_run.h"
-#include "tools/timing/books.h"
 #include "tools/timing/load.h"
+#include "tools/timing/tick_statistics.h"
 #include "tools/timing/verdict.h"
 
 namespace tactus::timing {
@@ -31,7 +31,7 @@ inline constexpr double kAgainstWindow_s = 10;
 struct TimingResult {
   TimingOptions options;
   session::RunSummary summary;
-  Books books;
+  TickStatistics books;
   std::vector<VerdictRow> rows;
   Histogram cyclictest_wake;  // empty without it
   std::uint64_t records_lost{0};

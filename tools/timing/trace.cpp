@@ -53,7 +53,7 @@ void add_tick(ordered_json& events, const loop::TickTimes& t, std::int64_t origi
 
 }  // namespace
 
-std::string trace_json(const Books& books) {
+std::string trace_json(const TickStatistics& books) {
   std::map<std::uint64_t, loop::TickTimes> shown;
   for (const loop::TickTimes& t : books.recent) shown[t.tick] = t;
   for (const Spike& spike : books.spikes)

@@ -6,10 +6,10 @@
 
 #include <string>
 
-#include "tools/timing/books.h"
+#include "tools/timing/tick_statistics.h"
 
 namespace tactus::timing {
 
-std::string trace_json(const Books& books);
+std::string trace_json(const TickStatistics& books);
 
 }  // namespace tactus::timing

@@ -13,7 +13,7 @@ double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
 // governor plans with. Computing: the 0.6 that the governor plans with, and 0.85, where the cut fires. Done: 1 tick in
 // 10 000 after its deadline is a force that is held one period longer. Force age: a force may be a period old when it
 // is replaced, and as old again after one late tick. The loop's own part: a hundredth of a period.
-std::vector<VerdictRow> judge(const Books& b) {
+std::vector<VerdictRow> judge(const TickStatistics& b) {
   const double period_us = static_cast<double>(b.settings().period_ns) * 1e-3;
   const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];
   const double ticks = b.ticks > 0 ? static_cast<double>(b.ticks) : 1;

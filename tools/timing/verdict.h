@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tools/session/verdict.h"
-#include "tools/timing/books.h"
+#include "tools/timing/tick_statistics.h"
 
 namespace tactus::timing {
 
@@ -23,7 +23,7 @@ struct VerdictRow {
 };
 
 // Limits are shares of the period, as given in verdict.cpp with their reasons.
-std::vector<VerdictRow> judge(const Books& books);
+std::vector<VerdictRow> judge(const TickStatistics& books);
 // The rules of a run as rows: `bad` is ours, `degraded` is not.
 std::vector<VerdictRow> rows_of(const std::vector<session::Ruling>& rulings);
 

@@ -16,7 +16,7 @@ using Pulls = std::array<Pull, kMaxProxyPlanes>;
 
 Vec3d in_plane(const Vec3d& normal, const Vec3d& v) noexcept { return v - dot(normal, v) * normal; }
 
-Vec3d at_most(const Vec3d& v, double length) noexcept {
+Vec3d clamp_norm(const Vec3d& v, double length) noexcept {
   const double own = norm(v);
   return own > length ? v * (length / own) : v;
 }
@@ -36,7 +36,7 @@ Vec3d nearest(std::span<const ProxyPlane> planes, const Vec3d& wanted, double le
       Pull& pull = pulls[i];
       pull.along_normal = std::max(least, before.along_normal + plane.offset - dot(plane.normal, at));
       at += (pull.along_normal - before.along_normal) * plane.normal;
-      pull.in_plane = at_most(before.in_plane + in_plane(plane.normal, plane.hold - at), cone_of(plane, pull));
+      pull.in_plane = clamp_norm(before.in_plane + in_plane(plane.normal, plane.hold - at), cone_of(plane, pull));
       at += pull.in_plane - before.in_plane;
     }
   return at;

@@ -105,7 +105,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
 
 bool write_effects(const physics::World& world, std::span<const std::uint8_t> inside, EffectBytes& out) noexcept {
   ByteWriter bytes(std::span<std::byte>(out.items));
-  world.effects().hand_over(bytes, world.bodies(), inside);
+  world.effects().export_state(bytes, world.bodies(), inside);
   out.count = bytes.ok() ? static_cast<std::uint32_t>(bytes.size()) : 0;
   return bytes.ok();
 }
@@ -113,7 +113,7 @@ bool write_effects(const physics::World& world, std::span<const std::uint8_t> in
 void read_effects(const EffectBytes& in, bool known_too, physics::World& world) noexcept {
   if (in.empty()) return;
   ByteReader bytes(in.span());
-  (void)world.effects().take_over(bytes, std::as_const(world).bodies(), known_too);
+  (void)world.effects().import_state(bytes, std::as_const(world).bodies(), known_too);
 }
 
 }  // namespace tactus::haptics

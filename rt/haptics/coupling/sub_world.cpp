@@ -70,7 +70,7 @@ void SubWorld::forget_world(std::uint32_t epoch) noexcept {
   std::array<std::uint8_t, kMaxMembers> all;
   all.fill(1);
   world_.remove(std::span<const std::uint8_t>(all).first(members()));
-  world_.effects().begin_anew();
+  world_.effects().reset();
   state_.border_work_J = border_work_J();
   world_.border_contacts().clear();
   world_.border_ghosts().clear();
@@ -180,7 +180,7 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   const Wrenchd& impulse = spring.step_impulse;
   add_cycle_impulse(impulse);
   const double rate = -1.0 / settings.dt;
-  const Wrenchd& felt = result.report.felt;  // of effects that are the hand's alone
+  const Wrenchd& felt = result.report.hand_wrench;  // of effects that are the hand's alone
   if (target.engaged) result.on_device = {impulse.force * rate + felt.force, impulse.torque * rate + felt.torque};
   if (spring.enabled) {
     proxy_ = world_.bodies()[spring.slot].motion;

@@ -64,7 +64,7 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
                                        inverse_effective_mass(mass, inertia, row.r, t2, t2),
                                        inverse_effective_mass(mass, inertia, row.r, t1, t2));
     if (rule_.ghosts && c.ghost < ghosts_.size())
-      meet_ghost(row, c, ghosts[c.ghost], mass, inertia, member->motion.pose.position + row.r);
+      init_ghost_row(row, c, ghosts[c.ghost], mass, inertia, member->motion.pose.position + row.r);
     else if (rule_.ghosts)
       row.active = false;
     const double scale = impulse_scale != 1.0 ? impulse_scale : 1.0;
@@ -96,8 +96,8 @@ void BorderSolver::mark_slow(std::span<Row> of_member) noexcept {
 }
 
 // The rows' masses with both sides moving.
-void BorderSolver::meet_ghost(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
-                              const SymMat3d& inertia, const Vec3d& point) noexcept {
+void BorderSolver::init_ghost_row(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
+                                  const SymMat3d& inertia, const Vec3d& point) noexcept {
   row.ghost = contact.ghost;
   row.ghost_r = point - ghost.centre;
   const Vec3d* directions[3] = {&row.n, &row.t1, &row.t2};
@@ -140,12 +140,12 @@ Vec3d BorderSolver::slip(const Row& row, const SolverBody<double>& body) const n
   if (row.ghost == kNoGhost) return velocity_at(body, row.r) - row.neighbour_velocity;
   const Twistd& ghost = ghosts_[row.ghost].velocity;
   const Vec3d v = ghost.linear + cross(ghost.angular, row.ghost_r);
-  return velocity_at(body, row.r) - (may_give_ ? v : v - std::max(0.0, dot(row.n, v)) * row.n);
+  return velocity_at(body, row.r) - (may_supply_ ? v : v - std::max(0.0, dot(row.n, v)) * row.n);
 }
 
 // Impulses along n, t1 and t2: on the member, the opposite on the ghost.
-void BorderSolver::push(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal,
-                        double tangent1, double tangent2) noexcept {
+void BorderSolver::apply_impulse(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal,
+                                 double tangent1, double tangent2) noexcept {
   apply_impulse_at(body, inertia, row.r, normal * row.n + tangent1 * row.t1 + tangent2 * row.t2);
   if (row.ghost == kNoGhost) return;
   Twistd& ghost = ghosts_[row.ghost].velocity;
@@ -156,14 +156,14 @@ void BorderSolver::push(const Row& row, SolverBody<double>& body, const SymMat3d
 
 // The normal row, by the rules of an inner contact: apart, it lets the gap close; overlapping, it pushes out softly in
 // the biased sweep and stops the approach in the relax sweep.
-void BorderSolver::press(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
-                         bool biased) noexcept {
+void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
+                                const SweepRule<double>& rule, bool biased) noexcept {
   const double gap = row.gap + dot(row.n, offset_at(row, body, biased ? row.elapsed : row.elapsed + h_));
   Softness<double> soft = Softness<double>::rigid();
   double bias{};
   if (gap > 0.0) {
     bias = gap * rule.inverse_h;
-  } else if (biased && may_give_) {  // else rigid: nothing is pushed out, and nothing let go
+  } else if (biased && may_supply_) {  // else rigid: nothing is pushed out, and nothing let go
     soft = rule.softness;
     if (row.ghost != kNoGhost) {
       soft.mass_scale = 1.0 / (1.0 + row.own_share * soft.impulse_scale / soft.mass_scale);
@@ -175,13 +175,13 @@ void BorderSolver::press(Row& row, SolverBody<double>& body, const SymMat3d& ine
   const double wanted =
       row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - soft.impulse_scale * row.normal_impulse;
   const double next = std::clamp(wanted, 0.0, normal_limit(row));
-  push(row, body, inertia, next - row.normal_impulse, 0.0, 0.0);
+  apply_impulse(row, body, inertia, next - row.normal_impulse, 0.0, 0.0);
   pairs_[row.pair].sum += next - row.normal_impulse;
   row.normal_impulse = next;
 }
 
 void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept {
-  may_give_ = budget_J_ > 0.0;
+  may_supply_ = budget_J_ > 0.0;
   for (GhostState& ghost : ghosts_) {
     ghost.velocity.linear += h_ * ghost.drive.linear, ghost.velocity.angular += h_ * ghost.drive.angular;
     ghost.before = ghost.velocity;
@@ -202,7 +202,7 @@ void BorderSolver::apply_replay(SolverBodies<double> bodies) noexcept {
     if (!row.active) continue;
     SolverBody<double>& body = bodies.motion[row.slot];
     row.normal_impulse = row.cap;
-    if (!may_give_) {
+    if (!may_supply_) {
       // J (v + v') / 2 = 0, v before the sub-step and v' after it: v' is what it is now and J / m.
       const double no_work = -row.normal_mass * dot(row.n, row.start_velocity + velocity_at(body, row.r));
       row.normal_impulse = std::clamp(no_work, 0.0, row.cap);
@@ -225,37 +225,37 @@ void BorderSolver::warm_start(SolverBodies<double> bodies) noexcept {
     }
     clamp_to_disk(row.tangent_impulse[0], row.tangent_impulse[1], row.friction * row.normal_impulse);
     row.demand[0] = row.tangent_impulse[0], row.demand[1] = row.tangent_impulse[1];
-    push(row, bodies.motion[row.slot], bodies.inverse_inertia[row.slot], normal, row.tangent_impulse[0],
-         row.tangent_impulse[1]);
+    apply_impulse(row, bodies.motion[row.slot], bodies.inverse_inertia[row.slot], normal, row.tangent_impulse[0],
+                  row.tangent_impulse[1]);
   }
 }
 
 // The friction of an inner contact.
-void BorderSolver::rub(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept {
+void BorderSolver::solve_friction(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept {
   const Vec3d u = slip(row, body);
   double next[2] = {row.tangent_impulse[0] - row.tangent_mass * dot(row.t1, u),
                     row.tangent_impulse[1] - row.tangent_mass * dot(row.t2, u)};
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
-  push(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  apply_impulse(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
   row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
 }
 
-void BorderSolver::hold_on_line(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
-                                const SweepRule<double>& rule, bool biased) noexcept {
+void BorderSolver::solve_friction_point(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
+                                        const SweepRule<double>& rule, bool biased) noexcept {
   const Softness<double> soft = biased ? rule.softness : Softness<double>::rigid();
   const Vec3d u = slip(row, body);
   double next[2];
   for (int i = 0; i < 2; ++i) {
     const double pull =
         std::clamp(soft.mass_scale * soft.bias_rate * row.error[i], -rule.max_push_speed, rule.max_push_speed);
-    const double bias = may_give_ ? pull : 0.0;
+    const double bias = may_supply_ ? pull : 0.0;
     const double along = dot(i == 0 ? row.t1 : row.t2, u);
     next[i] = row.tangent_impulse[i] - row.tangent_mass * (soft.mass_scale * along + bias) -
               soft.impulse_scale * row.tangent_impulse[i];
     row.demand[i] = next[i];
   }
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
-  push(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  apply_impulse(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
   row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
 }
 
@@ -278,12 +278,12 @@ void BorderSolver::solve_row(Row& row, SolverBodies<double> bodies, const SweepR
   if (!row.active) return;
   SolverBody<double>& body = bodies.motion[row.slot];
   const SymMat3d& inertia = bodies.inverse_inertia[row.slot];
-  if (!rule_.replays) press(row, body, inertia, rule, biased);
+  if (!rule_.replays) solve_normal(row, body, inertia, rule, biased);
   if (!row.holds) return;
   if (row.ghost == kNoGhost)
-    hold_on_line(row, body, inertia, rule, biased);
+    solve_friction_point(row, body, inertia, rule, biased);
   else if (!biased)
-    rub(row, body, inertia);
+    solve_friction(row, body, inertia);
 }
 
 void BorderSolver::move_ghosts() noexcept {
@@ -309,7 +309,8 @@ void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymM
   const double others = work_of(row, body) - own;  // what s = 0 leaves of W / s
   const double share = 0.5 * (std::sqrt(others * others + 4.0 * own * allowed) - others) * invert_or_zero(own);
   const double less = std::clamp(share, 0.0, 1.0) - 1.0;
-  push(row, body, inertia, less * row.normal_impulse, less * row.tangent_impulse[0], less * row.tangent_impulse[1]);
+  apply_impulse(row, body, inertia, less * row.normal_impulse, less * row.tangent_impulse[0],
+                less * row.tangent_impulse[1]);
   row.normal_impulse *= 1.0 + less, row.tangent_impulse[0] *= 1.0 + less, row.tangent_impulse[1] *= 1.0 + less;
 }
 

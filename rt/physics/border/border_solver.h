@@ -77,33 +77,33 @@ class BorderSolver {
     double cap{}, sum{};  // N s per sub-step: allowed, applied
   };
 
-  void meet_ghost(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
-                  const SymMat3d& inertia, const Vec3d& point) noexcept;
+  void init_ghost_row(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
+                      const SymMat3d& inertia, const Vec3d& point) noexcept;
   double normal_limit(const Row& row) const noexcept;
   Vec3d offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept;
   Vec3d slip(const Row& row, const SolverBody<double>& body) const noexcept;
-  void push(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal, double tangent1,
-            double tangent2) noexcept;
-  void rub(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept;
+  void apply_impulse(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal, double tangent1,
+                     double tangent2) noexcept;
+  void solve_friction(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept;
   void mark_slow(std::span<Row> of_member) noexcept;
   Vec3d impulse_of(const Row& row) const noexcept;
   double work_of(const Row& row, const SolverBody<double>& body) const noexcept;
   void take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia, double allowed) noexcept;
   void keep_budget(SolverBodies<double> bodies) noexcept;
-  void hold_on_line(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
-                    bool biased) noexcept;
+  void solve_friction_point(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
+                            bool biased) noexcept;
   void solve_row(Row& row, SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
-  void press(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
-             bool biased) noexcept;
+  void solve_normal(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
+                    bool biased) noexcept;
   void store_impulses(std::span<BorderContact> contacts, double share) const noexcept;
 
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;
   BoundedVector<GhostState> ghosts_;  // as the world's
   double h_{};
-  BorderTraits rule_;    // of the mode
-  bool may_give_{true};  // in the sub-step: something is left of the budget
-  double budget_J_{};    // what is left of it
+  BorderTraits rule_;      // of the mode
+  bool may_supply_{true};  // in the sub-step: something is left of the budget
+  double budget_J_{};      // what is left of it
 };
 
 }  // namespace tactus::physics

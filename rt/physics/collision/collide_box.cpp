@@ -115,7 +115,7 @@ void bound_gap(const BoxPair& boxes, const AxisTest& test, Manifold& manifold) n
   if (!(test.gap > 0.0) || !(test.sine > 0.1)) return;
   const double size = norm(boxes.pair.b_from_a) + norm(boxes.pair.a.half_extents) + norm(boxes.pair.b.half_extents);
   manifold.gap = std::min({test.gap, 0.25 * size, kLargestGap}) - rounding * size / test.sine;
-  manifold.lever = 1.25 * size * (test.apart < kFirstEdge ? 1.0 : 3.0 / test.sine);
+  manifold.lever_arm = 1.25 * size * (test.apart < kFirstEdge ? 1.0 : 3.0 / test.sine);
 }
 
 // The best face, unless the last step's is about as good. Without one, of those that are about as good as the best

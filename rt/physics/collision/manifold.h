@@ -32,9 +32,9 @@ struct Manifold {
   Vec3d normal;  // unit, from A to B
   std::uint32_t count{0};
   // Between boxes that are apart: the gap along one of the axes, rounding included. As long as the centres move
-  // against each other by d [m] and the bodies turn by t [rad] in all, that axis' gap stays above gap - d - lever t,
-  // and as long as this is more than the margin there is no point. 0 where nothing is known.
-  double gap{}, lever{};  // m
+  // against each other by d [m] and the bodies turn by t [rad] in all, that axis' gap stays above gap - d - lever_arm
+  // t, and as long as this is more than the margin there is no point. 0 where nothing is known.
+  double gap{}, lever_arm{};  // m
   std::array<ManifoldPoint, kMaxManifoldPoints> points;
 };
 

@@ -34,9 +34,9 @@ double tolerance_of(PairKey key, const Shape& a, const Shape& b, double most) no
 }
 
 void keep_reference(const Contact& contact, const BodyFrame& a, const BodyFrame& b, double margin, double tolerance,
-                    double lever, ContactReference& reference) noexcept {
+                    double lever_arm, ContactReference& reference) noexcept {
   reference = {};
-  reference.tolerance = tolerance, reference.margin = margin, reference.lever = lever;
+  reference.tolerance = tolerance, reference.margin = margin, reference.lever_arm = lever_arm;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const ContactPoint& point = contact.points[i];
     reference.on_a[0][i] = dot(a.axes.x, point.from_a), reference.on_b[0][i] = dot(b.axes.x, point.from_b);

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "rt/physics/body_frame.h"
-#include "rt/physics/collision/reach.h"
+#include "rt/physics/collision/motion_bound.h"
 #include "rt/physics/contact/contact.h"
 
 namespace tactus::physics {
@@ -21,7 +21,7 @@ struct ContactReference {
   double tolerance{};                             // m: what the surfaces may move, in all; 0: to be found anew
   double moved{};                                 // m, against each other since the points were found, at most
   double margin{};                                // m, with which they were found
-  double lever{};                                 // m, the larger of the two bodies' radii
+  double lever_arm{};                             // m, the larger of the two bodies' radii
   double on_a[3][kPoints]{}, on_b[3][kPoints]{};  // m, body axes, from the centres of A and B
   double separation[kPoints]{};                   // m, when they were found
 };
@@ -39,7 +39,7 @@ double tolerance_of(PairKey key, const Shape& a, const Shape& b, double most) no
 
 // Of the contact that was just found with that margin.
 void keep_reference(const Contact& contact, const BodyFrame& a, const BodyFrame& b, double margin, double tolerance,
-                    double lever, ContactReference& reference) noexcept;
+                    double lever_arm, ContactReference& reference) noexcept;
 
 // Have the bodies moved so little in all, `moved` [m], that the contact may be carried over? `closing` [m]: what this
 // step may close.

@@ -26,7 +26,10 @@ void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
 
 template <class T, int kWidth>
 ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities)
-    : colours_(capacities), before_(capacities.bodies), given_(capacities.bodies), gate_(capacities.bodies) {
+    : colours_(capacities),
+      before_(capacities.bodies),
+      accumulated_delta_v_(capacities.bodies),
+      gate_(capacities.bodies) {
   // Every colour may leave one row that is not full.
   rows_.all = BoundedVector<ContactRow<V>>(
       std::min(capacities.contacts, capacities.contacts / kWidth + 2 * ContactColours::kColours));
@@ -56,8 +59,8 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
                                        const Executor& executor) noexcept {
   executor_ = executor;
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
-  before_.resize(count), given_.resize(count);
-  for_each_body([&](std::uint32_t i) noexcept { given_[i] = {}; });
+  before_.resize(count), accumulated_delta_v_.resize(count);
+  for_each_body([&](std::uint32_t i) noexcept { accumulated_delta_v_[i] = {}; });
   gate_.begin_step();
   given_is_known_ = backwards_ = next_backwards_ = false;
   colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
@@ -122,9 +125,10 @@ void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_body(F&& f) noexcept {
-  executor_.for_each_range(given_.size(), kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
-    for (; i < end; ++i) f(i);
-  });
+  executor_.for_each_range(accumulated_delta_v_.size(), kFewestBodies,
+                           [&](std::uint32_t i, std::uint32_t end) noexcept {
+                             for (; i < end; ++i) f(i);
+                           });
 }
 
 template <class T, int kWidth>
@@ -135,8 +139,8 @@ void ContactSolver<T, kWidth>::note_velocities(SolverBodies<T> bodies) noexcept 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::add_change(SolverBodies<T> bodies) noexcept {
   for_each_body([&](std::uint32_t i) noexcept {
-    given_[i].linear += bodies.motion[i].v - before_[i].linear;
-    given_[i].angular += bodies.motion[i].w - before_[i].angular;
+    accumulated_delta_v_[i].linear += bodies.motion[i].v - before_[i].linear;
+    accumulated_delta_v_[i].angular += bodies.motion[i].w - before_[i].angular;
   });
 }
 
@@ -144,7 +148,7 @@ template <class T, int kWidth>
 void ContactSolver<T, kWidth>::warm_start_freely(SolverBodies<T> bodies) noexcept {
   if (given_is_known_) {
     for_each_body([&](std::uint32_t i) noexcept {
-      bodies.motion[i].v += given_[i].linear, bodies.motion[i].w += given_[i].angular;
+      bodies.motion[i].v += accumulated_delta_v_[i].linear, bodies.motion[i].w += accumulated_delta_v_[i].angular;
     });
     return;
   }
@@ -171,21 +175,21 @@ void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies, const SweepRul
 
 template <class T, int kWidth>
 bool ContactSolver<T, kWidth>::holds_blow(T blow_m_per_s) const noexcept {
-  return std::any_of(given_.begin(), given_.end(),
+  return std::any_of(accumulated_delta_v_.begin(), accumulated_delta_v_.end(),
                      [blow_m_per_s](const Twist<T>& given) noexcept { return is_blow(given, blow_m_per_s); });
 }
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies, T blow_m_per_s) noexcept {
   if (!gate_.knows_islands()) {
-    gate_.begin_islands(given_.size());
+    gate_.begin_islands(accumulated_delta_v_.size());
     const auto link = [&](const auto& row) noexcept {
       for (std::uint32_t lane = 0; lane < row.used; ++lane) gate_.link(bodies, row.a[lane], row.b[lane]);
     };
     for (std::uint32_t k = 0; k < rows_.first_fixed; ++k) link(rows_.all[k]);
     for (std::uint32_t k = 0; k < singles_.first_fixed; ++k) link(singles_.all[k]);
   }
-  if (!gate_.hold_back(bodies, given_.span(), blow_m_per_s)) return;
+  if (!gate_.hold_back(bodies, accumulated_delta_v_.span(), blow_m_per_s)) return;
   for_each_row([&](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane) {
       const T share = gate_.share(bodies, row.a[lane], row.b[lane]);
@@ -246,7 +250,7 @@ void ContactSolver<T, kWidth>::add_to_totals() noexcept {
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
-  for (Twist<T>& given : given_) given.linear *= factor, given.angular *= factor;
+  for (Twist<T>& given : accumulated_delta_v_) given.linear *= factor, given.angular *= factor;
   for_each_row([factor](auto& row) {
     const auto f = std::remove_reference_t<decltype(row.friction)>(factor);
     for (std::uint32_t i = 0; i < row.points; ++i) {

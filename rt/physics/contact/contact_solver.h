@@ -77,7 +77,8 @@ class ContactSolver {
   Rows<T> singles_;            // of contacts left over
   Starts moving_{}, fixed_{};  // of rows_
   Executor executor_;
-  BoundedVector<Twist<T>> before_, given_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
+  BoundedVector<Twist<T>> before_,
+      accumulated_delta_v_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
   bool given_is_known_{false};
   EnergyGate<T> gate_;
   // Which way round the next sweep takes the points of a contact, and the first of the next sub-step. To and fro, in

@@ -133,9 +133,9 @@ void ContactTable::sort_warm_starts() noexcept {
 void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   Pair& pair = pairs_[index];
   const bool with_fixed = pair.key.with_fixed();
-  const Reach& a = walk.scene.reach[pair.a];
+  const MotionBound& a = walk.scene.reach[pair.a];
   // Two bodies fall side by side, or one of them is held: gravity counts once.
-  const Reach b = with_fixed ? Reach{} : walk.scene.reach[pair.b];
+  const MotionBound b = with_fixed ? MotionBound{} : walk.scene.reach[pair.b];
   const double closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
   const double least =
       pair.patch.count > 0 ? std::min(kPatchMargin, walk.settings.min_margin) : walk.settings.min_margin;
@@ -144,10 +144,10 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
     const Pair& last = last_pairs_[walk.last_pair];
-    pair.gap = last.gap - moved_against(a, b, last.lever), pair.lever = last.lever;
+    pair.gap = last.gap - moved_against(a, b, last.lever_arm), pair.lever_arm = last.lever_arm;
     if (pair.gap > margin) return;
   }
-  pair.gap = pair.lever = 0.0;
+  pair.gap = pair.lever_arm = 0.0;
 
   while (walk.old_seen < walk.old_count && walk.old[walk.old_seen].key < pair.key) ++walk.old_seen;
   const bool known = walk.old_seen < walk.old_count && walk.old[walk.old_seen].key == pair.key;
@@ -161,7 +161,7 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   visit.pair = index, visit.old = walk.old_seen;
   if (known && walk.settings.recycle_tolerance_m > 0.0) {
     const ContactReference& reference = walk.old_references[walk.old_seen];
-    visit.moved = reference.moved + moved_against(a, b, reference.lever);
+    visit.moved = reference.moved + moved_against(a, b, reference.lever_arm);
     visit.search = kCarryOver;
     if (may_carry_over(reference, visit.moved, closing)) return;
   }
@@ -227,7 +227,7 @@ Contact* ContactTable::place(Walk& walk) noexcept {
 void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold& manifold) noexcept {
   Pair& pair = pairs_[visit.pair];
   if (manifold.count == 0) {
-    pair.gap = manifold.gap, pair.lever = manifold.lever;
+    pair.gap = manifold.gap, pair.lever_arm = manifold.lever_arm;
     return;
   }
   const bool with_fixed = pair.key.with_fixed();

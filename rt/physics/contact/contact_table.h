@@ -15,7 +15,7 @@
 #include "rt/base/bounded_vector.h"
 #include "rt/physics/body.h"
 #include "rt/physics/capacity.h"
-#include "rt/physics/collision/reach.h"
+#include "rt/physics/collision/motion_bound.h"
 #include "rt/physics/contact/contact.h"
 #include "rt/physics/contact/contact_reference.h"
 #include "rt/physics/contact/warm_start.h"
@@ -48,7 +48,7 @@ class ContactTable {
   struct Scene {
     std::span<const Body> bodies, fixed_bodies;
     std::span<const BodyFrame> frames, fixed_frames;
-    std::span<const Reach> reach;
+    std::span<const MotionBound> reach;
     Hulls hulls{};                                    // of the shapes
     Meshes meshes{};                                  // same
     std::span<const std::uint32_t> mesh_triangles{};  // what PatchTriangles are stretches of
@@ -82,7 +82,8 @@ class ContactTable {
     PairKey key;
     std::uint32_t a{0}, b{0};
     PatchTriangles patch;
-    double gap{}, lever{};  // as of a manifold without points, less the motion against each other since; 0: not known
+    double gap{},
+        lever_arm{};  // as of a manifold without points, less the motion against each other since; 0: not known
   };
   // A pair that has a contact or may get one: what is carried over, or what is searched.
   struct Visit {

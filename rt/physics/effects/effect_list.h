@@ -14,8 +14,8 @@
 #include "rt/physics/effects/drag.h"
 #include "rt/physics/effects/gravity.h"
 #include "rt/physics/effects/joints.h"
-#include "rt/physics/effects/kinematics.h"
 #include "rt/physics/effects/restitution.h"
+#include "rt/physics/effects/scripted_motion.h"
 #include "rt/physics/effects/texture.h"
 #include "rt/physics/effects/transients.h"
 
@@ -26,7 +26,7 @@ using EffectRooms = std::tuple<  //
     Damping,                     //
     Drag,                        //
     Attraction,                  //
-    Kinematics,                  //
+    ScriptedMotion,              //
     Joints,                      //
     ContactTorque,               //
     Restitution,                 //

@@ -34,8 +34,8 @@ bool Effects::only_gravity() const noexcept {
   return others == 0;
 }
 
-void Effects::begin_anew() noexcept {
-  for_each_room(rooms_, [](auto& room) noexcept { room.begin_anew(); });
+void Effects::reset() noexcept {
+  for_each_room(rooms_, [](auto& room) noexcept { room.reset(); });
 }
 
 void Effects::save(ByteWriter& out) const noexcept {
@@ -54,14 +54,14 @@ std::size_t Effects::save_size_bound() const noexcept {
   return bytes;
 }
 
-void Effects::hand_over(ByteWriter& out, std::span<const Body> bodies,
-                        std::span<const std::uint8_t> inside) const noexcept {
-  for_each_room(rooms_, [&](const auto& room) noexcept { room.hand_over(out, bodies, inside); });
+void Effects::export_state(ByteWriter& out, std::span<const Body> bodies,
+                           std::span<const std::uint8_t> inside) const noexcept {
+  for_each_room(rooms_, [&](const auto& room) noexcept { room.export_state(out, bodies, inside); });
 }
 
-bool Effects::take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
+bool Effects::import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
   bool good = true;
-  for_each_room(rooms_, [&](auto& room) noexcept { good = good && room.take_over(in, bodies, known_too); });
+  for_each_room(rooms_, [&](auto& room) noexcept { good = good && room.import_state(in, bodies, known_too); });
   return good;
 }
 

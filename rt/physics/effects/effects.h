@@ -37,7 +37,7 @@ class Effects {
   bool only_gravity() const noexcept;  // or nothing
 
   // Back to how they were made: nothing broken, no time gone.
-  void begin_anew() noexcept;
+  void reset() noexcept;
 
   // What the next step depends on. The reading world has the same effects.
   void save(ByteWriter& out) const noexcept;
@@ -46,10 +46,10 @@ class Effects {
 
   // Between two worlds with the same effects: what the rooms hold of the bodies that are `inside` (by slot; empty:
   // all).
-  void hand_over(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  void export_state(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
   // `known_too`: also of bodies that this world has already; what broke is always believed. False where the bytes are
-  // none that hand_over wrote: what was read up to there counts.
-  bool take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
+  // none that export_state wrote: what was read up to there counts.
+  bool import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:
   effects_detail::Of<EffectRooms>::Held rooms_;

@@ -77,7 +77,7 @@ Joints::Side Joints::side(StageContext& c, Row& row, std::uint32_t slot) noexcep
   if (slot != kOutside) return {c.motion[slot], c.inverse_inertia[slot]};
   if (row.ghost == kNoGhost) return {row.outside, kNone};
   GhostState& ghost = c.ghosts[row.ghost];
-  const Twistd seen = c.ghosts_may_give ? ghost.velocity : Twistd{};
+  const Twistd seen = c.ghosts_may_supply ? ghost.velocity : Twistd{};
   row.outside.v = seen.linear, row.outside.w = seen.angular;
   return {row.outside, kNone, &ghost};
 }
@@ -270,7 +270,7 @@ void Joints::warm_start(StageContext& c) noexcept {
 // A ghost that may not give does not push out errors either. Its row is rigid then: a spring that pushes nothing out,
 // but whose impulse leaks, would let go of its load within some sub-steps, and with the tank empty for it that stays so
 // (tests/border/pendulum_cut.toml with three members: 15 N of 100 N).
-bool may_push(const StageContext& c, const auto& row) noexcept { return row.ghost == kNoGhost || c.ghosts_may_give; }
+bool may_push(const StageContext& c, const auto& row) noexcept { return row.ghost == kNoGhost || c.ghosts_may_supply; }
 
 template <bool kBias>
 void Joints::solve_axis(const StageContext& c, Row& row, const Side& a, const Side& b) noexcept {

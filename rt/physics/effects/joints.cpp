@@ -197,8 +197,8 @@ bool Joints::restore(ByteReader& in) noexcept {
 
 // Count, then for each joint with a body inside: its number, whether it is broken (1), whether one of its bodies is
 // outside (2), its effort, and the outside body's motion and inverse masses where there is one.
-void Joints::hand_over(ByteWriter& out, std::span<const Body> bodies,
-                       std::span<const std::uint8_t> inside) const noexcept {
+void Joints::export_state(ByteWriter& out, std::span<const Body> bodies,
+                          std::span<const std::uint8_t> inside) const noexcept {
   const auto is_inside = [&](std::uint32_t slot) noexcept {
     return slot != kNoSlot && (inside.empty() || inside[slot] != 0);
   };
@@ -227,12 +227,12 @@ void Joints::hand_over(ByteWriter& out, std::span<const Body> bodies,
   });
 }
 
-void Joints::begin_anew() noexcept {
+void Joints::reset() noexcept {
   std::fill(states_.begin(), states_.end(), JointState{});
   anchors_.clear();
 }
 
-bool Joints::take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
+bool Joints::import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
   std::uint32_t count = 0;
   in.get(count);
   if (!known_too) anchors_.clear();

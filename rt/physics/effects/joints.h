@@ -44,12 +44,12 @@ class Joints {
       }
   }
 
-  void begin_anew() noexcept;
+  void reset() noexcept;
   void save(ByteWriter& out) const noexcept;
   bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept;
-  void hand_over(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
-  bool take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
+  void export_state(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  bool import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:
   static constexpr std::uint32_t kOutside = kNoSlot;

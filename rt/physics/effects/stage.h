@@ -61,7 +61,7 @@ struct StageContext {
   // From kBeginSubStep on: bodies of another world that this one knows by ghosts, by id. Where they may not give, they
   // do no work on bodies of this world.
   std::span<GhostState> ghosts{};
-  bool ghosts_may_give{true};
+  bool ghosts_may_supply{true};
 };
 
 class StageTable {
@@ -97,12 +97,12 @@ void for_each_slot(const StageContext& context, F&& f) noexcept {
 
 // A room without a state of its own between steps inherits these.
 struct Stateless {
-  void begin_anew() noexcept {}
+  void reset() noexcept {}
   void save(ByteWriter&) const noexcept {}
   bool restore(ByteReader&) noexcept { return true; }
   std::size_t save_size_bound() const noexcept { return 0; }
-  void hand_over(ByteWriter&, std::span<const Body>, std::span<const std::uint8_t>) const noexcept {}
-  bool take_over(ByteReader&, std::span<const Body>, bool) noexcept { return true; }
+  void export_state(ByteWriter&, std::span<const Body>, std::span<const std::uint8_t>) const noexcept {}
+  bool import_state(ByteReader&, std::span<const Body>, bool) noexcept { return true; }
 };
 
 }  // namespace tactus::physics

@@ -38,7 +38,7 @@ class Transients : public Stateless {  // nothing for other worlds: only the han
   Transients(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
   void enter(StageTable& table) noexcept;
 
-  void begin_anew() noexcept { state_ = {}; }
+  void reset() noexcept { state_ = {}; }
   void save(ByteWriter& out) const noexcept { out.put(state_); }
   bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept { return sizeof(state_); }

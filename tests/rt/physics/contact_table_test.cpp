@@ -71,7 +71,7 @@ TEST_CASE("A pair that waits because it was apart has no contact, however its bo
     if (cache.axis >= 7) ++edges;
     // All that the gap allows, shared out between shifts and turns of both.
     const double use = 0.999 * (then.gap - kMargin), part = random(0, 1), of_a = random(0, 1);
-    const double shift = part * use, turn = (1 - part) * use / then.lever;
+    const double shift = part * use, turn = (1 - part) * use / then.lever_arm;
     const Posed now_a = moved(at_a, of_a * shift, of_a * turn, random);
     Posed now_b = moved(at_b, (1 - of_a) * shift, (1 - of_a) * turn, random);
     if (n % 2 == 0)
@@ -101,7 +101,7 @@ TEST_CASE("Two bodies' motion against each other is never said to be less than a
       now_b = moved(before_b, random(0, 1e-3 * size), random(0, size), random);
       now_b.position += now_a.position - before_a.position;
     }
-    Reach a, b;
+    MotionBound a, b;
     measure_motion(before_a, now_a, 0.02, a), measure_motion(before_b, now_b, 0.02, b);
     const Vec3d on_a = radius * normalized_or(random.vector(1), Vec3d{0, 0, 1});
     const Vec3d on_b = radius * normalized_or(random.vector(1), Vec3d{0, 0, 1});
@@ -110,8 +110,8 @@ TEST_CASE("Two bodies' motion against each other is never said to be less than a
     const double between = norm((now_b.position - now_a.position) - (before_b.position - before_a.position));
     REQUIRE(moved_against(a, b, radius) <= 1.01 * between + 2.1 * 2 * size * radius + 1e-13);
   }
-  const Reach fixed;
-  Reach same, along, unknown;
+  const MotionBound fixed;
+  MotionBound same, along, unknown;
   measure_motion({}, {}, 0.02, same);
   CHECK(moved_against(same, fixed, 1.0) == 0);
   measure_motion({{}, {}}, {{0.5, 0, 0}, {}}, 0.02, along);

@@ -113,7 +113,7 @@ TEST_CASE("Drag slows by 1 / v = 1 / v0 + k t exactly, towards the flow, and a f
 
 TEST_CASE("A kinematic body goes its way through what stands on it, and carries it along") {
   const std::vector<KinematicScript> scripts{{1, 0, 0, false}};
-  EffectBench bench(with<Kinematics>({scripts, {}}));
+  EffectBench bench(with<ScriptedMotion>({scripts, {}}));
   auto platform = make_dynamic_body(1, Shape::box({0.5, 0.5, 0.05}), 1e-3, 0.8, {{0, 0, -0.05}, {}});
   platform.motion.velocity.linear = {0.25, 0, 0};
   REQUIRE(bench.world.insert(platform));
@@ -130,7 +130,7 @@ TEST_CASE("A kinematic body goes its way through what stands on it, and carries 
 TEST_CASE("A path is a smooth step between its way points, repeats, and is saved where it is") {
   const std::vector<PathKey> keys{{0, {0, 0, 1}, {}}, {1, {2, 0, 1}, {0, 0, 8}}, {2, {0, 0, 1}, {}}};
   const std::vector<KinematicScript> scripts{{1, 0, 3, true}};
-  const auto setups = with<Kinematics>({scripts, keys});
+  const auto setups = with<ScriptedMotion>({scripts, keys});
   EffectBench bench(setups), other(setups);
   bench.add_sphere(1, 0.1, 1, 0, {0, 0, 1}, {});
   bench.run(250);

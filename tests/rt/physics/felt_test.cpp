@@ -33,7 +33,7 @@ struct Feeler {
     world.begin_step(settings);
     find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
     report = world.finish_step(settings);
-    return report.felt.force;
+    return report.hand_wrench.force;
   }
 };
 
@@ -64,7 +64,7 @@ TEST_CASE("The grain pulls with N times the slope of its height, along the surfa
     CHECK(felt.x == Approx(-press * std::cos(k * at.x)).margin(1e-3 * press));
     CHECK(felt.y == Approx(-press * std::cos(k * at.y)).margin(1e-3 * press));
     CHECK(felt.z == Approx(0).margin(1e-9));
-    CHECK(norm(feeler.report.felt.torque - cross(Vec3d{0, 0, -kRadius}, felt)) < 1e-3 * press * kRadius);
+    CHECK(norm(feeler.report.hand_wrench.torque - cross(Vec3d{0, 0, -kRadius}, felt)) < 1e-3 * press * kRadius);
     most = std::max(most, std::abs(felt.x));
   }
   CHECK(most == Approx(kMass * kGravity * height * k).epsilon(0.02));

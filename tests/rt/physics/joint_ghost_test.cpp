@@ -54,9 +54,9 @@ struct Bench {
     std::array<std::byte, 1024> bytes;
     ByteWriter out{std::span<std::byte>(bytes)};
     const std::uint8_t b_alone[] = {0, 1};
-    world.effects().hand_over(out, world.bodies(), b_alone);
+    world.effects().export_state(out, world.bodies(), b_alone);
     ByteReader in{std::span<const std::byte>(bytes).first(out.size())};
-    REQUIRE(other.world.effects().take_over(in, std::as_const(other.world).bodies(), false));
+    REQUIRE(other.world.effects().import_state(in, std::as_const(other.world).bodies(), false));
   }
   void add_ghost() {
     BorderGhost ghost;

@@ -66,17 +66,17 @@ struct JointBench {
 }  // namespace
 
 TEST_CASE("A fixed joint carries a cantilever: force m g, torque m g L, sunk by the contact's compliance") {
-  const double lever = 0.3;
-  // To the world; the joint is `lever` beside the cube's centre.
-  JointBench bench({joint_of(JointKind::kFixed, kNoBody, 1, {{0, 0, 1}, {}}, {{-lever, 0, 0}, {}})});
-  bench.add_cube(1, {lever, 0, 1});
+  const double lever_arm = 0.3;
+  // To the world; the joint is `lever_arm` beside the cube's centre.
+  JointBench bench({joint_of(JointKind::kFixed, kNoBody, 1, {{0, 0, 1}, {}}, {{-lever_arm, 0, 0}, {}})});
+  bench.add_cube(1, {lever_arm, 0, 1});
   bench.run_seconds(2);
   CHECK(bench.report.joints == 1);
   CHECK(norm(bench.state().force) == Approx(kMass * kGravity).epsilon(1e-4));
-  CHECK(norm(bench.state().torque) == Approx(kMass * kGravity * lever).epsilon(1e-3));
-  // Less than the whole weight on the whole lever through the softest direction alone: F / (m w^2) (1 + m L^2 / I).
+  CHECK(norm(bench.state().torque) == Approx(kMass * kGravity * lever_arm).epsilon(1e-3));
+  // Less than the whole weight on the whole lever_arm through the softest direction alone: F / (m w^2) (1 + m L^2 / I).
   const double omega = 2 * kPi * bench.settings.contact_hertz, inertia = kMass * 4 * kHalf * kHalf / 6;
-  const double sag = kGravity / (omega * omega) * (1 + 2 * kMass * lever * lever / inertia);
+  const double sag = kGravity / (omega * omega) * (1 + 2 * kMass * lever_arm * lever_arm / inertia);
   CHECK(std::abs(bench.motion(1).pose.position.z - 1) < sag);
   CHECK(norm(bench.motion(1).velocity.linear) < 1e-6);
 }
@@ -305,10 +305,10 @@ TEST_CASE("A joint whose other body is another world's holds on to where that on
   std::vector<std::byte> bytes(4096);
   ByteWriter out(bytes);
   const std::uint8_t inside[] = {0, 1};
-  whole.world->effects().hand_over(out, std::as_const(*whole.world).bodies(), inside);
+  whole.world->effects().export_state(out, std::as_const(*whole.world).bodies(), inside);
   REQUIRE(out.ok());
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
-  REQUIRE(part.world->effects().take_over(in, {}, false));
+  REQUIRE(part.world->effects().import_state(in, {}, false));
   CHECK(in.remaining() == 0);
   part.run_seconds(0.1);
   // The anchor moves on at 0.5 m/s and takes the cube along.

@@ -66,7 +66,7 @@ TEST_CASE("When a contact's points are chosen anew, the nearest takes the impuls
   settings.recycle_tolerance_m = 0;
   const auto build = [&] {
     const BodyFrame frames[2] = {BodyFrame::of(bodies[0].motion.pose), BodyFrame::of(bodies[1].motion.pose)};
-    const Reach reach[2];
+    const MotionBound reach[2];
     StepReport report;
     table.clear_pairs();
     table.add_pair(PairKey::of(0, 1, false), 0, 1);

@@ -10,7 +10,7 @@ using namespace tactus::sim;
 // Body 0 is the proxy. The first `members` bodies are members: no other is free.
 struct Bench {
   std::vector<physics::Body> bodies;
-  std::vector<Touch> touches;
+  std::vector<ContactEdge> touches;
   std::vector<physics::Contact> contacts;
   std::vector<haptics::OutsideBody> outside;
   std::uint32_t members;

@@ -6,19 +6,19 @@
 namespace {
 
 using namespace tactus;
+using sim::ContactEdge;
 using sim::ContactGraph;
-using sim::Touch;
 
-Touch touch(std::uint32_t a, std::uint32_t b) { return {a, b, {}, {1, 0, 0}}; }
+ContactEdge touch(std::uint32_t a, std::uint32_t b) { return {a, b, {}, {1, 0, 0}}; }
 
 // Shortest ways by relaxing every edge until nothing changes: slow, and another way to the same answer.
-std::vector<std::uint32_t> hops_by_relaxation(std::uint32_t bodies, const std::vector<Touch>& touches,
+std::vector<std::uint32_t> hops_by_relaxation(std::uint32_t bodies, const std::vector<ContactEdge>& touches,
                                               std::uint32_t from) {
   std::vector<std::uint32_t> hops(bodies, ContactGraph::kUnreached);
   hops[from] = 0;
   for (bool changed = true; changed;) {
     changed = false;
-    for (const Touch& t : touches)
+    for (const ContactEdge& t : touches)
       for (const auto& [p, q] : {std::pair(t.a, t.b), std::pair(t.b, t.a)})
         if (hops[p] != ContactGraph::kUnreached && hops[p] + 1 < hops[q]) hops[q] = hops[p] + 1, changed = true;
   }
@@ -64,7 +64,7 @@ TEST_CASE("Hops are shortest ways on any graph, and visiting is in their order")
   ContactGraph graph(60, 120);
   for (int round = 0; round < 50; ++round) {
     const auto bodies = 2 + random() % 59;
-    std::vector<Touch> touches;
+    std::vector<ContactEdge> touches;
     for (unsigned i = 0; i < random() % 90; ++i) {
       const auto a = static_cast<std::uint32_t>(random() % bodies), b = static_cast<std::uint32_t>(random() % bodies);
       if (a != b) touches.push_back(touch(std::min(a, b), std::max(a, b)));
@@ -90,10 +90,10 @@ TEST_CASE("A contact is represented by the mean of its points where the impulses
   contact.slot_a = 0, contact.slot_b = 1, contact.normal = {1, 0, 0}, contact.count = 2;
   contact.points[0].from_a = {1, 0, 0};
   contact.points[1].from_a = {1, 4, 0};
-  CHECK(sim::touch_of(contact, bodies).point == Vec3d{11, 2, 0});
+  CHECK(sim::contact_edge_of(contact, bodies).point == Vec3d{11, 2, 0});
   contact.points[0].total_normal_impulse = 3;
   contact.points[1].total_normal_impulse = 1;
-  const Touch weighted = sim::touch_of(contact, bodies);
+  const ContactEdge weighted = sim::contact_edge_of(contact, bodies);
   CHECK(weighted.point == Vec3d{11, 1, 0});
   CHECK(weighted.normal == Vec3d{1, 0, 0});
 }

@@ -19,7 +19,7 @@ physics::Body ball(std::size_t id, const Vec3d& where, double mass = 1) {
 // A world of hand-made contacts: body 0 is the proxy, at the origin; the others are far from the cube unless placed.
 struct Bench {
   Bodies bodies;
-  std::vector<Touch> touches;
+  std::vector<ContactEdge> touches;
   ExtractionOptions options;
   ReachSettings reach;
   std::unique_ptr<ContactGraph> graph;

@@ -6,9 +6,9 @@
 namespace {
 
 using namespace tactus;
+using sim::ContactEdge;
 using sim::ContactGraph;
 using sim::Influence;
-using sim::Touch;
 using Bodies = std::vector<physics::Body>;
 
 // Spheres of 0.2 m in a row along x, touching; body 0 is the proxy.
@@ -21,9 +21,9 @@ Bodies row(const std::vector<double>& masses) {
   return bodies;
 }
 
-Touch row_touch(std::uint32_t a) { return {a, a + 1, {0.2 * a + 0.1, 0, 0}, {1, 0, 0}}; }
+ContactEdge row_touch(std::uint32_t a) { return {a, a + 1, {0.2 * a + 0.1, 0, 0}, {1, 0, 0}}; }
 
-std::vector<double> influence_by_slot(const Bodies& bodies, const std::vector<Touch>& touches,
+std::vector<double> influence_by_slot(const Bodies& bodies, const std::vector<ContactEdge>& touches,
                                       const std::vector<std::uint32_t>& near = {}, std::uint32_t enough = 1000) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   ContactGraph graph(count, 200);
@@ -65,7 +65,7 @@ TEST_CASE("Contacts at right angles through a centre are coupled by friction onl
   CHECK(found[2] == Approx(Influence::kLeastTau));
 }
 
-TEST_CASE("A lever arm couples contacts at right angles") {
+TEST_CASE("A lever_arm arm couples contacts at right angles") {
   // A rod of mass m and length 2 l along x, pushed at one end along y, touched at the other along y: without turning
   // tau would be 1/2; with it the far end moves the other way: n n / m + (r x n) I^-1 (r x n') = 1/m - l^2 / I.
   const double m = 2, l = 0.5;
@@ -85,10 +85,10 @@ TEST_CASE("A lever arm couples contacts at right angles") {
 TEST_CASE("The best of several ways counts") {
   // 0 - 1 - 3 through a heavy body, 0 - 2 - 3 through a light one.
   Bodies bodies = row({1, 100, 1, 1});
-  const std::vector<Touch> touches{{0, 1, {0.1, 0, 0}, {1, 0, 0}},
-                                   {0, 2, {0.1, 0, 0}, {1, 0, 0}},
-                                   {1, 3, {0.3, 0, 0}, {1, 0, 0}},
-                                   {2, 3, {0.5, 0, 0}, {1, 0, 0}}};
+  const std::vector<ContactEdge> touches{{0, 1, {0.1, 0, 0}, {1, 0, 0}},
+                                         {0, 2, {0.1, 0, 0}, {1, 0, 0}},
+                                         {1, 3, {0.3, 0, 0}, {1, 0, 0}},
+                                         {2, 3, {0.5, 0, 0}, {1, 0, 0}}};
   CHECK(influence_by_slot(bodies, touches)[3] == Approx(0.5));
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
       bodies.push_back(physics::make_dynamic_body(id, physics::Shape::box({0.1, 0.2, 0.3}), uniform(0.1, 5), 0.5,
                                                   {where, quat_from_rotation_vector(5.0 * where)}));
     }
-    std::vector<Touch> touches;
+    std::vector<ContactEdge> touches;
     for (std::uint32_t a = 0; a < 6; ++a)
       for (std::uint32_t b = a + 1; b < 6; ++b) {
         if (uniform(0, 1) < 0.4) continue;
@@ -122,7 +122,7 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
         touches.push_back({a, b, middle, n});
       }
     // tau from its definition, with full inertia matrices.
-    const auto coupling = [&](const Touch& c, const Touch& d, std::uint32_t body) {
+    const auto coupling = [&](const ContactEdge& c, const ContactEdge& d, std::uint32_t body) {
       const auto& q = bodies[body];
       const Vec3d inverse{1 / q.inertia.x, 1 / q.inertia.y, 1 / q.inertia.z};
       const SymMat3d i = rotate_diagonal(q.motion.pose.rotation, inverse);
@@ -130,7 +130,7 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
       const Vec3d rd = cross(d.point - q.motion.pose.position, d.normal);
       return dot(c.normal, d.normal) / q.mass + dot(rc, i * rd);
     };
-    const auto own = [&](const Touch& c) { return coupling(c, c, c.a) + coupling(c, c, c.b); };
+    const auto own = [&](const ContactEdge& c) { return coupling(c, c, c.a) + coupling(c, c, c.b); };
     std::vector<double> best(6, -1);
     const auto follow = [&](const auto& self, double value, std::uint32_t at, std::uint32_t through,
                             int depth) -> void {
@@ -155,7 +155,7 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
 
 TEST_CASE("The search stops when nothing left can matter, and never short of what was asked") {
   std::vector<double> masses(100, 1.0);
-  std::vector<Touch> touches;
+  std::vector<ContactEdge> touches;
   for (std::uint32_t a = 0; a + 1 < 100; ++a) touches.push_back(row_touch(a));
   const auto found = influence_by_slot(row(masses), touches, {}, 5);
   const auto count = std::count_if(found.begin(), found.end(), [](double i) { return i >= 0; });

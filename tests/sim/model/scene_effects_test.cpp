@@ -94,7 +94,7 @@ TEST_CASE("keys of effects are read into what the worlds are told") {
   REQUIRE(drag.per_m.size() == 5);
   CHECK(drag.per_m[4] == Approx(1000 * 0.4 * 3.14159265 * 0.01 / (2 * 2)));  // a disk of the sphere's radius
   CHECK(drag.per_m[1] == Approx(1000 * 0.4 * 0.06 / 4 / (2 * 1)));           // a quarter of the cube's surface
-  const auto& kinematics = setup_of<physics::Kinematics>(setups);
+  const auto& kinematics = setup_of<physics::ScriptedMotion>(setups);
   REQUIRE(kinematics.scripts.size() == 2);
   CHECK(kinematics.scripts[0].keys == 2);
   CHECK(kinematics.scripts[0].repeat);

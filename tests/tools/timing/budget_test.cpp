@@ -14,7 +14,7 @@ namespace {
 const Machine kHere{"Some CPU", "6.1.0-rt #1", "quiet isolcpus=3", "performance", 4};
 
 std::string signed_off(TimingVerdict wanted = TimingVerdict::kGood) {
-  TimingResult r{{}, {}, Books({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
+  TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
   for (std::uint64_t i = 0; i < 1000; ++i) r.books.add_loop(usual_tick(i));
   if (wanted == TimingVerdict::kMachine) r.books.add_loop(woken_late(1000, 800'000));
   if (wanted == TimingVerdict::kBad) {

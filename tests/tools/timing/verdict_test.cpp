@@ -43,7 +43,7 @@ TEST_CASE("a line of the set-up that says FAIL, the kernel's too, is no good tim
 }
 
 TEST_CASE("the report's verdict says in words what a rule of a run found") {
-  TimingResult r{{}, {}, Books({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
+  TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
   for (std::uint64_t i = 0; i < 400; ++i) r.books.add_loop(usual_tick(i));
   r.books.finish();
   r.summary.has_global = true;
@@ -53,7 +53,7 @@ TEST_CASE("the report's verdict says in words what a rule of a run found") {
 }
 
 TEST_CASE("deadlines are judged by the same figure as in a run") {
-  Books books({kPeriod_ns, 0, 10});
+  TickStatistics books({kPeriod_ns, 0, 10});
   for (std::uint64_t i = 0; i < 400; ++i) books.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
   books.finish();
   for (const VerdictRow& row : judge(books))

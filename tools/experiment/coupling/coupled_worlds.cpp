@@ -7,7 +7,7 @@
 namespace tactus::experiment {
 namespace {
 
-void add_motion(const physics::Body& body, Motion& sum) noexcept {
+void add_motion(const physics::Body& body, EnergySample& sum) noexcept {
   sum.kinetic_J += kinetic_energy(body);
   sum.speed_squared += norm_squared(body.motion.velocity.linear);
 }
@@ -38,7 +38,8 @@ void CoupledWorlds::start_at_rest() {
     sub_world_->set_members(at_rest_);
 }
 
-void CoupledWorlds::start_from(const Moment& before, const Moment& now, const Wrenchd& on_proxy, const Vec3d& shift) {
+void CoupledWorlds::start_from(const WorldKeyframe& before, const WorldKeyframe& now, const Wrenchd& on_proxy,
+                               const Vec3d& shift) {
   ByteReader in(now.state);
   TACTUS_CHECK(sub_world_->restore(in), now.tick, now.state.size());
   if (!exchanges()) {
@@ -67,7 +68,7 @@ void CoupledWorlds::start_from(const Moment& before, const Moment& now, const Wr
 }
 
 // Where a device is that moves with the proxy and pulls at it so.
-haptics::DeviceTarget CoupledWorlds::device_that_holds(const Moment& moment, const Wrenchd& on_proxy) const {
+haptics::DeviceTarget CoupledWorlds::device_that_holds(const WorldKeyframe& moment, const Wrenchd& on_proxy) const {
   for (const auto& body : moment.bodies) {
     if (body.id != config_.proxy) continue;
     const auto& [pose, velocity] = body.motion;
@@ -79,7 +80,7 @@ haptics::DeviceTarget CoupledWorlds::device_that_holds(const Moment& moment, con
 }
 
 // By leaving and joining again, elsewhere and with the contacts that it had.
-void CoupledWorlds::shift_proxy(const Moment& now, const Vec3d& shift) {
+void CoupledWorlds::shift_proxy(const WorldKeyframe& now, const Vec3d& shift) {
   haptics::WorldSnapshot& snapshot = *snapshots_[0];
   snapshot = {};
   for (const auto& body : now.bodies)
@@ -136,8 +137,8 @@ bool CoupledWorlds::haptic_side_moves(BodyId member) const noexcept {
   return coupling_.imposes_motion && (!coupling_.members_frozen || member == config_.proxy);
 }
 
-Motion CoupledWorlds::motion() const noexcept {
-  Motion sum;
+EnergySample CoupledWorlds::motion() const noexcept {
+  EnergySample sum;
   const auto& inner = sub_world_->world();
   for (const auto& body : inner.bodies())
     if (haptic_side_moves(body.id)) add_motion(body, sum);
@@ -162,8 +163,8 @@ void CoupledWorlds::bodies(std::vector<physics::Body>& all) const {
   }
 }
 
-Moment CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
-  Moment moment;
+WorldKeyframe CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
+  WorldKeyframe moment;
   moment.tick = tick;
   const auto& world = sub_world_->world();
   moment.bodies.assign(world.bodies().begin(), world.bodies().end());

@@ -18,7 +18,7 @@
 namespace tactus::experiment {
 
 // The whole of a world at the beginning of a tick.
-struct Moment {
+struct WorldKeyframe {
   std::uint64_t tick{0};
   std::vector<physics::Body> bodies;         // that move, by id
   std::vector<physics::WarmStart> contacts;  // what they hold
@@ -26,7 +26,7 @@ struct Moment {
 };
 
 // Of all moving bodies at once.
-struct Motion {
+struct EnergySample {
   double kinetic_J{0};
   double speed_squared{0};  // m^2/s^2: sum of |v|^2, every body of mass one
 };
@@ -40,7 +40,8 @@ class CoupledWorlds {
   // `before` is one cycle earlier than `now`: the global world steps from there, so that its contacts are as in a run
   // under way. `on_proxy`: mean wrench of the coupling over that cycle [N, N m]. For the direct coupling `before` is
   // not used, and `shift` puts the proxy elsewhere.
-  void start_from(const Moment& before, const Moment& now, const Wrenchd& on_proxy, const Vec3d& shift = {});
+  void start_from(const WorldKeyframe& before, const WorldKeyframe& now, const Wrenchd& on_proxy,
+                  const Vec3d& shift = {});
 
   const haptics::SubWorldStep& tick(const haptics::DeviceTarget& target);
 
@@ -51,9 +52,10 @@ class CoupledWorlds {
 
   // Does the next tick begin with a synchronisation? Then all bodies are at the same time.
   bool at_synchronisation() const noexcept;
-  Motion motion() const noexcept;                           // at a synchronisation
-  void bodies(std::vector<physics::Body>& all) const;       // that move, by id; at a synchronisation
-  Moment moment(std::uint64_t tick, bool every_bit) const;  // of the direct coupling; without every bit: no `state`
+  EnergySample motion() const noexcept;                // at a synchronisation
+  void bodies(std::vector<physics::Body>& all) const;  // that move, by id; at a synchronisation
+  WorldKeyframe moment(std::uint64_t tick,
+                       bool every_bit) const;  // of the direct coupling; without every bit: no `state`
 
   const haptics::SubWorld& sub_world() const noexcept { return *sub_world_; }
   const sim::GlobalWorld* global() const noexcept { return global_.get(); }
@@ -62,8 +64,8 @@ class CoupledWorlds {
 
  private:
   bool exchanges() const noexcept { return global_ != nullptr; }
-  void shift_proxy(const Moment& now, const Vec3d& shift);
-  haptics::DeviceTarget device_that_holds(const Moment& moment, const Wrenchd& on_proxy) const;
+  void shift_proxy(const WorldKeyframe& now, const Vec3d& shift);
+  haptics::DeviceTarget device_that_holds(const WorldKeyframe& moment, const Wrenchd& on_proxy) const;
 
   bool haptic_side_moves(BodyId member) const noexcept;
 

@@ -183,8 +183,8 @@ void SceneStudy::measure_group(const GainsGroup& group, bool scenes_own) {
 void SceneStudy::start(CoupledWorlds& worlds, const Scheme& scheme, const ReferenceRun& reference,
                        const Window& window) const {
   const auto found = std::find(ratios_.begin(), ratios_.end(), scheme.ratio);
-  const Moment nothing;
-  const Moment& before =
+  const WorldKeyframe nothing;
+  const WorldKeyframe& before =
       found == ratios_.end() ? nothing : window.before[static_cast<std::size_t>(found - ratios_.begin())];
   worlds.start_from(before, window.now, reference.mean_on_proxy(window.start, scheme.ratio));
 }

@@ -21,7 +21,7 @@ void EnergyBook::Sums::add(const Sums& other) {
   lost += other.lost, won += other.won, all_reference += other.all_reference;
 }
 
-void EnergyBook::add(const Motion& motion, const Motion& reference, double spring_J) {
+void EnergyBook::add(const EnergySample& motion, const EnergySample& reference, double spring_J) {
   spring_J_ += spring_J;
   most_spring_J_ = std::max(most_spring_J_, spring_J);
   kinetic_.now += motion.kinetic_J, kinetic_.reference += reference.kinetic_J;

@@ -21,7 +21,7 @@ struct Deviation {
 class EnergyBook {
  public:
   // At one instant. `spring_J`: what the coupling's spring holds in the reference.
-  void add(const Motion& motion, const Motion& reference, double spring_J);
+  void add(const EnergySample& motion, const EnergySample& reference, double spring_J);
   void close_window();
 
   bool at_rest() const;                                      // the reference moves too little for shares of it

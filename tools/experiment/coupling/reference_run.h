@@ -16,15 +16,15 @@ namespace tactus::experiment {
 struct Window {
   std::size_t start{0};  // tick
   bool hold{false};      // the hand's target stands still
-  Moment now;
-  std::vector<Moment> before;  // one cycle earlier, in the order of the ratios asked for
+  WorldKeyframe now;
+  std::vector<WorldKeyframe> before;  // one cycle earlier, in the order of the ratios asked for
 };
 
 struct ReferenceRun {
   std::vector<haptics::DeviceTarget> ideal, encoded;  // what an ideal and the device's own encoder say, by tick
   std::vector<Wrenchd> on_device;                     // by tick, N, N m, world
   std::vector<Vec3d> force;                           // of it, N
-  std::vector<Motion> motion;                         // at the beginning of the tick
+  std::vector<EnergySample> motion;                   // at the beginning of the tick
   std::vector<std::uint8_t> touches;                  // the proxy does
   std::vector<Window> windows;
   std::uint32_t most_points{0};  // contact points at once

@@ -1,4 +1,4 @@
-#include "sim/exchange/border_admittance.h"
+#include "sim/exchange/apparent_inertia.h"
 
 #include <algorithm>
 #include <cmath>
@@ -210,21 +210,21 @@ Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double ad
   return sum;
 }
 
-// Of a body's inertia I and momentum p what its parent feels through a link of firmness G. The body moves by
-// (I + G) v = p + G v_parent, the parent feels G (v - v_parent). With I + G = L L^T, Y = L^-1 G and z = L^-1 p that is
-// Y^T z - (G - Y^T Y) v_parent.
+// Of a body's inertia I and momentum p what its parent feels through a link of constraint_stiffness G. The body moves
+// by (I + G) v = p + G v_parent, the parent feels G (v - v_parent). With I + G = L L^T, Y = L^-1 G and z = L^-1 p that
+// is Y^T z - (G - Y^T Y) v_parent.
 struct Felt {
   Matrix6 inertia{};
   Vector6 momentum{};
 };
-Felt felt_through(const Matrix6& firmness, const Matrix6& inertia, const Vector6& momentum) noexcept {
-  Matrix6 both = firmness, y = firmness;
+Felt series_inertia(const Matrix6& constraint_stiffness, const Matrix6& inertia, const Vector6& momentum) noexcept {
+  Matrix6 both = constraint_stiffness, y = constraint_stiffness;
   add(both, inertia);
   if (!factorise(both)) return {};
   solve_lower(both, y);
   Vector6 z = momentum;
   solve_lower(both, z);
-  Felt felt{firmness, {}};
+  Felt felt{constraint_stiffness, {}};
   for (std::size_t k = 0; k < 6; ++k)
     for (std::size_t i = 0; i < 6; ++i) {
       felt.momentum[i] += y[k][i] * z[k];
@@ -251,7 +251,7 @@ physics::Admittance invert(Matrix6 inertia) noexcept {
 
 }  // namespace
 
-BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
+ApparentInertia::ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
     : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
   joints_.reserve(max_joints);
   immovable_.reserve(max_bodies);
@@ -259,7 +259,7 @@ BorderAdmittance::BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_c
 }
 
 // Joints that are whole and have B here. One whose A is asleep holds on to nothing that could be asked.
-void BorderAdmittance::find_joints(const physics::World& world) noexcept {
+void ApparentInertia::find_joints(const physics::World& world) noexcept {
   joints_.clear();
   const auto* effect = world.effects().find<physics::Joints>();
   if (effect == nullptr) return;
@@ -273,20 +273,20 @@ void BorderAdmittance::find_joints(const physics::World& world) noexcept {
 }
 
 template <class F>
-void BorderAdmittance::for_each_link(F&& f) const noexcept {
+void ApparentInertia::for_each_link(F&& f) const noexcept {
   std::uint32_t link = 0;
   for (const auto& contact : contacts_) f(link++, contact.slot_a, contact.b_fixed ? kNone : contact.slot_b);
   for (const Held& held : joints_) f(link++, held.a, held.b);
 }
 
-void BorderAdmittance::index(const physics::World& world, double added_inertia, double step_s) noexcept {
+void ApparentInertia::index(const physics::World& world, double added_inertia, double step_s) noexcept {
   added_inertia_ = added_inertia, step_s_ = step_s;
   contacts_ = world.contacts(), bodies_ = world.bodies(), starts_ = world.last_poses();
   find_joints(world);
   TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
                bodies_.size(), contacts_.size() + joints_.size());
   immovable_.assign(bodies_.size(), 0);
-  if (const auto* kinematics = world.effects().find<physics::Kinematics>())
+  if (const auto* kinematics = world.effects().find<physics::ScriptedMotion>())
     for (const auto& script : kinematics->scripts())
       if (const std::int32_t slot = world.slot_of(script.id); slot >= 0)
         immovable_[static_cast<std::uint32_t>(slot)] = 1;
@@ -307,29 +307,29 @@ void BorderAdmittance::index(const physics::World& world, double added_inertia, 
   first_[0] = 0;
 }
 
-std::span<const BorderAdmittance::Link> BorderAdmittance::links_of(std::uint32_t slot) const noexcept {
+std::span<const ApparentInertia::Link> ApparentInertia::links_of(std::uint32_t slot) const noexcept {
   return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
 }
 
-Matrix6 BorderAdmittance::firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
+Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
   if (link < contacts_.size()) return firmness_of_contact(contacts_[link], added_inertia_, bodies_, centre);
   const Held& held = joints_[link - contacts_.size()];
   return firmness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
 }
 
 // Of the last step; of a newcomer its velocity.
-Twistd BorderAdmittance::mean_velocity(std::uint32_t slot) const noexcept {
+Twistd ApparentInertia::mean_velocity(std::uint32_t slot) const noexcept {
   if (!is_finite(starts_[slot])) return bodies_[slot].motion.velocity;
   return mean_between(starts_[slot], bodies_[slot].motion.pose, step_s_);
 }
 
-Twistd BorderAdmittance::off_mean(std::uint32_t slot) const noexcept {
+Twistd ApparentInertia::off_mean(std::uint32_t slot) const noexcept {
   const Twistd &now = bodies_[slot].motion.velocity, mean = mean_velocity(slot);
   return {now.linear - mean.linear, now.angular - mean.angular};
 }
 
-void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
-                             const Vec3d& centre) noexcept {
+void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
+                            const Vec3d& centre) noexcept {
   found_[slot] = search_;
   const Vec3d d = bodies_[slot].motion.pose.position - centre;
   const Matrix6 inertia = inertia_of(bodies_[slot], d);
@@ -337,7 +337,7 @@ void BorderAdmittance::reach(std::uint32_t slot, std::uint32_t parent, std::uint
 }
 
 // The bodies that the asked one hangs together with, and the inertia that each shows to its parent's side.
-void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
   ++search_;
   reached_.clear();
   const Vec3d centre = bodies_[slot].motion.pose.position;
@@ -345,11 +345,11 @@ void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t>
   for (std::uint32_t head = 0; head < reached_.size(); ++head)
     for (const auto& [link, other] : links_of(reached_[head].slot)) {
       if (other == kNone || immovable_[other] != 0) {
-        const Matrix6 firmness = firmness_of(link, centre);
-        add(reached_[head].inertia, firmness);
+        const Matrix6 constraint_stiffness = constraint_stiffness_of(link, centre);
+        add(reached_[head].inertia, constraint_stiffness);
         if (other != kNone)
           add(reached_[head].momentum,
-              product(firmness, at_point(off_mean(other), bodies_[other].motion.pose.position - centre)));
+              product(constraint_stiffness, at_point(off_mean(other), bodies_[other].motion.pose.position - centre)));
       } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
                  (link >= contacts_.size() || contacts_[link].touching())) {
         reach(other, head, link, centre);
@@ -357,14 +357,14 @@ void BorderAdmittance::collect(std::uint32_t slot, std::span<const std::uint8_t>
     }
   for (std::size_t i = reached_.size(); i-- > 1;) {
     Reached& from = reached_[i];
-    from.firmness = firmness_of(from.link, centre);
+    from.constraint_stiffness = constraint_stiffness_of(from.link, centre);
     Reached& to = reached_[from.parent];
-    const Felt felt = felt_through(from.firmness, from.inertia, from.momentum);
+    const Felt felt = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
     add(to.inertia, felt.inertia), add(to.momentum, felt.momentum);
   }
 }
 
-OutsideAnswer BorderAdmittance::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+OutsideAnswer ApparentInertia::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
   if (immovable_[slot] != 0) return {bodies_[slot].motion.velocity, {}};
   collect(slot, members);
   const Vector6& p = reached_[0].momentum;

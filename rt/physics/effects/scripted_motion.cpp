@@ -1,25 +1,25 @@
-#include "rt/physics/effects/kinematics.h"
+#include "rt/physics/effects/scripted_motion.h"
 
 #include <algorithm>
 
 #include "rt/physics/body_search.h"
 
 namespace tactus::physics {
-Kinematics::Kinematics(const Setup& setup, const Capacities&)
+ScriptedMotion::ScriptedMotion(const Setup& setup, const Capacities&)
     : setup_(setup),
       time_(static_cast<std::uint32_t>(setup.scripts.size())),
       followers_(static_cast<std::uint32_t>(setup.scripts.size())) {
   time_.resize(time_.capacity());
 }
 
-void Kinematics::enter(StageTable& table) noexcept {
-  table.add<&Kinematics::take_hold>(Phase::kPrepare, *this);
-  table.add<&Kinematics::aim>(Phase::kBeginSubStep, *this);
-  table.add<&Kinematics::place>(Phase::kMoved, *this);
-  table.add<&Kinematics::finish>(Phase::kFinish, *this);
+void ScriptedMotion::enter(StageTable& table) noexcept {
+  table.add<&ScriptedMotion::take_hold>(Phase::kPrepare, *this);
+  table.add<&ScriptedMotion::aim>(Phase::kBeginSubStep, *this);
+  table.add<&ScriptedMotion::place>(Phase::kMoved, *this);
+  table.add<&ScriptedMotion::finish>(Phase::kFinish, *this);
 }
 
-Posed Kinematics::pose_at(const KinematicScript& script, double time_s) const noexcept {
+Posed ScriptedMotion::pose_at(const KinematicScript& script, double time_s) const noexcept {
   const auto keys = setup_.keys.subspan(script.first_key, script.keys);
   const double end = keys.back().time_s;
   double time = time_s;
@@ -36,14 +36,14 @@ Posed Kinematics::pose_at(const KinematicScript& script, double time_s) const no
       quat_from_rotation_vector(from.rotation_vector_rad + s * (to.rotation_vector_rad - from.rotation_vector_rad))};
 }
 
-Posed Kinematics::pose_in_step(const Follower& follower, const Twistd& steady, double elapsed) const noexcept {
+Posed ScriptedMotion::pose_in_step(const Follower& follower, const Twistd& steady, double elapsed) const noexcept {
   const KinematicScript& script = setup_.scripts[follower.script];
   if (script.keys > 0) return pose_at(script, time_[follower.script] + elapsed);
   return {follower.start.position + elapsed * steady.linear,
           normalized(quat_from_rotation_vector(elapsed * steady.angular) * follower.start.rotation)};
 }
 
-void Kinematics::take_hold(StageContext& c) noexcept {
+void ScriptedMotion::take_hold(StageContext& c) noexcept {
   followers_.clear();
   for (std::uint32_t k = 0; k < setup_.scripts.size(); ++k) {
     const std::uint32_t slot = find_slot(c.bodies, setup_.scripts[k].id);
@@ -56,7 +56,7 @@ void Kinematics::take_hold(StageContext& c) noexcept {
 }
 
 // The velocity that takes each to where it will be at the end of the sub-step.
-void Kinematics::aim(StageContext& c) noexcept {
+void ScriptedMotion::aim(StageContext& c) noexcept {
   const double elapsed = static_cast<double>(c.sub_step + 1) * c.h, rate = 1.0 / c.h;
   for (Follower& f : followers_) {
     const Twistd& steady = c.bodies[f.slot].motion.velocity;
@@ -72,23 +72,23 @@ void Kinematics::aim(StageContext& c) noexcept {
   }
 }
 
-void Kinematics::place(StageContext& c) noexcept {
+void ScriptedMotion::place(StageContext& c) noexcept {
   for (const Follower& f : followers_) {
     c.motion[f.slot].delta_position = f.now.position - f.start.position;
     c.motion[f.slot].delta_rotation = f.now.rotation * conjugate(f.start.rotation);
   }
 }
 
-void Kinematics::finish(StageContext& c) noexcept {
+void ScriptedMotion::finish(StageContext& c) noexcept {
   for (const Follower& f : followers_) {
     c.bodies[f.slot].motion = {f.now, {c.motion[f.slot].v, c.motion[f.slot].w}};
     time_[f.script] += c.settings.dt;
   }
 }
 
-void Kinematics::save(ByteWriter& out) const noexcept { out.put_all(time_.span()); }
+void ScriptedMotion::save(ByteWriter& out) const noexcept { out.put_all(time_.span()); }
 
-bool Kinematics::restore(ByteReader& in) noexcept {
+bool ScriptedMotion::restore(ByteReader& in) noexcept {
   in.get_all(time_.span());
   bool good = in.ok();
   for (double& time : time_)
@@ -97,8 +97,8 @@ bool Kinematics::restore(ByteReader& in) noexcept {
 }
 
 // Count, then for each body here: the script's number and its time.
-void Kinematics::hand_over(ByteWriter& out, std::span<const Body> bodies,
-                           std::span<const std::uint8_t> inside) const noexcept {
+void ScriptedMotion::export_state(ByteWriter& out, std::span<const Body> bodies,
+                                  std::span<const std::uint8_t> inside) const noexcept {
   const auto each = [&](auto&& f) noexcept {
     for (std::uint32_t k = 0; k < time_.size(); ++k) {
       const std::uint32_t slot = find_slot(bodies, setup_.scripts[k].id);
@@ -111,7 +111,7 @@ void Kinematics::hand_over(ByteWriter& out, std::span<const Body> bodies,
   each([&](std::uint32_t k) noexcept { out.put(k), out.put(time_[k]); });
 }
 
-bool Kinematics::take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
+bool ScriptedMotion::import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
   std::uint32_t count = 0;
   in.get(count);
   for (std::uint32_t i = 0; i < count && in.ok(); ++i) {

@@ -46,11 +46,11 @@ struct OutsideAnswer {
   physics::Admittance admittance;
 };
 
-class BorderAdmittance {
+class ApparentInertia {
  public:
   static constexpr std::uint32_t kMostBodies = 16;
 
-  BorderAdmittance(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
+  ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
   // After a step of `step_s`: the world must stay as it is while it is asked about. `added_inertia`: a2 of contacts and
   // joints over the cycle to come.
@@ -74,7 +74,7 @@ class BorderAdmittance {
   struct Reached {
     std::uint32_t slot, parent, link;  // parent: index among the reached
     Matrix6 inertia;                   // about the asked body's centre, with all that hangs on it
-    Matrix6 firmness;                  // of the link to the parent
+    Matrix6 constraint_stiffness;      // of the link to the parent
     Vector6 momentum;                  // of the twist about that centre, with all that hangs on it
   };
 
@@ -84,7 +84,7 @@ class BorderAdmittance {
   // f(link, slot_a, slot_b), slot_b or slot_a physics::kNoSlot where that side is static: contacts, then joints.
   template <class F>
   void for_each_link(F&& f) const noexcept;
-  Matrix6 firmness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
+  Matrix6 constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
   Twistd mean_velocity(std::uint32_t slot) const noexcept;
   Twistd off_mean(std::uint32_t slot) const noexcept;  // velocity now, less the mean of the last step
 

@@ -33,11 +33,11 @@ struct Settings {
   std::uint32_t settle_ticks{10};     // at the start of each window that follows another: not counted
 };
 
-class Books {
+class TickStatistics {
  public:
   static constexpr std::size_t kWorst = 10, kAround = 16, kRecent = 1000;
 
-  explicit Books(const Settings& settings) : settings_(settings) {}
+  explicit TickStatistics(const Settings& settings) : settings_(settings) {}
 
   void add_loop(const loop::TickTimes& tick);
   void add_bare(const loop::TickTimes& tick);

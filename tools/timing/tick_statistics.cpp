@@ -1,4 +1,4 @@
-#include "tools/timing/books.h"
+#include "tools/timing/tick_statistics.h"
 
 #include <algorithm>
 
@@ -34,12 +34,12 @@ std::int64_t duration_ns(const loop::TickTimes& t, Stage stage) {
   return 0;
 }
 
-Typical Books::typical() const {
+Typical TickStatistics::typical() const {
   return {static_cast<std::int64_t>(stages[0].percentile_ns(50)),
           static_cast<std::int64_t>(execution.percentile_ns(50)), static_cast<std::int64_t>(bare_wake.max_ns())};
 }
 
-void Books::add_loop(const loop::TickTimes& t) {
+void TickStatistics::add_loop(const loop::TickTimes& t) {
   if (warm_up < settings_.warm_up_ticks) {
     ++warm_up;
     return;
@@ -74,14 +74,14 @@ void Books::add_loop(const loop::TickTimes& t) {
   if (recent.size() > kRecent) recent.pop_front();
 }
 
-void Books::add_bare(const loop::TickTimes& t) {
+void TickStatistics::add_bare(const loop::TickTimes& t) {
   if (warm_up < settings_.warm_up_ticks || t.into_window < settings_.settle_ticks) return;
   ++bare_ticks;
   bare_wake.record(duration_ns(t, Stage::kWake));
 }
 
 // The latest kWorst; the ticks after a spike are added to it as they come.
-void Books::note_spike(const loop::TickTimes& t) {
+void TickStatistics::note_spike(const loop::TickTimes& t) {
   for (Spike& spike : spikes)
     if (t.tick > spike.times.tick && t.tick <= spike.times.tick + kAround) spike.around.push_back(t);
   if (spikes.size() == kWorst && lateness_ns(t) <= lateness_ns(spikes.back().times)) return;
@@ -96,14 +96,14 @@ void Books::note_spike(const loop::TickTimes& t) {
   if (spikes.size() > kWorst) spikes.pop_back();
 }
 
-void Books::add_look(const MachineLook& look) {
+void TickStatistics::add_look(const MachineLook& look) {
   machine_.add(look);
   judge_until(look.at_ns);
 }
 
-void Books::finish() { judge_until(INT64_MAX); }
+void TickStatistics::finish() { judge_until(INT64_MAX); }
 
-void Books::judge_until(std::int64_t known_ns) {
+void TickStatistics::judge_until(std::int64_t known_ns) {
   const Typical usual = typical();
   while (!waiting_.empty() && waiting_.front().wrote_ns <= known_ns) {
     const loop::TickTimes& t = waiting_.front();

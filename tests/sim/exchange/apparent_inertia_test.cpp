@@ -1,4 +1,4 @@
-#include "sim/exchange/border_admittance.h"
+#include "sim/exchange/apparent_inertia.h"
 
 #include <catch2/catch.hpp>
 
@@ -21,7 +21,7 @@ PhysicsBench make_bench() {
 
 OutsideAnswer found(const physics::World& world, std::uint32_t slot, std::vector<std::uint8_t> members,
                     double added_inertia = kRigid, double step_s = 0.01) {
-  BorderAdmittance admittance(64, 256, 4);
+  ApparentInertia admittance(64, 256, 4);
   members.resize(64, 0);
   admittance.index(world, added_inertia, step_s);
   return admittance.find(slot, members);
@@ -94,7 +94,7 @@ TEST_CASE("A row longer than is followed counts as far as it is followed") {
   const PhysicsBench bench = pushed_row(45, 0);
   const auto w = answer_of(bench, 1, {1});
   const double counted = (w * Wrenchd{{1, 0, 0}, {}}).linear.x * kMass;
-  CHECK(counted == Approx(1.0 / BorderAdmittance::kMostBodies).epsilon(0.01));
+  CHECK(counted == Approx(1.0 / ApparentInertia::kMostBodies).epsilon(0.01));
 }
 
 TEST_CASE("An answer never gains energy: work of any wrench on its own answer is not negative") {
@@ -213,18 +213,18 @@ physics::EffectSetups setups_of(const std::vector<physics::Joint>& joints) {
 TEST_CASE("A door answers about its hinge alone, with its inertia there, and not where its motor holds it") {
   const bool held = GENERATE(false, true);
   physics::Joint hinge;
-  const double lever = 0.3;
+  const double lever_arm = 0.3;
   hinge.kind = physics::JointKind::kHinge, hinge.b = 0;
-  hinge.a_from_joint.position = {0, 0, 1}, hinge.b_from_joint.position = {-lever, 0, 0};
+  hinge.a_from_joint.position = {0, 0, 1}, hinge.b_from_joint.position = {-lever_arm, 0, 0};
   hinge.driven = held, hinge.motor_effort = 10;
   const std::vector joints{hinge};
   EffectBench bench(setups_of(joints));
-  bench.add_cube(0, {lever, 0, 1});
+  bench.add_cube(0, {lever_arm, 0, 1});
   const auto w = bench.answer_of(0);
-  const double inertia = bench.world.bodies()[0].inertia.z + kMass * lever * lever;
+  const double inertia = bench.world.bodies()[0].inertia.z + kMass * lever_arm * lever_arm;
   const Twistd swing = w * Wrenchd{{0, 1, 0}, {}};
-  CHECK(swing.linear.y == Approx(held ? 0.0 : lever * lever / inertia).epsilon(1e-3).margin(1e-2));
-  CHECK(swing.angular.z == Approx(held ? 0.0 : lever / inertia).epsilon(1e-3).margin(1e-2));
+  CHECK(swing.linear.y == Approx(held ? 0.0 : lever_arm * lever_arm / inertia).epsilon(1e-3).margin(1e-2));
+  CHECK(swing.angular.z == Approx(held ? 0.0 : lever_arm / inertia).epsilon(1e-3).margin(1e-2));
   for (const Vec3d& push : {Vec3d{1, 0, 0}, Vec3d{0, 0, 1}}) CHECK(norm((w * Wrenchd{push, {}}).linear) < 1e-3 / kMass);
 }
 
@@ -248,7 +248,7 @@ TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
 TEST_CASE("A kinematic body answers to nothing, and is a wall to what presses on it") {
   const std::vector<physics::KinematicScript> scripts{{1, 0, 0, false}};
   physics::EffectSetups setups;
-  std::get<physics::Kinematics::Setup>(setups) = {scripts, {}};
+  std::get<physics::ScriptedMotion::Setup>(setups) = {scripts, {}};
   EffectBench bench(setups);
   bench.add_cube(0, {0, 0, 0});
   bench.add_cube(1, {2 * kHalf, 0, 0});

@@ -15,12 +15,12 @@
 #include <vector>
 
 #include "rt/haptics/coupling/snapshot.h"
-#include "sim/exchange/border_admittance.h"
+#include "sim/exchange/apparent_inertia.h"
 
 namespace tactus::sim {
 
 // What the return of one cycle did to outside bodies.
-struct HandBack {
+struct ImpulseReturn {
   Vec3d impulse_Ns;          // sum
   double magnitude_Ns{0};    // sum of the magnitudes
   double energy_J{0};        // kinetic energy that the outside bodies gained
@@ -36,10 +36,10 @@ struct BodyOverStep {
 haptics::BorderPoint border_point(const physics::Contact& contact, const physics::ContactPoint& point, bool member_is_a,
                                   const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept;
 
-class BorderLog {
+class BorderExchange {
  public:
-  // `added_inertia`: border_admittance.h.
-  BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints, double added_inertia);
+  // `added_inertia`: apparent_inertia.h.
+  BorderExchange(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints, double added_inertia);
 
   // Fills `border` from the contacts of a step of `step_s` that began at `start` (poses by slot): every point that
   // pressed or overlaps, between a member (by slot, 1) and a dynamic body that is none. Static geometry is never a
@@ -71,7 +71,7 @@ class BorderLog {
 
   double added_inertia_;
   std::vector<Load> loads_;
-  BorderAdmittance admittance_;
+  ApparentInertia admittance_;
 };
 
 // The work of bodies that are no members on members (by slot, 1) over a step [J], by contacts and joints, with sign:
@@ -82,7 +82,7 @@ double border_work_J(const physics::World& world, std::span<const Twistd> before
 
 // Applies the report's tangential impulses to the outside bodies, as the border returns them. Call before the next
 // step. `members` by slot: of the cycle that begins.
-HandBack hand_back_border(std::span<const haptics::BorderReturn> returns, std::span<const std::uint8_t> members,
-                          physics::BorderTraits::Return returned, physics::World& world) noexcept;
+ImpulseReturn return_impulses(std::span<const haptics::BorderReturn> returns, std::span<const std::uint8_t> members,
+                              physics::BorderTraits::Return returned, physics::World& world) noexcept;
 
 }  // namespace tactus::sim

@@ -1,4 +1,4 @@
-#include "sim/exchange/border_log.h"
+#include "sim/exchange/border_exchange.h"
 
 #include <catch2/catch.hpp>
 #include <memory>
@@ -86,7 +86,7 @@ TEST_CASE(
   const auto angular_before = world->bodies()[0].motion.velocity.angular;
   const Vec3d j1{0.3, -0.1, 0}, j2{0.05, 0.2, 0};
   const auto given = returns(j1, j2);
-  const HandBack back = hand_back_border(given, kCardIsMember, Return::kImpulse, *world);
+  const ImpulseReturn back = return_impulses(given, kCardIsMember, Return::kImpulse, *world);
   const Vec3d change = momentum_of(*world, 0) - before;
   CHECK(norm(change + (j1 + j2)) < 1e-14);
   CHECK(norm(back.impulse_Ns + (j1 + j2)) < 1e-14);
@@ -103,12 +103,12 @@ TEST_CASE("Otherwise only what the global step did not do itself is handed on") 
   REQUIRE(norm(friction) == Approx(0.4 * kPress_N * kStep_s).epsilon(0.01));  // it slides
   const Vec3d before = momentum_of(*world, 0);
   SECTION("the same friction in both worlds: nothing is left to hand on") {
-    hand_back_border(returns(-0.25 * friction, -0.75 * friction), kCardIsMember, Return::kChange, *world);
+    return_impulses(returns(-0.25 * friction, -0.75 * friction), kCardIsMember, Return::kChange, *world);
     CHECK(norm(momentum_of(*world, 0) - before) < 1e-15);
   }
   SECTION("another friction in the sub-world: the difference") {
     const Vec3d j1{0.3, -0.1, 0}, j2{0.05, 0.2, 0};
-    hand_back_border(returns(j1, j2), kCardIsMember, Return::kChange, *world);
+    return_impulses(returns(j1, j2), kCardIsMember, Return::kChange, *world);
     CHECK(norm(momentum_of(*world, 0) - before + (j1 + j2 + friction)) < 1e-14);
   }
 }
@@ -134,7 +134,7 @@ TEST_CASE("The work of outside bodies on members is what changes their energy, n
 TEST_CASE("What outside bodies gained in energy is booked") {
   auto world = card_on_slab();
   const double before = world->kinetic_energy();
-  const HandBack back = hand_back_border(returns({-1, 0, 0}, {0, 2, 0}), kCardIsMember, Return::kImpulse, *world);
+  const ImpulseReturn back = return_impulses(returns({-1, 0, 0}, {0, 2, 0}), kCardIsMember, Return::kImpulse, *world);
   CHECK(back.energy_J == Approx(world->kinetic_energy() - before));
   CHECK(back.magnitude_Ns == Approx(3));
 }
@@ -143,7 +143,7 @@ TEST_CASE("A body that is a member by now gets nothing: its own world moves it")
   auto world = card_on_slab();
   const Vec3d before = momentum_of(*world, 0);
   const std::vector<std::uint8_t> both{1, 1};
-  const HandBack back = hand_back_border(returns({1, 0, 0}, {1, 0, 0}), both, Return::kImpulse, *world);
+  const ImpulseReturn back = return_impulses(returns({1, 0, 0}, {1, 0, 0}), both, Return::kImpulse, *world);
   CHECK(back.skipped == 2);
   CHECK(momentum_of(*world, 0) == before);
 }
@@ -153,7 +153,7 @@ TEST_CASE("A return of an unknown body, or one that is not a number, changes not
   const std::uint64_t before = world->state_hash();
   auto broken = returns({std::nan(""), 0, 0}, {1, 0, 0});
   broken[1].outside = 77;
-  hand_back_border(broken, kCardIsMember, Return::kImpulse, *world);
+  return_impulses(broken, kCardIsMember, Return::kImpulse, *world);
   CHECK(world->state_hash() == before);
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("A border point is where the bodies touch, with the normal from the ou
   std::vector<Posed> start;
   for (const auto& body : world->bodies()) start.push_back(body.motion.pose);
   step(*world);
-  BorderLog log(4, 16, 0, kRigid);
+  BorderExchange log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
   const bool card_is_member = GENERATE(true, false);
   const std::vector<std::uint8_t> members =
@@ -201,7 +201,7 @@ TEST_CASE("Contacts inside, outside or with static geometry are no border, nor a
   contact.points[1].separation = 0.001;
   const std::vector<physics::Body> bodies(3);
   const std::vector<Posed> start(3);
-  BorderLog log(4, 16, 0, kRigid);
+  BorderExchange log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
   const auto count = [&](std::vector<std::uint8_t> members) {
     log.fill(std::span(&contact, 1), bodies, start, members, kStep_s, *border);
@@ -231,7 +231,7 @@ TEST_CASE("When border points do not fit, those that press least are left out an
       contacts[i].points[p].feature = p, contacts[i].points[p].total_normal_impulse = p == 2 ? 1e-6 * (i + 1) : 1.0;
   }
   bodies[0].id = 0;
-  BorderLog log(kContacts + 1, kContacts, 0, kRigid);
+  BorderExchange log(kContacts + 1, kContacts, 0, kRigid);
   auto border = std::make_unique<Border>();
   CHECK(log.fill(contacts, bodies, std::vector<Posed>(kContacts + 1), members, kStep_s, *border) == 176);
   REQUIRE(border->size() == 1024);
@@ -244,7 +244,7 @@ TEST_CASE("When border points do not fit, those that press least are left out an
 
 TEST_CASE("An outside body that slides to rest is told with its deceleration, one that trembles or stops without") {
   auto world = card_on_slab();
-  BorderLog log(4, 16, 0, kRigid);
+  BorderExchange log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
   FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
   const std::vector<std::uint8_t> slab_is_member{1, 0};
@@ -266,7 +266,7 @@ TEST_CASE("An outside body that slides to rest is told with its deceleration, on
 TEST_CASE("An outside body is told as it moved") {
   auto world = card_on_slab();
   step(*world);
-  BorderLog log(4, 16, 0, kRigid);
+  BorderExchange log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
   REQUIRE(log.fill(world->contacts(), world->bodies(), world->last_poses(), kCardIsMember, kStep_s, *border) == 0);
   FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
@@ -277,7 +277,7 @@ TEST_CASE("An outside body is told as it moved") {
   CHECK(norm(outside[0].velocity.linear - world->bodies()[0].motion.velocity.linear) < 1e-12);
   CHECK(norm(outside[0].velocity.angular - world->bodies()[0].motion.velocity.angular) < 1e-12);
   CHECK(outside[0].admittance.linear.xx == Approx(1 / 20.0).epsilon(1e-9));  // nothing holds the slab
-  // Its own share of the contact's inverse mass: 1 / M and the corner's lever on its inertia.
+  // Its own share of the contact's inverse mass: 1 / M and the corner's lever_arm on its inertia.
   const auto& slab = world->bodies()[0];
   const Vec3d r = (*border)[0].outside_point - slab.motion.pose.position;
   CHECK((*border)[0].outside_inverse_mass ==

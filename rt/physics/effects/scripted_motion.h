@@ -22,26 +22,26 @@ struct KinematicScript {
   bool repeat{false};                   // begins again at its end; else it stays there
 };
 
-class Kinematics {
+class ScriptedMotion {
  public:
   struct Setup {  // by id; must outlive the world
     std::span<const KinematicScript> scripts{};
     std::span<const PathKey> keys{};
     bool used() const noexcept { return !scripts.empty(); }
   };
-  Kinematics(const Setup& setup, const Capacities& capacities);
+  ScriptedMotion(const Setup& setup, const Capacities& capacities);
   void enter(StageTable& table) noexcept;
 
   std::span<const KinematicScript> scripts() const noexcept { return setup_.scripts; }
   // Time on a body's path [s], by script.
   std::span<const double> times() const noexcept { return time_.span(); }
 
-  void begin_anew() noexcept { std::fill(time_.begin(), time_.end(), 0.0); }
+  void reset() noexcept { std::fill(time_.begin(), time_.end(), 0.0); }
   void save(ByteWriter& out) const noexcept;
   bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept { return time_.capacity() * sizeof(double); }
-  void hand_over(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
-  bool take_over(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
+  void export_state(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
+  bool import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:
   struct Follower {

@@ -1,4 +1,4 @@
-#include "sim/exchange/border_log.h"
+#include "sim/exchange/border_exchange.h"
 
 #include "rt/physics/contact/find_contact.h"
 
@@ -19,7 +19,7 @@ double own_inverse_mass(const Body& body, const Quatd& rotation, const Vec3d& r,
 }
 
 void give(Body& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point, physics::World& world,
-          HandBack& result) noexcept {
+          ImpulseReturn& result) noexcept {
   const double before = kinetic_energy(body);
   world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
   result.impulse_Ns += impulse;
@@ -28,7 +28,7 @@ void give(Body& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& poi
 }
 
 // What the global step's own friction gave the outside body at this pair, taken back.
-void take_back(const Contact& contact, std::uint32_t outside, physics::World& world, HandBack& result) noexcept {
+void take_back(const Contact& contact, std::uint32_t outside, physics::World& world, ImpulseReturn& result) noexcept {
   Body& body = world.bodies()[outside];
   const bool outside_is_b = contact.slot_b == outside;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
@@ -127,17 +127,17 @@ double border_work_J(const physics::World& world, std::span<const Twistd> before
   return work_J;
 }
 
-BorderLog::BorderLog(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints,
-                     double added_inertia)
+BorderExchange::BorderExchange(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints,
+                               double added_inertia)
     : added_inertia_(added_inertia), admittance_(max_bodies, max_contacts, max_joints) {
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
   loads_.reserve(std::size_t{haptics::kMaxBorderPoints} + max_joints);
   order_.reserve(points_.capacity());
 }
 
-std::uint32_t BorderLog::fill(std::span<const Contact> contacts, std::span<const Body> bodies,
-                              std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
-                              FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
+std::uint32_t BorderExchange::fill(std::span<const Contact> contacts, std::span<const Body> bodies,
+                                   std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
+                                   FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
   border.clear();
   points_.clear();
   for (const auto& contact : contacts) {
@@ -169,9 +169,9 @@ std::uint32_t BorderLog::fill(std::span<const Contact> contacts, std::span<const
   return static_cast<std::uint32_t>(points_.size() - fits);
 }
 
-std::uint32_t BorderLog::fill_outside(const physics::World& world, std::span<const std::uint8_t> members, double step_s,
-                                      double sub_step_s, std::span<const BorderPoint> border,
-                                      FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
+std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::span<const std::uint8_t> members,
+                                           double step_s, double sub_step_s, std::span<const BorderPoint> border,
+                                           FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
   outside.clear();
   collect_loads(world, members, border);
   if (loads_.empty()) return 0;
@@ -200,8 +200,8 @@ std::uint32_t BorderLog::fill_outside(const physics::World& world, std::span<con
 }
 
 // By outside body.
-void BorderLog::collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
-                              std::span<const BorderPoint> border) noexcept {
+void BorderExchange::collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
+                                   std::span<const BorderPoint> border) noexcept {
   loads_.clear();
   for (const BorderPoint& point : border)
     loads_.push_back(
@@ -212,10 +212,10 @@ void BorderLog::collect_loads(const physics::World& world, std::span<const std::
   std::sort(loads_.begin(), loads_.end(), [](const Load& p, const Load& q) { return p.outside < q.outside; });
 }
 
-HandBack hand_back_border(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
-                          physics::BorderTraits::Return returned, physics::World& world) noexcept {
+ImpulseReturn return_impulses(std::span<const BorderReturn> returns, std::span<const std::uint8_t> members,
+                              physics::BorderTraits::Return returned, physics::World& world) noexcept {
   using Return = physics::BorderTraits::Return;
-  HandBack result;
+  ImpulseReturn result;
   if (returned == Return::kNothing) return result;
   for (std::size_t i = 0; i < returns.size(); ++i) {
     const BorderReturn& entry = returns[i];

@@ -1,5 +1,5 @@
 // The books of a timing run on made-up ticks: what is counted, what is left out, which ticks are the latest.
-#include "tools/timing/books.h"
+#include "tools/timing/tick_statistics.h"
 
 #include <catch2/catch.hpp>
 #include <numeric>
@@ -10,7 +10,7 @@
 namespace tactus::timing {
 namespace {
 
-Books no_warm_up() { return Books({kPeriod_ns, 0, 10}); }
+TickStatistics no_warm_up() { return TickStatistics({kPeriod_ns, 0, 10}); }
 
 const VerdictRow& row(const std::vector<VerdictRow>& rows, const std::string& figure) {
   for (const auto& r : rows)
@@ -33,7 +33,7 @@ TEST_CASE("the stages of a tick are the times between its marks, and add up to t
 }
 
 TEST_CASE("the loop's own part is neither device nor physics, and a force's age is that of its sample") {
-  Books books = no_warm_up();
+  TickStatistics books = no_warm_up();
   for (std::uint64_t i = 0; i < 5; ++i) books.add_loop(usual_tick(i));
   CHECK(books.overhead.max_ns() == 2'000 + 3'000 + 4'000);  // adopt, couple, and the force's shaping
   CHECK(books.force_age.max_ns() == 215'000);
@@ -42,7 +42,7 @@ TEST_CASE("the loop's own part is neither device nor physics, and a force's age 
 }
 
 TEST_CASE("warm-up and the first ticks after another window are not counted") {
-  Books books({kPeriod_ns, 3, 10});
+  TickStatistics books({kPeriod_ns, 3, 10});
   for (std::uint64_t i = 0; i < 5; ++i) books.add_loop(usual_tick(i));
   CHECK(books.ticks == 2);
   auto first = usual_tick(5);
@@ -55,7 +55,7 @@ TEST_CASE("warm-up and the first ticks after another window are not counted") {
 }
 
 TEST_CASE("every overrun has one cause, once the machine was looked at after it") {
-  Books books = no_warm_up();
+  TickStatistics books = no_warm_up();
   for (std::uint64_t i = 0; i < 100; ++i) books.add_loop(usual_tick(i));
   books.add_look({90 * kPeriod_ns, InterruptCounts{}, 0, 0});
   books.add_loop(woken_late(100, 2'000'000));
@@ -76,37 +76,37 @@ TEST_CASE("every overrun has one cause, once the machine was looked at after it"
 }
 
 TEST_CASE("the latest ticks are kept, the worst first, with those around them") {
-  Books books = no_warm_up();
+  TickStatistics books = no_warm_up();
   for (std::uint64_t i = 0; i < 200; ++i)
     books.add_loop(i == 100 ? delayed_in_solve(i, 500'000) : i == 150 ? delayed_in_solve(i, 700'000) : usual_tick(i));
   books.finish();
-  REQUIRE(books.spikes.size() == Books::kWorst);
+  REQUIRE(books.spikes.size() == TickStatistics::kWorst);
   CHECK(books.spikes[0].times.tick == 150);
   CHECK(books.spikes[1].times.tick == 100);
   CHECK(books.spikes[1].judged);
-  REQUIRE(books.spikes[1].around.size() == 2 * Books::kAround + 1);
-  CHECK(books.spikes[1].around.front().tick == 100 - Books::kAround);
-  CHECK(books.spikes[1].around.back().tick == 100 + Books::kAround);
+  REQUIRE(books.spikes[1].around.size() == 2 * TickStatistics::kAround + 1);
+  CHECK(books.spikes[1].around.front().tick == 100 - TickStatistics::kAround);
+  CHECK(books.spikes[1].around.back().tick == 100 + TickStatistics::kAround);
 }
 
 TEST_CASE("the verdict tells the program's promise from the machine's") {
-  Books good = no_warm_up();
+  TickStatistics good = no_warm_up();
   for (std::uint64_t i = 0; i < 1000; ++i) good.add_loop(usual_tick(i));
   CHECK(verdict_of(judge(good)) == TimingVerdict::kGood);
 
-  Books machine = good;
+  TickStatistics machine = good;
   for (std::uint64_t i = 1000; i < 1020; ++i) machine.add_loop(woken_late(i, 1'500'000));
   machine.finish();
   CHECK(verdict_of(judge(machine)) == TimingVerdict::kMachine);
   CHECK_FALSE(row(judge(machine), "wake-up, worst").good());
 
-  Books faulted = good;
+  TickStatistics faulted = good;
   auto t = usual_tick(1000);
   t.minor_faults = 1;
   faulted.add_loop(t);
   CHECK(verdict_of(judge(faulted)) == TimingVerdict::kBad);
 
-  Books own = good;
+  TickStatistics own = good;
   auto work = delayed_in_solve(1000, 1'200'000);
   work.cpu_ns += 1'200'000, work.foreseen_ns = 1'300'000;
   own.add_loop(work);
