@@ -73,7 +73,8 @@ class Session {
   /// Writes a tape of all that follows, for replay_tape and `tactus replay`. Before the first tick.
   ///
   /// A recorded run() that ends with a fault latched, or lost a tick to its own work, also leaves its last seconds in
-  /// `tactus-fault.tape` in the working directory, in place of an earlier one; summary() names it, as *flight recorder*.
+  /// `tactus-fault.tape` in the working directory, in place of an earlier one: the *flight recorder* of summary().
+  ///
   /// \param tape is written over
   /// \return kUse: not open, or ticks have been; kFile: it cannot be written
   Error record(const std::filesystem::path& tape);
