@@ -138,7 +138,7 @@ void IslandManager::count_resting_as_slow() noexcept {
 Aabb IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept {
   const Body& body = bodies_[place];
   const double fall = physics::fall_in_step(settings);
-  physics::Reach reach;
+  physics::MotionBound reach;
   reach.fallen = std::abs(body.gravity_scale) * fall;
   return physics::bounds_of(body.shape, body.motion.pose, physics::growth_of(reach, fall, settings));
 }
