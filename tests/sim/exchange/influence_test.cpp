@@ -65,7 +65,7 @@ TEST_CASE("Contacts at right angles through a centre are coupled by friction onl
   CHECK(found[2] == Approx(Influence::kLeastTau));
 }
 
-TEST_CASE("A lever_arm arm couples contacts at right angles") {
+TEST_CASE("A lever arm couples contacts at right angles") {
   // A rod of mass m and length 2 l along x, pushed at one end along y, touched at the other along y: without turning
   // tau would be 1/2; with it the far end moves the other way: n n / m + (r x n) I^-1 (r x n') = 1/m - l^2 / I.
   const double m = 2, l = 0.5;
