@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "sim/model/choice_names.h"
 #include "tactus/tactus.h"
 #include "tools/doctor/system_view.h"
 #include "tools/json_report.h"

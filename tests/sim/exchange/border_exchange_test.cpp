@@ -10,6 +10,7 @@ namespace {
 using namespace tactus;
 using namespace tactus::sim;
 using physics::Shape;
+using Return = physics::BorderTraits::Return;
 using physics::World;
 using Border = FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>;
 
