@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "rt/base/math.h"
+#include "rt/base/spatial.h"
 
 namespace tactus::sim {
 
