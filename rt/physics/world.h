@@ -68,8 +68,8 @@ class World {
   void index_fixed_bodies() noexcept;
 
   // --- one step, in three calls: begin_step, the caller's pair finder, finish_step. `settings` must be the same in
-  // both, and no body may be moved in between. With a far region, pass begin_step the smaller number of sub-steps,
-  // because bounds grow by how far a body may fall in a sub-step.
+  // both, and no body may be moved in between. With a far region, pass begin_step the smaller number of sub-steps: the
+  // bounds must cover the longer fall (motion_bound.h).
   // Computes the bounds of all bodies: the bounds of two bodies that may touch overlap.
   void begin_step(const StepSettings& settings) noexcept;
   std::span<const Aabb> bounds() const noexcept { return bounds_.span(); }              // by slot, dynamic bodies
