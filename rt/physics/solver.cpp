@@ -130,7 +130,7 @@ void Solver<S>::store(const SolverInput& input, StageContext& context, std::uint
     BodyMotion& motion = input.bodies[i].motion;
     motion.pose.position += number_cast<double>(state.delta_position);
     motion.pose.rotation = normalized(number_cast<double>(state.delta_rotation) * motion.pose.rotation);
-    // What no impulse changed keeps every bit of its double.
+    // A velocity that the sweeps did not change keeps its exact double value.
     const auto changed = [](Vec3d& kept, const Vec3<S>& now) noexcept {
       if constexpr (std::is_same_v<S, double>)
         kept = now;

@@ -38,8 +38,8 @@ struct StepSettings {
   double contact_damping_ratio{10.0};
   double max_push_speed{0.25};  // m/s: greatest speed at which an overlap is corrected
   double slop{1e-5};            // m: overlap that is not corrected
-  double min_margin{5e-4};      // m: points further apart than this plus what dt may close are not found
-  double max_margin{2e-2};      // m: upper bound of the margin
+  double min_margin{5e-4};      // m: points are found up to this distance, or up to what dt may close if that is more
+  double max_margin{2e-2};      // m: limit of what dt may close, for the margin
   // m: manifolds of boxes and hulls are reused until their surfaces have moved by this; 0: never reused.
   double recycle_tolerance_m{5e-5};
   Vec3d gravity{};      // m/s^2

@@ -249,8 +249,8 @@ void World::find_fixed_pairs(const StepSettings& settings, StepReport& report) n
             [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
 }
 
-// In the order of the fixed bodies, which is mostly that of the keys: planes, which are in no tree, are merged in
-// between.
+// Adds the pairs in the order of the fixed bodies, which is mostly that of the keys: planes, which are in no tree, are
+// merged in between.
 void World::add_fixed_pairs(StageContext& context) noexcept {
   const auto add = [&](const SlotPair& pair) noexcept { add_fixed_pair(pair, context.settings, context.report); };
   mesh_triangles_.clear();

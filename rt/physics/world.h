@@ -156,7 +156,7 @@ class World {
   BoundedVector<Aabb> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame> frames_, fixed_frames_;
   BoundedVector<MotionBound> motion_bounds_;  // by slot
-  double growth_to_fixed_{};                  // m: by how much bounds grow beside a fixed body, in this step
+  double growth_to_fixed_{};                  // m: additional growth of bounds against fixed bodies, in this step
   BoundedVector<Posed> last_poses_;           // by slot: at the start of the last step; unknown_pose() for new bodies
   BoundedVector<std::uint32_t> moved_to_;     // scratch of insert and remove
   FixedTree fixed_tree_;

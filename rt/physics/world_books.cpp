@@ -119,7 +119,7 @@ struct Reading {
   void operator()(V& value) noexcept {
     in.get(value);
   }
-  void operator()(bool& value) noexcept {  // a byte other than 0 and 1 is an error
+  void operator()(bool& value) noexcept {  // via a byte: other values than 0 and 1 are no bool
     std::uint8_t byte = 0;
     in.get(byte);
     value = byte != 0;

@@ -39,7 +39,7 @@ struct BorderTraits {
   bool limited{false};  // a pair's impulse is at most the global step's: impulse_rate x time, over its points
   bool surface_moves{false};    // the outside surface and its friction point move with outside_velocity
   bool has_budget{false};       // the energy that the border may put into members is bounded by a budget
-  double budget_at_start_J{0};  // the budget at the start
+  double budget_at_start_J{0};  // J: the budget before the border has taken out any energy
   // How the global world uses the impulses that the sub-world applied to outside bodies.
   enum class Return : std::uint32_t {
     kNothing,  // not at all: the global world keeps its own state of the bodies at the border

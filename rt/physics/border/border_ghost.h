@@ -30,7 +30,7 @@ struct Admittance {
 struct BorderGhost {
   BodyId outside{kNoBody};
   Vec3d centre;           // m
-  Twistd velocity;        // of the centre
+  Twistd velocity;        // m/s, rad/s: of the centre
   Twistd drive;           // m/s^2, rad/s^2: acceleration by everything but this world's members
   Admittance admittance;  // at the centre
   Wrenchd total_impulse;  // N s, N m s about the centre: by the members, over the cycle

@@ -95,7 +95,7 @@ void BorderSolver::mark_slow(std::span<Row> of_member) noexcept {
   for (Row& row : of_member) row.slow = most->member_share * other > kSlowShare;
 }
 
-// Effective masses of a row whose both sides move.
+// Fills the effective masses of a row against a ghost: both sides move.
 void BorderSolver::init_ghost_row(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
                                   const SymMat3d& inertia, const Vec3d& point) noexcept {
   row.ghost = contact.ghost;
@@ -154,8 +154,8 @@ void BorderSolver::apply_impulse(const Row& row, SolverBody<double>& body, const
     ghost.linear += by[i] * row.ghost_answer[i].linear, ghost.angular += by[i] * row.ghost_answer[i].angular;
 }
 
-// The normal row, by the rules of an inner contact: while separated, it lets the gap close; overlapping, it corrects
-// the overlap softly in the biased sweep and stops the approach in the relax sweep.
+// Solves the normal row by the rules of an inner contact: while separated, it lets the gap close; overlapping, it
+// corrects the overlap softly in the biased sweep and stops the approach in the relax sweep.
 void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
                                 const SweepRule<double>& rule, bool biased) noexcept {
   const double gap = row.gap + dot(row.n, offset_at(row, body, biased ? row.elapsed : row.elapsed + h_));
@@ -230,7 +230,7 @@ void BorderSolver::warm_start(SolverBodies<double> bodies) noexcept {
   }
 }
 
-// Friction as of an inner contact.
+// Solves friction as for an inner contact.
 void BorderSolver::solve_friction(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept {
   const Vec3d u = slip(row, body);
   double next[2] = {row.tangent_impulse[0] - row.tangent_mass * dot(row.t1, u),

@@ -31,9 +31,7 @@ class BorderSolver {
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, BorderMode mode,
                std::span<const Body> bodies, SolverBodies<double> solver_bodies, double h, double impulse_scale,
                bool friction, double budget_J) noexcept;
-  void begin_sub_step(
-      std::uint32_t j,
-      SolverBodies<double> bodies) noexcept;  // before anything moves; decides whether the border may supply energy
+  void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves
   void apply_replay(SolverBodies<double> bodies) noexcept;
   void warm_start(SolverBodies<double> bodies) noexcept;
   void solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
@@ -70,7 +68,7 @@ class BorderSolver {
     double gap{};                          // m, at the start of the step
     double elapsed{};                      // s, time in the step at the start of the sub-step
     double error[2]{};                     // m, from the line, along t1 and t2, at the start of the sub-step
-    double end_gap{};                      // m; it and the offset at the end of the sub-step
+    double end_gap{};                      // m; end_gap and end_offset: at the end of the sub-step
     Vec3d end_offset;
     Vec3d start_velocity;  // m/s, of the point, at the start of the sub-step
     double step_normal{}, work{};
@@ -104,7 +102,7 @@ class BorderSolver {
 
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;
-  BoundedVector<GhostState> ghosts_;  // in the order of the world's
+  BoundedVector<GhostState> ghosts_;  // in the order of the world's ghosts
   double h_{};
   BorderTraits rule_;      // of the mode
   bool may_supply_{true};  // this sub-step started with some budget left

@@ -23,7 +23,7 @@ struct ContactPoint {
 
 struct Contact {
   PairKey key;
-  std::uint32_t slot_a{0}, slot_b{0};  // by slot; fixed bodies: index into the fixed ones
+  std::uint32_t slot_a{0}, slot_b{0};  // of the world's bodies; of a fixed body: among the fixed bodies
   bool b_fixed{false};                 // true: B is a fixed body. A fixed body is always B.
   AxisCache axis_cache;
   double friction{};

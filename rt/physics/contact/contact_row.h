@@ -3,8 +3,8 @@
 //
 // A contact is solved in a frame of its own: the centre of its plane, t1, t2, n. The bodies' relative motion there is
 // six numbers, and its response to a wrench there a 6 x 6 matrix W, computed once a step. So the points of a contact
-// are solved one after the other on six numbers, and the bodies are read and written once per sweep. At the point (x,
-// y) of the plane
+// are solved one after the other on six numbers, and the bodies are read and written once per sweep.
+// At the point (x, y) of the plane
 //  u_n = v_n - x w_2 + y w_1,   u_1 = v_1 - y w_n,   u_2 = v_2 + x w_n
 // and a row changes its impulse by
 //  lambda' = max(0, lambda - m (mass_scale u + bias) - impulse_scale lambda),  m = 1 / (J M^-1 J^T).

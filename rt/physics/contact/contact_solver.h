@@ -29,7 +29,7 @@ class ContactSolver {
   void prepare(std::span<const Contact> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
   // Scaled down where it would raise the kinetic energy of an impact: see EnergyGate.
   void warm_start(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
-  // Without that check.
+  // Without that scaling.
   void warm_start_freely(SolverBodies<T> bodies) noexcept;
   void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction) noexcept;
   // `last`: also adds the impulses to the totals of the step.

@@ -379,8 +379,7 @@ void ContactTable::scale_impulses_of(std::span<const std::uint8_t> bodies, doubl
 }
 
 void ContactTable::slot_inserted(std::uint32_t slot, bool fixed) noexcept {
-  if (fixed)
-    pairs_.clear();  // Known gaps hold for the bodies that were there; a body of the same id may have been removed.
+  if (fixed) pairs_.clear();  // known gaps may be those of a removed body with the same id
   for (Contact& contact : contacts_) {
     if (!fixed && contact.slot_a >= slot) ++contact.slot_a;
     if (contact.b_fixed == fixed && contact.slot_b >= slot) ++contact.slot_b;

@@ -47,7 +47,7 @@ class EnergyGate {
  public:
   explicit EnergyGate(std::uint32_t bodies) : parents_(bodies), change_(bodies), share_(bodies) {}  // [setup]
 
-  // Islands: begin_islands makes every body one of its own, then call link for every row. `knows_islands`: true if that
+  // Islands: begin_islands makes every body an island of its own; then link every row. `knows_islands`: true if that
   // was done in this step.
   void begin_step() noexcept { knows_islands_ = false; }
   bool knows_islands() const noexcept { return knows_islands_; }

@@ -4,11 +4,11 @@
 // by F / (m w^2). Stable and accurate for hertz <= 0.25 / h. Source: Catto, soft constraints. Thread: [any].
 //
 // How many relax sweeps a stack needs to come to rest: Gauss-Seidel sweeps hardly correct the sway of a tall stack, so
-// its impulses lag. A sweep adds -m u to an impulse; the biased sweep also adds -m b s and removes the share 1 / (1 +
-// a2). Over many sub-steps that is a spring with an integral part and a leak. The sway decays while the leak 1 / (h^2
-// w^2) b exceeds the integral part b / (1 + sweeps): (w h)^2 < 1 + relax sweeps, so hertz < 0.225 / h with one relax
-// sweep, 0.27 / h with two. Confirmed on heaps of 1,000 cubes at 10 ms: 10 sub-steps at 200 Hz come to rest (1e-15
-// m/s); at 250 Hz whole columns keep swaying at 5e-4 m/s, with two sweeps they do not (2026-11-22).
+// its impulses lag. A sweep adds -m u to an impulse; the biased sweep also adds -m b s and removes the share
+// 1 / (1 + a2). Over many sub-steps that is a spring with an integral part and a leak. The sway decays while the leak
+// 1 / (h^2 w^2) b exceeds the integral part b / (1 + sweeps): (w h)^2 < 1 + relax sweeps. So hertz < 0.225 / h with one
+// relax sweep, 0.27 / h with two. Confirmed on heaps of 1,000 cubes at 10 ms: 10 sub-steps at 200 Hz come to rest
+// (1e-15 m/s); at 250 Hz whole columns keep swaying at 5e-4 m/s, with two sweeps they do not (2026-11-22).
 #pragma once
 
 #include <cstdint>

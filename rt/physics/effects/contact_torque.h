@@ -1,7 +1,8 @@
 // Effects torsional and rolling: a contact resists rotation about its normal, and rolling.
 //
-// A real contact is a patch, not a point. Torsional: a disk of radius R with even pressure resists a spin by 2/3 mu N
-// R. Rolling: the pressure acts at a distance d ahead of the centre and resists rolling by N d. Each is a row that
+// A real contact is a patch, not a point.
+// Torsional: a disk of radius R with even pressure resists a spin by 2/3 mu N R.
+// Rolling: the pressure acts at a distance d ahead of the centre and resists rolling by N d. Each is a row that
 // stops the relative rotation, clamped to that torque, N the normal force in the step before; without friction there is
 // no torsional row. R and d are the larger of the two bodies'. Solved in both sweeps, at velocity level, so that
 // kinetic energy only falls. Only for contacts of one point: several points resist rotation by their distance.

@@ -25,13 +25,12 @@ struct Joint {
   Posed a_from_joint;  // the frame on A; in the world frame if A is the world
   Posed b_from_joint;  // the frame on B
   bool bodies_collide{false};
-  bool limited{false};                                            // hinge within (-pi, pi), slider, distance
-  double low{}, high{};                                           // limits of the coordinate
-  bool driven{false};                                             // hinge, slider: a motor
-  double motor_speed{};                                           // rad/s, m/s, of the coordinate
-  double motor_effort{};                                          // N m, N: largest effort of the motor
-  double break_force_N{std::numeric_limits<double>::infinity()};  // N: the joint breaks, permanently, if the mean force
-                                                                  // over a step exceeds this
+  bool limited{false};                                              // for a hinge (within (-pi, pi)), slider, distance
+  double low{}, high{};                                             // limits of the coordinate
+  bool driven{false};                                               // hinge, slider: a motor
+  double motor_speed{};                                             // rad/s, m/s, of the coordinate
+  double motor_effort{};                                            // N m, N: largest effort of the motor
+  double break_force_N{std::numeric_limits<double>::infinity()};    // N: breaks for good above this mean over a step
   double break_torque_Nm{std::numeric_limits<double>::infinity()};  // N m: same for the torque
 };
 

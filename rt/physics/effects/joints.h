@@ -127,10 +127,9 @@ class Joints {
   void add_to_sums(StageContext& c, Row& row) const noexcept;
 
   std::span<const Joint> joints_;
-  BoundedVector<JointState> states_;  // by joint
-  BoundedVector<std::uint32_t> first_of_,
-      joints_of_;                  // by body id: index of its first joint in joints_of_; joints, body by body
-  BoundedVector<Anchor> anchors_;  // by joint
+  BoundedVector<JointState> states_;                   // by joint
+  BoundedVector<std::uint32_t> first_of_, joints_of_;  // by body id: its first entry in joints_of_
+  BoundedVector<Anchor> anchors_;                      // by joint
   BoundedVector<Row> rows_;
   BoundedVector<SlotPair> apart_, apart_fixed_;  // pairs whose joint excludes collision, sorted as the pairs
 };

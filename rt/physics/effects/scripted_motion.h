@@ -19,9 +19,8 @@ struct PathKey {
 
 struct KinematicScript {
   BodyId id{kNoBody};
-  std::uint32_t first_key{0},
-      keys{0};         // range of its way points in `keys`, times ascending from 0; none: constant velocity
-  bool repeat{false};  // restarts at its end; otherwise stays there
+  std::uint32_t first_key{0}, keys{0};  // range of its way points, times ascending from 0; none: constant velocity
+  bool repeat{false};                   // restarts at its end; otherwise stays there
 };
 
 class ScriptedMotion {

@@ -26,7 +26,7 @@ enum class Phase : std::uint32_t {
   kFixedPairs = 1,    // same for the pairs (fixed slot, slot)
   kPrepare = 2,       // the solver has its bodies, but not yet its rows
   kBeginSubStep = 3,  // velocities and poses as the last sub-step left them
-  kForces = 4,        // adds accelerations over h to the velocities
+  kForces = 4,        // changes velocities by what acts over h
   kWarmStart = 5,     // applies the impulses of the last sub-step again; also if no sweep follows (a cut)
   kBiased = 6,        // before the contacts' biased sweep
   kMoved = 7,         // the bodies have been moved by h

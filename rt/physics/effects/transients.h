@@ -5,11 +5,11 @@
 // force on the hand,
 //  F(t) = A exp(-t / decay) sin(2 pi f t),  A = strength x speed of the impact.
 // It acts on no body: it goes into StepReport::hand_wrench and is added to the device's wrench before the passivity
-// controller, which books and bounds it. A surface rings again only if it was not touched in the step before. The
-// exponential is computed as (1 - x/2) / (1 + x/2), x = dt / decay.
-// Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: contacts of the proxy,
-// kMostRinging oscillations (beyond: the weakest is dropped). Source: Okamura, Cutkosky, Dennerlein 2001, reality-based
-// models for vibration feedback; Kuchenbecker, Fiene, Niemeyer 2006, event-based haptics.
+// controller, which books and bounds it. The energy of one impact is that of a decaying sine of amplitude A. A surface
+// rings again only if it was not touched in the step before. The exponential is computed as (1 - x/2) / (1 + x/2), x =
+// dt / decay. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: contacts of the
+// proxy, kMostRinging oscillations (beyond: the weakest is dropped). Source: Okamura, Cutkosky, Dennerlein 2001,
+// reality-based models for vibration feedback; Kuchenbecker, Fiene, Niemeyer 2006, event-based haptics.
 #pragma once
 
 #include "rt/physics/effects/stage.h"
@@ -26,8 +26,7 @@ struct Ringing {
 class Transients : public Stateless {  // nothing to export: only the hand receives it
  public:
   static constexpr std::uint32_t kMostRinging = 8, kMostTouched = 16;
-  static constexpr double kLeastSpeed =
-      0.005;  // m/s: below this speed, an intermittent contact would cause a continuous vibration
+  static constexpr double kLeastSpeed = 0.005;  // m/s: below it, an intermittent contact would keep ringing
   static constexpr double kFaded_N = 1e-4;
 
   struct Setup {
