@@ -107,11 +107,12 @@ AxisTest test_axes(const BoxPair& b) noexcept {
   return test;
 }
 
-// Fills the gap and the lever arm with which it shrinks (manifold.h). The gap along the unit vector n is |n.d| - sum h
-// |a.n| - sum h |b.n|: it changes by at most |d| + |h_a| + |h_b| per change of n, and by |h| per angle of a box. A
-// face's n rotates with its box; an edge axis, w / |w| with w = a x b, changes by at most 2 / sine of the angle. The
-// gap is limited to a quarter of the size: until it is used up |d| has grown by at most that, and the edges rotate by
-// too little to become parallel.
+// Fills the gap and the lever arm with which it shrinks (manifold.h). The gap along the unit vector n is
+//   |n.d| - sum h |a.n| - sum h |b.n|:
+// it changes by at most |d| + |h_a| + |h_b| per change of n, and by |h| per angle of a box. A face's n rotates with its
+// box; an edge axis, w / |w| with w = a x b, changes by at most 2 / sine of the angle. The gap is limited to a quarter
+// of the size: until it is used up |d| has grown by at most that, and the edges rotate by too little to become
+// parallel.
 void bound_gap(const BoxPair& boxes, const AxisTest& test, Manifold& manifold) noexcept {
   constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
   if (!(test.gap > 0.0) || !(test.sine > 0.1)) return;
@@ -267,8 +268,8 @@ void add_face_contact(const BoxPair& boxes, int code, double separation, double 
   add_face_points(boxes, f, polygon, manifold);
 }
 
-// m: radius-like width over which edges count as rounded: more than the overlap that resting contacts keep, less than
-// can be felt.
+// Difference of the two separations up to which the normal is interpolated [m]: more than the overlap that resting
+// contacts keep, less than can be felt.
 constexpr double kRounding = 5e-5;
 
 // Two faces lean against each other and meet at parallel edges, so the contact belongs to both. While the two axes are

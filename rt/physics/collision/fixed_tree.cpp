@@ -5,7 +5,7 @@
 namespace tactus::physics {
 namespace {
 
-// The longest side of the box.
+// The axis of the box's longest side.
 double Vec3d::*longest_side(const Aabb& box) noexcept {
   const Vec3d e = box.upper - box.lower;
   if (e.x >= e.y && e.x >= e.z) return &Vec3d::x;
