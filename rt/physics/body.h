@@ -1,4 +1,5 @@
-// A rigid body: what it is and where it is. One plain value, the same in both worlds, in snapshots and on the tape.
+// A rigid body: kind, shape, mass properties and motion. A plain value, the same in both worlds, in snapshots and on
+// the tape.
 // Units: SI. Frame: pose and velocity of the centre of mass in the world; inertia in the body frame. Thread: [any].
 #pragma once
 
@@ -25,7 +26,7 @@ struct Body {
   double mass{};            // kg; 0 for a fixed body
   Vec3d inertia{};          // kg m^2, diagonal in the body frame; 0 for a fixed body
   double friction{};        // coefficient; a pair uses the geometric mean sqrt(f_a f_b)
-  double gravity_scale{1};  // 1 falls, 0 floats: the proxy is carried by the device
+  double gravity_scale{1};  // 1: full gravity, 0: none (the proxy: the device carries it)
   BodyMotion motion;
 };
 
@@ -39,7 +40,7 @@ inline Body make_fixed_body(BodyId id, const Shape& shape, double friction, cons
   return {id, BodyKind::kFixed, shape, 0.0, {}, friction, 0.0, {world_from_body, {}}};
 }
 
-// J, of a dynamic body.
+// Kinetic energy of a dynamic body [J].
 inline double kinetic_energy(const Body& body) noexcept {
   const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);
   return 0.5 * (body.mass * norm_squared(body.motion.velocity.linear) + dot(w, scale(body.inertia, w)));

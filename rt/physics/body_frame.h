@@ -1,6 +1,6 @@
-// Where a body is, as narrow phase reads it: its centre and its axes as vectors of the world.
+// A body's pose as narrow phase reads it: its centre, and its axes as unit vectors of the world.
 //
-// A rotation matrix is worked out once a step and body, not once a pair. Frame: world. Units: m. Thread: [any].
+// The rotation matrix is computed once per body and step, not once per pair. Frame: world. Units: m. Thread: [any].
 #pragma once
 
 #include "rt/base/spatial.h"

@@ -1,4 +1,4 @@
-// Finding a body among bodies sorted by id. Thread: [any]; pure. Bound: log bodies.
+// Finds a body by its id among bodies sorted by id. Thread: [any]; pure. Bound: log(bodies).
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace tactus::physics {
 
-// Its index, or kNoSlot.
+// Returns the body's index, or kNoSlot.
 inline std::uint32_t find_slot(std::span<const Body> bodies, BodyId id) noexcept {
   const auto at = std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId i) { return b.id < i; });
   return at != bodies.end() && at->id == id ? static_cast<std::uint32_t>(at - bodies.begin()) : kNoSlot;

@@ -1,7 +1,7 @@
-// What a world may hold, given once at creation, and the bits that say which of it ran out.
+// The capacities of a world, given once at creation, and the bits that report which of them was exceeded.
 //
-// Overflow is data: the step goes on without what did not fit, by the rule beside each capacity, sets the bit and
-// counts. Thread: [any].
+// Overflow is not an error: the step leaves out what does not fit, by the rule beside each capacity, sets the bit and
+// counts what it left out. Thread: [any].
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ enum CapacityBit : std::uint32_t {
   kPairsFull = 1u << 2,
   kContactsFull = 1u << 3,
   kBorderContactsFull = 1u << 4,
-  kMeshTrianglesFull = 1u << 5,  // also where a body is near to more than kMaxBodyTriangles: the nearest stay
+  kMeshTrianglesFull = 1u << 5,  // also where a body is near more than kMaxBodyTriangles: the nearest are kept
 };
 
 }  // namespace tactus::physics

@@ -1,8 +1,8 @@
-// Who does work whose parts may be done in any order: the caller alone, or the caller with threads of whoever injects
-// them. Parts write to places of their own, so results never depend on who did what.
+// Runs a loop whose parts may run in any order: in the calling thread alone, or shared with the threads of an injected
+// executor. Each part writes only its own elements, so results do not depend on which thread ran which part.
 //
-// A function and its context, so that the engine knows no thread; the default costs a comparison. Thread: [rt] by the
-// owner of what is worked on; the haptic loop never shares its work. Bound: the work's own.
+// A function pointer and its context, so that the engine depends on no thread library; the default costs one
+// comparison. Thread: [rt], by the owner of the data; the haptic loop never shares its work. Bound: that of the work.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace tactus::physics {
 class Executor {
  public:
   using Work = void (*)(void* context, std::uint32_t begin, std::uint32_t end) noexcept;
-  // Calls `work` on ranges that make up [0, count), on any thread, and returns when all is done. No range need be
-  // shorter than `grain`. What was written before is seen by every range, what they write is seen after.
+  // Calls `work` on ranges that together cover [0, count), on any threads, and returns when all are done. Ranges need
+  // not be shorter than `grain`. Every range sees what the caller wrote before; the caller sees what the ranges wrote.
   using Share = void (*)(void* self, std::uint32_t count, std::uint32_t grain, Work work, void* context) noexcept;
 
   Executor() = default;
@@ -22,7 +22,8 @@ class Executor {
 
   bool shares() const noexcept { return share_ != nullptr; }
 
-  // `f(begin, end)`, noexcept. `grain`: fewer of them than this take less time than handing them over.
+  // Calls `f(begin, end)`, noexcept. `grain`: the least number of elements whose work takes longer than handing them to
+  // another thread.
   template <class F>
   void for_each_range(std::uint32_t count, std::uint32_t grain, F&& f) const noexcept {
     if (share_ == nullptr || count < 2 * grain) {

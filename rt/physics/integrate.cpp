@@ -4,8 +4,8 @@
 
 namespace tactus::physics {
 
-// The exponential map by series of cos and sin(x)/x in x = angle / 2, to x^8: for angles below kSmallAngle the first
-// term left out is below 3e-20.
+// The exponential map by the series of cos and sin(x)/x in x = angle / 2, to x^8. For angles below kSmallAngle the
+// first omitted term is below 3e-20.
 template <class V>
 TACTUS_INLINE Quat<V> small_rotation(const Vec3<V>& v, const V& angle_squared) noexcept {
   const auto number = [](double x) noexcept { return V(static_cast<LaneOf<V>>(x)); };
@@ -24,12 +24,12 @@ template <class T>
 FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept {
   const Vec3<T> v = h * angular_velocity;
   const T angle_squared = norm_squared(v);
-  // The usual case, and several times faster than the general one.
+  // The usual case, several times faster than the general one.
   if (angle_squared < kSmallAngleSquared<T>) return {small_rotation(v, angle_squared), angular_velocity};
   return {quat_from_rotation_vector(v), angular_velocity};
 }
 
-// Beyond this the iteration below need not converge.
+// Beyond this angle per sub-step the iteration below need not converge.
 template <class T>
 inline constexpr T kMostTurnSquared = T(0.25);  // rad^2
 
@@ -66,7 +66,7 @@ void move_one(SolverBody<T>& state, const Body& body, T h) noexcept {
   }
 }
 
-// As move_one on each, bit by bit; false, and nothing is done, where one of them needs more than the usual case.
+// Like move_one on each body, bit for bit. If one of them needs the general case, returns false and changes nothing.
 template <class V, class T>
 bool move_together(SolverBody<T>* motion, T h) noexcept {
   std::uint32_t slot[kLanes<V>];

@@ -1,7 +1,7 @@
-// Bodies that hang together: the components of a graph whose edges come in any order.
+// Islands: the connected components of a graph of bodies, whose edges are added in any order.
 //
-// Union-find by the lowest slot, so labels depend on the edges alone. A view: the storage is its owner's.
-// Thread: the owner's [rt], never allocates. Work: all but linear in bodies + edges.
+// Union-find by the lowest slot, so labels depend only on the edges. A view: the owner provides the storage.
+// Thread: the owner's [rt]; never allocates. Bound: nearly linear in bodies + edges.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace tactus::physics {
 class Islands {
  public:
   Islands() = default;
-  // Every body alone; one entry a body.
+  // Makes every body an island of its own. `storage`: one entry per body.
   explicit Islands(std::span<std::uint32_t> storage) noexcept : parent_(storage) {
     std::iota(storage.begin(), storage.end(), 0u);
   }
@@ -24,7 +24,7 @@ class Islands {
     parent_[std::max(a, b)] = std::min(a, b);
   }
 
-  // Its island: the lowest slot in it.
+  // Label of the body's island: the lowest slot in it.
   std::uint32_t of(std::uint32_t slot) noexcept {
     while (parent_[slot] != slot) slot = parent_[slot] = parent_[parent_[slot]];
     return slot;

@@ -1,8 +1,8 @@
-// How deep bodies lie in each other, as a share of how thick they are: a millimetre is nothing to a cube of a metre and
-// all of a card.
+// The overlap of bodies relative to their thickness: 1 mm is negligible for a cube of 1 m and the whole thickness of a
+// card.
 //
-// Frame: world. Units: m. Thread: [any], read only. Bound: the contacts of the last step, once. A contact's overlap is
-// that at the start of the step, as StepReport::deepest_m has it.
+// Frame: world. Units: m. Thread: [any], read only. Bound: visits each contact of the last step once. A contact's
+// overlap is that at the start of the step, as in StepReport::deepest_m.
 #pragma once
 
 #include <span>
@@ -11,19 +11,19 @@
 
 namespace tactus::physics {
 
-// Across the thinnest side; a plane and a mesh have no thickness of their own and do not count.
+// Extent of the thinnest side [m]; infinite for a plane or a mesh.
 double thickness(const Shape& shape) noexcept;
 
-// Of all these bodies the thinnest; infinite where none has a thickness.
+// Smallest thickness of these bodies [m]; infinite if none has one.
 double thinnest(std::span<const Body> bodies) noexcept;
 
 struct Overlap {
-  double share{};  // of the thinner body's thickness
+  double share{};  // depth / thickness of the thinner body
   double depth{};  // m
   BodyId a{kNoBody}, b{kNoBody};
 };
 
-// The largest share among the contacts; zero where nothing overlaps.
+// The contact with the largest share; zero if nothing overlaps.
 Overlap deepest_overlap(const World& world) noexcept;
 
 }  // namespace tactus::physics

@@ -6,12 +6,12 @@
 namespace tactus::physics {
 namespace {
 
-// In a pass a body's surface moves by no more than this part of its half thickness.
+// Largest motion of a body's surface in a pass, as a share of its half thickness.
 constexpr double kMotionInPass = 0.25;
 constexpr double kShortestPass = 1e-3;  // s
 
-// What is round and touches goes on by no more than this [m]: its point, carried along by d, is off by d^2 / 2 r, and
-// within the overlap that contacts leave alone that neither lets it sink nor pushes it out.
+// Largest motion of a round body along its contact in a pass [m]. A point carried along by d is wrong by d^2 / 2 r; as
+// long as this is within the slop, the body neither sinks nor is pushed out.
 double most_along_contact(double radius, const StepSettings& settings) noexcept {
   return std::sqrt(2.0 * settings.slop * radius);
 }
@@ -29,7 +29,7 @@ std::uint32_t passes_of(const World& world, const StepSettings& settings,
   const double most = std::min(settings.dt / kShortestPass * (1.0 + 1e-6), static_cast<double>(settings.sub_steps));
   if (most < 2.0) return 1;
   double needed = 1.0;
-  const auto count = [&](double moved, double allowed) noexcept {  // nothing allowed: the most
+  const auto count = [&](double moved, double allowed) noexcept {  // allowed = 0: the most passes
     if (moved > needed * allowed) needed = std::min(moved / allowed, most);
   };
   const auto counts = [&](std::uint32_t slot) noexcept { return left_out.empty() || left_out[slot] == 0; };

@@ -1,11 +1,11 @@
 // A six-degree-of-freedom spring and damper between a body and a moving target, solved implicitly with the contacts.
 //
-// Per sub-step h, with G = h (B + h K) and e the error at its start: the impulse is P = -h K e - G (v - v_target), v
-// after the sub-step. So the body moves by (M + G) v = M v_0 + G v_target - h K e + all other impulses: as one of mass
-// M + G, which is how contacts and joints see it. No sweep solves the spring against them, and it is stable on the
-// body's side for any K, B, h. What the body gets the target loses: the sum of the impulses over a step is the force on
-// the device. Source: study 3.1; Colgate 1995 (virtual coupling). Frame: world. Units: SI. Thread: the owner of the
-// World.
+// Per sub-step h, with G = h (B + h K) and e the error at its start, the impulse is P = -h K e - G (v - v_target), v
+// after the sub-step. So (M + G) v = M v_0 + G v_target - h K e + all other impulses: the body responds with the mass
+// M + G, which contacts and joints use. The spring is no row of a sweep, and it is stable on the body's side for any
+// K, B, h. The target receives the opposite impulse: the force on the device is minus the sum of the impulses over a
+// step, divided by its length.
+// Source: study 3.1; Colgate 1995 (virtual coupling). Frame: world. Units: SI. Thread: the owner of the World.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace tactus::physics {
 
 struct PoseSpring {
   bool enabled{false};
-  std::uint32_t slot{0};  // the body, in the world's slots
+  std::uint32_t slot{0};  // of the body, in the world
   double stiffness_N_per_m{}, damping_Ns_per_m{};
   double stiffness_Nm_per_rad{}, damping_Nms_per_rad{};
   Posed target;            // where the target is at the start of the step
@@ -25,7 +25,7 @@ struct PoseSpring {
   Wrenchd step_impulse;  // N s, N m s: sum over the step, on the body
 };
 
-// A world holds at most so many bodies by springs: one a device.
+// The most springs that a world can have: one per device.
 inline constexpr std::uint32_t kMaxSprings = 4;
 
 }  // namespace tactus::physics

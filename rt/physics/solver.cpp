@@ -5,7 +5,7 @@
 namespace tactus::physics {
 namespace {
 
-// A body takes some ten nanoseconds to move, handing some over about a microsecond.
+// Moving a body takes about 10 ns, handing work to another thread about 1 us.
 constexpr std::uint32_t kFewestBodies = 128;
 
 template <class F>
@@ -61,7 +61,7 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
   }
 }
 
-// Effects work in the world's numbers; where the sweeps have others, there is gravity alone.
+// Runs the stages of effects, which work in double; with narrower sweeps only gravity is applied.
 template <class S>
 void Solver<S>::run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept {
   if constexpr (kIsWhole) {
@@ -84,8 +84,8 @@ void Solver<S>::apply_wrenches(const SolverInput& input, double h) noexcept {
   }
 }
 
-// Warm start for a sub-step that no sweep will correct: where all of it together would raise the kinetic energy it is
-// scaled to where that is smallest.
+// Warm start for a sub-step that no sweep corrects: if the whole of it would raise the kinetic energy, it is scaled to
+// the share at which the energy is smallest.
 template <class S>
 void Solver<S>::warm_start_without_gain(const SolverInput& input, StageContext& context) noexcept {
   before_.resize(motion_.size());
@@ -130,7 +130,7 @@ void Solver<S>::store(const SolverInput& input, StageContext& context, std::uint
     BodyMotion& motion = input.bodies[i].motion;
     motion.pose.position += number_cast<double>(state.delta_position);
     motion.pose.rotation = normalized(number_cast<double>(state.delta_rotation) * motion.pose.rotation);
-    // What nothing has changed stays as it was, to the last bit of a double.
+    // A velocity that the sweeps did not change keeps its exact double value.
     const auto changed = [](Vec3d& kept, const Vec3<S>& now) noexcept {
       if constexpr (std::is_same_v<S, double>)
         kept = now;

@@ -1,17 +1,18 @@
 // One step of the soft-step solver: sub-steps of forces, warm start, biased sweep, integration, relax sweeps.
 //
 // A device's spring is part of its body (pose_spring.h). Order in every sweep: the stages of effects, the border
-// contacts, the contacts by colours. A cut is asked for before each sweep; once it fires no sweep follows but one relax
-// sweep at the very end. The sub-steps that are left still integrate: their warm start is held back as far as it would
-// raise the kinetic energy (an impulse that once stopped an impact must not be given again). The last relax sweep then
-// corrects n sub-steps at once: the next warm start gets 1/n of its correction, because it will be given n times; with
-// all of it, steps that are cut again and again would shake themselves loose. Frame: world. Units: SI. Thread:
-// construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
+// contacts, the contacts by colours.
+// Cut: the predicate is asked before each sweep. Once it asks to stop, only one more relax sweep runs, at the very end.
+// The remaining sub-steps still integrate; their warm start is scaled down where it would raise the kinetic energy (an
+// impulse that once stopped an impact must not be applied again). The last relax sweep then corrects n sub-steps at
+// once, and the next warm start gets 1/n of its correction, because it is applied n times; with the whole correction,
+// repeatedly cut steps would make stacks fall apart.
+// Frame: world. Units: SI. Thread: construction [setup], the rest [rt]. Bound: sub-steps x sweeps x points.
 //
-// The numbers of the sweeps, S, are double or narrower (SweepPrecision): within a step bodies move and contacts are
-// given relative to where they were at its start, so a large world far from its origin loses no place. What a step adds
-// to poses and velocities is then as exact as S is. Such a solver takes no border contacts and no effect with a stage
-// but gravity.
+// S, the number type of the sweeps, is double or narrower (SweepPrecision). Within a step, motion and contacts are
+// relative to the bodies' poses at its start, so positions far from the world's origin lose no precision. Only what a
+// step adds to poses and velocities has the precision of S. With S narrower than double the solver takes no border
+// contacts, and of the effects with stages only gravity.
 #pragma once
 
 #include <array>
@@ -26,7 +27,7 @@
 
 namespace tactus::physics {
 
-// What the solver works on; all by slot.
+// Input of a step; everything by slot.
 struct SolverInput {
   std::span<Body> bodies;
   std::span<const std::uint8_t> frozen;
@@ -37,13 +38,13 @@ struct SolverInput {
   std::span<BorderGhost> ghosts;
   BorderMode border_mode;
   double border_budget_J;    // see BorderSolver
-  double impulse_scale;      // this sub-step / that of the stored impulses of the border
+  double impulse_scale;      // this sub-step / the sub-step of the stored border impulses
   const StageTable& stages;  // of effects
   std::span<const Body> fixed_bodies{};
   Executor executor{};
 };
 
-// Stands for the border where the sweeps are narrower than the world.
+// Takes the place of the border solver where S is narrower than double.
 template <class S>
 struct NoBorder {
   explicit NoBorder(std::uint32_t) noexcept {}
@@ -65,7 +66,7 @@ class Solver {
             StepReport& report) noexcept;
 
  private:
-  static constexpr bool kIsWhole = std::is_same_v<S, double>;  // takes border contacts, the stages of effects
+  static constexpr bool kIsWhole = std::is_same_v<S, double>;  // with border contacts and the stages of effects
 
   void prepare(const SolverInput& input, StageContext& context) noexcept;
   void run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept;
@@ -77,7 +78,7 @@ class Solver {
 
   BoundedVector<SolverBody<S>> motion_;
   BoundedVector<SymMat3<S>> inverse_inertia_;
-  BoundedVector<Twist<S>> before_;       // velocities before a warm start that may be held back
+  BoundedVector<Twist<S>> before_;       // velocities before a warm start that may be scaled down
   BoundedVector<std::uint32_t> pushed_;  // slots of the bodies with a wrench
   ContactSolver<S> contacts_;
   std::conditional_t<kIsWhole, BorderSolver, NoBorder<S>> border_;

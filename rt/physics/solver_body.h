@@ -1,7 +1,8 @@
-// What the solver's sweeps need of a body, packed: everything that changes within a step and is read at every contact.
+// The state of a body that the solver's sweeps read and write, packed: all that changes within a step and is read at
+// every contact.
 //
 // Frame: world. Units: SI. 16 scalars, so 128 bytes in double: two whole cache lines. The inverse inertia, constant
-// over a step, lies in an array of its own: integration does not read it. Thread: the owner of the World [rt].
+// over a step, is in an array of its own, because integration does not read it. Thread: the owner of the World [rt].
 #pragma once
 
 #include <cmath>
@@ -17,20 +18,20 @@ struct alignas(16 * sizeof(T)) SolverBody {
   Vec3<T> v, w;            // m/s, rad/s
   Vec3<T> delta_position;  // m, since the start of the step
   Quat<T> delta_rotation;  // now_from_start, world axes
-  T inverse_mass{};        // 1/kg; 0 where nothing moves it
-  T gyroscopic{};          // 1 where the gyroscopic term is at work, else 0
+  T inverse_mass{};        // 1/kg; 0: infinite mass
+  T gyroscopic{};          // 1: has a gyroscopic term, else 0
   T fill{};
 };
 static_assert(sizeof(SolverBody<double>) == 128 && sizeof(SolverBody<float>) == 64);
 
-// The dynamic bodies of one step, by slot. Fixed bodies have none: their rows leave that side out.
+// The dynamic bodies of one step, by slot. Fixed bodies have no entry: their rows leave that side out.
 template <class T>
 struct SolverBodies {
   std::span<SolverBody<T>> motion;
   std::span<const SymMat3<T>> inverse_inertia;  // 1/(kg m^2), world, at the start of the step
 };
 
-// Adds the impulse `p` [N s] at `r` [m] from the centre.
+// Applies the impulse `p` [N s] at `r` [m] from the centre.
 template <class T>
 void apply_impulse_at(SolverBody<T>& body, const SymMat3<T>& inverse_inertia, const Vec3<T>& r,
                       const Vec3<T>& p) noexcept {
@@ -43,7 +44,7 @@ Vec3<T> velocity_at(const SolverBody<T>& body, const Vec3<T>& r) noexcept {
   return body.v + cross(body.w, r);
 }
 
-// What one impulse along d1 at r does to the velocity along d2: an entry of J M^-1 J^T.
+// Change of velocity along d2 per unit impulse along d1, both at r: an entry of J M^-1 J^T.
 template <class T>
 T inverse_effective_mass(T inverse_mass, const SymMat3<T>& inverse_inertia, const Vec3<T>& r, const Vec3<T>& d1,
                          const Vec3<T>& d2) noexcept {
@@ -55,9 +56,9 @@ T invert_or_zero(T value) noexcept {
   return select(value > T(0), T(1) / value, T(0));
 }
 
-// One number for both tangents: the inverse of the larger eigenvalue of the 2 x 2 matrix. A step of that size, cut back
-// to the disk of Coulomb, never raises the kinetic energy, and where it stops sliding friction is opposite to the slip;
-// with the inverse of the matrix itself it would be neither.
+// One effective mass for both tangents: the inverse of the larger eigenvalue of the 2 x 2 matrix. A step of that size,
+// clamped to the Coulomb disk, never raises the kinetic energy, and where it stops sliding, friction is opposite to the
+// slip; the inverse of the matrix guarantees neither.
 template <class T>
 T tangent_mass_of(T k11, T k22, T k12) noexcept {
   using std::sqrt;
@@ -65,7 +66,7 @@ T tangent_mass_of(T k11, T k22, T k12) noexcept {
   return invert_or_zero(mean + sqrt(half * half + k12 * k12));
 }
 
-// Shortens the vector (x, y) to `radius` at most.
+// Clamps the vector (x, y) to the length `radius`.
 template <class T>
 void clamp_to_disk(T& x, T& y, T radius) noexcept {
   using std::sqrt;

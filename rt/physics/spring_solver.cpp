@@ -33,7 +33,7 @@ void SpringSolver<S>::release() noexcept {
 template <class S>
 void SpringSolver<S>::hold(std::uint32_t j) noexcept {
   if (!on()) return;
-  // The gain moves body and target on by h: the error is that of the start of the sub-step.
+  // The gain accounts for the motion of body and target within h, so the error is that at the start of the sub-step.
   const S elapsed = static_cast<S>(j) * h_;
   const Vec3<S> error = error_ + body_->delta_position - elapsed * target_velocity_.linear;
   const Quat<S> target = quat_from_rotation_vector(elapsed * target_velocity_.angular) * target_rotation_;

@@ -1,10 +1,10 @@
-// Takes a PoseSpring into its body, one sub-step at a time; the formula is in pose_spring.h.
+// Solves a PoseSpring implicitly as part of its body, sub-step by sub-step; the formula is in pose_spring.h.
 //
-// From `hold` to `release` the body is as heavy as it feels, M + h (B + h K), to everything that pushes it: contacts,
-// joints and border contacts are solved with the spring, not against it. Around what acts over the whole sub-step
-// (gravity, wrenches) the body has its own mass. The error is that of the start of the sub-step. Frame: world. Units:
-// SI. Thread: [rt]. The sweeps' numbers, S, may be narrower than the world's: the error at the start of the step is
-// taken in double.
+// From `hold` to `release` the body has the apparent mass M + h (B + h K), so contacts, joints and border contacts are
+// solved together with the spring. While what acts over the whole sub-step (gravity, wrenches) is applied, the body has
+// its own mass. The error is that at the start of the sub-step. S, the number type of the sweeps, may be narrower than
+// double: the error at the start of the step is computed in double.
+// Frame: world. Units: SI. Thread: [rt].
 #pragma once
 
 #include "rt/physics/pose_spring.h"
@@ -15,13 +15,14 @@ namespace tactus::physics {
 template <class S>
 class SpringSolver {
  public:
-  // Nothing happens where the spring is off; where its body is frozen it keeps its velocity. Leaves the body held.
+  // Does nothing if the spring is disabled; keeps the velocity of a frozen body. Leaves the body held.
   void prepare(const PoseSpring& spring, const Posed& start, std::span<SolverBody<S>> motion,
                std::span<SymMat3<S>> inverse_inertia, S h) noexcept;
   bool on() const noexcept { return body_ != nullptr; }
-  void release() noexcept;              // at the start of a sub-step
-  void hold(std::uint32_t j) noexcept;  // in sub-step j, after the forces: also makes the velocity the spring's
-  // Before and after the bodies move: the gyroscopic term turns the body as heavy as it feels, too.
+  void release() noexcept;              // at the start of a sub-step: back to the body's own mass
+  void hold(std::uint32_t j) noexcept;  // in sub-step j, after the forces: sets the apparent mass, adds the spring's
+                                        // pull to the velocity
+  // Before and after integration: the gyroscopic term uses the apparent inertia, too.
   void save_angular_velocity() noexcept;
   void apply_held_inertia() noexcept;
   void end_sub_step() noexcept;

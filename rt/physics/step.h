@@ -1,4 +1,4 @@
-// What one step is told and what it reports. Units: SI. Thread: [any].
+// Settings and report of one step, and the predicate that may cut it. Units: SI. Thread: [any].
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace tactus::physics {
 
-// Asked at every sweep boundary: may the solver go on? A function and its context, so that the step knows no clock.
-// The default never cuts. [rt], must not block.
+// Asked at every sweep boundary; true: stop sweeping. A function pointer and its context, so that the step reads no
+// clock. The default never cuts. [rt], must not block.
 struct CutPredicate {
   bool (*fired)(void* context, std::uint32_t sweep) noexcept {nullptr};
   void* context{nullptr};
@@ -19,8 +19,9 @@ struct CutPredicate {
 
 inline constexpr std::uint32_t kNeverCut = 0xffffffffu;
 
-// Which sweeps of a sub-step solve friction. In the biased sweep too, what that moves does not creep: a wedge at its
-// locking friction holds. kAuto: there where contacts are so stiff that they have a second relax sweep.
+// Which sweeps of a sub-step solve friction: the relax sweeps, or every sweep. With every sweep, what the biased sweep
+// moves does not creep: a wedge at its locking friction holds. kAuto: every sweep if the contacts are so stiff that
+// they have a second relax sweep.
 enum class FrictionSweeps : std::uint8_t { kAuto, kRelax, kEvery };
 
 constexpr FrictionSweeps resolve(FrictionSweeps asked, std::uint32_t relax_sweeps) noexcept {
@@ -28,51 +29,51 @@ constexpr FrictionSweeps resolve(FrictionSweeps asked, std::uint32_t relax_sweep
   return relax_sweeps > 1 ? FrictionSweeps::kEvery : FrictionSweeps::kRelax;
 }
 
-// Fixed for a run but for sub_steps, which the governor chooses before each tick.
+// Constant during a run except sub_steps, which the governor chooses before each tick.
 struct StepSettings {
   double dt{1e-3};                // s: the whole step
   std::uint32_t sub_steps{4};     // h = dt / sub_steps
   std::uint32_t relax_sweeps{1};  // per sub-step
   double contact_hertz{250.0};    // Hz, the same in both worlds; at most 0.25 / h
   double contact_damping_ratio{10.0};
-  double max_push_speed{0.25};  // m/s: an overlap is pushed out no faster
-  double slop{1e-5};            // m: overlap that is left alone
-  double min_margin{5e-4};      // m: points further apart than this, and than dt may close, are not found
-  double max_margin{2e-2};      // m
-  // Contacts of boxes and hulls are carried over until the surfaces have moved by this; 0: found anew in every step.
+  double max_push_speed{0.25};  // m/s: greatest speed at which an overlap is corrected
+  double slop{1e-5};            // m: overlap that is not corrected
+  double min_margin{5e-4};      // m: points are found up to this distance, or up to what dt may close if that is more
+  double max_margin{2e-2};      // m: limit of what dt may close, for the margin
+  // m: manifolds of boxes and hulls are reused until their surfaces have moved by this; 0: never reused.
   double recycle_tolerance_m{5e-5};
   Vec3d gravity{};      // m/s^2
-  bool friction{true};  // effect: Coulomb friction
+  bool friction{true};  // effect friction: Coulomb friction
   FrictionSweeps friction_sweeps{FrictionSweeps::kAuto};
-  bool gyroscopic{true};  // effect: the gyroscopic term
+  bool gyroscopic{true};  // effect gyroscopic: the gyroscopic term
 };
 
-// A contact is found with this much more margin than the step needs [m]: what its bodies may move, and move faster,
-// before the margin is used up and it must be found anew.
+// Extra margin with which a manifold is searched so that it can be reused [m]: covers the motion of its bodies, and an
+// increase of their speed, until the tolerance is used up.
 constexpr double room_to_carry_over(const StepSettings& settings) noexcept {
   return 2.0 * settings.recycle_tolerance_m;
 }
 
-// Bodies that no pair links to the others, and that make do with fewer sub-steps.
+// Bodies that no pair links to the others and for which fewer sub-steps suffice.
 struct FarRegion {
-  std::span<const std::uint8_t> bodies;  // by slot, 1: far; empty: none
+  std::span<const std::uint8_t> bodies;  // by slot, 1: far; empty: no body is far
   std::uint32_t sub_steps{0};
 };
 
 struct StepReport {
   std::uint32_t capacity_bits{0};      // CapacityBit
   std::uint32_t dropped{0};            // pairs and contacts left out
-  std::uint32_t pairs{0};              // known to narrow phase
-  std::uint32_t searched{0};           // of the pairs, those whose shapes were compared: no contact carried over
-  std::uint32_t comparisons{0};        // the work of that, in comparisons of two boxes
+  std::uint32_t pairs{0};              // given to narrow phase
+  std::uint32_t searched{0};           // pairs whose shapes were compared because no manifold could be reused
+  std::uint32_t comparisons{0};        // work of the searched pairs, in comparisons of two boxes
   std::uint32_t joints{0};             // solved
   std::uint32_t contacts{0};           // manifolds solved
   std::uint32_t points{0};             // points solved
   std::uint32_t cut_sweep{kNeverCut};  // sweep at which the cut fired
   double deepest_m{};                  // largest overlap at the start of the step [m]
-  std::uint32_t broken_joints{0};      // that broke in this step
-  double border_joints_J{};            // work of joints with bodies of another world, on this one's
-  // N, N m about the proxy's centre: what the hand feels beyond the coupling (effects texture, transients).
+  std::uint32_t broken_joints{0};      // joints that broke in this step
+  double border_joints_J{};            // J: work of joints to bodies of another world, done on this world's bodies
+  // N, N m about the proxy's centre: what the hand receives beside the coupling's wrench (effects texture, transients).
   Wrenchd hand_wrench{};
 };
 

@@ -5,7 +5,7 @@
 namespace tactus::physics {
 namespace {
 
-// A body takes some fifty nanoseconds to measure, handing some over about a microsecond.
+// Computing a body's bounds takes about 50 ns, handing work to another thread about 1 us.
 constexpr std::uint32_t kFewestBodies = 64;
 
 std::uint32_t lower_slot(const BoundedVector<Body>& bodies, BodyId id) noexcept {
@@ -17,7 +17,7 @@ bool holds(const BoundedVector<Body>& bodies, std::uint32_t slot, BodyId id) noe
   return slot < bodies.size() && bodies[slot].id == id;
 }
 
-// May the box reach below the plane, the half space z <= 0 of its frame?
+// True if the box may reach below the plane: the half space z <= 0 of its frame.
 bool reaches_plane(const Aabb& box, const BodyFrame& plane) noexcept {
   const Vec3d& normal = plane.axes.z;
   const Vec3d lowest{normal.x > 0.0 ? box.lower.x : box.upper.x, normal.y > 0.0 ? box.lower.y : box.upper.y,
@@ -188,7 +188,7 @@ void World::begin_step(const StepSettings& settings) noexcept {
 }
 
 void World::add_pairs(StageContext& context) noexcept {
-  // A finder may find too much: it must not show.
+  // A broad phase may report extra pairs; results must not depend on them.
   const auto counts = [this](const SlotPair& pair) noexcept {
     TACTUS_CHECK(pair.a < bodies_.size() && pair.b < bodies_.size() && pair.a != pair.b, pair.a, pair.b);
     return bounds_[pair.a].overlaps(bounds_[pair.b]) && (frozen_[pair.a] & frozen_[pair.b]) == 0;
@@ -219,15 +219,15 @@ void World::add_fixed_pair(const SlotPair& pair, const StepSettings& settings, S
     contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
 }
 
-// Those of the tree: the fixed body's slot, the moving one's, in that order. What the list does not hold is added at
-// once: the contact table counts what it leaves out.
+// Pairs found by the tree: (fixed slot, moving slot), in that order. Pairs beyond the list's capacity are added to the
+// contact table at once, which counts what it leaves out.
 void World::find_fixed_pairs(const StepSettings& settings, StepReport& report) noexcept {
   fixed_pairs_.clear();
   const auto found = [&](std::uint32_t f, std::uint32_t i) noexcept {
     if (!fixed_pairs_.try_push({f, i})) add_fixed_pair({f, i}, settings, report);
     return true;
   };
-  // Bodies that are close together meet few fixed ones: then the tree is asked once for all of them.
+  // Bodies that are close together are near few fixed bodies: then one query serves all of them.
   FixedVector<std::uint32_t, 16> near;
   bool few = true;
   if (!bodies_.empty()) {
@@ -249,7 +249,8 @@ void World::find_fixed_pairs(const StepSettings& settings, StepReport& report) n
             [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
 }
 
-// In the order of the fixed bodies, mostly that of the keys: planes, which no tree holds, between the others.
+// Adds the pairs in the order of the fixed bodies, which is mostly that of the keys: planes, which are in no tree, are
+// merged in between.
 void World::add_fixed_pairs(StageContext& context) noexcept {
   const auto add = [&](const SlotPair& pair) noexcept { add_fixed_pair(pair, context.settings, context.report); };
   mesh_triangles_.clear();
@@ -268,7 +269,7 @@ void World::add_fixed_pairs(StageContext& context) noexcept {
   add_below(fixed_bodies_.size());
 }
 
-// One pair for each patch that the body is near to, with the patch's triangles.
+// Adds one pair for each patch near the body, with the patch's triangles.
 void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double margin, StepReport& report) noexcept {
   const Body &body = bodies_[slot], &fixed = fixed_bodies_[fixed_slot];
   const Mesh& mesh = meshes_[fixed.shape.index];
@@ -328,7 +329,7 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
   return report;
 }
 
-// Bodies that are held neither move nor feel impulses.
+// Bodies that are held neither move nor take impulses.
 void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> springs, const StepSettings& settings,
                   double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept {
   const std::span<const Wrenchd> wrenches =
@@ -351,7 +352,8 @@ void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> spri
   single_solver_->step(input, settings, cut, report);
 }
 
-// The others have been solved, and are held. Between steps all impulses are those of the near region's sub-step.
+// Solves the far region; the others have been solved and are held. Impulses stored between steps are those of the near
+// region's sub-step.
 void World::solve_far(const FarRegion& far, const StepSettings& settings, const CutPredicate& cut,
                       StepReport& report) noexcept {
   TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);

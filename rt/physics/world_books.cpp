@@ -1,11 +1,11 @@
-// The books of a world: energy, momentum, hash; and its state as bytes.
+// Diagnostics of a world (energy, momentum, hash), and its state as bytes.
 #include "rt/physics/world.h"
 
 namespace tactus::physics {
 namespace {
 
-// Every field on its own, for writing and for reading: structs have padding, and the same state must give the same
-// bytes. `io(x)` writes or reads x.
+// Visits every field separately, for writing and for reading: structs have padding, and the same state must give the
+// same bytes. `io(x)` writes or reads x.
 template <class Io>
 void each_field(Io& io, Vec3d& v) noexcept {
   io(v.x), io(v.y), io(v.z);
@@ -119,7 +119,7 @@ struct Reading {
   void operator()(V& value) noexcept {
     in.get(value);
   }
-  void operator()(bool& value) noexcept {  // a byte that is neither 0 nor 1 is no bool
+  void operator()(bool& value) noexcept {  // via a byte: other values than 0 and 1 are no bool
     std::uint8_t byte = 0;
     in.get(byte);
     value = byte != 0;
@@ -235,7 +235,7 @@ void World::clear() noexcept {
   refused_bits_ = 0, refused_ = 0;
 }
 
-// What a world made by itself always is, and bytes from a damaged tape may not be.
+// Invariants that a world keeps by itself and that bytes from a damaged tape may violate.
 bool World::is_consistent() const noexcept {
   const std::size_t hulls = hulls_.size(), meshes = meshes_.size();
   const auto ascending = [hulls, meshes](const BoundedVector<Body>& bodies, BodyKind kind) noexcept {

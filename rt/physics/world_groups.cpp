@@ -1,4 +1,4 @@
-// Many bodies of a world at once: whole islands that come and go.
+// Inserts and removes many bodies of a world at once: whole islands.
 #include "rt/physics/world.h"
 
 namespace tactus::physics {
@@ -9,7 +9,7 @@ bool World::insert(std::span<const Body> bodies) noexcept {
   const std::uint32_t after = before + added;
   bodies_.resize(after), frozen_.resize(after), wrenches_.resize(after), last_poses_.resize(after);
   moved_to_.resize(before);
-  // From the top, so that nobody is overwritten before he has moved.
+  // Merges from the back, so that no element is overwritten before it is moved.
   std::uint32_t old = before, next = added;
   for (std::uint32_t slot = after; slot-- > 0;) {
     if (next == 0 || (old > 0 && bodies[next - 1].id < bodies_[old - 1].id)) {
@@ -46,7 +46,7 @@ void World::move_body(std::uint32_t from, std::uint32_t to) noexcept {
   wrenches_[to] = wrenches_[from], last_poses_[to] = last_poses_[from];
 }
 
-// What refers to bodies by slot.
+// Updates everything that refers to bodies by slot.
 void World::follow_moves() noexcept {
   contacts_.slots_moved(moved_to_.span());
   for (auto& spring : springs_) {

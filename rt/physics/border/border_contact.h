@@ -1,5 +1,5 @@
-// A contact of a body of this world with a body of another world, which this world knows only by its motion and by
-// the impulse that the other world's solver last found there.
+// A contact between a body of this world (the member) and a body of another world (the outside body), of which this
+// world has only the motion and the impulse that the other world's solver last found at the contact.
 //
 // Source: the paper, section 2.2; kCapped and kGhost: the study of borders. Frame: world; normal from the outside body
 // to the member. Units: SI. Thread: the owner of the World.
@@ -17,38 +17,38 @@
 namespace tactus::physics {
 
 enum class BorderMode : std::uint32_t {
-  // Unilateral contact against the neighbour's motion; the impulse of a pair, over all its points, is at most the sum
-  // of their impulse_rate x time. Which point carries it is the solver's to find: a cap on each point would leave no
+  // Unilateral contact against the outside body's motion. The impulse of a pair, summed over its points, is at most the
+  // sum of their impulse_rate x time; the solver distributes it among the points. A cap on each point would leave no
   // torque against a tilt, and a tall stack on such a border falls.
   kCapped = 1,
-  kReplay = 2,  // the impulse itself, every sub-step (the paper)
-  kFrozen = 3,  // unilateral contact against a neighbour at rest, impulse unlimited
-  kGhost = 4,   // a contact like an inner one, friction included, against a ghost that answers to it (border_ghost.h)
-  // Replay behind a passivity filter: while the border has put into the members what its budget holds, the impulse of a
-  // contact is limited, sub-step by sub-step, to what does no work on its member, and the friction point pulls nothing
-  // back. The paper filters "to avoid energy gain" and does not say how: this is our filling-in,
-  // after the time-domain passivity control of Hannaford and Ryu (2002), with the tank for its energy observer.
+  kReplay = 2,  // applies the global step's impulse in every sub-step (the paper)
+  kFrozen = 3,  // unilateral contact against an outside body at rest, impulse unlimited
+  kGhost = 4,   // a contact like an inner one, with friction, against a ghost that reacts to it (border_ghost.h)
+  // Replay with a passivity filter. When the border's energy budget is used up, the impulse of a contact is limited,
+  // sub-step by sub-step, to what does no work on its member, and the friction point is no longer pulled back. The
+  // paper filters "to avoid energy gain" without giving the method; this one is ours, after the time-domain passivity
+  // control of Hannaford and Ryu (2002), with the energy budget as observer.
   kFiltered = 5,
 };
 
-// What tells the modes apart: the solver of border contacts and both sides of the exchange ask for these alone.
+// The properties of a mode: the border solver and both sides of the exchange read only these, never the mode.
 struct BorderTraits {
-  std::string_view name;        // in options, JSON and tables
-  bool ghosts{false};           // the outside body is a ghost that answers, with friction as between members; no limit
-  bool replays{false};          // the global step's impulse acts, sub-step by sub-step
-  bool limited{false};          // a pair's impulse is at most the global step's: impulse_rate x time, over its points
+  std::string_view name;  // in options, JSON and tables
+  bool ghosts{false};   // the outside body is a ghost that reacts, with friction as between members; impulse unlimited
+  bool replays{false};  // the global step's impulse is applied in every sub-step
+  bool limited{false};  // a pair's impulse is at most the global step's: impulse_rate x time, over its points
   bool surface_moves{false};    // the outside surface and its friction point move with outside_velocity
-  bool has_budget{false};       // what it puts into members is bounded by an energy budget
-  double budget_at_start_J{0};  // what of it is there before anything was taken out
-  // What the global world does with the impulses that the sub-world found on outside bodies.
+  bool has_budget{false};       // the energy that the border may put into members is bounded by a budget
+  double budget_at_start_J{0};  // J: the budget before the border has taken out any energy
+  // How the global world uses the impulses that the sub-world applied to outside bodies.
   enum class Return : std::uint32_t {
-    kNothing,  // none: the global world keeps its own state of what stands at the border
-    kImpulse,  // applies them: friction then counts in both worlds (the paper)
-    kChange,   // applies their difference to what its own contacts did
+    kNothing,  // not at all: the global world keeps its own state of the bodies at the border
+    kImpulse,  // applies them: friction then acts in both worlds (the paper)
+    kChange,   // applies their difference to the impulses of its own contacts
   } returns{Return::kNothing};
 };
 
-// Of a number that is no mode: without a name.
+// A number that is no mode gets an empty name.
 constexpr BorderTraits traits_of(BorderMode mode) noexcept {
   using enum BorderMode;
   using Return = BorderTraits::Return;
@@ -67,34 +67,34 @@ constexpr BorderTraits traits_of(BorderMode mode) noexcept {
   return {};
 }
 
-// In the order of help texts and tables.
+// Order of help texts and tables.
 inline constexpr std::array kBorderModes{BorderMode::kGhost, BorderMode::kCapped, BorderMode::kReplay,
                                          BorderMode::kFiltered, BorderMode::kFrozen};
 static_assert(lists_every_choice(kBorderModes), "a mode that has traits is not in the list, or twice");
 
 struct BorderContact {
   BodyId member{kNoBody}, outside{kNoBody};
-  std::uint32_t feature{0};  // names the contact point among those of the pair
+  std::uint32_t feature{0};  // identifies the contact point within the pair
   Vec3d normal;              // unit, world, from the outside body towards the member
   Vec3d member_anchor;       // m, the contact point in the member's body frame
-  double impulse_rate{};     // N: what the global step found: its impulse / its time
+  double impulse_rate{};     // N: impulse of the global step / its length
   double friction{};         // coefficient of the pair
   Vec3d outside_velocity;    // m/s, of the outside body's surface at the point, world
-  // kGhost: the ghost, by index among the world's (kNoGhost: the contact exerts nothing), and the outside body's own
-  // share of the contact's inverse effective mass [1/kg], from which comes its softness.
+  // kGhost: index of the ghost in the world's list (kNoGhost: the contact exerts nothing), and the outside body's own
+  // part of the contact's inverse effective mass [1/kg], which determines the contact's softness.
   std::uint32_t ghost{kNoGhost};
   double outside_inverse_mass{};
 
-  // The friction point (paper 2.2): the member's point stays on the line through `line_point` along `normal`. A ghost
-  // has none: there the point is where the member's is, tick by tick.
+  // The friction point (paper 2.2): the member's point is held on the line through `line_point` along `normal`. With a
+  // ghost there is no such constraint: line_point follows the member's point every tick.
   Vec3d line_point;           // m, world; moves with outside_velocity
   double gap{};               // m: signed gap along the normal when the member's point is at line_point
-  bool friction_free{false};  // true once the tangential impulse exceeded mu i; refreshed at each synchronisation
+  bool friction_free{false};  // true after the tangential impulse exceeded mu i; refreshed at each synchronisation
 
-  // What the solver did. Warm-start impulses of the last sub-step, sums since the last clear [N s].
+  // Results of the solver: warm-start impulses of the last sub-step, and sums since the last clear [N s].
   double normal_impulse{};
   double tangent_impulse[2]{};
-  double step_normal_impulse{};   // over the current step: the i of mu i
+  double step_normal_impulse{};   // over the current step: i of the friction limit mu i
   Vec3d step_tangent_impulse{};   // over the current step, on the member
   double total_normal_impulse{};  // over the cycle
   Vec3d total_tangent_impulse{};  // over the cycle, on the member

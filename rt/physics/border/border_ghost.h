@@ -1,8 +1,9 @@
-// A body of another world as this world knows it at the border: its motion, and what an impulse does to it.
+// A ghost: an outside body as this world represents it at the border, by its motion and its response to an impulse.
 //
-// The ghost moves as the other world found it to move under the load it found; what the load is off by moves it at
-// once, by its admittance: v = u + W (P - P_found). W stands for all that moves with the body, so that a body on firm
-// ground has none and the first of a row the row's. Frame: world. Units: SI. Thread: the owner of the World.
+// The ghost moves as in the other world, under the contact impulse P_found that the other world found. A deviation from
+// that impulse changes its velocity at once, by its admittance: v = u + W (P - P_found), u: velocity in the other
+// world. W is the apparent admittance of everything that moves with the body: zero for a body held firmly by the
+// ground; that of the whole row for the first body of a row. Frame: world. Units: SI. Thread: the owner of the World.
 #pragma once
 
 #include <algorithm>
@@ -13,11 +14,11 @@
 
 namespace tactus::physics {
 
-// The change of a body's twist by an impulse on it, both at its centre: symmetric, not negative.
+// Change of a body's twist per impulse applied to it, both at its centre: symmetric, positive semidefinite.
 struct Admittance {
   SymMat3d linear;   // m/s per N s
   SymMat3d angular;  // rad/s per N m s
-  Vec3d crossed[3];  // row i: velocity i [m/s] per N m s; its transpose is rad/s per N s
+  Vec3d crossed[3];  // row i: linear velocity i [m/s] per N m s; its transpose is rad/s per N s
 
   friend constexpr Twistd operator*(const Admittance& w, const Wrenchd& p) noexcept {
     const Vec3d& f = p.force;
@@ -29,13 +30,13 @@ struct Admittance {
 struct BorderGhost {
   BodyId outside{kNoBody};
   Vec3d centre;           // m
-  Twistd velocity;        // of the centre, now
-  Twistd drive;           // m/s^2, rad/s^2: by all that acts on it but this world's members
-  Admittance admittance;  // of the centre
+  Twistd velocity;        // m/s, rad/s: of the centre
+  Twistd drive;           // m/s^2, rad/s^2: acceleration by everything but this world's members
+  Admittance admittance;  // at the centre
   Wrenchd total_impulse;  // N s, N m s about the centre: by the members, over the cycle
 };
 
-// A ghost within a step.
+// A ghost during a step.
 struct GhostState {
   BodyId outside{kNoBody};
   Twistd velocity, before;  // now; before the warm start
@@ -47,7 +48,7 @@ struct GhostState {
 
 inline constexpr std::uint32_t kNoGhost = 0xffffffffu;
 
-// The index of the ghost of that body, among ghosts by id; kNoGhost: there is none.
+// Index of the body's ghost in `ghosts`, which is sorted by id; kNoGhost if there is none.
 template <class Ghost>
 std::uint32_t find_ghost(std::span<Ghost> ghosts, BodyId outside) noexcept {
   const auto at = std::lower_bound(ghosts.begin(), ghosts.end(), outside,

@@ -12,9 +12,9 @@ const Body* find_by_id(std::span<const Body> bodies, BodyId id) noexcept {
   return at != bodies.end() && at->id == id ? &*at : nullptr;
 }
 
-// A member between two ghosts is slow where a sweep leaves more than this part of an error: after the four relax sweeps
-// of a tick 10 % of it is left, swept twice 1 %. Measured range: from 0.2 to 0.85 the force errors of seven whole runs
-// (tests/border/README.md) are the same within 0.01 %.
+// A member between two ghosts is slow if a sweep leaves more than this share of an error: after the four relax sweeps
+// of a tick 10 % is left, with rows swept twice 1 %. Measured range: from 0.2 to 0.85 the force errors of seven whole
+// runs (tests/border/README.md) are the same within 0.01 %.
 inline constexpr double kSlowShare = 0.5625;
 
 }  // namespace
@@ -46,7 +46,7 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
     if (member == nullptr) continue;
     row.slot = static_cast<std::uint32_t>(member - bodies.data());
     const double mass = solver_bodies.motion[row.slot].inverse_mass;
-    if (mass == 0.0) continue;  // frozen: nothing moves it
+    if (mass == 0.0) continue;  // frozen
     row.active = true;
     row.holds = friction && (rule_.ghosts || !c.friction_free);
     row.n = c.normal;
@@ -77,14 +77,14 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
     while (end < rows_.size() && rows_[end].slot == rows_[k].slot) ++end;
     mark_slow(rows_.span().subspan(k, end - k));
   }
-  // A pair that the other world found touching without pressing may not push: its rows would cost and do nothing.
+  // A pair that touched without pressing in the other world has a limit of 0: its rows would cost time and do nothing.
   if (!rule_.limited) return;
   for (Row& row : rows_)
     if (pairs_[row.pair].cap == 0.0) row.active = false;
 }
 
-// Of an error the row against one ghost leaves w / (w + W) to the next row of the member, w of the member, W of the
-// ghost: a sweep over two leaves the product of their shares.
+// The row against one ghost leaves the share w / (w + W) of an error to the member's next row (w: inverse effective
+// mass of the member, W: of the ghost); a sweep over two rows leaves the product of their shares.
 void BorderSolver::mark_slow(std::span<Row> of_member) noexcept {
   const Row* most = &of_member[0];
   for (const Row& row : of_member)
@@ -95,7 +95,7 @@ void BorderSolver::mark_slow(std::span<Row> of_member) noexcept {
   for (Row& row : of_member) row.slow = most->member_share * other > kSlowShare;
 }
 
-// The rows' masses with both sides moving.
+// Fills the effective masses of a row against a ghost: both sides move.
 void BorderSolver::init_ghost_row(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
                                   const SymMat3d& inertia, const Vec3d& point) noexcept {
   row.ghost = contact.ghost;
@@ -120,14 +120,14 @@ void BorderSolver::init_ghost_row(Row& row, const BorderContact& contact, const 
                       member(row.t1, row.t2) + answer(1, row.t2));
 }
 
-// The most that the normal row may push in a sub-step: what the pair's other points leave of its cap.
+// Limit of the normal impulse in a sub-step: what the pair's other points leave of its cap.
 double BorderSolver::normal_limit(const Row& row) const noexcept {
   if (!rule_.limited) return std::numeric_limits<double>::max();
   const Pair& pair = pairs_[row.pair];
   return std::max(0.0, pair.cap - (pair.sum - row.normal_impulse));
 }
 
-// Of the member's point from where line_point has gone, `elapsed` into the step.
+// Offset of the member's point from line_point as moved by the outside body, `elapsed` into the step.
 Vec3d BorderSolver::offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept {
   const Vec3d member = row.offset + body.delta_position + rotate(body.delta_rotation, row.r) - row.r;
   if (row.ghost == kNoGhost) return member - elapsed * row.neighbour_velocity;
@@ -135,7 +135,7 @@ Vec3d BorderSolver::offset_at(const Row& row, const SolverBody<double>& body, do
   return member - ghost.moved - cross(ghost.turned, row.ghost_r);
 }
 
-// The member's velocity against its neighbour's, or what counts for it.
+// Relative velocity of the member's point. Without budget an approaching ghost counts as at rest along the normal.
 Vec3d BorderSolver::slip(const Row& row, const SolverBody<double>& body) const noexcept {
   if (row.ghost == kNoGhost) return velocity_at(body, row.r) - row.neighbour_velocity;
   const Twistd& ghost = ghosts_[row.ghost].velocity;
@@ -143,7 +143,7 @@ Vec3d BorderSolver::slip(const Row& row, const SolverBody<double>& body) const n
   return velocity_at(body, row.r) - (may_supply_ ? v : v - std::max(0.0, dot(row.n, v)) * row.n);
 }
 
-// Impulses along n, t1 and t2: on the member, the opposite on the ghost.
+// Applies impulses along n, t1 and t2 to the member, and the opposite to the ghost.
 void BorderSolver::apply_impulse(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal,
                                  double tangent1, double tangent2) noexcept {
   apply_impulse_at(body, inertia, row.r, normal * row.n + tangent1 * row.t1 + tangent2 * row.t2);
@@ -154,8 +154,8 @@ void BorderSolver::apply_impulse(const Row& row, SolverBody<double>& body, const
     ghost.linear += by[i] * row.ghost_answer[i].linear, ghost.angular += by[i] * row.ghost_answer[i].angular;
 }
 
-// The normal row, by the rules of an inner contact: apart, it lets the gap close; overlapping, it pushes out softly in
-// the biased sweep and stops the approach in the relax sweep.
+// Solves the normal row by the rules of an inner contact: while separated, it lets the gap close; overlapping, it
+// corrects the overlap softly in the biased sweep and stops the approach in the relax sweep.
 void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
                                 const SweepRule<double>& rule, bool biased) noexcept {
   const double gap = row.gap + dot(row.n, offset_at(row, body, biased ? row.elapsed : row.elapsed + h_));
@@ -163,7 +163,7 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
   double bias{};
   if (gap > 0.0) {
     bias = gap * rule.inverse_h;
-  } else if (biased && may_supply_) {  // else rigid: nothing is pushed out, and nothing let go
+  } else if (biased && may_supply_) {  // otherwise rigid: no overlap is corrected, no impulse relaxed
     soft = rule.softness;
     if (row.ghost != kNoGhost) {
       soft.mass_scale = 1.0 / (1.0 + row.own_share * soft.impulse_scale / soft.mass_scale);
@@ -203,7 +203,7 @@ void BorderSolver::apply_replay(SolverBodies<double> bodies) noexcept {
     SolverBody<double>& body = bodies.motion[row.slot];
     row.normal_impulse = row.cap;
     if (!may_supply_) {
-      // J (v + v') / 2 = 0, v before the sub-step and v' after it: v' is what it is now and J / m.
+      // J (v + v') / 2 = 0, v before the sub-step and v' after it; v' is the present velocity plus J / m.
       const double no_work = -row.normal_mass * dot(row.n, row.start_velocity + velocity_at(body, row.r));
       row.normal_impulse = std::clamp(no_work, 0.0, row.cap);
     }
@@ -230,7 +230,7 @@ void BorderSolver::warm_start(SolverBodies<double> bodies) noexcept {
   }
 }
 
-// The friction of an inner contact.
+// Solves friction as for an inner contact.
 void BorderSolver::solve_friction(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept {
   const Vec3d u = slip(row, body);
   double next[2] = {row.tangent_impulse[0] - row.tangent_mass * dot(row.t1, u),
@@ -259,11 +259,11 @@ void BorderSolver::solve_friction_point(Row& row, SolverBody<double>& body, cons
   row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
 }
 
-// Forwards in the biased phase and backwards in the relax phase the sweep is symmetric: its eigenvalues are real and in
-// [0, 1) (Saad, Iterative Methods for Sparse Linear Systems, 2003, section 4.1). In one direction alone they are
-// complex, the errors of many rows go round: the load on a plank of tests/border/crib.toml (shares 14/15) swung by a
-// third of its mean, and the hand's proxy crept along it. Symmetric it swings by 4.5 %, with the slow rows swept twice
-// by 1.5 %.
+// Forwards in the biased sweep and backwards in the relax sweep, the iteration is symmetric: its eigenvalues are real
+// and in [0, 1) (Saad, Iterative Methods for Sparse Linear Systems, 2003, section 4.1). In one direction only they are
+// complex, and the errors of many coupled rows oscillate: the load on a plank of tests/border/crib.toml (shares 14/15)
+// oscillated by a third of its mean, and the proxy crept along it. With the symmetric order it oscillates by 4.5 %,
+// with the slow rows swept twice by 1.5 %.
 void BorderSolver::solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept {
   const std::uint32_t count = rows_.size();
   const auto at = [&](std::uint32_t i) noexcept -> Row& { return rows_[biased ? i : count - 1 - i]; };
@@ -295,18 +295,18 @@ Vec3d BorderSolver::impulse_of(const Row& row) const noexcept {
   return row.normal_impulse * row.n + row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
 }
 
-// Kinetic energy changes by the impulse times the mean of the velocities before and after, exactly.
+// The change of kinetic energy is exactly the impulse times the mean of the velocities before and after.
 double BorderSolver::work_of(const Row& row, const SolverBody<double>& body) const noexcept {
   return 0.5 * dot(impulse_of(row), row.start_velocity + velocity_at(body, row.r));
 }
 
-// Of a row's impulse J, which did the work W on the member, the share s is left that does `allowed`:
-// s (W + (s - 1) J A J / 2) = allowed, since of the velocity after the sub-step (1 - s) A J goes with the rest.
+// Scales a row's impulse J, which did the work W on the member, to the share s that does `allowed`. The velocity after
+// the sub-step loses (1 - s) A J, so s (W + (s - 1) J A J / 2) = allowed.
 void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
                                   double allowed) noexcept {
   const Vec3d impulse = impulse_of(row);
   const double own = 0.5 * inverse_effective_mass(body.inverse_mass, inertia, row.r, impulse, impulse);
-  const double others = work_of(row, body) - own;  // what s = 0 leaves of W / s
+  const double others = work_of(row, body) - own;  // W / s in the limit s = 0
   const double share = 0.5 * (std::sqrt(others * others + 4.0 * own * allowed) - others) * invert_or_zero(own);
   const double less = std::clamp(share, 0.0, 1.0) - 1.0;
   apply_impulse(row, body, inertia, less * row.normal_impulse, less * row.tangent_impulse[0],
@@ -314,7 +314,7 @@ void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymM
   row.normal_impulse *= 1.0 + less, row.tangent_impulse[0] *= 1.0 + less, row.tangent_impulse[1] *= 1.0 + less;
 }
 
-// Rows may give no more than is in the tank. One that takes takes all that it did.
+// Limits the energy that rows put into members to the rest of the budget. Rows that take energy out are not reduced.
 void BorderSolver::keep_budget(SolverBodies<double> bodies) noexcept {
   double given{}, sum{};
   for (const Row& row : rows_) {

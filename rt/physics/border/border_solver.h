@@ -1,11 +1,13 @@
-// Solves the border contacts of a world: rows against a body that this world knows only by its motion.
+// Solves the border contacts of a world: rows between a member and an outside body, which is given by its motion.
 //
-// Modes and fields: border_contact.h. Per sub-step: [replay: the impulse itself], warm start, and in every sweep the
-// normal row (as an inner contact's: soft in the biased sweep, at velocity level in the relax sweep), then the friction
-// point's two rows: soft towards the line in the biased sweep, velocity level in the relax sweep, within the disk mu i.
-// Against a ghost friction is an inner contact's: in the relax sweep, within the disk of the row's own normal impulse.
-// A row's spring is that of the two bodies, whatever moves with the outside one: with A = J W J^T of member and ghost,
-// A' that of the two bodies alone, it gives way by A' / a2 (softness.h), so that both worlds sink equally deep.
+// Modes and fields: border_contact.h. Per sub-step: [replay: applies the given impulse], warm start, and in every sweep
+// the normal row (as for an inner contact: soft in the biased sweep, at velocity level in the relax sweep), then the
+// two rows of the friction point: soft towards the line in the biased sweep, velocity level in the relax sweep, within
+// the disk mu i. Against a ghost, friction is that of an inner contact: in the relax sweep only, within the disk of the
+// row's own normal impulse.
+// The stiffness of a row against a ghost is that of a contact of the two bodies alone, independent of what moves with
+// the outside body, so that the overlap is the same in both worlds: with A = J W J^T of member and ghost, and A' that
+// of the two bodies alone, its compliance is A' / a2 (softness.h).
 // Frame: world. Units: SI. Thread: construction [setup], the rest [rt]. Bound: linear in border contacts.
 #pragma once
 
@@ -22,59 +24,60 @@ class BorderSolver {
   explicit BorderSolver(std::uint32_t border_contacts)  // [setup]
       : rows_(border_contacts), pairs_(border_contacts), ghosts_(border_contacts) {}
 
-  // `budget_J`: what the border may put into members in the step; below 0, what it must take first. While nothing is
-  // left of it, sub-step by sub-step, it only takes: to members ghosts do not approach, and their friction, or what is
-  // replayed, is limited to what does no work on the member.
-  // `bodies`: by slot, ascending ids. A contact whose member is not there exerts nothing.
+  // `budget_J`: the energy that the border may put into members in this step; below 0: the energy that it must take out
+  // of them first. In a sub-step that starts without budget the border only takes energy: an approaching ghost counts
+  // as at rest along the normal, friction is limited to what does no work on the member, and so is a replayed impulse.
+  // `bodies`: by slot, ascending ids. A contact whose member is missing exerts nothing.
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, BorderMode mode,
                std::span<const Body> bodies, SolverBodies<double> solver_bodies, double h, double impulse_scale,
                bool friction, double budget_J) noexcept;
-  void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves: books
+  void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves
   void apply_replay(SolverBodies<double> bodies) noexcept;
   void warm_start(SolverBodies<double> bodies) noexcept;
   void solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
-  void move_ghosts() noexcept;  // where the bodies move
+  void move_ghosts() noexcept;  // at the same place as the integration of the bodies
   void end_sub_step(SolverBodies<double> bodies) noexcept;
   void scale_impulses(double factor) noexcept;
-  // `share` as for contacts.
+  // `share`: see ContactSolver::store.
   void store(std::span<BorderContact> contacts, std::span<BorderGhost> ghosts, double dt, double share) const noexcept;
   void keep_impulses(std::span<BorderContact> contacts) const noexcept { store_impulses(contacts, 1.0); }
-  // From prepare to store: joints act on them, too. In the order of the world's; none without the ghost border.
+  // Valid from prepare to store, for joints, which act on them, too. In the order of the world's; empty without the
+  // ghost border.
   std::span<GhostState> ghosts() noexcept { return ghosts_.span(); }
 
  private:
   struct Row {
     std::uint32_t slot{0};
     std::uint32_t pair{0};             // index into pairs_
-    bool active{false}, holds{false};  // the member is there; the friction point holds
+    bool active{false}, holds{false};  // the member exists and is not frozen; friction acts
     Vec3d n, t1, t2;
     Vec3d r;                   // m, from the member's centre, at the start of the step
-    Vec3d offset;              // m, of the member's point from line_point, at the start of the step
+    Vec3d offset;              // m, from line_point to the member's point, at the start of the step
     Vec3d neighbour_velocity;  // m/s
     double cap{}, friction{};  // N s; -
     double normal_mass{}, tangent_mass{};
-    // Against a ghost: which, the point from its centre [m], what a unit impulse on the member along n, t1, t2 does to
-    // it, A' / A of the normal, and the member's part of A.
+    // Against a ghost: its index, the point from its centre [m], the change of its twist per unit impulse on the member
+    // along n, t1, t2, A' / A along the normal, and the member's part of A.
     std::uint32_t ghost{kNoGhost};
     Vec3d ghost_r;
     Twistd ghost_answer[3];
     double own_share{1}, member_share{};
     bool slow{false};
     double normal_impulse{}, tangent_impulse[2]{};
-    double demand[2]{}, step_demand[2]{};  // N s: what the rows would have taken without the disk; sum of the step
+    double demand[2]{}, step_demand[2]{};  // N s: the impulse before the clamp to the disk; sum of the step
     double gap{};                          // m, at the start of the step
-    double elapsed{};                      // s, of the step, at the start of the sub-step
-    double error[2]{};                     // m, off the line at the start of the sub-step
-    double end_gap{};                      // m, and the member's point from line_point: at the end of the sub-step
+    double elapsed{};                      // s, time in the step at the start of the sub-step
+    double error[2]{};                     // m, from the line, along t1 and t2, at the start of the sub-step
+    double end_gap{};                      // m; end_gap and end_offset: at the end of the sub-step
     Vec3d end_offset;
-    Vec3d start_velocity;  // m/s, of the point
+    Vec3d start_velocity;  // m/s, of the point, at the start of the sub-step
     double step_normal{}, work{};
     Vec3d step_tangent;
   };
 
-  // The points of one member and one outside body, which follow each other.
+  // The points of one pair of member and outside body, which are contiguous.
   struct Pair {
-    double cap{}, sum{};  // N s per sub-step: allowed, applied
+    double cap{}, sum{};  // N s per sub-step: limit, sum of the normal impulses
   };
 
   void init_ghost_row(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
@@ -99,11 +102,11 @@ class BorderSolver {
 
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;
-  BoundedVector<GhostState> ghosts_;  // as the world's
+  BoundedVector<GhostState> ghosts_;  // in the order of the world's ghosts
   double h_{};
   BorderTraits rule_;      // of the mode
-  bool may_supply_{true};  // in the sub-step: something is left of the budget
-  double budget_J_{};      // what is left of it
+  bool may_supply_{true};  // this sub-step started with some budget left
+  double budget_J_{};      // J: the rest of the budget
 };
 
 }  // namespace tactus::physics

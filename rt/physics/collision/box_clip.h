@@ -1,7 +1,7 @@
-// The part of a box's face that lies above another box's face. Inside narrow phase; what boxes and hulls have in common
-// is in clip_polygon.h. Thread: [any]; pure. Bound: a quadrilateral against four lines has at most eight corners.
+// Clips a box's face to the outline of another box's face. Inside narrow phase; the code shared with hulls is in
+// clip_polygon.h. Thread: [any]; pure. Bound: a quadrilateral clipped by four lines has at most eight corners.
 //
-// Frame: the reference face's own: u, v along its sides, w outward from it. Units: m.
+// Frame: that of the reference face: u, v along its sides, w outward. Units: m.
 #pragma once
 
 #include "rt/physics/collision/clip_polygon.h"
@@ -17,7 +17,7 @@ struct ClipPoint {
   double u, v, w;     // m
   std::uint8_t id;    // corner of the incident box 0..7, or the crossing of a line with a side 8..71
   std::uint8_t line;  // label of the line from this point to the next
-  bool kept;          // among the points of the last step
+  bool kept;          // was a point of the last step's manifold
 };
 
 struct ClipPolygon {
@@ -25,8 +25,8 @@ struct ClipPolygon {
   std::array<ClipPoint, kMaxClipPoints> points;
 };
 
-// Cuts the polygon to |u| <= half_u, |v| <= half_v. Empty where nothing is left. A point on a side, or beyond it by at
-// most 10 um, stays where it is; of points within 20 um of each other one is left.
+// Clips the polygon to |u| <= half_u, |v| <= half_v; empty if nothing is left. A point on a side, or beyond it by at
+// most 10 um, is kept unchanged; of points within 20 um of each other one is kept.
 inline void clip_to_rectangle(ClipPolygon& polygon, double half_u, double half_v) noexcept {
   const auto cut_to = [&](double ClipPoint::*coordinate, double sign, double limit, int side) noexcept {
     cut(

@@ -1,10 +1,10 @@
-// What the clipped faces of boxes and of hulls have in common: cutting by one side, leaving out what coincides, and the
-// four points that stand for the rest. Inside narrow phase. Thread: [any]; pure. Bound: linear in the points.
+// Polygon clipping for the faces of boxes and hulls: clip by one side, merge close points, reduce to four points.
+// Inside narrow phase. Thread: [any]; pure. Bound: linear in the points.
 //
-// Frame: the reference face's own: u, v along it, w outward from it. Units: m. A Polygon has `count` and an array
-// `points` of u, v, w, `id` (the same corner has the same id from step to step), `line` (label of the line from this
-// point to the next) and `kept` (it was among the points of the last step). Noise must not change the points from step
-// to step: a contact whose points take turns never comes to rest.
+// Frame: that of the reference face: u, v along it, w outward. Units: m. A Polygon has `count` and an array `points` of
+// u, v, w, `id` (the same corner has the same id from step to step), `line` (label of the line from this point to the
+// next) and `kept` (was a point of the last step's manifold). Noise must not change the choice of points: a contact
+// whose points alternate from step to step never comes to rest.
 // Source: clipping by half planes, Sutherland and Hodgman 1974.
 #pragma once
 
@@ -15,20 +15,21 @@
 
 namespace tactus::physics {
 
-// What is beyond a side by no more than this stays as it is [m]: in a stack of equal boxes every corner lies on a
-// side, and must not take turns between being a corner and a crossing. The solver's slop.
+// Points beyond a side by at most this are kept unchanged [m]: in a stack of equal boxes every corner lies on a side,
+// and must not alternate between corner and crossing. Equals the solver's slop.
 inline constexpr double kSideTolerance = 1e-5;
 
 template <class Polygon>
 using PointOf = typename decltype(Polygon::points)::value_type;
 template <class Polygon>
 void push(Polygon& polygon, const PointOf<Polygon>& point) noexcept {
-  // Never full in exact arithmetic; rounding may fold a sliver of a face once more, and that corner is no loss.
+  // Never full in exact arithmetic. Rounding may fold a thin face once more; that corner may be dropped.
   if (polygon.count < polygon.points.size()) polygon.points[polygon.count++] = point;
 }
 
-// Cuts away what is beyond a side by more than the tolerance. `beyond_of(point)` [m]: how far it is beyond;
-// `crossing_id(point)`: of the line that begins there and the side; `side`: the label of the side.
+// Removes what is beyond a side by more than the tolerance. `beyond_of(point)` [m]: distance beyond the side;
+// `crossing_id(point)`: id of the crossing of the side with the line that starts at the point; `side`: label of the
+// side.
 template <class Polygon, class BeyondOf, class CrossingId>
 void cut(Polygon& polygon, BeyondOf beyond_of, CrossingId crossing_id, decltype(PointOf<Polygon>::line) side) noexcept {
   constexpr double tolerance = kSideTolerance;
@@ -49,19 +50,19 @@ void cut(Polygon& polygon, BeyondOf beyond_of, CrossingId crossing_id, decltype(
     const bool inside = beyond[k] <= tolerance, next_inside = beyond[next] <= tolerance;
     if (inside) push(polygon, from);
     if (inside == next_inside) continue;
-    // Where the inner one is itself beyond the side, within the tolerance, the crossing is at the tolerance's end.
+    // If the inner point is itself beyond the side, within the tolerance, the crossing is at the end of the tolerance.
     const double shift = beyond[k] <= 0.0 || beyond[next] <= 0.0 ? 0.0 : tolerance;
     const double ratio = (beyond[k] - shift) / (beyond[k] - beyond[next]);
     PointOf<Polygon> point = from;
     point.u += ratio * (to.u - from.u), point.v += ratio * (to.v - from.v), point.w += ratio * (to.w - from.w);
     point.id = crossing_id(from);
-    if (inside) point.line = side;  // from here the polygon follows the side
+    if (inside) point.line = side;  // from here on the polygon follows the side
     push(polygon, point);
   }
 }
 
-// A sliver of contact, as where two cards meet at their upper edges, is a line: of neighbours within 20 um of each
-// other the lower id stays, with the depth of the deeper.
+// A thin polygon, as where two cards meet at their upper edges, is reduced to a line: of neighbours within 20 um of
+// each other the one with the lower id is kept, with the greater depth of both.
 template <class Polygon>
 void merge_neighbours(Polygon& polygon) noexcept {
   const auto merge = [](PointOf<Polygon>& into, const PointOf<Polygon>& point) noexcept {
@@ -79,11 +80,11 @@ void merge_neighbours(Polygon& polygon) noexcept {
   polygon.count = kept;
 }
 
-// A point within this of the other surface may carry load, and goes before one that can not [m].
+// A point whose separation is at most this may carry load, and is preferred to others [m].
 inline constexpr double kClose = 1e-4;
 
-// Keeps the best score seen. A point of the last step has `bonus` on its score; what beats another by less than the
-// tolerance does so only if its id is lower.
+// Keeps the candidate with the best score. A point of the last step gets `bonus` on its score; of two scores within the
+// tolerance the lower id wins.
 template <class Polygon>
 struct PointChoice {
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -106,10 +107,10 @@ struct PointChoice {
   }
 };
 
-// Chooses at most four: the deepest, the farthest from it, the largest triangle, the largest quadrilateral; first of
-// those that may carry load. The points of the last step stay until another beats them clearly: in depth by 20 um and
-// three tenths, in size by half of what the points span. (With a tenth and 20 um a heap of 1,000 cubes, stepped by
-// 10 ms, never came to rest: 5e-4 m/s; with these, below 1e-8. 2026-11-22.)
+// Chooses at most four points: the deepest, the farthest from it, the one with the largest triangle, the one with the
+// largest quadrilateral; points that may carry load first. The points of the last step stay until another is clearly
+// better: in depth by max(20 um, 0.3 of the depth), in size by half of the points' squared span. (With 0.1 in place of
+// 0.3 a heap of 1,000 cubes, stepped by 10 ms, never came to rest: 5e-4 m/s; with these values below 1e-8. 2026-11-22.)
 template <class Polygon>
 void reduce_to_four(Polygon& polygon) noexcept {
   if (polygon.count <= 4) return;
@@ -144,14 +145,14 @@ void reduce_to_four(Polygon& polygon) noexcept {
     if (i != a && i != b) third.offer(i, std::abs(area(a, b, i)));
   const std::uint32_t c = third.index;
 
-  // What adds most outside the triangle, across any of its sides.
+  // The point that adds the largest area outside the triangle, across any of its sides.
   const double turn = area(a, b, c) < 0.0 ? -1.0 : 1.0;
   Choice fourth{polygon, tolerance, bonus, close_bonus};
   for (std::uint32_t i = 0; i < count; ++i)
     if (i != a && i != b && i != c)
       fourth.offer(i, std::max({-turn * area(a, b, i), -turn * area(b, c, i), -turn * area(c, a, i)}));
 
-  // In their own order, so that it does not matter which of them was the deepest.
+  // In polygon order, so that the order does not depend on which of them was the deepest.
   std::uint32_t chosen[4] = {a, b, c, fourth.index};
   std::sort(chosen, chosen + 4);
   for (std::uint32_t i = 0; i < 4; ++i) polygon.points[i] = p[chosen[i]];

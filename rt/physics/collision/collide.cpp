@@ -1,4 +1,5 @@
-// The table of pairs: puts the two shapes in the order of their kinds, calls the kernel, mirrors the answer back.
+// The dispatcher of narrow phase: orders the two shapes by kind, calls the kernel, mirrors the result if it swapped
+// them.
 #include "rt/physics/collision/collide.h"
 
 #include <utility>

@@ -1,9 +1,9 @@
-// Inside narrow phase: what the pair kernels are given, and the kernels. Everybody else calls manifold.h.
+// Internal interface of narrow phase: the input of the pair kernels, and the kernels. Other code uses manifold.h.
 //
-// Frame: world axes, origin at the centre of A; so a world far from its origin loses nothing. Units: m.
-// Thread: [any]; pure, bounded, no allocation. A kernel fills the manifold of a pair whose kinds are in the order of
-// ShapeKind; the dispatcher mirrors the others. A kernel leaves count 0 where nothing is within the margin, also
-// where a pose is not finite: every test is written so that a NaN fails it.
+// Frame: world axes, origin at the centre of A, so that positions far from the world's origin lose no precision. Units:
+// m. Thread: [any]; pure, bounded, no allocation. A kernel fills the manifold of a pair whose kinds are in the order of
+// ShapeKind; the dispatcher mirrors the other pairs. A kernel leaves count 0 if nothing is within the margin, and if a
+// pose is not finite: every test is written so that a NaN fails it.
 #pragma once
 
 #include "rt/physics/body_frame.h"
@@ -21,33 +21,36 @@ struct PairView {
   const LastFeatures& last;
 };
 
-// Marks the points that the pair had in the last step. `type`: what their ids lack to be features.
+// Marks the polygon's points that were in the last step's manifold. `type`: the type bits that their ids lack to be
+// features.
 template <class Polygon>
 void mark_kept(const PairView& pair, std::uint32_t type, Polygon& polygon) noexcept {
   for (std::uint32_t k = 0; k < polygon.count; ++k) polygon.points[k].kept = pair.last.has(type | polygon.points[k].id);
 }
 
-// Below this two points give no direction [m]: far above rounding at arm's length, far below any shape.
+// Distance below which two points define no direction [m]: far above rounding at arm's length, far below any shape.
 inline constexpr double kNoDirection = 1e-12;
 
-// An end point of a capsule moves by less than this when a two-point contact stands for the exact one [m]: the
-// solver's slop (10 um), so what is neglected is what is left alone anyway.
+// Largest error of a capsule's end point when a two-point contact replaces the exact one [m]: the solver's slop (10
+// um), an overlap that is not corrected anyway.
 inline constexpr double kFlatTolerance = 1e-5;
 
-// --- of boxes and hulls: features and axes
-// The two top bits of a feature: its kind (see is_of_face).
+// --- features and axes of boxes and hulls
+// The two top bits of a feature: its type (see is_of_face).
 inline constexpr std::uint32_t kClosestType = 0u, kFaceAType = 1u << 30, kFaceBType = 2u << 30, kEdgeType = 3u << 30;
 
-// Edges within 0.3 degrees of parallel have no cross product worth a contact normal; the face axes say the same.
+// Square of the sine of 0.3 degrees: edges closer to parallel give no usable contact normal, and the face axes cover
+// them.
 inline constexpr double kParallelSineSquared = 2.5e-5;
 
-// An axis must beat the preferred one by 5 % and 10 um (the solver's slop): far above noise, far below a hand.
+// An axis must beat the preferred one by 5 % and 10 um (the solver's slop): far above noise, too little to be felt.
 inline double axis_preference(double separation) noexcept { return 0.05 * std::abs(separation) + 1e-5; }
 
-// By how much an axis of two edges (of any length) must beat a face. Where it is that of the face but for 8 degrees the
-// face says nearly the same with more points, and a stack whose contacts took turns between the two would never come to
-// rest (a heap of 1,000 cubes at 10 ms does not where five times the preference is enough, 2026-11-22): there the face
-// may be twice as deep. An edge contact of the last step may stay on half of the preference.
+// Amount by which an axis of two edges (of any length) must beat a face. Within 8 degrees of the face's normal, the
+// face gives nearly the same contact with more points, and a stack whose contacts alternate between the two never comes
+// to rest: there the preference is ten times as large, so the face may be twice as deep (with five times, a heap of
+// 1,000 cubes at 10 ms did not come to rest, 2026-11-22). An edge contact of the last step needs only half of the
+// preference.
 inline double edge_preference(double face_separation, const Vec3d& face_normal, const Vec3d& edge_axis,
                               bool last) noexcept {
   const double along = dot(edge_axis, face_normal);
@@ -67,14 +70,14 @@ inline void add_point(const PairView& pair, Manifold& manifold, const Vec3d& mid
   manifold.points[manifold.count++] = {mid, mid - pair.b_from_a, separation, feature};
 }
 
-// The point between two round surfaces: `on_a`, `on_b` on their skeletons (centre, axis), radius 0 for a box.
+// Adds the point between two round surfaces: `on_a`, `on_b` on their skeletons (centre, axis), radius 0 for a box.
 inline void add_round_point(const PairView& pair, Manifold& manifold, const Vec3d& on_a, double radius_a,
                             const Vec3d& on_b, double radius_b, double separation, std::uint32_t feature) noexcept {
   const Vec3d surface_a = on_a + manifold.normal * radius_a, surface_b = on_b - manifold.normal * radius_b;
   add_point(pair, manifold, 0.5 * (surface_a + surface_b), separation, feature);
 }
 
-// The capsule's axis in the world, as half vector: its ends are centre -+ half.
+// Half of the capsule's axis in the world: its ends are at centre -+ half.
 inline Vec3d capsule_half_axis(const Shape& capsule, const Quatd& world_from_body) noexcept {
   return rotate(world_from_body, Vec3d{0.0, 0.0, capsule.half_length});
 }

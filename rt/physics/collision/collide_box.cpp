@@ -1,8 +1,8 @@
-// Two boxes: the axis that separates them best among 15, then the contact points on it.
+// The kernel of two boxes: finds the axis of largest separation among 15, then the contact points on it.
 //
 // Every axis gives a lower bound of the distance, so a gap is never reported larger than it is. A face axis is
-// preferred to an edge axis, and the axis of the last step to any other: the manifold must not flicker. Where two faces
-// lean to each other and meet at their edges, the normal is between theirs.
+// preferred to an edge axis, and the axis of the last step to any other, so that the manifold does not alternate. If
+// two faces lean against each other and meet at their edges, the normal is between their normals.
 #include <algorithm>
 #include <limits>
 
@@ -36,7 +36,7 @@ struct BoxPair {
     }
   }
 
-  // Gap between the boxes' shadows on the unit vector n.
+  // Gap between the projections of the boxes onto the unit vector n.
   double separation_along(const Vec3d& n) const noexcept {
     double reach = 0.0;
     for (int i = 0; i < 3; ++i) reach += h[i] * std::abs(dot(axis_a[i], n)) + h[3 + i] * std::abs(dot(axis_b[i], n));
@@ -48,15 +48,15 @@ const Vec3d& face_axis(const BoxPair& boxes, int code) noexcept {
   return code < kFirstFaceB ? boxes.axis_a[code - 1] : boxes.axis_b[code - kFirstFaceB];
 }
 
-// Not of length 1.
+// Direction of an edge axis, not of length 1.
 Vec3d edge_axis(const BoxPair& boxes, int code) noexcept {
   return cross(boxes.axis_a[(code - kFirstEdge) / 3], boxes.axis_b[(code - kFirstEdge) % 3]);
 }
 
 Vec3d towards_b(const BoxPair& boxes, const Vec3d& n) noexcept { return dot(n, boxes.pair.b_from_a) < 0.0 ? -n : n; }
 
-// What the 15 axes say. `apart`: the axis beyond the margin, or 0; then `gap` is what it says, and `sine` that of the
-// angle between the edges that make it, 1 for a face.
+// Results for the 15 axes. `apart`: an axis whose gap exceeds the margin, or 0. If set, `gap` is its gap and `sine` the
+// sine of the angle between its two edges, 1 for a face axis.
 struct AxisTest {
   int apart{0};
   double gap{}, sine{1};
@@ -74,7 +74,8 @@ AxisTest test_axes(const BoxPair& b) noexcept {
     test.face[3 + i] =
         std::abs(b.d_b[i]) - b.h[3 + i] - (b.abs_r[0][i] * b.h[0] + b.abs_r[1][i] * b.h[1] + b.abs_r[2][i] * b.h[2]);
   }
-  // The widest gap is the one that lasts; the lower code on a tie. A NaN anywhere is apart, too.
+  // Of several axes beyond the margin takes the widest gap, which stays valid longest; the lower code on a tie. A NaN
+  // counts as apart.
   int widest = 0;
   bool within = true;
   for (int k = 0; k < 6; ++k) {
@@ -106,10 +107,12 @@ AxisTest test_axes(const BoxPair& b) noexcept {
   return test;
 }
 
-// For how long the axis keeps the boxes apart. The gap along the unit vector n is |n.d| - sum h |a.n| - sum h |b.n|: it
-// changes by at most |d| + |h_a| + |h_b| per change of n, and |h| per angle of a box. A face's n turns with its box; an
-// edge axis, w / |w| with w = a x b, by at most 2 / sine of the angle. A gap of a quarter of the size is enough: until
-// it is used up |d| has grown by no more than that, and the edges turn by too little to become parallel.
+// Fills the gap and the lever arm with which it shrinks (manifold.h). The gap along the unit vector n is
+//   |n.d| - sum h |a.n| - sum h |b.n|:
+// it changes by at most |d| + |h_a| + |h_b| per change of n, and by |h| per angle of a box. A face's n rotates with its
+// box; an edge axis, w / |w| with w = a x b, changes by at most 2 / sine of the angle. The gap is limited to a quarter
+// of the size: until it is used up |d| has grown by at most that, and the edges rotate by too little to become
+// parallel.
 void bound_gap(const BoxPair& boxes, const AxisTest& test, Manifold& manifold) noexcept {
   constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
   if (!(test.gap > 0.0) || !(test.sine > 0.1)) return;
@@ -118,9 +121,9 @@ void bound_gap(const BoxPair& boxes, const AxisTest& test, Manifold& manifold) n
   manifold.lever_arm = 1.25 * size * (test.apart < kFirstEdge ? 1.0 : 3.0 / test.sine);
 }
 
-// The best face, unless the last step's is about as good. Without one, of those that are about as good as the best
-// the one across which its box is thinnest (the lower code on a tie): where two cards meet edge to edge, their broad
-// faces press, not the narrow ones.
+// Chooses the face with the largest separation, or the last step's if it is about as good. Otherwise, of the faces that
+// are about as good as the best, the one across which its box is thinnest (the lower code on a tie): if two cards meet
+// edge to edge, their broad faces make the contact, not the narrow ones.
 int choose_face(const BoxPair& boxes, const AxisTest& test, int cached) noexcept {
   const double best = *std::max_element(test.face, test.face + 6);
   const auto about_best = [&](int code) noexcept {
@@ -166,7 +169,7 @@ struct FaceFrame {
   Vec3d normal_to_b() const noexcept { return axis[i] * (on_a ? sign : -sign); }
 };
 
-// The face of the other box that looks at the reference face most, as a polygon over it.
+// The face of the other box that is most opposite the reference face, as a polygon above it.
 ClipPolygon incident_face(const FaceFrame& f) noexcept {
   int j = 0;
   for (int k = 1; k < 3; ++k)
@@ -175,7 +178,7 @@ ClipPolygon incident_face(const FaceFrame& f) noexcept {
   const bool plus_j = !(f.sign * f.column[j][f.i] > 0.0);
   constexpr bool plus_k[4] = {true, false, false, true}, plus_l[4] = {true, true, false, false};
 
-  // The face's middle and its two half sides, in u, v and along the normal.
+  // The face's centre and its two half sides, along u, v and the normal.
   const int to[3] = {f.u, f.v, f.i};
   double middle[3], side_k[3], side_l[3];
   for (int c = 0; c < 3; ++c) {
@@ -188,8 +191,8 @@ ClipPolygon incident_face(const FaceFrame& f) noexcept {
   polygon.count = 4;
   for (std::uint32_t n = 0; n < 4; ++n) {
     const double sign_k = plus_k[n] ? 1.0 : -1.0, sign_l = plus_l[n] ? 1.0 : -1.0;
-    // The line to the next corner runs along k where l stays, else along l. Its label names the box's edge: the axis
-    // and the sides of the two others.
+    // The line to the next corner runs along k if l is unchanged, else along l. Its label identifies the box's edge:
+    // the axis, and the sides of the two other axes.
     const unsigned line = n % 2 == 0 ? 4u * static_cast<unsigned>(k) + bit(plus_l[n], 0) + bit(plus_j, 1)
                                      : 4u * static_cast<unsigned>(l) + bit(plus_j, 0) + bit(plus_k[n], 1);
     const auto coordinate = [&](int c) noexcept { return middle[c] + sign_k * side_k[c] + sign_l * side_l[c]; };
@@ -203,7 +206,8 @@ ClipPolygon incident_face(const FaceFrame& f) noexcept {
   return polygon;
 }
 
-// Adds four of the polygon's points, given on the other box's surface, midway between the surfaces.
+// Adds up to four of the polygon's points. They are given on the other box's surface; contact points are midway between
+// the surfaces.
 void add_face_points(const BoxPair& boxes, const FaceFrame& f, ClipPolygon& polygon, Manifold& manifold) noexcept {
   const std::uint32_t face =
       (f.on_a ? kFaceAType : kFaceBType) | static_cast<std::uint32_t>(f.i) << 9 | (f.sign > 0.0 ? 1u << 8 : 0u);
@@ -223,8 +227,8 @@ Vec3d nearest_in_box(const Vec3d* axis, const double* h, const Vec3d& point) noe
   return nearest;
 }
 
-// Corner against corner or against an edge, where no part of a face looks at the other: the nearest points, by
-// projecting to and fro. Few rounds do: whatever direction comes out, the gap along it bounds the distance from below.
+// A corner against a corner or an edge, where no part of a face is opposite the other box: finds the nearest points by
+// alternating projections. A few rounds suffice, because the gap along any direction is a lower bound of the distance.
 void add_closest_point(const BoxPair& boxes, const Vec3d& normal, double separation, double bound,
                        Manifold& manifold) noexcept {
   constexpr int kRounds = 8;
@@ -241,7 +245,7 @@ void add_closest_point(const BoxPair& boxes, const Vec3d& normal, double separat
   add_point(boxes.pair, manifold, 0.5 * (on_a + on_b), apart ? along : bound > 0.0 ? bound : separation, kClosestType);
 }
 
-// `bound`: the best lower bound of the distance that the axes gave; negative where the boxes overlap.
+// `bound`: the largest lower bound of the distance that the axes gave; negative if the boxes overlap.
 void add_face_contact(const BoxPair& boxes, int code, double separation, double bound, Manifold& manifold) noexcept {
   const FaceFrame f(boxes, code);
   ClipPolygon polygon = incident_face(f);
@@ -249,8 +253,8 @@ void add_face_contact(const BoxPair& boxes, int code, double separation, double 
   double lowest = 0.0;
   for (std::uint32_t n = 0; n < polygon.count; ++n)
     if (n == 0 || polygon.points[n].w < lowest) lowest = polygon.points[n].w;
-  // The lowest corner of the other box may lie beside the face. Then the points above the face are higher than the
-  // bound: by little, let them down to it; by more, they are not what touches first.
+  // If the lowest corner of the other box is beside the face, the points above the face are higher than the bound. A
+  // small difference is subtracted from them; with a large one they are not the closest points.
   const double floor = bound > 0.0 ? bound : 0.0, excess = lowest - floor;
   if (polygon.count == 0 || excess > axis_preference(floor))
     return add_closest_point(boxes, f.normal_to_b(), separation, bound, manifold);
@@ -264,18 +268,20 @@ void add_face_contact(const BoxPair& boxes, int code, double separation, double 
   add_face_points(boxes, f, polygon, manifold);
 }
 
-// Edges count as rounded by so much, m: more than the overlap that contacts keep, less than is felt.
+// Difference of the two separations up to which the normal is interpolated [m]: more than the overlap that resting
+// contacts keep, less than can be felt.
 constexpr double kRounding = 5e-5;
 
-// Two faces that lean to each other and meet at parallel edges: the contact is as much the one's as the other's. While
-// the two axes are about equally deep the normal goes over from one face's to the other's, as on rounded edges. Either
-// face alone would make a pair of cards that lean on each other a lopsided one, which sways until it falls.
+// Two faces lean against each other and meet at parallel edges, so the contact belongs to both. While the two axes are
+// about equally deep, the normal is interpolated between the two faces' normals, as on rounded edges. With the normal
+// of one face alone, the contact of two cards that lean against each other is asymmetric, and the pair sways until it
+// falls.
 void round_edges(const BoxPair& boxes, const AxisTest& test, int face, Manifold& manifold) noexcept {
   constexpr double kLooks = 0.5, kParallel = 0.999;  // cosines
   if (manifold.count != 2) return;
   const Vec3d own = towards_b(boxes, face_axis(boxes, face));
   Vec3d other;
-  double deeper = -1.0;  // by how much the other face's axis is: a share of the rounding
+  double deeper = -1.0;  // difference of the two separations / kRounding
   for (int k = 0; k < 3; ++k) {
     const int code = (face < kFirstFaceB ? kFirstFaceB : 1) + k;
     const Vec3d n = towards_b(boxes, face_axis(boxes, code));
@@ -285,7 +291,7 @@ void round_edges(const BoxPair& boxes, const AxisTest& test, int face, Manifold&
   if (deeper > -1.0) manifold.normal = direction_or(own + 0.5 * (1.0 + std::min(deeper, 1.0)) * (other - own), own);
 }
 
-// The two edges that look at each other along the axis, and the middle of their closest points.
+// Adds the midpoint of the closest points of the two edges that face each other along the axis.
 void add_edge_contact(const BoxPair& boxes, int code, double separation, Manifold& manifold) noexcept {
   const int i = (code - kFirstEdge) / 3, j = (code - kFirstEdge) % 3;
   const Vec3d n = towards_b(boxes, direction_or(edge_axis(boxes, code), boxes.axis_a[0]));

@@ -1,4 +1,4 @@
-// Sphere and capsule against a box. The box is B; the work is done in the box's frame and turned back at the end.
+// The kernels of sphere and capsule against a box. The box is B; they work in the box's frame and transform the result.
 #include <algorithm>
 
 #include "rt/physics/collision/collide.h"
@@ -10,8 +10,8 @@ namespace {
 // Features of a capsule on a box.
 constexpr std::uint32_t kClosest = 0, kLowEnd = 1, kHighEnd = 2;
 
-// A closest direction within 3 degrees of a face's normal counts as that face: a beam that lies on a face and hangs
-// over its edge keeps its two points when it tips by a hair.
+// Closest directions within 3 degrees of a face's normal count as the face's: a beam that lies on a face and overhangs
+// its edge keeps its two points when it tips slightly.
 inline constexpr double kFaceCosine = 0.9986;
 
 Vec3d clamp_to_box(const Vec3d& point, const Vec3d& h) noexcept {
@@ -26,7 +26,7 @@ Vec3d unit_axis(int i, double sign) noexcept {
 
 double sign_of(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
 
-// Everything about a capsule and a box, in the box's frame. The axis is centre + t half, t in [-1, 1].
+// A capsule and a box, in the box's frame. The capsule's axis is centre + t half, t in [-1, 1].
 struct CapsuleBox {
   const PairView& pair;
   Vec3d centre, half, h;
@@ -47,14 +47,14 @@ Range clip_to_slab(const CapsuleBox& c, int i, Range range) noexcept {
   return {std::max(range.low, std::min(t0, t1)), std::min(range.high, std::max(t0, t1))};
 }
 
-// Half the derivative of the squared distance from the box along the axis: monotone, linear between the crossings of
-// the six face planes.
+// Half the derivative along the axis of the squared distance to the box: monotone, linear between the crossings of the
+// six face planes.
 double slope_of_distance(const CapsuleBox& c, double t) noexcept {
   const Vec3d p = c.at(t);
   return dot(p - clamp_to_box(p, c.h), c.half);
 }
 
-// The axis parameter nearest to the box: exact, by bracketing the zero of the slope between the six crossings.
+// The axis parameter nearest to the box: exact, by bracketing the zero of the derivative between the six crossings.
 double closest_parameter(const CapsuleBox& c) noexcept {
   double low = -1.0, high = 1.0, slope_low = slope_of_distance(c, low), slope_high = slope_of_distance(c, high);
   if (slope_low >= 0.0) return low;
@@ -62,7 +62,7 @@ double closest_parameter(const CapsuleBox& c) noexcept {
   for (int i = 0; i < 3; ++i) {
     for (const double side : {-1.0, 1.0}) {
       const double t = (side * c.h[i] - c.centre[i]) / c.half[i];
-      if (!(t > low && t < high)) continue;  // also where the axis runs along the face
+      if (!(t > low && t < high)) continue;  // also if the axis is parallel to the face
       const double slope = slope_of_distance(c, t);
       if (slope < 0.0)
         low = t, slope_low = slope;
@@ -84,8 +84,8 @@ void set_normal(const CapsuleBox& c, Manifold& manifold, const Vec3d& normal) no
   manifold.normal = -rotate(c.pair.world_from_b, normal);
 }
 
-// The stretch of the capsule above face `i`: two points, or one where it is short. False where there is none.
-// `nearest`: the distance's known bound; the nearer point never reports a larger gap.
+// Adds the part of the capsule above face `i`: two points, or one if it is short. Returns false if no part is above it.
+// `nearest`: a known bound of the distance; the gap of the nearer point is limited to it.
 bool add_face_points(const CapsuleBox& c, Manifold& manifold, int i, double sign, double nearest) noexcept {
   const Range range = clip_to_slab(c, (i + 2) % 3, clip_to_slab(c, (i + 1) % 3, Range{}));
   if (!(range.low <= range.high)) return false;
@@ -106,8 +106,8 @@ bool add_face_points(const CapsuleBox& c, Manifold& manifold, int i, double sign
   return true;
 }
 
-// The stretch of the capsule that runs along the box's edge in direction `j`: both its ends, if they are so flat
-// against the edge that one normal fits both.
+// Adds the part of the capsule along the box's edge in direction `j`: both its ends, if they are close enough to the
+// edge for one normal to fit both.
 bool add_edge_points(const CapsuleBox& c, Manifold& manifold, int j, const Vec3d& normal) noexcept {
   const Range range = clip_to_slab(c, j, Range{});
   if (!((range.high - range.low) * norm(c.half) > kFlatTolerance)) return false;
@@ -127,7 +127,7 @@ bool add_edge_points(const CapsuleBox& c, Manifold& manifold, int j, const Vec3d
   return true;
 }
 
-// The axis is outside the box: the direction between the closest points.
+// The axis is outside the box: the normal is the direction between the closest points.
 void collide_outside(const CapsuleBox& c, Manifold& manifold, double t, const Vec3d& gap, double distance) noexcept {
   const Vec3d normal = gap * (1.0 / distance);
   const double separation = distance - c.radius;
@@ -137,7 +137,7 @@ void collide_outside(const CapsuleBox& c, Manifold& manifold, double t, const Ve
     if (gap[i] == 0.0) ++inside_slabs, edge = i;
   }
   if (inside_slabs == 1 && add_edge_points(c, manifold, edge, normal)) {
-    // The exact distance bounds the nearer of the two.
+    // Limits the gap of the nearer point to the exact distance.
     if (manifold.count > 0) {
       auto& nearer =
           manifold.points[manifold.count == 2 && manifold.points[1].separation < manifold.points[0].separation];
@@ -149,7 +149,8 @@ void collide_outside(const CapsuleBox& c, Manifold& manifold, double t, const Ve
   add_capsule_point(c, manifold, normal, t, c.at(t) - gap, separation, kClosest);
 }
 
-// The axis meets the box: the direction that needs the least push, among three face and three edge directions.
+// The axis intersects the box: the normal is the direction of least penetration among three face and three edge
+// directions.
 void collide_inside(const CapsuleBox& c, Manifold& manifold, double t_closest) noexcept {
   int face = 0;
   double face_separation = 0.0;
@@ -172,7 +173,7 @@ void collide_inside(const CapsuleBox& c, Manifold& manifold, double t_closest) n
   if (edge < 0) {
     const double sign = sign_of(c.centre[face]);
     if (add_face_points(c, manifold, face, sign, 0.0)) return;
-    // Rounding emptied the stretch: the point of the axis that was found in the box stands for it.
+    // Rounding left the range empty: uses the axis point that was found inside the box.
     set_normal(c, manifold, unit_axis(face, sign));
     return add_capsule_point(c, manifold, unit_axis(face, sign), t_closest, c.at(t_closest), face_separation, kClosest);
   }

@@ -1,7 +1,8 @@
-// Two hulls: the axis that separates them best among their faces and pairs of edges, then the contact points on it.
+// The kernel of two hulls: finds the axis of largest separation among their faces and pairs of edges, then the contact
+// points on it.
 //
 // Every axis gives a lower bound of the distance, so a gap is never reported larger than it is. A face axis is
-// preferred to an edge axis, and the axis of the last step to any other: the manifold must not flicker.
+// preferred to an edge axis, and the axis of the last step to any other, so that the manifold does not alternate.
 #include "rt/physics/collision/collide_hull.h"
 
 #include <algorithm>
@@ -14,14 +15,14 @@
 namespace tactus::physics {
 namespace {
 
-// What the axes of a pair said.
+// The reference face chosen from the axes of a pair.
 struct ChosenFace {
   bool on_a;
   std::uint32_t face;
   double separation;
 };
 
-// Where the reference hull is in the pair's frame.
+// Pose of the reference hull in the pair's frame.
 struct Placed {
   bool on_a;
   const Quatd& rotation;
@@ -36,7 +37,7 @@ struct Placed {
   Vec3d normal_to_b(const Vec3d& n) const noexcept { return rotate(rotation, on_a ? n : -n); }
 };
 
-// One axis, before anything else is worked out: most pairs that were apart still are.
+// Tests the last step's axis before anything else is computed: most pairs that were separated still are.
 bool still_apart(const RelativeHulls& ab, const AxisCache& cache, double margin) noexcept {
   const HullTopology &a = *ab.ref.topology, &b = *ab.other.topology;
   if (cache.axis == kHullFaceA && cache.a < a.faces) return ab.face_separation(cache.a) > margin;
@@ -51,7 +52,7 @@ bool still_apart(const RelativeHulls& ab, const AxisCache& cache, double margin)
   return false;
 }
 
-// The part of the incident face that lies above the reference face.
+// The incident face, clipped to the reference face.
 HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const Tangents<double>& along) noexcept {
   const Vec3d& n = hulls.ref.normals[face];
   const Vec3d down = hulls.to_other(n);
@@ -83,8 +84,8 @@ HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const T
   return polygon;
 }
 
-// Where no part of a face looks at the other hull: the nearest points, by projecting to and fro. Few rounds do:
-// whatever direction comes out, the gap along it bounds the distance from below.
+// Where no part of a face is opposite the other hull: finds the nearest points by alternating projections. A few rounds
+// suffice, because the gap along any direction is a lower bound of the distance.
 void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const Placed& placed, std::uint32_t face,
                        double separation, double bound, Manifold& manifold) noexcept {
   constexpr int kRounds = 4;
@@ -106,7 +107,7 @@ void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const P
             kClosestType);
 }
 
-// `bound`: the best lower bound of the distance that the axes gave; negative where the hulls overlap.
+// `bound`: the largest lower bound of the distance that the axes gave; negative if the hulls overlap.
 void add_face_contact(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen, double bound,
                       Manifold& manifold) noexcept {
   const Placed placed(pair, chosen.on_a);
@@ -116,8 +117,8 @@ void add_face_contact(const PairView& pair, const RelativeHulls& hulls, const Ch
   double lowest = 0.0;
   for (std::uint32_t k = 0; k < polygon.count; ++k)
     if (k == 0 || polygon.points[k].w < lowest) lowest = polygon.points[k].w;
-  // The lowest vertex of the other hull may lie beside the face. Then the points above the face are higher than the
-  // bound: by little, let them down to it; by more, they are not what touches first.
+  // If the lowest vertex of the other hull is beside the face, the points above the face are higher than the bound. A
+  // small difference is subtracted from them; with a large one they are not the closest points.
   const double floor = bound > 0.0 ? bound : 0.0, excess = lowest - floor;
   if (polygon.count == 0 || excess > axis_preference(floor))
     return add_closest_point(pair, hulls, placed, chosen.face, chosen.separation, bound, manifold);
@@ -157,7 +158,7 @@ AxisCache cache_of(std::uint8_t axis, std::uint32_t a, std::uint32_t b) noexcept
   return {axis, static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
 }
 
-// The best face of both, unless the last step's is about as good; A's on a tie.
+// The face of both hulls with the largest separation (A's on a tie), or the last step's if it is about as good.
 ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const FaceAxis& best_a, const FaceAxis& best_b,
                        const AxisCache& cached) noexcept {
   const double best = std::max(best_a.separation, best_b.separation);
@@ -211,8 +212,7 @@ void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, M
   add_face_contact(pair, face.on_a ? ab : ba, face, edges.separation, manifold);
 }
 
-// The vertices of one face: of those that the lowest vertex belongs to, the one that looks down most. Feature: the
-// vertex.
+// Adds the vertices of one face: of the faces at the lowest vertex, the one that points down most. Feature: the vertex.
 void collide_plane_hull(const PairView& pair, const HullView& hull, Manifold& manifold) noexcept {
   const Vec3d up = axes_of(pair.world_from_a).z, up_in_hull = rotate_inverse(pair.world_from_b, up);
   const std::uint32_t lowest = hull.support(-up_in_hull);

@@ -1,5 +1,5 @@
-// Inside narrow phase: the kernels of hulls, as those of collide.h, with the hulls of the pair beside it. A box is
-// looked at as a hull. Thread: [any]; pure, bounded, no allocation.
+// The pair kernels of hulls. Inside narrow phase; as the kernels of collide.h, plus views of the pair's hulls. A box is
+// treated as a hull. Thread: [any]; pure, bounded, no allocation.
 #pragma once
 
 #include "rt/physics/collision/collide.h"
@@ -7,7 +7,7 @@
 
 namespace tactus::physics {
 
-// Axis codes of AxisCache, beyond those of boxes: a face of A, a face of B, an edge of A x an edge of B.
+// Axis codes of AxisCache after those of boxes: a face of A, a face of B, an edge of A x an edge of B.
 inline constexpr std::uint8_t kHullFaceA = kFirstHullAxis, kHullFaceB = kFirstHullAxis + 1,
                               kHullEdges = kFirstHullAxis + 2;
 

@@ -1,4 +1,4 @@
-// Sphere and capsule against a hull. The hull is B; the work is done in its frame and turned back at the end.
+// The kernels of sphere and capsule against a hull. The hull is B; they work in its frame and transform the result.
 #include <algorithm>
 #include <limits>
 
@@ -13,10 +13,10 @@ namespace {
 // Features of a capsule on a hull.
 constexpr std::uint32_t kClosest = 0, kLowEnd = 1, kHighEnd = 2;
 
-// A closest direction within 3 degrees of a face's normal counts as that face, as on a box.
+// Closest directions within 3 degrees of a face's normal count as the face's, as on a box.
 inline constexpr double kFaceCosine = 0.9986;
 
-// Everything about a capsule and a hull, in the hull's frame. The axis is centre + t half, t in [-1, 1].
+// A capsule and a hull, in the hull's frame. The capsule's axis is centre + t half, t in [-1, 1].
 struct CapsuleHull {
   const PairView& pair;
   const HullView& hull;
@@ -38,12 +38,12 @@ struct CapsuleHull {
 };
 
 struct Nearest {
-  double t{};  // on the axis
+  double t{};  // axis parameter
   Vec3d on_hull;
   double squared{-1.0};
-  std::uint32_t edge{kMaxHullEdges};  // that it is on, where it is not an end's
+  std::uint32_t edge{kMaxHullEdges};  // the edge on which the point is; kMaxHullEdges for an end of the axis
 
-  // Taken where it is nearer than `than` and than the nearest so far, or the first.
+  // Takes the candidate if it is nearer than `than` and than the nearest so far, or if it is the first.
   void offer(double t_offered, const Vec3d& on_axis, const Vec3d& point, std::uint32_t on_edge, double than) noexcept {
     const double offered = norm_squared(on_axis - point);
     if (squared >= 0.0 && !(offered < squared && offered < than)) return;
@@ -51,7 +51,7 @@ struct Nearest {
   }
 };
 
-// Exact: an axis outside the hull is nearest at an end or over an edge.
+// Exact: the nearest point of an axis outside the hull is at one of its ends or over an edge.
 Nearest nearest_outside(const CapsuleHull& c) noexcept {
   Nearest nearest;
   for (std::uint32_t e = 0; e < c.hull.topology->edges; ++e) {
@@ -61,14 +61,14 @@ Nearest nearest_outside(const CapsuleHull& c) noexcept {
     const auto [s, t] = closest_on_segments(c.half, half, middle - c.centre);
     nearest.offer(s, c.at(s), middle + half * t, e, nearest.squared);
   }
-  // An end beside an edge is as near as the edge, but for rounding: then it is the edge that counts.
+  // Up to rounding, an end beside an edge is as near as the edge: then the edge is taken.
   const double nearer = nearest.squared * (1.0 - 16.0 * std::numeric_limits<double>::epsilon());
   for (const double t : {-1.0, 1.0}) nearest.offer(t, c.at(t), closest_on_hull(c.hull, c.at(t)), kMaxHullEdges, nearer);
   return nearest;
 }
 
-// The stretch of the capsule above the face: two points, or one where it is short. False where there is none.
-// `bound`: the distance, or a bound of it; the nearer point never reports a larger gap.
+// Adds the part of the capsule above the face: two points, or one if it is short. Returns false if no part is above it.
+// `bound`: the distance, or a bound of it; the gap of the nearer point is limited to it.
 bool add_face_points(const CapsuleHull& c, Manifold& manifold, std::uint32_t face, double bound) noexcept {
   const LineRange range = range_above_face(c.hull, face, c.centre, c.half);
   if (range.empty()) return false;
@@ -87,8 +87,8 @@ bool add_face_points(const CapsuleHull& c, Manifold& manifold, std::uint32_t fac
   return manifold.count > 0;
 }
 
-// The stretch of the capsule that runs along an edge: both its ends, if they are so flat against it that one normal
-// fits both.
+// Adds the part of the capsule along an edge: both its ends, if they are close enough to the edge for one normal to fit
+// both.
 bool add_edge_points(const CapsuleHull& c, Manifold& manifold, std::uint32_t e, const Vec3d& normal,
                      double bound) noexcept {
   const Vec3d from = c.hull.vertex(c.hull.topology->edge[e].from),
@@ -130,8 +130,8 @@ void collide_outside(const CapsuleHull& c, Manifold& manifold, const Nearest& ne
   c.add(manifold, normal, nearest.t, nearest.on_hull, separation, kClosest);
 }
 
-// The axis meets the hull, between t = inside.low and .high: the direction that needs the least push, among faces and
-// pairs of the axis and an edge.
+// The axis intersects the hull between t = inside.low and inside.high: the normal is the direction of least
+// penetration, among the faces and the pairs of the axis and an edge.
 void collide_inside(const CapsuleHull& c, Manifold& manifold, const LineRange& inside) noexcept {
   const HullTopology& topology = *c.hull.topology;
   std::uint32_t face = 0;
@@ -145,7 +145,8 @@ void collide_inside(const CapsuleHull& c, Manifold& manifold, const LineRange& i
   Vec3d edge_normal;
   for (std::uint32_t e = 0; e < topology.edges; ++e) {
     const HullEdge& candidate = topology.edge[e];
-    // An edge supports an axis across the capsule just where its faces' normals are on either side of that plane.
+    // An edge can be the support along a direction normal to the capsule only if its faces' normals are on different
+    // sides of the plane normal to the axis.
     if (!(dot(c.hull.normals[candidate.left], c.half) * dot(c.hull.normals[candidate.right], c.half) < 0.0)) continue;
     const Vec3d from = c.hull.vertex(candidate.from), along = c.hull.vertex(candidate.to) - from;
     const Vec3d w = cross(along, c.half);
@@ -157,7 +158,7 @@ void collide_inside(const CapsuleHull& c, Manifold& manifold, const LineRange& i
   }
   if (edge == kMaxHullEdges) {
     if (add_face_points(c, manifold, face, face_separation)) return;
-    // The stretch above the face is empty: the middle of what is inside stands for it.
+    // No part is above the face: uses the middle of the part inside the hull.
     manifold = {};
     const double t = 0.5 * (inside.low + inside.high);
     c.set_normal(manifold, c.hull.normals[face]);

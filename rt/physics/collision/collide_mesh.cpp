@@ -6,7 +6,7 @@ Manifold collide_patch(const Shape& a, const Posed& world_from_a, const Posed& w
                        std::span<const std::uint32_t> triangles, double margin, std::type_identity_t<Hulls> hulls,
                        const LastFeatures& last) noexcept {
   Manifold manifold;
-  const Shape none;  // the kernels look at the mesh, not at its shape
+  const Shape none;  // placeholder: the kernels read the mesh, not its shape
   const PairView pair{
       a,      none, world_from_a.rotation, world_from_mesh.rotation, world_from_mesh.position - world_from_a.position,
       margin, last};

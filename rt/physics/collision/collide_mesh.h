@@ -1,10 +1,12 @@
-// Where a shape touches a patch of a mesh: at most four points on one normal. The manifold of a pair of body and patch.
+// The manifold of a body and a patch of a mesh: at most four points with one normal.
 //
-// A is the body, B the mesh. Normals come from faces, or from edges and corners only where mesh_region.h allows it.
-// Points where the body's edges cross seams inside the patch are left out: there the surface goes on. Features are the
-// body's corners, ends and edges wherever they can be, so that they stay when a body slides over a seam.
+// A is the body, B the mesh. Normals are those of faces, and those of edges and corners only where mesh_region.h allows
+// it. Points where the body's edges cross seams inside the patch are omitted, because the surface continues there.
+// Features are the body's corners, ends and edges where possible, so that they persist when the body slides over a
+// seam.
 // Frame: world axes; points from each body's centre. Units: m. Thread: [any]; pure, no allocation.
-// Bound: each triangle of the list once; a triangle at a rim costs one separating-axis test of hulls (hull_pair.h).
+// Bound: visits each triangle of the list once; a triangle at the patch's rim costs one separating-axis test of hulls
+// (hull_pair.h).
 // Source: separating axes, Gottschalk 1996; clipping, Sutherland and Hodgman 1974.
 #pragma once
 
@@ -14,8 +16,8 @@
 
 namespace tactus::physics {
 
-// `triangles`: those of one patch that are near. Count 0 where nothing is within the margin, or where the centre of A
-// is behind what it would touch.
+// `triangles`: triangles of one patch that are near A. Count 0 if nothing is within the margin, or if the centre of A
+// is behind the triangles.
 Manifold collide_patch(const Shape& a, const Posed& world_from_a, const Posed& world_from_mesh, const Mesh& mesh,
                        std::span<const std::uint32_t> triangles, double margin, std::type_identity_t<Hulls> hulls,
                        const LastFeatures& last = {}) noexcept;
@@ -37,12 +39,12 @@ struct PatchView {
   }
 };
 
-// Feature ids: the kind in the three top bits.
+// Feature ids: the kind is in the three top bits.
 inline constexpr std::uint32_t kBodyFeature = 0u;              // a corner or end of the body
 inline constexpr std::uint32_t kCrossingFeature = 1u << 29;    // an edge of the body crosses an edge of the mesh
 inline constexpr std::uint32_t kMeshCornerFeature = 2u << 29;  // a corner of the mesh
 inline constexpr std::uint32_t kMeshEdgeFeature = 3u << 29;    // an edge of the mesh
-inline constexpr std::uint32_t kEdgePairFeature = 4u << 29;    // an edge of the body across an edge of the mesh
+inline constexpr std::uint32_t kEdgePairFeature = 4u << 29;    // an edge of the body against an edge of the mesh
 
 void collide_sphere_patch(const PatchView& patch, Manifold& manifold) noexcept;
 void collide_capsule_patch(const PatchView& patch, Manifold& manifold) noexcept;

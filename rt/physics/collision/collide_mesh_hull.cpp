@@ -1,8 +1,8 @@
-// A hull, or a box, against a patch of a mesh, in the mesh's frame.
+// The kernel of a hull, or a box, against a patch of a mesh, in the mesh's frame.
 //
-// The face of the patch holds what of the hull is above it: the hull's lowest face, cut to each triangle. Where a
-// triangle is at a rim, the separating axes of triangle and hull say first whether it is the face that holds, or the
-// rim (then the rim's edge is cut to the hull's face, or two edges cross), or a neighbour.
+// The contact with the patch's face is the hull's lowest face, clipped to each triangle. At a triangle on the patch's
+// rim, the separating axes of triangle and hull first decide what makes the contact: the face, the rim (then the
+// triangle is clipped to the hull's face, or two edges cross), or a neighbour.
 #include <limits>
 
 #include "rt/physics/collision/collide_mesh.h"
@@ -14,7 +14,7 @@
 namespace tactus::physics {
 namespace {
 
-// A triangle is a hull without thickness: two faces, the second looks inward.
+// A triangle as a hull without thickness: two faces, the second facing inward.
 constexpr HullTopology make_triangle_topology() noexcept {
   HullTopology t;
   t.vertices = 3;
@@ -26,7 +26,7 @@ constexpr HullTopology make_triangle_topology() noexcept {
 constexpr HullTopology kTriangleTopology = make_triangle_topology();
 static_assert(kTriangleTopology.edges == 3 && kTriangleTopology.edge[1].from == 1);
 
-// Its frame: axes of the mesh, origin in its middle.
+// A triangle as a hull. Frame: axes of the mesh, origin at the triangle's centre.
 struct TriangleHull {
   static constexpr int kPadded = kLanes<Register<double>>;
   alignas(32) double x[kPadded], y[kPadded], z[kPadded];
@@ -53,7 +53,7 @@ struct TriangleHull {
   }
 };
 
-// Of a polygon, a list of points that are worth keeping: once each, by feature.
+// Adds a point to a list, once per feature, with the lesser separation of both.
 void keep_point(HullPolygon& kept, const HullClipPoint& point) noexcept {
   for (std::uint32_t i = 0; i < kept.count; ++i) {
     if (kept.points[i].id != point.id) continue;
@@ -70,7 +70,7 @@ double lowest_of(const HullPolygon& polygon) noexcept {
   return lowest;
 }
 
-// Labels of the points of a polygon (hull_clip.h), taken apart.
+// The labels that make up the id of a crossing (hull_clip.h).
 struct Crossing {
   std::uint32_t line, side;
   explicit Crossing(std::uint32_t id) noexcept
@@ -79,7 +79,7 @@ struct Crossing {
   std::uint32_t first_side() const noexcept { return line - kFirstHullSide; }
 };
 
-// The corner of a triangle between two of its sides, in any order.
+// The corner of a triangle between two of its sides, given in any order.
 constexpr std::uint32_t corner_between(std::uint32_t j, std::uint32_t k) noexcept { return k == (j + 1) % 3 ? k : j; }
 
 class HullOnPatch {
@@ -93,7 +93,7 @@ class HullOnPatch {
     column_[0] = axes.x, column_[1] = axes.y, column_[2] = axes.z;
   }
 
-  // False where no triangle of the patch can be touched.
+  // Returns false if no triangle of the patch can be touched.
   bool is_near() noexcept {
     const double height = dot(plane_.normal, patch_.centre) - plane_.offset;
     const Vec3d down = -to_hull(plane_.normal);
@@ -114,7 +114,7 @@ class HullOnPatch {
       const Vec3d n = to_mesh(hull_.normals[rim_face_]);
       const double offset = hull_.offsets[rim_face_] + dot(n, patch_.centre);
       const Tangents<double> in_hull = tangents_of(hull_.normals[rim_face_]);
-      // Tangents of the hull's face, with their own origin: that of the hull.
+      // rim_points_ are relative to the hull's origin; moves them to the mesh's.
       for (std::uint32_t i = 0; i < rim_points_.count; ++i) {
         rim_points_.points[i].u += dot(to_mesh(in_hull.t1), patch_.centre);
         rim_points_.points[i].v += dot(to_mesh(in_hull.t2), patch_.centre);
@@ -129,17 +129,18 @@ class HullOnPatch {
 
  private:
   enum class Rim { kNone, kHullFace, kEdges };
-  // The hull's face is as good as parallel to the patch, within 8 degrees.
+  // Cosine of 8 degrees: below that angle the hull's face counts as parallel to the patch.
   static constexpr double kParallelCosine = 0.99;
 
   Vec3d to_mesh(const Vec3d& v) const noexcept { return column_[0] * v.x + column_[1] * v.y + column_[2] * v.z; }
   Vec3d to_hull(const Vec3d& v) const noexcept { return {dot(column_[0], v), dot(column_[1], v), dot(column_[2], v)}; }
 
-  // Points of a polygon above the plane n . x = offset with the axes `along`; each contact is halfway to it.
+  // Adds the polygon's points above the plane n . x = offset with the axes `along`; each contact point is midway to the
+  // plane.
   void add_points(Manifold& manifold, HullPolygon& polygon, const Vec3d& n, double offset,
                   const Tangents<double>& along) const noexcept {
     if (polygon.count == 0) return;
-    mark_kept(patch_.pair, 0, polygon);  // here an id is the feature
+    mark_kept(patch_.pair, 0, polygon);  // here the id is the whole feature
     reduce_to_four(polygon);
     patch_.set_normal(manifold, n);
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
@@ -148,7 +149,7 @@ class HullOnPatch {
     }
   }
 
-  // The hull's face that looks down most, as a polygon above the patch's plane.
+  // Finds the hull's face that points down most, as a polygon above the patch's plane.
   void find_incident_face(const Vec3d& down) noexcept {
     const HullTopology& topology = *hull_.topology;
     std::uint32_t incident = 0;
@@ -168,9 +169,9 @@ class HullOnPatch {
     }
   }
 
-  // What of the hull's face is above the triangle. `others`: a neighbour pushes here. Then what is still above the face
-  // may yet come to it: vertices of the hull, and the rest where the two faces are parallel. On a tilted face the
-  // points at the rim would hold with the wrong normal.
+  // Adds the part of the hull's face above the triangle. `others`: a neighbour makes the contact here. Then only points
+  // with a positive gap are added, which may come into contact with the face later: vertices of the hull, and if the
+  // two faces are parallel, the other points, too. On a tilted face the points at the rim would have the wrong normal.
   void add_face_points(std::uint32_t triangle, bool others) noexcept {
     const Mesh& mesh = patch_.mesh;
     const MeshTriangle& t = mesh.triangles[triangle];
@@ -197,7 +198,7 @@ class HullOnPatch {
     clip_to_side(polygon, nu, nv, nu * dot(along_.t1, from) + nv * dot(along_.t2, from), k);
   }
 
-  // Gives the point its feature. False where it is on a seam inside the patch: the surface goes on there.
+  // Sets the point's feature. Returns false on a seam inside the patch, where the surface continues.
   bool name_face_point(std::uint32_t triangle, HullClipPoint& p) const noexcept {
     if (p.id < kFirstHullCrossing) return true;  // a vertex of the hull
     const MeshTriangle& t = patch_.mesh.triangles[triangle];
@@ -212,8 +213,8 @@ class HullOnPatch {
     return !patch_.mesh.is_inner_edge(t, crossing.side);
   }
 
-  // Of a triangle at a rim: what holds the hull? Its face, a neighbour (dropped), or there is no more to say: its rim,
-  // whose contact is noted, or nothing, for it is too far.
+  // For a triangle at a rim: kFace if its face makes the contact, kDropped if a neighbour does. kAllowed: its rim does,
+  // whose contact has been noted, or nothing, because it is too far.
   Ruling judge_rim(std::uint32_t triangle) noexcept {
     const double margin = patch_.pair.margin;
     const TriangleHull shape(patch_.mesh, triangle);
@@ -238,7 +239,7 @@ class HullOnPatch {
     return ruling;
   }
 
-  // What the triangle meets a plane with that comes along u: a corner, an edge or all of it.
+  // Rules on the part of the triangle that is highest along u: a corner, an edge or the whole triangle.
   Ruling rule_support(std::uint32_t triangle, const TriangleHull& shape, const Vec3d& u) const noexcept {
     const double height[3] = {dot(u, shape.corner(0)), dot(u, shape.corner(1)), dot(u, shape.corner(2))};
     std::uint32_t top = 0;
@@ -253,7 +254,7 @@ class HullOnPatch {
     return rule_corner_axis(patch_.mesh, triangle, patch_.mesh.triangles[triangle].corner[top], u);
   }
 
-  // What of the triangle is below the hull's face; triangles that meet the same face add to each other.
+  // Notes the part of the triangle below the hull's face; the points of triangles under the same face are collected.
   void note_hull_face(std::uint32_t triangle, const RelativeHulls& ba, std::uint32_t face) noexcept {
     const HullTopology& sides = *hull_.topology;
     const Vec3d& n = hull_.normals[face];

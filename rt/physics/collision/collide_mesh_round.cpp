@@ -1,4 +1,4 @@
-// Sphere and capsule against a patch of a mesh, in the mesh's frame.
+// The kernels of sphere and capsule against a patch of a mesh, in the mesh's frame.
 #include <limits>
 
 #include "rt/physics/collision/collide_mesh.h"
@@ -9,7 +9,7 @@
 namespace tactus::physics {
 namespace {
 
-// The point of a triangle that is nearest to one in front of it, and what may push there.
+// The point of a triangle nearest to a point in front of it, and what may push there.
 struct NearestOnTriangle {
   Ruling ruling{Ruling::kDropped};
   Vec3d point;
@@ -48,10 +48,10 @@ NearestOnTriangle nearest_on_triangle(const Mesh& mesh, std::uint32_t triangle, 
   return {ruling, nearest, std::sqrt(least)};
 }
 
-// The stretch of a capsule's axis above the triangle.
+// The part of a capsule's axis above a triangle.
 struct Stretch {
   LineRange range;
-  std::uint32_t low_edge{kOwnEnd}, high_edge{kOwnEnd};  // of the triangle, that cuts it
+  std::uint32_t low_edge{kOwnEnd}, high_edge{kOwnEnd};  // the triangle's edge that limits the range there
   static constexpr std::uint32_t kOwnEnd = 3;
 };
 
@@ -61,7 +61,7 @@ Stretch stretch_above(const Mesh& mesh, std::uint32_t triangle, const Vec3d& cen
   for (std::uint32_t k = 0; k < 3; ++k) {
     const Vec3d outward = outward_of_edge(mesh, triangle, k);
     const LineRange before = stretch.range;
-    // A side has the width of a rounding error, so that two triangles leave no gap at their seam.
+    // Widens each side by a rounding error, so that two triangles leave no gap at their seam.
     cut_range(stretch.range, dot(outward, centre - mesh.corners[t.corner[k]]) - 1e-9 * norm(outward),
               dot(outward, half));
     if (stretch.range.low > before.low) stretch.low_edge = k;
@@ -70,7 +70,7 @@ Stretch stretch_above(const Mesh& mesh, std::uint32_t triangle, const Vec3d& cen
   return stretch;
 }
 
-// The outermost points of the axis above the patch, and the deepest edge or corner beside it.
+// Collects the outermost points of the axis above the patch, and the deepest edge or corner contact.
 class CapsuleOnPatch {
  public:
   CapsuleOnPatch(const PatchView& patch, const Vec3d& half, double radius) noexcept
@@ -120,7 +120,7 @@ class CapsuleOnPatch {
     const Stretch stretch = stretch_above(mesh, triangle, patch_.centre, half_);
     if (stretch.range.empty()) return;
     const double low = height(stretch.range.low), high = height(stretch.range.high);
-    // One-sided: the middle of the capsule is in front, or all of the stretch.
+    // One-sided: requires that the capsule's centre, or the whole range, is in front.
     if (!(height(0.0) > 0.0 || (low > 0.0 && high > 0.0))) return;
     if (!any_face_ || smaller(low, high) < least_height_) face_ = triangle, least_height_ = smaller(low, high);
     const auto feature = [&](std::uint32_t edge, std::uint32_t own) noexcept {
@@ -144,7 +144,7 @@ class CapsuleOnPatch {
     const Ruling ruling = u == 1.0    ? rule_corner(mesh, triangle, t.corner[next], d)
                           : u == -1.0 ? rule_corner(mesh, triangle, t.corner[k], d)
                                       : rule_edge(mesh, triangle, k, d);
-    // At the rim of a face its own stretch is as near.
+    // At the rim of a face, the face's own range is equally near.
     if (ruling != Ruling::kAllowed) return;
     edge_distance_ = distance, edge_direction_ = d, edge_point_ = point;
   }
@@ -153,7 +153,7 @@ class CapsuleOnPatch {
   Vec3d half_;
   double radius_;
   bool any_face_{false};
-  std::uint32_t face_{0};  // the one with the least height
+  std::uint32_t face_{0};  // the face with the least height
   double least_height_{};
   End low_, high_;
   double edge_distance_{std::numeric_limits<double>::infinity()};

@@ -1,4 +1,5 @@
-// Sphere, capsule and box against the half space below a plane. The plane is B here; its outward normal is `up`.
+// The kernels of sphere, capsule and box against the half space below a plane. The plane is B; `up` is its outward
+// normal.
 #include "rt/physics/collision/collide.h"
 
 namespace tactus::physics {
@@ -15,7 +16,7 @@ void collide_sphere_plane(const PairView& pair, Manifold& manifold) noexcept {
   add_point(pair, manifold, up * -(pair.a.radius + 0.5 * separation), separation, 0);
 }
 
-// Both ends, so that a lying capsule rests on two points. Feature: 0 the end at -z, 1 the end at +z.
+// Adds both ends, so that a lying capsule has two points. Feature: 0 the end at -z, 1 the end at +z.
 void collide_capsule_plane(const PairView& pair, Manifold& manifold) noexcept {
   const Vec3d up = up_of(pair), half = capsule_half_axis(pair.a, pair.world_from_a);
   manifold.normal = -up;
@@ -26,9 +27,9 @@ void collide_capsule_plane(const PairView& pair, Manifold& manifold) noexcept {
   }
 }
 
-// The four corners of the face that looks down most (the lower axis on a tie). The lowest corner is always one of
-// them. Four lowest corners instead would, on a thin card, take the corners above the touching ones and lose the far
-// edge. Feature: the corner, one bit per axis.
+// Adds the four corners of the face that points down most (the lower axis on a tie); the lowest corner is always one of
+// them. The four lowest corners would be wrong: on a thin card they include the corners above the touching ones and
+// miss the far edge. Feature: the corner, one bit per axis.
 void collide_box_plane(const PairView& pair, Manifold& manifold) noexcept {
   const Vec3d up = up_of(pair);
   const Axes axes = axes_of(pair.world_from_a);
@@ -39,7 +40,7 @@ void collide_box_plane(const PairView& pair, Manifold& manifold) noexcept {
   for (std::uint32_t i = 1; i < 3; ++i)
     if (std::abs(tilt[i]) > std::abs(tilt[down])) down = i;
   const std::uint32_t u = (down + 1) % 3, v = (down + 2) % 3;
-  const bool positive = tilt[down] < 0.0;  // the face on the +axis side looks down
+  const bool positive = tilt[down] < 0.0;  // the face on the +axis side points down
   const Vec3d centre = positive ? half[down] : -half[down];
   manifold.normal = -up;
   for (std::uint32_t k = 0; k < 4; ++k) {

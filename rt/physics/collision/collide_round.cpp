@@ -1,4 +1,5 @@
-// Spheres and capsules among themselves: closed form on the skeletons (centre, axis), radii added after.
+// The kernels of spheres and capsules among themselves: closed form on the skeletons (centre, axis), radii added
+// afterwards.
 #include <algorithm>
 #include <utility>
 
@@ -11,15 +12,15 @@ namespace {
 // Features of a capsule pair.
 constexpr std::uint32_t kClosest = 0, kLowEnd = 1, kHighEnd = 2;
 
-// Where the axes meet there is no direction between them: across both, towards the other's centre.
+// Normal where the axes intersect and give no direction: perpendicular to both, towards the other's centre.
 Vec3d across(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& offset) noexcept {
   const Vec3d axis_a = direction_or(half_a, Vec3d{0.0, 0.0, 1.0}), axis_b = direction_or(half_b, axis_a);
   const Vec3d n = direction_or(cross(axis_a, axis_b), tangents_of(axis_a).t1);
   return dot(n, offset) < 0.0 ? -n : n;
 }
 
-// A stretch where the two axes run side by side: what lies across from each other, square to A's axis, at both ends
-// of the stretch.
+// The range in which the two axes are side by side: opposite points, perpendicular to A's axis, at both ends of the
+// range.
 struct SideBySide {
   bool found{false};
   Vec3d on_a[2], on_b[2];
@@ -28,7 +29,7 @@ struct SideBySide {
 SideBySide side_by_side(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& offset) noexcept {
   const double aa = dot(half_a, half_a), ab = dot(half_a, half_b);
   if (!(aa > kNoDirection) || !(std::abs(ab) > 0.5 * norm(half_b) * std::sqrt(aa))) return {};
-  // Along A, in half lengths of A: A covers [-1, 1], B covers centre -+ reach.
+  // In units of A's half length along A: A covers [-1, 1], B covers centre -+ reach.
   const double centre = dot(half_a, offset) / aa, reach = ab / aa;
   const double low = std::max(-1.0, centre - std::abs(reach)), high = std::min(1.0, centre + std::abs(reach));
   if (!((high - low) * std::sqrt(aa) > kFlatTolerance)) return {};
@@ -59,8 +60,8 @@ void collide_sphere_capsule(const PairView& pair, Manifold& manifold) noexcept {
   add_round_point(pair, manifold, {}, pair.a.radius, on_b, pair.b.radius, separation, 0);
 }
 
-// Two points where the axes run side by side so flatly that the two ends tell all: one normal then fits both, and the
-// gap in between is no smaller than at the ends. Otherwise the closest point alone: crossing capsules touch in one.
+// Two points if the axes are side by side and flat enough for one normal to fit both ends of the range; the gap between
+// is no smaller than at the ends. Otherwise only the closest point: crossing capsules touch in one.
 void collide_capsule_capsule(const PairView& pair, Manifold& manifold) noexcept {
   const Vec3d half_a = capsule_half_axis(pair.a, pair.world_from_a),
               half_b = capsule_half_axis(pair.b, pair.world_from_b);
@@ -82,7 +83,7 @@ void collide_capsule_capsule(const PairView& pair, Manifold& manifold) noexcept 
     add_round_point(pair, manifold, on_a, pair.a.radius, on_b, pair.b.radius, separation, kClosest);
     return;
   }
-  // The nearer end carries the exact distance: never a gap larger than the true one.
+  // The nearer end gets the exact distance, so that no gap is larger than the true one.
   const int nearer = along[1] < along[0] ? 1 : 0;
   along[nearer] = std::min(along[nearer], separation + radii);
   for (int i = 0; i < 2; ++i)

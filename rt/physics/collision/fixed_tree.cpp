@@ -5,7 +5,7 @@
 namespace tactus::physics {
 namespace {
 
-// The axis along which the box is longest.
+// The axis of the box's longest side.
 double Vec3d::*longest_side(const Aabb& box) noexcept {
   const Vec3d e = box.upper - box.lower;
   if (e.x >= e.y && e.x >= e.z) return &Vec3d::x;
@@ -23,7 +23,7 @@ void FixedTree::build(std::span<const Aabb> bounds) noexcept {
   if (!order_.empty()) add(bounds, order_.span());
 }
 
-// The subtree of these slots. As deep as the logarithm of their number.
+// Adds the subtree of these slots. Recursion depth: logarithm of their number.
 void FixedTree::add(std::span<const Aabb> bounds, std::span<std::uint32_t> slots) noexcept {
   Aabb box = bounds[slots[0]];
   for (const std::uint32_t slot : slots) box = join(box, bounds[slot]);

@@ -1,11 +1,12 @@
-// Which fixed bodies may a box touch? A tree of boxes over the static geometry, so that the work of a step does not
-// grow with geometry that is far away.
+// A tree of the bounds of static geometry, which finds the fixed bodies that a box overlaps; distant geometry adds
+// little to the work of a step.
 //
-// Every inner node is the box of what is below it, split at the middle of its longest side; nodes lie in the order of
-// a walk from the top, each with the place where the walk goes on when its box is missed: no stack. What has no bounds
-// (planes) is listed apart. Exactly the boxes of the brute-force test. Thread: construction [setup]; build: linear
-// times logarithm in bodies, no allocation, by the owner before the first step; find [rt]. Frame: world. Units: m.
-// Bound: as many boxes as given at construction.
+// The box of an inner node encloses those below it, which are split at the middle of its longest side. Nodes are in
+// depth-first order; each has the index of the node at which the search continues if its box is missed, so the search
+// needs no stack. Bodies without bounds (planes) are listed separately. Finds exactly the boxes of the brute-force
+// test.
+// Thread: construction [setup]; build: O(n log n) in bodies, no allocation, by the owner before the first step; find
+// [rt]. Frame: world. Units: m. Bound: as many boxes as given at construction.
 #pragma once
 
 #include <span>
@@ -15,7 +16,7 @@
 
 namespace tactus::physics {
 
-// The smallest box that holds both.
+// The smallest box that encloses both.
 inline Aabb join(const Aabb& a, const Aabb& b) noexcept {
   return {{std::min(a.lower.x, b.lower.x), std::min(a.lower.y, b.lower.y), std::min(a.lower.z, b.lower.z)},
           {std::max(a.upper.x, b.upper.x), std::max(a.upper.y, b.upper.y), std::max(a.upper.z, b.upper.z)}};
@@ -29,7 +30,7 @@ class FixedTree {
 
   std::span<const std::uint32_t> unbounded() const noexcept { return unbounded_.span(); }  // slots, ascending
 
-  // Calls found(slot) for each box that overlaps, in an order of the tree's own, until it says false.
+  // Calls found(slot) for each overlapping box, in the order of the tree, until it returns false.
   template <class F>
   void find(const Aabb& box, F&& found) const noexcept {
     for (std::uint32_t n = 0; n < nodes_.size();) {
@@ -47,7 +48,7 @@ class FixedTree {
   static constexpr std::uint32_t kInner = 0xffffffffu;
   struct Node {
     Aabb box;
-    std::uint32_t next{0};       // the node after all that is below this one
+    std::uint32_t next{0};       // first node after this subtree
     std::uint32_t slot{kInner};  // of a leaf
   };
 

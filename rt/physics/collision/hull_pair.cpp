@@ -8,12 +8,12 @@ struct EdgeList {
   std::array<std::uint8_t, kMaxHullEdges> edge;
 };
 
-// The edges of ref that may separate the hulls by more than `at_least`.
+// Lists the edges of ref that may separate the hulls by more than `at_least`.
 //
 // An axis between the normals n0, n1 of an edge's faces is a n0 + b n1 with a + b between 1 and edge_reach. A point of
-// the other hull at distances d0, d1 from the two planes bounds what such an axis can give: by max(d0, d1) where that
-// is not positive, by edge_reach times it where it is; a ball about the point takes its radius off. Two points are
-// tried: the centre with the ball inside, and the vertex that lies deepest behind the best face.
+// the other hull at distances d0, d1 from the two planes bounds the separation along such an axis: by max(d0, d1) if
+// that is not positive, else by edge_reach times it; for a sphere about the point its radius is subtracted. Two points
+// are tested: the centre with the inscribed sphere, and the vertex that is deepest behind the best face.
 void list_edges(const RelativeHulls& hulls, double at_least, std::uint32_t face, EdgeList& list) noexcept {
   const HullTopology& topology = *hulls.ref.topology;
   const Vec3d deepest = hulls.other_vertex(hulls.other.support(hulls.to_other(-hulls.ref.normals[face])));
@@ -22,7 +22,7 @@ void list_edges(const RelativeHulls& hulls, double at_least, std::uint32_t face,
     centre[f] = dot(hulls.ref.normals[f], hulls.centre) - hulls.ref.offsets[f];
     vertex[f] = dot(hulls.ref.normals[f], deepest) - hulls.ref.offsets[f];
   }
-  // The planes of merged faces pass their vertices by the flatness.
+  // The planes of merged faces are outside their vertices by up to the flatness.
   const double slack = hulls.ref.flatness;
   for (std::uint32_t e = 0; e < topology.edges; ++e) {
     const HullEdge& edge = topology.edge[e];
@@ -37,8 +37,8 @@ void list_edges(const RelativeHulls& hulls, double at_least, std::uint32_t face,
   }
 }
 
-// An edge of the other hull in the frame of ref, with the normals of its faces. Plain numbers: a list of them is not
-// cleared before it is filled, which cost more than all the rest.
+// An edge of the other hull in the frame of ref, with the normals of its faces. An array of plain numbers, because
+// clearing a list of them before it is filled cost more than all the rest.
 struct OtherEdge {
   double number[9];
 
@@ -54,7 +54,8 @@ struct OtherEdge {
 }  // namespace
 
 FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t first) noexcept {
-  // The centre's ball bounds each separation from above; where it is largest is a good start.
+  // The inscribed sphere of the other hull bounds each separation from above; the face with the largest bound is tested
+  // first.
   const std::uint32_t faces = hulls.ref.topology->faces;
   std::array<double, kMaxHullFaces> bound;
   std::uint32_t start = 0;
@@ -65,7 +66,7 @@ FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t firs
   if (first < faces) start = first;
   FaceAxis best{start, hulls.face_separation(start)};
   for (std::uint32_t f = 0; f < faces; ++f) {
-    if (!(best.separation <= margin)) return best;  // also where a pose is not finite
+    if (!(best.separation <= margin)) return best;  // also if a pose is not finite
     if (f == start || bound[f] < best.separation) continue;
     const double separation = hulls.face_separation(f);
     if (separation > best.separation) best = {f, separation};
@@ -81,14 +82,14 @@ EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t e, std::uint32_t ot
   const Vec3d w = cross(along, other_along);
   const double length_squared = norm_squared(w);
   if (!(length_squared > kParallelSineSquared * norm_squared(along) * norm_squared(other_along))) return {};
-  // The origin is inside, so the outward one of the two directions is that of the edge's places.
+  // The origin is inside ref, so the outward direction is the one towards the edge's vertices.
   const Vec3d n = w * ((dot(w, from) < 0.0 ? -1.0 : 1.0) / std::sqrt(length_squared));
   return {true, e, other_e, n, dot(n, hulls.centre + hulls.to_ref(other_from) - from)};
 }
 
-// Two edges make a face of the Minkowski difference just where their arcs on the sphere of normals cross (Gregorius
-// 2013): the normals of each edge's faces are on different sides of the plane that the other edge is normal to, and the
-// crossing is on the near side of the sphere.
+// Two edges make a face of the Minkowski difference if and only if their arcs on the Gauss sphere cross (Gregorius
+// 2013): the face normals of each edge are on different sides of the plane normal to the other edge, and both arcs are
+// on the same hemisphere.
 EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t best_face_of_ref,
                     std::uint32_t best_face_of_other) noexcept {
   EdgeAxis best;

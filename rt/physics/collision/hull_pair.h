@@ -1,8 +1,8 @@
-// Inside narrow phase: two hulls as seen from one of them, and the axis that separates them best. Thread: [any]; pure.
+// The axis of largest separation of two hulls. Inside narrow phase. Thread: [any]; pure.
 //
 // Frame: that of the hull called `ref`. Units: m.
-// Bound: every face looks at every vertex of the other hull at most once, every edge at every edge; faces and edges
-// that cannot beat the best axis so far are left out beforehand, which leaves few of them where hulls touch.
+// Bound: each face is tested against each vertex of the other hull at most once, and each edge against each edge; faces
+// and edges that cannot beat the best axis so far are excluded first, which leaves few of them for hulls in contact.
 #pragma once
 
 #include "rt/physics/collision/collide.h"
@@ -19,7 +19,7 @@ struct RelativeHulls {
   Vec3d to_other(const Vec3d& v) const noexcept { return {dot(column[0], v), dot(column[1], v), dot(column[2], v)}; }
   Vec3d other_vertex(std::uint32_t i) const noexcept { return centre + to_ref(other.vertex(i)); }
 
-  // The same pair from the other side.
+  // The same pair with the other hull as `ref`.
   RelativeHulls reversed() const noexcept {
     return {other,
             ref,
@@ -33,7 +33,7 @@ struct RelativeHulls {
     const Vec3d& n = ref.normals[face];
     return dot(n, centre) - other.reach_along(to_other(-n)) - ref.offsets[face];
   }
-  // Gap between the shadows on the unit vector n, which points from ref to the other.
+  // Gap between the projections onto the unit vector n, which points from ref to the other.
   double separation_along(const Vec3d& n) const noexcept {
     return dot(n, centre) - other.reach_along(to_other(-n)) - ref.reach_along(n);
   }
@@ -48,8 +48,8 @@ struct FaceAxis {
   std::uint32_t face{0};
   double separation{};
 };
-// The face of ref that separates best (the lower one on a tie; `first` before all), or the first found whose separation
-// is above the margin. `first`: a face to begin with, or any number beyond.
+// The face of ref with the largest separation (the lower index on a tie; `first` is preferred), or the first one found
+// whose separation exceeds the margin. `first`: the face to test first, or any number >= faces.
 FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t first) noexcept;
 
 struct EdgeAxis {
@@ -58,12 +58,12 @@ struct EdgeAxis {
   Vec3d normal;  // unit, from ref to the other
   double separation{};
 };
-// The pair of edges that separates best, if it beats `at_least`, or the first found whose separation is above the
-// margin. Edges within 0.3 degrees of parallel are left out: faces say the same.
+// The pair of edges with the largest separation, if it exceeds `at_least`, or the first one found whose separation
+// exceeds the margin. Edges within 0.3 degrees of parallel are skipped: the face axes cover them.
 EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t best_face_of_ref,
                     std::uint32_t best_face_of_other) noexcept;
 
-// The axis of one pair of edges, where they make one.
+// The axis of one pair of edges; `found` is false if they are parallel.
 EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t edge, std::uint32_t other_edge) noexcept;
 
 }  // namespace tactus::physics

@@ -8,13 +8,13 @@
 namespace tactus::physics {
 namespace {
 
-constexpr std::uint32_t kBlock = 1024;  // boxes that are compared side by side
+constexpr std::uint32_t kBlock = 1024;  // boxes compared in one block
 constexpr std::uint32_t kStride = 8;
 
-// Boxes in single precision, coordinate by coordinate, rounded outward: what does not overlap here does not overlap.
+// Boxes in single precision, one array per coordinate, rounded outward: boxes that do not overlap here do not overlap.
 struct Blocks {
   float lower[3][kBlock], upper[3][kBlock];
-  std::uint32_t near[kBlock];  // 0: apart from the box in question
+  std::uint32_t near[kBlock];  // 0: does not overlap the box under test
 };
 
 float rounded_down(double value) noexcept {
@@ -33,7 +33,7 @@ void fill(std::span<const Aabb> bounds, Blocks& blocks) noexcept {
   }
 }
 
-// Marks what box `a` may overlap from the stride of `first` on: a loop that the compiler makes wide.
+// Marks the boxes that box `a` may overlap, from the stride of `first` on; the compiler vectorises the loop.
 void mark(Blocks& blocks, std::uint32_t a, std::uint32_t first, std::uint32_t count) noexcept {
   float lower[3], upper[3];
   for (int k = 0; k < 3; ++k) lower[k] = blocks.lower[k][a], upper[k] = blocks.upper[k][a];
@@ -44,7 +44,7 @@ void mark(Blocks& blocks, std::uint32_t a, std::uint32_t first, std::uint32_t co
                      static_cast<std::uint32_t>(lower[2] <= u[2][b]) & static_cast<std::uint32_t>(l[2][b] <= upper[2]);
 }
 
-// Nothing marked in the stride? What lies beyond the last box is old, and costs a look at most.
+// True if no box of the stride is marked. Entries beyond the last box are stale, which costs at most one more test.
 bool is_empty(const Blocks& blocks, std::uint32_t stride) noexcept {
   std::uint64_t marks[kStride / 2];
   std::memcpy(marks, blocks.near + stride, sizeof(marks));

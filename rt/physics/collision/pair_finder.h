@@ -1,4 +1,4 @@
-// Which bodies may touch: pairs of overlapping bounds, for World::dynamic_pairs. Thread: [rt].
+// Broad phase by brute force: the pairs of overlapping bounds, for World::dynamic_pairs. Thread: [rt].
 #pragma once
 
 #include <span>
@@ -8,13 +8,13 @@
 
 namespace tactus::physics {
 
-// Two slots whose bounds overlap. Filled by a pair finder, in any order; the world sorts.
+// Two slots whose bounds overlap. A pair finder may add them in any order; the world sorts them.
 struct SlotPair {
   std::uint32_t a{0}, b{0};
 };
 
-// All pairs of dynamic bodies whose bounds overlap, by brute force: O(n^2), fixed order, no structure. False: there was
-// no room for all of them; those with the highest slots are missing.
+// Adds all pairs whose bounds overlap: O(n^2), fixed order. Returns false if not all of them fit; those with the
+// highest slots are then missing.
 bool find_pairs_brute_force(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pairs) noexcept;
 
 }  // namespace tactus::physics

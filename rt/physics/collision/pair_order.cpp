@@ -10,7 +10,7 @@ bool equal(const SlotPair& p, const SlotPair& q) noexcept { return p.a == q.a &&
 
 }  // namespace
 
-// Stable: equal slots stay in the order in which they come.
+// Stable: pairs with equal slots keep their order.
 template <std::uint32_t SlotPair::*kSlot>
 void PairOrder::sort_by(const BoundedVector<SlotPair>& from, BoundedVector<SlotPair>& to,
                         std::uint32_t slots) noexcept {

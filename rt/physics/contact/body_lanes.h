@@ -1,7 +1,7 @@
-// The motion of several bodies at once, one in each lane: how the wide kernels read and write SolverBody.
+// The motion of several bodies, one in each SIMD lane: how the wide kernels read and write SolverBody.
 //
-// A body is a run of 16 numbers, so N bodies are read by whole registers and turned from rows to columns. Thread: the
-// owner of the World [rt]. Bound: constant. Units and frame: SolverBody's.
+// A SolverBody is 16 contiguous numbers, so N bodies are read with whole registers and transposed. Thread: the owner of
+// the World [rt]. Bound: constant. Units and frame: those of SolverBody.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,15 @@ struct BodyLanes {
 
   Vec3<V> v, w, delta_position;
   Quat<V> delta_rotation;
-  V inverse_mass, gyroscopic;  // read only by `read_all`
+  V inverse_mass, gyroscopic;  // filled only by `read_all`
 
-  // What the sweeps read: all but the last two.
+  // Reads what the sweeps need: everything except inverse_mass and gyroscopic.
   TACTUS_INLINE static BodyLanes read(const SolverBody<T>* bodies, const Slots& slot) noexcept {
     V x[kNumbers];
     gather<13>(bodies, slot, x);
     return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, {x[6], x[7], x[8]}, {x[9], x[10], x[11], x[12]}, {}, {}};
   }
-  // v and w alone.
+  // Reads v and w only.
   TACTUS_INLINE static BodyLanes read_velocities(const SolverBody<T>* bodies, const Slots& slot) noexcept {
     V x[kNumbers];
     gather<8>(bodies, slot, x);
@@ -39,7 +39,8 @@ struct BodyLanes {
     return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, {x[6], x[7], x[8]}, {x[9], x[10], x[11], x[12]}, x[13], x[14]};
   }
 
-  // Writes v and w of the first `used` lanes (and what shares their registers, which is as it was).
+  // Writes v and w of the first `used` lanes. The rest of their registers (delta_position.x and .y) is written back
+  // unchanged.
   TACTUS_INLINE void write_velocities(SolverBody<T>* bodies, const Slots& slot, std::uint32_t used) const noexcept {
     const V x[8] = {v.x, v.y, v.z, w.x, w.y, w.z, delta_position.x, delta_position.y};
     scatter<6>(x, bodies, slot, used);

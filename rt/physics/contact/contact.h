@@ -1,6 +1,6 @@
-// A contact between two bodies of one world, from step to step: its manifold and the impulses it carries.
+// A contact between two bodies of one world, kept from step to step: its manifold and its impulses.
 //
-// Sorted by pair key. Impulses are of the last sub-step, in N s, and start the next one (warm start); totals are sums
+// Sorted by pair key. Impulses are those of the last sub-step, in N s, and warm-start the next one; totals are sums
 // over the step. Frame: world; normal from A (the lower id) to B. Thread: the owner of the World.
 #pragma once
 
@@ -23,7 +23,7 @@ struct ContactPoint {
 
 struct Contact {
   PairKey key;
-  std::uint32_t slot_a{0}, slot_b{0};  // slots in the world's bodies; fixed bodies: index into the fixed ones
+  std::uint32_t slot_a{0}, slot_b{0};  // of the world's bodies; of a fixed body: among the fixed bodies
   bool b_fixed{false};                 // true: B is a fixed body. A fixed body is always B.
   AxisCache axis_cache;
   double friction{};
@@ -31,7 +31,7 @@ struct Contact {
   std::uint32_t count{0};
   std::array<ContactPoint, kMaxManifoldPoints> points;
 
-  // Does it press, or did it in the last step?
+  // True if a point overlaps, or pressed in the last step.
   bool touching() const noexcept {
     for (std::uint32_t i = 0; i < count; ++i)
       if (points[i].total_normal_impulse > 0.0 || points[i].separation <= 0.0) return true;

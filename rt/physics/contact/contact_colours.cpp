@@ -20,7 +20,7 @@ void ContactColours::assign(std::span<const Contact> contacts, std::span<const S
     }
     std::uint64_t& a = contact.b_fixed ? used_[contact.slot_a].fixed : used_[contact.slot_a].moving;
     std::uint64_t& b = contact.b_fixed ? a : used_[contact.slot_b].moving;
-    const int first = std::countr_one(a | b);  // 64 when all are taken: the number of left over
+    const int first = std::countr_one(a | b);  // 64 if all are taken: kLeftOver
     colour_[k] = static_cast<std::uint8_t>(first);
     if (first < static_cast<int>(kColours)) {
       const std::uint64_t bit = std::uint64_t{1} << first;

@@ -1,9 +1,10 @@
-// Sets of contacts of which no two share a moving body, so that a set can be solved all at once.
+// Graph colouring of contacts: no two contacts of a colour share a moving body, so a colour can be solved in parallel.
 //
-// Greedy: each contact, in the order of the keys, takes the first colour that neither of its bodies has; so colours
-// depend on the contacts alone. What may not be solved, because nothing moves either body, has no colour. A body with
-// more contacts than colours has the rest left over, one after the other. Contacts with fixed bodies have colours of
-// their own: they are solved last, and win. Thread: construction [setup]; the rest [rt]. Bound: linear in contacts.
+// Greedy: each contact, in the order of the keys, takes the first colour that neither of its bodies has, so colours
+// depend only on the contacts. A contact of two bodies of infinite mass has no colour and is not solved. Contacts for
+// which all colours are taken are left over and solved one after the other. Contacts with fixed bodies have colours of
+// their own: they are solved last, so their constraints are met best. Thread: construction [setup]; the rest [rt].
+// Bound: linear in contacts.
 #pragma once
 
 #include <array>
@@ -18,11 +19,11 @@ namespace tactus::physics {
 
 class ContactColours {
  public:
-  static constexpr std::uint32_t kColours = 64;  // the bits of a mask
+  static constexpr std::uint32_t kColours = 64;  // one bit each in a 64-bit mask
   static constexpr std::uint8_t kLeftOver = 64, kNotSolved = 65;
-  // Which contacts: between moving bodies, with fixed bodies.
+  // Number of contacts per colour; kept for contacts between moving bodies and with fixed bodies.
   struct Counts {
-    std::array<std::uint32_t, kColours + 1> of{};  // by colour; the last: left over
+    std::array<std::uint32_t, kColours + 1> of{};  // by colour; the last entry: left over
   };
 
   explicit ContactColours(const Capacities& capacities)
@@ -39,7 +40,7 @@ class ContactColours {
  private:
   BoundedVector<std::uint8_t> colour_;  // by contact
   struct Used {
-    std::uint64_t moving, fixed;  // a bit for each colour
+    std::uint64_t moving, fixed;  // one bit per colour
   };
   BoundedVector<Used> used_;  // by slot
   Counts moving_, fixed_;

@@ -9,7 +9,7 @@ constexpr double thinnest(const Vec3d& half_extents) noexcept {
   return std::min({half_extents.x, half_extents.y, half_extents.z});
 }
 
-// The four points side by side: loops over the lanes are what the compiler makes wide.
+// The four points in parallel lanes, so that the compiler vectorises the loops.
 struct Lanes {
   static constexpr std::uint32_t kCount = ContactReference::kPoints;
   double x[kCount], y[kCount], z[kCount];
@@ -29,7 +29,7 @@ struct Lanes {
 
 double tolerance_of(PairKey key, const Shape& a, const Shape& b, double most) noexcept {
   const double whole = std::min(most, 0.01 * std::min(thinnest(a.half_extents), thinnest(b.half_extents)));
-  const std::uint64_t mixed = key.value * 0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio: neighbours land far apart
+  const std::uint64_t mixed = key.value * 0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio: spreads neighbouring keys
   return whole * (1.0 - static_cast<double>(mixed >> 56) / 512.0);
 }
 
@@ -51,7 +51,7 @@ void carry_over(const ContactReference& reference, const BodyFrame& a, const Bod
   Lanes on_a = to_world(a.axes, reference.on_a), on_b = to_world(b.axes, reference.on_b);
   double separation[Lanes::kCount];
   for (std::uint32_t i = 0; i < Lanes::kCount; ++i) {
-    // How far apart the bodies carried the point; it is now midway.
+    // Separation of the two anchors of the point; the point is midway between them.
     const double x = on_b.x[i] - on_a.x[i] + offset.x, y = on_b.y[i] - on_a.y[i] + offset.y,
                  z = on_b.z[i] - on_a.z[i] + offset.z;
     separation[i] = reference.separation[i] + (n.x * x + n.y * y + n.z * z);

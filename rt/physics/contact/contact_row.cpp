@@ -3,7 +3,7 @@
 namespace tactus::physics {
 namespace {
 
-// An impulse and its moment about the plane's centre, or a change of the relative motion there, by blocks.
+// An impulse and its moment about the plane's centre, or a change of the relative motion there, in blocks.
 template <class V>
 struct NormalPart {
   V n{}, m1{}, m2{};
@@ -13,7 +13,7 @@ struct TangentPart {
   V t1{}, t2{}, mn{};
 };
 
-// How far the bodies' motion has changed the gap since the start of the step: gap + x slope_1 + y slope_2.
+// Change of the gap by the bodies' motion since the start of the step: gap + x slope_1 + y slope_2.
 template <class V>
 struct GapChange {
   V gap, slope_1, slope_2;
@@ -21,7 +21,7 @@ struct GapChange {
 
 template <bool kFixed, class V>
 TACTUS_INLINE GapChange<V> gap_change(const ContactRow<V>& c, const BodyLanes<V>& a, const BodyLanes<V>& b) noexcept {
-  // n . (R r - r) = (R^T n - n) . r: the normal is turned back once instead of every point forth.
+  // n . (R r - r) = (R^T n - n) . r: rotates the normal back once instead of every point forward.
   const Vec3<V> turn_a = rotate_inverse(a.delta_rotation, c.n) - c.n;
   V gap = -dot(c.n, a.delta_position) - dot(turn_a, c.c_a);
   Vec3<V> turn = -turn_a;
@@ -33,7 +33,7 @@ TACTUS_INLINE GapChange<V> gap_change(const ContactRow<V>& c, const BodyLanes<V>
   return {gap, dot(turn, c.t1), dot(turn, c.t2)};
 }
 
-// The points' gaps after the bodies have moved.
+// Updates the points' gaps after the bodies have moved.
 template <bool kFixed, class V>
 TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const BodyLanes<V>& b) noexcept {
   const GapChange<V> moved = gap_change<kFixed>(c, a, b);
@@ -41,7 +41,8 @@ TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const Bo
     c.gap[i] = c.separation[i] + moved.gap + c.x[i] * moved.slope_1 + c.y[i] * moved.slope_2;
 }
 
-// The normal rows, point after point. Returns what they added; `v` ends as the relative motion after it.
+// Solves the normal rows, point after point. Returns the impulses added; on return `v` is the relative motion after
+// them.
 template <bool kBias, bool kTotals, bool kBackwards, class V>
 TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
                                           const SweepRule<LaneOf<V>>& rule) noexcept {
@@ -56,7 +57,7 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
     const V s = c.gap[i];
     const auto apart = s > zero;
     V mass = c.normal_mass[i];
-    const V close = mass * (s * inverse_h);  // apart: may close the gap, no more
+    const V close = mass * (s * inverse_h);  // separated: may close the gap, no more
     V keep;
     if constexpr (kBias) {
       const V push = larger(bias_rate * smaller(zero, s + slop), most_push);
@@ -65,7 +66,7 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
     } else {
       keep = last - select(apart, close, zero);
     }
-    // What a unit impulse here does: W (1, y, -x).
+    // Velocity change by a unit impulse at this point: W (1, y, -x).
     const V by_n = w[0] + w[3] * y - w[4] * x, by_1 = w[3] + w[1] * y - w[5] * x, by_2 = w[4] + w[5] * y - w[2] * x;
     const V next = larger(zero, keep - mass * (v.n + (y * v.m1 - x * v.m2)));
     const V change = next - last;
@@ -77,7 +78,7 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
   return sum;
 }
 
-// The friction rows, point after point, each within the disk of its own normal impulse.
+// Solves the friction rows, point after point, each within the disk of its own normal impulse.
 template <bool kTotals, bool kBackwards, class V>
 TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v) noexcept {
   const SymBlock<V>& w = c.w_tangent;
@@ -99,7 +100,7 @@ TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v) 
   return sum;
 }
 
-// Cuts the friction of the lanes of `which` back to the disks of normal impulses that have just shrunk.
+// Clamps the friction of the lanes in `which` to the disks of normal impulses that have just become smaller.
 template <class Mask, class V>
 TangentPart<V> shrink_friction(ContactRow<V>& c, Mask which) noexcept {
   TangentPart<V> sum;
@@ -114,7 +115,7 @@ TangentPart<V> shrink_friction(ContactRow<V>& c, Mask which) noexcept {
   return sum;
 }
 
-// More went than is left.
+// True if the biased sweep removed more than half of the contact's normal impulse.
 template <class V>
 auto lost_most_of_its_impulse(const ContactRow<V>& c, V change) noexcept {
   V left(0);
@@ -122,7 +123,7 @@ auto lost_most_of_its_impulse(const ContactRow<V>& c, V change) noexcept {
   return both(change<V(0), -change> left);
 }
 
-// The impulse `p` at the plane's centre and the moment `m` there: on B, the opposite on A.
+// Applies the impulse `p` at the plane's centre and the moment `m` to B, the opposite to A.
 template <bool kFixed, class V>
 TACTUS_INLINE void apply(const ContactRow<V>& c, BodyLanes<V>& a, BodyLanes<V>& b, const Vec3<V>& p,
                          const Vec3<V>& m) noexcept {
@@ -134,7 +135,7 @@ TACTUS_INLINE void apply(const ContactRow<V>& c, BodyLanes<V>& a, BodyLanes<V>& 
   }
 }
 
-// kPoses: with the bodies' motion since the start of the step.
+// kPoses: also reads the bodies' motion since the start of the step.
 template <bool kFixed, bool kPoses, class V>
 TACTUS_INLINE void gather(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, BodyLanes<V>& a,
                           BodyLanes<V>& b) noexcept {
@@ -153,7 +154,7 @@ TACTUS_INLINE void scatter(const ContactRow<V>& row, const SolverBodies<LaneOf<V
   if constexpr (!kFixed) b.write_velocities(bodies.motion.data(), row.b, row.used);
 }
 
-// W: the change of the relative motion at the plane's centre by a unit impulse or moment there.
+// Fills W: the change of the relative motion at the plane's centre by a unit impulse or moment there.
 template <class V>
 void fill_mobility(ContactRow<V>& c) noexcept {
   struct Answer {
@@ -205,7 +206,7 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
     const bool there = i < contact.count;
     const ContactPoint& from = contact.points[there ? i : 0];
-    // Until `complete` the totals hold the points' places from the centre; a point that is not there has no mass.
+    // Until `complete` the totals hold the points' positions relative to the centre; an unused point has mass 0.
     set_lane(row.total_normal_impulse[i], lane, as_lane(from.from_a.x - c_a.x));
     set_lane(row.total_tangent_impulse[0][i], lane, as_lane(from.from_a.y - c_a.y));
     set_lane(row.total_tangent_impulse[1][i], lane, as_lane(from.from_a.z - c_a.z));
@@ -289,8 +290,8 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
     p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
     m += rubbed.mn * c.n;
   } else if constexpr (kBias) {
-    // The impulse of an impact was given again as warm start, and the friction that came with it must go as the normal
-    // part goes: left to the relax sweep, the contacts solved before this one answer to it and keep the energy.
+    // The warm start repeated the impulse of an impact. Its friction must be removed together with its normal impulse:
+    // if it is left to the relax sweep, the contacts solved before this one react to it, and the energy stays.
     const auto lost = lost_most_of_its_impulse(c, pressed.n);
     if (any(lost)) {
       const TangentPart<V> rubbed = shrink_friction(c, lost);

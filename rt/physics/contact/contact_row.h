@@ -1,21 +1,24 @@
-// What a sweep does to a row: to as many contacts at once as V has lanes, none of which share a body.
+// The rows of contacts and the sweeps over them: each row holds as many contacts as V has lanes, none of which share a
+// body.
 //
-// A contact works in a frame of its own: its plane's centre, t1, t2, n. The bodies' relative motion there is six
-// numbers, their answer to a wrench there a 6 x 6 matrix W, computed once a step; so the points of a contact are solved
-// one after the other on six numbers, and the bodies are read and written once per sweep. At the point (x, y) of the
-// plane
-//   u_n = v_n - x w_2 + y w_1,   u_1 = v_1 - y w_n,   u_2 = v_2 + x w_n
+// A contact is solved in a frame of its own: the centre of its plane, t1, t2, n. The bodies' relative motion there is
+// six numbers, and its response to a wrench there a 6 x 6 matrix W, computed once a step. So the points of a contact
+// are solved one after the other on six numbers, and the bodies are read and written once per sweep.
+// At the point (x, y) of the plane
+//  u_n = v_n - x w_2 + y w_1,   u_1 = v_1 - y w_n,   u_2 = v_2 + x w_n
 // and a row changes its impulse by
-//   lambda' = max(0, lambda - m (mass_scale u + bias) - impulse_scale lambda),  m = 1 / (J M^-1 J^T).
-// Points are taken at their place in the plane: for the normal rows that changes nothing, friction acts at most as far
-// off as the points are from being coplanar. Gaps within the step follow from the bodies' motion since its start: no
-// collision between sub-steps. Bodies move before the relax sweep, so it works them out and the biased sweep of the
-// next sub-step finds them. Friction acts in the relax sweep, so that the bias never widens Coulomb's disk. With
-// FrictionSweeps::kEvery it acts in the biased sweep too, before the normal rows, within the disks that the last relax
-// sweep left: else what the bias moves creeps, and a wedge at 1.02 of its locking friction works itself loose. V is one
-// number or a Wide: each lane has the bits that one number would have. Lanes beyond `used` have no mass and are not
-// written back. Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto, soft-step
-// (TGS-soft) solver; rows of contacts without a common body, Tonge 2012.
+//  lambda' = max(0, lambda - m (mass_scale u + bias) - impulse_scale lambda),  m = 1 / (J M^-1 J^T).
+// Points are projected onto the plane: this is exact for the normal rows; friction acts off its point by at most the
+// points' deviation from the plane.
+// Gaps within the step follow from the bodies' motion since its start: no narrow phase between sub-steps. Bodies move
+// before the relax sweep, so that sweep updates the gaps, and the biased sweep of the next sub-step uses them.
+// Friction is solved in the relax sweep, so that the bias never enlarges the Coulomb disk. With FrictionSweeps::kEvery
+// it is also solved in the biased sweep, before the normal rows, within the disks of the last relax sweep; otherwise
+// what the bias moves creeps, and a wedge at 1.02 of its locking friction works loose.
+// V is a number or a Wide: each lane has the same bits as the scalar code. Lanes beyond `used` have no mass and are not
+// written back.
+// Frame: world. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points. Source: Catto, soft-step (TGS-soft) solver;
+// rows of contacts without a common body, Tonge 2012.
 #pragma once
 
 #include <array>
@@ -27,19 +30,19 @@
 
 namespace tactus::physics {
 
-// W by blocks: symmetric 3 x 3 in the order 00 11 22 01 02 12.
+// Blocks of W: symmetric 3 x 3 in the order 00 11 22 01 02 12.
 template <class V>
 using SymBlock = std::array<V, 6>;
 
-// First what every sweep streams over, then what only friction needs, then the books of the step.
+// In memory order: what every sweep reads, then what only friction needs, then the totals of the step.
 template <class V>
 struct alignas(64) ContactRow {
   static constexpr std::uint32_t kPoints = kMaxManifoldPoints;
   static constexpr int kWidth = kLanes<V>;
 
-  std::uint32_t a[kWidth], b[kWidth];  // slots; b is not read where B is fixed
+  std::uint32_t a[kWidth], b[kWidth];  // slots; b is not read if B is fixed
   std::uint32_t contact[kWidth];       // index among the contacts
-  std::uint32_t used, points;          // lanes; the most points that a lane has
+  std::uint32_t used, points;          // lanes in use; largest number of points of a lane
   Vec3<V> n, t1, t2;
   Vec3<V> c_a, c_b;  // m, the plane's centre from the bodies' centres, at the start of the step
   V inverse_mass_a, inverse_mass_b;
@@ -47,7 +50,7 @@ struct alignas(64) ContactRow {
   SymBlock<V> w_normal;       // (v_n, w_1, w_2) per (f_n, m_1, m_2)
   V x[kPoints], y[kPoints];   // m, in the plane, along t1 and t2
   V separation[kPoints];      // m, at the start of the step
-  V gap[kPoints];             // m, now: as the last relax sweep found it, at first the separation
+  V gap[kPoints];             // m, as of the last relax sweep; at first the separation
   V normal_mass[kPoints];     // kg
   V normal_impulse[kPoints];  // N s, of this sub-step
 
@@ -60,7 +63,7 @@ struct alignas(64) ContactRow {
   V total_normal_impulse[kPoints], total_tangent_impulse[2][kPoints];  // N s, of the step so far
 };
 
-// What all rows of a sweep share.
+// Constants shared by all rows of a sweep.
 template <class T>
 struct SweepRule {
   Softness<T> softness;
@@ -74,8 +77,8 @@ struct SweepRule {
   }
 };
 
-// --- filling a row: every lane with a contact, then the whole. An empty lane must have been cleared before.
-// The contacts' numbers are double, whatever the row's are.
+// --- filling a row: every lane with a contact, then `complete`. A row with empty lanes must be cleared before.
+// The contacts are in double, whatever V is.
 template <class V>
 void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
                const SolverBodies<LaneOf<V>>& bodies) noexcept;
@@ -86,7 +89,7 @@ void complete(ContactRow<V>& row) noexcept;
 template <bool kFixed, class V>
 void warm_start(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies) noexcept;
 // kBias: the soft sweep; kTotals: also adds the impulses to the totals of the step.
-// kBackwards: which way round the points are taken.
+// kBackwards: takes the points in reverse order.
 template <bool kBias, bool kFixed, bool kFriction, bool kTotals, bool kBackwards, class V>
 void solve(ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept;
 

@@ -5,14 +5,14 @@
 namespace tactus::physics {
 namespace {
 
-// A row takes a few tenths of a microsecond in a sweep, handing some over about one.
+// A row takes a few tenths of a microsecond in a sweep, handing work to another thread about one.
 constexpr std::uint32_t kFewestRows = 8;
-// The loops over bodies are short of work, but a body that another thread has just solved is slow to read: each thread
-// goes on with the bodies of the contacts that it has.
+// The loops over bodies do little work per body, but a body just solved by another thread is slow to read; so each
+// thread continues with the bodies of its own contacts.
 constexpr std::uint32_t kFewestBodies = 128;
 
-// A blow: in one sub-step the impulses change a body's velocity by more than this part of the push speed. Below it what
-// they give too much is little, and to look for it costs more than a sweep would.
+// Impact: in one sub-step the impulses change a body's velocity by more than this share of the push speed. Below it the
+// excess energy is small, and the check would cost more than a sweep.
 constexpr double kBlow = 0.1;
 
 template <class V>
@@ -30,13 +30,13 @@ ContactSolver<T, kWidth>::ContactSolver(const Capacities& capacities)
       before_(capacities.bodies),
       accumulated_delta_v_(capacities.bodies),
       gate_(capacities.bodies) {
-  // Every colour may leave one row that is not full.
+  // Every colour may end with one partly filled row.
   rows_.all = BoundedVector<ContactRow<V>>(
       std::min(capacities.contacts, capacities.contacts / kWidth + 2 * ContactColours::kColours));
   singles_.all = BoundedVector<ContactRow<T>>(capacities.contacts);
 }
 
-// Gives each colour its rows from `row` on. Lanes that stay empty are cleared.
+// Assigns each colour its rows, from `row` on. Rows with empty lanes are cleared.
 template <class T, int kWidth>
 std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Counts& counts, std::uint32_t row,
                                                       Starts& starts) noexcept {
@@ -70,7 +70,7 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
   for (auto& row : singles_.all) row.used = 1, row.points = 0;
 
-  // Each contact to the next lane of its colour; the rows are filled one by one after that.
+  // Assigns each contact to the next lane of its colour; then the rows are filled in their order.
   Starts lane_of_moving, lane_of_fixed;
   for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour)
     lane_of_moving[colour] = moving_[colour] * kWidth, lane_of_fixed[colour] = fixed_[colour] * kWidth;
@@ -87,14 +87,15 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   for_each_row([contacts, bodies](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane)
       fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
-    // Empty lanes read where the first one reads, and write nothing.
+    // Empty lanes read the bodies of the first lane and write nothing.
     for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane)
       row.a[lane] = row.a[0], row.b[lane] = row.b[0];
     complete(row);
   });
 }
 
-// `f(begin, end)` on rows of one colour at a time, where that matters. A colour that has no row has none after it.
+// Calls `f(begin, end)` on the rows: colour by colour if an executor shares the work, else on all at once. Colours are
+// used from the first, so no rows follow an empty colour.
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_colour(const Starts& starts, F&& f) noexcept {

@@ -1,13 +1,14 @@
-// The contacts of a step as rows for the sweeps: coloured, packed into lanes, solved, and their impulses given back.
+// Solves the contacts of a step: colours them, packs them into rows, sweeps over the rows and stores the impulses.
 //
-// A row holds contacts of one colour (contact_colours.h), as many as kWidth; contacts that no colour has room for are
-// rows of one. Order in every sweep: colours between moving bodies, what they left over, colours with fixed bodies,
-// what they left over. The order does not depend on kWidth, so neither do the bits.
-// Every sub-step starts with the impulses of the one before. What they do to a body is the sum of what the sweeps have
-// done to it so far, which is kept by body: only the first warm start of a step goes through the rows.
-// Rows of a colour share no body, so an executor may have them solved at the same time: that does not show in the bits.
-// Frame: world. Units: SI. Thread: construction [setup]; the rest [rt]. Bound: linear in points; as many contacts and
-// bodies as given at construction.
+// A row holds contacts of one colour (contact_colours.h), as many as kWidth; contacts left over by the colouring get
+// rows of one. Order in every sweep: colours between moving bodies, their left-over contacts, colours with fixed
+// bodies, their left-over contacts. The order, and so the bits, do not depend on kWidth.
+// Every sub-step is warm-started with the impulses of the previous one. Their effect on a body is the sum of the
+// changes that the sweeps made to its velocity, which is kept per body; only the first warm start of a step goes
+// through the rows.
+// Rows of a colour share no body, so an executor may solve them in parallel, with the same bits.
+// Frame: world. Units: SI. Thread: construction [setup]; the rest [rt]. Bound: linear in points; contacts and bodies up
+// to the capacities given at construction.
 #pragma once
 
 #include <span>
@@ -24,32 +25,32 @@ class ContactSolver {
  public:
   explicit ContactSolver(const Capacities& capacities);  // [setup]
 
-  // `executor`: for all that follows, up to the next prepare. The contacts' numbers are double.
+  // `executor`: used by all calls until the next prepare. The contacts are in double.
   void prepare(std::span<const Contact> contacts, SolverBodies<T> bodies, const Executor& executor = {}) noexcept;
-  // Held back where it would give energy: see EnergyGate.
+  // Scaled down where it would raise the kinetic energy of an impact: see EnergyGate.
   void warm_start(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept;
-  // The same, whatever it gives.
+  // Without that scaling.
   void warm_start_freely(SolverBodies<T> bodies) noexcept;
   void solve_biased(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction) noexcept;
   // `last`: also adds the impulses to the totals of the step.
   void relax(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction, bool last) noexcept;
-  // For a sub-step without a relax sweep: adds the impulses to the totals as they are.
+  // For a sub-step without a relax sweep: adds its impulses to the totals.
   void add_to_totals() noexcept;
   void scale_impulses(T factor) noexcept;
-  // Impulses and totals, for the next step. `share`: see Solver. Below 1 the impulses stored are those of the last
-  // keep_impulses, and that share of what came since.
+  // Stores impulses and totals for the next step. `share` below 1 (see Solver): stores the impulses of the last
+  // keep_impulses plus `share` of their change since.
   void store(std::span<Contact> contacts, double share) const noexcept;
   void keep_impulses(std::span<Contact> contacts) const noexcept;
 
  private:
   using V = std::conditional_t<kWidth == 1, T, Wide<T, kWidth>>;
-  // Rows of one kind: those between moving bodies come first.
+  // Rows between moving bodies, then rows with fixed bodies from `first_fixed` on.
   template <class U>
   struct Rows {
     BoundedVector<ContactRow<U>> all;
     std::uint32_t first_fixed{0};
   };
-  // The rows of each colour: from its own start to the next one's.
+  // First row of each colour; the next entry is its end.
   using Starts = std::array<std::uint32_t, ContactColours::kColours + 1>;
 
   std::uint32_t place_colours(const ContactColours::Counts& counts, std::uint32_t row, Starts& starts) noexcept;
@@ -75,14 +76,15 @@ class ContactSolver {
   ContactColours colours_;
   Rows<V> rows_;
   Rows<T> singles_;            // of contacts left over
-  Starts moving_{}, fixed_{};  // of rows_
+  Starts moving_{}, fixed_{};  // into rows_
   Executor executor_;
   BoundedVector<Twist<T>> before_,
-      accumulated_delta_v_;  // by slot: velocities before the sweep; what this sub-step's impulses gave
+      accumulated_delta_v_;  // by slot: velocities before the sweep; change of velocity by the impulses of this
+                             // sub-step
   bool given_is_known_{false};
   EnergyGate<T> gate_;
-  // Which way round the next sweep takes the points of a contact, and the first of the next sub-step. To and fro, in
-  // turns also from sub-step to sub-step, is symmetric; always the same way round drives what sways in circles.
+  // Point order of the next sweep, and of the first sweep of the next sub-step. Alternating from sweep to sweep and
+  // from sub-step to sub-step is symmetric; a constant order drives circular oscillations.
   bool backwards_{false}, next_backwards_{false};
 };
 

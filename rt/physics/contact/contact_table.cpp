@@ -8,13 +8,13 @@
 namespace tactus::physics {
 namespace {
 
-// Not called when the sub-step stays: the bits stay too.
+// Not called if the sub-step is unchanged, so that the bits stay the same.
 void scale_impulses(ContactPoint& point, double factor) noexcept {
   point.normal_impulse *= factor;
   point.tangent_impulse[0] *= factor, point.tangent_impulse[1] *= factor;
 }
 
-// From the centre of A.
+// Nearest point of the contact; `from_a`: from the centre of A.
 ContactPoint& nearest_point(Contact& contact, const Vec3d& from_a) noexcept {
   const auto distance = [&](const ContactPoint& p) noexcept { return norm_squared(p.from_a - from_a); };
   return *std::min_element(contact.points.begin(), contact.points.begin() + contact.count,
@@ -28,8 +28,9 @@ LastFeatures features_of(const Contact* last, const WarmStart* given) noexcept {
   return features;
 }
 
-// A body may be near to many patches of a mesh and touch few: those that cannot be touched in this step are left out
-// sooner. A box as wide as two cells of a rolling ground has a third of the contacts (at 0.5 mm: 13 patches).
+// A body may be near many patches of a mesh and touch few: patches that cannot be touched in this step are dropped at
+// this smaller margin [m]. On rolling ground a box as wide as two cells then has a third of the contacts (at 0.5 mm: 13
+// patches).
 inline constexpr double kPatchMargin = 5e-5;
 
 double separation_of(const Contact& contact) noexcept {
@@ -38,31 +39,31 @@ double separation_of(const Contact& contact) noexcept {
   return least;
 }
 
-// So many pairs are looked through at a time: enough to share their searches, few enough to stay in a cache.
+// Number of pairs visited at a time: enough to share their searches, few enough to stay in the cache.
 constexpr std::uint32_t kStretch = 256;
-// A search takes a microsecond, handing some over about as long.
+// A search takes about 1 us, and so does handing it to another thread.
 constexpr std::uint32_t kFewestSearches = 4;
 // Counted instructions: two boxes 3k; hulls of 8, 20 and 64 vertices 5.5k, 10k and 27k; a box on 60 triangles 42k.
 constexpr std::uint32_t kVerticesPerComparison = 16, kTrianglesPerComparison = 4;
 
 }  // namespace
 
-// The contacts of this step are written over those of the last: in the usual step the same pairs touch, and each stays
-// where it is. Where a new one comes between, those written so far move to last_, and the others follow.
+// The contacts of this step overwrite those of the last: usually the same pairs touch, and each contact keeps its
+// place. When a new contact must be inserted, those written so far move to last_, and the rest are written there.
 struct ContactTable::Walk {
   const Scene& scene;
   const StepSettings& settings;
   double sub_step, impulse_scale;
   const Contact* old;  // contacts of the last step
   const ContactReference* old_references;
-  std::uint32_t old_count, old_next{0};  // of them, the next to be read
-  Contact* contacts;                     // of this step: where the old ones are, or in last_
+  std::uint32_t old_count, old_next{0};  // contacts of the last step: their number, the next to be read
+  Contact* contacts;                     // of this step: in place of the old ones, or in last_
   ContactReference* references;
   std::uint32_t written{0};
   std::uint32_t last_pair{0}, old_seen{0}, given{0};
-  std::uint32_t visits{0}, searches{0};       // of the stretch of pairs
+  std::uint32_t visits{0}, searches{0};       // of the present block of pairs
   std::uint32_t searched{0}, comparisons{0};  // as in StepReport
-  Contact replaced{};                         // of the last step, where this step's is written over it
+  Contact replaced{};                         // contact of the last step that is being overwritten
 };
 
 ContactTable::ContactTable(const Capacities& capacities)
@@ -94,7 +95,7 @@ void ContactTable::clear_pairs() noexcept {
   pairs_dropped_ = 0;
 }
 
-// Beyond the capacity the pairs are a heap with the highest key on top: the one that gives way.
+// When the list is full, the pairs form a heap with the highest key on top, which is the next to be dropped.
 void ContactTable::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
   const Pair pair{key, a, b, patch};
   if (pairs_.try_push(pair)) return;
@@ -109,8 +110,8 @@ void ContactTable::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const
   std::push_heap(pairs_.begin(), pairs_.end(), lower_key);
 }
 
-// Keys are distinct once duplicates are gone, and duplicates are equal, so the result does not depend on how they came.
-// The world gives them sorted but for odd scenes.
+// Keys are distinct after duplicates are removed, and duplicates are equal, so the result does not depend on the input
+// order. Usually the world adds the pairs sorted.
 void ContactTable::sort_pairs() noexcept {
   const auto lower_key = [](const Pair& p, const Pair& q) { return p.key < q.key; };
   const auto not_ascending = [](const Pair& p, const Pair& q) { return !(p.key < q.key); };
@@ -128,13 +129,13 @@ void ContactTable::sort_warm_starts() noexcept {
   });
 }
 
-// Pairs of this step and the last, contacts of the last and given impulses are all sorted by key: one merge. It goes
-// ahead of the contacts that are written by a stretch of pairs, and writes none itself.
+// Merges pairs of this step and the last, contacts of the last and given impulses, all sorted by key. It runs one block
+// of pairs ahead of the writing of contacts, and writes none itself.
 void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   Pair& pair = pairs_[index];
   const bool with_fixed = pair.key.with_fixed();
   const MotionBound& a = walk.scene.reach[pair.a];
-  // Two bodies fall side by side, or one of them is held: gravity counts once.
+  // Gravity counts once: two bodies fall together, or one of them is supported.
   const MotionBound b = with_fixed ? MotionBound{} : walk.scene.reach[pair.b];
   const double closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
   const double least =
@@ -195,13 +196,13 @@ Manifold ContactTable::compare(const Scene& scene, Search& search) const noexcep
                  search.last);
 }
 
-// The contact that is next stays, with its points as the bodies are now.
+// Carries the next contact over and updates its points to the bodies' present poses.
 void ContactTable::keep(Walk& walk, const Visit& visit) noexcept {
   const Pair& pair = pairs_[visit.pair];
   const Contact* last = &walk.old[visit.old];
   const ContactReference* last_reference = &walk.old_references[visit.old];
   walk.old_next = visit.old + 1;
-  Contact* contact = place(walk);  // there is room: it was there before
+  Contact* contact = place(walk);  // fits: it was there before
   ContactReference& reference = walk.references[walk.written - 1];
   if (contact != last) *contact = *last, reference = *last_reference;
   reference.moved = visit.moved;
@@ -212,7 +213,7 @@ void ContactTable::keep(Walk& walk, const Visit& visit) noexcept {
     for (std::uint32_t i = 0; i < contact->count; ++i) scale_impulses(contact->points[i], walk.impulse_scale);
 }
 
-// Where the next contact of this step goes.
+// Returns where the next contact of this step is written.
 Contact* ContactTable::place(Walk& walk) noexcept {
   if (walk.contacts == walk.old && walk.written == walk.old_next && walk.old_next < walk.old_count) {
     std::copy(walk.contacts, walk.contacts + walk.written, last_.begin());
@@ -220,7 +221,7 @@ Contact* ContactTable::place(Walk& walk) noexcept {
     walk.contacts = last_.begin(), walk.references = last_references_.begin();
   }
   if (walk.written < contacts_.capacity()) return &walk.contacts[walk.written++];
-  beyond_.resize(beyond_.size() + 1);  // there are no more contacts than pairs
+  beyond_.resize(beyond_.size() + 1);  // fits: there are at most as many contacts as pairs
   return &beyond_[beyond_.size() - 1];
 }
 
@@ -262,8 +263,9 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
                  std::max(bounding_radius(a.shape), bounding_radius(b.shape)), reference);
 }
 
-// The impulses of the same features: of the last step, or else those given. Where a point of the last step is not
-// chosen again, the nearest takes its impulse: a stack must not drop because its corners are counted anew.
+// Starts the contact with the impulses of the same features in the last step, or else with those given. If a point of
+// the last step is not chosen again, the nearest point takes its impulse, so that a stack does not drop when the choice
+// of its corners changes.
 void ContactTable::start_impulses(const Walk& walk, const Contact* last, const WarmStart* given,
                                   Contact& contact) const noexcept {
   if (last == nullptr && given == nullptr) return;
@@ -283,7 +285,7 @@ void ContactTable::start_impulses(const Walk& walk, const Contact* last, const W
         add(*point, given->normal_force[j] * walk.sub_step, given->friction_force[j] * walk.sub_step);
     return;
   }
-  // The normal has turned since: the old friction vector is projected on the new tangents.
+  // The normal has rotated since: projects the old friction vector on the new tangents.
   const Tangents<double> then = tangents_of(last->normal);
   const bool same_kind = is_of_face(last->points[0].feature) == is_of_face(contact.points[0].feature);
   for (std::uint32_t j = 0; j < last->count; ++j) {
@@ -296,7 +298,7 @@ void ContactTable::start_impulses(const Walk& walk, const Contact* last, const W
   }
 }
 
-// There are more contacts than room: the deepest of contacts_ and beyond_ stay, in the order of keys.
+// More contacts than capacity: keeps the deepest of contacts_ and beyond_, in the order of keys.
 void ContactTable::keep_deepest(StepReport& report) noexcept {
   const std::uint32_t room = contacts_.capacity();
   report.capacity_bits |= kContactsFull;
@@ -304,7 +306,7 @@ void ContactTable::keep_deepest(StepReport& report) noexcept {
   const auto at = [&](std::uint32_t i) -> const Contact& { return i < room ? contacts_[i] : beyond_[i - room]; };
   order_.resize(room + beyond_.size());
   for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
-  // The index decides ties as the key would.
+  // Ties by index, which is the order of keys.
   std::nth_element(order_.begin(), order_.begin() + room, order_.end(), [&](std::uint32_t i, std::uint32_t j) {
     const double s = separation_of(at(i)), t = separation_of(at(j));
     return s != t ? s < t : i < j;
@@ -377,7 +379,7 @@ void ContactTable::scale_impulses_of(std::span<const std::uint8_t> bodies, doubl
 }
 
 void ContactTable::slot_inserted(std::uint32_t slot, bool fixed) noexcept {
-  if (fixed) pairs_.clear();  // what is known of a gap holds for bodies that were there: one of that id may have gone
+  if (fixed) pairs_.clear();  // known gaps may be those of a removed body with the same id
   for (Contact& contact : contacts_) {
     if (!fixed && contact.slot_a >= slot) ++contact.slot_a;
     if (contact.b_fixed == fixed && contact.slot_b >= slot) ++contact.slot_b;

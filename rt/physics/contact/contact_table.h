@@ -1,11 +1,12 @@
-// The contacts of a world from step to step: pairs in, manifolds out, impulses carried over.
+// The contacts of a world from step to step: takes pairs, computes manifolds and carries impulses over.
 //
 // Per step: add_pair for every pair that may touch (any order), then build: sort by key, narrow phase, and the impulses
-// of the same pair and feature in the last step. Two things save most of the work where little moves. A pair of boxes
-// that was apart is not looked at again until its bodies have moved against each other by the gap: a proof, so it never
-// shows in a result and is no part of the state. A contact of boxes or hulls that hardly have is carried over
-// (contact_reference.h): that is state. Pairs without points leave no trace, so more pairs than needed give the same
-// bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI. Bound:
+// of the same pair and feature in the last step. Two shortcuts save most of the work when little moves. A pair of boxes
+// that was separated is not tested again until its bodies have moved against each other by the gap; that is exact, so
+// it never changes a result and is not part of the state. A contact of boxes or hulls whose bodies have hardly moved is
+// carried over (contact_reference.h); that is part of the state. Pairs without points leave no trace, so extra pairs do
+// not change the bits.
+// Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI. Bound:
 // `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties by lower
 // key); what did not fit is counted.
 #pragma once
@@ -25,7 +26,7 @@
 
 namespace tactus::physics {
 
-// Which triangles of a patch a body is near to: a stretch of the step's list of them.
+// The triangles of a patch that are near a body: a range of the step's list of triangles.
 struct PatchTriangles {
   std::uint32_t first{0}, count{0};
 };
@@ -40,38 +41,38 @@ class ContactTable {
 
   // --- pairs of this step
   void clear_pairs() noexcept;
-  // `b` is a slot of the fixed bodies when `with_fixed`. The body with the lower id comes first, a fixed one second.
-  // With a mesh, one pair for each patch: the key has the patch's id, `b` is the slot of the mesh's body.
+  // `b` is a slot of the fixed bodies if the key has `with_fixed`. The body with the lower id comes first, a fixed one
+  // second. For a mesh, one pair for each patch: the key has the patch's id, `b` is the slot of the mesh's body.
   void add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch = {}) noexcept;
 
-  // What narrow phase needs to know about the bodies, all by slot.
+  // Input of narrow phase, by slot.
   struct Scene {
     std::span<const Body> bodies, fixed_bodies;
     std::span<const BodyFrame> frames, fixed_frames;
     std::span<const MotionBound> reach;
-    Hulls hulls{};                                    // of the shapes
+    Hulls hulls{};                                    // referred to by the shapes
     Meshes meshes{};                                  // same
-    std::span<const std::uint32_t> mesh_triangles{};  // what PatchTriangles are stretches of
+    std::span<const std::uint32_t> mesh_triangles{};  // the list of which PatchTriangles are ranges
   };
-  // `sub_step` [s] of this step; `impulse_scale`: this sub-step / that of the impulses kept, exactly 1 when equal.
-  // Fills pairs, contacts, points, deepest, dropped and the bits of the report.
+  // `sub_step` [s] of this step; `impulse_scale`: this sub-step / the sub-step of the stored impulses, exactly 1 if
+  // equal. Fills pairs, contacts, points, deepest, dropped and the bits of the report.
   void build(const Scene& scene, const StepSettings& settings, double sub_step, double impulse_scale,
              StepReport& report, const Executor& executor = {}) noexcept;
 
-  // --- impulses from another world, used by the next build, then dropped. False: no room.
+  // --- impulses from another world, used by the next build, then cleared. False if the list is full.
   bool add_warm_start(const WarmStart& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
   std::span<const WarmStart> warm_starts() const noexcept { return warm_starts_.span(); }
 
-  // Of the contacts whose A is one of these bodies, by slot.
+  // Scales the impulses of contacts whose body A is flagged, by slot.
   void scale_impulses_of(std::span<const std::uint8_t> bodies, double factor) noexcept;
 
-  // --- membership changed: a slot was inserted below which all others moved up, or removed with all its contacts
+  // --- membership changed: a slot was inserted and those above moved up, or a slot was removed with all its contacts
   void slot_inserted(std::uint32_t slot, bool fixed) noexcept;
   void slot_removed(std::uint32_t slot, bool fixed) noexcept;
-  // Moving bodies: by slot, where each is now, or kNoSlot when it went with all its contacts.
+  // `to`: the new slot of each moving body, by old slot; kNoSlot if it was removed with all its contacts.
   void slots_moved(std::span<const std::uint32_t> to) noexcept;
 
-  // For restoring: empties the table and hands out its storage. As many references as contacts.
+  // For restoring: empties the table and exposes its storage. There must be as many references as contacts.
   void clear() noexcept;
   BoundedVector<Contact>& stored_contacts() noexcept { return contacts_; }
   BoundedVector<ContactReference>& stored_references() noexcept { return references_; }
@@ -82,26 +83,26 @@ class ContactTable {
     PairKey key;
     std::uint32_t a{0}, b{0};
     PatchTriangles patch;
-    double gap{},
-        lever_arm{};  // as of a manifold without points, less the motion against each other since; 0: not known
+    double gap{}, lever_arm{};  // m: gap and lever arm of a manifold without points, the gap less the relative motion
+                                // since; 0: unknown
   };
-  // A pair that has a contact or may get one: what is carried over, or what is searched.
+  // A pair that has a contact or may get one: either carried over or searched.
   struct Visit {
     std::uint32_t pair;
-    std::uint32_t old;     // the first contact of the last step whose key is not lower
-    std::uint32_t search;  // kCarryOver, or among the searches
-    double moved;          // m, of a contact carried over: see ContactReference
+    std::uint32_t old;     // first contact of the last step whose key is not lower
+    std::uint32_t search;  // kCarryOver, or index of the search
+    double moved;          // m, if carried over: see ContactReference
   };
   static constexpr std::uint32_t kCarryOver = ~0u;
   struct Search {
     std::uint32_t pair;
-    bool known;              // the last step had its contact
+    bool known;              // the last step had a contact of the pair
     const WarmStart* given;  // null: none
     double margin;
     LastFeatures last;
     AxisCache axis_cache;
   };
-  // What a build goes by and where it is in the lists that it merges, all sorted by key.
+  // Input of a build and its positions in the lists that it merges, all sorted by key.
   struct Walk;
 
   void sort_pairs() noexcept;
@@ -118,15 +119,15 @@ class ContactTable {
   BoundedVector<Pair> pairs_, last_pairs_;
   bool pairs_are_heap_{false};
   std::uint32_t pairs_dropped_{0};
-  BoundedVector<Visit> visits_;                                   // of a stretch of pairs
+  BoundedVector<Visit> visits_;                                   // of the present block of pairs
   BoundedVector<Search> searches_;                                // same
-  BoundedVector<Manifold> manifolds_;                             // by search, where an executor shares them
+  BoundedVector<Manifold> manifolds_;                             // by search, if an executor shares them
   BoundedVector<Contact> contacts_, last_;                        // by key
   BoundedVector<ContactReference> references_, last_references_;  // of contacts_, of last_
   BoundedVector<Contact> beyond_;                                 // contacts beyond the capacity, by key
-  BoundedVector<std::uint32_t> order_;                            // of both, by depth
-  BoundedVector<WarmStart> warm_starts_;                          // as they came
-  BoundedVector<std::uint32_t> warm_start_order_;                 // by key, then as they came
+  BoundedVector<std::uint32_t> order_;                            // of contacts_ and beyond_, by depth
+  BoundedVector<WarmStart> warm_starts_;                          // in order of arrival
+  BoundedVector<std::uint32_t> warm_start_order_;                 // by key, then by arrival
 };
 
 }  // namespace tactus::physics

@@ -17,7 +17,7 @@ void EnergyGate<T>::link(const SolverBodies<T>& bodies, std::uint32_t slot_a, st
 
 template <class T>
 bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T blow_m_per_s) noexcept {
-  // Whether there is a blow at all is mostly seen without the inertia of the other bodies, at a tenth of the work.
+  // Whether there is an impact is mostly decided without the inertia of the other bodies, at a tenth of the work.
   for (IslandChange& change : change_) change = {};
   const auto moves = [&](std::uint32_t i) noexcept { return bodies.motion[i].inverse_mass > T(0); };
   for (std::uint32_t i = 0; i < given.size(); ++i) {

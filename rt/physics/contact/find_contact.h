@@ -1,5 +1,5 @@
-// The contact of two bodies that both move, among contacts by key: as a world keeps them. Thread: the owner of the
-// World. Bound: logarithmic in contacts. None: null.
+// Finds the contact of two moving bodies among contacts sorted by key; null if there is none. Thread: the owner of the
+// World. Bound: logarithmic in contacts.
 #pragma once
 
 #include <algorithm>

@@ -1,14 +1,14 @@
-// A contact as an implicit spring and damper, by frequency and damping ratio.
+// The compliance of a contact: an implicit spring and damper, given by frequency and damping ratio.
 //
-// Exactly implicit Euler of a spring k = m w^2 and damper c = 2 z m w of the row's effective mass m, so a load F sinks
-// F / (m w^2) deep. Source: Catto, soft constraints. Stable and accurate for hertz <= 0.25 / h. Thread: [any].
+// Exactly implicit Euler of a spring k = m w^2 and damper c = 2 z m w on the row's effective mass m, so a load F sinks
+// by F / (m w^2). Stable and accurate for hertz <= 0.25 / h. Source: Catto, soft constraints. Thread: [any].
 //
-// How many relax sweeps a stack needs to come to rest. A sway of a tall stack is what Gauss-Seidel sweeps hardly
-// correct, so its impulses lag: a sweep adds -m u to an impulse, the biased one also -m b s and takes the share
-// 1 / (1 + a2) off. Over many sub-steps that is a spring with an integral part and a leak; the sway dies out while the
-// leak 1 / (h^2 w^2) b beats the integral part b / (1 + sweeps): (w h)^2 < 1 + relax sweeps. So hertz < 0.225 / h with
-// one relax sweep, 0.27 / h with two. Confirmed on heaps of 1,000 cubes at 10 ms: 10 sub-steps at 200 Hz come to rest
-// (1e-15 m/s), at 250 Hz whole columns go on swaying at 5e-4 m/s, with two sweeps they do not (2026-11-22).
+// How many relax sweeps a stack needs to come to rest: Gauss-Seidel sweeps hardly correct the sway of a tall stack, so
+// its impulses lag. A sweep adds -m u to an impulse; the biased sweep also adds -m b s and removes the share
+// 1 / (1 + a2). Over many sub-steps that is a spring with an integral part and a leak. The sway decays while the leak
+// 1 / (h^2 w^2) b exceeds the integral part b / (1 + sweeps): (w h)^2 < 1 + relax sweeps. So hertz < 0.225 / h with one
+// relax sweep, 0.27 / h with two. Confirmed on heaps of 1,000 cubes at 10 ms: 10 sub-steps at 200 Hz come to rest
+// (1e-15 m/s); at 250 Hz whole columns keep swaying at 5e-4 m/s, with two sweeps they do not (2026-11-22).
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct Softness {
     const T a1 = T(2) * damping_ratio + h * omega, a2 = added_inertia(hertz, damping_ratio, h), a3 = T(1) / (T(1) + a2);
     return {omega / a1, a2 * a3, a3};
   }
-  // The inertia that spring and damper add to a step of `h` [s], in units of m: a2 = (h c + h^2 k) / m.
+  // The inertia that spring and damper add in a step of `h` [s], in units of m: a2 = (h c + h^2 k) / m.
   static constexpr T added_inertia(T hertz, T damping_ratio, T h) noexcept {
     const T turn = T(2) * T(3.14159265358979323846) * hertz * h;
     return turn * (T(2) * damping_ratio + turn);
@@ -35,7 +35,7 @@ struct Softness {
   static constexpr Softness rigid() noexcept { return {}; }
 };
 
-// Relax sweeps per sub-step of `h` [s], at least, for stacks that come to rest.
+// Least number of relax sweeps per sub-step of `h` [s] with which stacks come to rest.
 template <class T>
 constexpr std::uint32_t least_relax_sweeps(T hertz, T h) noexcept {
   return hertz * h > T(0.2) * (T(1) + T(1e-6)) ? 2 : 1;

@@ -1,6 +1,7 @@
-// Impulses of a contact that another world knew, so that a body that moves between worlds keeps its warm start.
+// Impulses of a contact from another world, so that a body that moves between worlds keeps its warm start.
 //
-// In newtons (impulse / sub-step): the two worlds' sub-steps differ. Frame: world. Thread: [any], a plain value.
+// In newtons (impulse / sub-step), because the two worlds' sub-steps differ. Frame: world. Thread: [any], a plain
+// value.
 #pragma once
 
 #include "rt/base/ids.h"

@@ -8,7 +8,7 @@
 namespace tactus::physics {
 namespace {
 
-// The device pulls at the proxy within the step: from this part of the margin on it is watched.
+// The device may accelerate the proxy within the step, so the effect is active from this share of the margin on.
 inline constexpr double kSafePart = 0.5;
 
 double surface_speed(const Body& body, const Vec3d& v, const Vec3d& w) noexcept {

@@ -1,12 +1,12 @@
-// Effect ccd: continuous collision for the proxy. However fast the hand is, the proxy passes through no thin plate.
+// Effect ccd: continuous collision detection for the proxy, so that a fast hand cannot push it through a thin plate.
 //
-// Contacts are looked for as far ahead as StepSettings::max_margin in a step, 20 mm: enough for 20 m/s in a tick.
-// Where the proxy might go further, this effect looks in every sub-step at all bodies that it could reach, from where
-// both are then, and slows it down where it would pass a surface: an impulse on both, as a contact's speculative row
-// gives, so that the sub-step ends where they touch. Momentum is kept and kinetic energy falls. A proxy that is slower
-// pays for one comparison. Not against meshes: those are solid, and their triangles are not at hand here.
+// Contacts are found up to StepSettings::max_margin ahead in a step, 20 mm: enough for 20 m/s in a tick. If the proxy
+// may move further, this effect tests it in every sub-step, from the present poses, against all bodies within reach.
+// Where it would pass a surface, an impulse on both bodies, as of a contact's speculative row, slows it down so that
+// the sub-step ends at touch. Momentum is kept and kinetic energy falls. For a slow proxy the cost is one comparison.
+// Not against meshes: their triangles are not available here.
 // Units: SI. Thread: [rt], the owner of the World. Bound: B + F boxes a step, kMostNear pairs a sub-step; beyond that
-// the nearer ones are looked at, and the rest counted as pairs left out.
+// the nearest are tested, and the rest are counted as dropped pairs.
 #pragma once
 
 #include "rt/physics/effects/stage.h"
@@ -30,7 +30,7 @@ class ContinuousCollision : public Stateless {
   struct Near {
     std::uint32_t slot{0};
     bool fixed{false};
-    double distance{};  // m, of the balls that hold the shapes; the least that it may be
+    double distance{};  // m: between the bounding spheres, a lower bound of the distance of the shapes
   };
 
   void look_around(StageContext& c) noexcept;

@@ -1,7 +1,7 @@
-// Effect damping: every moving body loses speed in proportion to it.
+// Effect damping: every moving body is slowed in proportion to its velocity.
 //
-// Implicit Euler of dv/dt = -c v: v' = v / (1 + h c), the same for the angular velocity: never turns a motion round,
-// whatever c and h. Units: SI. Thread: [rt], the owner of the World. Bound: linear in bodies.
+// Implicit Euler of dv/dt = -c v: v' = v / (1 + h c), the same for the angular velocity; never reverses a motion, for
+// any c and h. Units: SI. Thread: [rt], the owner of the World. Bound: linear in bodies.
 #pragma once
 
 #include "rt/physics/effects/stage.h"

@@ -1,8 +1,9 @@
-// Effect drag: a fluid that fills the world, at rest or flowing evenly, resists with the square of the speed.
+// Effect drag: a fluid that fills the world, at rest or in uniform flow, resists motion with the square of the speed.
 //
-// Implicit Euler of du/dt = -k |u| u, u the body's velocity through the fluid: u' = u / (1 + k |u| h), which for a lone
-// body is exact: 1 / |u'| = 1 / |u| + k h. k = density x drag coefficient x area across the flow / (2 mass). Acts at
-// the centre; a spin is not resisted. Units: SI. Thread: [rt], the owner of the World. Bound: linear in bodies.
+// Implicit Euler of du/dt = -k |u| u, u the body's velocity relative to the fluid: u' = u / (1 + k |u| h). For a body
+// without other forces this is exact: 1 / |u'| = 1 / |u| + k h. k = density x drag coefficient x area across the flow /
+// (2 mass). Acts at the centre; rotation is not resisted. Units: SI. Thread: [rt], the owner of the World. Bound:
+// linear in bodies.
 #pragma once
 
 #include "rt/physics/effects/stage.h"
@@ -12,7 +13,7 @@ namespace tactus::physics {
 class Drag : public Stateless {
  public:
   struct Setup {
-    std::span<const double> per_m{};  // k by body id; those beyond the end have none. Must outlive the world
+    std::span<const double> per_m{};  // k by body id; bodies beyond the end have none. Must outlive the world
     Vec3d flow{};                     // m/s, of the fluid
     bool used() const noexcept { return !per_m.empty(); }
   };

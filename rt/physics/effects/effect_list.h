@@ -1,8 +1,8 @@
-// The table of effects that have a room of their own: one line each, in the order in which their stages run.
+// The list of all effects, one line each, in the order in which their stages run.
 //
-// A room is a class template that has a Setup (a plain value, `used()` says whether there is anything to do), is
-// constructed from it and from the world's capacities, enters its stages into the table, and saves, restores and hands
-// over what it holds between steps (or is Stateless). README.md says how to add one. Thread: [any].
+// An effect object is of a class with a Setup (a plain value; `used()`: true if the effect has anything to do). It is
+// constructed from the Setup and the world's capacities, adds its stages to the table, and saves, restores, exports and
+// imports its state between steps (or derives from Stateless). README.md describes how to add one. Thread: [any].
 #pragma once
 
 #include <tuple>

@@ -3,7 +3,7 @@
 namespace tactus::physics {
 namespace {
 
-// `f(room)` for every room that there is, in the order of the list.
+// Calls `f(effect object)` for every effect in use, in the order of the list.
 template <class Rooms, class F>
 void for_each_room(Rooms& rooms, F&& f) noexcept {
   std::apply(

@@ -1,7 +1,7 @@
-// The effects that a world has: their rooms, and the table of stages that comes of them.
+// The effects of a world: the effect objects in use, and the table of their stages.
 //
-// A room is made only where its Setup says that it is used: an effect without use has no memory and no stage. Thread:
-// construction [setup]; the rest [rt], the owner of the World. Bound: that of the rooms.
+// An effect object is made only if its Setup is used(): an unused effect has no memory and no stage. Thread:
+// construction [setup]; the rest [rt], the owner of the World. Bound: that of the effects.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ struct Of<std::tuple<Room...>> {
 };
 }  // namespace effects_detail
 
-// What each effect is told; std::get<Joints::Setup>(setups) is that of the joints. Without a word: gravity alone.
+// The setups of all effects; std::get<Joints::Setup>(setups) is that of the joints. Default: gravity only.
 using EffectSetups = effects_detail::Of<EffectRooms>::Setups;
 
 class Effects {
@@ -28,27 +28,27 @@ class Effects {
   Effects(const EffectSetups& setups, const Capacities& capacities);
 
   const StageTable& stages() const noexcept { return stages_; }
-  // Null where the effect is not used.
+  // Null if the effect is not used.
   template <class Room>
   const Room* find() const noexcept {
     return std::get<std::unique_ptr<Room>>(rooms_).get();
   }
 
-  bool only_gravity() const noexcept;  // or nothing
+  bool only_gravity() const noexcept;  // true also if no effect is used
 
-  // Back to how they were made: nothing broken, no time gone.
+  // Resets all effects to their initial state: no joint broken, times at 0.
   void reset() noexcept;
 
-  // What the next step depends on. The reading world has the same effects.
+  // Saves the state on which the next step depends. The restoring world must have the same effects.
   void save(ByteWriter& out) const noexcept;
   [[nodiscard]] bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept;
 
-  // Between two worlds with the same effects: what the rooms hold of the bodies that are `inside` (by slot; empty:
-  // all).
+  // Transfer between two worlds with the same effects. Exports the state of the bodies that are `inside` (by slot;
+  // empty: all).
   void export_state(ByteWriter& out, std::span<const Body> bodies, std::span<const std::uint8_t> inside) const noexcept;
-  // `known_too`: also of bodies that this world has already; what broke is always believed. False where the bytes are
-  // none that export_state wrote: what was read up to there counts.
+  // `known_too`: also imports the state of bodies that this world has already; broken joints are always imported.
+  // Returns false if the bytes were not written by export_state; what was read before the error stays imported.
   bool import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:

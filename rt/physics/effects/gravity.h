@@ -1,6 +1,6 @@
-// Effect gravity: every moving body falls, by its gravity_scale.
+// Effect gravity: accelerates every moving body by gravity times its gravity_scale.
 //
-// v += h g, semi-implicit. The acceleration is the step's (StepSettings), for bounds need it too. Units: SI.
+// v += h g, semi-implicit. g is in StepSettings, because the bounds need it too. Units: SI.
 // Thread: [rt], the owner of the World. Bound: linear in bodies.
 #pragma once
 

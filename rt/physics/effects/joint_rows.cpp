@@ -1,4 +1,4 @@
-// A joint's rows, sub-step by sub-step.
+// Solves the rows of joints, sub-step by sub-step.
 #include <algorithm>
 
 #include "rt/physics/effects/joints.h"
@@ -6,7 +6,7 @@
 namespace tactus::physics {
 namespace {
 
-// Which directions of the joint's axes a kind holds.
+// The directions of the joint's axes that a kind locks.
 struct Locks {
   std::array<bool, 3> linear, angular;
 };
@@ -23,7 +23,8 @@ Vec3d masked(const Vec3d& v, const std::array<bool, 3>& mask) noexcept {
 Vec3d into(const Axes& axes, const Vec3d& v) noexcept { return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)}; }
 Vec3d out_of(const Axes& axes, const Vec3d& v) noexcept { return v.x * axes.x + v.y * axes.y + v.z * axes.z; }
 
-// The inverse of J M^-1 J^T; `entry(p, q)` of axes p and q. What is free is made a unit row: it takes no part.
+// The inverse of J M^-1 J^T; `entry(p, q)` of axes p and q. A free direction gets a unit row and column, decoupled from
+// the others.
 template <class F>
 SymMat3d mass_of(const Axes& axes, const std::array<bool, 3>& mask, F&& entry) noexcept {
   const Vec3d* d[] = {&axes.x, &axes.y, &axes.z};
@@ -34,7 +35,7 @@ SymMat3d mass_of(const Axes& axes, const std::array<bool, 3>& mask, F&& entry) n
   return inverse(SymMat3d{at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)});
 }
 
-// J M^-1 J^T itself; what is free has none.
+// J M^-1 J^T itself, zero in free directions.
 template <class F>
 SymMat3d matrix_of(const Axes& axes, const std::array<bool, 3>& mask, F&& entry) noexcept {
   const Vec3d* d[] = {&axes.x, &axes.y, &axes.z};
@@ -51,15 +52,16 @@ double small_asin(double x) noexcept {
   return x * (1.0 + x2 * ((1.0 / 6) + x2 * ((3.0 / 40) + x2 * (15.0 / 336))));
 }
 
-// The angle with that sine and cosine (up to a common positive factor), in (-pi, pi]: twice from a guess, by our own
-// sine, because results depend on it. The error of the first look, below 3e-4, leaves 1e-28 to the second.
+// The angle with that sine and cosine (up to a common positive factor), in (-pi, pi]: two corrections of a guess, with
+// our own sine, because the bits must not depend on a library. The error after the first is below 3e-4, after the
+// second 1e-28.
 double angle_of(double s, double c) noexcept {
   const double length = std::sqrt(s * s + c * c);
   if (!(length > 0.0)) return 0.0;
   s /= length, c /= length;
   constexpr double eighth = 0.78539816339744830962;
   const double a = std::abs(s), b = std::abs(c);
-  // To the nearest of 0, 45, 90 degrees, then by sign to the whole circle.
+  // Nearest of 0, 45, 90 degrees, then by the signs to the whole circle.
   double guess = a < 0.41421356237309504880 * b ? 0.0 : (b < 0.41421356237309504880 * a ? 2.0 * eighth : eighth);
   if (c < 0.0) guess = 4.0 * eighth - guess;
   if (s < 0.0) guess = -guess;
@@ -82,7 +84,7 @@ Joints::Side Joints::side(StageContext& c, Row& row, std::uint32_t slot) noexcep
   return {row.outside, kNone, &ghost};
 }
 
-// The impulses p at r [m, from the centre] and m on the body.
+// Applies the impulse p at r [m, from the centre] and the angular impulse m to the body.
 void Joints::push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& m) noexcept {
   const Vec3d turning = cross(r, p) + m;
   if (side.ghost != nullptr) {
@@ -95,7 +97,7 @@ void Joints::push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d&
   side.body.w += side.inverse_inertia * turning;
 }
 
-// What a unit impulse along q at r does to the velocity along p there.
+// Change of velocity along p at r per unit impulse along q at r.
 double Joints::answer(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& q) noexcept {
   if (side.ghost == nullptr) return inverse_effective_mass(side.body.inverse_mass, side.inverse_inertia, r, p, q);
   const Twistd change = side.ghost->admittance * Wrenchd{q, cross(r, q)};
@@ -111,14 +113,14 @@ void Joints::prepare(StageContext& c) noexcept {
   }
 }
 
-// Where the bodies are now: axes, levers, errors, the coordinate.
+// Updates axes, lever arms, errors and the coordinate to the bodies' present poses.
 void Joints::measure(const StageContext&, Row& row, const SolverBody<double>& a,
                      const SolverBody<double>& b) const noexcept {
   const Joint& joint = joints_[row.joint];
   const Vec3d r_a = rotate(a.delta_rotation, row.arm_a);
   row.r_b = rotate(b.delta_rotation, row.arm_b);
   const Vec3d d = row.apart + (b.delta_position - a.delta_position) + (row.r_b - row.arm_b) - (r_a - row.arm_a);
-  row.r_a = r_a + d;  // forces act at B's frame, on both: what the rows do is then exactly what their errors measure
+  row.r_a = r_a + d;  // both forces act at B's frame: then the rows act exactly on the velocity of their errors
   const Quatd q_a = a.delta_rotation * row.frame_a, q_b = b.delta_rotation * row.frame_b;
   row.axes = axes_of(q_a);
   row.linear_error = masked(into(row.axes, d), locks_of(joint.kind).linear);
@@ -157,14 +159,14 @@ void Joints::fill_masses(Row& row, const Side& a, const Side& b) const noexcept 
   row.axis_mass = invert_or_zero(kind == JointKind::kHinge ? angular(row.axis, row.axis) : linear(row.axis, row.axis));
 }
 
-// What the ghost's body is alone: one that nothing moves, as a kinematic one, has a ghost that nothing moves.
+// Sets the own mass to infinite if the ghost has no admittance, as that of a kinematic body.
 void Joints::take_own_mass(Row& row, const StageContext& c) const noexcept {
   const SymMat3d& w = c.ghosts[row.ghost].admittance.linear;
   if (w.xx + w.yy + w.zz > 0.0) return;
   row.own_inverse_mass = 0.0, row.own_inverse_inertia = {};
 }
 
-// The same masses with the spring of the two bodies alone (joints.h).
+// Fills the masses of the biased sweep against a ghost, with the stiffness of the two bodies alone (joints.h).
 void Joints::fill_give(Row& row, const Side& a, const Side& b, const Softness<double>& softness) const noexcept {
   const JointKind kind = joints_[row.joint].kind;
   const Locks& locks = kLocks[static_cast<std::uint32_t>(kind)];
@@ -199,8 +201,8 @@ void Joints::fill_give(Row& row, const Side& a, const Side& b, const Softness<do
   row.axis_soft_mass = invert_or_zero(turns ? both_angular(row.axis, row.axis) : both(row.axis, row.axis));
 }
 
-// The world's inertia of a body that spins fast has turned since the start of the step: a joint's pull that goes by the
-// old one spins it up (a top at 100 rad/s gained 0.2 % of its energy in 4 s).
+// Updates the world inertia of a fast rotating body, which changes within the step: with that of the start of the step,
+// a joint's force adds rotational energy (a top at 100 rad/s gained 0.2 % of its energy in 4 s).
 void turn_inertia(const StageContext& c, std::uint32_t slot) noexcept {
   const SolverBody<double>& state = c.motion[slot];
   if (state.gyroscopic == 0.0 || state.inverse_mass == 0.0) return;
@@ -234,14 +236,14 @@ void Joints::begin_sub_step(StageContext& c) noexcept {
   }
 }
 
-// On the side that is here, of a joint with a body of another world.
+// Velocity of the joint's frame on the side in this world, of a joint with a body of another world.
 Twistd Joints::frame_velocity(const StageContext& c, const Row& row) const noexcept {
   const bool is_a = row.slot_a != kOutside;
   const SolverBody<double>& body = c.motion[is_a ? row.slot_a : row.slot_b];
   return {velocity_at(body, is_a ? row.r_a : row.r_b), body.w};
 }
 
-// `effort` on B, the opposite on A.
+// Applies `effort` to B, the opposite to A.
 void Joints::apply(const Row& row, const Side& a, const Side& b, const JointEffort& effort) const noexcept {
   Vec3d p = out_of(row.axes, effort.linear), m = out_of(row.axes, effort.angular);
   const double along = effort.drive + effort.lower + effort.upper;
@@ -267,9 +269,9 @@ void Joints::warm_start(StageContext& c) noexcept {
   for (Row& row : rows_) apply(row, side(c, row, row.slot_a), side(c, row, row.slot_b), row.now);
 }
 
-// A ghost that may not give does not push out errors either. Its row is rigid then: a spring that pushes nothing out,
-// but whose impulse leaks, would let go of its load within some sub-steps, and with the tank empty for it that stays so
-// (tests/border/pendulum_cut.toml with three members: 15 N of 100 N).
+// A ghost that may not supply energy does not correct errors. Its row is rigid then: a soft row without error
+// correction, whose impulse decays, would release its load within some sub-steps, and with the tank empty that would
+// not recover (tests/border/pendulum_cut.toml with three members: 15 N of 100 N).
 bool may_push(const StageContext& c, const auto& row) noexcept { return row.ghost == kNoGhost || c.ghosts_may_supply; }
 
 template <bool kBias>
@@ -305,7 +307,7 @@ void Joints::solve_axis(const StageContext& c, Row& row, const Side& a, const Si
                            (kBias ? soft.impulse_scale * last : 0.0));
     return;
   }
-  // As a contact: apart it may close the gap, no more.
+  // As a contact: with a gap, it may only close the gap.
   const auto hold = [&](double gap, double closing, double last) noexcept {
     if (gap > 0.0) return std::max(0.0, last - mass * (gap * c.rule.inverse_h + closing));
     return std::max(0.0, last - mass * (soft.mass_scale * closing + (kBias ? push * gap : 0.0)) -
@@ -369,7 +371,7 @@ void Joints::finish(StageContext& c) noexcept {
   for (Row& row : rows_) {
     const bool still =
         (row.slot_a == kOutside || c.held[row.slot_a] != 0) && (row.slot_b == kOutside || c.held[row.slot_b] != 0);
-    if (still) continue;  // another solve's, or nobody's
+    if (still) continue;  // solved elsewhere, or not at all
     add_to_sums(c, row);
     const Joint& joint = joints_[row.joint];
     JointState& state = states_[row.joint];

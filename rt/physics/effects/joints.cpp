@@ -1,4 +1,4 @@
-// Which joints are active, and what of them goes from step to step and from world to world; rows in joint_rows.cpp.
+// The joints in use, and their state from step to step and between worlds; the rows are in joint_rows.cpp.
 #include "rt/physics/effects/joints.h"
 
 #include <algorithm>
@@ -13,12 +13,12 @@ bool is_finite_effort(const JointEffort& e) noexcept {
          std::isfinite(e.upper);
 }
 
-// Flags of a joint that is handed over.
+// Flags of an exported joint.
 constexpr std::uint32_t kBroken = 1, kAnchored = 2;
 
 bool comes_before(const SlotPair& p, const SlotPair& q) noexcept { return p.a != q.a ? p.a < q.a : p.b < q.b; }
 
-// Takes out of `pairs` what is in `apart`; both in the same order.
+// Removes the pairs in `apart` from `pairs`; both are sorted alike.
 void take_out(BoundedVector<SlotPair>& pairs, const BoundedVector<SlotPair>& apart) noexcept {
   std::uint32_t kept = 0, next = 0;
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
@@ -100,7 +100,7 @@ const Joints::Anchor* Joints::anchor_of(std::uint32_t joint) const noexcept {
   return at != anchors_.end() && at->joint == joint ? at : nullptr;
 }
 
-// The joints of the bodies that are here, each once: by its B, or by its A where B is another world's.
+// Adds the active joints once each: at their body B, or at A if B is in another world.
 void Joints::find_active(StageContext& c) noexcept {
   rows_.clear(), apart_.clear(), apart_fixed_.clear();
   for (std::uint32_t slot = 0; slot < c.bodies.size(); ++slot) {
@@ -126,7 +126,7 @@ void Joints::find_active(StageContext& c) noexcept {
 }
 
 void Joints::add_row(StageContext& c, std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
-  if (!rows_.try_push({})) return;  // room for all joints
+  if (!rows_.try_push({})) return;  // never fails: capacity for all joints
   const Joint& joint = joints_[k];
   Row& row = rows_[rows_.size() - 1];
   row.joint = k, row.slot_a = slot_a, row.slot_b = slot_b;
@@ -151,7 +151,7 @@ void Joints::add_row(StageContext& c, std::uint32_t k, std::uint32_t slot_a, std
   row.frame_b = b.rotation * joint.b_from_joint.rotation;
 }
 
-// Of a joint with a body of another world: which one that is.
+// The body of another world to which the joint is connected.
 BodyId Joints::outside_of(std::uint32_t joint, std::span<const Body> bodies) const noexcept {
   return slot_of(bodies, joints_[joint].b) == kNoSlot ? joints_[joint].b : joints_[joint].a;
 }
@@ -195,14 +195,14 @@ bool Joints::restore(ByteReader& in) noexcept {
   return good;
 }
 
-// Count, then for each joint with a body inside: its number, whether it is broken (1), whether one of its bodies is
-// outside (2), its effort, and the outside body's motion and inverse masses where there is one.
+// Format: count, then for each joint with a body inside: its index, flags (1: broken, 2: one of its bodies is outside),
+// its effort, and, if one body is outside, that body's motion and inverse masses.
 void Joints::export_state(ByteWriter& out, std::span<const Body> bodies,
                           std::span<const std::uint8_t> inside) const noexcept {
   const auto is_inside = [&](std::uint32_t slot) noexcept {
     return slot != kNoSlot && (inside.empty() || inside[slot] != 0);
   };
-  const auto each = [&](auto&& f) noexcept {  // f(joint, the slot of its body that is not inside, or kNoSlot)
+  const auto each = [&](auto&& f) noexcept {  // f(joint, slot of its body that is not inside, or kNoSlot)
     for (std::uint32_t slot = 0; slot < bodies.size(); ++slot) {
       if (!is_inside(slot)) continue;
       for (const std::uint32_t k : joints_of(bodies[slot].id)) {

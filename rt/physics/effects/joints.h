@@ -1,20 +1,21 @@
-// Effect joints: all joints of the scene, those active whose bodies are here.
+// Effect joints: the joints of the scene; active are those whose bodies are in this world.
 //
-// Rows are soft-step rows as the contacts' are, with the same frequency and damping: soft in the biased sweep, at
-// velocity level in the relax sweep. Three rows of forces are one 3 x 3 system in the joint's axes, three of torques
-// another; a direction that is free has no mass. Limits are unilateral rows by the rule of a contact, a motor is a row
-// of bounded effort. Axes, levers and masses are those of the start of the sub-step. Order in a sweep: joint after
-// joint by B's id, in a joint axis, torques, forces. A joint whose one body is another world's holds on to its ghost,
-// which answers by its admittance (border_ghost.h); where there is none, to where that body goes by its last known
-// velocity (an anchor).
-// Against a ghost the spring is that of the two bodies alone, whatever moves with the outside one, as a border
-// contact's is (border_solver.h): with A = J W J^T of body and ghost and A' that of the two bodies, the biased sweep
-// solves (A + A' / a2) dp = -(u + rate error + A' / a2 p), a2 of softness.h. With A for A' a ghost that much moves with
-// makes the spring up to twice as firm as the global world's: what hangs on it is lifted by half of its sag in each
-// cycle and put back at each synchronisation (tests/border/hanging.toml: 2.7 um of 6), and what holds it by friction
-// slips. Source: Catto, soft constraints; block rows as in his Box2D.
+// Rows are soft-step rows as those of contacts, with the same frequency and damping: soft in the biased sweep, at
+// velocity level in the relax sweep. The three force rows are one 3 x 3 system in the joint's axes, the three torque
+// rows another; a free direction has no mass. Limits are unilateral rows as those of a contact; a motor is a row of
+// bounded effort. Axes, lever arms and masses are those at the start of the sub-step. Order in a sweep: joint after
+// joint by B's id; within a joint the axis, then torques, then forces.
+// A joint with a body of another world acts on that body's ghost, which responds by its admittance (border_ghost.h).
+// Without a ghost it acts on an anchor, which moves with the body's last known velocity.
+// Against a ghost the stiffness is that of a joint of the two bodies alone, independent of what moves with the outside
+// body, as for a border contact (border_solver.h). With A = J W J^T of body and ghost and A' that of the two bodies,
+// the biased sweep solves (A + A' / a2) dp = -(u + rate error + A' / a2 p), a2 of softness.h. With A in place of A', a
+// ghost of large apparent inertia makes the joint up to twice as stiff as in the global world: a hanging body is lifted
+// by half of its sag in each cycle and returned at each synchronisation (tests/border/hanging.toml: 2.7 um of 6), and a
+// load held by friction slips.
+// Source: Catto, soft constraints; block rows as in his Box2D.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: linear in the
-// joints of the bodies that are here, x log bodies.
+// joints of the bodies in this world, x log bodies.
 #pragma once
 
 #include "rt/physics/body_frame.h"
@@ -34,7 +35,7 @@ class Joints {
 
   std::span<const Joint> joints() const noexcept { return joints_; }
   std::span<const JointState> states() const noexcept { return states_.span(); }  // by joint
-  // `f(slot_a, slot_b, joint)` for joints that hold two of these bodies together, by B.
+  // Calls `f(slot_a, slot_b, joint)` for joints between two of these bodies, in the order of B.
   template <class F>
   void for_each_link(std::span<const Body> bodies, F&& f) const noexcept {
     for (std::uint32_t slot = 0; slot < bodies.size(); ++slot)
@@ -54,42 +55,42 @@ class Joints {
  private:
   static constexpr std::uint32_t kOutside = kNoSlot;
 
-  // Where a body of another world goes.
+  // The motion and mass properties of a body of another world, to which a joint is connected.
   struct Anchor {
     std::uint32_t joint{0};
     BodyMotion motion;
-    double inverse_mass{};  // 1/kg,
-    Vec3d inverse_inertia;  // 1/(kg m^2), body frame: of that body alone, whatever moves with it
+    double inverse_mass{};  // 1/kg
+    Vec3d inverse_inertia;  // 1/(kg m^2), body frame; both of that body alone, without what moves with it
   };
   struct Row {
     std::uint32_t joint{0}, slot_a{kOutside}, slot_b{kOutside};
-    Vec3d arm_a, arm_b, apart;      // m: from the centres to the frames, between the frames; at the start of the step
-    Quatd frame_a, frame_b;         // world_from_joint, at the start of the step
-    SolverBody<double> outside;     // of the side that has no slot
-    BodyMotion outside_motion;      // at the start of the step
-    bool anchored{false};           // that side is a body of another world,
-    std::uint32_t ghost{kNoGhost};  // and this its ghost
-    // Of the sub-step.
+    Vec3d arm_a, arm_b, apart;   // m: from the centres to the frames, from A's frame to B's; at the start of the step
+    Quatd frame_a, frame_b;      // world_from_joint, at the start of the step
+    SolverBody<double> outside;  // stands for the side that has no slot
+    BodyMotion outside_motion;   // at the start of the step
+    bool anchored{false};        // the side without slot is a body of another world
+    std::uint32_t ghost{kNoGhost};  // the ghost of that body
+    // In the present sub-step:
     Axes axes;
-    Vec3d r_a, r_b, axis;  // m; axis: unit, of the coordinate
+    Vec3d r_a, r_b, axis;  // m; axis: unit, that of the coordinate
     Vec3d linear_error, angular_error;
     double coordinate{};
     SymMat3d linear_mass, angular_mass;
     double axis_mass{};
-    // Against a ghost, in the biased sweep: (A + A' / a2)^-1 and A' / a2, of forces, torques and the coordinate; and
-    // what the ghost's body is alone (0: nothing moves it).
+    // Against a ghost, in the biased sweep: (A + A' / a2)^-1 and A' / a2, for forces, torques and the coordinate; and
+    // the inverse mass and inertia of the ghost's body alone (0: infinite mass).
     double own_inverse_mass{};
     SymMat3d own_inverse_inertia;  // world
     SymMat3d linear_soft_mass, linear_give, angular_soft_mass, angular_give;
     double axis_soft_mass{}, axis_give{};
     JointEffort now, kept;        // N s, N m s
     Vec3d sum_force, sum_torque;  // N s, N m s, on B, world, over the step
-    Twistd start_velocity;        // of the frame on the side that is here
+    Twistd start_velocity;        // of the frame on the side with a slot
   };
   struct Side {
     SolverBody<double>& body;
     const SymMat3d& inverse_inertia;
-    GhostState* ghost{nullptr};  // the body is its image
+    GhostState* ghost{nullptr};  // if set, `body` is a copy of this ghost's motion
   };
 
   static bool is_sound(const Anchor& anchor) noexcept;
@@ -115,7 +116,7 @@ class Joints {
   void solve(StageContext& c) noexcept;
   template <bool kBias>
   void solve_axis(const StageContext& c, Row& row, const Side& a, const Side& b) noexcept;
-  void follow(StageContext& c) noexcept;  // limits after the bodies have moved
+  void follow(StageContext& c) noexcept;  // updates the coordinates after the bodies have moved
   void scale(StageContext& c) noexcept;
   void keep(StageContext& c) noexcept;
   void finish(StageContext& c) noexcept;
@@ -127,10 +128,10 @@ class Joints {
 
   std::span<const Joint> joints_;
   BoundedVector<JointState> states_;                   // by joint
-  BoundedVector<std::uint32_t> first_of_, joints_of_;  // by body id: where its joints begin among those of all bodies
+  BoundedVector<std::uint32_t> first_of_, joints_of_;  // by body id: its first entry in joints_of_
   BoundedVector<Anchor> anchors_;                      // by joint
   BoundedVector<Row> rows_;
-  BoundedVector<SlotPair> apart_, apart_fixed_;  // pairs that do not collide, in the order of the pairs
+  BoundedVector<SlotPair> apart_, apart_fixed_;  // pairs whose joint excludes collision, sorted as the pairs
 };
 
 }  // namespace tactus::physics

@@ -8,10 +8,10 @@
 namespace tactus::physics {
 namespace {
 
-// A box that lands on a face bounces on four points at once: after these passes they agree to a few per cent.
+// A box that lands on a face bounces on four points at once: after these passes they have converged to a few per cent.
 constexpr int kPasses = 8;
 
-// Where the bodies have taken the point since the start of the step.
+// The gap at the point after the bodies' motion since the start of the step [m].
 double gap_now(const StageContext& c, const Contact& contact, std::uint32_t point) noexcept {
   const auto shift = [&](std::uint32_t slot, const Vec3d& arm) noexcept {
     const SolverBody<double>& body = c.motion[slot];
@@ -32,7 +32,7 @@ double mass_of(const StageContext& c, const Contact& contact, std::uint32_t poin
   return invert_or_zero(sum);
 }
 
-// m/s^2, at which gravity brings the two bodies together.
+// Acceleration at which gravity moves the two bodies together [m/s^2].
 double closing_gravity(const StageContext& c, const Contact& contact) noexcept {
   const auto fall = [&](std::uint32_t slot) noexcept {
     return c.motion[slot].inverse_mass > 0.0 ? c.bodies[slot].gravity_scale : 0.0;
@@ -73,7 +73,7 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
     const double speed = -separating_speed(c, contact, i);
     const double gap = gap_now(c, contact, i);
     if (!(speed > kLeastSpeed && gap < 2.0 * speed * c.h)) continue;
-    const double work = 2.0 * closing_gravity(c, contact) * std::max(0.0, gap);  // twice, a kilogram
+    const double work = 2.0 * closing_gravity(c, contact) * std::max(0.0, gap);  // twice the work per kilogram
     const double square = row.coefficient * row.coefficient * (speed * speed + work) - work;
     (void)strikes.try_push({i, speed, std::sqrt(std::max(0.0, square)), mass_of(c, contact, i), 0.0});
   }
@@ -85,7 +85,7 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
       push_apart(c, contact, strike.point, next - strike.impulse);
       strike.impulse = next;
     }
-  // Impulse times mean speed is what the bodies gain.
+  // Energy gained by the bodies: impulse times mean speed.
   double came = 0.0, went = 0.0;
   for (const Strike& strike : strikes)
     came += strike.impulse * strike.speed, went += strike.impulse * separating_speed(c, contact, strike.point);

@@ -55,7 +55,7 @@ void ScriptedMotion::take_hold(StageContext& c) noexcept {
   }
 }
 
-// The velocity that takes each to where it will be at the end of the sub-step.
+// Sets the velocities with which the bodies reach their poses at the end of the sub-step.
 void ScriptedMotion::aim(StageContext& c) noexcept {
   const double elapsed = static_cast<double>(c.sub_step + 1) * c.h, rate = 1.0 / c.h;
   for (Follower& f : followers_) {
@@ -96,7 +96,7 @@ bool ScriptedMotion::restore(ByteReader& in) noexcept {
   return good;
 }
 
-// Count, then for each body here: the script's number and its time.
+// Format: count, then for each body inside the index of its script and its time.
 void ScriptedMotion::export_state(ByteWriter& out, std::span<const Body> bodies,
                                   std::span<const std::uint8_t> inside) const noexcept {
   const auto each = [&](auto&& f) noexcept {

@@ -1,8 +1,9 @@
-// Effect kinematic: bodies that follow a script whatever touches them; to all others they are infinitely heavy.
+// Effect kinematic: bodies that follow a script regardless of contacts; to other bodies they are infinitely heavy.
 //
-// Without way points a body goes on with the velocity that it has; with way points it is where its path says at its own
-// time, which travels with it between the worlds, so that a late world makes no jump. Between way points the motion is
-// a smooth step (C2), rotation vectors are interpolated as they are: a path may turn several times about one axis.
+// Without way points a body keeps its velocity. With way points its pose follows its path at its own time, which is
+// transferred with it between the worlds, so that a late world causes no jump. Between way points the motion is a
+// smooth step (C2); rotation vectors are interpolated component by component, so a path may make several turns about
+// one axis.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: scripts x log
 // bodies, x way points.
 #pragma once
@@ -13,13 +14,13 @@ namespace tactus::physics {
 
 struct PathKey {
   double time_s{};
-  Vec3d position_m, rotation_vector_rad;  // of the body, about the world's axes
+  Vec3d position_m, rotation_vector_rad;  // of the body, in world axes
 };
 
 struct KinematicScript {
   BodyId id{kNoBody};
-  std::uint32_t first_key{0}, keys{0};  // of its way points, times ascending from 0; none: steady motion
-  bool repeat{false};                   // begins again at its end; else it stays there
+  std::uint32_t first_key{0}, keys{0};  // range of its way points, times ascending from 0; none: constant velocity
+  bool repeat{false};                   // restarts at its end; otherwise stays there
 };
 
 class ScriptedMotion {
@@ -33,7 +34,7 @@ class ScriptedMotion {
   void enter(StageTable& table) noexcept;
 
   std::span<const KinematicScript> scripts() const noexcept { return setup_.scripts; }
-  // Time on a body's path [s], by script.
+  // Time on each script's path [s].
   std::span<const double> times() const noexcept { return time_.span(); }
 
   void reset() noexcept { std::fill(time_.begin(), time_.end(), 0.0); }
@@ -51,7 +52,7 @@ class ScriptedMotion {
 
   Posed pose_at(const KinematicScript& script, double time_s) const noexcept;
   Posed pose_in_step(const Follower& follower, const Twistd& steady, double elapsed) const noexcept;
-  void take_hold(StageContext& c) noexcept;  // of the bodies that are here
+  void take_hold(StageContext& c) noexcept;  // of the bodies in this world
   void aim(StageContext& c) noexcept;
   void place(StageContext& c) noexcept;
   void finish(StageContext& c) noexcept;

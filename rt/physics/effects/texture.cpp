@@ -6,7 +6,7 @@
 namespace tactus::physics {
 namespace {
 
-// -grad h of the grain at `at`, in the body's frame.
+// Returns -grad h of the texture at `at`, in the body's frame.
 Vec3d downhill(const Grain& grain, const Vec3d& at) noexcept {
   const double k = 2.0 * std::numbers::pi / grain.wavelength_m;
   return -grain.height_m * k * Vec3d{sin_cos(k * at.x).cos, sin_cos(k * at.y).cos, sin_cos(k * at.z).cos};
@@ -24,7 +24,7 @@ void Texture::feel(StageContext& c) noexcept {
     if (other.id >= setup_.by_id.size() || setup_.by_id[other.id].height_m == 0.0) continue;
     const Grain& grain = setup_.by_id[other.id];
 
-    // Bodies are as the step began; what they did since is in the solver's.
+    // c.bodies has the poses at the start of the step; the motion since is in c.motion.
     static constexpr SolverBody<double> still{};
     const SolverBody<double>& proxy_now = c.motion[proxy_is_a ? contact.slot_a : contact.slot_b];
     const SolverBody<double>& other_now =

@@ -24,7 +24,7 @@ bool Transients::restore(ByteReader& in) noexcept {
   return good;
 }
 
-// The proxy's contacts with what rings, and how fast they close before anything answers.
+// Lists the proxy's contacts with ringing surfaces and their speed of approach, before any impulse of the step.
 void Transients::look_ahead(StageContext& c) noexcept {
   touches_.clear();
   for (std::uint32_t k = 0; k < c.contacts.size(); ++k) {

@@ -1,38 +1,38 @@
-// Effect transients: a blow rings in the hand.
+// Effect transients: an impact of the proxy adds a decaying vibration to the force on the hand.
 //
-// A coupling is too soft to carry the first milliseconds of an impact, by which a hand tells wood from steel. Where the
-// proxy begins to touch a surface that rings, the hand feels beside the coupling's force a decaying oscillation along
-// the contact's normal,
-//   F(t) = strength x speed of the impact x exp(-t / decay) x sin(2 pi f t),
-// that nothing else in the world knows of: it goes into StepReport::felt, is added to the wrench on the device before
-// the passivity controller, and so is booked and bounded as all that the hand gets. Recorded: the energy of one blow is
-// that of a sine of amplitude A that dies out. A surface rings anew when it was not touched in the step before. The
-// exponential is taken as (1 - x/2) / (1 + x/2), x = dt / decay.
+// A coupling is too soft to transmit the first milliseconds of an impact, by which a hand tells wood from steel. When
+// the proxy makes contact with a surface that rings, a decaying oscillation along the contact's normal is added to the
+// force on the hand,
+//  F(t) = A exp(-t / decay) sin(2 pi f t),  A = strength x speed of the impact.
+// It acts on no body: it goes into StepReport::hand_wrench and is added to the device's wrench before the passivity
+// controller, which books and bounds it. The energy of one impact is that of a decaying sine of amplitude A. A surface
+// rings again only if it was not touched in the step before. The exponential is computed as (1 - x/2) / (1 + x/2),
+// x = dt / decay.
 // Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: contacts of the proxy,
-// kMostRinging oscillations (the weakest gives way). Source: Okamura, Cutkosky, Dennerlein 2001, reality-based models
-// for vibration feedback; Kuchenbecker, Fiene, Niemeyer 2006, event-based haptics.
+// kMostRinging oscillations (beyond: the weakest is dropped). Source: Okamura, Cutkosky, Dennerlein 2001, reality-based
+// models for vibration feedback; Kuchenbecker, Fiene, Niemeyer 2006, event-based haptics.
 #pragma once
 
 #include "rt/physics/effects/stage.h"
 
 namespace tactus::physics {
 
-// How a surface rings.
+// The vibration of a surface after an impact.
 struct Ringing {
   double strength_Ns_per_m{};  // N per m/s of the impact
   double frequency_Hz{};
   double decay_s{};
 };
 
-class Transients : public Stateless {  // nothing for other worlds: only the hand's feels
+class Transients : public Stateless {  // nothing to export: only the hand receives it
  public:
   static constexpr std::uint32_t kMostRinging = 8, kMostTouched = 16;
-  static constexpr double kLeastSpeed = 0.005;  // m/s: slower, a contact that comes and goes would buzz
+  static constexpr double kLeastSpeed = 0.005;  // m/s: below it, an intermittent contact would keep ringing
   static constexpr double kFaded_N = 1e-4;
 
   struct Setup {
     BodyId proxy{kNoBody};
-    std::span<const Ringing> by_id{};  // those beyond the end, or of strength 0, do not ring. Must outlive the world
+    std::span<const Ringing> by_id{};  // bodies beyond the end, or of strength 0, do not ring. Must outlive the world
     bool used() const noexcept { return proxy != kNoBody && !by_id.empty(); }
   };
   Transients(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
@@ -51,12 +51,12 @@ class Transients : public Stateless {  // nothing for other worlds: only the han
   };
   struct State {
     FixedVector<Oscillation, kMostRinging> ringing{};
-    FixedVector<BodyId, kMostTouched> touched{};  // that the proxy touched in the last step
+    FixedVector<BodyId, kMostTouched> touched{};  // by the proxy, in the last step
   };
   struct Touch {
     std::uint32_t contact{0};
     BodyId other{kNoBody};
-    double speed{};  // m/s, at which they come together
+    double speed{};  // m/s, of approach
   };
 
   void look_ahead(StageContext& c) noexcept;

@@ -7,7 +7,7 @@
 namespace tactus::physics {
 namespace {
 
-// Below this share of the size the vertices of a face may miss its plane: those of files in single precision do.
+// Largest deviation of a face's vertices from its plane, as a share of the size: enough for files in single precision.
 constexpr double kFlatShare = 1e-4;
 
 struct Moments {
@@ -16,7 +16,7 @@ struct Moments {
   SymMat3d second;   // m^5: integral of x x^T
 };
 
-// Of the polyhedron, about `origin`: the tetrahedra from there to every triangle of every face, with sign.
+// Moments of the polyhedron about `origin`: signed sums over the tetrahedra from there to every triangle of every face.
 Moments moments_about(const Vec3d& origin, std::span<const Vec3d> vertices, const HullTopology& topology) noexcept {
   Moments sum;
   for (std::uint32_t face = 0; face < topology.faces; ++face) {
@@ -44,8 +44,8 @@ struct Principal {
   Vec3d axis[3];  // right-handed
 };
 
-// Cyclic Jacobi, a fixed number of sweeps: it converges quadratically, six are enough for any 3 x 3 matrix. What is
-// off the diagonal by rounding alone stays: a cube keeps its axes.
+// Cyclic Jacobi with a fixed number of sweeps: it converges quadratically, six are enough for any 3 x 3 matrix.
+// Off-diagonal entries at rounding level are left, so that a cube keeps its axes.
 Principal principal_axes(const SymMat3d& m) noexcept {
   double a[3][3] = {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}};
   double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -79,7 +79,7 @@ Principal principal_axes(const SymMat3d& m) noexcept {
   return out;
 }
 
-// From the columns of a rotation; the largest of the four components first (Shepperd 1978).
+// Quaternion of the rotation with these columns; computed from the largest of its four components (Shepperd 1978).
 Quatd quat_from_axes(const Vec3d* axis) noexcept {
   const Vec3d &x = axis[0], &y = axis[1], &z = axis[2];
   const double four[4] = {1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z, 1 - x.x - y.y + z.z};
@@ -98,7 +98,7 @@ Quatd quat_from_axes(const Vec3d* axis) noexcept {
   }
 }
 
-// Newell's normal: of the polygon that lies nearest to the loop.
+// Newell's normal: that of the plane that fits the loop best.
 Vec3d normal_of(const Hull& hull, std::uint32_t face) noexcept {
   const auto loop = hull.topology.loop(face);
   const Vec3d origin = hull.vertex(loop[0]);

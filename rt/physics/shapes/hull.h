@@ -1,8 +1,8 @@
 // A convex hull: vertices, faces and edges in fixed arrays, built at set-up and never changed.
 //
 // Frame: the body's own, origin at the centre of mass, axes along the principal axes. Units: m, kg, kg m^2.
-// A Shape refers to a hull by its index in the list that both worlds are given at set-up (Hulls): so a body stays a
-// small value, and a tape replays once the same scene is loaded. Thread: make_hull [setup]; the rest [any], read only.
+// A Shape refers to a hull by its index in the list that both worlds get at set-up (Hulls). So a body stays a small
+// value, and a tape can be replayed after loading the same scene. Thread: make_hull [setup]; the rest [any], read only.
 // Bound: 64 vertices; a closed convex surface of 64 vertices has at most 124 faces and 186 edges (Euler).
 #pragma once
 
@@ -18,24 +18,24 @@ inline constexpr std::uint32_t kMaxHullVertices = 64;
 inline constexpr std::uint32_t kMaxHullFaces = 2 * kMaxHullVertices - 4;
 inline constexpr std::uint32_t kMaxHullEdges = 3 * kMaxHullVertices - 6;
 
-// From one vertex to another; going so, `left` is the face on the left, seen from outside.
+// A directed edge; seen from outside, `left` is the face to the left of the direction from -> to.
 struct HullEdge {
   std::uint8_t from, to, left, right;
   friend constexpr bool operator==(const HullEdge&, const HullEdge&) noexcept = default;
 };
 
-// Who meets whom, without places. Loops run counter-clockwise seen from outside.
+// Connectivity of vertices, edges and faces, without coordinates. Loops run counter-clockwise seen from outside.
 struct HullTopology {
   std::uint32_t vertices{0}, faces{0}, edges{0};
   std::array<std::uint16_t, kMaxHullFaces + 1> loop_start{};    // loop of face f: from loop_start[f] to [f + 1]
   std::array<std::uint8_t, 2 * kMaxHullEdges> loop_vertices{};  // the vertices of all loops
-  std::array<std::uint8_t, 2 * kMaxHullEdges> loop_edges{};     // the edge from that vertex to the next of its loop
-  std::array<HullEdge, kMaxHullEdges> edge{};                   // in the order in which the loops first meet them
+  std::array<std::uint8_t, 2 * kMaxHullEdges> loop_edges{};     // edge from that vertex to the next in its loop
+  std::array<HullEdge, kMaxHullEdges> edge{};                   // in the order in which the loops first use them
 
   constexpr std::span<const std::uint8_t> loop(std::uint32_t face) const noexcept {
     return {loop_vertices.data() + loop_start[face], static_cast<std::size_t>(loop_start[face + 1] - loop_start[face])};
   }
-  // Adds a face. False where it does not fit.
+  // Adds a face; false if it does not fit.
   constexpr bool add_face(std::span<const std::uint8_t> loop_of_face) noexcept {
     const std::size_t start = loop_start[faces];
     if (faces == kMaxHullFaces || loop_of_face.size() < 3 || start + loop_of_face.size() > loop_vertices.size())
@@ -44,44 +44,44 @@ struct HullTopology {
     loop_start[++faces] = static_cast<std::uint16_t>(start + loop_of_face.size());
     return true;
   }
-  // Finds the edges from the loops. False where the surface is not closed: an edge without exactly two faces.
+  // Finds the edges from the loops; false if the surface is not closed: an edge without exactly two faces.
   constexpr bool close() noexcept;
   friend constexpr bool operator==(const HullTopology&, const HullTopology&) noexcept = default;
 };
 
 struct Hull {
   HullTopology topology;
-  // Vertices, by coordinate; filled up with the first one to whole registers.
+  // m: coordinates of the vertices, padded to whole registers with copies of the first vertex.
   alignas(32) std::array<double, kMaxHullVertices> x{}, y{}, z{};
   std::array<Vec3d, kMaxHullFaces> normals{};      // unit, outward
   std::array<double, kMaxHullFaces> offsets{};     // m: the largest of n.v over all vertices
   std::array<double, kMaxHullEdges> edge_reach{};  // 1 / cos(half the angle between the normals of the edge's faces)
-  double inner_radius{};                           // m: of the ball about the origin that touches the nearest face
-  double bounding_radius{};                        // m: of the ball about the origin that holds all
-  double flatness{};                               // m: a face's vertices lie at most this much below its plane
-  double least_width{};                            // m: the smallest over the faces of the extent across it
-  Vec3d half_extents{};                            // m: the box |x| <= h.x .. about the origin holds all
-  double volume{};                                 // m^3
-  Vec3d inertia_per_kg{};                          // m^2: principal moments of the homogeneous body of 1 kg
+  double inner_radius{};     // m: of the sphere about the origin that touches the nearest face plane
+  double bounding_radius{};  // m: of the sphere about the origin that encloses all vertices
+  double flatness{};         // m: greatest distance of a face's vertex below the face's plane
+  double least_width{};      // m: smallest extent along a face normal
+  Vec3d half_extents{};      // m: the box |x| <= h.x, ... about the origin encloses all vertices
+  double volume{};           // m^3
+  Vec3d inertia_per_kg{};    // m^2: principal moments per kg of a homogeneous body
 
   constexpr Vec3d vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
   friend constexpr bool operator==(const Hull&, const Hull&) noexcept = default;
 };
 
-// What a shape's index refers to. The worlds only look: the list stays where it is as long as they live.
+// The list to which hull shapes refer. Read only; must stay at its address as long as the worlds exist.
 using Hulls = std::span<const Hull>;
 
 enum class HullFault : std::uint32_t {
   kNone = 0,
-  kNotFinite = 1,  // a coordinate
-  kNotClosed = 2,  // the faces do not make a closed surface
+  kNotFinite = 1,  // a coordinate is not finite
+  kNotClosed = 2,  // the faces do not form a closed surface
   kFlat = 3,       // no volume
-  kNotConvex = 4,  // a vertex lies clearly outside the plane of a face
+  kNotConvex = 4,  // a vertex lies outside the plane of a face by more than the tolerance
 };
 
-// Fills `hull` from vertices in any frame and the loops of `topology` (its edges are found here), and `given_from_body`
-// with where the hull's own frame is in the frame of the vertices. Mass properties are exact for the polyhedron (sums
-// over tetrahedra; the moments of one: Tonon 2004, equations 9a to 9f).
+// Fills `hull` from vertices in any frame and the loops of `topology` (the edges are computed here), and
+// `given_from_body` with the pose of the hull's frame in the frame of the vertices. Mass properties are exact for the
+// polyhedron (sums over tetrahedra; moments of a tetrahedron: Tonon 2004, equations 9a to 9f).
 [[nodiscard]] HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topology, Hull& hull,
                                   Posed& given_from_body) noexcept;
 
@@ -94,7 +94,7 @@ constexpr bool HullTopology::close() noexcept {
       if (from >= vertices || to >= vertices || from == to) return false;
       std::uint32_t e = 0;
       while (e < edges && !(edge[e].from == to && edge[e].to == from)) {
-        if (edge[e].from == from && edge[e].to == to) return false;  // two faces on the same side
+        if (edge[e].from == from && edge[e].to == to) return false;  // two faces with the same direction of the edge
         ++e;
       }
       if (e == kMaxHullEdges) return false;

@@ -1,5 +1,5 @@
-// Inside narrow phase: a hull, or a box looked at as a hull, as its kernels see it. Thread: [any]; pure.
-// Frame: the body's. Units: m. Bound: a reach looks at every vertex once, a register at a time.
+// A hull, or a box as a hull, in the form that the kernels of narrow phase use. Thread: [any]; pure.
+// Frame: the body's. Units: m. Bound: reach_along visits every vertex once, several per register.
 #pragma once
 
 #include "rt/base/wide.h"
@@ -9,8 +9,8 @@ namespace tactus::physics {
 
 struct HullView {
   const HullTopology* topology;
-  const double *x, *y, *z;  // vertices, filled up to whole registers, aligned to them
-  std::uint32_t padded;     // how many with the filling
+  const double *x, *y, *z;  // vertices, padded to whole registers and aligned to them
+  std::uint32_t padded;     // number of vertices including the padding
   const Vec3d* normals;
   const double* offsets;
   const double* edge_reach;
@@ -18,7 +18,7 @@ struct HullView {
 
   Vec3d vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
 
-  // The largest of d.v over the vertices.
+  // Support function: the largest d.v over the vertices.
   double reach_along(const Vec3d& d) const noexcept {
     using V = Register<double>;
     const V dx(d.x), dy(d.y), dz(d.z);
@@ -34,7 +34,7 @@ struct HullView {
     return reach;
   }
 
-  // The first vertex that has it; 0 where no number does.
+  // Index of the first vertex with the largest d.v; 0 if that is NaN.
   std::uint32_t support(const Vec3d& d) const noexcept {
     const double reach = reach_along(d);
     for (std::uint32_t i = 0; i < topology->vertices; ++i)
@@ -57,8 +57,8 @@ inline HullView view_of(const Hull& hull) noexcept {
           hull.flatness};
 }
 
-// Corner k of a box has bit i of k set where its coordinate i is positive; face 2 i + s looks along axis i, outward to
-// + where s is 1.
+// Corner k of a box has bit i of k set if its coordinate i is positive. Face 2 i + s has its normal along axis i, in
+// the positive direction if s is 1.
 constexpr HullTopology make_box_topology() noexcept {
   HullTopology t;
   t.vertices = 8;
@@ -71,7 +71,7 @@ constexpr HullTopology make_box_topology() noexcept {
 inline constexpr HullTopology kBoxTopology = make_box_topology();
 static_assert(kBoxTopology.faces == 6 && kBoxTopology.edges == 12);
 
-// A box as a hull: the numbers that depend on its size. Lives as long as its view is used.
+// Storage for the view of a box as a hull; must outlive the view.
 struct BoxHull {
   alignas(32) double x[8], y[8], z[8];
   double offsets[6];

@@ -1,21 +1,20 @@
 // A static triangle mesh: corners, triangles with their neighbours, patches and a tree of boxes; built at set-up (in
-// sim/) and never changed. A fixed body has it; nothing that moves.
+// sim/) and never changed. Only fixed bodies have meshes.
 //
-// The outside of a triangle is where its corners run counter-clockwise: it is touched from there only, and a body whose
-// centre is on the other side passes. So thin meshes hold what moves less than its own half thickness in a step.
+// Triangles are one-sided: the outside is where the corners run counter-clockwise. A body whose centre is on the other
+// side is not in contact. So a thin mesh stops only bodies that move less than their own half thickness in a step.
 //
-// How contacts with a mesh are keyed: a body may touch many triangles, and a pair of bodies has one manifold. So the
-// triangles are gathered into patches, connected and flat to within the solver's slop, and each patch is to the contact
-// table a fixed body of its own: it has an id (kFirstPatchId and up), so the pair's key, the warm start and the tape
-// stay what they are, and one manifold of at most four points. A floor of a thousand triangles is one patch: what
-// stands on it has the contact that it has on a plane, with the same features however the triangles run. Only the world
-// knows that the slot of such a pair is that of the mesh's body. Rejected: a key with a third number (every key, sort
-// and tape record longer, for scenes without meshes too), and one manifold per triangle (the number of points follows
-// the triangulation, and impulses are lost at every seam).
+// Keys of contacts with a mesh: a body may touch many triangles, but a pair of bodies has one manifold. So the
+// triangles are grouped into patches, connected and flat to within the solver's slop, and the contact table treats each
+// patch as a fixed body with its own id (kFirstPatchId and up) and one manifold of at most four points; the pair's key,
+// the warm start and the tape keep their form. A floor of a thousand triangles is one patch: a body on it has the same
+// contact as on a plane, with the same features for any triangulation. Only the world maps the slot of such a pair to
+// the mesh's body. Rejected: a key with a third number (longer keys, sorts and tape records, also for scenes without
+// meshes), and one manifold per triangle (the number of points depends on the triangulation, and impulses are lost at
+// every seam).
 //
-// A mesh is a view: sim/ owns the arrays. Frame: the body's own; origin in the middle of the box that holds it. Units:
-// m. Thread: [any], read only. Bound: what is built is limited by the loader; at most kMaxCornerTriangles meet at a
-// corner.
+// A mesh is a view: sim/ owns the arrays. Frame: the body's own; origin at the centre of the enclosing box. Units: m.
+// Thread: [any], read only. Bound: set by the loader; at most kMaxCornerTriangles meet at a corner.
 #pragma once
 
 #include <array>
@@ -30,10 +29,10 @@ namespace tactus::physics {
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 inline constexpr std::uint32_t kMaxCornerTriangles = 256;
 
-// Ids from here on are of patches: they are in pair keys only, no body has one.
+// First id of patches: they appear only in pair keys, no body has one.
 inline constexpr BodyId kFirstPatchId = 0x40000000u;
 
-// How a triangle goes on across an edge. A fold by less than a milliradian counts as flat.
+// Fold of the surface across an edge. Below one milliradian it counts as flat.
 enum class EdgeKind : std::uint8_t { kFlat = 0, kConvex = 1, kConcave = 2, kBoundary = 3 };
 
 struct MeshTriangle {
@@ -53,7 +52,7 @@ struct MeshPatch {
 // Nodes are in depth-first order: the first child of a node follows it.
 struct MeshNode {
   Aabb box;
-  std::uint32_t first{0}, count{0};  // of Mesh::order, everything below the node
+  std::uint32_t first{0}, count{0};  // range in Mesh::order of all triangles below the node
   std::uint32_t second{0};           // the other child; 0 for a leaf
 };
 
@@ -62,12 +61,12 @@ struct Mesh {
   std::span<const MeshTriangle> triangles;  // patch by patch
   std::span<const Vec3d> normals;           // by triangle, unit
   std::span<const MeshPatch> patches;
-  std::span<const MeshNode> nodes;  // the tree's root is the first
+  std::span<const MeshNode> nodes;  // the first is the root
   std::span<const std::uint32_t> order;
   // The triangles that meet at a corner: around[around_start[c]] to around[around_start[c + 1]], ascending.
   std::span<const std::uint32_t> around_start, around;
-  Vec3d half_extents;              // m: the box about the origin that holds it
-  BodyId first_patch_id{kNoBody};  // of its patches, one after the other; no two meshes of a scene share one
+  Vec3d half_extents;              // m: the box about the origin that encloses it
+  BodyId first_patch_id{kNoBody};  // ids of its patches are consecutive; every mesh of a scene has ids of its own
 
   const Vec3d& place(const MeshTriangle& t, int k) const noexcept {
     return corners[t.corner[static_cast<std::size_t>(k)]];
@@ -90,8 +89,8 @@ struct Mesh {
   }
 };
 
-// What a shape's index refers to. The worlds only look: the list stays where it is as long as they live. Each mesh
-// belongs to one body: its patches have ids.
+// The list to which mesh shapes refer. Read only; must stay at its address as long as the worlds exist. Each mesh
+// belongs to one body, because its patches have ids.
 using Meshes = std::span<const Mesh>;
 
 }  // namespace tactus::physics

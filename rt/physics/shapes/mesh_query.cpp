@@ -6,7 +6,7 @@
 namespace tactus::physics {
 namespace {
 
-// Of a point from a box: 0 inside. m^2.
+// Squared distance of a point from a box [m^2]; 0 inside.
 double squared_distance(const Aabb& box, const Vec3d& p) noexcept {
   double sum = 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -16,14 +16,14 @@ double squared_distance(const Aabb& box, const Vec3d& p) noexcept {
   return sum;
 }
 
-// The nearest triangles so far: a heap with the farthest on top once it is full.
+// The nearest triangles so far: when full, a heap with the farthest on top.
 class Nearest {
  public:
   bool is_full() const noexcept { return count_ == kMaxBodyTriangles; }
   bool is_beaten_by(double distance, std::uint32_t index) const noexcept {
     return !is_full() || Entry{distance, index} < entries_[0];
   }
-  // False: one was left out.
+  // False if a triangle was left out.
   bool offer(double distance, std::uint32_t index) noexcept {
     if (!is_full()) {
       entries_[count_++] = {distance, index};
@@ -81,7 +81,7 @@ void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noex
       }
       continue;
     }
-    // The nearer child first: it comes off the stack before the other, so what is left out is far.
+    // Visits the nearer child first, so that triangles left out are far.
     std::uint32_t near = at + 1, far = node.second;
     if (squared_distance(mesh.nodes[far].box, middle) < squared_distance(mesh.nodes[near].box, middle))
       std::swap(near, far);

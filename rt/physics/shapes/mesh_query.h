@@ -1,7 +1,7 @@
-// Which triangles of a mesh a box may touch. Thread: [any]; pure, no allocation. Frame: the mesh's. Units: m.
+// Finds the triangles of a mesh that a box may touch. Thread: [any]; pure, no allocation. Frame: the mesh's. Units: m.
 //
-// Bound: a stack of fixed size, kMaxMeshVisits nodes looked at, kMaxBodyTriangles results. Where there are more, those
-// nearest to the middle of the box stay (ties by index), and what was left out is counted, at most a little too high.
+// Bound: a stack of fixed size, kMaxMeshVisits nodes, kMaxBodyTriangles results. If there are more, those nearest to
+// the centre of the box are kept (ties by index), and the rest is counted; the count may be slightly too high.
 #pragma once
 
 #include "rt/base/bounded_vector.h"
@@ -11,33 +11,33 @@ namespace tactus::physics {
 
 inline constexpr std::uint32_t kMaxBodyTriangles = 256;
 inline constexpr std::uint32_t kMaxMeshVisits = 2048;
-inline constexpr std::uint32_t kMaxMeshDepth = 48;  // of a tree that halves its triangles: far more than it can have
+inline constexpr std::uint32_t kMaxMeshDepth = 48;  // of a tree that halves its triangles: much more than possible
 
 struct TriangleList {
   FixedVector<std::uint32_t, kMaxBodyTriangles> triangles;  // ascending, so patch by patch
   std::uint32_t left_out{0};
 };
 
-// The triangles whose boxes overlap `box`.
+// Finds the triangles whose boxes overlap `box`.
 void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept;
 
-// The same from a list that is known to hold them all.
+// The same, from a list that is known to contain all of them.
 void choose_triangles(const Mesh& mesh, const Aabb& box, std::span<const std::uint32_t> among,
                       TriangleList& found) noexcept;
 
-// Where a body is in the frame of another, without going through the world's origin, which may be far.
+// Pose of B in the frame of A, computed without world coordinates, which may be large.
 constexpr Posed relative_pose(const Posed& world_from_a, const Posed& world_from_b) noexcept {
   return {rotate_inverse(world_from_a.rotation, world_from_b.position - world_from_a.position),
           conjugate(world_from_a.rotation) * world_from_b.rotation};
 }
 
-// Can a body whose box in the mesh's frame is `box` touch this triangle? Not if it is all above the patch's plane.
+// False if the whole box (of a body, in the mesh's frame) is above the plane of the triangle's patch: no contact.
 inline bool reaches_plane(const Mesh& mesh, const Aabb& box, std::uint32_t triangle) noexcept {
   const MeshPatch& patch = mesh.patches[mesh.triangles[triangle].patch];
   const Vec3d& n = patch.normal;
   const Vec3d lowest{n.x > 0.0 ? box.lower.x : box.upper.x, n.y > 0.0 ? box.lower.y : box.upper.y,
                      n.z > 0.0 ? box.lower.z : box.upper.z};
-  return dot(n, lowest) <= patch.offset + 1e-5;  // its corners are as far from its plane at most
+  return dot(n, lowest) <= patch.offset + 1e-5;  // the patch's corners are at most this far from its plane
 }
 
 }  // namespace tactus::physics

@@ -7,8 +7,8 @@ Ruling rule_edge(const Mesh& mesh, std::uint32_t triangle, std::uint32_t k, cons
   if (!(dot(mesh.normals[triangle], d) > 0.0)) return Ruling::kDropped;
   if (is_along_normal(mesh.normals[triangle], d, t.edge[k] == EdgeKind::kFlat ? kFaceSine : 0.0)) return Ruling::kFace;
   if (t.edge[k] == EdgeKind::kBoundary) return Ruling::kAllowed;
-  // Beyond the neighbour's side of the edge too? In front of both, that is so at convex edges only. Of two that may
-  // push, the first does.
+  // The direction must also be beyond the neighbour's side of the edge; in front of both triangles that is so only at
+  // convex edges. If both triangles may push, the one with the lower index does.
   const std::uint32_t other = t.neighbour[k];
   const Vec3d along = mesh.corners[t.corner[k == 2 ? 0 : k + 1]] - mesh.corners[t.corner[k]];
   const Vec3d beyond_other = cross(mesh.normals[other], along);
@@ -42,7 +42,7 @@ Ruling rule_edge_axis(const Mesh& mesh, std::uint32_t triangle, std::uint32_t k,
   const Vec3d along = mesh.corners[t.corner[k == 2 ? 0 : k + 1]] - mesh.corners[t.corner[k]];
   const Vec3d& other = mesh.normals[t.neighbour[k]];
   const Vec3d beyond_other = cross(other, along);
-  // At the neighbour's normal and past it: the neighbour's.
+  // At the neighbour's normal or past it the neighbour pushes.
   if (dot(beyond_other, u) < tolerance * norm(beyond_other) || is_along_normal(other, u, kAxisSine))
     return Ruling::kDropped;
   return Ruling::kAllowed;

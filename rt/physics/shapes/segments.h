@@ -1,5 +1,5 @@
 // The closest points of two segments. Inside narrow phase. Thread: [any]; pure, closed form.
-// A segment is centre + t half, t in [-1, 1]: it never needs to know which end is which.
+// A segment is centre + t half, t in [-1, 1], so the order of its ends does not matter.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@ struct SegmentParameters {
   double s, t;  // on the first, on the second, in [-1, 1]
 };
 
-// `offset`: from the first segment's centre to the second's. Degenerate (length 0) and parallel segments included;
-// parallel ones give the pair nearest to the first one's middle.
+// `offset`: from the first segment's centre to the second's. Handles segments of length 0 and parallel segments; for
+// parallel ones returns the pair nearest to the middle of the first.
 inline SegmentParameters closest_on_segments(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& offset) noexcept {
   const auto unit_range = [](double value) noexcept { return std::clamp(value, -1.0, 1.0); };
   const double aa = dot(half_a, half_a), bb = dot(half_b, half_b), ab = dot(half_a, half_b);

@@ -5,14 +5,14 @@
 namespace tactus::physics {
 namespace {
 
-// A cylinder and two half balls, by their shares of the volume (divided by pi r^2, so that a thin capsule is a rod).
+// A cylinder and two half balls, weighted by their share of the volume (divided by pi r^2, so that r = 0 gives a rod).
 Vec3d inertia_of_capsule(double radius, double half_length, double mass) noexcept {
   const double cylinder = 2.0 * half_length, ball = 4.0 / 3.0 * radius;
   if (!(cylinder + ball > 0.0)) return {};
   const double mass_cylinder = mass * (cylinder / (cylinder + ball)), mass_ball = mass - mass_cylinder;
   const double r2 = radius * radius, l2 = half_length * half_length;
   const double along = mass_cylinder * r2 / 2.0 + mass_ball * r2 * 0.4;
-  // A half ball about the capsule's centre: its own centre of mass is 3/8 r beyond its flat side.
+  // The centre of mass of a half ball is 3/8 r beyond its flat side.
   const double across =
       mass_cylinder * (r2 / 4.0 + l2 / 3.0) + mass_ball * (r2 * 0.4 + l2 + 0.75 * half_length * radius);
   return {across, across, along};

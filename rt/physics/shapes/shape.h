@@ -1,8 +1,8 @@
 // The shapes that bodies have: sphere, capsule, box, convex hull; static plane and triangle mesh.
 //
-// Frame: the body's own, origin at the centre of mass, axes along the principal axes. Units: m, kg, kg m^2.
-// Thread: [any]. A plain value: no pointer, no allocation. A hull or mesh is referred to by its index in the list that
-// the world was given (hull.h, mesh.h); what the functions below need of it is in the shape itself.
+// Frame: the body's own, origin at the centre of mass, axes along the principal axes. Units: m, kg, kg m^2. Thread:
+// [any]. A plain value: no pointer, no allocation. A hull or mesh is referred to by its index in the world's list
+// (hull.h, mesh.h); what the functions below need of it is copied into the shape.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ enum class ShapeKind : std::uint32_t { kSphere = 0, kCapsule = 1, kBox = 2, kPla
 
 struct Shape {
   ShapeKind kind{ShapeKind::kSphere};
-  std::uint32_t index{0};  // hull, mesh: which one, in the list of the world
-  double radius{};         // m: sphere, capsule; hull: of the ball about the origin that holds it; 0 otherwise
+  std::uint32_t index{0};  // hull, mesh: index in the world's list
+  double radius{};         // m: sphere, capsule; hull: of the sphere about the origin that encloses it; 0 otherwise
   double half_length{};    // m: capsule, half the distance between the cap centres, along body z
-  Vec3d half_extents{};    // m: box; hull, mesh: the box about the origin that holds it
+  Vec3d half_extents{};    // m: box; hull, mesh: the box about the origin that encloses it
 
   static constexpr Shape sphere(double radius) noexcept { return {ShapeKind::kSphere, 0, radius, 0.0, {}}; }
   static constexpr Shape capsule(double radius, double half_length) noexcept {
@@ -30,7 +30,7 @@ struct Shape {
   }
   // The half space z <= 0 of the body frame is solid. Fixed bodies only.
   static constexpr Shape plane() noexcept { return {ShapeKind::kPlane, 0, 0.0, 0.0, {}}; }
-  // `index`: where it is in the world's list.
+  // `index`: position in the world's list.
   static constexpr Shape convex(const Hull& hull, std::uint32_t index) noexcept {
     return {ShapeKind::kHull, index, hull.bounding_radius, 0.0, hull.half_extents};
   }
@@ -43,13 +43,13 @@ struct Shape {
 };
 
 // Diagonal of the inertia tensor of a homogeneous body of `mass` [kg m^2]; zero for a plane or mesh, and for a hull:
-// that of its Hull is inertia_per_kg.
+// use Hull::inertia_per_kg.
 Vec3d inertia_of(const Shape& shape, double mass) noexcept;
 
-// Volume [m^3]; zero for a plane or mesh, and for a hull: that is in its Hull.
+// Volume [m^3]; zero for a plane or mesh, and for a hull: use Hull::volume.
 double volume_of(const Shape& shape) noexcept;
 
-// Radius of the smallest sphere about the body's origin that holds the shape [m]; +infinity for a plane.
+// Radius of the smallest sphere about the body's origin that encloses the shape [m]; +infinity for a plane.
 double bounding_radius(const Shape& shape) noexcept;
 
 // Axis-aligned box in the world.
@@ -64,15 +64,15 @@ struct Aabb {
     return lower.x <= o.lower.x && o.upper.x <= upper.x && lower.y <= o.lower.y && o.upper.y <= upper.y &&
            lower.z <= o.lower.z && o.upper.z <= upper.z;
   }
-  // On every side.
+  // Grown by `by` [m] on every side.
   constexpr Aabb grown(double by) const noexcept {
     const Vec3d all{by, by, by};
     return {lower - all, upper + all};
   }
 };
 
-// The shape's box at `world_from_body`, grown by `margin` on every side. A plane's is unbounded; a hull's or
-// mesh's is that of the box that holds it, so larger than need be.
+// The shape's box at `world_from_body`, grown by `margin` on every side. Unbounded for a plane. For a hull or mesh, the
+// box of its half_extents, so larger than necessary.
 Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) noexcept;
 
 }  // namespace tactus::physics
