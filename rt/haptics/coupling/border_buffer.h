@@ -44,7 +44,7 @@ class BorderBuffer {
   // The effect of a synchronisation on the sub-world.
   struct Adopted {
     double gained_J{0};   // change of the kinetic energy of the buffer bodies, with sign
-    Vec3d proxy_carried;  // m, world: mean displacement of the body points at which friction holds the proxy
+    Vec3d proxy_carried;  // m, world: mean tangential displacement of the body points at which friction holds the proxy
   };
   // Call at a synchronisation, after the members have changed. Bodies of the old buffer get the state of the global
   // world; then the buffer is replaced by that of the snapshot. Does not move the proxy: the caller does, by
