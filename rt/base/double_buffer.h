@@ -4,11 +4,12 @@
 // Strict alternation makes it safe: value n is in buffer n & 1, and the writer starts n only after it knows, by the
 // other direction's sequence number, that the reader has finished with n - 2 (rt/haptics/coupling/exchange.h). Two
 // happens-before edges are needed:
-//    down: write of n -> publish(n), release -> try_read(n), acquire -> reads of n. The reader never sees a partial
-//    value. up:   reads of n - 2 -> the reader's publish() in the other direction, release -> the writer's try_read()
-//    there,
-//          acquire -> write of n. No value changes while it is read: without the release on this edge the reads of n -
-//          2 could still be in progress when its buffer is written again.
+//   down: write of n -> publish(n), release -> try_read(n), acquire -> reads of n.
+//         The reader never sees a partial value.
+//   up:   reads of n - 2 -> the reader's publish() in the other direction, release
+//         -> the writer's try_read() there, acquire -> write of n.
+//         No value changes while it is read: without the release on this edge the reads of n - 2 could still be in
+//         progress when its buffer is written again.
 // Relaxed accesses suffice for neither edge: the race test weakens each of the four orders and detects the race.
 // Thread: writing(), publish(): the writer [rt]; try_read(): the reader [rt]. Construction [setup].
 #pragma once
@@ -50,9 +51,8 @@ class DoubleBuffer {
 
  private:
   std::unique_ptr<Value[]> buffers_;
-  alignas(kCacheLine) std::atomic<std::uint64_t> published_{0};  // number of published values
-  char fill_[kCacheLine -
-             sizeof(std::atomic<std::uint64_t>)]{};  // the two directions' numbers are on separate cache lines
+  alignas(kCacheLine) std::atomic<std::uint64_t> published_{0};   // number of published values
+  char fill_[kCacheLine - sizeof(std::atomic<std::uint64_t>)]{};  // each direction's number has its own line
 };
 
 }  // namespace tactus

@@ -9,8 +9,8 @@
 //   take, acquire:    the consumer reads after it got it. It never sees a partial value.
 //   take, release:    the reads of the old value are done before the producer can get its buffer back.
 //   publish, acquire: the producer writes after it got it back. No value changes while it is read.
-// Each side's exchange reads the value that the other's wrote, so each release pairs with the other side's acquire; two
-// exchanges of one side between two of the other continue the release sequence. The race test weakens each of the four
+// Each side's exchange reads the value that the other's wrote, so each release pairs with the other side's acquire; an
+// exchange of one side between two of the other continues the release sequence. The race test weakens each of the four
 // and detects the race. The test of the flag before a take needs no order: it only avoids a needless exchange.
 // Thread: writing(), publish(): the producer [rt]; take(): the consumer [rt]; superseded() [any]. Construction [setup].
 #pragma once

@@ -84,7 +84,7 @@ requires(sizeof(Mask) > sizeof(Mask{}[0])) TACTUS_INLINE bool any(Mask which) no
   return found;
 }
 
-// Maximum and minimum; `a` if neither is larger.
+// Maximum and minimum; `a` if the operands are equal or not ordered (NaN).
 template <class V>
 TACTUS_INLINE V larger(V a, V b) noexcept {
   return select(a < b, b, a);
@@ -161,7 +161,7 @@ TACTUS_INLINE void transpose(Wide<float, 8> (&m)[8]) noexcept {
   }
 }
 
-// `N` numbers one after the other, aligned to as many.
+// Load and store N consecutive numbers; the address must be aligned to their total size.
 template <class T>
 requires std::is_floating_point_v<T> TACTUS_INLINE void load(T& to, const T* from) noexcept { to = *from; }
 template <class T, int N>

@@ -1,7 +1,7 @@
 // Fits a core's cost table to the times of a few synthetic ticks, each dominated by one kind of work.
 //
 // Not a general least-squares fit: each cost is determined by one run, or by the difference of two, given the other
-// costs; the costs are computed in turn, in rounds, until they converge. Costs are clamped to >= 0 against noise. Pure:
+// costs; a fixed number of rounds over all costs solves them together. Costs are clamped to >= 0 against noise. Pure:
 // equal times give an equal table. Thread: [any]. Units: ns.
 #pragma once
 

@@ -23,14 +23,12 @@ namespace tactus::haptics {
 inline constexpr std::uint32_t kFadingTicks = 3;    // missed ticks until the fade is reported
 inline constexpr std::uint32_t kFadeOutTicks = 10;  // missed ticks until the force is zero, and until the link is lost
 inline constexpr std::uint32_t kRejectedTicks = 3;  // consecutive rejected samples until their fault
-inline constexpr std::uint32_t kExtrapolateTicks =
-    5;  // missed ticks over which the pose is extrapolated, with decreasing velocity
+inline constexpr std::uint32_t kExtrapolateTicks = 5;  // missed ticks over which the pose is extrapolated
 
 struct GuardedInput {
   bool valid{false};       // a new sample was accepted in this tick
   bool rebased{false};     // valid and the first one after start or rearm(): clutch the placement to it
-  Posed device_from_tool;  // m, unit quaternion: the accepted pose, or its extrapolation with decaying velocity, then
-                           // held
+  Posed device_from_tool;  // m, unit quaternion: accepted, or extrapolated with decaying velocity, then held
   DeviceState device_state{DeviceState::kReset};  // of the newest intact frame
   std::uint32_t status{0};                        // StatusBit: kFrameMissing, kForceFading, kInputRejected, kNotArmed
   Fault fault{Fault::kNone};                      // latched, from the tick in which it occurs

@@ -12,8 +12,8 @@ enum class OverrunCause : std::uint32_t { kLateWake = 0, kOwnWork = 1, kInterrup
 
 // kOwnWork: the thread used more processor time than the period, and the calibrated cost model explains at least half
 // of it by the tick's counts. (A host that takes the core away unnoticed also appears as processor time, but without
-// matching counts.) kLateWake: the wake-up was late by more than half of the period, or by enough that the tick's
-// remaining need did not fit. kInterrupted: otherwise.
+// matching counts.) kLateWake: the wake-up was late by more than half of the period, or its lateness and the tick's
+// need (processor time, at most twice the prediction) together exceed the period. kInterrupted: otherwise.
 // `used_ns`: by the thread's own clock in this tick; `predicted_ns`: by the cost model, before it.
 OverrunCause classify_overrun(double wake_late_ns, double used_ns, double predicted_ns, double period_ns) noexcept;
 

@@ -49,12 +49,11 @@ class TapeDrain {
   Status dump(const std::string& path, std::string_view text);
 
   struct Counts {
-    std::uint64_t records{0};   // taken from the ring
-    std::uint64_t bytes{0};     // of payload
-    std::uint64_t lost{0};      // dropped because the ring was full
-    std::uint64_t not_kept{0};  // not in the history: no keyframe before them
-    std::uint64_t ticks_not_written{
-        0};  // of tick_kind: missing on the tape because of a write error; final after stop()
+    std::uint64_t records{0};            // taken from the ring
+    std::uint64_t bytes{0};              // of payload
+    std::uint64_t lost{0};               // dropped because the ring was full
+    std::uint64_t not_kept{0};           // not in the history: no keyframe before them
+    std::uint64_t ticks_not_written{0};  // of tick_kind: lost by a write error of the tape; final after stop()
   };
   Counts counts() const;
 

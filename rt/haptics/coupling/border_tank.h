@@ -6,8 +6,8 @@
 //   change of (stored - owed) = W_global / r - W_border,
 // both are the work on members by normal and friction forces, with sign: where outside bodies take energy from members
 // in the global step, the ghosts must take it too. In a sub-step the contact rows supply at most what is stored
-// (BorderSolver::keep_budget); with an empty tank they only dissipate. Joints, and outside bodies that take energy, may
-// exceed the budget: the excess is owed and repaid first. So at any time contacts have supplied at most the initial
+// (BorderSolver::keep_budget); with an empty tank they only take energy. Joints, and outside bodies that take energy,
+// may exceed the budget: the excess is owed and repaid first. So at any time contacts have supplied at most the initial
 // amount plus the work of the outside bodies. Thread: [rt], the haptic thread. Units: J. Bound: constant time. Source:
 // time-domain passivity, Hannaford, Ryu 2002; energy tanks, Franken et al. 2011.
 #pragma once

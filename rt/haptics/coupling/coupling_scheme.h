@@ -50,9 +50,8 @@ struct CouplingTraits {
   bool border{false};          // contacts and joints between members and outside bodies are exchanged (BorderMode)
   bool imposes_motion{true};   // the reported members' motion replaces that in the global world
   DeviceLoad device_load{DeviceLoad::kWrench};
-  std::uint32_t proxy_planes{
-      0};                   // number of the proxy's contact points in a snapshot, those with the largest normal force
-  bool planes_hold{false};  // planes are bilateral: a linearised force
+  std::uint32_t proxy_planes{0};  // contact points in a snapshot: those of the proxy with the largest normal force
+  bool planes_hold{false};        // planes are bilateral: a linearised force
 
   // The proxy is the only member.
   constexpr bool proxy_alone() const noexcept { return model != LocalModel::kMembers; }
