@@ -19,7 +19,7 @@ namespace {
 constexpr double kQuietForce_N = 0.0125, kQuietTorque_Nm = 6e-4;
 constexpr double kLoudestOfQuiet = 5;
 
-// Damping at which one quantum makes `force`; infinite without a quantum.
+// Damping at which one quantum makes `force`; infinite for a device without a quantum.
 double damping_of_quantum(const AxisLimits& axis, double force) noexcept {
   const double window = VelocityEstimator::Config::of({}, axis.period_s).window;
   return axis.quantum > 0 ? force * window * axis.period_s / axis.quantum : std::numeric_limits<double>::infinity();
@@ -93,9 +93,9 @@ AxisLimits rotation_of(const DeviceProperties& device, double period_s, double l
           0};
 }
 
-// On the boundary the damping grows with the angle up to the angle where the stiffness is back at 0, at most pi / (2
-// (t_d/T + 1)) without the device's own damping: bisection between 0 and 1.2 times that. A lead adds lead_s of damping
-// per N/m.
+// On the boundary the damping grows with the angle up to the angle where the stiffness is back at 0. Without the
+// device's own damping that is at most pi / (2 (t_d/T + 1)): bisection between 0 and 1.2 times that. A lead adds lead_s
+// of damping per N/m.
 double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept {
   if (!(axis.mass > 0) || !(coupling_damping + axis.damping > 0)) return 0;
   double least = 0, most = 1.2 * (0.5 * std::numbers::pi) / (axis.delay_s / axis.period_s + 1);

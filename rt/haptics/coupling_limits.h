@@ -1,6 +1,6 @@
 // Limits of the stiffness and damping of the device-proxy coupling, from the device's description. For set-up: the loop
 // refuses gains that the rules below refuse, and the tools print the numbers; `tactus experiment stability-map`
-// measures how accurate the limits are.
+// measures where they hold.
 //
 // Thread: [any], pure. Units: SI, in the names. b, m: the device's own damping and mass at the tool; T: period;
 // t_d: delay beyond the sample-and-hold, lateness of the tick included; K, B: the coupling's stiffness and damping;

@@ -4,10 +4,9 @@
 // Besides ticks of the loop there are windows in which the thread wakes at the same period and does nothing, so that
 // the bare timer is measured by the same thread on the same core in the same minute, and windows in which it sleeps, so
 // that another program can use the core. Windows are counted in deadlines and alternate: loop, bare, rest.
-// Thread: construction [setup]; window(), begin() to end(), bare(), rest() [rt]; ring() consumer and
-// resting(): a normal thread. Units: ns of CLOCK_MONOTONIC. Bound: a record that does not fit the ring is
-// dropped and counted there. Cost: one clock reading per stage and one getrusage per tick, about 1 us; not a part of
-// `tactus run`.
+// Thread: construction [setup]; window(), begin() to end(), bare(), rest() [rt]; ring() consumer and resting(): a
+// normal thread. Units: ns of CLOCK_MONOTONIC. Bound: a record that does not fit the ring is dropped and counted there.
+// Cost: one clock reading per stage and one getrusage per tick, about 1 us; not a part of `tactus run`.
 #pragma once
 
 #include <atomic>

@@ -227,8 +227,7 @@ TapeRead TapeReader::next(TapeRecord& record) {
 
 std::uint64_t TapeReader::skip_damage(std::span<const std::uint32_t> kinds) {
   const std::uint64_t damaged = record_begin_;
-  if (std::fseek(file_, 0, SEEK_END) != 0)
-    return offset_ - damaged;  // a pipe: data already read is not available again
+  if (std::fseek(file_, 0, SEEK_END) != 0) return offset_ - damaged;  // a pipe: data already read is lost
   const auto file_size = static_cast<std::uint64_t>(std::ftell(file_));
   std::uint64_t may_read = kSearchReads * file_size, at = damaged + 1;
   std::vector<std::byte> window;

@@ -27,7 +27,7 @@ namespace tactus::loop {
 struct DrainSettings {
   std::size_t history_bytes{32u << 20};
   std::uint32_t keyframe_kind{0};
-  std::uint32_t tick_kind{0};              // this kind is counted if it does not reach the tape
+  std::uint32_t tick_kind{0};              // kind of the tick records; those that do not reach the tape are counted
   std::chrono::milliseconds interval{10};  // between two polls of the ring
 };
 

@@ -21,8 +21,10 @@ void PlaneCoupling::start(const Vec3d& proxy) noexcept {
   follows_ = 1;
 }
 
-// The planes constrain x + lead v, position only. K times the correction then includes spring and damper, K (x - p) + B
-// (v - v_p), so the friction cone applies to the whole force. Without contact the proxy is at x.
+// The planes constrain the position x + lead v only. Then K times the correction is the whole force of spring and
+// damper, so the friction cone applies to both:
+//   K (x - p) + B (v - v_p)
+// Without contact the proxy is at x.
 HeldProxy PlaneCoupling::follow(const DeviceTarget& target, const Tick& tick) noexcept {
   if (follows_ == 0) held_ = now_.held = before_.held = target.pose.position + tick.lead_s * target.velocity.linear;
   follows_ = 1;
