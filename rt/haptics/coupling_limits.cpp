@@ -29,8 +29,9 @@ struct Gains {
   double stiffness, damping;
 };
 
-// Gains of the stability boundary for an oscillation of `angle` per period: real and imaginary part of 1 + (K + B (1 -
-// 1/z) / T) z^(-t_d/T) G(z) = 0 at z = e^(i angle). G: transfer function from held force to position.
+// Gains of the stability boundary for an oscillation of `angle` per period, from real and imaginary part of
+//   1 + (K + B (1 - 1/z) / T) z^(-t_d/T) G(z) = 0 at z = e^(i angle).
+// G: transfer function from held force to position.
 Gains on_boundary(const AxisLimits& axis, double angle) noexcept {
   using Complex = std::complex<double>;
   const double T = axis.period_s, m = axis.mass, b = axis.damping;
