@@ -1,6 +1,6 @@
-// Containers whose capacity is fixed: BoundedVector at creation, FixedVector in the type.
+// Containers of fixed capacity: BoundedVector at construction, FixedVector in the type.
 //
-// Thread: construction and reserve-like calls are [setup]; everything else is [rt] and never allocates.
+// Thread: construction is [setup]; everything else is [rt] and never allocates.
 // Bound: `try_push` returns false at capacity and changes nothing; the caller sets its capacity bit and counts.
 #pragma once
 
@@ -44,7 +44,7 @@ class BoundedVector {
     --size_;
   }
   void clear() noexcept { size_ = 0; }
-  void resize(std::uint32_t size) noexcept {  // keeps what the slots held
+  void resize(std::uint32_t size) noexcept {  // elements that become visible keep their former value
     TACTUS_CHECK(size <= capacity_, size, capacity_);
     size_ = size;
   }
@@ -70,7 +70,7 @@ class BoundedVector {
   std::uint32_t size_{0}, capacity_{0};
 };
 
-// Trivially copyable, for what crosses a thread.
+// Trivially copyable, so that it can cross a thread.
 template <class T, std::uint32_t kCapacity>
 struct FixedVector {
   std::uint32_t count{0};

@@ -1,7 +1,7 @@
-// Writing plain values into bytes and reading them back: keyframes, tapes.
+// Writes plain values into bytes and reads them back: for keyframes and tapes.
 //
 // Thread: [rt]. Bound: nothing is written or read beyond the span; `ok()` turns false instead and stays false.
-// Values must be trivially copyable; what is hashed or compared must have no padding that differs.
+// Values must be trivially copyable; values that are hashed or compared must have no indeterminate padding.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
-// An assertion that stays on in every build: for our own bugs only, never for what a user or a device sends.
-// It carries numbers, not text. The handler runs on the failing thread: the program's handler zeroes the force
-// (sends a brake frame) and ends the process; the default prints to stderr and aborts. Thread: [any].
+// An assertion that is active in every build: for our own bugs only, never for data from a user or a device. It carries
+// numbers, not text. The handler runs on the failing thread: the program's handler zeroes the force (sends a brake
+// frame) and ends the process; the default handler prints to stderr and aborts. Thread: [any].
 #pragma once
 
 namespace tactus {
@@ -9,7 +9,7 @@ struct CheckFailure {
   const char* expression;
   const char* file;
   int line;
-  double a, b;  // the two numbers that explain it, 0 if none
+  double a, b;  // the two numbers that explain the failure, 0 if none
 };
 
 using CheckHandler = void (*)(const CheckFailure&) noexcept;

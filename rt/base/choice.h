@@ -1,7 +1,7 @@
-// Choices that users name: an enumeration with one row of traits each, found by the compiler where one is forgotten.
+// Choices that users name: an enumeration with one row of traits per enumerator. The compiler finds missing traits.
 //
-// `traits_of(choice)` returns a struct with a `name`, empty for a number that is no choice; its switch has no default,
-// so that the compiler names an enumerator without traits. Thread: [any], constexpr.
+// `traits_of(choice)` returns a struct with a `name`, empty for a number that is not an enumerator; its switch has no
+// default, so that the compiler reports an enumerator without traits. Thread: [any], constexpr.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace tactus {
 
-// Does the list hold every choice that has traits, once? Enumerators are below 32.
+// True if the list contains every choice that has traits exactly once. Enumerators are below 32.
 template <class Choice, std::size_t kCount>
 constexpr bool lists_every_choice(const std::array<Choice, kCount>& list) noexcept {
   for (std::uint32_t number = 0; number < 32; ++number) {
@@ -22,7 +22,7 @@ constexpr bool lists_every_choice(const std::array<Choice, kCount>& list) noexce
   return true;
 }
 
-// Empty for a word that names none of the list.
+// Finds a choice by its name; empty if no choice of the list has it.
 template <class Choice, std::size_t kCount>
 constexpr std::optional<Choice> find_choice(const std::array<Choice, kCount>& list, std::string_view word) noexcept {
   for (const Choice choice : list)

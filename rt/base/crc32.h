@@ -1,4 +1,4 @@
-// CRC-32 (IEEE 802.3: polynomial 0x04c11db7 reflected, start and final xor all ones): damage in files.
+// CRC-32 (IEEE 802.3: polynomial 0x04c11db7 reflected, start and final xor all ones): detects damage in files.
 //
 // Detects every single-bit flip and every burst of up to 32 bits. Thread: [any]; not used in the tick.
 // Bound: linear in the bytes, one table look-up a byte.

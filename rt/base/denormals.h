@@ -1,7 +1,8 @@
-// Denormal numbers read and written as zero, by the calling thread.
+// Makes the calling thread read and write denormal numbers as zero.
 //
-// Every thread that computes calls this first, tests included: a decaying velocity otherwise reaches numbers that take
-// the CPU a hundred times longer, and a run gives other bits with the flags than without. Thread: [setup], each.
+// Every thread that computes calls this first, tests included: decaying velocities otherwise become denormal, which
+// makes the CPU up to a hundred times slower, and a run with the flags gives other bits than one without. Thread:
+// [setup], each.
 #pragma once
 
 #if defined(__x86_64__)

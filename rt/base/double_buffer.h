@@ -1,14 +1,16 @@
 // One direction of the exchange between the two worlds: values numbered 0, 1, 2 ..., two buffers, one writer, one
-// reader, no wait on either side.
+// reader; neither side waits.
 //
-// Strict alternation makes it safe: value n lives in buffer n & 1, and the writer begins n only after it knows, by the
-// other direction's sequence number, that the reader has done with n - 2 (see rt/haptics/coupling/exchange.h). Two edges order
-// the memory, and both are needed:
-//   down: write of n -> publish(n), release -> try_read(n), acquire -> reads of n. Nobody sees half a value.
-//   up:   reads of n - 2 -> the reader's publish() in the other direction, release -> the writer's try_read() there,
-//         acquire -> write of n. Nobody's value changes under the eyes: without the release on this edge the reads of
-//         n - 2 could still be under way when its buffer is written again.
-// A plain store and load of the number would do for neither: the race test weakens each of the four and sees the race.
+// Strict alternation makes it safe: value n is in buffer n & 1, and the writer starts n only after it knows, by the
+// other direction's sequence number, that the reader has finished with n - 2 (rt/haptics/coupling/exchange.h). Two
+// happens-before edges are needed:
+//   down: write of n -> publish(n), release -> try_read(n), acquire -> reads of n.
+//         The reader never sees a partial value.
+//   up:   reads of n - 2 -> the reader's publish() in the other direction, release
+//         -> the writer's try_read() there, acquire -> write of n.
+//         No value changes while it is read: without the release on this edge the reads of n - 2 could still be in
+//         progress when its buffer is written again.
+// Relaxed accesses suffice for neither edge: the race test weakens each of the four orders and detects the race.
 // Thread: writing(), publish(): the writer [rt]; try_read(): the reader [rt]. Construction [setup].
 #pragma once
 
@@ -24,7 +26,7 @@ namespace tactus {
 
 inline constexpr std::size_t kCacheLine = 64;
 
-// The memory orders are parameters only so that a test can weaken one and see the race detector fire.
+// The memory orders are parameters only so that a test can weaken one and check that the race detector reports it.
 template <class Value, std::memory_order kPublish = std::memory_order_release,
           std::memory_order kRead = std::memory_order_acquire>
 class DoubleBuffer {
@@ -32,25 +34,25 @@ class DoubleBuffer {
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
  public:
-  DoubleBuffer() : buffers_(std::make_unique<Value[]>(2)) {}  // [setup] on the heap: snapshots are large
+  DoubleBuffer() : buffers_(std::make_unique<Value[]>(2)) {}  // [setup]; on the heap, because snapshots are large
 
   Value& writing(std::uint64_t n) noexcept { return buffers_[n & 1]; }
 
-  // Release: the value's bytes are visible to the reader before its number is.
+  // Release: the reader sees the value's bytes before its number.
   void publish(std::uint64_t n) noexcept { published_.store(n + 1, kPublish); }
 
-  // The value n, or null while it is not there. Acquire: pairs with publish.
+  // Returns the value n, or null if it is not published yet. Acquire: pairs with publish.
   const Value* try_read(std::uint64_t n) const noexcept {
     const std::uint64_t published = published_.load(kRead);
     if (published <= n) return nullptr;
-    TACTUS_CHECK(published - n <= 2, published, n);  // n + 2 in its buffer already: somebody skipped a number
+    TACTUS_CHECK(published - n <= 2, published, n);  // else n + 2 is already in its buffer: a side skipped a number
     return &buffers_[n & 1];
   }
 
  private:
   std::unique_ptr<Value[]> buffers_;
-  alignas(kCacheLine) std::atomic<std::uint64_t> published_{0};   // how many values were published
-  char fill_[kCacheLine - sizeof(std::atomic<std::uint64_t>)]{};  // the two directions' numbers share no line
+  alignas(kCacheLine) std::atomic<std::uint64_t> published_{0};   // number of published values
+  char fill_[kCacheLine - sizeof(std::atomic<std::uint64_t>)]{};  // each direction's number has its own line
 };
 
 }  // namespace tactus

@@ -1,7 +1,7 @@
-// FNV-1a, 64 bit: fingerprints of states and tapes, to compare two runs. Not for tables, not against an adversary.
+// FNV-1a, 64 bit: hashes of states and tapes, to compare two runs. Not for hash tables, not against an adversary.
 //
-// Only bytes that the program wrote may go in: a value is accepted when its type can have no padding, everything else
-// member by member. Thread: [any]. Bound: linear in the bytes. Source: Fowler, Noll, Vo; RFC 9923.
+// Only initialised bytes may be hashed: a value whose type can have no padding is hashed whole, others member by
+// member. Thread: [any]. Bound: linear in the bytes. Source: Fowler, Noll, Vo; RFC 9923.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class Fnv1a {
   }
   void add_text(std::string_view text) noexcept { add_bytes(std::as_bytes(std::span(text.data(), text.size()))); }
 
-  // Numbers, enumerations, and structs of integers without padding. A double counts by its bits: -0 is not 0.
+  // Numbers, enumerations, and structs of integers without padding. A double is hashed by its bits: -0 differs from 0.
   template <class T>
   void add(const T& value) noexcept {
     static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>, "may have padding");

@@ -1,9 +1,9 @@
-// A histogram of times in nanoseconds: fixed size, exact below 128 ns, above with a relative error below 1/64 (1.6 %),
-// up to 2^34 ns (17 s).
+// A histogram of times in nanoseconds of fixed size: exact below 128 ns, above with a relative error below 1/64 (1.6
+// %), up to 2^34 ns (17 s).
 //
-// Each power of two is cut into 64 equal buckets, so the bucket of a value is its top seven bits. Thread: [rt] record;
-// everything else [any], by who owns the copy: trivially copyable, it crosses threads by value.
-// Bound: a longer time goes to the last bucket and is counted as clipped; count, sum, min and max stay exact.
+// Each power of two is divided into 64 equal buckets, so the bucket of a value is given by its top seven bits. Thread:
+// [rt] record; everything else [any], by the owner of the copy: it is trivially copyable and crosses threads by value.
+// Bound: a longer time is recorded in the last bucket and counted as clipped; count, sum, min and max stay exact.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ class Histogram {
   static constexpr std::uint32_t kLinear = 128, kPerOctave = 64;  // exact buckets; buckets in each octave above
   static constexpr std::uint32_t kBuckets = kLinear + kPerOctave * static_cast<std::uint32_t>(kTopBit - 7);
 
-  // A negative time (a wake-up before its time) counts as 0.
+  // A negative time (an early wake-up) counts as 0.
   void record(std::int64_t time_ns) noexcept {
     const std::uint64_t value = time_ns > 0 ? static_cast<std::uint64_t>(time_ns) : 0;
     ++buckets_[bucket_of(value)];
@@ -50,8 +50,8 @@ class Histogram {
     return count_ == 0 ? 0.0 : static_cast<double>(sum_ns_) / static_cast<double>(count_);
   }
 
-  // The time that at least `percent` of the recorded ones do not exceed: the upper bound of its bucket, never more than
-  // the maximum. 0 when empty.
+  // The time that at least `percent` of the recorded times do not exceed: the upper bound of its bucket, at most the
+  // maximum. 0 if empty.
   std::uint64_t percentile_ns(double percent) const noexcept {
     if (count_ == 0) return 0;
     // Without the small margin 99.99 % of 10 000 could round up to the 10 000th.
@@ -64,7 +64,7 @@ class Histogram {
     return max_ns_;
   }
 
-  // For exports: how many times are in [lower, upper] of bucket i.
+  // Number of times in [lower, upper] of bucket i, for exports.
   std::uint64_t in_bucket(std::uint32_t i) const noexcept { return buckets_[i]; }
   static constexpr std::uint64_t lower_bound_ns(std::uint32_t i) noexcept {
     if (i < kLinear) return i;

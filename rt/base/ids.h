@@ -1,4 +1,4 @@
-// Names of things that are stable over a run. Thread: [any].
+// Identifiers that are constant over a run. Thread: [any].
 #pragma once
 
 #include <compare>
@@ -6,12 +6,13 @@
 
 namespace tactus {
 
-// A body's place in its scene: dense, from 0, in the order of the scene file. Slots, pairs and ties follow it.
+// Index of a body in its scene: dense, from 0, in the order of the scene file, which also orders slots, pairs and ties.
 using BodyId = std::uint32_t;
 inline constexpr BodyId kNoBody = 0xffffffffu;
 inline constexpr BodyId kMaxBodyId = 0x7ffffffeu;  // 31 bits, so that two ids and a flag share one 64-bit key
 
-// Two bodies that may touch. Pairs with a fixed body sort after all others, so that a sweep ends with them.
+// Key of a pair of bodies that may touch. Pairs with a fixed body sort after all others, so that a sweep ends with
+// them.
 struct PairKey {
   std::uint64_t value{0};
 

@@ -1,9 +1,9 @@
-// Small vectors, quaternions and symmetric matrices of the real-time rooms.
+// Small vectors, quaternions and symmetric matrices for real-time code.
 //
-// Why not a linear-algebra library: these types cross threads, go to the tape and are hashed, so they must be
-// trivially copyable; and Debug and Release must give the same bits, so every operation is written out in one order.
+// Not from a linear-algebra library: these types cross threads, go to the tape and are hashed, so they must be
+// trivially copyable; and Debug and Release must give the same bits, so every operation has one fixed order.
 // T may also be a Wide: several vectors at once, lane by lane.
-// Thread: [any]. Units: the caller's. Bound: none allocates, loops without bound or throws.
+// Thread: [any]. Units: the caller's. Bound: no function allocates, loops without bound or throws.
 #pragma once
 
 #include <cmath>
@@ -78,7 +78,7 @@ Vec3<T> select(Mask which, const Vec3<T>& yes, const Vec3<T>& no) noexcept {
   return {select(which, yes.x, no.x), select(which, yes.y, no.y), select(which, yes.z, no.z)};
 }
 
-// The unit vector along `a`, or `fallback` where `a` is too short to have a direction.
+// Unit vector along `a`, or `fallback` if `a` is too short to have a direction.
 template <class T>
 Vec3<T> normalized_or(const Vec3<T>& a, const Vec3<T>& fallback) noexcept {
   const T length = norm(a);
@@ -98,7 +98,7 @@ struct Tangents {
 
 template <class T>
 Tangents<T> tangents_of(const Vec3<T>& n) noexcept {
-  // Cross with the axis that n is least aligned with (lowest index on a tie).
+  // Cross product with the axis that n is least aligned with (lowest index on a tie).
   const Vec3<T> a = abs(n);
   const Vec3<T> x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
   const Vec3<T> axis = select(both(a.x <= a.y, a.x <= a.z), x, select(a.y <= a.z, y, z));
@@ -121,7 +121,7 @@ struct SymMat3 {
   static constexpr SymMat3 identity(T s) noexcept { return {s, s, s, T(0), T(0), T(0)}; }
 };
 
-// Inverse of a positive definite matrix; zero where the determinant is not positive.
+// Inverse of a positive definite matrix; zero if the determinant is not positive.
 template <class T>
 constexpr SymMat3<T> inverse(const SymMat3<T>& m) noexcept {
   const T c_xx = m.yy * m.zz - m.yz * m.yz, c_xy = m.xz * m.yz - m.xy * m.zz, c_xz = m.xy * m.yz - m.xz * m.yy;
@@ -132,7 +132,7 @@ constexpr SymMat3<T> inverse(const SymMat3<T>& m) noexcept {
           s * c_xz, s * (m.xy * m.xz - m.xx * m.yz)};
 }
 
-// Unit quaternion w + xi + yj + zk. A rotation `world_from_body` takes body vectors to the world.
+// Unit quaternion w + xi + yj + zk. A rotation `world_from_body` maps body vectors to the world.
 template <class T>
 struct Quat {
   T w{T(1)}, x{}, y{}, z{};
@@ -145,7 +145,7 @@ struct Quat {
   friend constexpr bool operator==(const Quat&, const Quat&) noexcept = default;
 };
 
-// The same in numbers of type S.
+// Converts to numbers of type S.
 template <class S, class T>
 constexpr Vec3<S> number_cast(const Vec3<T>& v) noexcept {
   return {static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z)};
@@ -192,7 +192,7 @@ constexpr Vec3<T> rotate_inverse(const Quat<T>& q, const Vec3<T>& v) noexcept {
   return rotate(conjugate(q), v);
 }
 
-// R diag(d) R^T: a diagonal tensor of the body frame seen in the world.
+// R diag(d) R^T: a tensor that is diagonal in the body frame, in world axes.
 template <class T>
 constexpr SymMat3<T> rotate_diagonal(const Quat<T>& q, const Vec3<T>& d) noexcept {
   const Vec3<T> a = rotate(q, Vec3<T>{T(1), T(0), T(0)}), b = rotate(q, Vec3<T>{T(0), T(1), T(0)}),
@@ -202,8 +202,8 @@ constexpr SymMat3<T> rotate_diagonal(const Quat<T>& q, const Vec3<T>& d) noexcep
           d.x * a.x * a.z + d.y * b.x * b.z + d.z * c.x * c.z, d.x * a.y * a.z + d.y * b.y * b.z + d.z * c.y * c.z};
 }
 
-// sin and cos of our own: a library's may differ in the last bit between a compile-time and a run-time call, and
-// Debug and Release must agree. Error below 1e-15 for |angle| < 1e6 rad.
+// Own sin and cos: a library's may differ in the last bit between a compile-time and a run-time call, and Debug and
+// Release must agree. Error below 1e-15 for |angle| < 1e6 rad.
 template <class T>
 struct SinCos {
   T sin, cos;
@@ -217,7 +217,7 @@ SinCos<T> sin_cos(T angle_rad) noexcept {
   const double turns = std::floor(a * two_over_pi + 0.5);
   const double r = (a - turns * pi_half_high) - turns * pi_half_low;  // in [-pi/4, pi/4]
   const double r2 = r * r;
-  // Taylor series to r^17 and r^16: the first term left out is below 1e-18.
+  // Taylor series to r^17 and r^16: the first omitted term is below 1e-18.
   double s = 1.0, c = 1.0;
   for (int k = 17; k >= 3; k -= 2) s = 1.0 - s * r2 / (k * (k - 1));
   for (int k = 16; k >= 2; k -= 2) c = 1.0 - c * r2 / (k * (k - 1));

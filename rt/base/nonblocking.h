@@ -1,9 +1,9 @@
-// Says of a function that the haptic thread calls it every tick, so that it may not allocate, lock, throw or block.
+// Marks a function that the haptic thread calls in every tick: it must not allocate, lock, throw or block.
 //
-// Clang 20 and later hold it to that: -fsanitize=realtime (TACTUS_SANITIZE=realtime) stops at the call that breaks it,
-// -Wfunction-effects tells some at compile time. For other compilers it is a word to the reader; what is checked with
-// them is in tests/system/haptic_thread and tests/support/rt_guard.h. Stands where noexcept does, behind it.
-// Thread: [any]. Source: Clang, RealtimeSanitizer and Function Effect Analysis.
+// Clang 20 and later enforce it: -fsanitize=realtime (TACTUS_SANITIZE=realtime) stops at a violating call,
+// -Wfunction-effects reports some at compile time. For other compilers it is documentation; their checks are in
+// tests/system/haptic_thread and tests/support/rt_guard.h. Placed after noexcept. Thread: [any]. Source: Clang,
+// RealtimeSanitizer and Function Effect Analysis.
 #pragma once
 
 #ifdef __has_cpp_attribute

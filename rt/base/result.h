@@ -1,8 +1,8 @@
-// How set-up code says that something did not work: a Status, or a Result that holds a value or the reason why not.
+// Errors of set-up code: a Status, or a Result that contains a value or the reason why there is none.
 //
-// The message is one line that names what failed, what was found and what to do; it is shown to people as it is.
+// The message is one line that names what failed, what was found and what to do; users see it unchanged.
 // Thread: [setup] only, and normal-priority threads: messages are on the heap. Never in a tick, whose errors are the
-// fault and status bits of rt/base/status.h. Bound: none throws; value() of an error is our own bug and stops.
+// fault and status bits of rt/base/status.h. Bound: no function throws; value() of an error is our own bug and asserts.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ class [[nodiscard]] Status {
   }
 
   bool ok() const noexcept { return !failed_; }
-  // Empty when ok.
+  // Empty if ok.
   const std::string& message() const noexcept { return message_; }
 
  private:
@@ -38,7 +38,7 @@ class [[nodiscard]] Result {
  public:
   Result(T value) : value_(std::move(value)), status_(Status::good()) {}  // NOLINT(google-explicit-constructor)
   Result(Status error) : status_(std::move(error)) {                      // NOLINT(google-explicit-constructor)
-    TACTUS_CHECK(!status_.ok(), 0, 0);                                    // a good status has no value to give
+    TACTUS_CHECK(!status_.ok(), 0, 0);                                    // a good status contains no value
   }
 
   bool ok() const noexcept { return value_.has_value(); }

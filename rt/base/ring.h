@@ -1,16 +1,15 @@
 // A byte ring for records of any length, from one thread to another: tick records to the tape, events to the screen.
 //
-// One producer, one consumer, no wait on either side. A record that does not fit now is dropped whole and counted; the
-// next record that fits carries the gap, so the consumer knows where, not only how many.
+// One producer, one consumer; neither waits. A record that does not fit is dropped whole and counted; the next record
+// that fits carries the number of dropped ones, so the consumer knows where the gap is.
 // Thread: construction [setup]; try_begin, append, commit, try_push: the producer [rt]; try_pop: the consumer;
-// dropped(): [any]. Bound: the capacity in bytes, a power of two; a record costs its size + 16, rounded up to 16.
+// dropped(): [any]. Bound: the capacity in bytes, a power of two; a record takes its size + 16, rounded up to 16.
 //
-// Memory order. head_ is written by the producer only, tail_ by the consumer only; both count bytes and never wrap
-// (2^64). The producer's bytes are before its release-store of head_; the consumer acquires head_ before it reads them.
-// The consumer's reads are before its release-store of tail_; the producer acquires tail_ before it overwrites them.
-// Each side keeps the last value of the other's counter that it saw and loads it anew only when that says full or
-// empty: it can only be behind, which is the safe side, and the counters' cache lines move once a lap, not once a
-// record.
+// Memory order. Only the producer writes head_, only the consumer writes tail_; both count bytes and never wrap (2^64).
+// The producer's bytes are before its release-store of head_; the consumer acquires head_ before it reads them. The
+// consumer's reads are before its release-store of tail_; the producer acquires tail_ before it overwrites them. Each
+// side caches the other's counter and reloads it only when the ring seems full or empty: the cached value can only be
+// too old, which is safe, and the counters' cache lines move once per lap instead of once per record.
 #pragma once
 
 #include <algorithm>
@@ -29,16 +28,16 @@ namespace tactus {
 struct RingRecord {
   std::uint32_t kind{0};
   std::uint32_t size{0};         // bytes of payload
-  std::uint64_t lost_before{0};  // records dropped between the one before and this
+  std::uint64_t lost_before{0};  // records dropped between the previous one and this one
 };
 
 enum class Pop : std::uint32_t {
   kEmpty = 0,
   kRecord = 1,
-  kTooLarge = 2,  // the payload does not fit the span: skipped; the record says its size
+  kTooLarge = 2,  // the payload does not fit the span: skipped; the record contains its size
 };
 
-// The orders are parameters only so that a test can weaken one and see the race detector fire.
+// The memory orders are parameters only so that a test can weaken one and check that the race detector reports it.
 template <std::memory_order kRelease = std::memory_order_release,
           std::memory_order kAcquire = std::memory_order_acquire>
 class BasicRing {
@@ -49,7 +48,7 @@ class BasicRing {
   }
 
   // --- producer
-  // Makes room for one record; false (and one more dropped) when there is none. A begin without commit is forgotten.
+  // Reserves space for one record; false, and one more dropped, if there is none. A begin without commit has no effect.
   [[nodiscard]] bool try_begin(std::uint32_t kind, std::uint32_t size) noexcept {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     const std::uint64_t need = kHeader + rounded(size);
@@ -69,14 +68,14 @@ class BasicRing {
     return true;
   }
 
-  // The next bytes of the payload.
+  // Appends the next bytes of the payload.
   void append(std::span<const std::byte> bytes) noexcept {
     TACTUS_CHECK(bytes.size() <= end_ - begin_, bytes.size(), end_ - begin_);
     copy_in(begin_, bytes);
     begin_ += bytes.size();
   }
 
-  // Hands the record over. The payload must be complete.
+  // Publishes the record. The payload must be complete.
   void commit() noexcept {
     TACTUS_CHECK(end_ > 0 && begin_ == end_, begin_, end_);
     ++sequence_;
@@ -85,7 +84,7 @@ class BasicRing {
     head_.store(head, kRelease);
   }
 
-  // One record whose payload is the spans, one after the other.
+  // Pushes one record whose payload is the concatenated spans.
   template <class... Spans>
   [[nodiscard]] bool try_push(std::uint32_t kind, const Spans&... payload) noexcept {
     const std::size_t size = (std::size_t{0} + ... + std::span(payload).size_bytes());
@@ -97,7 +96,7 @@ class BasicRing {
   }
 
   // --- consumer
-  // The oldest record, its payload to the front of `out`.
+  // Pops the oldest record; its payload goes to the front of `out`.
   Pop try_pop(RingRecord& record, std::span<std::byte> out) noexcept {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     if (seen_head_ == tail) {
@@ -121,7 +120,7 @@ class BasicRing {
  private:
   struct Header {
     std::uint32_t kind{0}, size{0};
-    std::uint64_t sequence{0};  // counts dropped records too
+    std::uint64_t sequence{0};  // includes dropped records
   };
   static constexpr std::uint64_t kHeader = sizeof(Header);
   static_assert(kHeader == 16);
@@ -143,11 +142,11 @@ class BasicRing {
 
   std::unique_ptr<std::byte[]> bytes_;
   std::uint64_t capacity_;
-  // The producer's line.
+  // On the producer's cache line.
   alignas(kCacheLine) std::atomic<std::uint64_t> head_{0};
   std::uint64_t seen_tail_{0}, sequence_{0}, begin_{0}, end_{0};
   std::atomic<std::uint64_t> dropped_{0};
-  // The consumer's line.
+  // On the consumer's cache line.
   alignas(kCacheLine) std::atomic<std::uint64_t> tail_{0};
   std::uint64_t seen_head_{0}, expected_{0};
 };

@@ -1,8 +1,8 @@
-// Rotation vectors [rad] and their rates: what a path of rotations is interpolated with. Thread: [any]; pure, bounded.
+// Rotation vectors [rad] and their rates, for interpolating paths of rotations. Thread: [any]; pure, bounded.
 //
-// A rotation q(t) = exp(r(t)) q0 turns with the angular velocity w = J(r) dr/dt in the world's axes, where J is the
-// left Jacobian of SO(3) (Sola et al., A micro Lie theory, 2018, equations 145 and 146). Where r and dr/dt are
-// parallel, w is dr/dt. Own arithmetic, so that every build has the same bits.
+// A rotation q(t) = exp(r(t)) q0 has the angular velocity w = J(r) dr/dt in world axes, where J is the left Jacobian of
+// SO(3) (Sola et al., A micro Lie theory, 2018, equations 145 and 146). If r and dr/dt are parallel, w is dr/dt. Own
+// arithmetic, so that every build has the same bits.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ inline Vec3d rotation_vector_of(const Quatd& q) noexcept {
   return v * (2.0 * half_angle / s);
 }
 
-// J(r) rate: the angular velocity of a rotation vector that changes at that rate.
+// J(r) rate: the angular velocity for a rotation vector r that changes at `rate`.
 inline Vec3d angular_velocity_of(const Vec3d& r, const Vec3d& rate) noexcept {
   const double square = dot(r, r), angle = std::sqrt(square);
   double a = 0.5 - square / 24, b = 1.0 / 6 - square / 120;

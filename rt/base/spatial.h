@@ -1,4 +1,4 @@
-// Pose, twist and wrench: the three spatial quantities that cross rooms.
+// Pose, twist and wrench: the spatial quantities used across folders.
 // Frame: world unless the variable's name says otherwise. Units: m, rad, m/s, rad/s, N, N m. Thread: [any].
 #pragma once
 
@@ -11,7 +11,7 @@ struct Pose {
   Vec3<T> position;  // m
   Quat<T> rotation;  // unit quaternion, target_from_source
 
-  // Takes a point of the source frame to the target frame.
+  // Maps a point from the source frame to the target frame.
   constexpr Vec3<T> operator*(const Vec3<T>& point) const noexcept { return position + rotate(rotation, point); }
   friend constexpr Pose operator*(const Pose& a, const Pose& b) noexcept {
     return {a * b.position, a.rotation * b.rotation};

@@ -1,11 +1,11 @@
 // Several numbers at once: the lanes of one vector register.
 //
-// Wide<T, N> behaves as a number does, lane by lane, so that a kernel written for a type V works on one number (V = T)
-// and on N at once, with the same bits in each lane: every operation is IEEE's, none is fused, and min, max and select
-// are defined by one comparison. Comparisons give a Mask; branches become `select`. Built on the compilers' vector
-// types: a target without such registers gets pieces of them. Two operations that those types lack are named by the
-// compilers' own names: the header of intrinsics would be a quarter of all that a file of tactus reads.
-// Thread: [any]. Bound: none allocates or loops beyond N.
+// Wide<T, N> behaves like a number, lane by lane, so that a kernel written for a type V works on one number (V = T) and
+// on N at once, with the same bits in each lane: every operation is an IEEE operation, none is fused, and min, max and
+// select are defined by one comparison. Comparisons give a Mask; branches become `select`. Based on the compilers'
+// vector types: a target without such registers uses several smaller ones. Two operations that those types lack use
+// compiler builtins: the header of intrinsics would be a quarter of all that a file of tactus reads.
+// Thread: [any]. Bound: no function allocates or loops beyond N.
 #pragma once
 
 #include <cmath>
@@ -61,11 +61,11 @@ struct Wide {
   }
 };
 
-// The same words for one number.
+// The same functions for one number.
 TACTUS_INLINE float select(bool which, float yes, float no) noexcept { return which ? yes : no; }
 TACTUS_INLINE double select(bool which, double yes, double no) noexcept { return which ? yes : no; }
 
-// Of masks, or of one comparison.
+// For masks, or for one comparison.
 TACTUS_INLINE bool both(bool a, bool b) noexcept { return a && b; }
 TACTUS_INLINE bool any(bool which) noexcept { return which; }
 template <class Mask>
@@ -84,7 +84,7 @@ requires(sizeof(Mask) > sizeof(Mask{}[0])) TACTUS_INLINE bool any(Mask which) no
   return found;
 }
 
-// The larger, the smaller: `a` where neither is.
+// Maximum and minimum; `a` if the operands are equal or not ordered (NaN).
 template <class V>
 TACTUS_INLINE V larger(V a, V b) noexcept {
   return select(a < b, b, a);
@@ -94,7 +94,7 @@ TACTUS_INLINE V smaller(V a, V b) noexcept {
   return select(b < a, b, a);
 }
 
-// The number behind V, and how many of them.
+// The number type of V, and its number of lanes.
 template <class V>
 struct LanesOf {
   using Lane = V;
@@ -110,7 +110,7 @@ using LaneOf = typename LanesOf<V>::Lane;
 template <class V>
 inline constexpr int kLanes = LanesOf<V>::kCount;
 
-// What one register of the target holds (x86-64-v3: 32 bytes).
+// Number of lanes in one register of the target (x86-64-v3: 32 bytes).
 template <class T>
 using Register = Wide<T, static_cast<int>(32 / sizeof(T))>;
 
@@ -130,7 +130,7 @@ TACTUS_INLINE T lane_of(const Wide<T, N>& from, int lane) noexcept {
   return from[lane];
 }
 
-// Rows to columns: afterwards m[i][k] is what m[k][i] was. In place; as many rows as lanes.
+// Transposes in place: afterwards m[i][k] is the former m[k][i]. As many rows as lanes.
 template <class T>
 requires std::is_floating_point_v<T> TACTUS_INLINE void transpose(T (&)[1]) noexcept {}
 
@@ -161,7 +161,7 @@ TACTUS_INLINE void transpose(Wide<float, 8> (&m)[8]) noexcept {
   }
 }
 
-// `N` numbers one after the other, aligned to as many.
+// Load and store N consecutive numbers; the address must be aligned to their total size.
 template <class T>
 requires std::is_floating_point_v<T> TACTUS_INLINE void load(T& to, const T* from) noexcept { to = *from; }
 template <class T, int N>

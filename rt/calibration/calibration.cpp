@@ -9,18 +9,17 @@
 namespace tactus::loop {
 namespace {
 
-// Few against many sub-steps, so that their difference stands out of the noise.
+// Few and many sub-steps: their difference must exceed the noise.
 constexpr std::uint32_t kFew = 1, kMany = 6;
-// Rounds not measured (caches, branch predictors), the fewest and the most that are.
-// Rounds not measured (caches, branch predictors), the fewest and the most that are.
+// Warm-up rounds without measurement (caches, branch predictors), minimum and maximum of measured rounds.
 constexpr std::uint32_t kWarmRounds = 3, kFewestRounds = 9, kMostRounds = 151;
 constexpr std::int64_t kTimeForRounds_ns = 200'000'000;
 
-// Ticks after a sleep, as of a loop at 1 kHz that is done early.
+// Ticks after a sleep, like those of a loop at 1 kHz that finishes early.
 constexpr std::uint32_t kSleeps = 80, kUsualSubSteps = 4;
 constexpr std::int64_t kSleep_ns = 900'000;
 
-// One round: every run once.
+// One round executes every run once.
 class Rounds {
  public:
   CalibrationTimes operator()() {
@@ -52,10 +51,10 @@ double percentile(std::vector<double>& times, double share) {
   return *at;
 }
 
-// The times of ticks after a sleep: of a proxy alone and of boxes in contact.
+// Times of ticks after a sleep: the proxy alone, and boxes in contact.
 struct Woken {
   TimedWork lone, boxes;  // p90
-  double spread;          // of the boxes
+  double spread;          // p90 / median of the boxes
 };
 
 Woken time_after_sleeps() {
@@ -99,7 +98,8 @@ void work_beside(const std::atomic<bool>& stop) {
   while (!stop.load(std::memory_order_relaxed)) (void)world.tick(kMany);
 }
 
-// The proxy alone says what every tick pays, the boxes how much more the rest costs after a sleep than in a row.
+// The proxy alone gives the fixed cost; the boxes give the factor on the other costs after a sleep, relative to
+// consecutive ticks.
 Calibration calibrate(const CostModel& table, double safety) {
   CostModel cost = fit_costs(time_synthetic_worlds());
   const Woken woken = time_after_sleeps();

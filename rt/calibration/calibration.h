@@ -1,13 +1,13 @@
-// Measures the cost table of this core: ticks of synthetic sub-worlds whose work is known, in turns, and the costs that
-// explain their times.
+// Measures the cost table of this core: times ticks of synthetic sub-worlds of known work, in turns, and fits the
+// costs.
 //
-// What the costs are to one another comes from many ticks in a row; how high they are, from ticks after a sleep as long
-// as the loop's own: until then other threads and the kernel have had the core's caches, which costs a tick up to half
-// of its time. Thread: [setup], on the core that the loop will run on, at its priority, while another thread keeps the
-// global world's core busy with work_beside: two cores may share caches, memory or even their execution units, and a
-// core that was measured alone is then nearly twice as fast as the one that the loop gets. Units: ns.
-// Bound: some 0.4 s. The table as a whole is held within 1/8 and 64 of the fixed one; beyond it the clock or the
-// machine is not to be believed.
+// The ratios of the costs come from many consecutive ticks; their level comes from ticks after a sleep as long as the
+// loop's own, during which other threads and the kernel use the core's caches: that costs a tick up to half of its
+// time. Thread: [setup], on the core that the loop will run on, at its priority, while another thread loads the global
+// world's core with work_beside: two cores may share caches, memory or even execution units, and a core measured alone
+// is then nearly twice as fast as the one that the loop gets. Units: ns.
+// Bound: some 0.4 s. The level of the table is clamped to 1/8 to 64 times that of the fixed table; beyond it the clock
+// or the machine is not credible.
 #pragma once
 
 #include <atomic>
@@ -18,17 +18,17 @@ namespace tactus::loop {
 
 struct Calibration {
   CostModel cost;
-  double scale{1};   // this core / the fixed table, of a sub-world of boxes in contact
-  double spread{1};  // p90 of the times of its ticks after a sleep / their median: how steady this core is
+  double scale{1};   // cost on this core / by the fixed table, for a sub-world of boxes in contact
+  double spread{1};  // p90 / median of the times of its ticks after a sleep: unsteadiness of this core
 };
 
-// The medians of many rounds: every run has the same share of what else this machine does.
+// Medians over many rounds; the runs alternate, so that other load of the machine affects all of them equally.
 CalibrationTimes time_synthetic_worlds();
 
-// `safety`: over the p90 that was measured, so that most ticks stay below their prediction.
+// `safety`: factor on the measured p90, so that most ticks stay below their prediction.
 Calibration calibrate(const CostModel& table, double safety = 1.25);
 
-// The same kind of work until `stop` is set.
+// Does the same kind of work until `stop` is set.
 void work_beside(const std::atomic<bool>& stop);
 
 }  // namespace tactus::loop

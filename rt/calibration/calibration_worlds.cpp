@@ -24,10 +24,10 @@ LoopConfig make_config(SyntheticWorld kind) {
   return config;
 }
 
-// Rows of bodies, so that each has its two neighbours as pairs and no others. A gap of less than the margin of 0.5 mm
-// is a contact; of boxes that meet at an edge it is a pair that has to be compared to the end, in vain. Turned by an
-// eighth about z, boxes along the diagonal have bounds that overlap and faces that are further apart than that: known
-// at once, and as long as nothing moves.
+// Bodies in a row, so that the only pairs are neighbours. kGap_m is below the contact margin of 0.5 mm, so neighbours
+// are contacts. kApart: boxes turned by 45 degrees about z and placed along the diagonal have overlapping bounds, but
+// faces further apart than the margin, which is detected at once and stays valid as nothing moves. Boxes that met at an
+// edge would need a full comparison instead, without a contact.
 constexpr double kGap_m = 0.45e-3, kApart_m = 3.5e-3;
 
 physics::Body make_body(SyntheticWorld kind, std::uint32_t i) {
@@ -43,7 +43,7 @@ physics::Body make_body(SyntheticWorld kind, std::uint32_t i) {
   return physics::make_dynamic_body(i, shape, 1.0, 0.5, {static_cast<double>(i) * step, rotation});
 }
 
-// Below every body a ground that belongs to another.
+// Each body stands on two points of outside bodies, one outside body per point.
 haptics::BorderPoint make_border_point(std::uint32_t i) {
   haptics::BorderPoint point;
   point.member = i % kCalibrationBodies, point.outside = kCalibrationBodies + i, point.feature = i;
@@ -55,7 +55,7 @@ haptics::BorderPoint make_border_point(std::uint32_t i) {
   return point;
 }
 
-// Whose the point is: as heavy as the members, at rest and not pressed.
+// The outside body of the point: as heavy as the members, at rest, without load.
 haptics::OutsideBody make_outside(const haptics::BorderPoint& point) {
   haptics::OutsideBody body;
   body.id = point.outside, body.centre = point.outside_point - Vec3d{0, 0, kHalf_m};

@@ -1,4 +1,4 @@
-// The synthetic sub-worlds of the calibration: haptic loops of known work, that stay as they are however often they
+// The synthetic sub-worlds of the calibration: haptic loops of known work, whose state does not change from tick to
 // tick.
 //
 // Thread: [setup], on the core that is measured. Bound: kCalibrationBodies bodies, twice as many border contacts.
@@ -19,11 +19,11 @@ class CalibrationWorld {
  public:
   explicit CalibrationWorld(SyntheticWorld kind);
 
-  // One tick. Its time, and what the cost model goes by.
+  // Runs one tick; returns its time and its counts for the cost model.
   TimedWork tick(std::uint32_t sub_steps);
-  // One that adopts a snapshot of the same members.
+  // The same with the adoption of a snapshot of the same members.
   TimedWork tick_synchronising(std::uint32_t sub_steps);
-  // One that half of the members join; they left in a tick before it, which is not told of.
+  // The same with half of the members joining; an untimed tick before it removes them.
   TimedWork tick_joining(std::uint32_t sub_steps);
 
  private:

@@ -7,7 +7,7 @@ namespace {
 
 using Run = CalibrationRun;
 
-// Which run settles a cost; with `less`, the difference of the two.
+// The run that determines a cost; with `less`, the difference of the two runs.
 struct Rule {
   double CostModel::*cost;
   Run run;
@@ -31,8 +31,8 @@ constexpr Rule kRules[] = {
 };
 static_assert(std::size(kRules) == std::size(kCosts), "a cost is settled by no run, or by two");
 
-// Each round leaves less than a third of the error of the one before (contacts and their points, which depend on one
-// another most): 40 leave nothing of it.
+// Each round reduces the error to less than a third (contacts and their points, the most strongly coupled costs), so
+// that it is negligible after 40.
 constexpr int kRounds = 40;
 
 }  // namespace

@@ -1,8 +1,8 @@
-// A core's cost table from the times of a few synthetic ticks, each made so that one kind of work stands out.
+// Fits a core's cost table to the times of a few synthetic ticks, each dominated by one kind of work.
 //
-// No general least squares: each cost has one run, or the difference of two, that settles it once the others are known,
-// and a few rounds over all of them settle them together. No cost is ever negative: what noise would make so is 0.
-// Pure: the same times give the same table. Thread: [any]. Units: ns.
+// Not a general least-squares fit: each cost is determined by one run, or by the difference of two, given the other
+// costs; a fixed number of rounds over all costs solves them together. Costs are clamped to >= 0 against noise. Pure:
+// equal times give an equal table. Thread: [any]. Units: ns.
 #pragma once
 
 #include <array>
@@ -11,22 +11,22 @@
 
 namespace tactus::loop {
 
-// The runs, by what they have more of than the ones before.
+// The runs, named by the work that they add.
 enum class CalibrationRun : std::uint32_t {
   kLone,           // the proxy alone
-  kFree,           // bodies that touch nothing
-  kFreeMore,       // "more": more sub-steps
-  kApart,          // pairs that are known to be apart
+  kFree,           // bodies without contacts
+  kFreeMore,       // "More": the same with more sub-steps
+  kApart,          // pairs known to be separated
   kBalls,          // contacts of one point
   kBallsMore,      //
-  kCarried,        // boxes: contacts of four points, carried over
+  kCarried,        // boxes: contacts of four points, carried over from the last tick
   kCarriedMore,    //
-  kSearched,       // the same, found anew in every tick
+  kSearched,       // the same, recomputed in every tick
   kBordered,       // border contacts
   kBorderedMore,   //
   kSynchronising,  // free bodies, adopting a snapshot
   kBorderedSynchronising,
-  kJoining,  // free bodies, half of which a snapshot brings
+  kJoining,  // free bodies, half of which join by a snapshot
 };
 inline constexpr std::uint32_t kCalibrationRuns = 14;
 

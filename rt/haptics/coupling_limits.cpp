@@ -12,14 +12,14 @@
 namespace tactus::haptics {
 namespace {
 
-// The force of one quantum through the damper, B q / (N T) with the estimator's window of N ticks: what a hand does not
-// notice (N; N m), and five times that, above which the damper may answer its own quanta for ever. Measured on quanta
-// of 10 to 50 um at 1 kHz: up to there a tap of 1 N rings out with the stiffness that is allowed, with twice as much it
-// may not, with six times it does with none.
+// Force that the damper makes of one quantum, B q / (N T) with the estimator's window of N ticks: the level that a hand
+// does not notice (N; N m), and the factor above it (5) beyond which the damper may keep responding to its own quanta.
+// Measured with quanta of 10 to 50 um at 1 kHz: up to there a tap of 1 N decays at the allowed stiffness; at twice that
+// damping it may not; at six times it does not decay at any stiffness.
 constexpr double kQuietForce_N = 0.0125, kQuietTorque_Nm = 6e-4;
 constexpr double kLoudestOfQuiet = 5;
 
-// The damping with which one quantum makes this force; without limit where there are none.
+// Damping at which one quantum makes `force`; infinite for a device without a quantum.
 double damping_of_quantum(const AxisLimits& axis, double force) noexcept {
   const double window = VelocityEstimator::Config::of({}, axis.period_s).window;
   return axis.quantum > 0 ? force * window * axis.period_s / axis.quantum : std::numeric_limits<double>::infinity();
@@ -29,8 +29,9 @@ struct Gains {
   double stiffness, damping;
 };
 
-// The gains for which an oscillation that turns by `angle` a period neither dies out nor grows: of
-// 1 + (K + B (1 - 1/z) / T) z^(-t_d/T) G(z) = 0 at z = e^(i angle), both parts. G: position by held force.
+// Gains of the stability boundary for an oscillation of `angle` per period, from real and imaginary part of
+//   1 + (K + B (1 - 1/z) / T) z^(-t_d/T) G(z) = 0 at z = e^(i angle).
+// G: transfer function from held force to position.
 Gains on_boundary(const AxisLimits& axis, double angle) noexcept {
   using Complex = std::complex<double>;
   const double T = axis.period_s, m = axis.mass, b = axis.damping;
@@ -38,7 +39,7 @@ Gains on_boundary(const AxisLimits& axis, double angle) noexcept {
   const auto [late_sine, late_cosine] = sin_cos(angle * axis.delay_s / T);
   const Complex z{cosine, sine}, late{late_cosine, late_sine};
   const double a = b * T / m, decay = (1 - 0.5 * a) / (1 + 0.5 * a);
-  // Below, the two terms of the damped mass would cancel.
+  // Below 1e-6 the two terms of the damped mass would cancel.
   const Complex G = a < 1e-6 ? T * T / (2 * m) * (z + 1.0) / ((z - 1.0) * (z - 1.0))
                              : (T / (z - 1.0) - (m / b) * (1 - decay) / (z - decay)) / b;
   const Complex wanted = -late / G;
@@ -63,8 +64,8 @@ AxisVerdict judge(const AxisLimits& axis, double stiffness, double damping, doub
   return v;
 }
 
-// Where the encoder is fine, a tenth of the damper's limit is enough: the stiffness goes with the damping up to there.
-// A fiftieth below what is allowed, so that the figures may be rounded.
+// With a fine encoder a tenth of the damper's limit is enough: the stiffness grows with the damping up to there. 2 %
+// below the allowed stiffness, so that the figures may be rounded.
 Gains suggest(const AxisLimits& axis, double quiet) noexcept {
   const double most = 0.1 * damping_limit(axis);
   const double damping = std::min(most, damping_of_quantum(axis, quiet));
@@ -93,8 +94,9 @@ AxisLimits rotation_of(const DeviceProperties& device, double period_s, double l
           0};
 }
 
-// Damping grows with the angle up to where the stiffness is back at 0, at most pi / (2 (t_d/T + 1)) but for the
-// device's own damping: by halves between none and a fifth more. A lead is so much damping for each N/m.
+// On the boundary the damping grows with the angle up to the angle where the stiffness is back at 0. Without the
+// device's own damping that is at most pi / (2 (t_d/T + 1)): bisection between 0 and 1.2 times that. A lead adds lead_s
+// of damping per N/m.
 double uncoupled_stiffness_limit(const AxisLimits& axis, double coupling_damping) noexcept {
   if (!(axis.mass > 0) || !(coupling_damping + axis.damping > 0)) return 0;
   double least = 0, most = 1.2 * (0.5 * std::numbers::pi) / (axis.delay_s / axis.period_s + 1);

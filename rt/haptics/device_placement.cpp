@@ -7,7 +7,7 @@ Vec3d placed_position(const DevicePlacement::Config& config, const Vec3d& tool) 
   return config.world_from_device.position + config.motion_scale * rotate(config.world_from_device.rotation, tool);
 }
 
-// A 3-DoF tool has no rotation of its own, whatever its frame says.
+// The rotation in the frame of a 3-DoF tool is ignored.
 Quatd placed_rotation(const DevicePlacement::Config& config, const Quatd& tool) noexcept {
   return config.has_rotation ? config.world_from_device.rotation * tool : config.world_from_device.rotation;
 }

@@ -6,7 +6,7 @@
 namespace tactus::haptics {
 namespace {
 
-// A vector as direction times largest component, so that neither a huge nor a tiny one over- or underflows.
+// A vector as direction times largest component: neither huge nor tiny vectors overflow or underflow.
 struct Scaled {
   Vec3d direction;   // components within [-1, 1], one of them +-1
   double length{0};  // of `direction`
@@ -21,9 +21,10 @@ Scaled scaled(const Vec3d& v) noexcept {
   return {direction, norm(direction), factor};
 }
 
-// `v` itself, bit for bit, when it is shorter than `limit`; else that long, less a few ulps: never longer.
+// Returns `v` unchanged, bit for bit, if it is shorter than `limit`; else scaled to `limit` less a few ulps, never
+// longer.
 Vec3d clamp_length(const Vec3d& v, double limit, bool& clamped) noexcept {
-  constexpr double kInside = 1.0 - 16e-16;  // more than the operations here and in norm() round
+  constexpr double kInside = 1.0 - 16e-16;  // exceeds the rounding error of these operations and of norm()
   const Scaled s = scaled(v);
   if (s.factor * s.length <= limit * kInside) return v;
   clamped = true;

@@ -1,10 +1,10 @@
-// The last stage before the device: whatever the wrench that comes in, the one that goes out is finite, within the
-// device's force and torque, within what its motors stand in the long run, and without a step.
+// The last stage before the device. For any input wrench the output is finite, within the device's force and torque
+// limits, within the continuous rating of its motors, and limited in slew.
 //
 // Thread: limit() [rt]. Frame: any, the same for both. Units: SI. Force and torque are limited apart, each as a vector:
 // its direction is kept. In this order:
-//   1. not finite: zero, at once, and Fault kOutputNotFinite; nothing of such a wrench can be trusted;
-//   2. saturation to the limit L of now (kForceSaturated): L = peak while cool, towards continuous when warm;
+//   1. not finite: zero, at once, and Fault kOutputNotFinite; no component of such a wrench is used;
+//   2. saturation to the present limit L (kForceSaturated): L = peak while cool, towards continuous when warm;
 //   3. the fade factor;
 //   4. slew: at most `slew * T` from the last output (kSlewLimited). A fade that goes down is exempt: the last output
 //      is scaled with it first, so that a fade to zero is at zero when the fade is, whatever the slew.
@@ -25,14 +25,14 @@ namespace tactus::haptics {
 
 enum class Slew : std::uint32_t {
   kNormal = 0,
-  kSlow = 1,  // engaging, a change of mode, recovery: the hand must have time to follow
+  kSlow = 1,  // engaging, a change of mode, recovery: gives the hand time to follow
 };
 
 struct ForceLimiter {
   // Force in N, torque in N m.
   struct PortConfig {
     double max{0};         // peak
-    double continuous{0};  // what may be held for ever
+    double continuous{0};  // allowed without a time limit
     double slew_per_s{0};  // N/s
     double slow_slew_per_s{0};
   };
@@ -45,7 +45,7 @@ struct ForceLimiter {
     static Config of(const DeviceProperties& device, double period_s) noexcept;
   };
   struct Port {
-    Vec3d last;      // sent
+    Vec3d last;      // sent last
     double heat{0};  // theta, N^2 or (N m)^2
   };
   struct State {
@@ -61,9 +61,9 @@ struct ForceLimiter {
   Config config;
   State state;
 
-  // `fade` 0 to 1; anything else is taken as the nearest of the two, NaN as 0.
+  // `fade`: 0 to 1; clamped to that range, NaN to 0.
   Output limit(const Wrenchd& wanted, double fade, Slew slew) noexcept;
-  // The peak limit of now, N and N m.
+  // The present saturation limit, N and N m.
   double force_limit_N() const noexcept;
   double torque_limit_Nm() const noexcept;
 };

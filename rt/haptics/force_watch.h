@@ -1,12 +1,12 @@
-// Does a device that is told to give force give it? Whatever the reason, one that does not is a fault at once: its
-// force would come back as a step, in a coupling that has moved on.
+// Detects a device that was commanded to give force and does not. That is a fault at once, for any reason: when the
+// force came back it would be a step, because the coupling has moved meanwhile.
 //
-// A device that has accepted a command that wants FORCE is in FORCE, or in BRAKE, which the input guard sees. It says
-// which command it has by the sequence that it echoes. The first command of a sequence may start it and do no more, and
-// a device may need a period to change: at the third that it has accepted, not in FORCE, it refuses. An intact
-// sample is believed here even when its sequence is old, as the guard does: to stop is safe, and a device that was
-// reset begins its sequence anew. Thread: [rt]. Bound: constant time. Faults: kDeviceLeftForce, kForceRefused. A device
-// that echoes nothing is not watched.
+// A device that has accepted a command with FORCE is in FORCE, or in BRAKE, which the input guard handles. The sequence
+// that it echoes shows which command it has. The first command of a sequence may only start the change, and the device
+// may need a period for it; at the third accepted command without FORCE it counts as refusing. An intact sample counts
+// here even if its sequence is old, as in the guard: stopping is safe, and a device that was reset restarts its
+// sequence. Thread: [rt]. Bound: constant time. Faults: kDeviceLeftForce, kForceRefused. A device that echoes nothing
+// is not watched.
 #pragma once
 
 #include <cstdint>
@@ -21,18 +21,18 @@ inline constexpr std::uint32_t kRefusedCommands = 3;
 
 struct ForceWatch {
   struct State {
-    std::uint64_t first_sequence{0};    // of the commands that want FORCE; 0: none does
-    std::uint64_t refused_sequence{0};  // the newest that was accepted by a device that was not in FORCE
-    std::uint32_t refused{0};           // how many
+    std::uint64_t first_sequence{0};    // first command that wants FORCE; 0: none
+    std::uint64_t refused_sequence{0};  // newest command that the device accepted without being in FORCE
+    std::uint32_t refused{0};           // number of such commands
     std::uint32_t in_force{0};          // 1: the device has been in FORCE since
   };
   State state;
 
-  // From the command of this sequence on FORCE is wanted.
+  // FORCE is wanted from the command of this sequence on.
   void begin(std::uint64_t sequence) noexcept { state = {.first_sequence = sequence}; }
   void end() noexcept { state = {}; }
 
-  // Of each new sample.
+  // Call for each new sample. Returns the fault, or kNone.
   Fault watch(const DeviceSample& sample) noexcept {
     const bool heard = sample.echoed_sequence >= state.first_sequence;
     if (state.first_sequence == 0 || sample.state == DeviceState::kBrake) return Fault::kNone;

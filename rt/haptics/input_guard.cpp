@@ -8,9 +8,9 @@ namespace {
 enum class Outcome {
   kBelieved,
   kMissing,   // no new sample: `fault` after kFadeOutTicks
-  kRejected,  // a new sample that cannot be true: `fault` after kRejectedTicks
-  kFatal,     // `fault` now
-  kNotReady,  // the device has not yet answered to a rearm
+  kRejected,  // an invalid new sample: `fault` after kRejectedTicks
+  kFatal,     // `fault` at once
+  kNotReady,  // the device has not yet cleared BRAKE or its fault after a rearm
 };
 
 struct Finding {
@@ -21,7 +21,7 @@ struct Finding {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// What the device says of itself. An intact frame is believed here even when its sequence is not: to stop is safe.
+// Fault from the device's own report. Valid also in a frame whose sequence is old: stopping is safe.
 Fault device_fault_of(const InputGuard& guard, const DeviceSample& sample) noexcept {
   if (sample.device_fault != 0) {
     return sample.device_fault == guard.config.emergency_stop_fault ? Fault::kEmergencyStop : Fault::kDeviceFault;
@@ -29,10 +29,10 @@ Fault device_fault_of(const InputGuard& guard, const DeviceSample& sample) noexc
   return sample.state == DeviceState::kBrake && guard.state.was_in_force != 0 ? Fault::kDeviceBrake : Fault::kNone;
 }
 
-// Renormalises; turns to the hemisphere of the last quaternion, so that no filter sees a sign flip.
+// Normalises the quaternion and selects the sign nearest to the last one, so that no filter sees a sign flip.
 bool read_rotation(const InputGuard& guard, const Quatd& raw, Quatd& rotation) noexcept {
   if (!guard.config.device.has_rotation) {
-    rotation = Quatd{};  // three degrees of freedom: what the frame says about rotation is not looked at
+    rotation = Quatd{};  // 3 DoF: the rotation in the frame is ignored
     return true;
   }
   if (!(std::abs(norm(raw) - 1.0) <= 1e-3)) return false;
@@ -44,7 +44,8 @@ bool read_rotation(const InputGuard& guard, const Quatd& raw, Quatd& rotation) n
   return true;
 }
 
-// Farther than the device can have moved since the last believed sample: half as fast again, and three quanta.
+// True if the pose moved more since the last accepted sample than 1.5 times the maximum speed allows, plus three
+// quanta.
 bool jumped(const InputGuard& guard, const Posed& pose) noexcept {
   const DeviceProperties& device = guard.config.device;
   const double time_s = guard.config.period_s * (1.0 + guard.state.missed);
@@ -57,7 +58,7 @@ bool jumped(const InputGuard& guard, const Posed& pose) noexcept {
   return norm(turned.vec()) > sin_cos(0.5 * reach_rad).sin;
 }
 
-// A new sample's pose against everything that is known of the device.
+// Checks the pose of a new sample against the device's properties.
 Finding examine_pose(const InputGuard& guard, const Posed& raw) noexcept {
   const bool finite = is_finite(raw.position) && (!guard.config.device.has_rotation || is_finite(raw.rotation));
   if (!finite) return {Outcome::kRejected, Fault::kInputNotFinite, {}};
@@ -90,7 +91,7 @@ Finding examine(InputGuard& guard, const DeviceInput& input) noexcept {
   const bool advances = sample.sequence > state.sequence && sample.device_time_ns > state.device_time_ns;
   if (state.based != 0 && !advances) return {Outcome::kMissing, Fault::kInputStale, {}};
   const Finding finding = examine_pose(guard, sample.device_from_tool);
-  // A refused sample was new all the same: its repetition is stale.
+  // A rejected sample counts as new: its repetition is stale.
   state.sequence = sample.sequence;
   state.device_time_ns = sample.device_time_ns;
   return finding;
@@ -110,8 +111,8 @@ void believe(InputGuard& guard, const Posed& pose) noexcept {
   state.based = 1;
 }
 
-// Moves the reported pose on for the first missed ticks, with 5/6, 4/6 ... 1/6 of the last velocity; then holds it.
-// So the force does not step when one frame is lost, and nothing wanders off when many are.
+// Extrapolates the reported pose over the first missed ticks, with 5/6, 4/6 ... 1/6 of the last velocity, then holds
+// it. One lost frame causes no force step, and many lost frames cause no drift.
 void extrapolate(InputGuard& guard) noexcept {
   InputGuard::State& state = guard.state;
   if (state.based == 0 || state.missed > kExtrapolateTicks) return;
@@ -122,7 +123,7 @@ void extrapolate(InputGuard& guard) noexcept {
   state.reported.rotation = normalized(quat_from_rotation_vector(turn) * state.reported.rotation);
 }
 
-// Counts a tick without a believed sample and decides whether it is one too many.
+// Counts a tick without an accepted sample; returns the fault if the limit is reached.
 Fault count_missed(InputGuard& guard, const Finding& finding) noexcept {
   InputGuard::State& state = guard.state;
   if (state.missed < 0xffffffffu) ++state.missed;

@@ -7,24 +7,24 @@
 namespace tactus::haptics {
 namespace {
 
-// Masses that a proxy may push along: its own and larger ones, each twice the last. Beyond, the limit grows.
+// Number of masses that are tried: the proxy's own, each next one twice the last. Beyond, the limit grows.
 constexpr unsigned kMasses = 8;
-// Stiffnesses that are tried: from this share of the most on, each by this factor above the last, then halves between.
+// Search over the stiffness: from this share of the upper bound, growing by this factor, then bisection.
 constexpr double kFirstShare = 0.002, kStep = 1.1;
 constexpr unsigned kHalves = 6;
-// Squarings of the matrix: an oscillation that grows or dies by 1e-6 in a cycle shows.
+// Squarings of the matrix: enough to detect growth or decay by 1e-6 per cycle.
 constexpr unsigned kSquarings = 24;
 
-// The state between two cycles. x: position, v: velocity; in the queue the forces on their way, the newest first.
+// State between two cycles. x: position, v: velocity. Queue: forces in the delay line, newest first.
 enum : std::uint32_t {
   kDeviceX,
   kDeviceV,
-  kSampledX,   // of the device, by the last tick
-  kNotedX,     // where the last tick says that the device is at its end
-  kReportedX,  // the same of the last tick before the last synchronisation
+  kSampledX,   // device, sampled in the last tick
+  kNotedX,     // device, predicted in the last tick for its end
+  kReportedX,  // kNotedX at the last synchronisation
   kProxyX,     // in the global world: in G(n + 1) during cycle n
   kProxyV,
-  kFeltX,  // in G(n): where the proxy that is felt ends the cycle
+  kFeltX,  // in G(n): where the interpolated proxy ends the cycle
   kQueue
 };
 constexpr std::uint32_t kMostStates = kQueue + kMostDelayTicks + 2;
@@ -53,7 +53,7 @@ class Loop {
   InterpolatedProxy proxy_;
   double stiffness_, damping_;
   std::uint32_t delay_ticks_{0}, states_{0};
-  double delay_rest_s_{0};  // of the delay, beyond whole ticks
+  double delay_rest_s_{0};  // fraction of the delay beyond whole ticks
 };
 
 // A damped mass under held force, by the trapezoidal rule.
@@ -64,7 +64,7 @@ void Loop::move_device(double force, double time_s, State& s) const noexcept {
   s[kDeviceV] = v;
 }
 
-// The report and the global step that it causes. Answered at once, as far as the haptic side can see.
+// The report and the global step that follows, without delay: as seen from the haptic side.
 void Loop::synchronise(State& s) const noexcept {
   const double cycle_s = proxy_.ratio * axis_.period_s;
   const double h = cycle_s / proxy_.global_sub_steps, gain = h * (damping_ + h * stiffness_);
@@ -94,7 +94,7 @@ void Loop::run_cycle(State& s) const noexcept {
   }
 }
 
-// Of a cycle, seen from the proxy: positions are those relative to it, since nothing holds the whole in its place.
+// Matrix of a cycle, with positions relative to the proxy, since nothing fixes the absolute position.
 Matrix Loop::matrix_of_cycle() const noexcept {
   Matrix matrix{};
   for (std::uint32_t column = 0; column < states_; ++column) {
@@ -109,7 +109,7 @@ Matrix Loop::matrix_of_cycle() const noexcept {
   return matrix;
 }
 
-// The powers M^(2^k) go to zero or grow without bound; the units of the states do not matter to that.
+// The powers M^(2^k) go to zero or grow without bound, independent of the states' units.
 bool Loop::is_stable() const noexcept {
   Matrix power = matrix_of_cycle();
   for (unsigned k = 0; k < kSquarings; ++k) {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint32_t kSlots = kMaxFeltLateTicks + 2;
 
-// The ring as one port's book reads it: by age, 1 what was sent last tick. And the delay, whole ticks and the rest.
+// Access to a port's ring by age (1: sent last tick), and the delay as whole ticks plus a fraction.
 struct Flight {
   const Passivity::Port& port;
   std::uint32_t newest, whole;
@@ -22,19 +22,20 @@ struct Flight {
   const Passivity::Sent& aged(std::uint32_t age) const noexcept {
     return port.sent[(newest + kSlots - (age - 1)) % kSlots];
   }
-  // Held by the device over the interval just ended.
+  // The value that the device held over the interval just ended.
   Vec3d felt(Vec3d Passivity::Sent::*what) const noexcept {
     const Vec3d& now = aged(whole + 1).*what;
     return rest > 0 ? (1 - rest) * now + rest * aged(whole + 2).*what : now;
   }
-  // Of damping that is sent and not yet felt.
+  // Sum of the damping that is sent and not yet felt.
   Vec3d damping_under_way() const noexcept {
     Vec3d sum;
     for (std::uint32_t age = 1; age <= whole; ++age) sum += aged(age).damping;
     if (rest > 0) sum += rest * aged(whole + 1).damping;
     return sum;
   }
-  // What the hand can still get back of the springs: as they stood when that was sent which it feels next.
+  // Spring energy that the hand can still get back: the stored energy at the time of sending of the wrench that it
+  // feels next.
   double stored_J() const noexcept {
     const double later = whole > 0 ? aged(whole).stored_J : port.stored_J;
     return rest > 0 ? std::max(later, aged(whole + 1).stored_J) : later;
@@ -61,7 +62,7 @@ void observe(Passivity::Port& port, const Passivity::PortConfig& config, const F
   }
 }
 
-// The damping force that is due on the hand; zero, and alpha zero, when nothing is owed.
+// Damping force on the hand for this tick; zero, and alpha zero, without an energy debt.
 Vec3d due_damping(Passivity::Port& port, const Passivity::PortConfig& config, const Flight& flight, double period_s,
                   const Vec3d& velocity) noexcept {
   const double speed_squared = norm_squared(velocity);
@@ -78,7 +79,7 @@ Vec3d control_port(Passivity::Port& port, const Passivity::PortConfig& port_conf
   port.stored_J = stored_J;
   observe(port, port_config, flight, config.period_s, velocity);
   port.damping = due_damping(port, port_config, flight, config.period_s, velocity);
-  return port.alpha > 0 ? wanted + port.damping : wanted;  // untouched, also in the sign of a zero
+  return port.alpha > 0 ? wanted + port.damping : wanted;  // unchanged, including the sign of a zero
 }
 
 }  // namespace
@@ -90,7 +91,7 @@ Passivity::Config Passivity::Config::of(const DeviceProperties& device, const Co
   config.felt_late_ticks = device.delay_s / period_s;
   config.translation.max_damping = device.damping_Ns_per_m + gains.damping_Ns_per_m;
   config.rotation.max_damping = device.damping_Nms_per_rad + gains.damping_Nms_per_rad;
-  // A tenth of a quantum per period: slower than the device can tell from rest over the velocity window.
+  // A tenth of a quantum per period: a speed that the device cannot distinguish from rest over the velocity window.
   config.translation.min_speed = 0.1 * device.position_quantum_m / period_s;
   config.rotation.min_speed = 0.1 * device.rotation_quantum_rad / period_s;
   return config;
@@ -111,7 +112,7 @@ Wrenchd Passivity::control(const Wrenchd& wanted, const Twistd& tool_velocity, c
 void Passivity::book(const Wrenchd& sent) noexcept {
   state.newest = (state.newest + 1) % kSlots;
   const auto put = [this](Port& port, const Vec3d& wrench) {
-    const bool none = norm_squared(wrench) == 0;  // disarmed: no damping is under way either
+    const bool none = norm_squared(wrench) == 0;  // disarmed: no damping is in transit either
     port.sent[state.newest] = {wrench, none ? Vec3d{} : port.damping, port.stored_J};
   };
   put(state.translation, sent.force);

@@ -2,12 +2,13 @@
 // exchange, and a controller that adds damping when the virtual side has given more than it got.
 //
 // Thread: control(), book() [rt], once a tick each. Frame: one for both arguments (the loop: device). Units: SI.
-// Wrenches are on the hand, as the device is told. Energy counts positive into the virtual side:
+// Wrenches are on the hand, as commanded to the device. Energy counts positive into the virtual side:
 //   E_k = E_(k-1) - T f_(k-1-d).v_k    f: really sent (after all limits), v: over the interval just ended
 // d: the transport delay in ticks, from a sample to the effort that answers it. The device holds f_(k-1-d) while it
-// makes the motion v_k, on whichever way the delay lies. The book without d calls a late spring passive that is not:
-// a spring K with damping B gives K (T/2 + t_d) |v|^2 and takes B |v|^2. Of a delay between two ticks, both wrenches by
-// their share. Exact where v is the backward difference of the tool's pose and the hold starts with the tick.
+// makes the motion v_k, on whichever path the delay lies. An account without d counts a delayed spring as passive
+// although it is not: a spring K with damping B supplies K (T/2 + t_d) |v|^2 and dissipates B |v|^2. For a fractional
+// delay both wrenches are weighted by their share. Exact where v is the backward difference of the tool's pose and the
+// hold starts with the tick.
 // Translation and rotation are booked apart: a spring's energy must not pay for a torque.
 // When E_k + D_k < 0 and |v| > v_eps:  f_k = f - alpha v_k,  alpha = min(alpha_max, -(E_k + D_k) / (T |v_k|^2)).
 // D_k: what the damping that is sent and not yet felt will take if the hand keeps its speed; 0 without a delay. The
@@ -65,7 +66,7 @@ struct Passivity {
     double stored_J{0};                            // of this tick
     double energy_J{0};                            // E
     double in_J{0}, out_J{0};                      // into the virtual side, out of it
-    double dissipated_J{0};                        // by the controller's damping, as it asked for it
+    double dissipated_J{0};                        // by the controller's damping as requested, before the limits
     double dropped_J{0}, forgiven_J{0};            // beyond the energy cap, beyond the debt cap
     double alpha{0};                               // of this tick, N s/m or N m s/rad
   };
@@ -77,10 +78,10 @@ struct Passivity {
   Config config;
   State state;
 
-  // Closes the book of the interval just ended, then returns `wanted` with the damping that is due. An argument that is
-  // not finite books nothing and returns `wanted` as it is: the force limiter judges it.
+  // Books the interval just ended, then returns `wanted` plus the damping that is due. An argument that is not finite
+  // books nothing and returns `wanted` unchanged: the force limiter rejects it.
   Wrenchd control(const Wrenchd& wanted, const Twistd& tool_velocity, const StoredEnergy& stored = {}) noexcept;
-  // What the device was really told in this tick.
+  // Books the wrench that was sent to the device in this tick.
   void book(const Wrenchd& sent) noexcept;
   std::uint32_t status() const noexcept {
     return state.translation.alpha > 0 || state.rotation.alpha > 0 ? std::uint32_t{kPassivityActive} : 0u;

@@ -9,7 +9,7 @@ namespace {
 // Slope per tick of the longest straight window that ends now, along one axis.
 double straight_slope(const VelocityEstimator::Axes& axes, const VelocityEstimator::State& state, std::uint32_t window,
                       int axis, double quantum) noexcept {
-  const double tolerance = quantum * (1.0 + 1e-6);  // the sums round
+  const double tolerance = quantum * (1.0 + 1e-6);  // for the rounding errors of the sums
   std::array<double, kMaxVelocityWindow + 1> s{};   // s[i] = x_k - x_(k-i)
   double slope = 0;
   for (std::uint32_t n = 1; n <= window; ++n) {

@@ -27,7 +27,7 @@ struct VelocityEstimator {
   struct Config {
     double period_s{1e-3};
     double position_quantum_m{1e-5}, rotation_quantum_rad{1e-4};
-    std::uint32_t window{8};  // N, 1 to kMaxVelocityWindow; more is taken as kMaxVelocityWindow
+    std::uint32_t window{8};  // N: 1 to kMaxVelocityWindow, clamped
     double stiction_s{0.02};
 
     // Window 8 at 1 kHz, 16 at 4 kHz: noise falls with N T, so N grows with the root of the rate only.
@@ -50,9 +50,9 @@ struct VelocityEstimator {
   Config config;
   State state;
 
-  // Once a tick, with the guarded pose.
+  // Call once a tick, with the guarded pose.
   Twistd update(const Posed& device_from_tool) noexcept;
-  // Forgets the past: the next pose starts at rest. After a rearm, where the pose may be anywhere.
+  // Resets: the next pose starts at rest. Call after a rearm, where the pose may be anywhere.
   void reset() noexcept { state = State{}; }
 };
 

@@ -16,7 +16,7 @@ void FlightRecorder::before_tick(const HapticLoop& loop) noexcept TACTUS_NONBLOC
     ByteWriter bytes(scratch_.span());
     loop.save(bytes);
     TACTUS_CHECK(bytes.ok(), bytes.size(), scratch_.size());
-    // Dropped when the ring is full; the next tick tries again.
+    // Dropped if the ring is full; the next tick retries.
     if (ring_.try_push(kKeyframeRecord, scratch_.span().first(bytes.size()))) until_keyframe_ = keyframe_ticks_;
   }
   if (until_keyframe_ > 0) --until_keyframe_;

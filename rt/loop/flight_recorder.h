@@ -1,9 +1,9 @@
-// The haptic thread's side of the tape: every tick's input and output, every adopted snapshot, and now and then a
-// keyframe, so that whatever is still held replays.
+// Records on the haptic thread what a replay needs: every tick's input and output, every adopted snapshot, and periodic
+// keyframes.
 //
-// Records go through a byte ring to a normal thread, which keeps the last seconds and, when asked to, writes the tape.
+// Records go through a byte ring to a normal thread, which keeps the last seconds and, on request, writes the tape.
 // Thread: construction [setup]; before_tick, after_tick [rt]; ring() consumer: a normal thread. Bound: a record that
-// does not fit is dropped and counted, never waited for; a tape with a gap replays from the next keyframe.
+// does not fit is dropped and counted, without waiting; a tape with a gap replays from the next keyframe.
 #pragma once
 
 #include "rt/base/ring.h"

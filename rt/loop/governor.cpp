@@ -65,7 +65,7 @@ std::uint32_t Governor::member_budget(const WorkCounts& counts) noexcept {
   const double budget_ns = config_.budget * config_.period_ns;
   const double predicted_ns = predict_ns(config_.cost, with_all_searched(counts), config_.min_sub_steps);
   if (counts.bodies > 0 && predicted_ns > budget_ns) {
-    // All but the fixed cost goes with the members.
+    // All cost but the fixed one is proportional to the members.
     const double room_ns = std::max(0.0, budget_ns - config_.cost.fixed);
     const auto fit = static_cast<std::uint32_t>(counts.bodies * room_ns / (predicted_ns - config_.cost.fixed));
     member_budget_ = std::clamp(fit, config_.min_members, member_budget_);

@@ -1,7 +1,7 @@
-// What the haptic thread does each period, in three stages that the caller may time: read the device, compute, write.
+// One period of the haptic thread in three stages that the caller may time: read the device, compute, write.
 //
-// The same in real time and in virtual time; only who calls it differs. Thread: construction [setup]; the stages [rt],
-// in order. Bound: the device's read and write are bounded by their contract; compute by the governor and the cut.
+// Identical in real time and virtual time; only the caller differs. Thread: construction [setup]; the stages [rt], in
+// order. Bound: the device's read and write by their contract; compute by the governor and the cut.
 #pragma once
 
 #include "rt/base/nonblocking.h"
@@ -13,12 +13,12 @@ namespace tactus::loop {
 template <haptics::HapticDevice Device>
 class HapticDriver {
  public:
-  // `exchange` is null for the direct coupling, `recorder` when nothing is recorded.
+  // `exchange`: null for the direct coupling. `recorder`: null if nothing is recorded.
   HapticDriver(HapticLoop& loop, Device& device, Governor& governor, haptics::Exchange* exchange,
                FlightRecorder* recorder) noexcept
       : loop_(loop), device_(device), governor_(governor), exchange_(exchange), recorder_(recorder) {}
 
-  // Reading and writing take no longer than the device's contract says, and may enter the kernel.
+  // read() and write() are bounded by the device's contract and may enter the kernel.
   void read() noexcept { device_.read(input_.device); }
 
   const TickOutput& compute(std::uint32_t operator_bits, const physics::CutPredicate& cut,
@@ -43,9 +43,9 @@ class HapticDriver {
   }
 
   const TickOutput& output() const noexcept { return output_; }
-  const haptics::DeviceSample& sample() const noexcept { return input_.device.sample; }  // the newest
+  const haptics::DeviceSample& sample() const noexcept { return input_.device.sample; }  // newest sample
   const TickPlan& plan() const noexcept { return plan_; }
-  // Did the governor wish for fewer members than it was given, at the last synchronisation?
+  // True if the governor's member budget was below the configured one at the last synchronisation.
   bool restrained() const noexcept { return member_budget_ < governor_.config().members; }
   std::uint32_t sub_steps() const noexcept { return plan_.sub_steps; }
   bool synchronised() const noexcept { return input_.snapshot != nullptr; }

@@ -5,16 +5,17 @@
 namespace tactus::loop {
 namespace {
 
-// After engaging, a fade and a lost world the force comes in over this long: full force moves by 0.15 N a tick of 1 ms.
-// A ramp of the scale and not of the force, so that it never holds a force that the hand has already left.
+// Duration of the force ramp after engaging, after a fade and after a lost world: full force changes by 0.15 N per tick
+// of 1 ms. The ramp scales the force and does not limit its rate, so it never keeps a force from which the hand has
+// already withdrawn.
 constexpr double kRecovery_s = 0.2;
-constexpr double kRecoveryOfInput_s = 0.1;  // after missed frames: whole again within 0.1 s (hard case 18)
-// One or two missed frames are no fade: the force comes back as it went, a tenth a tick.
+constexpr double kRecoveryOfInput_s = 0.1;  // after missed frames: full force again within 0.1 s (hard case 18)
+// One or two missed frames are no fade: the force returns as it fell, by a tenth per tick.
 constexpr double kMissedShare = 1.0 / haptics::kFadeOutTicks;
-// A scene that begins anew: the force fades over this long, full force by 0.6 N a tick of 1 ms; and a proxy that begins
-// in a body has this long to be pushed out before it is coupled again.
+// Scene reset: duration of the force fade (full force changes by 0.6 N per tick of 1 ms), then the time in which a
+// proxy that starts inside a body is pushed out before it is coupled again.
 constexpr double kResetFade_s = 0.05, kResetRest_s = 0.1;
-// An overlap of less than this part of the scene's thinnest body is not asked for its share: most ticks look no closer.
+// Overlaps below this share of the scene's thinnest body are not analysed, which saves time in most ticks.
 constexpr double kSharesFrom = 0.05;
 
 }  // namespace
@@ -62,7 +63,7 @@ void HapticLoop::guard(const haptics::DeviceInput& in, TickOutput& out) noexcept
   state_.last_tool = now;
 }
 
-// A device that is not in FORCE has no force to fade.
+// Disengages at once, without a fade: a device that is not in FORCE gives no force.
 void HapticLoop::watch_force(const haptics::DeviceInput& in) noexcept {
   device_missed_ = 0;
   if (in.status != haptics::ReadStatus::kFresh) return;
@@ -74,12 +75,12 @@ void HapticLoop::watch_force(const haptics::DeviceInput& in) noexcept {
   state_.engaged = 0;
 }
 
-// Arming engages as soon as the device gives good samples; a fault keeps `armed` but not `engaged`, so that only a
-// re-arm brings the force back.
+// Arming engages as soon as the device gives valid samples. A fault keeps `armed` and clears `engaged`, so that only a
+// re-arm restores the force.
 void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
-  // The device acts on the flag's rise, so that a stuck flag cannot defeat its latch: it falls when a fault latches.
-  // It falls too when the guard believes the device again: it has left BRAKE, or its time for that is over and a next
-  // re-arm must be a rise again.
+  // The device reacts to the rising edge of `rearm`, so that a stuck flag cannot defeat its latch. The flag is cleared
+  // when a fault latches, and when the guard accepts samples again: then the device has left BRAKE, or its time for
+  // that is over and the next re-arm needs a new edge.
   if (state_.fault != Fault::kNone || input_.valid) state_.rearm = 0;
   if ((operator_bits & kArm) != 0) state_.armed = 1;
   const bool braked = input_.device_state == haptics::DeviceState::kBrake;
@@ -93,7 +94,7 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
     if (state_.fault == Fault::kNone) state_.fault = Fault::kEmergencyStop;
     state_.engaged = state_.rearm = 0;
   }
-  if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;  // last: whatever else is asked for
+  if ((operator_bits & kDisarm) != 0) state_.armed = state_.engaged = 0;  // last: overrides the other requests
   if ((operator_bits & kReset) != 0 && state_.reset == Reset::kNone && sub_world_.exchanges()) {
     state_.reset = Reset::kFading;
     state_.reset_left_s = kResetFade_s;
@@ -113,7 +114,7 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
   if (state_.engaged == 0 || state_.fault != Fault::kNone) out.status |= kNotArmed;
 }
 
-// The device stands again where the scene placed it, so that trials begin alike however often they do.
+// Clears the clutch offsets, so that every trial starts with the device where the scene places it.
 void HapticLoop::reset_scene(bool hold) noexcept {
   state_.reset_left_s -= config_.period_s;
   if (state_.reset == Reset::kFading && (state_.reset_left_s <= 0 || state_.engaged == 0)) {
@@ -130,8 +131,8 @@ void HapticLoop::reset_scene(bool hold) noexcept {
   }
 }
 
-// The spring starts unloaded: the device, wherever it is, now stands for the proxy where that is. At the first
-// engagement the device is where the scene places it when that is within a quantum or two, and nothing is shifted.
+// Clutches the device to the proxy, so that the spring starts unloaded. At the first engagement the device is usually
+// where the scene places it: if the target is within near_m and near_rad of the proxy, the placement is not changed.
 void HapticLoop::engage() noexcept {
   const Posed target = placement_.world_from_target(input_.device_from_tool);
   const Posed& proxy = sub_world_.proxy().pose;
@@ -152,7 +153,7 @@ void HapticLoop::adopt(const TickInput& in) noexcept {
   if (in.sink.publish != nullptr) in.sink.publish(in.sink.context, in.snapshot->cycle);
 }
 
-// A latched fault lets the force fade first (ten ticks) and the coupling go with it.
+// After a latched fault the force fades first (ten ticks); then the coupling disengages.
 haptics::DeviceTarget HapticLoop::couple(TickOutput& out) noexcept {
   const Twistd velocity = velocity_.update(input_.device_from_tool);
   if (state_.fault != Fault::kNone && input_.force_scale <= 0.0) state_.engaged = 0;
@@ -187,8 +188,8 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   force_scale_ = std::min(state_.missed_share, recovered * fading);
 }
 
-// What faded takes the ramp back with it: the force comes in again from where it had faded to. So does the device's own
-// fade, when it misses our commands: what it does with the next one is its last share of the force and not all of it.
+// A fade lowers the ramp too: the force returns from the level to which it had faded. The same holds for the device's
+// own fade when it misses commands: to the next command it applies its last share of the force, not all of it.
 double HapticLoop::recovered_share(double world_scale, bool world_fades) noexcept {
   const bool device_fades = device_missed_ >= haptics::kFadingTicks;
   const double missed = std::min(input_.force_scale, device_fades ? 1.0 - kMissedShare * device_missed_ : 1.0);
@@ -211,14 +212,14 @@ haptics::StoredEnergy HapticLoop::stored_energy(const TickOutput& out) const noe
 
 void HapticLoop::shape_force(TickOutput& out) noexcept {
   if (state_.fault != Fault::kNone && state_.engaged == 0) force_scale_ = 0;
-  // The book goes on without a coupling, but a debt of before is not braked for: not engaged means no force.
+  // The energy account continues without a coupling, but a former debt is not damped then: not engaged means no force.
   Wrenchd due = passivity_.control(out.wanted, tool_step_velocity_, stored_energy(out));
   if (state_.engaged == 0) due = {};
   if (state_.engaged != 0) out.status |= passivity_.status();
   const auto limited = limiter_.limit(due, force_scale_, haptics::Slew::kNormal);
   out.status |= limited.status;
   if (limited.fault != Fault::kNone) {
-    // Our own wrench was no number: nothing is left to fade, and no coupling that could bring it back.
+    // Our own wrench was not finite: there is nothing to fade, and the coupling disengages.
     if (state_.fault == Fault::kNone) state_.fault = limited.fault;
     state_.engaged = state_.rearm = 0;
   }
@@ -233,7 +234,7 @@ void HapticLoop::command(TickOutput& out) noexcept {
   out.fault = state_.fault;
   out.command.sequence = state_.tick + 1;
   const bool fault_done = state_.fault != Fault::kNone && state_.engaged == 0;
-  // A device that refuses FORCE is let go: a hand may have to move it to its index pulses.
+  // A device that refuses FORCE is commanded to IDLE, not BRAKE: a hand may have to move it to its index pulses.
   const bool let_go = state_.fault == Fault::kForceRefused;
   out.command.wanted = fault_done && !let_go ? haptics::DeviceState::kBrake
                        : state_.engaged != 0 ? haptics::DeviceState::kForce

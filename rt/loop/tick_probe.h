@@ -1,12 +1,12 @@
-// Where the time of a tick goes: the clock at the end of each stage, and what the kernel did to the thread meanwhile;
-// one record a tick, through a ring, to a normal thread that makes sense of them.
+// Measures the time of each stage of a tick, and the page faults and context switches of the thread. One record per
+// tick goes through a ring to a normal thread, which evaluates them.
 //
-// Beside ticks of the loop it keeps windows in which the thread wakes at the same period and does nothing, so that the
-// bare timer is measured by the same thread on the same core in the same minute; and windows in which it sleeps, so
-// that another program can have the core. Windows are counted in deadlines and take turns: loop, bare, rest.
+// Besides ticks of the loop there are windows in which the thread wakes at the same period and does nothing, so that
+// the bare timer is measured by the same thread on the same core in the same minute, and windows in which it sleeps, so
+// that another program can use the core. Windows are counted in deadlines and alternate: loop, bare, rest.
 // Thread: construction [setup]; window(), begin() to end(), bare(), rest() [rt]; ring() consumer and resting(): a
-// normal thread. Units: ns of CLOCK_MONOTONIC. Bound: a record that finds the ring full is dropped and counted there.
-// Cost: a look at the clock for each stage and one getrusage a tick, about 1 us; not a part of `tactus run`.
+// normal thread. Units: ns of CLOCK_MONOTONIC. Bound: a record that does not fit the ring is dropped and counted there.
+// Cost: one clock reading per stage and one getrusage per tick, about 1 us; not a part of `tactus run`.
 #pragma once
 
 #include <atomic>
@@ -21,24 +21,24 @@ namespace tactus::loop {
 
 enum class WindowKind : std::uint32_t { kLoop = 0, kBare = 1, kRest = 2 };
 
-// Lengths in deadlines; a kind of length 0 does not take place.
+// Lengths of the windows, in deadlines; 0: no window of that kind.
 struct WindowPlan {
   std::uint64_t loop{1}, bare{0}, rest{0};
 
   WindowKind at(std::uint64_t deadline) const noexcept;
-  // How many deadlines from this one to the end of its window.
+  // Deadlines from this one to the end of its window.
   std::uint64_t left(std::uint64_t deadline) const noexcept;
-  std::uint64_t into(std::uint64_t deadline) const noexcept;  // and since it began
+  std::uint64_t into(std::uint64_t deadline) const noexcept;  // deadlines since the window began
 };
 
-// Each time is the end of the stage. What did not take place has the time of the stage before it.
+// Each time is the end of a stage. A stage that did not take place has the time of the stage before it.
 struct TickTimes {
-  std::uint64_t tick{0};  // of the loop, or of the bare timer
+  std::uint64_t tick{0};  // number of the loop's tick, or of the bare timer's
   std::uint64_t skipped{0};
   std::int64_t scheduled_ns{0}, woke_ns{0}, read_ns{0}, adopted_ns{0}, coupled_ns{0}, collided_ns{0}, stepped_ns{0},
       computed_ns{0}, wrote_ns{0};
-  std::int64_t cpu_ns{0};       // that the thread ran, from woke to wrote
-  std::int64_t foreseen_ns{0};  // by the cost model, of read to computed
+  std::int64_t cpu_ns{0};       // processor time of the thread, from woke to wrote
+  std::int64_t foreseen_ns{0};  // predicted by the cost model for read to computed
   // Since the end of the tick before.
   std::uint32_t minor_faults{0}, major_faults{0}, voluntary_switches{0}, involuntary_switches{0};
   std::uint32_t members{0}, contacts{0}, points{0}, border{0}, sub_steps{0};
@@ -59,19 +59,19 @@ class TickProbe {
 
   void begin(const TickTiming& timing) noexcept;
   void read_done(std::int64_t now_ns) noexcept { times_.read_ns = now_ns; }
-  // To be called by the cut predicate: the first call in a tick is the end of the collision stage.
+  // Called by the cut predicate: its first call in a tick ends the collision stage.
   void sweep_begins(std::int64_t now_ns) noexcept {
     if (times_.collided_ns == 0) times_.collided_ns = now_ns;
   }
   StageObserver stages() noexcept { return {&TickProbe::stage_done, this}; }
-  // The record; its counts of the tick are the caller's to fill in.
+  // The record of this tick; the caller fills in its counts.
   TickTimes& times() noexcept { return times_; }
   void end(std::int64_t computed_ns, std::int64_t wrote_ns) noexcept;
 
   Ring& ring() noexcept { return ring_; }
-  // The thread that is probed, as the kernel numbers it; 0 before its first tick.
+  // Kernel thread id of the measured thread; 0 before its first tick.
   int thread_id() const noexcept { return thread_id_.load(std::memory_order_relaxed); }
-  // When the rest that is under way ends; 0: none is.
+  // End of the rest in progress; 0: none.
   std::int64_t resting_until_ns() const noexcept { return resting_until_ns_.load(std::memory_order_relaxed); }
 
  private:

@@ -1,8 +1,8 @@
-// The stages of a tick, and how a caller that has a clock learns when each is done: tick() itself has none.
+// The stages of a tick, and the observer that lets a caller with a clock time them: tick() itself has none.
 //
-// Given beside the cut predicate and in the same way, a function and its context; the default is nobody, and costs a
-// tick four comparisons. Thread: [rt], must not block. Where contacts end and solving begins the cut predicate tells:
-// it is first asked before the first sweep.
+// The observer is a function and its context, like the cut predicate. The default is none and costs a tick four
+// comparisons. Thread: [rt], must not block. The end of collision detection is not a stage of its own: it is the first
+// call of the cut predicate, before the first sweep.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace tactus::loop {
 
 enum class TickStage : std::uint32_t {
   kAdopt = 0,   // the sample is guarded, the snapshot adopted, the report published
-  kCouple = 1,  // armed or not, and where the device wants the proxy
-  kStep = 2,    // the sub-world has moved
+  kCouple = 1,  // arming is done, the coupling's target is set
+  kStep = 2,    // the sub-world is stepped
 };
 
 struct StageObserver {

@@ -1,17 +1,17 @@
-// One period of the haptic thread, as it ships: the real-time run, the virtual run and the proofs (system calls,
-// allocations, locks, page faults, cuts) call this one.
+// One period of the haptic thread, as it ships. Used by the real-time run, the virtual run and the system tests (system
+// calls, allocations, locks, page faults, cuts).
 //
 //   lines: probe high     for an oscilloscope
 //   read                  the device's newest sample
 //   compute               HapticLoop::tick, cut at kCutShare of the period
 //   write                 the command to the device
 //   lines: enable, heartbeat, probe low
-//   judge                 is the deadline past, and why?
+//   judge                 missed its deadline? cause?
 //
 // Thread: construction, cut_at() [setup]; operator() [rt], by one thread. Units: ns of `Clock`. Bound: read() and
-// write() by the device's contract, compute() by the governor and the cut, the lines by theirs; three looks at the
-// clock, two at the thread's time, one more of each sweep. Nothing that is measured here reaches the physics, but by
-// the cut.
+// write() by the device's contract, compute() by the governor and the cut, the lines by theirs. Reads the clock three
+// times and the thread's time twice, and the clock once more per sweep. These measurements affect the physics only
+// through the cut.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +25,10 @@
 
 namespace tactus::loop {
 
-// The cut fires this far into the period: what is left is for the relax sweep in reserve and for the device.
+// The cut fires after this share of the period; the rest is for the relax sweep in reserve and for the device.
 inline constexpr double kCutShare = 0.85;
 
-// A run that measures nothing: no deadline is ever past.
+// Clock of a run without time measurement: no deadline is ever missed.
 struct VirtualClock {
   static std::int64_t now_ns() noexcept { return 0; }
   static std::int64_t thread_cpu_ns() noexcept { return 0; }
@@ -42,10 +42,10 @@ struct NoLines {
   static void heartbeat() noexcept {}
 };
 
-// What one period took.
+// Times of one period.
 struct TickAccount {
   std::int64_t compute_ns{0}, device_ns{0};  // device: read and write
-  std::optional<OverrunCause> overrun;       // none: it ended before its deadline
+  std::optional<OverrunCause> overrun;       // empty: the period ended before its deadline
 };
 
 template <haptics::HapticDevice Device, class Lines = NoLines, class Clock = MonotonicClock>
@@ -56,10 +56,10 @@ class TimedTick {
             TickProbe* probe = nullptr) noexcept
       : driver_(driver), lines_(lines), probe_(probe), period_ns_(period_ns) {}
 
-  // Every tick is cut at this sweep, beside the deadline's cut: for tests of cuts.
+  // Cuts every tick at this sweep, in addition to the deadline's cut: for tests of cuts.
   void cut_at(std::uint32_t sweep) noexcept { cut_sweep_ = sweep; }
 
-  // `operator_bits()`: what the operator asks in this tick (OperatorBit); called once, after the device is read.
+  // `operator_bits()`: the operator's requests for this tick (OperatorBit); called once, after the device is read.
   template <class OperatorBits>
   TickAccount operator()(const TickTiming& timing, OperatorBits&& operator_bits) noexcept {
     const std::int64_t cpu_began_ns = Clock::thread_cpu_ns();
@@ -98,7 +98,7 @@ class TimedTick {
     }
   };
 
-  // The drives are enabled as long as force is wanted; a fault takes the line back with the command that brakes.
+  // Enables the drives while force is wanted; a fault disables them together with the command that brakes.
   void show_on_lines(const TickOutput& out) noexcept {
     lines_->enable(out.command.wanted == haptics::DeviceState::kForce);
     lines_->heartbeat();

@@ -40,12 +40,12 @@ std::uint32_t crc_of(std::span<const std::byte> a, std::span<const std::byte> b)
   return crc.value();
 }
 
-// Kind and size are in the sum: a flipped bit in them is damage as much as one in the payload.
+// The checksum covers kind and size, so a flipped bit in them is detected as well.
 std::uint32_t crc_of_record(const RecordStart& start, std::span<const std::byte> payload) noexcept {
   return crc_of(bytes_of(start).first(8), payload);
 }
 
-// A damaged tape whose bytes look like records in many places costs no more than this many readings of it.
+// Bound of the search in a damaged tape with many false record starts: this many times the file's size.
 constexpr std::uint64_t kSearchReads = 16;
 
 std::string named(const std::string& path) { return "tape '" + path + "': "; }
@@ -84,7 +84,7 @@ Result<std::unique_ptr<TapeWriter>> TapeWriter::create(const std::string& path, 
   writer->put(bytes_of(start));
   writer->put(text_bytes);
   writer->put(bytes_of(crc_of(bytes_of(start), text_bytes)));
-  writer->flush();  // a full disk is told now, not after the run
+  writer->flush();  // reports a full disk now, not after the run
   if (!writer->status_.ok()) return writer->status_;
   return writer;
 }
@@ -109,7 +109,7 @@ Status TapeWriter::write(std::uint32_t kind, std::span<const std::byte> payload)
 Status TapeWriter::close() {
   if (file_ < 0) return status_;
   flush();
-  // What is no file on a disk (a pipe, /dev/null) has nothing to wait for.
+  // A pipe or /dev/null has no disk to wait for.
   if (status_.ok() && fsync(file_) != 0 && errno != EINVAL && errno != EROFS) fail("not safe on the disk", errno);
   const int file = file_;
   file_ = -1;
@@ -209,7 +209,7 @@ TapeRead TapeReader::next(TapeRecord& record) {
                                  std::to_string(record_begin_) + " is damaged: it claims " +
                                  std::to_string(start.size) + " bytes"));
   }
-  // In pieces: a damaged size must not cost memory that the file does not have.
+  // In pieces: a damaged size must not allocate more memory than the file has data.
   constexpr std::size_t kPiece = 1u << 20;
   payload_.clear();
   while (payload_.size() < start.size) {
@@ -227,7 +227,7 @@ TapeRead TapeReader::next(TapeRecord& record) {
 
 std::uint64_t TapeReader::skip_damage(std::span<const std::uint32_t> kinds) {
   const std::uint64_t damaged = record_begin_;
-  if (std::fseek(file_, 0, SEEK_END) != 0) return offset_ - damaged;  // a pipe: what was read of it is gone
+  if (std::fseek(file_, 0, SEEK_END) != 0) return offset_ - damaged;  // a pipe: data already read is lost
   const auto file_size = static_cast<std::uint64_t>(std::ftell(file_));
   std::uint64_t may_read = kSearchReads * file_size, at = damaged + 1;
   std::vector<std::byte> window;
@@ -251,7 +251,7 @@ std::uint64_t TapeReader::skip_damage(std::span<const std::uint32_t> kinds) {
   return file_size - damaged;
 }
 
-// `may_read` [bytes] goes down by what it takes to tell.
+// `may_read` [bytes]: reduced by the bytes that the check reads.
 bool TapeReader::is_whole_record(std::uint64_t at, std::uint64_t file_size, std::uint64_t& may_read) {
   RecordStart start;
   if (std::fseek(file_, static_cast<long>(at), SEEK_SET) != 0 || std::fread(&start, sizeof start, 1, file_) != 1)

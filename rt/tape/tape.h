@@ -1,13 +1,14 @@
-// The tape: a file of records, each with its own checksum, behind a header that says what may replay it.
+// The tape: a file of records, each with its own checksum, after a header that identifies which program can replay it.
 //
 //   header  magic "TACTAPE\0" | version u32 | text length u32 | ISA tag char[24] | text | crc u32 of all before
 //   record  kind u32 | size u32 | crc u32 of kind, size and payload | payload
 //
-// All little endian, no alignment. What the records mean is their writers' matter (the recorder's kinds); the text is
-// theirs too: what was run, with which settings. A tape that ends in the middle of a record, as after a power cut, is
-// readable up to there; one with a damaged record, before and behind it. The reader takes any bytes: it never crashes,
-// and names each kind of damage in one line.
-// Thread: normal-priority threads only ([setup]): files block. Bound: kMaxTapeRecord, kMaxTapeText; more is refused.
+// Little endian, no alignment. The writers define the meaning of records (the recorder's kinds) and of the text: what
+// was run, with which settings. A tape that ends inside a record, as after a power failure, is readable up to there;
+// one with a damaged record, before and after it. The reader accepts any bytes: it never crashes, and reports each kind
+// of damage in one line.
+// Thread: normal-priority threads only ([setup]): files block. Bound: kMaxTapeRecord, kMaxTapeText; larger ones are
+// rejected.
 #pragma once
 
 #include <bit>
@@ -31,29 +32,29 @@ inline constexpr std::uint32_t kTapeVersion = 12;           // 12: the sub-world
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 
-// Kinds from here on belong to the tape itself.
+// Kinds from here on are reserved for the tape itself.
 inline constexpr std::uint32_t kTapeKinds = 0xffffff00u;
-// Payload u64: how many records are missing here because the ring was full. Replay goes on at the next keyframe.
+// Payload u64: number of records missing here because the ring was full. Replay continues at the next keyframe.
 inline constexpr std::uint32_t kTapeGap = 0xffffff01u;
 
-// Instruction set and SIMD width of this program: the same bits are promised only where it is the same.
+// Instruction set and SIMD width of this program: replay is bit-identical only with the same tag.
 std::string_view tape_isa_tag() noexcept;
 
 class TapeWriter {
  public:
-  // Replaces a file of that name.
+  // Replaces an existing file.
   static Result<std::unique_ptr<TapeWriter>> create(const std::string& path, std::string_view text);
   ~TapeWriter();
   TapeWriter(const TapeWriter&) = delete;
   TapeWriter& operator=(const TapeWriter&) = delete;
 
-  // Buffered. The first error stays: nothing is written after it, and every later call returns it.
+  // Buffered. The first error is final: nothing is written after it, and every later call returns it.
   Status write(std::uint32_t kind, std::span<const std::byte> payload);
-  // Writes out what is buffered and waits for the disk.
+  // Writes the buffer and waits for the disk.
   Status close();
 
   std::uint64_t bytes() const noexcept { return bytes_; }
-  // Of those, what is in the file by now: the rest waits in the buffer, or was lost with the first error.
+  // Bytes already in the file; the rest is in the buffer or was lost with the first error.
   std::uint64_t bytes_written() const noexcept { return written_; }
   std::uint64_t records() const noexcept { return records_; }
   const std::string& path() const noexcept { return path_; }
@@ -75,8 +76,8 @@ class TapeWriter {
 struct TapeRecord {
   std::uint32_t kind{0};
   std::uint64_t index{0};              // from 0
-  std::uint64_t offset{0};             // of its first byte in the file
-  std::span<const std::byte> payload;  // valid until the next call of next()
+  std::uint64_t offset{0};             // bytes: of its first byte in the file
+  std::span<const std::byte> payload;  // valid until the next next()
 };
 
 enum class TapeRead : std::uint32_t { kRecord = 0, kEnd = 1, kDamaged = 2 };
@@ -91,14 +92,14 @@ class TapeReader {
   const std::string& text() const noexcept { return text_; }
   const std::string& isa_tag() const noexcept { return isa_tag_; }  // of the program that wrote it
 
-  // After kDamaged damage() says what and where, all records before are good, and there is nothing more to read but
-  // behind skip_damage().
+  // After kDamaged: damage() describes the damage and its position, all records before it are good, and reading
+  // continues only after skip_damage().
   TapeRead next(TapeRecord& record);
   const Status& damage() const noexcept { return damage_; }
 
-  // After kDamaged: finds the next whole record of one of these kinds, where next() then goes on; at the end of the
-  // file if there is none. Gives the bytes that are lost, from the damaged record's first on. Bound: reads at most 16
-  // times the file, then gives the rest up.
+  // After kDamaged: finds the next intact record of one of these kinds, at which next() continues, or the end of the
+  // file. Returns the lost bytes, counted from the start of the damaged record. Bound: reads at most 16 times the
+  // file's size, then skips to its end.
   std::uint64_t skip_damage(std::span<const std::uint32_t> kinds);
 
  private:

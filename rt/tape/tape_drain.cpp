@@ -21,7 +21,7 @@ Status TapeDrain::start() {
   pthread_attr_setstacksize(&attributes, 256 * 1024);
   sigset_t all, before;
   sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // inherited: signals go to the main thread
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // inherited: the main thread receives signals
   stop_ = false;
   pthread_t thread{};
   const int error = pthread_create(&thread, &attributes, &enter, this);
@@ -51,7 +51,7 @@ void TapeDrain::drain() {
   drain_locked();
 }
 
-// A ring full at most: a producer faster than this thread must not keep it, and the lock, for ever.
+// Bounded by one full ring: a faster producer must not keep this thread, and the lock, indefinitely.
 void TapeDrain::drain_locked() {
   RingRecord record;
   for (std::uint64_t taken = 0; taken <= ring_.capacity();) {
@@ -72,7 +72,7 @@ void TapeDrain::mark_gap(std::uint64_t lost) {
   lost_marked_ += lost;
 }
 
-// An error of the tape ends the recording, not the draining: the history goes on.
+// A tape error ends the recording, not the draining: the history continues.
 void TapeDrain::take(std::uint32_t kind, std::span<const std::byte> payload) {
   if (tape_ != nullptr) write(kind, payload);
   history_.push(kind, payload);
@@ -106,7 +106,7 @@ Status TapeDrain::stop() {
   const std::lock_guard lock(mutex_);
   drain_locked();
   if (tape_ != nullptr) {
-    mark_gap(ring_.dropped() - lost_marked_);  // at the very end, with no record after it
+    mark_gap(ring_.dropped() - lost_marked_);  // at the end, without a following record
     const Status closed = tape_->close();
     if (tape_status_.ok()) tape_status_ = closed;
     forget_written_ticks();
@@ -120,7 +120,7 @@ Status TapeDrain::dump(const std::string& path, std::string_view text) {
   std::unique_lock lock(mutex_);
   drain_locked();
   if (history_.empty()) return Status::error("dump '" + path + "': nothing to write, no keyframe came yet");
-  const TapeHistory history = history_;  // the disk may be slow: the drain must not wait for it
+  const TapeHistory history = history_;  // a copy, so that the drain does not wait for a slow disk
   lock.unlock();
   auto tape = TapeWriter::create(path, text);
   if (!tape.ok()) return tape.status();

@@ -1,10 +1,10 @@
-// Empties the loop's ring: into a tape while recording, and always into a history in memory that a fault dumps.
+// Empties the loop's ring into a tape while recording, and always into a history in memory, which a fault dumps.
 //
-// The loop never waits for it and never wakes it: the drain looks by itself every so often. A ring of capacity B takes
-// B / (bytes a tick) ticks of a stalled disk; what is lost then is counted and marked by a kTapeGap record. A disk that
-// takes no more ends the tape, and nothing else.
-// Thread: construction and all calls from normal-priority threads; start() adds a thread of its own, without it the
-// owner calls drain() (virtual time). Bound: ring, history; the thread's stack is small because locked.
+// The loop never waits for the drain and never wakes it: the drain polls at an interval. A ring of capacity B bridges B
+// / (bytes per tick) ticks of a stalled disk; records lost beyond that are counted and marked by a kTapeGap record. A
+// write error ends the tape and nothing else.
+// Thread: construction and all calls from normal-priority threads; start() adds a thread; without it the owner calls
+// drain() (virtual time). Bound: ring and history; the thread's stack is small because memory is locked.
 #pragma once
 
 #include <chrono>
@@ -27,33 +27,33 @@ namespace tactus::loop {
 struct DrainSettings {
   std::size_t history_bytes{32u << 20};
   std::uint32_t keyframe_kind{0};
-  std::uint32_t tick_kind{0};              // counted where they do not come on the tape
-  std::chrono::milliseconds interval{10};  // between two looks
+  std::uint32_t tick_kind{0};              // kind of the tick records; those that do not reach the tape are counted
+  std::chrono::milliseconds interval{10};  // between two polls of the ring
 };
 
 class TapeDrain {
  public:
-  // The only consumer of the ring. `tape` is null when nothing is recorded.
+  // The only consumer of the ring. `tape`: null if nothing is recorded.
   TapeDrain(Ring& ring, const DrainSettings& settings, std::unique_ptr<TapeWriter> tape = nullptr);
   ~TapeDrain() { (void)stop(); }
   TapeDrain(const TapeDrain&) = delete;
   TapeDrain& operator=(const TapeDrain&) = delete;
 
-  Status start();  // its own thread, until stop()
-  // Takes what is in the ring now, at most a ring full. Without start(), or between.
+  Status start();  // starts the drain's thread, until stop()
+  // Takes the present content of the ring, at most one full ring. For use without start(), or in addition to it.
   void drain();
-  // Ends the thread, drains the rest, closes the tape. The status is the tape's: the first error while recording.
+  // Ends the thread, drains the rest, closes the tape. Returns the tape's status: the first error while recording.
   Status stop();
 
-  // Writes the history, with what the ring holds now, as a tape. Any number of times.
+  // Writes the history and the present content of the ring as a tape. May be called repeatedly.
   Status dump(const std::string& path, std::string_view text);
 
   struct Counts {
     std::uint64_t records{0};            // taken from the ring
     std::uint64_t bytes{0};              // of payload
-    std::uint64_t lost{0};               // dropped at a full ring
+    std::uint64_t lost{0};               // dropped because the ring was full
     std::uint64_t not_kept{0};           // not in the history: no keyframe before them
-    std::uint64_t ticks_not_written{0};  // of tick_kind: not on the tape for an error of it; final after stop()
+    std::uint64_t ticks_not_written{0};  // of tick_kind: lost by a write error of the tape; final after stop()
   };
   Counts counts() const;
 
@@ -68,11 +68,11 @@ class TapeDrain {
 
   Ring& ring_;
   DrainSettings settings_;
-  mutable std::mutex mutex_;  // all below; the loop never takes it
+  mutable std::mutex mutex_;  // protects all members below; the loop never takes it
   std::condition_variable wake_;
   std::unique_ptr<TapeWriter> tape_;
   Status tape_status_{Status::good()};
-  std::deque<std::uint64_t> waiting_ticks_;  // where each tick that is not in the file yet ends in it
+  std::deque<std::uint64_t> waiting_ticks_;  // end offset on the tape of each tick that is not yet in the file
   std::uint64_t ticks_not_written_{0};
   TapeHistory history_;
   std::vector<std::byte> payload_;

@@ -1,9 +1,9 @@
-// The newest records in memory, beginning at a keyframe: what a fault's dump holds.
+// The newest records in memory, starting at a keyframe, for the dump of a fault.
 //
-// A ring of bytes. When it is full the oldest keyframe goes, with all that depends on it, so what is left can always be
-// replayed from its first record. Thread: one owner at a time, normal priority ([setup]).
-// Bound: the capacity. Records before the first keyframe, and what does not fit even alone, are not kept but counted: a
-// capacity of three keyframe intervals keeps at least two of them at any moment.
+// A byte ring. When it is full, the oldest keyframe and all records that depend on it are removed, so the content can
+// always be replayed from its first record. Thread: one owner at a time, normal priority ([setup]).
+// Bound: the capacity. Records before the first keyframe, and records larger than the capacity, are not kept but
+// counted. A capacity of three keyframe intervals always keeps at least two of them.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class TapeHistory {
 
   void push(std::uint32_t kind, std::span<const std::byte> payload);
 
-  // visit(kind, payload) for each record, oldest first. The payload is valid during the call.
+  // Calls visit(kind, payload) for each record, oldest first. The payload is valid during the call.
   template <class Visit>
   void for_each(Visit&& visit) const {
     std::vector<std::byte> payload;
@@ -36,7 +36,7 @@ class TapeHistory {
 
   bool empty() const noexcept { return begin_ == end_; }
   std::size_t bytes() const noexcept { return static_cast<std::size_t>(end_ - begin_); }
-  std::uint64_t not_kept() const noexcept { return not_kept_; }  // records that never came in
+  std::uint64_t not_kept() const noexcept { return not_kept_; }  // records that were not stored
 
  private:
   struct Start {
@@ -49,7 +49,7 @@ class TapeHistory {
 
   std::vector<std::byte> bytes_;
   std::uint32_t keyframe_kind_;
-  std::uint64_t begin_{0}, end_{0};      // positions, counted in bytes since the start; modulo the capacity in bytes_
+  std::uint64_t begin_{0}, end_{0};      // positions in bytes since the start; modulo the capacity in bytes_
   std::deque<std::uint64_t> keyframes_;  // positions; the first is begin_ unless empty
   std::uint64_t not_kept_{0};
 };

@@ -1,8 +1,10 @@
-// The schedule of a periodic loop: absolute deadlines, one tick each, after an overrun the missed ones are skipped.
+// The schedule of a periodic loop: absolute deadlines, one tick per deadline; deadlines that an overrun missed are
+// skipped.
 //
-// Never a burst: a device that got no command for three periods is not helped by three at once, and physics that runs
-// three steps in no time feeds the hand energy. Thread: [rt], the loop's own; blocks in Clock::sleep_until_ns only.
-// Bound: runs until `stop` is set or the tick returns false; ends within one period of either.
+// They are never caught up in a burst: a device that got no command for three periods gains nothing from three at once,
+// and physics that runs three steps at once feeds energy to the hand. Thread: [rt], the loop's own; blocks in
+// Clock::sleep_until_ns only. Bound: runs until `stop` is set or the tick returns false; ends within one period of
+// either.
 #pragma once
 
 #include <atomic>
@@ -17,17 +19,17 @@ namespace tactus::loop {
 
 struct LoopSettings {
   std::int64_t period_ns{1'000'000};
-  std::int64_t late_wake_ns{100'000};  // counted as a late wake-up beyond this
+  std::int64_t late_wake_ns{100'000};  // wake-ups later than this are counted
 };
 
-// Returns false to end the loop.
+// The tick returns false to end the loop.
 template <class T>
 concept PeriodicTick = requires(T tick, const TickTiming& timing) {
   { tick(timing) }
   noexcept->std::same_as<bool>;
 };
 
-// The smallest multiple of the period after `now`: loops of one period then run in step, whenever they were started.
+// The smallest multiple of the period after `now`: loops of equal period are in phase, independent of when they start.
 constexpr std::int64_t next_full_period_ns(std::int64_t now_ns, std::int64_t period_ns) noexcept {
   return (now_ns / period_ns + 1) * period_ns;
 }
@@ -50,7 +52,7 @@ void run_periodic(C& clock, const LoopSettings& settings, std::int64_t first_ns,
   for (bool go = true; go;) {
     timing.scheduled_ns = first_ns + static_cast<std::int64_t>(timing.deadline) * period_ns;
     clock.sleep_until_ns(timing.scheduled_ns);
-    if (stop.load(std::memory_order_relaxed)) return;  // nothing is handed over with it: stop() joins
+    if (stop.load(std::memory_order_relaxed)) return;  // relaxed: stop() joins, no data depends on the flag
     timing.woke_ns = clock.now_ns();
 
     go = tick(timing);

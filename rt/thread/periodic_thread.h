@@ -2,7 +2,7 @@
 //
 // start() returns when the thread's set-up is done and reported; the first tick is at the next full period of the
 // monotonic clock. Thread: all calls [setup] by the owner; request_stop() and running() [any]; the tick runs on the new
-// thread, [rt]. Bound: the tick must stay on the stack that was asked for.
+// thread, [rt]. Bound: the tick must fit the requested stack.
 #pragma once
 
 #include <atomic>
@@ -34,12 +34,12 @@ ThreadUsage thread_usage() noexcept;
 template <PeriodicTick Tick, Clock C = MonotonicClock>
 class PeriodicThread {
  public:
-  // The tick lives elsewhere and must outlive the thread.
+  // `tick` must outlive the thread.
   explicit PeriodicThread(Tick& tick, C clock = {}) : tick_(tick), clock_(clock) {}
   ~PeriodicThread() { stop(); }
 
-  // Fails when there is no such period, the thread runs already, or the system gives no thread. Missing privileges are
-  // no failure: see setup_report().
+  // Fails if the period is not positive, the thread already runs, or the system cannot create a thread. Missing
+  // privileges are not a failure: see setup_report().
   Status start(const PeriodicSettings& settings) {
     if (settings.period <= std::chrono::nanoseconds::zero()) return Status::error("the period must be above 0 ns");
     if (thread_.started()) return Status::error("the loop runs already: stop it first");
@@ -50,14 +50,14 @@ class PeriodicThread {
   }
 
   void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
-  // Also when the tick ended the loop. Returns after the last tick.
+  // Returns after the last tick; also valid after the tick has ended the loop.
   void stop() noexcept { request_stop(), thread_.join(); }
   // False before start() and once the loop has ended, by stop or by the tick.
   bool running() const noexcept { return thread_.running(); }
 
-  // After start().
+  // Valid after start().
   const SetupReport& setup_report() const noexcept { return thread_.report(); }
-  // After stop(). While the loop runs, only the tick may look (TickTiming::health).
+  // Valid after stop(). While the loop runs, only the tick may read it (TickTiming::health).
   const TimingHealth& health() const noexcept { return health_; }
 
  private:
@@ -76,7 +76,7 @@ class PeriodicThread {
   LoopSettings loop_;
   TimingHealth health_;
   std::atomic<bool> stop_{false};
-  RealtimeThread thread_;  // last: it is joined before anything that it uses goes
+  RealtimeThread thread_;  // last member: joined before the members that it uses are destroyed
 };
 
 }  // namespace tactus::loop

@@ -61,8 +61,9 @@ void pin_to_cpu(const SetupRequest& request, SetupReport& report) noexcept {
   add_step(report, "cpu", true, true, "stays on cpu %d", request.cpu);
 }
 
-// With a finite limit and no capability, locking future pages would make some later allocation of any thread fail:
-// worse than not to lock. So then only what is there is locked, if it fits, and the step counts as failed.
+// With a finite limit and without the capability, locking future pages would make some later allocation of any thread
+// fail, which is worse than not locking. Then only the present pages are locked, if they fit, and the step counts as
+// failed.
 void lock_memory(const SetupRequest& request, SetupReport& report) noexcept {
   if (!request.lock_memory) return add_step(report, "memory", true, false, "not asked for: pages may be taken away");
   rlimit limit{};
@@ -87,18 +88,18 @@ void lock_memory(const SetupRequest& request, SetupReport& report) noexcept {
   add_step(report, "memory", true, true, "all pages are locked, future ones too");
 }
 
-// Memory that another thread gives back costs this one an interrupt (its core must forget the pages). So the heap keeps
-// what it has, and takes no mappings of its own for large blocks.
+// Memory that another thread returns to the kernel interrupts this thread (TLB shootdown on its core). So the heap
+// returns nothing and uses no separate mappings for large blocks.
 void keep_heap(SetupReport& report) noexcept {
   const bool kept = mallopt(M_TRIM_THRESHOLD, -1) == 1 && mallopt(M_MMAP_MAX, 0) == 1;
   add_step(report, "heap", false, kept,
            kept ? "keeps its pages" : "this allocator gives pages back at will: the loop may be interrupted for it");
 }
 
-// noinline: the block is below every frame that the loop will use, and gone before it runs.
+// noinline: the block lies below every frame that the loop will use and is released before it runs.
 [[gnu::noinline]] void touch_below(std::size_t bytes) noexcept {
   auto* block = static_cast<volatile char*>(__builtin_alloca(bytes));
-  for (std::size_t i = 0; i < bytes; i += 1024) block[bytes - 1 - i] = 0;  // from the top down, as a stack grows
+  for (std::size_t i = 0; i < bytes; i += 1024) block[bytes - 1 - i] = 0;  // downwards, as a stack grows
 }
 
 std::size_t stack_left() noexcept {
@@ -114,7 +115,7 @@ std::size_t stack_left() noexcept {
 }
 
 void touch_stack(const SetupRequest& request, SetupReport& report) noexcept {
-  constexpr std::size_t kMargin = 16 * 1024;  // for the frames of this call and a signal's
+  constexpr std::size_t kMargin = 16 * 1024;  // for the frames of this call and of a signal handler
   const std::size_t wanted = std::size_t{request.stack_KiB} * 1024, left = stack_left();
   const std::size_t usable = left > kMargin ? left - kMargin : 0;
   const bool enough = wanted <= usable;
@@ -135,7 +136,7 @@ void hold_cpu_awake(const SetupRequest& request, CpuAwake& awake, SetupReport& r
 }
 
 void set_timer_slack(const SetupRequest& request, SetupReport& report) noexcept {
-  // 0 would mean the default.
+  // 0 would select the default.
   const unsigned long slack = request.timer_slack_ns > 0 ? request.timer_slack_ns : 1;
   const bool ok = prctl(PR_SET_TIMERSLACK, slack, 0, 0, 0) == 0;
   if (ok) return add_step(report, "timer-slack", false, true, "%lu ns", slack);

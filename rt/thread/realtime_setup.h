@@ -1,8 +1,8 @@
-// Makes the calling thread a real-time thread, and says of every privilege whether it was really granted.
+// Makes the calling thread a real-time thread and reports for every privilege whether it was granted.
 //
-// Nothing here fails silently and nothing stops the run: a refused call is a line with its cure, and the report as a
-// whole is `degraded`. Thread: [setup], each call on the thread that it is for; the report is a value that any thread
-// may keep. Bound: kMaxSetupSteps lines of kSetupMessageBytes; longer texts are cut.
+// No step fails silently and none stops the run: a refused call adds a line with its remedy, and the report as a whole
+// is `degraded`. Thread: [setup], each call on the thread that it configures; the report is a value that any thread may
+// keep. Bound: kMaxSetupSteps lines of kSetupMessageBytes; longer texts are truncated.
 // Source: sched(7), mlockall(2), capabilities(7), Linux Documentation/power/pm_qos_interface.
 #pragma once
 
@@ -21,36 +21,36 @@ inline constexpr std::uint32_t kMaxSetupSteps = 12;
 inline constexpr std::size_t kSetupMessageBytes = 240;
 
 struct SetupRequest {
-  int cpu{-1};                      // core to stay on; -1: do not pin
-  int priority{80};                 // SCHED_FIFO 1..99; 0: stay a normal thread
+  int cpu{-1};                      // core to pin the thread to; -1: do not pin
+  int priority{80};                 // SCHED_FIFO 1..99; 0: not a real-time thread
   bool lock_memory{true};           // all pages of the process, present and future
   bool hold_cpu_awake{true};        // /dev/cpu_dma_latency held at 0 µs while the CpuAwake lives
   std::uint32_t stack_KiB{128};     // stack to touch below the caller
-  std::uint32_t timer_slack_ns{1};  // matters without SCHED_FIFO only; the kernel's default is 50 000
+  std::uint32_t timer_slack_ns{1};  // only used without SCHED_FIFO; the kernel's default is 50 000
 };
 
 struct SetupStep {
   const char* name{""};  // one word, literal
   bool ok{true};
-  bool privilege{false};  // without it the loop cannot keep its deadlines: counts for degraded()
+  bool privilege{false};  // needed to meet deadlines: counts for degraded()
   std::array<char, kSetupMessageBytes> text{};
 
-  std::string_view message() const noexcept { return text.data(); }  // what is so, or what failed and the cure
+  std::string_view message() const noexcept { return text.data(); }  // the result, or the failure and its remedy
 };
 
 struct SetupReport {
   FixedVector<SetupStep, kMaxSetupSteps> steps;
-  bool preempt_rt{false};  // the kernel is a PREEMPT_RT one
+  bool preempt_rt{false};  // the kernel is PREEMPT_RT
 
-  // A real-time privilege is missing: refused, or not even asked for. (A core of its own need not be asked for.)
+  // A real-time privilege is missing: refused or not requested. (A core of its own need not be requested.)
   bool degraded() const noexcept;
-  // A step failed, privilege or not: the kernel is not a real-time one, for example.
+  // A step failed, privilege or not; for example, the kernel is not a real-time kernel.
   bool failed() const noexcept;
   // The step of that name, or null.
   const SetupStep* find(std::string_view name) const noexcept;
 };
 
-// Holds the request that no CPU sleeps deeper than C0/C1: dropped by the kernel when the file is closed.
+// Keeps the request that no CPU sleeps deeper than C0/C1; the kernel drops it when the file is closed.
 class CpuAwake {
  public:
   CpuAwake() = default;
@@ -61,7 +61,7 @@ class CpuAwake {
     return *this;
   }
 
-  // 0, or the errno that says why not.
+  // Returns 0 or the errno of the failure.
   int hold() noexcept;
   void release() noexcept;
   bool held() const noexcept { return file_ >= 0; }
@@ -70,11 +70,11 @@ class CpuAwake {
   int file_{-1};
 };
 
-// Steps, in order: kernel, cpu, memory, heap, stack, cpu-latency, timer-slack, denormals, priority (last: what comes
-// before may take its time).
+// Performs the steps in this order: kernel, cpu, memory, heap, stack, cpu-latency, timer-slack, denormals, priority
+// (last, because the others may be slow).
 SetupReport setup_realtime(const SetupRequest& request, CpuAwake& awake) noexcept;
 
-// The calling thread may do what `capability` allows (CAP_... of linux/capability.h): its effective set has it.
+// True if the calling thread's effective set contains `capability` (CAP_... of linux/capability.h).
 bool has_capability(unsigned capability) noexcept;
 
 // True on a PREEMPT_RT kernel.

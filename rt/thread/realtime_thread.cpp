@@ -22,7 +22,7 @@ std::size_t whole_pages(std::uint32_t KiB) noexcept {
 
 }  // namespace
 
-// Lives in start() until the thread has said that it is ready.
+// A local of start(), valid until the thread has reported that it is ready.
 struct RealtimeThread::Entry {
   RealtimeThread* self;
   sem_t ready;
@@ -32,7 +32,7 @@ void* RealtimeThread::enter(void* entry) noexcept {
   auto* start = static_cast<Entry*>(entry);
   RealtimeThread& self = *start->self;
   self.report_ = setup_realtime(self.setup_, self.awake_);
-  sem_post(&start->ready);  // start() goes on: `start` is gone from here
+  sem_post(&start->ready);  // start() returns: `start` is invalid from here
   self.body_(self.context_);
   self.running_.store(false, std::memory_order_release);
   return nullptr;
@@ -45,7 +45,7 @@ Status RealtimeThread::start(std::uint32_t stack_KiB, const SetupRequest& setup,
   context_ = context;
   Entry entry{this, {}};
   sem_init(&entry.ready, 0, 0);
-  running_.store(true, std::memory_order_relaxed);  // before the thread is there: it may end at once
+  running_.store(true, std::memory_order_relaxed);  // before the thread exists: it may end at once
 
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);

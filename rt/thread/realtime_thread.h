@@ -1,10 +1,10 @@
-// A thread of its own with the real-time set-up of realtime_setup.h: what a loop, or a link's far end, runs on.
+// A thread with the real-time set-up of realtime_setup.h. A loop, or the far end of a link, runs on it.
 //
 // start() returns when the thread's set-up is done and reported; then body(context) runs there, once. Signals are
-// blocked in the thread, so that they go to the main one. Thread: start(), join(), report() [setup] by the owner;
-// running() [any]; the body [rt] on the new thread. What ends the body is the owner's affair: join() waits for it.
-// Bound: the stack is of the size asked for, whole pages, at least the system's least; SetupRequest::stack_KiB of it
-// are touched. Beyond it the program ends with a fault: the page below the stack is nobody's.
+// blocked in the thread, so the main thread receives them. Thread: start(), join(), report() [setup] by the owner;
+// running() [any]; the body [rt] on the new thread. The owner makes the body end: join() only waits for it. Bound: the
+// stack has the requested size, in whole pages, at least the system's minimum; SetupRequest::stack_KiB of it are
+// touched. Beyond the stack the program ends with a fault: the page below it is a guard page.
 #pragma once
 
 #include <atomic>
@@ -20,22 +20,22 @@ class RealtimeThread {
   using Body = void (*)(void* context) noexcept;
 
   RealtimeThread() = default;
-  // Joins. What the body uses must outlive this: an owner declares its thread last.
+  // Joins. Everything that the body uses must outlive this object: declare the thread last in its owner.
   ~RealtimeThread() { join(); }
   RealtimeThread(const RealtimeThread&) = delete;
   RealtimeThread& operator=(const RealtimeThread&) = delete;
 
-  // Fails when one runs that was not joined, or the system gives no thread. Missing privileges are no failure: see
+  // Fails if a thread is not joined yet, or the system cannot create one. Missing privileges are not a failure: see
   // report().
   Status start(std::uint32_t stack_KiB, const SetupRequest& setup, Body body, void* context);
-  // Waits for the body's end, however long; then start() may be called again. Without a thread: nothing.
+  // Waits without a time limit until the body ends; then start() may be called again. No effect without a thread.
   void join() noexcept;
 
-  // From start() to join().
+  // True from start() to join().
   bool started() const noexcept { return started_; }
-  // From start() to the body's end.
+  // True from start() to the end of the body.
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }
-  // After start().
+  // Valid after start().
   const SetupReport& report() const noexcept { return report_; }
 
  private:

@@ -1,7 +1,7 @@
-// How well a periodic loop kept its time: what a tick is told, and what is counted over the run.
+// Timing of a periodic loop: the values that a tick receives, and the counters of the whole run.
 //
-// Nothing of this reaches the physics, which always gets the constant period. Thread: values; TimingHealth is written
-// by the loop's thread alone and read elsewhere as a copy, or after the thread has stopped.
+// They do not affect the physics, which always uses the constant period. Thread: values; TimingHealth is written only
+// by the loop's thread and read elsewhere as a copy, or after the thread has stopped.
 // Units: ns of the loop's clock. Bound: fixed size; see rt/base/histogram.h for the range of the times.
 #pragma once
 
@@ -16,27 +16,27 @@ struct TimingHealth {
   Histogram wake_latency;     // woken - scheduled
   Histogram execution;        // from woken to the end of the tick
   std::uint64_t ticks{0};     // executed
-  std::uint64_t overruns{0};  // ticks that ended after the next deadline; one each, however long
-  // Of these, the ones whose thread was running for less than a period since the end of the tick before: it woke late
-  // or was pushed aside. A core that stands still by itself (firmware, a virtual machine's host) counts as running.
+  std::uint64_t overruns{0};  // ticks that ended after the next deadline; counted once, however long
+  // Overruns whose thread ran for less than a period since the end of the tick before: it woke late or was preempted. A
+  // core that stops without the kernel's knowledge (firmware, a virtual machine's host) counts as running.
   std::uint64_t overruns_by_machine{0};
-  std::uint64_t skipped_ticks{0};  // deadlines that passed without a tick
+  std::uint64_t skipped_ticks{0};  // deadlines without a tick
   std::uint64_t late_wakes{0};     // wake latency above LoopSettings::late_wake_ns
-  // Of the loop's thread between the first tick and the end. 0 is what the real-time contract asks of the faults.
+  // Of the loop's thread between the first tick and the end. The real-time contract requires 0 page faults.
   std::uint64_t minor_faults{0}, major_faults{0};
-  std::uint64_t involuntary_switches{0};  // pushed aside by another thread
+  std::uint64_t involuntary_switches{0};  // preempted by another thread
 
   std::uint64_t overruns_by_work() const noexcept { return overruns - overruns_by_machine; }
 };
 
 struct TickTiming {
-  std::uint64_t tick{0};                // executed before this one
+  std::uint64_t tick{0};                // number of ticks executed before this one
   std::uint64_t deadline{0};            // number of the deadline: first + deadline * period
   std::uint64_t skipped{0};             // deadlines skipped just before this one
   std::int64_t scheduled_ns{0};         // the deadline
-  std::int64_t woke_ns{0};              // when the tick really begins
+  std::int64_t woke_ns{0};              // start of the tick
   std::int64_t last_execution_ns{0};    // of the tick before; 0 in the first
-  const TimingHealth* health{nullptr};  // up to the tick before; never null in a tick
+  const TimingHealth* health{nullptr};  // up to the tick before; not null in a tick
 };
 
 static_assert(std::is_trivially_copyable_v<TimingHealth>);

@@ -8,10 +8,10 @@ namespace tactus::haptics {
 
 namespace {
 
-// A contact whose friction is further used up than this slides.
+// A contact whose friction force exceeds this share of its friction limit counts as sliding.
 constexpr double kHolds = 0.95;
 
-// The body's point at which it and the proxy hold on to each other by friction; null: they do not.
+// The point of the body at which friction holds it and the proxy together; contact null: no such point.
 struct Hold {
   const physics::Contact* contact{nullptr};
   Vec3d point;  // m, world
@@ -54,7 +54,7 @@ BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId 
   if (held > 0) adopted.proxy_carried *= 1 / held;
   bodies_.clear();
   for (const BodyId id : snapshot.buffer)
-    if (world.slot_of(id) >= 0) (void)bodies_.try_push(id);  // members: never more than fit
+    if (world.slot_of(id) >= 0) (void)bodies_.try_push(id);  // cannot fail: members only
   return adopted;
 }
 

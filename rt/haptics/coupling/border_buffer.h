@@ -1,28 +1,30 @@
 // The buffer of a sub-world: the members that touch outside bodies, and groups of uneven masses. Both worlds simulate
-// them, the global world keeps their state. The other members, the inner ones, are the sub-world's own, as the proxy.
+// the buffer bodies; the global world keeps their state. The sub-world keeps the state of the other members, the inner
+// ones, and of the proxy.
 //
-// A sub-world knows what rests on its outermost members only by ghosts (border_ghost.h). If it owned those members,
-// each error of a ghost would be imposed on the global world, come back with the next snapshot, and add up: a stack
-// whose foot is a member falls. So the two subdomains overlap. Over a cycle the sub-world moves its buffer with its
-// inner members and against the ghosts; at the synchronisation the buffer takes the state that the global world found,
-// and only the inner members are imposed there.
+// The ghosts (border_ghost.h) are the sub-world's only model of what rests on its outermost members. If it kept the
+// state of those members, each error of a ghost would be imposed on the global world, return with the next snapshot,
+// and accumulate: a stack whose foot is a member falls. So the two subdomains overlap. Over a cycle the sub-world
+// simulates the buffer with the inner members and against the ghosts. At the synchronisation the buffer bodies get the
+// state that the global world computed, and only the inner members are imposed there.
 //
-// Why that is stable, on one coordinate: an inner member m and a buffer body M that move together, stopped or pushed by
-// anything. Both worlds step them from the same state (v_I, v_B); the sub-world ends with v_s, the global world with
-// v_g; the next state is (v_s, v_g), and both end at (m v_s + M v_g) / (m + M) plus what acts. The difference v_s - v_g
-// is of the last cycle's errors alone (the ghosts', and the device's motion foreseen): it has no memory, its root is 0.
-// A ghost's error reaches the global world through inner members only, at M / (m + M) of its size, and no path leads
-// back from there to the ghost but the true contacts of the global world. The ghost alone, with the impulses returned,
-// has the root E = G - 1 + R Gamma (tests/border/README.md), beyond 1 in networks.
-// What is given up: the impulse between inner members and buffer is of each world's own; their difference, of second
-// order in the cycle, is not returned. Returning it, at once or by shares of 0.2 to 1, was tried and makes towers fall:
-// a returned impulse arrives a cycle late, in a network that has answered by then.
+// Stability, on one coordinate: an inner member m and a buffer body M move together, blocked or pushed by anything.
+// Both worlds step them from the same state (v_I, v_B). The sub-world ends with v_s, the global world with v_g. The
+// next state is (v_s, v_g), and both end at (m v_s + M v_g) / (m + M) plus the effect of external forces. The
+// difference v_s - v_g contains only the errors of the last cycle (of the ghosts and of the extrapolated device
+// motion): it has no memory, its root is 0. The error of a ghost reaches the global world only through inner members,
+// scaled by M / (m + M), and returns to the ghost only through the true contacts of the global world. A ghost border
+// without a buffer that returns the impulses has the root E = G - 1 + R Gamma (tests/border/README.md), beyond 1 in
+// networks.
+// Price: each world computes its own impulse between inner members and buffer. Their difference, of second order in the
+// cycle, is not returned. Returning it, at once or by shares of 0.2 to 1, was tried and makes towers fall: a returned
+// impulse arrives a cycle late, when the network has already reacted.
 //
-// Friction has no memory but where the bodies are. Where the proxy holds on to a buffer body by friction, and the body
-// comes to lie elsewhere at the synchronisation, they have slid on each other without sliding: the sum of it lets the
-// proxy creep, off a plank that it presses in within 20 s. So the proxy goes with the body's point that it holds,
-// along the surface. In whole runs of 20 s (tests/border/README.md) the force in the crib at ratio 16 is then off by
-// 2.8 % instead of 7.5 %.
+// The only memory of friction is the positions of the bodies. Where friction holds the proxy on a buffer body and the
+// synchronisation moves that body, their relative position changes without sliding. Accumulated, this lets the proxy
+// creep: off a plank that it presses on, within 20 s. So the proxy is moved along the surface with the body's point
+// that friction holds. In whole runs of 20 s (tests/border/README.md) this reduces the force error in the crib at ratio
+// 16 from 7.5 % to 2.8 %.
 // Thread: construction is [setup]; the rest [rt], the haptic thread. Frame: world. Units: SI. Bound: kMaxMembers
 // bodies. Source: restricted additive Schwarz with overlap (Cai, Sarkis 1999).
 #pragma once
@@ -39,13 +41,14 @@ class BorderBuffer {
   bool holds(BodyId id) const noexcept { return std::binary_search(bodies_.begin(), bodies_.end(), id); }
   void clear() noexcept { bodies_.clear(); }
 
-  // What a synchronisation did to the sub-world.
+  // The effect of a synchronisation on the sub-world.
   struct Adopted {
-    double gained_J{0};   // kinetic energy of the buffer bodies, with sign
-    Vec3d proxy_carried;  // m, world: by the buffer bodies that the proxy holds on to, the mean
+    double gained_J{0};   // change of the kinetic energy of the buffer bodies, with sign
+    Vec3d proxy_carried;  // m, world: mean tangential displacement of the body points at which friction holds the proxy
   };
-  // At a synchronisation, after the members have changed: those that were in the buffer get the global world's state,
-  // and the snapshot says who is in it now. The proxy stays where it is: the caller carries it.
+  // Call at a synchronisation, after the members have changed. Bodies of the old buffer get the state of the global
+  // world; then the buffer is replaced by that of the snapshot. Does not move the proxy: the caller does, by
+  // `proxy_carried`.
   Adopted adopt(const WorldSnapshot& snapshot, BodyId proxy, physics::World& world) noexcept;
 
   void save(ByteWriter& out) const noexcept;

@@ -6,10 +6,11 @@ namespace {
 using physics::BorderContact;
 using physics::BorderGhost;
 
-// How far a border contact's predecessor is looked for; one that moved further starts cold, which costs a sweep.
+// Window, in contacts, in which a border contact's predecessor is searched. A contact whose predecessor is outside of
+// it starts cold, which costs a sweep.
 constexpr std::uint32_t kSearchWindow = 32;
 
-// A ghost for each outside body, moving as the global step left it.
+// Adds a ghost for each outside body, with the motion at the end of the global step.
 void renew_ghosts(const WorldSnapshot& snapshot, BoundedVector<BorderGhost>& ghosts) noexcept {
   for (const OutsideBody& body : snapshot.outside) {
     BorderGhost ghost;
@@ -36,7 +37,7 @@ BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept
   return contact;
 }
 
-// Both lists are in the global world's order, so the predecessor is near `hint`, where the last one was found.
+// Both lists are in the global world's order, so the search starts at `hint`, behind the last match.
 void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, BorderContact& contact) noexcept {
   const auto count = static_cast<std::uint32_t>(former.size());
   for (std::uint32_t i = 0; i < std::min(kSearchWindow, count); ++i) {

@@ -1,9 +1,9 @@
-// The border as the haptic side has it: the border contacts and ghosts of a snapshot, in the members' world.
+// Imports the border of a snapshot, contacts and ghosts, into the members' world.
 //
-// All border contacts are new at a synchronisation, the friction point too; one that was there before keeps the
-// impulses that start the solver. Within a cycle they are the world's to solve (rt/physics/border). While the global
-// world is late, what moves outside slows down. Thread: construction [setup]; the rest [rt], the haptic thread. Frame:
-// world. Units: SI. Bound: as many contacts as the world holds, each sought among kSearchWindow of the former ones.
+// A synchronisation replaces all border contacts, friction points included. A contact that existed before keeps its
+// impulses for the warm start. Within a cycle the world solves the contacts (rt/physics/border). While the global world
+// is late, outside bodies slow down. Thread: construction [setup]; the rest [rt], the haptic thread. Frame: world.
+// Units: SI. Bound: as many contacts as the world holds; each is looked up among kSearchWindow of the former ones.
 // Source: the paper, section 2.2.
 #pragma once
 
@@ -17,9 +17,9 @@ class BorderImport {
   explicit BorderImport(std::uint32_t border_contacts)
       : outside_velocity_(border_contacts), replaced_(border_contacts) {}
 
-  // At a synchronisation, after the members have changed.
+  // Call at a synchronisation, after the members have changed.
   void renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits, physics::World& world) noexcept;
-  // Once a tick.
+  // Call once a tick. Scales the velocities of outside surfaces and ghosts.
   void slow_down(const WorldLateness& late, physics::World& world) const noexcept;
 
   void save(ByteWriter& out) const noexcept;
@@ -29,7 +29,7 @@ class BorderImport {
   }
 
  private:
-  BoundedVector<Vec3d> outside_velocity_;           // per border contact, as adopted
+  BoundedVector<Vec3d> outside_velocity_;           // m/s, world: per border contact, from the snapshot
   BoundedVector<physics::BorderContact> replaced_;  // scratch of renew
 };
 

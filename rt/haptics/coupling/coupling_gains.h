@@ -1,7 +1,7 @@
 // The virtual coupling: a spring and damper between the device and the proxy, in translation and rotation.
 //
-// With stretch e = device - proxy, twist the small rotation from the proxy to the device, and their velocities, the
-// wrench on the proxy is K e + B (v_device - v_proxy), the device gets the opposite.
+// Stretch e = device - proxy; twist: the small rotation from the proxy to the device. The wrench on the proxy is K e +
+// B (v_device - v_proxy), in translation and in rotation; the device gets the opposite.
 // Thread: [any], pure. Frame: world, about the proxy's centre. Units: SI, in the names. Source: Colgate, Stanley, Brown
 // 1995.
 #pragma once
@@ -15,12 +15,12 @@ struct CouplingGains {
   double stiffness_N_per_m{2000}, damping_Ns_per_m{5};
   double stiffness_Nm_per_rad{5}, damping_Nms_per_rad{0.02};
 
-  // What the hand feels where world lengths are `motion_scale` times the device's, with power conserved.
+  // The gains at the hand, where world lengths are `motion_scale` times the device's and power is conserved.
   constexpr CouplingGains at_hand(double motion_scale) const noexcept {
     const double s2 = motion_scale * motion_scale;
     return {s2 * stiffness_N_per_m, s2 * damping_Ns_per_m, stiffness_Nm_per_rad, damping_Nms_per_rad};
   }
-  // By how much the damper's force leads the spring's [s].
+  // Lead of the damper's force over the spring's: B / K [s]; 0 without stiffness.
   constexpr double lead_s() const noexcept {
     return stiffness_N_per_m > 0 ? damping_Ns_per_m / stiffness_N_per_m : 0.0;
   }
@@ -28,7 +28,7 @@ struct CouplingGains {
   friend constexpr bool operator==(const CouplingGains&, const CouplingGains&) noexcept = default;
 };
 
-// On a proxy of this motion that no world solves the spring for.
+// Explicit coupling wrench on the proxy, for a proxy whose spring no world solves.
 inline Wrenchd coupling_wrench(const CouplingGains& gains, const DeviceTarget& device,
                                const physics::BodyMotion& proxy) noexcept {
   const Vec3d stretch = device.pose.position - proxy.pose.position;
@@ -38,8 +38,8 @@ inline Wrenchd coupling_wrench(const CouplingGains& gains, const DeviceTarget& d
               gains.damping_Nms_per_rad * (device.velocity.angular - proxy.velocity.angular)};
 }
 
-// The spring that a world solves: from the body in `slot` to the device, or, where that is not engaged, a damper that
-// brings the body to rest where it is.
+// Sets the spring that the world solves implicitly: from the body in `slot` to the device or, when the device is not
+// engaged, a damper that brings the body to rest where it is.
 inline void aim_spring(const CouplingGains& gains, const DeviceTarget& device, std::uint32_t slot, const Posed& body,
                        physics::PoseSpring& spring) noexcept {
   spring.enabled = true;

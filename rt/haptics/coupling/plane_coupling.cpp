@@ -7,7 +7,7 @@ void PlaneCoupling::adopt(std::span<const physics::BorderContact> contacts) noex
   now_.planes.clear();
   now_.held = held_;
   for (const auto& contact : contacts) {
-    // The contact point of a proxy at x is x + arm; at line_point it was `gap` above the surface.
+    // With the proxy at x the contact point is x + arm; at line_point its distance to the surface was `gap`.
     const double height = dot(contact.normal, contact.line_point) - contact.gap;
     if (!now_.planes.try_push({contact.normal, contact.member_anchor, height, contact.friction, contact.impulse_rate,
                                contact.outside_velocity}))
@@ -21,8 +21,10 @@ void PlaneCoupling::start(const Vec3d& proxy) noexcept {
   follows_ = 1;
 }
 
-// The planes are asked for x + lead v with position alone: K times what they take is then spring and damper together,
-// K (x - p) + B (v - v_p), which makes the friction cone that of the whole force. A proxy that is free is at x.
+// The planes constrain the position x + lead v only. Then K times the correction is the whole force of spring and
+// damper, so the friction cone applies to both:
+//   K (x - p) + B (v - v_p)
+// Without contact the proxy is at x.
 HeldProxy PlaneCoupling::follow(const DeviceTarget& target, const Tick& tick) noexcept {
   if (follows_ == 0) held_ = now_.held = before_.held = target.pose.position + tick.lead_s * target.velocity.linear;
   follows_ = 1;

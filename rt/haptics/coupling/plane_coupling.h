@@ -1,18 +1,18 @@
-// Planes in place of a world: what the haptic side feels of the proxy's contacts until the next snapshot.
+// The plane couplings: planes replace the proxy's contacts on the haptic side until the next snapshot.
 //
-// Each contact point of the proxy is a plane that its position may not cross; the proxy has no mass and turns as the
-// device does. The coupling's spring and damper pull it to the device, and the planes let it follow within their
-// friction cones (plane_projection.h): the force on a plane is in its cone in every tick, damper included, so a proxy
-// holds below the contact's coefficient of friction and slides above. What friction holds goes along with the surface
-// that is touched, with its velocity of the last global step; a late world's surfaces stand still.
-// Along their normals planes stand still within a cycle. New planes take over from the old ones over the ticks of a
-// cycle, as a weighted mean of the two forces: where the hand does not move, a tick changes the force by no more than
-// 1/ratio of the difference. So no step is felt where a plane comes, goes or moves, and the force never pulls where
-// neither set of planes would. It costs half a cycle of delay in what the global world has to say.
-// Linearised, planes hold from both sides: the force is F0 + J (x - x0), with J = -K times the projection on the
-// contacts' normals, so it pulls where the hand withdraws; in their planes J is -K while friction holds.
-// Thread: [rt], the haptic thread. Frame: world. Units: SI. Bound: kMaxProxyPlanes contact points, those that the
-// snapshot lists first; constant time. Raises no status.
+// Each contact point of the proxy is a plane that limits its position; the proxy has no mass and takes the device's
+// rotation. The coupling's spring and damper pull it to the device, and the planes with their friction cones constrain
+// it (plane_projection.h). The force on a plane, damper included, is in its cone in every tick, so a proxy sticks below
+// the contact's coefficient of friction and slides above it. A sticking point moves with the velocity that the touched
+// surface had in the last global step; with a late world surfaces are at rest.
+// Along their normals planes do not move within a cycle. New planes replace the old ones over the ticks of a cycle, by
+// a weighted mean of the two forces: while the hand does not move, a tick changes the force by at most 1/ratio of the
+// difference. So the force has no step where a plane appears, vanishes or moves, and never pulls where neither set of
+// planes would. The price is a delay of half a cycle in the response of the global world.
+// Linearised: planes are bilateral. The force is F0 + J (x - x0) with J = -K times the projection on the contacts'
+// normals, so it pulls when the hand withdraws; tangentially J is -K while friction holds.
+// Thread: [rt], the haptic thread. Frame: world. Units: SI. Bound: kMaxProxyPlanes contact points, the first ones of
+// the snapshot; constant time. Raises no status.
 // Source: a plane: Adachi, Kumano, Ogino 1995; its friction, and new planes brought in over a recovery time so that the
 // force has no step: Mark, Randolph, Finch, Van Verth, Taylor 1996; a set of planes: Ruspini, Kolarov, Khatib 1997; a
 // local model of a slow simulation: Barbagli, Prattichizzo, Salisbury 2003; with the Jacobian of the force: Cavusoglu,
@@ -32,18 +32,18 @@ class PlaneCoupling {
   struct Tick {
     bool planes_hold{false};  // CouplingTraits
     double period_s{1e-3};
-    std::uint32_t in_cycle{0}, ratio{1};  // the tick's number in its cycle, 0 first; ticks per cycle
-    double lead_s{0};                     // the coupling's damping / stiffness
+    std::uint32_t in_cycle{0}, ratio{1};  // index of the tick in its cycle, from 0; ticks per cycle
+    double lead_s{0};                     // CouplingGains::lead_s: damping / stiffness
   };
 
-  // At a synchronisation: the proxy's contacts as the snapshot has them.
+  // Call at a synchronisation, with the proxy's contacts from the snapshot.
   void adopt(std::span<const physics::BorderContact> contacts) noexcept;
-  // Before the first of them, and of a new epoch: nothing came before, and friction holds the proxy where it is (m).
+  // Call before the first adopt(), also that of a new epoch: no former planes, friction holds the proxy at `proxy` [m].
   void start(const Vec3d& proxy) noexcept;
-  // Once a tick, while the device holds the proxy: where it is. The spring and damper between it and the device are
-  // then the force.
+  // Call once a tick while the device is engaged. Returns the proxy's motion; the force is that of the spring and
+  // damper between it and the device.
   HeldProxy follow(const DeviceTarget& target, const Tick& tick) noexcept;
-  // The device does not hold the proxy: friction has nothing to hold.
+  // Call while the device is not engaged: resets the friction points.
   void let_go() noexcept { follows_ = 0; }
 
   void save(ByteWriter& out) const noexcept;
@@ -51,22 +51,22 @@ class PlaneCoupling {
 
  private:
   struct ContactPlane {
-    Vec3d normal;            // unit, away from what is touched
-    Vec3d anchor;            // m, in the proxy's frame: its contact point
-    double height{0};        // m: of the surface, along the normal
+    Vec3d normal;            // unit, away from the touched body
+    Vec3d anchor;            // m, proxy frame: the contact point
+    double height{0};        // m: offset of the surface along the normal
     double friction{0};      // coefficient
-    double press_N{0};       // in the last global step
+    double press_N{0};       // normal force in the last global step
     Vec3d surface_velocity;  // m/s
   };
   struct PlaneSet {
     FixedVector<ContactPlane, kMaxProxyPlanes> planes;
-    Vec3d held;  // m: where they let the proxy be in the last tick
+    Vec3d held;  // m: position that these planes allowed in the last tick
   };
 
   static HeldProxy keep(PlaneSet& set, const DeviceTarget& target, const Tick& tick) noexcept;
 
-  PlaneSet now_, before_;  // of the last snapshot, of the one before
-  Vec3d held_;             // m: where both together let it be in the last tick
+  PlaneSet now_, before_;  // of the last snapshot; of the one before it
+  Vec3d held_;             // m: blended position of the last tick
   std::uint32_t follows_{0};
 
  public:

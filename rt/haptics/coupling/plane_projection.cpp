@@ -7,7 +7,7 @@
 namespace tactus::haptics {
 namespace {
 
-// What a plane does to the point: m, or m/s where velocities are pulled.
+// Correction that a plane applies: m, or m/s for velocities.
 struct Pull {
   double along_normal{0};
   Vec3d in_plane{};
@@ -25,7 +25,7 @@ double cone_of(const ProxyPlane& plane, const Pull& pull) noexcept {
   return plane.friction * std::max(0.0, pull.along_normal);
 }
 
-// One plane after the other: each pulls as far as it must, and along its normal by no less than `least`.
+// Projected Gauss-Seidel over the planes, with the normal corrections bounded below by `least`.
 Vec3d nearest(std::span<const ProxyPlane> planes, const Vec3d& wanted, double least, Pulls& pulls) noexcept {
   Vec3d at = wanted;
   pulls.fill({});
@@ -42,7 +42,8 @@ Vec3d nearest(std::span<const ProxyPlane> planes, const Vec3d& wanted, double le
   return at;
 }
 
-// Of the planes that pull: the velocity along the normal that they take, and where friction holds, all of it.
+// Velocity after the planes that apply a correction: the normal component that they stop is removed; where friction
+// holds, the tangential one is that of the surface.
 Vec3d velocity_left(std::span<const ProxyPlane> planes, const Pulls& pulls, const Vec3d& velocity, double least,
                     HeldProxy& held) noexcept {
   ProxyPlanes stopping;
@@ -54,7 +55,7 @@ Vec3d velocity_left(std::span<const ProxyPlane> planes, const Pulls& pulls, cons
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const double cone = cone_of(planes[i], pulls[i]);
     if (cone <= 0) continue;
-    // At the edge of the cone but for rounding: it slides.
+    // At the edge of the cone, within rounding: sliding.
     constexpr double kEdge = 1 - 1e-9;
     if (norm(pulls[i].in_plane) >= kEdge * cone) {
       held.slides = true;

@@ -1,10 +1,10 @@
-// Where planes with friction let a point without mass be that is pulled to where it is wanted.
+// Projects a massless point, pulled to a wanted position, onto the region that planes with friction allow.
 //
-// Each plane takes as much of the pull as it needs to keep the point on its side (nearest point), and of the pull along
-// itself as much as keeps the point where friction holds it, but no more than the friction coefficient times the
-// former: the friction cone. So a point that is pulled outside of the cone slides to its edge, and the pull of a plane
-// is in its cone always. With several planes this is repeated plane by plane, which ends at the nearest point for
-// planes without friction, and near a point that all cones bear with it.
+// Normal direction: each plane applies the correction that keeps the point on its side (nearest point). Tangential
+// direction: it applies the correction that keeps the point at its friction point, but at most the friction coefficient
+// times the normal correction: the friction cone. So a point pulled outside of the cone slides to its edge, and the
+// correction of a plane is always in its cone. Several planes are projected one by one, repeatedly: without friction
+// this converges to the nearest point, with friction near a point whose corrections are in all cones.
 // Thread: [rt], pure. Frame: world. Units: SI. Bound: kMaxProxyPlanes planes, kPlaneSweeps sweeps over them.
 // Source: the massless point: Zilles, Salisbury 1995 (god-object), Ruspini, Kolarov, Khatib 1997 (proxy); its friction
 // cone: Salisbury, Brock, Massie, Swarup, Zilles 1995, Harwin, Melder 2002; the sweeps: Hildreth 1957.
@@ -20,25 +20,25 @@ namespace tactus::haptics {
 inline constexpr std::uint32_t kMaxProxyPlanes = 16;
 inline constexpr unsigned kPlaneSweeps = 24;
 
-// The point x has normal . x >= offset.
+// Constraint on the point x: normal . x >= offset.
 struct ProxyPlane {
-  Vec3d normal;              // unit, away from what is touched
+  Vec3d normal;              // unit, away from the touched body
   double offset{0};          // m
   double friction{0};        // coefficient
-  Vec3d hold{};              // m: where friction holds the point; what of it is along the normal does not matter
-  Vec3d surface_velocity{};  // m/s, of what is touched: a point that is held moves with it
+  Vec3d hold{};              // m: friction point; its component along the normal has no effect
+  Vec3d surface_velocity{};  // m/s, of the touched surface: a sticking point moves with it
 };
 using ProxyPlanes = FixedVector<ProxyPlane, kMaxProxyPlanes>;
 
 struct HeldProxy {
   Vec3d position, velocity;  // m, m/s
-  bool touches{false};       // a plane pulls
-  bool slides{false};        // one with friction does, and cannot hold it
+  bool touches{false};       // a plane applies a correction
+  bool slides{false};        // the correction of a plane with friction is at the edge of its cone
 };
 
-// Above all planes. Of the velocity what they do not stop is left.
+// Unilateral planes. The velocity result is `velocity` minus what the planes stop.
 HeldProxy keep_above(std::span<const ProxyPlane> planes, const Vec3d& wanted, const Vec3d& velocity) noexcept;
-// On all planes: they hold from both sides. Friction where they push.
+// Bilateral planes. Friction only where the normal correction pushes.
 HeldProxy keep_on(std::span<const ProxyPlane> planes, const Vec3d& wanted, const Vec3d& velocity) noexcept;
 
 }  // namespace tactus::haptics

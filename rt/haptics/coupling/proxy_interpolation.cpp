@@ -5,8 +5,8 @@
 namespace tactus::haptics {
 namespace {
 
-// From a (share 0) to b (share 1) the short way round. The chord and not the arc: it ends on b exactly, and the turn of
-// one cycle is so small that its speed is even to a share of turn^2 / 8.
+// Normalised linear interpolation (nlerp) from a (share 0) to b (share 1) by the shorter way. Not slerp: nlerp ends on
+// b exactly, and over the small turn of one cycle its angular speed is constant to a relative turn^2 / 8.
 Quatd between(const Quatd& a, const Quatd& b, double share) noexcept {
   const double way = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0 ? -share : share;
   const double rest = 1.0 - share;

@@ -1,5 +1,5 @@
-// What the two worlds tell each other once a cycle: WorldSnapshot G(n) down to the haptic thread, SubWorldReport H(n)
-// up to the global world. Values only; written in place in a double buffer, so their size costs nothing when unused.
+// The messages that the two worlds exchange once a cycle: WorldSnapshot G(n) from the global world to the haptic
+// thread, SubWorldReport H(n) back. Values only, written in place in a double buffer, so unused capacity costs nothing.
 //
 // Frame: world. Units: SI. Source: the paper, section 2; the cycle in which they are exchanged is in the README.
 // Bound: the capacities below; the writer keeps the most important entries (its order) and counts the rest.
@@ -21,94 +21,94 @@ inline constexpr std::uint32_t kMaxNearRegions = 512;
 inline constexpr std::uint32_t kMaxNearTriangles = 8192;
 inline constexpr std::uint32_t kMaxEffectBytes = 1u << 16;
 
-// What the rooms of effects hold of bodies that both worlds have (rt/physics/effects/effects.h).
+// State of effects for bodies that both worlds have (rt/physics/effects/effects.h).
 using EffectBytes = FixedVector<std::byte, kMaxEffectBytes>;
 
-// A contact point between a member and an outside body, as the global step left it.
+// A contact point between a member and an outside body, at the end of the global step.
 struct BorderPoint {
   BodyId member{kNoBody}, outside{kNoBody};
   std::uint32_t feature{0};
   std::uint32_t padding{0};
   Vec3d normal;              // unit, from the outside body towards the member
   Vec3d member_anchor;       // m, in the member's body frame
-  double impulse_rate_N{0};  // non-penetration impulse of the step / its time
+  double impulse_rate_N{0};  // normal impulse of the step / its duration
   double friction{0};
-  Vec3d outside_point;             // m, world: the outside body's surface at the point, at the end of the step
-  double separation_m{0};          // signed gap along the normal when the member's point is at outside_point
-  Vec3d outside_velocity;          // m/s, of the outside body's surface at the point: its mean over the step
-  Vec3d friction_N;                // on the member: friction impulse of the step / its time
-  double outside_inverse_mass{0};  // 1/kg: the outside body's own share of the inverse effective mass along the normal
+  Vec3d outside_point;             // m, world: point on the outside body's surface, at the end of the step
+  double separation_m{0};          // gap along the normal, with sign, when the member's point is at outside_point
+  Vec3d outside_velocity;          // m/s: of the outside body's surface at the point, mean over the step
+  Vec3d friction_N;                // on the member: friction impulse of the step / its duration
+  double outside_inverse_mass{0};  // 1/kg: share of the outside body in the inverse effective mass along the normal
 };
 
-// An outside body that members touch or are jointed to, as the global step left it: what the ghost border needs.
+// An outside body that members touch or are jointed to, at the end of the global step. For the ghost border.
 struct OutsideBody {
   BodyId id{kNoBody};
   std::uint32_t padding{0};
   Vec3d centre;                    // m, world
   Twistd velocity;                 // of the centre, at the end of the step
-  Twistd drive;                    // m/s^2, rad/s^2: of the centre, by all that acts on it but the members
-  physics::Admittance admittance;  // of the centre, with all that moves with it
+  Twistd drive;                    // m/s^2, rad/s^2: acceleration of the centre by all loads except those of members
+  physics::Admittance admittance;  // of the centre, with everything that moves with the body
 };
 
 struct MemberMotion {
   BodyId id{kNoBody};
-  std::uint32_t in_buffer{0};  // of a report, 1: the global world keeps its own state of it
+  std::uint32_t in_buffer{0};  // in a report, 1: a buffer body, whose state the global world keeps
   physics::BodyMotion motion;
 };
 
 struct WorldSnapshot {
-  std::uint64_t cycle{0};                    // n; G(0) is there before the first tick
-  double global_time_s{0};                   // time of the state below, on the global clock
-  std::uint32_t dropped{0};                  // entries that did not fit
-  std::uint32_t component{0};                // bodies that the contact graph links to the proxy, capped or not
-  std::uint32_t epoch{0};                    // how often the scene has begun anew: with a new one, all comes anew
-  double border_work_J{0};                   // of outside bodies on members in the global step, with sign; with ghosts
-  FixedVector<BodyId, kMaxMembers> members;  // of cycle n, ascending; the proxy always
-  FixedVector<physics::Body, kMaxMembers> joiners;              // members that were none in cycle n - 1
-  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed
-  FixedVector<BodyId, kMaxMembers> buffer;         // members of cycle n that touch outside bodies, ascending
-  FixedVector<MemberMotion, kMaxMembers> renewed;  // members in the buffer of cycle n - 1, as the global step left them
+  std::uint64_t cycle{0};      // n; G(0) is published before the first tick
+  double global_time_s{0};     // global clock, time of the state below
+  std::uint32_t dropped{0};    // entries that did not fit
+  std::uint32_t component{0};  // bodies that the contact graph links to the proxy, capped or not
+  std::uint32_t epoch{0};      // number of scene resets so far; a new value invalidates all earlier state
+  double border_work_J{0};     // by outside bodies on members in the global step, with sign; ghost border only
+  FixedVector<BodyId, kMaxMembers> members;         // of cycle n, ascending; always contains the proxy
+  FixedVector<physics::Body, kMaxMembers> joiners;  // members of cycle n that were not members of cycle n - 1
+  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed bodies
+  FixedVector<BodyId, kMaxMembers> buffer;                      // border bodies of cycle n and uneven groups, ascending
+  FixedVector<MemberMotion, kMaxMembers> renewed;  // buffer bodies of cycle n - 1, at the end of the global step
   FixedVector<BorderPoint, kMaxBorderPoints> border;
-  FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; with ghosts
-  physics::BodyMotion proxy;                            // the proxy in the global world (interpolation coupling)
-  // The triangles of meshes near members, by index: the meshes themselves are both worlds' from the start.
-  FixedVector<physics::NearRegion, kMaxNearRegions> near_regions;  // by member, then by mesh
-  FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;    // of the regions, one after the other
+  FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; ghost border only
+  physics::BodyMotion proxy;                            // motion in the global world (interpolation coupling)
+  // Mesh triangles near members, by index; both worlds have the meshes from the start.
+  FixedVector<physics::NearRegion, kMaxNearRegions> near_regions;  // sorted by member, then by mesh
+  FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;    // of the regions, concatenated
   EffectBytes effects;                                             // of the members
 };
 
-// Where the device wants the proxy to be. Not engaged: the proxy is not held and comes to rest where it is.
+// The target of the coupling. Not engaged: no spring, the proxy is damped to rest where it is.
 struct DeviceTarget {
   bool engaged{false};
   Posed pose;       // world
   Twistd velocity;  // world
 };
 
-// What the sub-world did to a border contact over the cycle.
+// Impulses on a border contact over the cycle, to be returned to the outside body.
 struct BorderReturn {
   BodyId member{kNoBody}, outside{kNoBody};
   std::uint32_t feature{0};
   std::uint32_t padding{0};
-  Vec3d point;            // m, world, now
+  Vec3d point;            // m, world: at the end of the cycle
   Vec3d normal;           // unit, from the outside body towards the member
   Vec3d tangent_impulse;  // N s, on the member: the outside body gets the opposite
   double normal_impulse_Ns{0};
 };
 
 struct SubWorldReport {
-  std::uint64_t cycle{0};                          // n: the cycle that begins; what follows is of time t_n
-  std::uint32_t ticks{0};                          // executed in the cycle that ended
-  std::uint32_t member_budget{kMaxMembers};        // the governor's wish for cycle n + 1
-  std::uint32_t epoch{0};                          // of the world that what follows is of
-  std::uint32_t wanted_epoch{0};                   // later than that: the scene is to begin anew,
-  Posed proxy_start;                               // with the proxy there, at rest; world
-  FixedVector<MemberMotion, kMaxMembers> members;  // of the cycle that ended, those that just left included
+  std::uint64_t cycle{0};                          // n: the cycle that begins; the fields below are at its start t_n
+  std::uint32_t ticks{0};                          // length of the cycle that ended
+  std::uint32_t member_budget{kMaxMembers};        // number of members that the governor allows in cycle n + 1
+  std::uint32_t epoch{0};                          // of the state below
+  std::uint32_t wanted_epoch{0};                   // above `epoch`: requests a scene reset
+  Posed proxy_start;                               // world: pose of the proxy, at rest, after the requested reset
+  FixedVector<MemberMotion, kMaxMembers> members;  // of the cycle that ended, leavers included
   FixedVector<BorderReturn, kMaxBorderPoints> border;
-  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // contacts of the bodies that just left
-  Wrenchd mean_device_wrench;                                   // N, N m, on the proxy, over the cycle that ended
-  DeviceTarget device;     // at t_n; interpolation: with its mean velocity over the cycle that ended
+  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the leavers' contacts
+  Wrenchd mean_device_wrench;                                   // N, N m: on the proxy, mean over the cycle that ended
+  DeviceTarget device;     // at t_n; interpolation coupling: velocity is the mean over the cycle that ended
   EffectBytes effects;     // of the members of the cycle that ended
-  double proxy_work_J{0};  // done on the proxy by the coupling, since the start
+  double proxy_work_J{0};  // by the coupling on the proxy, since the start
 };
 
 static_assert(std::is_trivially_copyable_v<WorldSnapshot> && std::is_trivially_copyable_v<SubWorldReport>);

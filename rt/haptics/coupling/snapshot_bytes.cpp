@@ -50,7 +50,7 @@ bool are_near_triangles(const WorldSnapshot& s, physics::Meshes meshes) noexcept
   return true;
 }
 
-// What the sub-world takes for granted of a snapshot: bytes from a damaged tape must not reach its checks.
+// Checks the preconditions of the sub-world, so that bytes of a damaged tape never reach its asserts.
 bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes) noexcept {
   for (std::uint32_t i = 1; i < s.members.size(); ++i)
     if (s.members[i - 1] >= s.members[i]) return false;

@@ -1,6 +1,6 @@
-// A snapshot as bytes for the tape: only the entries that are used. Thread: write [rt]; read [setup], replay.
-// Bound: snapshot_bytes_bound(). Reading checks every count and what the sub-world takes for granted (members
-// ascending, joiners that are bodies, triangles that are there); false on bytes that no writer made.
+// Serialises a snapshot for the tape: only the used entries. Thread: write [rt]; read [setup], replay. Bound:
+// snapshot_bytes_bound(). Reading checks every count and every precondition of the sub-world (members ascending,
+// joiners that are valid bodies, triangles that exist); it returns false for bytes that no writer produced.
 #pragma once
 
 #include "rt/base/bytes.h"
@@ -9,13 +9,14 @@
 namespace tactus::haptics {
 
 void write_snapshot(ByteWriter& out, const WorldSnapshot& snapshot) noexcept;
-// `hulls`: how many the sub-world knows; `meshes`: those that it knows.
+// `hulls`: number of the sub-world's hulls; `meshes`: its meshes.
 [[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot, std::size_t hulls = 0,
                                  physics::Meshes meshes = {}) noexcept;
 
-// What the world's effects hold of its bodies `inside` (by slot; empty: all). False, and none, where it does not fit.
+// Exports the state of the world's effects for the bodies `inside` (by slot; empty: all). If it does not fit: false,
+// and `out` is empty.
 bool write_effects(const physics::World& world, std::span<const std::uint8_t> inside, EffectBytes& out) noexcept;
-// The other way: `known_too`: also of bodies that the world has already. What is damaged is left out.
+// Imports the same. `known_too`: also for bodies that the world already has. Damaged entries are skipped.
 void read_effects(const EffectBytes& in, bool known_too, physics::World& world) noexcept;
 constexpr std::size_t snapshot_bytes_bound() noexcept { return sizeof(WorldSnapshot); }
 

@@ -65,7 +65,7 @@ void SubWorld::ask_reset(const Posed& world_from_proxy) noexcept {
   state_.proxy_start = world_from_proxy;
 }
 
-// Nothing of another epoch goes on: no body, no contact, no border, no effect, no energy in the tank.
+// Discards everything of the former epoch: bodies, contacts, border and effects; the next adoption restarts the tank.
 void SubWorld::forget_world(std::uint32_t epoch) noexcept {
   std::array<std::uint8_t, kMaxMembers> all;
   all.fill(1);
@@ -88,7 +88,7 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
   for (const auto& joiner : snapshot.joiners) {
     const std::int32_t slot = world_.slot_of(joiner.id);
     if (slot >= 0) {
-      // Frozen members are sent anew each time.
+      // Every snapshot contains the frozen members again.
       if (coupling_.members_frozen && joiner.id != config_.proxy)
         world_.bodies()[static_cast<std::uint32_t>(slot)].motion = joiner.motion;
       continue;
@@ -99,8 +99,8 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
   for (const auto& warm_start : snapshot.warm_starts) world_.add_warm_start(warm_start);
 }
 
-// With the proxy the end of the coupling's spring goes where buffer bodies carry it: against its force, mean of the
-// last cycle, that is energy of the border.
+// Moves the proxy, and with it the end of the coupling's spring, by the displacement of the buffer bodies. The work
+// against the spring's force (mean of the last cycle) is booked as energy of the border.
 void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept {
   const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, config_.proxy, world_);
   state_.buffer_gain_J += adopted.gained_J - dot(coupling_force_N, adopted.proxy_carried);
@@ -180,11 +180,11 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   const Wrenchd& impulse = spring.step_impulse;
   add_cycle_impulse(impulse);
   const double rate = -1.0 / settings.dt;
-  const Wrenchd& felt = result.report.hand_wrench;  // of effects that are the hand's alone
+  const Wrenchd& felt = result.report.hand_wrench;  // of effects that act on the hand only
   if (target.engaged) result.on_device = {impulse.force * rate + felt.force, impulse.torque * rate + felt.torque};
   if (spring.enabled) {
     proxy_ = world_.bodies()[spring.slot].motion;
-    // The mean wrench along the way of the tick.
+    // Work of the mean wrench over the displacement of the tick.
     const Vec3d turn = small_rotation_vector(proxy_.pose.rotation * conjugate(held_at.rotation));
     state_.proxy_work_J -=
         rate * (dot(impulse.force, proxy_.pose.position - held_at.position) + dot(impulse.torque, turn));
@@ -192,7 +192,7 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   if (proxy_touches()) result.status |= kProxyContact;
 }
 
-// With the border's energy booked.
+// Steps the world and books the border's energy.
 physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,
                                          SubWorldStep& result) noexcept {
   const bool has_budget = coupling_.border && traits_of(world_.border_mode).has_budget;
@@ -211,19 +211,19 @@ physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, 
   return report;
 }
 
-// What the outside bodies did to members in the global step, the border may do here as well, tick by tick; a late world
-// has told of no more than r ticks.
+// The work of the outside bodies on members in the global step is credited tick by tick, for r ticks at most: a late
+// world has reported no more.
 double SubWorld::tank_credit_J() const noexcept {
   return state_.ticks_in_cycle < config_.ratio ? state_.tank.credit_J : 0.0;
 }
 
-// The proxy as the device feels it is that of the global world, one cycle behind.
+// The device feels the interpolated proxy of the global world, one cycle late.
 void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept {
   proxy_ = state_.interpolated.in_tick(state_.ticks_in_cycle, config_.ratio, config_.step.dt);
   if (target.engaged) feel_proxy(target, result);
 }
 
-// The proxy as the planes of its contacts let it follow the device, without mass; its effort on the bodies is stored.
+// The massless proxy follows the device as far as the planes allow; the wrench on it is accumulated for the report.
 void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept {
   const std::int32_t slot = world_.slot_of(config_.proxy);
   if (slot < 0) return;
@@ -244,7 +244,7 @@ void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) 
   world_.bodies()[static_cast<std::uint32_t>(slot)].motion = proxy_;
 }
 
-// The coupling between the device and a proxy that no world simulates here.
+// Applies the explicit coupling wrench of a proxy that no world simulates here.
 void SubWorld::feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept {
   const Wrenchd on_proxy = coupling_wrench(config_.gains, target, proxy_);
   add_cycle_impulse({config_.step.dt * on_proxy.force, config_.step.dt * on_proxy.torque});

@@ -1,4 +1,4 @@
-// What the sub-world tells the global world at a synchronisation: its members, its border, contacts of who leaves.
+// Fills the report of a synchronisation: members, border, and contacts of the leavers.
 #include "rt/haptics/coupling/snapshot_bytes.h"
 #include "rt/haptics/coupling/sub_world.h"
 
@@ -27,7 +27,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   }
   for (const auto& body : world_.bodies()) {
     if (coupling_.members_frozen && body.id != config_.proxy) continue;
-    // At most kMaxMembers are ever members of a sub-world that exchanges: joins are bounded by the same capacity.
+    // Always fits: a sub-world that exchanges has at most kMaxMembers members, because joins have the same capacity.
     if (!report.members.try_push({body.id, buffer_.holds(body.id) ? 1u : 0u, body.motion})) break;
   }
   report_leavers(snapshot, report);
@@ -35,7 +35,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   (void)write_effects(world_, {}, report.effects);
 }
 
-// What the contacts of those that leave carry, so that the global world goes on from there.
+// Reports the impulses of the leavers' contacts, as the global world's warm start.
 void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
   const double sub_step_s = config_.step.dt / state_.last_sub_steps;
   const auto stays = [&](BodyId id) noexcept {

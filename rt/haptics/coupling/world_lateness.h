@@ -1,6 +1,6 @@
-// The rule for a late global world, whose next snapshot has not come within the cycle's r ticks: outside velocities
-// fade over r ticks more; past 4 r the border stands still; past 100 ms the force fades out. All of it ends with the
-// next snapshot. Thread: [rt], pure. Units: SI. Bound: constant time.
+// The rule for a late global world, whose next snapshot has not arrived within the cycle's r ticks. Outside velocities
+// fade to 0 over the next r ticks. More than 4 r ticks late: the border freezes. More than 100 ms late: the force fades
+// out. All of it ends with the next snapshot. Thread: [rt], pure. Units: SI. Bound: constant time.
 #pragma once
 
 #include <algorithm>
@@ -11,20 +11,20 @@
 namespace tactus::haptics {
 
 struct WorldLateness {
-  // Past this the global world counts as lost and the force fades out; it comes back by itself.
+  // Lateness beyond which the global world counts as lost and the force fades out; it recovers without a re-arm.
   static constexpr double kLostAfter_s = 0.1;
   static constexpr double kFadeTicks = 10;
   static constexpr std::uint32_t kFreezeAfterCycles = 4;
 
-  std::uint32_t ticks{0};   // beyond the cycle, this one included; 0: in time
-  double surface_share{1};  // of the outside surfaces' velocity as adopted
-  double ghost_share{1};    // of the ghosts' velocity in the last tick
+  std::uint32_t ticks{0};   // late ticks, this one included; 0: in time
+  double surface_share{1};  // factor on the outside surfaces' velocity of the snapshot
+  double ghost_share{1};    // factor on the ghosts' velocity and drive of the last tick
   double force_scale{1};
   std::uint32_t status{0};  // StatusBit
 
   bool border_frozen() const noexcept { return (status & kBorderFrozen) != 0; }
 
-  // In a tick that is `ticks_in_cycle` after the last snapshot, 0 first.
+  // State in the tick of index `ticks_in_cycle` since the last snapshot, from 0.
   static WorldLateness in_tick(std::uint32_t ticks_in_cycle, std::uint32_t ratio, double period_s) noexcept {
     WorldLateness late;
     if (ticks_in_cycle < ratio) return late;
