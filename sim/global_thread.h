@@ -1,8 +1,9 @@
 // The thread of the global world: normal priority, on its own core if configured. It polls for reports.
 //
-// It sleeps between polls, so that the haptic thread need not wake it. Thread: start and stop by one normal thread;
-// progress() by any. Units: ns, as named. Bound: a report is read at most one poll period (and the scheduler's delay)
-// after it was published. Errors: start() returns what could not be set; the thread then runs without it.
+// It sleeps between polls, so that the haptic thread need not wake it.
+// Thread: start and stop by one normal thread; progress() by any. Units: ns, as named. Bound: a report is read at most
+// one poll period (and the scheduler's delay) after it was published. Errors: start() returns what could not be set;
+// the thread then runs without it.
 #pragma once
 
 #include <atomic>

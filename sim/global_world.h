@@ -42,7 +42,7 @@ struct GlobalOptions {
   double touch_tolerance_m{1e-4};  // before the first step, bodies at most this far apart count as touching
 };
 
-// Since the start; "most" are high-water marks.
+// Counts and sums since the start; most_*: maxima.
 struct GlobalStatistics {
   std::uint64_t steps{0};
   std::uint32_t bodies{0}, fixed_bodies{0};
@@ -120,7 +120,7 @@ class GlobalWorld {
   // Members are indexed by place (island_manager.h); slots are the world's.
   struct Device {
     BodyId id;            // of the proxy
-    std::uint32_t proxy;  // its place
+    std::uint32_t proxy;  // place of the proxy
     Extraction extraction;
     Posed reported_proxy;                // the proxy's pose at t_n in the sub-world
     Wrenchd held_by{};                   // N, N m: applied to the proxy over the next step

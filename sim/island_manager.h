@@ -6,9 +6,9 @@
 // contacts' impulses are stored. A sleeping island costs only a grid query for the awake bodies near it. It wakes as a
 // whole: its bodies return at their poses, and the impulses are warm starts, so that a heap carries its own weight from
 // the first sub-step. A body's place is its rank by id among all moving bodies; its slot is its rank among the awake
-// ones, as in the world. Thread: construction [setup]; the rest: the global world's owner, allocates nothing. Frame:
-// world. Units: SI. Bound: as many bodies as given; contact impulses that do not fit are dropped (those contacts start
-// cold).
+// ones, as in the world.
+// Thread: construction [setup]; the rest: the global world's owner, allocates nothing. Frame: world. Units: SI. Bound:
+// as many bodies as given; contact impulses that do not fit are dropped (those contacts start cold).
 #pragma once
 
 #include "rt/physics/islands.h"
@@ -84,14 +84,14 @@ class IslandManager {
 
   SleepRule rule_;
   std::vector<physics::Body> bodies_;      // by place
-  std::vector<std::uint32_t> awake_;       // by slot
-  std::vector<std::uint32_t> slow_steps_;  // by place
+  std::vector<std::uint32_t> awake_;       // by slot: place
+  std::vector<std::uint32_t> slow_steps_;  // by place: consecutive slow steps, at most SleepRule::steps
 
   // An island's index is the lowest place in it: its list of bodies begins there.
   std::vector<std::uint32_t> island_of_;     // by place: its island; kAwake
   std::vector<std::uint32_t> next_body_;     // by place: the next of its island
   std::vector<std::uint32_t> first_parked_;  // by island: its first sleeping contact
-  std::vector<std::uint8_t> is_marked_;      // by island: to be woken
+  std::vector<std::uint8_t> is_marked_;      // by island: 1 if in marked_
   std::vector<SleepingContact> parked_;
   std::size_t max_parked_;
   std::uint32_t free_parked_{kNone};

@@ -1,5 +1,6 @@
 // Uniform random numbers that are the same for a seed with every standard library, whose distributions differ.
-// SplitMix64 (Steele, Lea and Flood 2014). Thread: one owner.
+// SplitMix64 (Steele, Lea and Flood 2014).
+// Thread: one owner.
 #pragma once
 
 #include <cstdint>

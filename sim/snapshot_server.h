@@ -1,8 +1,8 @@
 // The global side of the exchange: reads H(n) when it is available, steps the global world, publishes G(n+1).
 //
-// serve() never waits, so that a thread can poll it and a virtual clock can call it. Thread: the global world's,
-// [setup] publish_first. Bound: no report or snapshot number is skipped; a late report causes a late snapshot, nothing
-// else.
+// serve() never waits, so that a thread can poll it and a virtual clock can call it.
+// Thread: the global world's, [setup] publish_first. Bound: no report or snapshot number is skipped; a late report
+// causes a late snapshot, nothing else.
 #pragma once
 
 #include "rt/haptics/coupling/exchange.h"

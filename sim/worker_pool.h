@@ -4,9 +4,9 @@
 // thread's data stays in its core's caches. Each worker waits for its own range: it spins for a while, since the next
 // range comes within microseconds during a step, and then sleeps until it is woken. If a worker has not started its
 // range when the caller has finished its own, the caller runs that range too: a thread without a core delays only a
-// range that it has started. Thread: construction and destruction [setup]; the executor by one thread at a time, of
-// normal priority. Bound: as many ranges as threads. Errors: status() has what could not be set for a worker; it runs
-// without it.
+// range that it has started.
+// Thread: construction and destruction [setup]; the executor by one thread at a time, of normal priority. Bound: as
+// many ranges as threads. Errors: status() has what could not be set for a worker; it runs without it.
 #pragma once
 
 #include <atomic>

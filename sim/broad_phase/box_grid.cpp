@@ -72,7 +72,7 @@ std::uint32_t BoxGrid::level_of(const physics::Aabb& box) noexcept {
 std::int64_t BoxGrid::coordinate(double x_m, std::uint32_t level) noexcept {
   if (level == kTop) return 0;
   const double cell = std::floor(x_m * power_of_two(static_cast<int>(kOneMetre) - static_cast<int>(level)));
-  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // not a number comes here too
+  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // NaN too
   return static_cast<std::int64_t>(std::min(cell, kFarthestCell));
 }
 

@@ -4,9 +4,9 @@
 // A hierarchical uniform grid, as PairGrid, but kept from step to step: a box is stored in the cell of its lower
 // corner, on the level whose cells are just larger than it, in a list per hashed cell. Insert and remove are O(1); a
 // query costs a few cells for each level in use, independent of the number of boxes. A query finds exactly the boxes of
-// the brute-force test; their order follows from the order of insertion. Thread: construction [setup]; the rest: the
-// owner, never allocates. Frame: any. Units: m. Bound: as many boxes as given at construction; a box's number is below
-// that.
+// the brute-force test; their order follows from the order of insertion.
+// Thread: construction [setup]; the rest: the owner, never allocates. Frame: any. Units: m. Bound: as many boxes as
+// given at construction; a box's number is below that.
 #pragma once
 
 #include <array>

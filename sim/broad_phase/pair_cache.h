@@ -4,8 +4,8 @@
 // overlapping fat boxes are kept, in order. A body that leaves its fat box gets a new one, and its pairs are searched
 // again; every other pair costs one comparison. When many bodies move at once, as in a falling heap, nothing is kept
 // and the grid finds the pairs of the step. The kept pairs are a cache, not state: the result equals the brute-force
-// test's, independent of earlier steps and of the assignment of slots. Thread: construction [setup]; find: the owner,
-// never allocates. Frame: any. Units: m. Bound: as PairGrid.
+// test's, independent of earlier steps and of the assignment of slots.
+// Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m. Bound: as PairGrid.
 #pragma once
 
 #include <span>

@@ -150,7 +150,7 @@ int PairGrid::level_of(const physics::Aabb& box) const noexcept {
 std::int64_t PairGrid::coordinate(double x_m, std::uint32_t level) const noexcept {
   if (level == kTopLevel) return 0;
   const double cell = std::floor(x_m * cells_per_m_[level]);
-  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // not a number comes here too
+  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // NaN too
   return static_cast<std::int64_t>(std::min(cell, kFarthestCell));
 }
 

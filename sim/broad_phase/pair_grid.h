@@ -6,9 +6,10 @@
 // cells that it covers. Levels are chosen from the boxes' sizes in each call; cells are hashed into a table that a
 // counting sort fills. Finds exactly the pairs of the brute-force test, for any positions and sizes. The order is fixed
 // by the input, also when an executor finds parts in parallel. Static geometry is not included (the world keeps it
-// apart). Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m. Bound: as many boxes as
-// given at construction (an assert beyond); pairs beyond the vector's capacity are left out and find returns false.
-// Boxes with a NaN coordinate overlap nothing.
+// apart).
+// Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m. Bound: as many boxes as given
+// at construction (an assert beyond); pairs beyond the vector's capacity are left out and find returns false. Boxes
+// with a NaN coordinate overlap nothing.
 #pragma once
 
 #include <array>

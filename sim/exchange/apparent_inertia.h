@@ -4,7 +4,8 @@
 // Contacts are spring-dampers (softness.h) and yield over a cycle T. The outside bodies take one step of implicit Euler
 // over T:
 //   (M + G) v = p + P    M: masses; p: momenta; P: an impulse on the queried body
-//   G = T c + T^2 k      per contact, in the directions that it constrains: its reduced mass times a2 = w T (2 z + w T)
+//   G = T c + T^2 k      per contact, in the directions that it constrains: its reduced mass times a2
+//   a2 = w T (2 z + w T)   w, z: the contacts' angular frequency and damping ratio
 // All bodies but the queried one are eliminated: v = W (p + P). A contact constrains a direction if, with its load of
 // the last step, it can stop the present motion: it keeps pressing, and its friction stays within the friction disk.
 //
@@ -13,8 +14,8 @@
 // A body that creeps or settles under a constant load does so without momentum, and continues. A body that trembles on
 // firm ground ends a step with an arbitrary velocity, which is dropped since W M is near 0. A free body continues at
 // v_end, since W M is 1. Simpler predictions are worse: with v_end alone a stack sways increasingly (hard case 32: in
-// antiphase from cycle to cycle); W M v_end stops creep (the pushed row of `experiment energy-loss` is then off by 1.8
-// % instead of 0.6 %, the pile by 2.0 instead of 0.5 %).
+// antiphase from cycle to cycle); W M v_end stops creep (the pushed row of `experiment energy-loss` is then off by
+// 1.8 % instead of 0.6 %, the pile by 2.0 instead of 0.5 %).
 //
 // Measured range of a2, on hard case 32 where it is 3,500: at rest with 200 to 10,000. With 100,000 it sways: such
 // stiff contacts make ghosts that keep an instantaneous velocity and that no impulse changes.
@@ -22,11 +23,11 @@
 // An impulse reaches other outside bodies and static geometry at once, through contacts that press. The search follows
 // the contact graph outwards from the body, breadth first, without members, and eliminates every body from the far end
 // inwards, as in the articulated-body algorithm. This is exact where the graph is a tree. A body with two paths is
-// attached by the shortest; its contacts with static geometry count in any case. A contact constrains its normal, and
-// the tangent plane where it sticks. A joint constrains the directions of its kind, and its coordinate at a limit or
-// with a motor that is not overcome, as stiffly as a contact. A kinematic body has infinite inertia. Bodies beyond
-// kMostBodies are left out: W is then too large, never too small. Twice as many change the force error of `experiment
-// energy-loss` by 0.1 % of the force (2026-11-22).
+// attached by the shortest; its contacts with static geometry count in any case. A contact constrains motion along its
+// normal, and in the tangent plane too if it sticks. A joint constrains the directions of its kind, and its coordinate
+// at a limit or with a motor that is not overcome, as stiffly as a contact. A kinematic body has infinite inertia.
+// Bodies beyond kMostBodies are left out: W is then too large, never too small. Twice as many change the force error of
+// `experiment energy-loss` by 0.1 % of the force (2026-11-22).
 //
 // Thread: the global world's; construction [setup]; allocates nothing. Frame: world. Units: SI. Work: index linear in
 // contacts, find in kMostBodies. Source: the study of borders (Schur complement of the outside contact system);

@@ -7,9 +7,9 @@
 // borders capped and replay, filtered or not, return impulses. Replay returns J_sub, as in the paper: friction then
 // counts in both worlds. Capped returns J_sub minus J_global of those contacts. Only friction is returned; the imposed
 // members transmit the normal force themselves. The ghost border returns nothing: the global world keeps the state of
-// its buffer bodies (rt/haptics/coupling/border_buffer.h). Thread: the global world's; construction [setup]. Frame:
-// world. Units: SI. Bound: kMaxBorderPoints points; beyond, those with the least normal force are left out, ties by
-// order, and counted. Source: the paper, section 2.2.
+// its buffer bodies (rt/haptics/coupling/border_buffer.h).
+// Thread: the global world's; construction [setup]. Frame: world. Units: SI. Bound: kMaxBorderPoints points; beyond,
+// those with the least normal force are left out, ties by order, and counted. Source: the paper, section 2.2.
 #pragma once
 
 #include <vector>
@@ -43,7 +43,7 @@ class BorderExchange {
 
   // Fills `border` from the contacts of a step of `step_s` that began at `start` (poses by slot): every point with a
   // normal impulse or an overlap, between a member (`members`, by slot: 1) and a dynamic body that is not a member.
-  // Static geometry is never a border. Returns the number of points that did not fit.
+  // Contacts with static geometry are not border contacts. Returns the number of points that did not fit.
   std::uint32_t fill(std::span<const physics::Contact> contacts, std::span<const physics::Body> bodies,
                      std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
                      FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& border) noexcept;
@@ -77,12 +77,12 @@ class BorderExchange {
 
 // Work [J] of outside bodies on members (`members`, by slot: 1) over a step, through contacts and joints, with sign:
 // each impulse times the mean of its point's velocities on the member before (`before`, by slot) and after the step.
-// Summed over all impulses on a body this is its change of kinetic energy. Static geometry is never a border.
+// Summed over all impulses on a body this is its change of kinetic energy. Contacts with static geometry do not count.
 double border_work_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
                      double step_s) noexcept;
 
-// Applies the report's tangential impulses to the outside bodies, in the way of `returned`. Call before the next step.
-// `members`, by slot: of the cycle that begins. Entries that are not finite are ignored.
+// Applies the report's tangential impulses to the outside bodies, as the border's traits `returned` specify. Call
+// before the next step. `members`, by slot: of the cycle that begins. Entries that are not finite are ignored.
 ImpulseReturn return_impulses(std::span<const haptics::BorderReturn> returns, std::span<const std::uint8_t> members,
                               physics::BorderTraits::Return returned, physics::World& world) noexcept;
 

@@ -1,4 +1,4 @@
-// The bodies that the proxy could reach before they can become members; they must be members already.
+// Finds the bodies that the proxy could reach before they can become members; they must be members already.
 //
 // The members of cycle n + 1 are chosen while cycle n runs, from the proxy's state at t_n, and stay until t_(n+2): two
 // cycles. In that time the proxy translates by up to 2 r T v_max, rotation moves its surface by up to 2 r T w_max R,
@@ -24,7 +24,7 @@ struct ReachSettings {
   Reach reach{Reach::kTwoCycles};
   unsigned ratio{10};
   double tick_period_s{1e-3};
-  double max_speed_m_per_s{1};  // of the proxy: the device's, in the scene's scale
+  double max_speed_m_per_s{1};  // of the proxy: the device's maximum, scaled to the scene
   double max_angular_speed_rad_per_s{10};
   double margin_m{1e-3};  // kTwoCycles only
 };

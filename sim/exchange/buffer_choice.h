@@ -21,12 +21,13 @@
 // (1000 Hz) 2.2, 2.1, 2.3 % instead of 2.6, 2.8, 2.8 %. The limit on the product may be from 0.6, below which the leg
 // counts, to below 0.75, where the stack of R = 3 that is measured below would stay in the sub-world.
 //
-// The proxy is always imposed, since the device holds it. Measured range of kMostUneven (stack of five cubes at 1000
-// Hz, 0.25 / sub-step, the uppermost R times as heavy, 3 to 5 members, ratios 2, 8 and 16, 8 s; force error without the
-// rule, with it): R = 1: 0.1 %, not needed; 3: 3.8 %, 0.6 %; 10: 15 %, 10 mm off, 1.2 %; 30: 15 %, 1.4 %; 100: 42
-// %, 2.2 %; 300: falls, 7 %; 1000: falls, 44 %. The last two equal those of a sub-world with the proxy alone (7 and
-// 44 %): there the global step itself comes to rest 0.1 to 0.3 mm from the direct run. With a limit of 0 every group is
-// in the buffer: then fast pushing loses (the pile of `experiment energy-loss` at ratio 8: 1.7 % instead of 0.2 %).
+// The proxy is always imposed, since the device holds it. Measured range of kMostUneven (stack of five cubes at
+// 1000 Hz, 0.25 / sub-step, the uppermost R times as heavy, 3 to 5 members, ratios 2, 8 and 16, 8 s; force error
+// without the rule, with it): R = 1: 0.1 %, not needed; 3: 3.8 %, 0.6 %; 10: 15 %, 10 mm off, 1.2 %; 30: 15 %, 1.4 %;
+// 100: 42 %, 2.2 %; 300: falls, 7 %; 1000: falls, 44 %. The last two equal those of a sub-world with the proxy alone (7
+// and 44 %): there the global step itself comes to rest 0.1 to 0.3 mm from the direct run. With a limit of 0 every
+// group is in the buffer: then a fast push loses energy (the pile of `experiment energy-loss` at ratio 8: 1.7 % instead
+// of 0.2 %).
 //
 // Thread: the global world's; construction [setup]; allocates nothing. Work: linear in bodies and touches; where a
 // group is uneven, in contacts too.

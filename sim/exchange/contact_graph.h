@@ -1,10 +1,10 @@
 // The paper's graph of contacts between moving bodies, as compressed adjacency lists.
 //
 // One edge per touching pair, with one representative contact: the impulse-weighted mean of its points, and its normal.
-// A joint is an edge too. Static geometry is not a node. Thread: the global world's; construction [setup], build and
-// find_component never allocate. Frame: world. Units: m. Bound: bodies and edges as given at construction; edges beyond
-// are left out and counted by the caller. Work: build is linear in bodies + edges, find_component in the part that it
-// visits. Source: the paper, section 2, equation 1.
+// A joint is an edge too. Static geometry is not a node.
+// Thread: the global world's; construction [setup], build and find_component never allocate. Frame: world. Units: m.
+// Bound: bodies and edges as given at construction; edges beyond are left out and counted by the caller. Work: build is
+// linear in bodies + edges, find_component in the part that it visits. Source: the paper, section 2, equation 1.
 #pragma once
 
 #include <span>
@@ -37,7 +37,7 @@ class ContactGraph {
 
   ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches);
 
-  // Replaces the graph. Links of a body come in the order of `touches`, which is kept.
+  // Replaces the graph; copies `touches`. The links of a body are in the order of `touches`.
   void build(std::uint32_t bodies, std::span<const ContactEdge> touches) noexcept;
 
   std::span<const Link> links(std::uint32_t slot) const noexcept;

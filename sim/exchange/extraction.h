@@ -5,9 +5,9 @@
 // Hysteresis: a present member's influence counts double (its hops one less), and a member that no longer qualifies
 // stays for linger_cycles while the cap allows. Each chosen body brings along the bodies that joints connect to it. Few
 // bodies join or leave per cycle, so that the tick that imports them stays short; only bodies in the cube and joined
-// bodies may exceed max_joins. So the sub-world grows over several cycles, as in the paper. Thread: the global world's;
-// construction [setup]. Units: SI. Bound: the cap, never exceeded; bodies left out are counted. Ties by slot, which is
-// by body id. Source: the paper, section 2; influence in sim/exchange/influence.h.
+// bodies may exceed max_joins. So the sub-world grows over several cycles, as in the paper.
+// Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never exceeded; bodies left out are
+// counted. Ties by slot, which is by body id. Source: the paper, section 2; influence in sim/exchange/influence.h.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"

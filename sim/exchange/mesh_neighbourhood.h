@@ -3,8 +3,9 @@
 //
 // Each member has a region for each mesh near it: its box, grown by its possible motion until the snapshot after the
 // next is imported (boundary_cube.h). For a member without a region, or outside it, the haptic thread searches the
-// mesh's tree: entries that do not fit cost that thread time, nothing else. Thread: the global world's. Units: m.
-// Bound: the snapshot's capacities; a region of more than kMaxBodyTriangles is left out. What does not fit is counted.
+// mesh's tree: entries that do not fit cost that thread time, nothing else.
+// Thread: the global world's. Units: m. Bound: the snapshot's capacities; a region of more than kMaxBodyTriangles is
+// left out. What does not fit is counted.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"

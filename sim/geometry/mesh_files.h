@@ -2,7 +2,8 @@
 //
 // From an OBJ file the lines "v x y z" and "f a b c ...", where a face of more corners is divided into a fan; from an
 // STL file its triangles. Normals, textures and names are not used: the order of the corners defines the outside.
-// Units: the file's own. Thread: [setup]. Bound: kMaxMeshCorners, kMaxMeshTriangles; beyond them the file is rejected.
+// Units: the file's own.
+// Thread: [setup]. Bound: kMaxMeshCorners, kMaxMeshTriangles; beyond them the file is rejected.
 #pragma once
 
 #include <array>

@@ -3,7 +3,8 @@
 // Only positions are read, for a convex hull; for triangles see mesh_files.h. From an OBJ file the lines "v x y z",
 // from an STL file the corners of its triangles, each position once, in the order of the file. Why not a library: the
 // available readers take an invalid number for zero and do not report the line; here each mistake has its line or its
-// triangle. Units: the file's own. Thread: [setup]. Bound: kMaxShapeFileBytes; beyond it the file is rejected.
+// triangle. Units: the file's own.
+// Thread: [setup]. Bound: kMaxShapeFileBytes; beyond it the file is rejected.
 #pragma once
 
 #include <filesystem>

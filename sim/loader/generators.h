@@ -2,9 +2,9 @@
 //
 // Pure functions: the same numbers give the same bodies, bit for bit, on every machine (own trigonometry, own random
 // numbers). Bodies have no ids, are at rest, and are ordered from the ground up; the order is part of the contract.
-// Frame: the part's own, origin on the ground in the middle of the part, z up; the loader places it. Units: SI.
-// Bodies start in contact, with no overlap beyond rounding. Thread: [setup].
-// Bound: arguments must be in the ranges that the scene loader accepts; the caller limits the counts.
+// Frame: the part's own, origin on the ground in the middle of the part, z up; the loader places it. Units: SI. Bodies
+// start in contact, with no overlap beyond rounding.
+// Thread: [setup]. Bound: arguments must be in the ranges that the scene loader accepts; the caller limits the counts.
 #pragma once
 
 #include <cstdint>

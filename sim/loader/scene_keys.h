@@ -1,7 +1,8 @@
 // The scene language as a list: every table and key that the loader reads, with the loader's own type, range and
 // default, and a sentence for each. Reference pages, the manual page and the JSON schema are generated from this list.
 // A test compares it with the keys that the loader requests: a key without a sentence, or a sentence without a key,
-// fails. Thread: [setup].
+// fails.
+// Thread: [setup].
 #pragma once
 
 #include <span>

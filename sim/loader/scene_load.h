@@ -2,8 +2,8 @@
 //
 // Every mistake has its line and column, the key, what was found and what is accepted. A mistake never hides the next
 // one, except if the text is not TOML. A scene with warnings only (an effect declared but not used, a card house that
-// cannot stand) is accepted. Units: SI, in the key names. Frame: world, z up. Thread: [setup].
-// Bound: the limits below; beyond them the scene is rejected with a mistake like any other.
+// cannot stand) is accepted. Units: SI, in the key names. Frame: world, z up.
+// Thread: [setup]. Bound: the limits below; beyond them the scene is rejected with a mistake like any other.
 #pragma once
 
 #include <filesystem>

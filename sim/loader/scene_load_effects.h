@@ -1,7 +1,8 @@
 // Reads the keys of effects in a scene file: the list, the effects' own tables, the keys of a body, joints.
 //
 // A key or table of an effect that is not declared is a mistake that names the effect; an effect that is declared but
-// not used is a warning. Thread: [setup]. Mistakes go to the reader's diagnostics.
+// not used is a warning.
+// Thread: [setup]. Mistakes go to the reader's diagnostics.
 #pragma once
 
 #include <map>

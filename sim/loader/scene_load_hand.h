@@ -1,7 +1,8 @@
 // Reads the [hand] of a scene: way points in the text, or a recorded motion in a file beside it.
 //
 // A file's rows are stored at the end of the scene's source as a [[motion_file]] table, as hulls and meshes are, so
-// that a tape replays without the file. Thread: [setup]. Mistakes go to the reader's diagnostics.
+// that a tape replays without the file.
+// Thread: [setup]. Mistakes go to the reader's diagnostics.
 #pragma once
 
 #include <filesystem>

@@ -1,8 +1,9 @@
 // Reads the hulls of a scene file: points in the text, or a file of corners beside it.
 //
 // A file's vertices are stored at the end of the scene's source as [[hull_file]] tables, so that a tape replays without
-// the file: a text that has them needs no file. Thread: [setup]. Mistakes go to the reader's diagnostics.
-// Bound: kMaxSceneHulls; two bodies of the same file and unit share a hull.
+// the file: a text that has them needs no file.
+// Thread: [setup]. Mistakes go to the reader's diagnostics. Bound: kMaxSceneHulls; two bodies of the same file and unit
+// share a hull.
 #pragma once
 
 #include <filesystem>

@@ -1,8 +1,9 @@
 // Reads the triangle meshes of a scene file, from files of triangles beside it.
 //
 // A file's triangles are stored at the end of the scene's source as [[mesh_file]] tables, as hulls are, so that a tape
-// replays without the file. Thread: [setup]. Mistakes go to the reader's diagnostics. Bound: kMaxMeshTriangles and
-// kMaxMeshCorners over all meshes of the scene; each body with a mesh counts.
+// replays without the file.
+// Thread: [setup]. Mistakes go to the reader's diagnostics. Bound: kMaxMeshTriangles and kMaxMeshCorners over all
+// meshes of the scene; each body with a mesh counts.
 #pragma once
 
 #include <filesystem>

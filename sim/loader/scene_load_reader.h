@@ -1,7 +1,8 @@
 // Reads the keys of one TOML table, each with its range and default, and adds a mistake for each wrong value.
 //
 // A wrong value is replaced by the default, so that reading continues and all mistakes are found. Keys that were not
-// requested are mistakes too, with the nearest known key as a suggestion. Thread: [setup].
+// requested are mistakes too, with the nearest known key as a suggestion.
+// Thread: [setup].
 #pragma once
 
 #include <initializer_list>

@@ -1,5 +1,5 @@
-// The command line's names of couplings, borders and other choices: name_of and parse. Thread: [any]. name_of is never
-// empty.
+// The command line's names of couplings, borders and other choices: name_of and parse.
+// Thread: [any]. name_of is never empty.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,8 @@
 // The effects that a scene can declare: their names, their conditions of use, and the set-up of the worlds with them.
 //
 // One table (scene_effects.cpp) has a line for each; the loader, the report and the worlds use it. An effect that is
-// declared but not used is left out of the worlds, as if it were not declared. Thread: [setup].
+// declared but not used is left out of the worlds, as if it were not declared.
+// Thread: [setup].
 #pragma once
 
 #include <span>
