@@ -33,7 +33,7 @@ double contact_springs_J(const physics::World& world, double contact_hertz, doub
       const auto& point = contact.points[i];
       double gap_m = point.separation + slop_m - dot(contact.normal, moved(contact.slot_a, point.from_a));
       if (!contact.b_fixed) gap_m += dot(contact.normal, moved(contact.slot_b, point.from_b));
-      if (!(gap_m < 0)) continue;  // also where a newcomer's start is not known
+      if (!(gap_m < 0)) continue;  // also for NaN: a new body has no pose at the start of the step
       double inverse_kg = inverse_mass_at(world.bodies()[contact.slot_a], point.from_a, contact.normal);
       if (!contact.b_fixed) inverse_kg += inverse_mass_at(world.bodies()[contact.slot_b], point.from_b, contact.normal);
       if (inverse_kg > 0) sum_J += 0.5 * omega * omega / inverse_kg * gap_m * gap_m;

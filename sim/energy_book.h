@@ -1,11 +1,10 @@
-// Does a world have more energy than it was given? The book of its energy beside the device's work.
+// Energy balance of the global world against the device's work: detects energy that the simulation creates.
 //
-//   X = kinetic + potential - work of the coupling on the proxy     S: of the contacts' springs, all at t_n
-// X + S never rises in a world that only loses energy by itself: friction, damping, blows. By how much X is above the
-// least that X + S was before is unexplained. S counts on one side alone: what a deep overlap could give is not yet
-// motion, and contacts push out no faster than they may. That can be said only where nothing else does work: no body on
-// a script, no driven joint, no attraction, no restitution. Every kEvery-th cycle: a global step of thousands must not
-// wait for its book.
+//   X = kinetic + potential - work of the coupling on the proxy     S: energy of the contacts' springs; all at t_n
+// X + S never rises in a world that only dissipates: friction, damping, impacts. The excess of X over the minimum of
+// earlier X + S is unexplained. S counts in the minimum only: the energy stored in a deep overlap is not yet motion,
+// and the push-out speed of contacts is limited. Valid only if nothing else does work: no scripted body, no driven
+// joint, no attraction, no restitution. Updated every kEvery-th cycle, to spare the global step of thousands of bodies.
 // Thread: the global world's. Units: J.
 #pragma once
 
@@ -21,13 +20,13 @@ struct Scene;
 struct EnergyBook {
   static constexpr unsigned kEvery = 4;
 
-  bool complete{false};  // it is kept, and nothing does work that it does not have
-  unsigned cycles{0};    // since the scene began
+  bool complete{false};  // the balance is kept: it covers everything that does work in this scene
+  unsigned cycles{0};    // since the scene's start or reset
   double most_kinetic_J{0};
-  double proxy_work_J{0};   // by now
-  double work_in_J{0};      // of it, what was put in: the rises alone
-  double unexplained_J{0};  // most that X was above the least of X + S before
-  double least_J{std::numeric_limits<double>::infinity()};
+  double proxy_work_J{0};                                   // work of the coupling on the proxy, up to now
+  double work_in_J{0};                                      // sum of its increases
+  double unexplained_J{0};                                  // max of X - least_J
+  double least_J{std::numeric_limits<double>::infinity()};  // min of X + S
 
   void add(double kinetic_J, double potential_J, double springs_J, double work_J) noexcept {
     const double x_J = kinetic_J + potential_J - work_J;
@@ -38,20 +37,20 @@ struct EnergyBook {
     proxy_work_J = work_J;
   }
   bool due() noexcept { return complete && cycles++ % kEvery == 0; }
-  // The scene is as it was at the start; what was done before does not count.
+  // Call at a reset of the scene: the minimum starts again, the maxima stay.
   void reset() noexcept {
     cycles = 0;
     least_J = std::numeric_limits<double>::infinity();
   }
-  // What the unexplained is held against.
+  // The energy that unexplained_J is compared with.
   double in_play_J() const noexcept { return std::max(most_kinetic_J, work_in_J); }
 };
 
-// Is gravity, friction, damping and the hand all that does work in this scene?
+// True if only gravity, friction, damping and the hand do work in this scene.
 bool energy_can_be_booked(const Scene& scene) noexcept;
 
-// Of the contacts that the last step found, where its bodies are now: k e^2 / 2 with k = m w^2 of each point and e
-// what it overlaps beyond the slop that contacts leave alone.
+// Energy of the last step's contact springs, at the present poses: sum over the points of k e^2 / 2, k = m w^2, e: the
+// overlap beyond the slop.
 double contact_springs_J(const physics::World& world, double contact_hertz, double slop_m) noexcept;
 
 }  // namespace tactus::sim

@@ -7,7 +7,7 @@
 namespace tactus::sim {
 namespace {
 
-// A stall must not keep a program from ending.
+// A stall sleeps in intervals of at most this, so that stop() need not wait for its end.
 constexpr std::chrono::nanoseconds kLongestSleep{5'000'000};
 
 }  // namespace

@@ -1,8 +1,9 @@
-// The thread of the global world: normal priority, its own core if asked, polling for reports.
+// The thread of the global world: normal priority, on its own core if configured. It polls for reports.
 //
-// It sleeps between looks: the haptic thread wakes nobody. Thread: start and stop by one normal thread; progress() by
-// any. Units: ns, as named. Bound: a report is seen at most one poll period (and the scheduler's own delay) after it
-// was published. Errors: start says what could not be set; the thread then runs without it.
+// It sleeps between polls, so that the haptic thread need not wake it.
+// Thread: start and stop by one normal thread; progress() by any. Units: ns, as named. Bound: a report is read at most
+// one poll period (and the scheduler's delay) after it was published. Errors: start() returns what could not be set;
+// the thread then runs without it.
 #pragma once
 
 #include <atomic>
@@ -15,20 +16,20 @@
 
 namespace tactus::sim {
 
-// For tests and fault injection: the world is late by this much, once, before it serves this report.
+// For tests and fault injection: delays the world once by `duration`, before it serves this report.
 struct Stall {
   std::uint64_t at_report{0};
   std::chrono::nanoseconds duration{0};
 };
 
-// Told of each step, by the thread, which waits for it. A function and its context; the default is nobody.
+// Called after each step, on the global world's thread, which waits for it. Null: none.
 struct StepObserver {
   void (*stepped)(void* context, const GlobalWorld& world) noexcept {nullptr};
   void* context{nullptr};
 };
 
 struct GlobalThreadOptions {
-  int cpu{-1};  // to run on; -1: wherever
+  int cpu{-1};  // CPU to run on; -1: any
   std::chrono::nanoseconds poll_period{50'000};
   std::vector<Stall> stalls;
   StepObserver stepped{};
@@ -46,13 +47,13 @@ class GlobalThread {
   GlobalThread(const GlobalThread&) = delete;
   GlobalThread& operator=(const GlobalThread&) = delete;
 
-  // Publishes G(0), then starts. Not ok: running, but not where or as it was asked to.
+  // Publishes G(0), then starts the thread. Error: the thread runs, but without the requested CPU or priority.
   Status start();
-  // Returns when the step under way is done. The world and step_times() are the caller's again.
+  // Returns when the current step is done. The caller may then use the world and step_times().
   void stop() noexcept;
 
   Progress progress() const noexcept;
-  // After stop: from the report to the snapshot, one entry a cycle; stalls not counted.
+  // After stop(): ns from reading the report to publishing the snapshot, one entry per cycle, without stalls.
   const Histogram& step_times() const noexcept { return step_times_; }
 
  private:

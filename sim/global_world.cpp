@@ -18,14 +18,13 @@ using haptics::WorldSnapshot;
 using physics::Body;
 using physics::BodyKind;
 
-// Enough for impulses to come through a stack of some twenty bodies.
+// Enough steps for impulses to propagate through a stack of some twenty bodies.
 constexpr unsigned kPredictionSteps = 5;
-// Of the change of the device's force from cycle to cycle, what the next one is expected to bring. All of it would be
-// right for a force that changes evenly; a hand's trembles. Of the pushed row of `experiment energy-loss`, 20 seeds,
-// for 0.8, 0.9 and 1 (2026-11-23): it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 %
-// at 16.
+// Fraction of the last cycle's change in device wrench that is extrapolated into the next cycle. 1 is exact for a ramp;
+// a hand trembles. Measured on the pushed row of `experiment energy-loss`, 20 seeds, for 0.8, 0.9 and 1 (2026-11-23):
+// it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 % at 16.
 constexpr double kWrenchExtrapolation = 0.9;
-// Bodies awake: a step of more is taken in one pass.
+// With more bodies awake, a step is taken in one pass.
 constexpr std::size_t kMostInPasses = 500;
 
 // A packed cube has 26 neighbours, half of them its own pairs, and touches 6: twice of that before anything is lost.
@@ -33,7 +32,7 @@ constexpr std::uint32_t kPairsPerBody = 16;
 constexpr std::uint32_t kContactsPerBody = 8;
 constexpr std::uint32_t kFewestPairs = 256;
 constexpr std::uint32_t kFewestContacts = 256;
-// On a mesh: patches that a body is near to, and their triangles.
+// On a mesh: patches near a body, and triangles near a body.
 constexpr std::uint32_t kPatchesPerBody = 16;
 constexpr std::uint32_t kTrianglesPerBody = 64;
 
@@ -76,7 +75,7 @@ std::uint32_t touches_for(const Scene& scene) noexcept {
   return capacities_for(scene).contacts + static_cast<std::uint32_t>(scene.effect_data.joints.size());
 }
 
-// The scene's moving and fixed bodies, all at once.
+// A world with all moving and fixed bodies of the scene.
 physics::World world_of(const Scene& scene, const GlobalOptions& options) {
   physics::World world(capacities_for(scene), scene.hulls, scene.meshes, global_effect_setups(scene),
                        options.precision);
@@ -190,7 +189,7 @@ std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) no
   return member_slots_;
 }
 
-// Of any device.
+// By slot: 1 for members of any device's sub-world.
 std::span<const std::uint8_t> GlobalWorld::slots_of_all_members() noexcept {
   member_slots_.clear();
   for (const std::uint32_t place : islands_.awake())
@@ -225,7 +224,7 @@ void GlobalWorld::fill_first(std::uint32_t device, std::uint64_t cycle, std::uin
   if (coupling_.border) predict_border(device, next);
 }
 
-// The books go on, the world does not.
+// Resets the world to the scene's start; the statistics continue.
 void GlobalWorld::reset(const Posed& world_from_proxy) {
   GlobalStatistics statistics = statistics_;
   WorkerPool* const pool = pool_;
@@ -242,10 +241,10 @@ void GlobalWorld::reset(const Posed& world_from_proxy) {
   wake_near(device);
 }
 
-// Without impulses in its first snapshot what rests on outside bodies would fall for two cycles. So a few steps are
-// tried, their border is kept, and everything else is taken back.
+// Without impulses in the first snapshot, members that rest on outside bodies would fall for two cycles. So the world
+// takes a few steps, their border is kept, and the state is restored.
 void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noexcept {
-  // Room for the world as it is: what it may hold is far more.
+  // The buffer grows to the present state's size; the bound at full capacity is far larger.
   std::vector<std::byte> bytes(1u << 20);
   ByteWriter out(bytes);
   for (world_.save(out); !out.ok(); world_.save(out)) {
@@ -275,7 +274,7 @@ void GlobalWorld::step(const SubWorldReport& report, WorldSnapshot& next) noexce
     fill_first(0, report.cycle + 1, report.member_budget, next);
     return;
   }
-  if (report.epoch == epoch()) impose(0, report);  // else it is of a world that has gone
+  if (report.epoch == epoch()) impose(0, report);  // else it was written before a reset
   advance();
   fill_snapshot(0, report.cycle + 1, report.member_budget, next);
 }
@@ -304,8 +303,8 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
     take_target(device, report);
     return;
   }
-  // The device goes on holding the proxy as it did on the mean of the last cycle, and changing that, but by no more
-  // than it is: a hand that lets go does not pull. The next report corrects it.
+  // Extrapolates the mean device wrench of the last cycle. The change is limited to the wrench's magnitude, so that a
+  // hand that lets go does not pull. The next report corrects the error.
   const Wrenchd& mean = report.mean_device_wrench;
   if (!is_finite(mean)) return;
   const Wrenchd& before = device.held_before == Wrenchd{} ? mean : device.held_before;
@@ -319,10 +318,11 @@ void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noex
   device.target = sane ? report.device : haptics::DeviceTarget{};
 }
 
-// The coupling's spring and damper between each proxy and its device, for a pass that begins `elapsed_s` after the
-// step: the device goes on at its velocity. With the sub-world coupling the proxy's image then pushes what it touches
-// as the proxy itself will, to second order in the step; a force held over the step would drive it apart from that.
-// A device that does not hold the proxy brings it to rest. The other couplings hold a wrench (impose).
+// Sets the coupling's spring and damper between each proxy and its device, for a pass that begins `elapsed_s` after the
+// start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy in the
+// global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a force
+// held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
+// couplings hold a wrench (impose).
 void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
   if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
   for (std::uint32_t d = 0; d < devices_.size(); ++d) {
@@ -337,8 +337,8 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
   }
 }
 
-// Pose and velocity of the inner members as they are, bit by bit; with the static coupling only the proxy's, since the
-// others were frozen.
+// Copies pose and velocity of the inner members, bit by bit; with the static coupling only the proxy's, since the other
+// members were frozen.
 void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) noexcept {
   double before = 0, after = 0;
   for (const auto& member : report.members) {
@@ -366,7 +366,7 @@ physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t pas
   for (const Device& device : devices_)
     if (device.held_by != Wrenchd{}) world_.apply_wrench(slot_of(device), device.held_by);
   world_.begin_step(bounds_settings);
-  while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings);  // who wakes may wake others
+  while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings);  // a woken body may wake others
   if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
   physics::FarRegion far = far_region();
   far.sub_steps = std::max(1u, far.sub_steps / passes);
@@ -377,7 +377,7 @@ physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t pas
   return report;
 }
 
-// Members alone: of thousands of bodies most are none.
+// Copies only the members' velocities: most of thousands of bodies are not members.
 void GlobalWorld::note_member_velocities() noexcept {
   velocity_before_.resize(world_.bodies().size());
   for (const Device& device : devices_)
@@ -395,9 +395,9 @@ void GlobalWorld::add_border_work() noexcept {
   }
 }
 
-// One where a border is that exchanges the impulses of a whole step: ghosts go by those of its end. One too for a large
-// world, whose step would take that many times as long. Inner members are not asked how fast they are: their own world
-// moves them.
+// Number of passes of the next step. One if a border exchanges the impulses of a whole step (ghosts use those of the
+// last pass), and one for a large world, since every further pass costs as much again. The speed of inner members does
+// not count: the sub-world moves them.
 std::uint32_t GlobalWorld::passes_of_step() noexcept {
   if (islands_.awake().size() > kMostInPasses) return 1;
   for (const Device& device : devices_)
@@ -409,18 +409,19 @@ std::uint32_t GlobalWorld::passes_of_step() noexcept {
   return std::gcd(physics::passes_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
 }
 
-// An overlap that is no larger share of the thinnest body than what was seen is none of its own either.
+// Updates the deepest relative overlap. An overlap that is no new maximum relative to the thinnest body cannot be one
+// relative to its own bodies, and the search is skipped.
 void GlobalWorld::look_at_overlaps(double deepest_m) noexcept {
   if (!(deepest_m > statistics_.overlap.share * thinnest_m_)) return;
   const physics::Overlap deepest = physics::deepest_overlap(world_);
   if (deepest.share > statistics_.overlap.share) statistics_.overlap = deepest;
 }
 
-// Of time t_n, with the members as their own world has them. Not after what is handed back: an impulse that contacts
-// have not answered yet is no motion.
+// Books the energy at t_n, with the members' state as imposed. Call before impulses are returned: contacts have not yet
+// reacted to those.
 void GlobalWorld::keep_energy_book(const SubWorldReport& report) noexcept {
   if (!statistics_.energy.due()) return;
-  // Who sleeps stays where it is: thousands are not summed up anew in every step.
+  // Sleeping bodies do not move: their sum is recomputed only when their set changes.
   const std::uint64_t changes = islands_.fell_asleep() + islands_.woke_up();
   if (changes != asleep_of_) asleep_J_ = islands_.potential_energy(settings_.gravity);
   asleep_of_ = changes;

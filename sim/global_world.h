@@ -1,15 +1,15 @@
-// The global world: every body of the scene, one step of r ticks per cycle, beside the sub-worlds that it serves.
+// The global world: simulates every body of the scene, one step of r ticks per cycle, beside the haptic sub-worlds.
 //
-// One cycle: take the report H(n), impose the members' state, hand the border impulses on, step r T, choose the
-// members of cycle n + 1, write the snapshot G(n+1). Members are the sub-world's to move: only joiners' state goes
-// down. What the coupling schemes change is in `impose` and `fill_snapshot`; the direct coupling has no global world.
-// With the effect sleeping, what rests is not in the world: island_manager.h. Proxies, members and what hangs together
-// with them are always awake, and so is what is in reach of a proxy.
-// A device is a proxy with its sub-world; a body is a member of one sub-world at most. With several devices the three
-// parts of a step are called apart: all reports go in, one step, all snapshots come out. A scene names one proxy, so a
-// session has one device; a program of its own may have more (GlobalOptions::more_proxies).
-// Thread: construction [setup]; the rest: one owner, any priority; allocates nothing. Frame: world. Units: SI.
-// Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics.
+// One cycle: read the report H(n), impose the members' state, apply the returned border impulses, step by r T, choose
+// the members of cycle n + 1, write the snapshot G(n+1). Members are the sub-world's to move: only joiners' state goes
+// down. The coupling schemes differ in `impose` and `fill_snapshot`; the direct coupling has no global world.
+// With the effect sleeping, resting islands are removed from the world: island_manager.h. Proxies, members, all bodies
+// connected to them, and all bodies in reach of a proxy are always awake.
+// A device is a proxy with its sub-world; a body is a member of at most one sub-world. With several devices the three
+// parts of a step are called separately: impose for each device, one advance, fill_snapshot for each device. A scene
+// names one proxy, so a session has one device; a separate program may have more (GlobalOptions::more_proxies).
+// Thread: construction [setup]; the rest: one owner, any priority; allocates nothing. Frame: world.
+// Units: SI. Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics.
 // Source: the paper, section 2.
 #pragma once
 
@@ -35,46 +35,45 @@ struct GlobalOptions {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   physics::BorderMode border_mode{physics::BorderMode::kCapped};
   ExtractionOptions extraction;
-  std::vector<BodyId> more_proxies{};  // of the devices beyond the scene's own: dynamic bodies of the scene
-  ReachSettings reach;                 // with the ratio and the tick period
+  std::vector<BodyId> more_proxies{};  // proxies of further devices: dynamic bodies of the scene
+  ReachSettings reach;                 // includes the ratio and the tick period
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
-  haptics::CouplingGains gains;    // of the coupling of device and proxy, world units, as the haptic side's
-  double touch_tolerance_m{1e-4};  // before the first step, bodies this near count as touching
+  haptics::CouplingGains gains;    // of the coupling of device and proxy, world units; equal to the haptic side's
+  double touch_tolerance_m{1e-4};  // before the first step, bodies at most this far apart count as touching
 };
 
-// Since the start; "most" are high-water marks.
+// Counts and sums since the start; most_*: maxima.
 struct GlobalStatistics {
   std::uint64_t steps{0};
   std::uint32_t bodies{0}, fixed_bodies{0};
   std::uint32_t awake{0}, asleep{0}, most_awake{0};  // of the moving bodies
   std::uint64_t fell_asleep{0}, woke_up{0};          // bodies
   std::uint32_t pairs{0}, contacts{0}, points{0};    // of the last step
-  std::uint32_t comparisons{0};                      // of boxes, to find its contacts
+  std::uint32_t comparisons{0};                      // box comparisons of the last step's collision detection
   std::uint32_t most_pairs{0}, most_contacts{0}, most_members{0}, most_component{0}, most_border_points{0};
   std::uint32_t most_close_left_out{0};
-  // Members that the global world keeps for their uneven masses (buffer_choice.h): at once, and cycles with any.
+  // Members in the buffer only for their uneven masses (buffer_choice.h): most in a cycle, and cycles with any.
   std::uint32_t most_uneven_members{0};
   std::uint64_t uneven_cycles{0};
   std::uint64_t joins{0}, leaves{0};
-  std::uint64_t dropped_entries{0};  // of snapshots: border points and warm starts that did not fit
+  std::uint64_t dropped_entries{0};  // snapshot entries that did not fit, such as border points and warm starts
   std::uint64_t rejected_states{0};  // members whose reported state was not finite
   std::uint32_t capacity_bits{0};    // physics::CapacityBit
-  // Energy at the border, with sign: what outside bodies did on members in the steps (with ghosts), what imposing the
-  // members' state did to the global world, kinetic and potential, and what returned impulses gave to outside bodies.
-  double border_work_J{0};
-  double imposed_energy_J{0};
-  double returned_impulse_Ns{0};  // magnitudes, at the border, to outside bodies
-  double returned_energy_J{0};
-  std::uint64_t returned_skipped{0};
-  double stopped_energy_J{0};  // kinetic: of bodies that fell asleep
-  double deepest_m{0};
-  physics::Overlap overlap;  // of all contacts so far the one that is deepest for how thick its bodies are
+  // Energy at the border, with sign.
+  double border_work_J{0};            // work of outside bodies on members in the steps (with ghosts)
+  double imposed_energy_J{0};         // change, kinetic and potential, when members' states are imposed
+  double returned_impulse_Ns{0};      // sum of the magnitudes of impulses returned to outside bodies
+  double returned_energy_J{0};        // kinetic energy that these gave
+  std::uint64_t returned_skipped{0};  // ImpulseReturn::skipped
+  double stopped_energy_J{0};         // kinetic energy of bodies when they fell asleep
+  double deepest_m{0};                // deepest overlap
+  physics::Overlap overlap;           // of all contacts so far, the deepest relative to its bodies' thickness
   EnergyBook energy;
-  std::uint32_t broken_joints{0};  // by now
-  std::uint32_t resets{0};         // how often the scene has begun anew
+  std::uint32_t broken_joints{0};  // at present
+  std::uint32_t resets{0};         // scene resets
 };
 
-// Can this scene be run so? Else one line that says why not.
+// Checks whether the scene can run with these options. An error is one line with the reason.
 Status check_global_options(const Scene& scene, const GlobalOptions& options);
 
 class GlobalWorld {
@@ -82,16 +81,16 @@ class GlobalWorld {
   // The options must have passed check_global_options. The scene must outlive the world.
   GlobalWorld(const Scene& scene, const GlobalOptions& options);
 
-  // [setup] From now on the pool's threads share the work of the steps; the results stay, bit by bit.
+  // [setup] From now on the pool's threads share the work of the steps; the results stay the same, bit by bit.
   void share_work(WorkerPool& pool);
 
-  // [setup] Goes on from another world's state: the motion of moving bodies, and what their contacts hold.
+  // [setup] Imports another world's state: the motion of moving bodies, and their contacts' impulses as warm starts.
   void set_state(std::span<const physics::Body> bodies, std::span<const physics::WarmStart> contacts) noexcept;
 
-  // G(0): members chosen where the bodies are, nothing stepped yet.
+  // G(0): members chosen from the initial poses, before the first step.
   void first_snapshot(haptics::WorldSnapshot& first, std::uint32_t device = 0) noexcept;
-  // One cycle: from H(n) to G(n+1). Where the report wants another epoch, the scene begins anew instead: from its file,
-  // with the proxy where the report says. That allocates, and takes as long as a start.
+  // One cycle: from H(n) to G(n+1). If the report requests a new epoch, the scene is reset instead: to its file's
+  // state, with the proxy at the pose in the report. A reset allocates, and takes as long as a start.
   void step(const haptics::SubWorldReport& report, haptics::WorldSnapshot& next) noexcept;
 
   // The parts of `step`, by device.
@@ -102,8 +101,8 @@ class GlobalWorld {
   std::uint32_t devices() const noexcept { return static_cast<std::uint32_t>(devices_.size()); }
   std::uint32_t epoch() const noexcept { return statistics_.resets; }
 
-  const physics::World& world() const noexcept { return world_; }  // those awake
-  // All moving bodies by id, those asleep included; as they were after the last step.
+  const physics::World& world() const noexcept { return world_; }  // the awake bodies
+  // All moving bodies by id, sleeping ones included, as after the last step.
   std::span<const physics::Body> bodies() const noexcept { return islands_.bodies(); }
   bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
@@ -118,18 +117,18 @@ class GlobalWorld {
   std::uint64_t state_hash() const noexcept { return islands_.state_hash(world_.state_hash()); }
 
  private:
-  // Members are named by place (island_manager.h); slots are the world's.
+  // Members are indexed by place (island_manager.h); slots are the world's.
   struct Device {
     BodyId id;            // of the proxy
-    std::uint32_t proxy;  // its place
+    std::uint32_t proxy;  // place of the proxy
     Extraction extraction;
-    Posed reported_proxy;                // where the device's own world had it at t_n
-    Wrenchd held_by{};                   // N, N m: on the proxy over the next step
-    Wrenchd held_before{};               // mean of the last cycle
-    haptics::DeviceTarget target{};      // where the proxy is wanted as the next step begins; its spring: hold_proxy
-    bool has_border{false};              // its last snapshot
+    Posed reported_proxy;                // the proxy's pose at t_n in the sub-world
+    Wrenchd held_by{};                   // N, N m: applied to the proxy over the next step
+    Wrenchd held_before{};               // N, N m: mean device wrench of the last cycle
+    haptics::DeviceTarget target{};      // the device's state as the next step begins; target of hold_proxy's spring
+    bool has_border{false};              // its last snapshot has border points
     double border_work_J{0};             // of outside bodies on its members, in the last step
-    std::vector<std::uint8_t> buffer{};  // by place: in the buffer of its sub-world (border_buffer.h)
+    std::vector<std::uint8_t> buffer{};  // by place: 1 if in the buffer of its sub-world (border_buffer.h)
   };
 
   std::uint32_t slot_of(const Device& device) const noexcept;
@@ -171,10 +170,10 @@ class GlobalWorld {
   GlobalOptions options_;
   haptics::CouplingTraits coupling_;
   physics::BorderTraits border_;
-  WorkerPool* pool_{nullptr};  // null: nobody shares the work
-  bool stepped_{false};        // since the scene began
-  double pass_s_{0};           // of the last pass of the last step: what the contacts' impulses are of
-  physics::StepSettings settings_, bounds_settings_;  // the latter: with the sub-steps of the far region
+  WorkerPool* pool_{nullptr};                         // null: the work is not shared
+  bool stepped_{false};                               // at least one step since the scene's start or reset
+  double pass_s_{0};                                  // s: length of the last pass; the contacts' impulses are over it
+  physics::StepSettings settings_, bounds_settings_;  // bounds_settings_: with the sub-steps of the far region
   physics::World world_;
   physics::Hulls hulls_;
   physics::Meshes meshes_;
@@ -187,14 +186,14 @@ class GlobalWorld {
   std::vector<Device> devices_;
   std::vector<ContactEdge> touches_;
   std::vector<physics::Aabb> bounds_;
-  std::vector<std::uint8_t> free_;          // by place: member of no other device's sub-world
-  std::vector<std::uint8_t> held_;          // by place: member of a sub-world
-  std::vector<std::uint8_t> member_slots_;  // by slot: member of the sub-world in question
-  std::vector<Twistd> velocity_before_;     // by slot, of members: as the pass began
-  std::vector<physics::Aabb> regions_;      // by device: where nothing falls asleep
-  double thinnest_m_{0};                    // of all bodies
-  double asleep_J_{0};                      // potential energy of those that sleep,
-  std::uint64_t asleep_of_{0};              // as many having fallen asleep or woken up by then
+  std::vector<std::uint8_t> free_;          // by place: 1 if member of no other device's sub-world
+  std::vector<std::uint8_t> held_;          // by place: 1 if member of a sub-world or kinematic: stays awake
+  std::vector<std::uint8_t> member_slots_;  // by slot: 1 if member of the sub-world in question
+  std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the pass
+  std::vector<physics::Aabb> regions_;      // by device: region in which nothing falls asleep
+  double thinnest_m_{0};                    // thickness of the thinnest body
+  double asleep_J_{0};                      // cached potential energy of the sleeping bodies
+  std::uint64_t asleep_of_{0};              // asleep_J_ is valid for this sum of fell_asleep and woke_up
   double time_s_{0};
   GlobalStatistics statistics_;
 };

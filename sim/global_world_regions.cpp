@@ -1,4 +1,5 @@
-// The global world by regions: what is near a sub-world, and so awake and fully sub-stepped; what sleeps; what is far.
+// The global world by regions: awake and fully sub-stepped near a sub-world; sleeping islands; far islands with fewer
+// sub-steps.
 #include "sim/global_world.h"
 
 namespace tactus::sim {
@@ -10,7 +11,7 @@ bool GlobalWorld::is_asleep(BodyId id) const noexcept {
   return place >= 0 && islands_.is_asleep(static_cast<std::uint32_t>(place));
 }
 
-// Whom the report is about, should he have fallen asleep meanwhile.
+// Wakes the bodies named in the report that have fallen asleep since it was written.
 void GlobalWorld::wake_for(const SubWorldReport& report) noexcept {
   if (islands_.asleep() == 0) return;
   const auto wake = [this](BodyId id) noexcept {
@@ -21,16 +22,16 @@ void GlobalWorld::wake_for(const SubWorldReport& report) noexcept {
   for (const auto& entry : report.border) wake(entry.outside);
 }
 
-// What may be chosen at the end of the coming step for its place alone.
+// Wakes the bodies in the device's boundary cube, which may become members at the end of the next step.
 void GlobalWorld::wake_near(const Device& device) noexcept {
   if (islands_.asleep() == 0) return;
   (void)islands_.wake_in(device.extraction.region(world_.bodies()[slot_of(device)], device.reported_proxy), world_);
 }
 
-// What each device's sub-world has, and where it may get more.
+// Updates held_ and regions_: the members of each sub-world, and the region from which it may take more.
 void GlobalWorld::mark_held() noexcept {
   std::fill(held_.begin(), held_.end(), std::uint8_t{0});
-  if (const auto* kinematics = world_.effects().find<physics::ScriptedMotion>())  // at rest it may move any time
+  if (const auto* kinematics = world_.effects().find<physics::ScriptedMotion>())  // may start to move at any time
     for (const auto& script : kinematics->scripts())
       if (const std::int32_t place = islands_.place_of(script.id); place >= 0)
         held_[static_cast<std::size_t>(place)] = 1;
@@ -47,8 +48,8 @@ void GlobalWorld::sleep() noexcept {
   islands_.put_to_sleep(held_, regions_, bounds_settings_, sub_step_s(), world_);
 }
 
-// Islands without a member, away from every proxy: they are independent of the others, so they may have sub-steps of
-// their own. Their contacts' stiffness stays.
+// Islands without a member, outside every proxy's region. They are independent of the other islands, so they may have
+// their own number of sub-steps. Their contacts' stiffness does not change.
 physics::FarRegion GlobalWorld::far_region() noexcept {
   if (bounds_settings_.sub_steps == settings_.sub_steps) return {};
   mark_held();

@@ -1,4 +1,4 @@
-// What the global world tells a sub-world after a step: touches, members, joiners, the border.
+// Fills the snapshot for a sub-world after a step: touches, members, joiners, the border.
 #include <utility>
 
 #include "rt/haptics/coupling/plane_coupling.h"
@@ -26,7 +26,7 @@ void GlobalWorld::find_touches() noexcept {
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
 }
 
-// Whom a member will touch before the members are chosen anew and known to the sub-world.
+// Adds edges to bodies that a member will touch before the next choice of members has reached the sub-world.
 void GlobalWorld::add_approaching() noexcept {
   const auto place = islands_.awake();
   const std::size_t found = touches_.size();
@@ -51,7 +51,7 @@ void GlobalWorld::add_joined() noexcept {
       std::count_if(states.begin(), states.end(), [](const auto& s) { return s.broken != 0; }));
 }
 
-// Before the first step nothing has pressed yet: what is within the tolerance counts as touching.
+// Before the first step there are no contact impulses: bodies within touch_tolerance_m count as touching.
 void GlobalWorld::find_touches_at_rest() noexcept {
   const std::span<const Body> bodies = world_.bodies();
   const auto place = islands_.awake();
@@ -125,12 +125,12 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   count(device, next);
 }
 
-// The last buffer's bodies get the state found here.
+// Sends the global state of the last cycle's buffer bodies, then chooses the next buffer.
 void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
   const auto bodies = islands_.bodies();
   for (const std::uint32_t place : device.extraction.members())
     if (device.buffer[place] != 0)
-      (void)next.renewed.try_push({bodies[place].id, 0, bodies[place].motion});  // as many as members, at most
+      (void)next.renewed.try_push({bodies[place].id, 0, bodies[place].motion});  // fits: at most one per member
   const BufferChoice::Surroundings around{world_.contacts(), islands_.awake(), next.outside.span()};
   const std::uint32_t uneven =
       buffer_choice_.choose(bodies, device.extraction, graph_, device.proxy, around, device.buffer);
@@ -140,7 +140,7 @@ void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
     if (device.buffer[place] != 0) (void)next.buffer.try_push(bodies[place].id);
 }
 
-// Of the last step.
+// Fills the border from the last pass.
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
   next.border_work_J = device.border_work_J;
   const auto members = member_slots(device);
@@ -151,8 +151,8 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
       border_exchange_.fill_outside(world_, members, pass_s_, sub_step_s(), next.border.span(), next.outside);
 }
 
-// Whole bodies, bit by bit. Frozen members (static coupling) come anew every time, but for the proxy, which is the
-// sub-world's.
+// Copies whole bodies, bit by bit. Frozen members (static coupling) are sent every time, except the proxy, whose state
+// the sub-world keeps.
 void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexcept {
   next.joiners.clear();
   const bool renew = coupling_.members_frozen;
@@ -161,7 +161,7 @@ void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexce
       TACTUS_CHECK(next.joiners.try_push(islands_.bodies()[place]), place, 0);
 }
 
-// Of joiners' contacts with members and with static geometry: those go on in the sub-world as they were here.
+// Sends warm starts of joiners' contacts with members and static geometry, so that they continue in the sub-world.
 void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
   const auto& e = device.extraction;
   const auto place = islands_.awake();

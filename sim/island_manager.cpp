@@ -38,7 +38,7 @@ std::int32_t IslandManager::place_of(BodyId id) const noexcept {
 
 // --- waking
 
-// Notes the island of a sleeping body, once.
+// Adds the island of a sleeping body to those to wake, once. False if the body is awake.
 bool IslandManager::mark(std::uint32_t place) noexcept {
   const std::uint32_t island = island_of_[place];
   if (island == kAwake) return false;
@@ -72,7 +72,7 @@ bool IslandManager::wake_marked(World& world) noexcept {
       grid_.remove(place);
     }
     for (std::uint32_t at = first_parked_[island]; at != kNone;) {
-      (void)world.add_warm_start(parked_[at].warm_start);  // no room: a colder start
+      (void)world.add_warm_start(parked_[at].warm_start);  // if it does not fit, the contact starts cold
       const std::uint32_t next = parked_[at].next;
       parked_[at].next = free_parked_, free_parked_ = at;
       at = next;
@@ -89,7 +89,7 @@ bool IslandManager::wake_marked(World& world) noexcept {
   return true;
 }
 
-// What overlapping bounds and joints link.
+// Islands of the awake bodies, by overlapping bounds and joints.
 physics::Islands IslandManager::find_islands(World& world) noexcept {
   physics::Islands islands({parents_.data(), awake_.size()});
   for (const auto& pair : world.dynamic_pairs()) islands.link(pair.a, pair.b);
@@ -134,7 +134,8 @@ void IslandManager::count_resting_as_slow() noexcept {
     if (bodies_[place].motion.velocity == Twistd{}) slow_steps_[place] = rule_.steps;
 }
 
-// Its bounds as begin_step would have them: what wakes it in the next step would also keep it from falling asleep.
+// The body's bounds as begin_step would compute them, so that a body which would wake it in the next step also keeps it
+// awake.
 Aabb IslandManager::bounds_at_rest(std::uint32_t place, const Settings& settings) const noexcept {
   const Body& body = bodies_[place];
   const double fall = physics::fall_in_step(settings);
@@ -149,7 +150,7 @@ void IslandManager::put_to_sleep(std::span<const std::uint8_t> held, std::span<c
   if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
   const auto count = static_cast<std::uint32_t>(awake_.size());
   physics::Islands islands = find_islands(world);
-  stays_.assign(count, 0);  // of an island: by its lowest slot
+  stays_.assign(count, 0);  // by an island's lowest slot
   for (std::uint32_t slot = 0; slot < count; ++slot) {
     std::uint8_t& stays = stays_[islands.of(slot)];
     const std::uint32_t place = awake_[slot];
@@ -209,7 +210,7 @@ void IslandManager::park(const physics::Contact& contact, std::uint32_t island, 
   first_parked_[island] = at;
 }
 
-// --- books
+// --- diagnostics
 
 double IslandManager::potential_energy(const Vec3d& gravity) const noexcept {
   double sum = 0;

@@ -1,13 +1,14 @@
-// Who of the global world's bodies is awake, and what sleeps beside it.
+// Puts islands of the global world to sleep and wakes them.
 //
-// An island is what hangs together by joints and by overlapping bounds: all that touches, and what is so near that it
-// would wake its neighbour in the next step. Static geometry links nobody. When every body of an island has been slow
-// for long enough, the whole island leaves the world: its bodies stop, their contacts' impulses are kept, and from then
-// on it costs nothing but a look where something awake comes near. It comes back as one: with the bodies where they
-// were, and the impulses as warm starts, so that a heap carries its own weight from the first sub-step on. A body's
-// place is its rank by id among all that move; its slot, its rank among those that are awake, as in the world. Thread:
-// construction [setup]; the rest: the global world's owner, allocates nothing. Frame: world. Units: SI. Bound: as many
-// bodies as given; impulses of contacts that do not fit are left out (a colder start).
+// An island is a set of bodies connected by joints and by overlapping bounds: bodies that touch, or are near enough
+// that one would wake the other in the next step. Static geometry does not connect bodies. When every body of an island
+// has been slow for long enough, the island is removed from the world: its bodies' velocities are set to 0 and its
+// contacts' impulses are stored. A sleeping island costs only a grid query for the awake bodies near it. It wakes as a
+// whole: its bodies return at their poses, and the impulses are warm starts, so that a heap carries its own weight from
+// the first sub-step. A body's place is its rank by id among all moving bodies; its slot is its rank among the awake
+// ones, as in the world.
+// Thread: construction [setup]; the rest: the global world's owner, allocates nothing. Frame: world. Units: SI. Bound:
+// as many bodies as given; contact impulses that do not fit are dropped (those contacts start cold).
 #pragma once
 
 #include "rt/physics/islands.h"
@@ -16,11 +17,11 @@
 
 namespace tactus::sim {
 
-// When a body counts as slow. Not enabled: nobody ever sleeps.
+// When a body may sleep. Not enabled: no body ever sleeps.
 struct SleepRule {
   bool enabled{false};
-  double max_speed_m_per_s{0};  // of its surface
-  std::uint32_t steps{0};       // that it must have been slow for
+  double max_speed_m_per_s{0};  // bound on the speed of its surface
+  std::uint32_t steps{0};       // consecutive slow steps before it may sleep
 };
 
 class IslandManager {
@@ -28,43 +29,44 @@ class IslandManager {
   using World = physics::World;
   using Settings = physics::StepSettings;
 
-  // All bodies of the world, all awake.
+  // Starts with all dynamic bodies of `world`, all awake.
   IslandManager(const SleepRule& rule, const World& world, std::uint32_t max_contacts);
 
-  // By place; those awake as they were at the last follow().
+  // All moving bodies, by place; awake ones as at the last follow().
   std::span<const physics::Body> bodies() const noexcept { return bodies_; }
-  // By slot: its place. Ascending.
+  // By slot: the body's place; ascending.
   std::span<const std::uint32_t> awake() const noexcept { return awake_; }
   std::uint32_t asleep() const noexcept { return grid_.size(); }
   bool is_asleep(std::uint32_t place) const noexcept { return island_of_[place] != kAwake; }
-  // Its place; -1 where no moving body has that id.
+  // -1 if no moving body has that id.
   std::int32_t place_of(BodyId id) const noexcept;
 
-  // --- before a step: put islands back into the world. True: some came, and slots have moved.
+  // --- before a step: put islands back into the world. True: some were inserted, and slots have changed.
   bool wake(std::uint32_t place, World& world) noexcept;
   bool wake_in(const physics::Aabb& box, World& world) noexcept;
-  bool wake_touched(World& world) noexcept;  // what the bounds of the world's bodies overlap, after begin_step
+  bool wake_touched(World& world) noexcept;  // islands that the world's bounds overlap; call after begin_step
 
-  // By slot, 1: hangs together with nobody that is held (by place, 1) or within one of the regions. Needs the pairs of
-  // the step that has begun. Valid until the next call of anything here.
+  // Per slot: 1 if no body of the body's island is held (`held`, by place: 1) or overlaps one of the regions. Needs the
+  // pairs of the step that has begun. Valid until the next call of any function here.
   std::span<const std::uint8_t> find_far(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions,
                                          World& world) noexcept;
 
   // --- after a step
-  void follow(const World& world) noexcept;  // takes over motions, and counts
-  // Takes islands that have been slow for long enough out of the world, but for those with a body that is held (by
-  // place, 1) or within one of the regions. `settings`: those of begin_step; `sub_step_s`: of the contacts' impulses.
+  void follow(const World& world) noexcept;  // copies the motions and counts slow steps
+  // Removes islands that have been slow for long enough from the world, except those with a body that is held (`held`,
+  // by place: 1) or overlaps one of the regions. `settings`: those of begin_step; `sub_step_s`: the sub-step of the
+  // contacts' impulses.
   void put_to_sleep(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions,
                     const Settings& settings, double sub_step_s, World& world) noexcept;
-  // Before the first step: what does not move has been slow for long enough. Needs the world's pairs.
+  // Before the first step: bodies at rest count as slow for long enough. Needs the world's pairs.
   void count_resting_as_slow() noexcept;
 
-  // --- books, of the sleepers
+  // --- diagnostics of the sleeping bodies
   double potential_energy(const Vec3d& gravity) const noexcept;           // J
-  double stopped_energy_J() const noexcept { return stopped_energy_J_; }  // kinetic, that sleep has taken
+  double stopped_energy_J() const noexcept { return stopped_energy_J_; }  // kinetic energy removed by sleep
   std::uint64_t fell_asleep() const noexcept { return fell_asleep_; }     // bodies, since the start
   std::uint64_t woke_up() const noexcept { return woke_up_; }             // same
-  std::uint64_t state_hash(std::uint64_t of_the_awake) const noexcept;    // the same where nobody sleeps
+  std::uint64_t state_hash(std::uint64_t of_the_awake) const noexcept;    // of_the_awake if no body sleeps
 
  private:
   static constexpr std::uint32_t kAwake = 0xffffffffu, kNone = 0xffffffffu;
@@ -82,21 +84,21 @@ class IslandManager {
 
   SleepRule rule_;
   std::vector<physics::Body> bodies_;      // by place
-  std::vector<std::uint32_t> awake_;       // by slot
-  std::vector<std::uint32_t> slow_steps_;  // by place
+  std::vector<std::uint32_t> awake_;       // by slot: place
+  std::vector<std::uint32_t> slow_steps_;  // by place: consecutive slow steps, at most SleepRule::steps
 
-  // An island's name is the lowest place in it: its list of bodies begins there.
-  std::vector<std::uint32_t> island_of_;     // by place; kAwake
+  // An island's index is the lowest place in it: its list of bodies begins there.
+  std::vector<std::uint32_t> island_of_;     // by place: its island; kAwake
   std::vector<std::uint32_t> next_body_;     // by place: the next of its island
-  std::vector<std::uint32_t> first_parked_;  // by island
-  std::vector<std::uint8_t> is_marked_;      // by island: to be woken
+  std::vector<std::uint32_t> first_parked_;  // by island: its first sleeping contact
+  std::vector<std::uint8_t> is_marked_;      // by island: 1 if in marked_
   std::vector<SleepingContact> parked_;
   std::size_t max_parked_;
   std::uint32_t free_parked_{kNone};
   BoxGrid grid_;
 
-  std::vector<std::uint32_t> parents_;                 // what the islands of a step are kept in
-  std::vector<std::uint8_t> stays_, apart_;            // by slot: of an island, by its lowest slot; scratch
+  std::vector<std::uint32_t> parents_;                 // by slot: union-find parents; scratch
+  std::vector<std::uint8_t> stays_, apart_;            // by an island's lowest slot; by slot; scratch
   std::vector<std::uint32_t> marked_, woken_, merge_;  // islands to wake; places; scratch
   std::vector<physics::Body> returning_;
   double stopped_energy_J_{0};

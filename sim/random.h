@@ -1,5 +1,6 @@
-// Uniform numbers of our own: a standard library's distributions differ from one to the next, and what a seed makes
-// must not. SplitMix64 (Steele, Lea and Flood 2014). Thread: one owner.
+// Uniform random numbers that are the same for a seed with every standard library, whose distributions differ.
+// SplitMix64 (Steele, Lea and Flood 2014).
+// Thread: one owner.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,8 @@
-// The global side of the exchange: takes H(n) when it is there, steps the global world, publishes G(n+1).
+// The global side of the exchange: reads H(n) when it is available, steps the global world, publishes G(n+1).
 //
-// One function that never waits, so that a thread can poll it and a virtual clock can call it. Thread: the global
-// world's, [setup] publish_first. Bound: nobody skips a number; a late report makes a late snapshot, nothing else.
+// serve() never waits, so that a thread can poll it and a virtual clock can call it.
+// Thread: the global world's, [setup] publish_first. Bound: no report or snapshot number is skipped; a late report
+// causes a late snapshot, nothing else.
 #pragma once
 
 #include "rt/haptics/coupling/exchange.h"
@@ -19,14 +20,14 @@ class SnapshotServer {
     exchange_.snapshots.publish(0);
   }
 
-  // Is H(n) there, n being next_report()?
+  // True if H(n) is available, n = next_report().
   bool has_report() const noexcept { return exchange_.reports.try_read(next_report_) != nullptr; }
 
-  // Does one cycle when its report is there; says whether it was.
+  // Runs one cycle if its report is available. Returns whether it was.
   bool serve() noexcept {
     const haptics::SubWorldReport* report = exchange_.reports.try_read(next_report_);
     if (report == nullptr) return false;
-    // Only now may G(n+1) be written: it shares a buffer with G(n-1), which the haptic side had left before H(n).
+    // G(n+1) may be written only now: it shares a buffer with G(n-1), which the haptic side released before H(n).
     world_.step(*report, exchange_.snapshots.writing(next_report_ + 1));
     exchange_.snapshots.publish(next_report_ + 1);
     ++next_report_;

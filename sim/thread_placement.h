@@ -1,4 +1,4 @@
-// Where the global world's threads run: normal priority, on the cores asked for. Thread: [setup].
+// Sets priority and core of the global world's threads. Thread: [setup].
 #pragma once
 
 #include <thread>
@@ -7,10 +7,10 @@
 
 namespace tactus::sim {
 
-// A thread inherits its creator's class, which may be real time by now.
+// Sets normal priority: a thread inherits its creator's scheduling class, which may be real time.
 Status make_normal(std::thread& thread);
 
-// `cpu` -1: wherever.
+// Pins the thread to a CPU; `cpu` -1: no pinning.
 Status pin(std::thread& thread, int cpu);
 
 }  // namespace tactus::sim

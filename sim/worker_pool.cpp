@@ -9,7 +9,7 @@
 namespace tactus::sim {
 namespace {
 
-// About a tenth of a millisecond: longer than most parts of a step that nobody shares, and soon over after the step.
+// About a tenth of a millisecond: longer than most serial parts of a step, and short after the end of a step.
 constexpr int kSpins = 2000;
 
 }  // namespace
@@ -38,7 +38,7 @@ physics::Executor WorkerPool::executor() noexcept {
 
 void WorkerPool::share(void* self, std::uint32_t count, std::uint32_t grain, physics::Executor::Work work,
                        void* context) noexcept {
-  TACTUS_CHECK(denormals_flushed(), count, grain);  // as the workers: who did what must not show
+  TACTUS_CHECK(denormals_flushed(), count, grain);  // as in the workers: results must not depend on the thread
   auto& pool = *static_cast<WorkerPool*>(self);
   const std::uint32_t ranges = std::min(pool.threads(), count / grain);
   const auto start = [&](std::uint64_t k) { return static_cast<std::uint32_t>(k * count / ranges); };
@@ -50,7 +50,7 @@ void WorkerPool::share(void* self, std::uint32_t count, std::uint32_t grain, phy
     worker.state.notify_one();
   }
   work(context, 0, start(1));
-  // The last first: the first worker was told first.
+  // From the last worker back: the first worker was notified first.
   for (std::uint32_t k = ranges; k-- > 1;) {
     Worker& worker = pool.workers_[k - 1];
     std::uint32_t open = kOpen;
@@ -68,7 +68,8 @@ void WorkerPool::run(Worker& worker) noexcept {
   for (int spins = 0;;) {
     std::uint32_t state = worker.state.load(std::memory_order_relaxed);
     if (state == kStop) return;
-    // The caller may have taken the range back, and opened the next, in between: whatever is open now is read after it.
+    // Meanwhile the caller may have taken this range and opened the next: acquire makes the range that is open now
+    // visible.
     if (state == kOpen && worker.state.compare_exchange_strong(state, kTaken, std::memory_order_acquire)) {
       work_(context_, worker.begin, worker.end);
       worker.state.store(kIdle, std::memory_order_release);

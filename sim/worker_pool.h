@@ -1,11 +1,12 @@
-// Threads beside the global world's own that share the work of its steps: the executor behind --world-threads.
+// Worker threads that share the work of the global world's steps: the executor behind --world-threads.
 //
-// Work is cut into as many ranges as there are threads, always the same for the same count, so that what a thread works
-// on stays in its core's caches. Each worker waits for its own range: it spins a while, since the next one comes within
-// microseconds during a step, and then sleeps until it is woken. Where it has not begun when the caller is done with
-// its own range, the caller takes the worker's too: a thread that does not get a core delays nothing but what it began.
+// Work is divided into as many ranges as there are threads, always in the same way for the same count, so that a
+// thread's data stays in its core's caches. Each worker waits for its own range: it spins for a while, since the next
+// range comes within microseconds during a step, and then sleeps until it is woken. If a worker has not started its
+// range when the caller has finished its own, the caller runs that range too: a thread without a core delays only a
+// range that it has started.
 // Thread: construction and destruction [setup]; the executor by one thread at a time, of normal priority. Bound: as
-// many ranges as threads. Errors: construction reports what a worker could not be given; it works without it.
+// many ranges as threads. Errors: status() has what could not be set for a worker; it runs without it.
 #pragma once
 
 #include <atomic>
@@ -22,15 +23,16 @@ inline constexpr std::uint32_t kMaxWorldThreads = 64;
 
 class WorkerPool {
  public:
-  // `threads`: the caller's included, so one worker less. `cpus`: a core for each worker, or none.
+  // `threads`: includes the caller, so threads - 1 workers. `cpus`: a core for each worker; a worker beyond its end
+  // runs on any.
   explicit WorkerPool(std::uint32_t threads, std::span<const int> cpus = {});
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   std::uint32_t threads() const noexcept { return static_cast<std::uint32_t>(workers_.size()) + 1; }
-  const Status& status() const noexcept { return status_; }  // what a worker could not be given
-  physics::Executor executor() noexcept;                     // shares nothing where there is no worker
+  const Status& status() const noexcept { return status_; }  // the first error of a worker's set-up
+  physics::Executor executor() noexcept;                     // without workers, the caller does all the work
 
  private:
   enum State : std::uint32_t { kIdle, kOpen, kTaken, kStop };
@@ -45,7 +47,7 @@ class WorkerPool {
   void run(Worker& worker) noexcept;
 
   std::vector<Worker> workers_;
-  physics::Executor::Work work_{nullptr};  // of the ranges that are open or taken
+  physics::Executor::Work work_{nullptr};  // for the ranges that are open or taken
   void* context_{nullptr};
   Status status_{Status::good()};
 };

@@ -9,8 +9,8 @@
 namespace tactus::sim {
 namespace {
 
-// A box is smaller than its cell by this factor, and cells beyond the farthest are folded into the last: as in
-// PairGrid, so that rounding cannot carry a box's upper corner two cells on.
+// A box is smaller than its cell by this factor, and cells beyond the farthest are folded into the last, as in
+// PairGrid: rounding cannot place a box's upper corner two cells further.
 constexpr double kFill = 0.999;
 constexpr double kFarthestCell = 1099511627776.0;  // 2^40
 
@@ -54,7 +54,7 @@ void BoxGrid::clear() noexcept {
 
 std::uint64_t BoxGrid::Cells::count() const noexcept {
   const auto side = [](std::int64_t a, std::int64_t b) { return static_cast<std::uint64_t>(b - a + 1); };
-  // Two sides alone may be 2^41 long each: saturated before it runs over.
+  // A side may have 2^41 cells: saturated, so that the product does not overflow.
   const std::uint64_t face =
       std::min(side(low.x, high.x), std::uint64_t{1} << 21) * std::min(side(low.y, high.y), std::uint64_t{1} << 21);
   return face * std::min(side(low.z, high.z), std::uint64_t{1} << 21);
@@ -72,7 +72,7 @@ std::uint32_t BoxGrid::level_of(const physics::Aabb& box) noexcept {
 std::int64_t BoxGrid::coordinate(double x_m, std::uint32_t level) noexcept {
   if (level == kTop) return 0;
   const double cell = std::floor(x_m * power_of_two(static_cast<int>(kOneMetre) - static_cast<int>(level)));
-  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // not a number comes here too
+  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // NaN too
   return static_cast<std::int64_t>(std::min(cell, kFarthestCell));
 }
 

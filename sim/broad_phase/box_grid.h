@@ -1,11 +1,12 @@
-// Boxes that stay from step to step, come and go one by one, and are asked for by those that move: where sleeping
-// bodies are, and the room of those that hardly move.
+// A persistent grid of boxes for overlap queries: sleeping bodies, and the fat boxes of PairCache. Boxes are inserted
+// and removed one by one.
 //
-// A hierarchical uniform grid, as PairGrid, but kept: a box lives in the cell of its lower corner, on the level whose
-// cells are just larger than it, in a list per hashed cell. To insert or remove is O(1); to ask costs a few cells for
-// each level in use, whatever else there is. Exactly the boxes of the brute-force test; their order
-// follows from the order in which they came. Thread: construction [setup]; the rest: the owner, never allocates.
-// Frame: any. Units: m. Bound: as many boxes as given at construction, each by its own number below that.
+// A hierarchical uniform grid, as PairGrid, but kept from step to step: a box is stored in the cell of its lower
+// corner, on the level whose cells are just larger than it, in a list per hashed cell. Insert and remove are O(1); a
+// query costs a few cells for each level in use, independent of the number of boxes. A query finds exactly the boxes of
+// the brute-force test; their order follows from the order of insertion.
+// Thread: construction [setup]; the rest: the owner, never allocates. Frame: any. Units: m. Bound: as many boxes as
+// given at construction; a box's number is below that.
 #pragma once
 
 #include <array>
@@ -24,7 +25,7 @@ class BoxGrid {
   void clear() noexcept;  // linear in boxes + cells
   std::uint32_t size() const noexcept { return size_; }
 
-  // Calls found(body) for each box that overlaps; it must not insert or remove.
+  // Calls found(body) for each box that overlaps; `found` must not insert or remove.
   template <class F>
   void find(const physics::Aabb& box, F&& found) const noexcept {
     for (std::uint32_t level = 0; level < kLevels; ++level) {
@@ -40,14 +41,14 @@ class BoxGrid {
  private:
   static constexpr std::uint32_t kLevels = 40;         // each twice as coarse as the one before
   static constexpr std::uint32_t kOneMetre = 20;       // the level of cells of 1 m
-  static constexpr std::uint32_t kTop = kLevels - 1;   // one cell, for whatever is larger
+  static constexpr std::uint32_t kTop = kLevels - 1;   // one cell, for all larger boxes
   static constexpr std::uint32_t kNone = 0xffffffffu;  // end of a list
 
   struct Cell {
     std::int64_t x, y, z;
     bool operator==(const Cell&) const = default;
   };
-  struct Cells {  // a block of them, both ends included
+  struct Cells {  // a block of cells, both ends included
     Cell low, high;
     std::uint64_t count() const noexcept;
   };
@@ -73,12 +74,12 @@ class BoxGrid {
           const Cell cell{x, y, z};
           for (std::uint32_t body = head_[bucket_of(cell, level)]; body != kNone; body = entries_[body].next) {
             const Entry& entry = entries_[body];
-            // Other cells share the bucket.
+            // Several cells share a bucket.
             if (entry.level == level && entry.cell == cell && entry.box.overlaps(box)) found(body);
           }
         }
   }
-  // Where the box covers more cells than there are bodies.
+  // For a box that covers more cells than the level has bodies.
   template <class F>
   void scan_all(std::uint32_t level, const physics::Aabb& box, F&& found) const noexcept {
     for (std::uint32_t body = 0; body < entries_.size(); ++body) {

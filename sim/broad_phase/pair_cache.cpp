@@ -8,11 +8,12 @@ namespace {
 using physics::Aabb;
 using physics::SlotPair;
 
-// Of a body's least extent: more room means fewer bodies that leave it, and more pairs whose boxes do not overlap.
+// Margin of a fat box over the body's least extent. A larger one: fewer bodies leave their fat box, and more kept pairs
+// do not overlap.
 constexpr double kRoom = 1.0 / 16;
-// One in so many that moved: beyond, a body at a time costs more than all of them at once.
+// If more than one body in kFewMoved left its fat box, updating them one by one costs more than a rebuild.
 constexpr std::size_t kFewMoved = 8;
-// Where rooms were of no use, this many steps pass before there are new ones.
+// Steps without fat boxes after they were of no use.
 constexpr std::uint32_t kPause = 8;
 
 Aabb room_for(const Aabb& box) noexcept {
@@ -108,14 +109,14 @@ bool PairCache::find_pairs_of_moved() noexcept {
   bool all = true;
   for (const std::uint32_t body : moved_)
     rooms_in_space_.find(room_[body], [&](std::uint32_t other) noexcept {
-      // Of two that moved the lower one finds the pair.
+      // If both bodies moved, the lower one adds the pair.
       if (other == body || (has_moved_[other] != 0 && other < body)) return;
       all = found_.try_push({std::min(body, other), std::max(body, other)}) && all;
     });
   return all;
 }
 
-// Of the pairs kept, those of bodies that stayed; the others are among those found.
+// Removes the kept pairs of bodies that moved and merges in the pairs found for these, in order.
 bool PairCache::merge_found() noexcept {
   std::uint32_t stayed = 0;
   for (std::uint32_t i = 0; i < kept_.size(); ++i) {
@@ -125,7 +126,7 @@ bool PairCache::merge_found() noexcept {
   if (stayed + found_.size() > kept_.capacity()) return false;
   std::sort(found_.begin(), found_.end(), comes_before);
   kept_.resize(stayed + found_.size());
-  // From the end, so that nothing is overwritten before it is read.
+  // Merges from the back, so that nothing is overwritten before it is read.
   std::uint32_t from_kept = stayed, from_found = found_.size();
   for (std::uint32_t to = kept_.size(); from_found > 0; --to) {
     const bool keeps = from_kept > 0 && comes_before(found_[from_found - 1], kept_[from_kept - 1]);

@@ -1,11 +1,11 @@
-// Which boxes of moving bodies overlap, where most of them hardly move: PairGrid's pairs, kept from step to step.
+// Finds overlapping boxes of moving bodies when most bodies hardly move: PairGrid's pairs, kept from step to step.
 //
-// Every body has room: its box, grown on all sides by a share of its thickness. Pairs whose rooms overlap are kept, in
-// order. A body that leaves its room gets a new one, and its pairs are looked for again; the others cost a comparison.
-// Where much moves at once, a heap that falls, nothing is worth keeping, and the grid finds the pairs of the step.
-// What is kept is a bound, not state: the pairs are those of the brute-force test, whatever came before, and whoever
-// has a slot. Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m.
-// Bound: as PairGrid.
+// Every body has a fat box (called its room): its box, grown on all sides by a fraction of its thickness. Pairs of
+// overlapping fat boxes are kept, in order. A body that leaves its fat box gets a new one, and its pairs are searched
+// again; every other pair costs one comparison. When many bodies move at once, as in a falling heap, nothing is kept
+// and the grid finds the pairs of the step. The kept pairs are a cache, not state: the result equals the brute-force
+// test's, independent of earlier steps and of the assignment of slots.
+// Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m. Bound: as PairGrid.
 #pragma once
 
 #include <span>
@@ -19,16 +19,16 @@ namespace tactus::sim {
 
 class PairCache {
  public:
-  // Steps so far, by how their pairs were found.
+  // Number of steps, by the way in which their pairs were found.
   struct Work {
-    std::uint64_t kept{0};     // with the pairs of the step before, but for those of bodies that moved
-    std::uint64_t rebuilt{0};  // rooms for all
+    std::uint64_t kept{0};     // the pairs of the step before, except those of bodies that left their fat box
+    std::uint64_t rebuilt{0};  // new fat boxes for all bodies
     std::uint64_t direct{0};   // nothing kept
-    std::uint64_t moved{0};    // bodies that left their room, in steps of the first kind
+    std::uint64_t moved{0};    // bodies, not steps: that left their fat box, in steps counted in `kept`
   };
 
   PairCache(std::uint32_t max_bodies, std::uint32_t max_pairs);
-  // [setup] From now on the grid's pairs are found in that many parts.
+  // [setup] From now on the grid's pairs are found in `parts` parts, by the executor.
   void share_work(const physics::Executor& executor, std::uint32_t parts);
 
   // Appends the pairs of overlapping boxes, each once. False: some did not fit.
@@ -46,16 +46,16 @@ class PairCache {
   PairGrid grid_;
   BoxGrid rooms_in_space_;
   physics::PairOrder order_;
-  std::vector<physics::Aabb> room_;         // by slot
-  std::vector<std::uint8_t> has_moved_;     // by slot: among `moved_`
-  std::vector<std::uint32_t> moved_;        // slots, ascending
-  BoundedVector<physics::SlotPair> kept_;   // by key: all whose rooms overlap
-  BoundedVector<physics::SlotPair> found_;  // of those that moved
-  std::uint32_t count_{0};                  // of bodies that have room
-  bool holds_{false};                       // `kept_` and `room_` do
-  bool in_space_{false};                    // `rooms_in_space_` has them all
-  std::uint32_t age_{0};                    // steps since all rooms were new
-  std::uint32_t pause_{0};                  // steps for which nothing is kept
+  std::vector<physics::Aabb> room_;         // m, by slot: fat box
+  std::vector<std::uint8_t> has_moved_;     // by slot: 1 if in `moved_`
+  std::vector<std::uint32_t> moved_;        // slots of bodies that left their fat box, ascending
+  BoundedVector<physics::SlotPair> kept_;   // by key: all pairs of overlapping fat boxes
+  BoundedVector<physics::SlotPair> found_;  // pairs of the bodies in `moved_`
+  std::uint32_t count_{0};                  // bodies that have a fat box
+  bool holds_{false};                       // `kept_` and `room_` are valid
+  bool in_space_{false};                    // `rooms_in_space_` has all fat boxes
+  std::uint32_t age_{0};                    // steps since the last rebuild
+  std::uint32_t pause_{0};                  // remaining steps for which nothing is kept
   Work work_;
 };
 

@@ -6,10 +6,10 @@
 namespace tactus::sim {
 namespace {
 
-// A box is smaller than its cell by this factor, so that rounding in x * cells_per_m cannot carry its upper corner
-// two cells on: below kFarthestCell the product is off by less than 2^40 * 2^-52 = 2.4e-4 of a cell.
+// A box is smaller than its cell by this factor, so that rounding in x * cells_per_m cannot place its upper corner two
+// cells further: below kFarthestCell the product is off by less than 2^40 * 2^-52 = 2.4e-4 of a cell.
 constexpr double kFill = 0.999;
-// Cells beyond are folded into the last: still right, since folding never moves two cells further apart.
+// Cells beyond are folded into the last: still correct, since folding never moves two cells further apart.
 constexpr double kFarthestCell = 1099511627776.0;  // 2^40
 
 double largest_extent(const physics::Aabb& box) noexcept {
@@ -17,7 +17,7 @@ double largest_extent(const physics::Aabb& box) noexcept {
   return std::max(e.x, std::max(e.y, e.z));
 }
 
-// The k with 2^(k-1) <= x < 2^k; numbers that have none go to the ends.
+// The k with 2^(k-1) <= x < 2^k; -1000 or 1000 for numbers without one.
 int power_above(double x) noexcept {
   if (!(x > 0)) return -1000;
   if (!std::isfinite(x)) return 1000;
@@ -46,7 +46,7 @@ bool PairGrid::find(std::span<const physics::Aabb> bounds, BoundedVector<physics
   work_ = {};
   count_ = static_cast<std::uint32_t>(bounds.size());
   if (count_ < 2) return true;
-  // As many buckets as these boxes need: within what was allocated.
+  // As many buckets as these boxes need: within the allocated capacity.
   start_.resize(std::bit_ceil(std::max(16u, 2 * count_)) + 1);
   mask_ = static_cast<std::uint32_t>(start_.size()) - 2;
   choose_levels(bounds);
@@ -68,7 +68,7 @@ bool PairGrid::find_from(std::uint32_t begin, std::uint32_t end, Found& found) c
   return all;
 }
 
-// One part after the other: the pairs, and what is left out, as if they had been found at once.
+// The parts are appended in order, so that the pairs, and those left out, are the same as without an executor.
 bool PairGrid::find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept {
   const auto parts = static_cast<std::uint32_t>(parts_.size());
   executor_.for_each_range(parts, 1, [&](std::uint32_t p, std::uint32_t end) noexcept {
@@ -90,10 +90,10 @@ bool PairGrid::find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept {
   return true;
 }
 
-// The base cell fits the largest of the commonest octave of sizes, wherever that begins, tightly: a world of equal
-// bodies, however they are turned, has one level and pays for little air.
+// The base cell just fits the largest box in the most frequent octave of sizes, whose start is free. So a world of
+// equal bodies, in any orientation, has one level, and its cells are little larger than the boxes.
 void PairGrid::choose_levels(std::span<const physics::Aabb> bounds) noexcept {
-  // Counted by quarters of an octave: the power of two above the fourth power.
+  // A histogram by quarters of an octave: the power of two above the fourth power of the extent.
   constexpr int kQuarters = 512, kOctave = 4;
   std::array<std::uint32_t, kQuarters> histogram{};
   std::array<double, kQuarters> largest{};
@@ -131,8 +131,8 @@ void PairGrid::fill_table(std::span<const physics::Aabb> bounds) noexcept {
     ++start_[bucket_[body] + 1];
   }
   for (std::size_t b = 1; b < start_.size(); ++b) start_[b] += start_[b - 1];
-  // Backwards, each bucket from its end: bodies of a bucket stay in their order, and the starts end up right with the
-  // ends' table shifted by one.
+  // Filled backwards, each bucket from its end: bodies of a bucket keep their order, and the table of ends, shifted by
+  // one, becomes the table of starts.
   for (std::uint32_t body = count_; body-- > 0;) {
     Entry& entry = entries_[--start_[bucket_[body] + 1]];
     const auto box = bounds[body];
@@ -150,7 +150,7 @@ int PairGrid::level_of(const physics::Aabb& box) const noexcept {
 std::int64_t PairGrid::coordinate(double x_m, std::uint32_t level) const noexcept {
   if (level == kTopLevel) return 0;
   const double cell = std::floor(x_m * cells_per_m_[level]);
-  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // not a number comes here too
+  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // NaN too
   return static_cast<std::int64_t>(std::min(cell, kFarthestCell));
 }
 
@@ -158,14 +158,15 @@ PairGrid::Cell PairGrid::cell_of(const Vec3d& corner, std::uint32_t level) const
   return {coordinate(corner.x, level), coordinate(corner.y, level), coordinate(corner.z, level)};
 }
 
-// Neighbours in x are neighbours in the table, so that a row of cells is one run of entries.
+// Cells adjacent in x have adjacent buckets, so that a row of cells is one run of entries.
 std::uint32_t PairGrid::bucket_of(const Cell& cell, std::uint32_t level) const noexcept {
   const std::uint64_t h = static_cast<std::uint64_t>(cell.x) + static_cast<std::uint64_t>(cell.y) * 0x9e3779b1u +
                           static_cast<std::uint64_t>(cell.z) * 0x85ebca77u + level * 0xc2b2ae3du;
   return static_cast<std::uint32_t>(h) & mask_;
 }
 
-// The half neighbourhood: later boxes of its own cell, and the 13 cells that follow it; the others look for this one.
+// Searches half of the neighbourhood: later boxes of the own cell, and the 13 cells that follow it. Boxes in the other
+// 13 cells find this one.
 bool PairGrid::find_on_own_level(std::uint32_t index, Found& found) const noexcept {
   const Entry& entry = entries_[index];
   const Cell& c = entry.cell;
@@ -191,7 +192,7 @@ bool PairGrid::find_on_coarser_level(std::uint32_t index, std::uint32_t level, F
   return true;
 }
 
-// `cells` cells from `first` on along x: one run of buckets, but for the table's end.
+// Scans `cells` cells along x from `first`: one run of buckets, or two at the end of the table.
 bool PairGrid::scan_row(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
                         Found& found) const noexcept {
   ++found.work.rows;
@@ -201,7 +202,7 @@ bool PairGrid::scan_row(const Entry& entry, std::uint32_t level, const Cell& fir
   return before_end == cells || scan_entries(entry, level, first, cells, start_[0], start_[cells - before_end], found);
 }
 
-// Entries of other cells share the buckets: those that overlap are someone else's to find, so the cell must match.
+// Entries of other cells share the buckets. Their overlaps are found by other scans, so the cell must match.
 bool PairGrid::scan_entries(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
                             std::uint32_t begin, std::uint32_t end, Found& found) const noexcept {
   found.work.box_tests += end - begin;

@@ -1,14 +1,15 @@
-// Which boxes of moving bodies overlap: a broad phase whose work grows with bodies + pairs, not with their square.
+// Broad phase: finds overlapping boxes of moving bodies, with work that grows with bodies + pairs, not with bodies
+// squared.
 //
-// A hierarchical uniform grid. Every box lives in the cell of its lower corner, on the level whose cells are just
-// larger than it; so a box meets others of its level only in the cells next door, and larger ones in the few cells
-// under it. Levels come from the boxes' sizes, each time anew; cells are hashed into a table that a counting sort
-// fills. Exactly the pairs of the brute-force test, wherever the boxes are and however their sizes differ; order is
-// fixed by the input, also where an executor has parts of it found at the same time. Static geometry stays out (the
-// world keeps it apart).
-// Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m.
-// Bound: as many boxes as given at construction (our own bug beyond); pairs beyond the vector's capacity are left out
-// and find says false. Boxes with a coordinate that is not a number overlap nothing.
+// A hierarchical uniform grid. Every box is stored in the cell of its lower corner, on the level whose cells are just
+// larger than it. So a box can overlap others of its level only in adjacent cells, and larger ones only in the few
+// cells that it covers. Levels are chosen from the boxes' sizes in each call; cells are hashed into a table that a
+// counting sort fills. Finds exactly the pairs of the brute-force test, for any positions and sizes. The order is fixed
+// by the input, also when an executor finds parts in parallel. Static geometry is not included (the world keeps it
+// apart).
+// Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m. Bound: as many boxes as given
+// at construction (an assert beyond); pairs beyond the vector's capacity are left out and find returns false. Boxes
+// with a NaN coordinate overlap nothing.
 #pragma once
 
 #include <array>
@@ -21,14 +22,14 @@ namespace tactus::sim {
 
 class PairGrid {
  public:
-  // What the last find did: counts, which grow the same on every machine.
+  // Work of the last find: counts that are the same on every machine.
   struct Work {
     std::uint64_t box_tests{0};  // pairs of boxes compared
     std::uint64_t rows{0};       // rows of cells looked up
   };
 
   explicit PairGrid(std::uint32_t max_bodies);
-  // [setup] From now on pairs are found in that many parts, each of which may find as many as `max_pairs`.
+  // [setup] From now on pairs are found in `parts` parts, by the executor; each part holds up to `max_pairs`.
   void share_work(const physics::Executor& executor, std::uint32_t parts, std::uint32_t max_pairs);
 
   // Appends the pairs of overlapping boxes, each once, a and b in no particular order. False: some did not fit.
@@ -38,13 +39,13 @@ class PairGrid {
 
  private:
   static constexpr int kLevels = 64;             // each twice as coarse as the one before
-  static constexpr int kBaseLevel = 24;          // the level of the commonest size
-  static constexpr int kTopLevel = kLevels - 1;  // one cell that holds whatever is larger than all others
+  static constexpr int kBaseLevel = 24;          // the level of the most frequent size
+  static constexpr int kTopLevel = kLevels - 1;  // one cell, for all larger boxes
 
   struct Cell {
     std::int64_t x, y, z;
   };
-  struct Entry {  // a box in the order of its bucket
+  struct Entry {  // a box; entries are sorted by bucket
     physics::Aabb box;
     Cell cell;
     std::uint32_t body, level;
@@ -53,10 +54,10 @@ class PairGrid {
     BoundedVector<physics::SlotPair>& pairs;
     Work work;
   };
-  struct alignas(64) Part {  // of the entries, in their order
+  struct alignas(64) Part {  // the pairs found from a range of the entries
     BoundedVector<physics::SlotPair> pairs;
     Work work;
-    bool all{true};  // none was left out
+    bool all{true};  // no pair was left out
   };
 
   void choose_levels(std::span<const physics::Aabb> bounds) noexcept;
@@ -83,7 +84,7 @@ class PairGrid {
   double base_cell_m_{1};
   std::array<double, kLevels> cells_per_m_{};
   std::array<std::uint32_t, kLevels> population_{};
-  std::uint32_t coarsest_{0};  // level in use
+  std::uint32_t coarsest_{0};  // coarsest level in use
   std::uint32_t count_{0};
   Work work_;
   physics::Executor executor_;

@@ -13,10 +13,10 @@ using physics::JointKind;
 using physics::JointState;
 
 constexpr std::uint32_t kNone = physics::kNoSlot;
-// A contact whose friction is further used up than this counts as sliding.
+// Friction over its limit, 0 to 1: above this ratio a contact counts as sliding, a motor as overcome.
 constexpr double kSticks = 0.95;
 
-// K = L L^T in place, L below and on the diagonal; false where K is not positive.
+// Cholesky factorisation K = L L^T, in place, L in the lower triangle. False if K is not positive definite.
 bool factorise(Matrix6& k) noexcept {
 #pragma GCC unroll 6
   for (std::size_t j = 0; j < 6; ++j) {
@@ -33,7 +33,7 @@ bool factorise(Matrix6& k) noexcept {
   return true;
 }
 
-// x with L x = b, in place.
+// Solves L x = b, in place.
 void solve_lower(const Matrix6& l, Vector6& b) noexcept {
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t m = 0; m < i; ++m) b[i] -= l[i][m] * b[m];
@@ -41,7 +41,7 @@ void solve_lower(const Matrix6& l, Vector6& b) noexcept {
   }
 }
 
-// x with L L^T x = b, in place.
+// Solves L L^T x = b, in place.
 void solve(const Matrix6& l, Vector6& b) noexcept {
   solve_lower(l, b);
   for (std::size_t i = 6; i-- > 0;) {
@@ -50,7 +50,7 @@ void solve(const Matrix6& l, Vector6& b) noexcept {
   }
 }
 
-// X with L X = B, all columns at once.
+// Solves L X = B, in place.
 void solve_lower(const Matrix6& l, Matrix6& b) noexcept {
 #pragma GCC unroll 6
   for (std::size_t i = 0; i < 6; ++i) {
@@ -76,7 +76,7 @@ Vector6 product(const Matrix6& m, const Vector6& v) noexcept {
   return result;
 }
 
-// Of a mass whose first moment about a point is `moment`, and its second `turning`: for twists of that point.
+// Spatial inertia about a point, of a mass with the first moment `moment` and the second moment `turning` about it.
 Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3d& turning) noexcept {
   const auto& [x, y, z] = moment;
   const SymMat3d& t = turning;
@@ -88,20 +88,20 @@ Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3d& turning) no
            {-y, x, 0, t.xz, t.yz, t.zz}}};
 }
 
-// Of a mass at r: mass (|r|^2 - r r^T).
+// Second moment of a point mass at r: mass (|r|^2 - r r^T).
 SymMat3d turning_at(double mass, const Vec3d& r) noexcept {
   const Vec3d m = mass * r;
   const double rr = dot(m, r);
   return {rr - m.x * r.x, rr - m.y * r.y, rr - m.z * r.z, -m.x * r.y, -m.x * r.z, -m.y * r.z};
 }
 
-// Of a free body, for twists of a point `d` before its centre: its velocity there is v + w x d.
+// Spatial inertia of a free body about the point centre - d; the centre's velocity is v + w x d.
 Matrix6 inertia_of(const Body& body, const Vec3d& d) noexcept {
   const SymMat3d own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
   return inertia_of(body.mass, body.mass * d, own + turning_at(body.mass, d));
 }
 
-// A body's velocity at a point that is `d` before its centre, and its spin.
+// The body's twist at the point centre - d.
 Vector6 at_point(const Twistd& of_centre, const Vec3d& d) noexcept {
   const Vec3d &w = of_centre.angular, v = of_centre.linear - cross(w, d);
   return {v.x, v.y, v.z, w.x, w.y, w.z};
@@ -113,7 +113,8 @@ Twistd mean_between(const Posed& start, const Posed& end, double step_s) noexcep
           small_rotation_vector(end.rotation * conjugate(start.rotation)) * rate};
 }
 
-// What is held along a direction, which turns about the centre by `turn`: firm s s^T of that screw.
+// Adds a constraint of stiffness `firm` along the screw s = (along, turn): firm s s^T. `turn`: moment of `along` about
+// the centre.
 void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noexcept {
   const Vector6 row{along.x, along.y, along.z, turn.x, turn.y, turn.z};
   for (std::size_t k = 0; k < 6; ++k) {
@@ -131,7 +132,7 @@ double inverse_inertia_of(std::span<const Body> bodies, std::uint32_t slot) noex
   return 1 / std::min({i.x, i.y, i.z});
 }
 
-// Of B's point of the contact against A's, m/s.
+// Velocity of B's contact point relative to A's, m/s.
 Vec3d slip_of(const Contact& contact, const physics::ContactPoint& point, std::span<const Body> bodies) noexcept {
   const Twistd& a = bodies[contact.slot_a].motion.velocity;
   const Vec3d of_a = a.linear + cross(a.angular, point.from_a);
@@ -140,8 +141,9 @@ Vec3d slip_of(const Contact& contact, const physics::ContactPoint& point, std::s
   return b.linear + cross(b.angular, point.from_b) - of_a;
 }
 
-// What the contact holds, as if it were that much inertia: the sum of J J^T over the directions that it holds. It holds
-// where it can go on as in the last step and stop what motion it has now: pressing, and within the disk of friction.
+// G of a contact, as an inertia: added_inertia times the reduced mass, times the sum of J J^T over the constrained
+// directions. The impulse that would stop the present motion is added to the load of the last step: the contact
+// constrains if it then still presses, and sticks if its friction stays within the friction disk.
 Matrix6 firmness_of_contact(const Contact& contact, double added_inertia, std::span<const Body> bodies,
                             const Vec3d& centre) noexcept {
   const Body& a = bodies[contact.slot_a];
@@ -159,7 +161,7 @@ Matrix6 firmness_of_contact(const Contact& contact, double added_inertia, std::s
   const double pull = dot(contact.normal, stopping);
   if (!(pressed + std::min(0.0, pull) > 0)) return {};
   const bool sticks = norm(friction + stopping - pull * contact.normal) < kSticks * contact.friction * pressed;
-  // A point that sticks holds in all three directions: as a mass there.
+  // A sticking point constrains all three directions, as a point mass there.
   double mass = 0;
   Vec3d moment;
   SymMat3d turning;
@@ -176,7 +178,7 @@ Matrix6 firmness_of_contact(const Contact& contact, double added_inertia, std::s
   return sticks ? inertia_of(mass, moment, turning) : sum;
 }
 
-// Does it hold its coordinate too: at a limit that presses, or by a motor that is not overcome?
+// True if the joint also constrains its coordinate: at a limit under load, or by a motor that is not overcome.
 bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
   if (joint.kind == JointKind::kDistance)
     return joint.low == joint.high || state.effort.lower != 0 || state.effort.upper != 0;
@@ -184,7 +186,7 @@ bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
   return joint.driven && std::abs(state.effort.drive) < kSticks * joint.motor_effort;
 }
 
-// The same of a joint between bodies at these slots, of which A may be the world.
+// G of a joint between the bodies at these slots; slot_a is kNone for the world.
 Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double added_inertia, std::uint32_t slot_a,
                           std::uint32_t slot_b, std::span<const Body> bodies, const Vec3d& centre) noexcept {
   const double firm = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
@@ -210,9 +212,9 @@ Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double ad
   return sum;
 }
 
-// Of a body's inertia I and momentum p what its parent feels through a link of constraint_stiffness G. The body moves
-// by (I + G) v = p + G v_parent, the parent feels G (v - v_parent). With I + G = L L^T, Y = L^-1 G and z = L^-1 p that
-// is Y^T z - (G - Y^T Y) v_parent.
+// The inertia and momentum that a body (I, p) presents to its parent through a link of stiffness G. The body moves by
+// (I + G) v = p + G v_parent and acts on the parent with G (v - v_parent). With I + G = L L^T, Y = L^-1 G and
+// z = L^-1 p this is Y^T z - (G - Y^T Y) v_parent.
 struct Felt {
   Matrix6 inertia{};
   Vector6 momentum{};
@@ -258,7 +260,7 @@ ApparentInertia::ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_con
   reached_.reserve(kMostBodies);
 }
 
-// Joints that are whole and have B here. One whose A is asleep holds on to nothing that could be asked.
+// Unbroken joints whose bodies are both awake; A may be the world.
 void ApparentInertia::find_joints(const physics::World& world) noexcept {
   joints_.clear();
   const auto* effect = world.effects().find<physics::Joints>();
@@ -296,7 +298,7 @@ void ApparentInertia::index(const physics::World& world, double added_inertia, d
   };
   for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept { count(a), count(b); });
   for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
-  // Filling moves each start to the next one's.
+  // Filling advances each start to the start of the next slot; the copy shifts them back.
   const auto add_link = [&](std::uint32_t slot, const Link& link) noexcept {
     if (slot != kNone) links_[first_[slot]++] = link;
   };
@@ -317,7 +319,7 @@ Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d
   return firmness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
 }
 
-// Of the last step; of a newcomer its velocity.
+// Mean velocity over the last step; the present velocity for a body that was added since.
 Twistd ApparentInertia::mean_velocity(std::uint32_t slot) const noexcept {
   if (!is_finite(starts_[slot])) return bodies_[slot].motion.velocity;
   return mean_between(starts_[slot], bodies_[slot].motion.pose, step_s_);
@@ -336,7 +338,8 @@ void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint3
   reached_.push_back({slot, parent, link, inertia, {}, product(inertia, at_point(off_mean(slot), d))});
 }
 
-// The bodies that the asked one hangs together with, and the inertia that each shows to its parent's side.
+// Collects the bodies connected to the queried one, then eliminates them from the far end inwards, each into its
+// parent.
 void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
   ++search_;
   reached_.clear();

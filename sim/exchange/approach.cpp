@@ -11,7 +11,7 @@ namespace {
 
 using physics::Body;
 
-// Pairs that cannot close by more than this are left to the contacts: their margin is as wide
+// Pairs that cannot close by more than this are skipped: the contacts find them, with a margin as wide
 // (StepSettings::min_margin).
 constexpr double kLeastReach_m = 5e-4;
 

@@ -1,11 +1,11 @@
-// Bodies that are about to touch a member: links of the contact graph before there is a contact.
+// Predicts contacts between members and other bodies: edges of the contact graph before there is a contact.
 //
-// A body that a member hits is known to the sub-world one cycle after the global step has found the contact; a domino
-// has sunk into the next one by then. So a pair of a member and another body counts as touching where its surfaces
-// close, at the speed that they have now, within `horizon_s`: two cycles, until the next choice of members but one.
+// The sub-world receives a body that a member hits one cycle after the global step has found the contact. By then a
+// domino has penetrated the next one. So a member and another body count as touching if, at their present velocities,
+// their surfaces meet within `horizon_s`: two cycles, until the next choice of members but one.
 // Thread: the global world's; construction [setup], the rest never allocates. Frame: world. Units: SI. Work: linear in
-// bodies, and in members times the bodies in reach of any. Bound: as many touches as there is room for.
-// Source: speculative contacts (Catto 2013); the study of couplings, section 4.7.
+// bodies, and in members times the bodies in reach of any. Bound: the capacity of `touches`; further pairs are left
+// out. Source: speculative contacts (Catto 2013); the study of couplings, section 4.7.
 #pragma once
 
 #include <span>
@@ -19,15 +19,15 @@ class Approach {
  public:
   explicit Approach(std::uint32_t max_bodies);
 
-  // Appends to `touches`, by slot, up to its capacity. `members` by slot.
+  // Appends edges, by slot, to `touches`, up to its capacity. `members`, by slot: 1 for a member.
   void find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members, double horizon_s,
             std::vector<ContactEdge>& touches) noexcept;
 
  private:
   struct Moving {
     std::uint32_t slot;
-    double reach_m;     // how far a point of its surface gets within the horizon
-    physics::Aabb box;  // that it reaches
+    double reach_m;     // bound on a surface point's motion within the horizon
+    physics::Aabb box;  // the body's bounds, grown by reach_m
   };
 
   std::vector<Moving> members_, others_;

@@ -27,7 +27,7 @@ void give(Body& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& poi
   result.energy_J += kinetic_energy(body) - before;
 }
 
-// What the global step's own friction gave the outside body at this pair, taken back.
+// Reverses the friction impulses that the global step applied to the outside body at this pair.
 void take_back(const Contact& contact, std::uint32_t outside, physics::World& world, ImpulseReturn& result) noexcept {
   Body& body = world.bodies()[outside];
   const bool outside_is_b = contact.slot_b == outside;
@@ -39,13 +39,13 @@ void take_back(const Contact& contact, std::uint32_t outside, physics::World& wo
   }
 }
 
-// What accelerated a body evenly over the step goes on: it slides to rest, or is pushed along. Where its velocity
-// changed by more than this share in the step it trembles, or met something, and the next step says nothing of it.
+// A smooth acceleration over the step is extrapolated: the body slides to rest or is pushed. If the velocity changed by
+// more than this fraction in the step, the body trembles or had an impact, and nothing is extrapolated.
 constexpr double kEven = 0.5;
 
-// At most what stops it within another step.
+// Acceleration expected over the next step [m/s^2]; a deceleration at most stops the body within that step.
 Vec3d acceleration_to_come(const Body& body, const Posed& start, double step_s, double sub_step_s) noexcept {
-  const double late_s = 0.5 * (step_s - sub_step_s);  // the mean velocity is that of a sub-step in the middle
+  const double late_s = 0.5 * (step_s - sub_step_s);  // the mean velocity is the velocity in mid-step
   if (!(late_s > 0)) return {};
   const Vec3d& end = body.motion.velocity.linear;
   const Vec3d mean = (body.motion.pose.position - start.position) * (1 / step_s);
@@ -58,8 +58,8 @@ Vec3d acceleration_to_come(const Body& body, const Posed& start, double step_s, 
 // A joint between a member and an outside body, after a step.
 struct JointAcross {
   std::uint32_t member, outside;  // slots
-  Vec3d point;                    // m, world: the frame on B, now
-  Wrenchd on_member;              // N, N m, there: mean over the step
+  Vec3d point;                    // m, world: origin of the joint frame on B, after the step
+  Wrenchd on_member;              // N, N m, at `point`: mean over the step
 };
 
 template <class F>
@@ -87,15 +87,15 @@ BorderPoint border_point(const Contact& contact, const physics::ContactPoint& po
   result.outside = outside.body.id;
   result.feature = point.feature;
   result.normal = member_is_a ? -contact.normal : contact.normal;
-  // Arms are of the start of the step: so is the rotation that takes them into the body.
+  // The lever arms date from the start of the step, so they are rotated into the body with its pose at the start.
   result.member_anchor = rotate_inverse(member.start.rotation, member_is_a ? point.from_a : point.from_b);
   const Vec3d anchor = rotate_inverse(outside.start.rotation, member_is_a ? point.from_b : point.from_a);
   result.impulse_rate_N = point.total_normal_impulse / step_s;
   result.friction = contact.friction;
   result.outside_point = outside.body.motion.pose * anchor;
   result.separation_m = point.separation;
-  // The mean over the step, not the velocity at its end: a body that is held trembles within a step, and a member that
-  // follows such an instant for a whole cycle is thrown.
+  // The mean over the step, not the velocity at its end: a constrained body trembles within a step, and a member that
+  // followed one instant's velocity for a whole cycle would be thrown.
   result.outside_velocity = (result.outside_point - outside.start * anchor) * (1.0 / step_s);
   return result;
 }
@@ -146,7 +146,7 @@ std::uint32_t BorderExchange::fill(std::span<const Contact> contacts, std::span<
     const std::uint32_t member = a ? contact.slot_a : contact.slot_b, outside = a ? contact.slot_b : contact.slot_a;
     for (std::uint32_t i = 0; i < contact.count; ++i) {
       const auto& point = contact.points[i];
-      if (point.total_normal_impulse <= 0 && point.separation > 0) continue;  // it was only near
+      if (point.total_normal_impulse <= 0 && point.separation > 0) continue;  // a near point without contact
       points_.push_back(
           border_point(contact, point, a, {bodies[member], start[member]}, {bodies[outside], start[outside]}, step_s));
       points_.back().friction_N = (a ? -1 / step_s : 1 / step_s) * point.total_friction;
@@ -199,7 +199,7 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
   return left_out;
 }
 
-// By outside body.
+// Sorted by outside body.
 void BorderExchange::collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
                                    std::span<const BorderPoint> border) noexcept {
   loads_.clear();
@@ -226,7 +226,7 @@ ImpulseReturn return_impulses(std::span<const BorderReturn> returns, std::span<c
       ++result.skipped;
       continue;
     }
-    // Once for every pair: a pair's returns follow each other.
+    // Once for every pair: the entries of a pair are consecutive.
     const bool first_of_pair =
         i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
     if (returned == Return::kChange && first_of_pair) {

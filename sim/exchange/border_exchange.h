@@ -1,15 +1,15 @@
-// What crosses the border between members and outside bodies, as the global world sees it: down, the impulses of its
-// last step at the border contacts, and for ghosts how the outside bodies move and answer; up, the impulses that the
-// sub-world found there.
+// The global world's side of the border between members and outside bodies. To the sub-world: the impulses of the last
+// global step at the border contacts and, for ghosts, the outside bodies' predicted motion and admittance. From the
+// sub-world: the impulses that it applied there.
 //
-// The intervals. H(n) tells what the sub-world did over cycle n-1, from t_(n-1) to t_n. The global step over the same
-// time is the one before the step that H(n) starts: its contacts are still in the world when H(n) is taken. The borders
-// capped and replay, filtered or not, return impulses. Replay returns J_sub itself, as the paper says: friction then
-// counts in both worlds. Capped returns the difference to J_global of those contacts. Friction alone is returned; the
-// members that are imposed press by themselves. The ghost border returns nothing: what stands at it is the global
-// world's to move (rt/haptics/coupling/border_buffer.h).
+// Intervals: H(n) reports what the sub-world did over cycle n-1, from t_(n-1) to t_n. The global step over the same
+// time is the one before the step that H(n) starts, so its contacts are still in the world when H(n) is read. The
+// borders capped and replay, filtered or not, return impulses. Replay returns J_sub, as in the paper: friction then
+// counts in both worlds. Capped returns J_sub minus J_global of those contacts. Only friction is returned; the imposed
+// members transmit the normal force themselves. The ghost border returns nothing: the global world keeps the state of
+// its buffer bodies (rt/haptics/coupling/border_buffer.h).
 // Thread: the global world's; construction [setup]. Frame: world. Units: SI. Bound: kMaxBorderPoints points; beyond,
-// those that press least are left out, ties by order, and counted. Source: the paper, section 2.2.
+// those with the least normal force are left out, ties by order, and counted. Source: the paper, section 2.2.
 #pragma once
 
 #include <vector>
@@ -19,40 +19,41 @@
 
 namespace tactus::sim {
 
-// What the return of one cycle did to outside bodies.
+// Effect of one cycle's returned impulses on the outside bodies.
 struct ImpulseReturn {
   Vec3d impulse_Ns;          // sum
   double magnitude_Ns{0};    // sum of the magnitudes
   double energy_J{0};        // kinetic energy that the outside bodies gained
-  std::uint32_t skipped{0};  // returns to bodies that are members by now: their own world moves them
+  std::uint32_t skipped{0};  // entries for bodies that have become members: the sub-world moves them
 };
 
-// A body as it is after a step, and where it was before it; a fixed one stays.
+// A body after a step, and its pose at the start of the step; the same pose for a fixed body.
 struct BodyOverStep {
   const physics::Body& body;
   const Posed& start;
 };
-// A point of a contact, seen from the member's side, after a step of `step_s`; without what only ghosts need.
+// A contact point from the member's side, after a step of `step_s`. The fields that only ghosts need are not filled.
 haptics::BorderPoint border_point(const physics::Contact& contact, const physics::ContactPoint& point, bool member_is_a,
                                   const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept;
 
 class BorderExchange {
  public:
-  // `added_inertia`: apparent_inertia.h.
+  // `added_inertia`: a2 of apparent_inertia.h.
   BorderExchange(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints, double added_inertia);
 
-  // Fills `border` from the contacts of a step of `step_s` that began at `start` (poses by slot): every point that
-  // pressed or overlaps, between a member (by slot, 1) and a dynamic body that is none. Static geometry is never a
-  // border. Returns how many did not fit.
+  // Fills `border` from the contacts of a step of `step_s` that began at `start` (poses by slot): every point with a
+  // normal impulse or an overlap, between a member (`members`, by slot: 1) and a dynamic body that is not a member.
+  // Contacts with static geometry are not border contacts. Returns the number of points that did not fit.
   std::uint32_t fill(std::span<const physics::Contact> contacts, std::span<const physics::Body> bodies,
                      std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
                      FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& border) noexcept;
-  // The outside bodies of these border points and of the joints that hold members, by id, after a step of `step_s` in
-  // sub-steps. `members`: of the cycle that comes. Returns how many did not fit: their points stay without a ghost.
+  // Fills `outside` with the outside bodies of these border points and of joints to members, by id, after a step of
+  // `step_s` in sub-steps of `sub_step_s`. `members`: of the next cycle. Returns the number of bodies that did not fit:
+  // their points have no ghost.
   //
-  // A body's drive is what acts on it but the members: with its acceleration a over the step, as far as that will go
-  // on, and the wrench P / step_s that the members had on it about its centre, a - W P / step_s. Where it rests on firm
-  // ground W is 0, and so is the drive.
+  // A body's drive is its acceleration due to everything but the members: a - W P / step_s. a: its acceleration over
+  // the step, where it is expected to continue; P / step_s: the members' wrench on it, about its centre. Where the body
+  // rests on firm ground, W is 0 and so is the drive.
   std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, double step_s,
                              double sub_step_s, std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
@@ -60,10 +61,10 @@ class BorderExchange {
  private:
   std::vector<haptics::BorderPoint> points_;
   std::vector<std::uint32_t> order_;
-  // What members do to an outside body, over the last step.
+  // Members' load on an outside body, mean over the last step.
   struct Load {
     BodyId outside;
-    Vec3d force, point;  // N, m: world
+    Vec3d force, point;  // N; m
     Vec3d torque;        // N m
   };
   void collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
@@ -74,14 +75,14 @@ class BorderExchange {
   ApparentInertia admittance_;
 };
 
-// The work of bodies that are no members on members (by slot, 1) over a step [J], by contacts and joints, with sign:
-// each impulse times the mean of its point's velocities on the member before (`before`, by slot) and after the step,
-// which is how the sum over all impulses on a body changes its kinetic energy. Static geometry is never a border.
+// Work [J] of outside bodies on members (`members`, by slot: 1) over a step, through contacts and joints, with sign:
+// each impulse times the mean of its point's velocities on the member before (`before`, by slot) and after the step.
+// Summed over all impulses on a body this is its change of kinetic energy. Contacts with static geometry do not count.
 double border_work_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
                      double step_s) noexcept;
 
-// Applies the report's tangential impulses to the outside bodies, as the border returns them. Call before the next
-// step. `members` by slot: of the cycle that begins.
+// Applies the report's tangential impulses to the outside bodies, as the border's traits `returned` specify. Call
+// before the next step. `members`, by slot: of the cycle that begins. Entries that are not finite are ignored.
 ImpulseReturn return_impulses(std::span<const haptics::BorderReturn> returns, std::span<const std::uint8_t> members,
                               physics::BorderTraits::Return returned, physics::World& world) noexcept;
 

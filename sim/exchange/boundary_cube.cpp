@@ -26,7 +26,7 @@ BoundaryCube::BoundaryCube(const ReachSettings& settings, std::span<const physic
 double BoundaryCube::half_side_m(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept {
   const physics::Aabb box = physics::bounds_of(proxy.shape, world_from_proxy, 0.0);
   const Vec3d extents = box.upper - box.lower;
-  // A proxy that a spring throws may be faster than the device can be.
+  // A proxy accelerated by a spring may exceed the device's maximum speed.
   const double thrown = reach_of_body_m(settings_, proxy.motion.velocity, radius_m_[proxy_]);
   return 0.5 * std::max(extents.x, std::max(extents.y, extents.z)) + std::max(proxy_reach_m_, thrown);
 }

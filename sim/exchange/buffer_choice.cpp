@@ -8,7 +8,7 @@ namespace {
 
 using physics::Body;
 
-// Of a body at the point of a touch, along its normal [1/kg].
+// Inverse mass of a body at the contact point, along the normal [1/kg].
 double inverse_mass_at(const Body& body, const ContactEdge& touch) noexcept {
   const Vec3d lever_arm =
       rotate_inverse(body.motion.pose.rotation, cross(touch.point - body.motion.pose.position, touch.normal));
@@ -17,7 +17,8 @@ double inverse_mass_at(const Body& body, const ContactEdge& touch) noexcept {
          over(lever_arm.z, body.inertia.z);
 }
 
-// The same of the ghost of an outside body; 0, as on firm ground, where there is none yet.
+// Inverse mass of an outside body's ghost at the contact point, along the normal [1/kg]; 0, as of static geometry,
+// where there is no ghost yet.
 double inverse_mass_at(std::span<const haptics::OutsideBody> outside, BodyId id, const ContactEdge& touch) noexcept {
   const auto at =
       std::lower_bound(outside.begin(), outside.end(), id, [](const auto& body, BodyId i) { return body.id < i; });
@@ -59,7 +60,7 @@ bool BufferChoice::weigh(std::span<const Body> bodies, const Extraction& extract
   for (const std::uint32_t member : extraction.members()) {
     const std::uint32_t group = groups.of(member);
     const double mass = bodies[member].mass;
-    // The lowest slot of a group comes first.
+    // Members ascend, so the group's lowest slot comes first and resets its entries.
     if (group == member) lightest_[group] = std::numeric_limits<double>::infinity(), heaviest_[group] = 0;
     if (group == member) at_border_[group] = 0;
     if (!shares_[member].at_end()) lightest_[group] = std::min(lightest_[group], mass);

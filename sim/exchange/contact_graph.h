@@ -1,10 +1,10 @@
-// Who touches whom: the paper's graph of contacts between moving bodies, as compressed adjacency.
+// The paper's graph of contacts between moving bodies, as compressed adjacency lists.
 //
-// One edge per touching pair, with one representative contact: the point where its impulses' mean acts, and its
-// normal. A joint is an edge too. Static geometry is no node. Thread: the global world's; construction [setup], build
-// and component never allocate. Frame: world. Units: m. Bound: bodies and edges as given at construction; edges beyond
-// are left out and counted by the caller. Work: build is linear in bodies + edges, component in the part that it
-// visits. Source: the paper, section 2, equation 1.
+// One edge per touching pair, with one representative contact: the impulse-weighted mean of its points, and its normal.
+// A joint is an edge too. Static geometry is not a node.
+// Thread: the global world's; construction [setup], build and find_component never allocate. Frame: world. Units: m.
+// Bound: bodies and edges as given at construction; edges beyond are left out and counted by the caller. Work: build is
+// linear in bodies + edges, find_component in the part that it visits. Source: the paper, section 2, equation 1.
 #pragma once
 
 #include <span>
@@ -19,11 +19,11 @@ struct ContactEdge {
   std::uint32_t a{0}, b{0};
   Vec3d point;         // m, world
   Vec3d normal;        // unit, world, from a to b
-  bool joined{false};  // by a joint: where the one is a member, the other should be
+  bool joined{false};  // by a joint: if one body is a member, the other should be too
 };
 
-// The pair's representative: mean of its points, weighted by the impulse they carried over the step (evenly where none
-// carried any). `bodies` are the world's, by slot; points move with body A.
+// The pair's representative contact: mean of its points, weighted by their normal impulses over the step (unweighted if
+// all are 0). `bodies` are the world's, by slot; points move with body A.
 ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept;
 
 class ContactGraph {
@@ -37,18 +37,18 @@ class ContactGraph {
 
   ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches);
 
-  // Replaces the graph. Links of a body come in the order of `touches`, which is kept.
+  // Replaces the graph; copies `touches`. The links of a body are in the order of `touches`.
   void build(std::uint32_t bodies, std::span<const ContactEdge> touches) noexcept;
 
   std::span<const Link> links(std::uint32_t slot) const noexcept;
   std::span<const ContactEdge> touches() const noexcept { return {touches_.data(), touch_count_}; }
   std::uint32_t bodies() const noexcept { return body_count_; }
 
-  // The connected component of `from`, by breadth first: visited() holds its slots in the order of hops, `from` first.
-  // `seeds` count as if they touched `from`. Returns its size.
+  // Finds the connected component of `from`, breadth first: visited() has its slots in the order of hops, `from` first.
+  // `seeds` are treated as touching `from`. Returns the component's size.
   std::uint32_t find_component(std::uint32_t from, std::span<const std::uint32_t> seeds = {}) noexcept;
   std::span<const std::uint32_t> visited() const noexcept { return {queue_.data(), visited_count_}; }
-  // Contacts between `from` of the last find_component and this body; kUnreached where there is no way.
+  // Edges on the shortest path from `from` of the last find_component to this body; kUnreached if there is no path.
   std::uint32_t hops(std::uint32_t slot) const noexcept { return hops_[slot]; }
 
  private:
@@ -56,7 +56,7 @@ class ContactGraph {
 
   std::vector<ContactEdge> touches_;
   std::vector<Link> links_;
-  std::vector<std::uint32_t> first_;  // by slot: its first link; one more than bodies
+  std::vector<std::uint32_t> first_;  // by slot: its first link; bodies + 1 entries
   std::vector<std::uint32_t> hops_, queue_;
   std::uint32_t body_count_{0}, touch_count_{0}, visited_count_{0};
 };

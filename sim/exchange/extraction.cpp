@@ -38,7 +38,7 @@ std::span<const std::uint32_t> Extraction::choose(std::span<const physics::Body>
     add_linked(bodies, graph, cap, free);
     add_former();
     take(cap, graph, free);
-    graph.find_component(proxy_);  // breadth first asked for more than the component
+    graph.find_component(proxy_);  // again: breadth first has searched from the close bodies too
     count_left_out(cap, graph);
   }
   first_ = false;
@@ -75,14 +75,14 @@ void Extraction::add_linked(std::span<const physics::Body> bodies, ContactGraph&
   std::uint32_t last_hop = ContactGraph::kUnreached;
   for (const std::uint32_t slot : graph.visited()) {
     const std::uint32_t hops = graph.hops(slot);
-    if (hops > last_hop) break;  // further out than any that could get a place
+    if (hops > last_hop) break;  // beyond any that the cap could admit
     if (available(slot, free))
       add(Priority::kLinked, -static_cast<double>(hops - (was_member_[slot] != 0 ? 1 : 0)), slot);
     if (last_hop == ContactGraph::kUnreached && candidates_.size() >= cap) last_hop = hops + 1;
   }
 }
 
-// Members that no longer qualify: for some cycles they keep their place while there is room.
+// Adds members that no longer qualify; they stay for linger_cycles while the cap allows.
 void Extraction::add_former() noexcept {
   for (const std::uint32_t slot : chosen_) {
     if (listed_[slot] != 0) continue;
@@ -103,12 +103,12 @@ void Extraction::take(std::uint32_t cap, const ContactGraph& graph, std::span<co
   std::uint32_t stay = 0;
   for (const Candidate& candidate : candidates_) {
     if (chosen_.size() == cap) break;
-    if (member_[candidate.slot] != 0) continue;  // joined to one that came before
+    if (member_[candidate.slot] != 0) continue;  // brought along by a joint
     if (!candidate.current) {
       const bool may_join = first_ || candidate.priority <= Priority::kClose || statistics_.joins < options_.max_joins;
       if (!may_join) continue;
     } else {
-      // Those whose time is over stay only where too many would go at once.
+      // Members past linger_cycles stay only if more than max_leaves would leave at once.
       if (candidate.priority == Priority::kLeaving && before - stay <= options_.max_leaves) break;
     }
     const auto first = chosen_.size();
@@ -121,7 +121,7 @@ void Extraction::take(std::uint32_t cap, const ContactGraph& graph, std::span<co
   std::sort(chosen_.begin(), chosen_.end());
 }
 
-// Those that joints link to the last one chosen, however far, nearest first.
+// Adds all bodies that joints connect to the last one chosen, directly or not, breadth first.
 void Extraction::bring_joined(std::uint32_t cap, const ContactGraph& graph,
                               std::span<const std::uint8_t> free) noexcept {
   for (std::size_t head = chosen_.size() - 1; head < chosen_.size(); ++head)

@@ -1,13 +1,13 @@
-// Who is in the haptic sub-world next: the contact graph, grown from the proxy and cut at the cap.
+// Chooses the next members of the haptic sub-world: the contact graph, grown from the proxy and cut at the cap.
 //
-// In this order, until the cap: the proxy; bodies in the boundary cube, nearest first; bodies that contacts link to the
-// proxy, by influence (or by hops, as the paper may have meant); members of before that fell out a moment ago. Against
-// flicker a member's influence counts double (its hops one less), and one that no longer qualifies stays a few cycles
-// while there is room. Whoever gets a place brings along those that joints link to him. Few bodies join or leave at
-// once, so that the tick that adopts them stays short: only the cube and what is joined may join more. So the sub-world
-// grows over the cycles, as the paper's does. Thread: the global world's; construction [setup]. Units: SI. Bound: the
-// cap, never exceeded; what was left out is counted. Ties by slot, which is by body id. Source: the paper, section 2;
-// influence in sim/exchange/influence.h.
+// Order, until the cap: the proxy; bodies in the boundary cube, nearest first; bodies that contacts connect to the
+// proxy, by influence (or by hops, as the paper may have meant); former members that qualified until a few cycles ago.
+// Hysteresis: a present member's influence counts double (its hops one less), and a member that no longer qualifies
+// stays for linger_cycles while the cap allows. Each chosen body brings along the bodies that joints connect to it. Few
+// bodies join or leave per cycle, so that the tick that imports them stays short; only bodies in the cube and joined
+// bodies may exceed max_joins. So the sub-world grows over several cycles, as in the paper.
+// Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never exceeded; bodies left out are
+// counted. Ties by slot, which is by body id. Source: the paper, section 2; influence in sim/exchange/influence.h.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"
@@ -25,14 +25,14 @@ struct ExtractionOptions {
   std::uint32_t cap{64};  // members, the proxy included; at most haptics::kMaxMembers
   CutOrder order{CutOrder::kBestFirst};
   std::uint32_t max_joins{8}, max_leaves{8};  // per cycle; the cube may join more, the cap may push out more
-  std::uint32_t linger_cycles{4};             // that a member stays after it last qualified
-  bool all_members{false};  // every dynamic body, from the start: needs a world of at most kMaxMembers
+  std::uint32_t linger_cycles{4};             // cycles that a member stays after it last qualified
+  bool all_members{false};  // every dynamic body is a member from the start; at most kMaxMembers bodies
 };
 
 struct ExtractionStatistics {
-  std::uint32_t component{0};       // bodies that contacts link to the proxy, itself included
+  std::uint32_t component{0};       // bodies that contacts connect to the proxy, the proxy included
   std::uint32_t close{0};           // bodies in the boundary cube
-  std::uint32_t close_left_out{0};  // of them, those that the cap left out: they may be touched before they join
+  std::uint32_t close_left_out{0};  // of `close`, left out by the cap: the proxy may touch them before they join
   std::uint32_t dropped{0};         // bodies of cube and component that the cap leaves out
   std::uint32_t waiting{0};         // bodies of cube and component that will join in the next cycles
   std::uint32_t joins{0}, leaves{0};
@@ -43,33 +43,33 @@ class Extraction {
   Extraction(const ExtractionOptions& options, const ReachSettings& reach, std::span<const physics::Body> bodies,
              std::uint32_t proxy, std::uint32_t max_touches);
 
-  // Chooses the next members: slots, ascending. `world_from_proxy` is the pose that the cube is centred at, `budget`
-  // may lower the cap, `free` says by slot which bodies no other sub-world has (empty: all), `awake` which slots may be
-  // near the proxy (empty: all). The first call is not bound by max_joins. Valid until the next call.
+  // Chooses the next members: slots, ascending. `world_from_proxy`: centre of the cube. `budget` may lower the cap.
+  // `free`, by slot: 1 for bodies of no other sub-world (empty: all). `awake`: the slots to test for the cube (empty:
+  // all). The first call is not limited by max_joins. Valid until the next call.
   std::span<const std::uint32_t> choose(std::span<const physics::Body> bodies, ContactGraph& graph,
                                         const Posed& world_from_proxy, std::uint32_t budget,
                                         std::span<const std::uint8_t> free = {},
                                         std::span<const std::uint32_t> awake = {}) noexcept;
-  // The box in which bodies are chosen for their place alone.
+  // The boundary cube: bodies in it are chosen without a contact.
   physics::Aabb region(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept {
     return cube_.region(proxy, world_from_proxy);
   }
 
   bool is_member(std::uint32_t slot) const noexcept { return member_[slot] != 0; }
   bool was_member(std::uint32_t slot) const noexcept { return was_member_[slot] != 0; }  // before the last choice
-  // Of the last choice: was it no member before?
+  // A member of the last choice that was not a member before it.
   bool is_joiner(std::uint32_t slot) const noexcept { return member_[slot] != 0 && was_member_[slot] == 0; }
   std::span<const std::uint32_t> members() const noexcept { return chosen_; }
   std::span<const std::uint8_t> member_flags() const noexcept { return member_; }  // by slot, 1: member
   const ExtractionStatistics& statistics() const noexcept { return statistics_; }
 
  private:
-  // In the order in which they get a place.
+  // In the order of choice.
   enum class Priority : std::uint32_t { kProxy = 0, kClose = 1, kLinked = 2, kLingering = 3, kLeaving = 4 };
   struct Candidate {
     Priority priority{};
-    bool current{false};  // a member already
-    double score{0};      // the higher the sooner
+    bool current{false};  // a member before this choice
+    double score{0};      // higher is chosen first
     std::uint32_t slot{0};
   };
 
@@ -91,7 +91,7 @@ class Extraction {
   bool first_{true};
   // By slot.
   std::vector<std::uint8_t> member_, was_member_, listed_;
-  std::vector<std::uint32_t> cycles_out_;  // since it last qualified
+  std::vector<std::uint32_t> cycles_out_;  // cycles since it last qualified
   std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> chosen_, near_;
   ExtractionStatistics statistics_;

@@ -27,7 +27,7 @@ Influence::Influence(std::uint32_t max_bodies, std::uint32_t max_touches)
   result_.reserve(max_bodies);
 }
 
-// For a max-heap: is `a` to be taken after `b`? Ties by slot, then by contact.
+// Order of a max-heap: true if `a` comes after `b`. Ties by slot, then by contact.
 bool Influence::ByValue::operator()(const Label& a, const Label& b) const noexcept {
   if (a.value != b.value) return a.value < b.value;
   return a.slot != b.slot ? a.slot > b.slot : a.touch > b.touch;
@@ -91,20 +91,20 @@ std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span
   return result_;
 }
 
-// Goes on from a body through its other contacts.
+// Extends a path from a body through its other contacts.
 void Influence::expand(const Label& label, const ContactGraph& graph, std::span<const physics::Body> bodies,
                        std::uint32_t proxy) noexcept {
   const auto touches = graph.touches();
   Side in;
   double in_inverse_mass = 0;
   if (label.touch == kNear) {
-    // The contact to come: along the line of centres, so that it turns neither.
+    // The expected contact: along the line of centres, so without a moment on either body.
     const Vec3d apart = bodies[label.slot].motion.pose.position - bodies[proxy].motion.pose.position;
     in = {inverse_mass_of(bodies[label.slot]), normalized_or(apart, Vec3d{0, 0, 1}), {}, {}};
     in_inverse_mass = in.inverse_mass + inverse_mass_of(bodies[proxy]);
   } else {
     const std::uint32_t side = touches[label.touch].b == label.slot ? 1 : 0;
-    if (label.value < best_[label.touch][side]) return;  // a better way came here since
+    if (label.value < best_[label.touch][side]) return;  // a better path was found since
     in = sides_[label.touch][side];
     in_inverse_mass = inverse_mass_[label.touch];
   }

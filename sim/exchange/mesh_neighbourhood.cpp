@@ -3,10 +3,10 @@
 namespace tactus::sim {
 namespace {
 
-// Of the sub-world's own contact margin, and of what gravity adds in two cycles.
+// Covers the sub-world's contact margin and the motion that gravity adds in two cycles.
 constexpr double kSlack_m = 2e-3;
 
-// False: no room.
+// False if the capacity is too small.
 bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh& mesh, const physics::Aabb& box,
                 haptics::WorldSnapshot& next) noexcept {
   if (!box.overlaps({-mesh.half_extents, mesh.half_extents})) return true;
@@ -33,7 +33,7 @@ void fill_near_triangles(std::span<const physics::Body> bodies, std::span<const 
     const double radius_m = bounding_radius(body.shape);
     const double moves_m = kSlack_m + (place == proxy ? reach_of_proxy_m(reach, radius_m)
                                                       : reach_of_body_m(reach, body.motion.velocity, radius_m));
-    for (const auto& fixed : fixed_bodies) {  // by id: in the order of the meshes
+    for (const auto& fixed : fixed_bodies) {  // by id, hence in the order of the meshes
       if (fixed.shape.kind != physics::ShapeKind::kMesh) continue;
       const Posed pose = physics::relative_pose(fixed.motion.pose, body.motion.pose);
       const auto box = physics::bounds_of(body.shape, pose, moves_m);

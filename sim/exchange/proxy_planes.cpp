@@ -10,7 +10,7 @@ namespace {
 
 using haptics::BorderPoint;
 
-// The proxy's side of a point of one of its contacts; the other may be fixed.
+// The proxy's side of a point of one of its contacts; the other body may be fixed.
 BorderPoint plane_of(const physics::World& world, const physics::Contact& contact, const physics::ContactPoint& point,
                      bool proxy_is_a, double step_s) noexcept {
   const auto bodies = world.bodies();

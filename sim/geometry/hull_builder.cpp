@@ -17,17 +17,17 @@ using physics::HullFault;
 using physics::HullTopology;
 using physics::kMaxHullVertices;
 
-// Points nearer to a face's plane than this share of the size are on it: numbers in single precision are that rough.
+// Points closer to a face's plane than this fraction of the size lie on it: about the error of single precision.
 constexpr double kFlatShare = 1e-6;
-// A hull without what was merged away may merge once more.
+// After points are merged away, the hull of the remaining points may merge again: at most so many times.
 constexpr int kMaxRounds = 8;
 
 struct Surface {
-  std::vector<std::size_t> vertices;            // ascending: which points
-  std::vector<std::vector<std::size_t>> loops;  // of points, counter-clockwise from outside
+  std::vector<std::size_t> vertices;            // indices of points, ascending
+  std::vector<std::vector<std::size_t>> loops;  // per face: indices of points, counter-clockwise seen from outside
 };
 
-// Qhull's state, freed at the end, and a place for what it prints.
+// Owns Qhull's state, and discards what Qhull prints.
 class Qhull {
  public:
   Qhull() : silent_(std::fopen("/dev/null", "w")) { qh_zero(&state_, silent_); }
@@ -84,8 +84,8 @@ Extent extent_of(std::span<const Vec3d> points) {
   return extent;
 }
 
-// The loops as the topology wants them: outward, from their lowest vertex on, in order. Which way round Qhull gives one
-// is seen from the middle of the points.
+// Brings the loops into the topology's form: counter-clockwise seen from outside, starting at the lowest vertex,
+// sorted. The orientation of Qhull's loops is determined with the centroid of the points.
 void make_canonical(std::span<const Vec3d> points, Surface& surface) {
   Vec3d middle;
   for (const std::size_t i : surface.vertices)

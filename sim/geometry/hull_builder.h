@@ -1,4 +1,4 @@
-// The convex hull of points, ready for the real-time side. Thread: [setup]. Units: m. Frame: see physics/hull.h.
+// Builds the convex hull of points for the real-time side. Thread: [setup]. Units: m. Frame: see physics/hull.h.
 //
 // The same points give the same hull: its vertices are in the order of the points, its faces in that of their vertices.
 // Bound: a hull has at most kMaxHullVertices vertices, and is at least kLeastHullWidth_m wide in every direction.
@@ -15,11 +15,11 @@ inline constexpr double kLeastHullWidth_m = 1e-4;
 
 struct BuiltHull {
   physics::Hull hull;
-  Posed given_from_body;        // where the hull's frame is in the frame of the points
-  std::vector<Vec3d> vertices;  // those of the points that are its vertices; they alone give this very hull again
+  Posed given_from_body;        // pose of the hull's frame in the frame of the points
+  std::vector<Vec3d> vertices;  // the points that are its vertices; building from these alone gives the same hull
 };
 
-// Faces that are flat to a millionth of the size are one. An error says what is wrong and what is accepted.
+// Faces that are coplanar to a millionth of the size are merged. An error says what is wrong and what is accepted.
 Result<BuiltHull> build_hull(std::span<const Vec3d> points);
 
 }  // namespace tactus::sim

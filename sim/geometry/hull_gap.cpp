@@ -12,7 +12,7 @@ using physics::Mesh;
 
 struct Piece {
   Vec3d corner[3];
-  double most_m{0};  // no point of it is farther
+  double most_m{0};  // upper bound on the distance of its points
 };
 
 double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
@@ -41,14 +41,14 @@ double distance_to_box(const Vec3d& p, const physics::Aabb& box) {
   return norm(d);
 }
 
-// The surface of the mesh, asked how far away it is.
+// Distance to the surface of the mesh.
 class MeshSurface {
  public:
   explicit MeshSurface(const Mesh& mesh) : mesh_(mesh) {}
 
   double distance(const Vec3d& p) const { return find(p).distance_m; }
 
-  // Distances to one triangle are convex: over a piece none is larger than at its corners.
+  // Upper bound for a piece. The distance to one triangle is convex, so it is largest at a corner of the piece.
   double most(const Piece& piece, const Vec3d& middle) const {
     Vec3d nearest[3];
     corners_of(find(middle).triangle, nearest);
@@ -93,7 +93,7 @@ class MeshSurface {
   Mesh mesh_;
 };
 
-// The surface of the hull, from inside: how deep a point is.
+// Distance to the surface of the hull, from inside: the depth of a point.
 class HullSurface {
  public:
   HullSurface(const Hull& hull, const Posed& mesh_from_hull) {
@@ -109,7 +109,7 @@ class HullSurface {
     return std::max(depth_m, 0.0);
   }
 
-  // The depth below one plane is linear: the deepest below it is a corner.
+  // Upper bound for a piece. The depth below one plane is linear, so it is largest at a corner of the piece.
   double most(const Piece& piece, const Vec3d&) const {
     double most_m = std::numeric_limits<double>::infinity();
     for (const auto& plane : planes_) {
@@ -128,7 +128,7 @@ class HullSurface {
   std::vector<Plane> planes_;
 };
 
-// The farthest that a point of the pieces is from the surface; into `gap` where it is more than what is there.
+// Finds the largest distance of a point on the pieces to the surface; updates `gap` if it is larger.
 template <class Surface>
 void search(const std::vector<Piece>& pieces, const Surface& surface, double tolerance_m, HullGap& gap) {
   const auto less = [](const Piece& a, const Piece& b) { return a.most_m < b.most_m; };
@@ -151,7 +151,7 @@ void search(const std::vector<Piece>& pieces, const Surface& surface, double tol
   for (unsigned i = 0; i < kMostGapPieces && !open.empty(); ++i) {
     const Piece piece = open.top();
     open.pop();
-    if (piece.most_m <= gap.gap_m + tolerance_m) return;  // and so are all others
+    if (piece.most_m <= gap.gap_m + tolerance_m) return;  // the queue's largest bound
     int longest = 0;
     for (int k = 1; k < 3; ++k)
       if (norm(piece.corner[(k + 1) % 3] - piece.corner[k]) >

@@ -14,13 +14,13 @@ using physics::EdgeKind;
 using physics::kNoTriangle;
 using physics::MeshTriangle;
 
-// A triangle lower than this over its longest edge has no area: 1 nm, or a billionth of that edge.
+// A triangle whose height over its longest edge is below this has no area: 1 nm, or a billionth of that edge.
 constexpr double kLeastHeight_m = 1e-9, kLeastHeightShare = 1e-9;
-// A fold of less than a milliradian is flat: what slides over it at 0.1 m/s is lifted at 0.1 mm/s.
+// A fold of less than 1 mrad is flat: a body that slides over it at 0.1 m/s is lifted at 0.1 mm/s.
 constexpr double kFlatSine = 1e-3;
-// A patch may leave the plane of its largest triangle by this: the solver's slop, that is left alone anyway.
+// Max. distance of a patch from the plane of its largest triangle: the solver's slop, which is not corrected anyway.
 constexpr double kPatchHeight_m = 1e-5, kPatchSine = 2e-3;
-// Every pair of open edges is looked at: a mesh with more of them is left as it is.
+// All pairs of open edges are compared; in a mesh with more open edges none are joined.
 constexpr std::size_t kMaxOpenEdges = 4000;
 
 const Vec3d& place(const MeshParts& mesh, const MeshTriangle& t, std::size_t k) { return mesh.corners[t.corner[k]]; }
@@ -40,7 +40,7 @@ struct ByPlace {
   }
 };
 
-// Triangles without area and doubles are left out.
+// Copies the triangles, without those of no area and duplicates.
 void take_triangles(const TriangleSoup& soup, const Vec3d& middle, MeshParts& mesh, MeshAccount& account) {
   for (const Vec3d& corner : soup.corners) mesh.corners.push_back(corner - middle);
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> seen;  // beginning with the lowest corner
@@ -64,7 +64,7 @@ void take_triangles(const TriangleSoup& soup, const Vec3d& middle, MeshParts& me
   }
 }
 
-// Positive: convex. Of the angle between the normals, about the edge.
+// Sine of the angle between the normals, about the edge; positive: convex.
 double fold_sine(const MeshParts& mesh, std::uint32_t s, std::uint32_t k, std::uint32_t t) {
   const MeshTriangle& triangle = mesh.triangles[s];
   const Vec3d along = mesh.corners[triangle.corner[(k + 1) % 3]] - mesh.corners[triangle.corner[k]];
@@ -96,7 +96,7 @@ void join_neighbours(MeshParts& mesh, MeshAccount& account) {
     const std::size_t alone = std::max(there.size(), back.size()) - std::min(there.size(), back.size());
     account.boundary_edges += static_cast<unsigned>(alone % 2);
     account.disagreeing_edges += static_cast<unsigned>(alone / 2);
-    while (!there.empty() && !back.empty()) {  // one of each, but where several sheets meet
+    while (!there.empty() && !back.empty()) {  // one of each, except where several sheets meet
       std::size_t best_there = 0, best_back = 0;
       double flattest = -2;
       for (std::size_t i = 0; i < there.size(); ++i)
@@ -115,7 +115,7 @@ void join_neighbours(MeshParts& mesh, MeshAccount& account) {
   }
 }
 
-// Where corners meet edges in their middle: an open edge that runs all along others, flat and within the slop, is none.
+// T-junctions: an open edge that is covered over its whole length by others, flat and within the slop, is not open.
 void join_along_edges(MeshParts& mesh, MeshAccount& account) {
   struct Open {
     std::uint32_t triangle, k;
@@ -152,7 +152,7 @@ void join_along_edges(MeshParts& mesh, MeshAccount& account) {
   }
 }
 
-// From the largest triangle on: what hangs together flat, near its plane.
+// Gathers patches, from the largest triangle down: triangles connected by flat edges, near the first one's plane.
 void gather_patches(MeshParts& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   std::vector<std::uint32_t> seeds(count), waiting;
@@ -189,7 +189,7 @@ void gather_patches(MeshParts& mesh) {
   }
 }
 
-// Patch by patch, patches in the order of their first triangles.
+// Sorts the triangles by patch, patches in the order of their first triangles.
 void sort_by_patch(MeshParts& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   std::vector<std::uint32_t> place_of_patch(mesh.patches.size(), kNoTriangle), order(count), place(count);
@@ -213,7 +213,8 @@ void sort_by_patch(MeshParts& mesh) {
   mesh.triangles = std::move(triangles), mesh.normals = std::move(normals), mesh.patches = std::move(patches);
 }
 
-// Who meets at each corner, and which triangles can be touched at more than their face. The most at one corner.
+// Lists the triangles around each corner, and marks triangles with a corner on a convex or boundary edge as exposed.
+// Returns the largest number of triangles at one corner.
 std::uint32_t find_corners(MeshParts& mesh) {
   mesh.around_start.assign(mesh.corners.size() + 1, 0);
   std::vector<bool> exposed(mesh.corners.size(), false);
@@ -243,7 +244,7 @@ TriangleSoup weld(const TriangleSoup& soup) {
   for (const auto& given : soup.triangles) {
     auto& triangle = welded.triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d place = soup.corners[given[k]] + Vec3d{};  // + 0: no negative zeros
+      const Vec3d place = soup.corners[given[k]] + Vec3d{};  // adding 0 removes negative zeros
       const auto [at, is_new] = known.try_emplace(place, static_cast<std::uint32_t>(welded.corners.size()));
       if (is_new) welded.corners.push_back(place);
       triangle[k] = at->second;

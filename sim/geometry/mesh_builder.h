@@ -1,10 +1,11 @@
-// A mesh for the real-time side from loose triangles. Thread: [setup]. Units: m. Frame: see physics/mesh.h.
+// Builds a mesh for the real-time side from a triangle soup. Thread: [setup]. Units: m. Frame: see physics/mesh.h.
 //
-// Triangles without area and doubles are left out; neighbours are found, edges judged, flat
-// regions gathered into patches (physics/mesh.h says why) and the tree of boxes is built. The same triangles give the
-// same mesh. An edge where more than two triangles meet joins those that run on flattest; one whose triangles do not
-// agree on what is outside is a boundary. Open edges that lie along others, flat, are joined too (corners in the middle
-// of edges), up to some thousands of them. Bound: linear but for sorting; kMaxCornerTriangles at a corner.
+// Triangles without area and duplicates are left out. Then neighbours are found, edges classified, flat regions
+// gathered into patches (for the reason see physics/mesh.h) and the tree of boxes is built. The same triangles give the
+// same mesh. At an edge of more than two triangles, the pairs with the smallest fold are joined. An edge whose two
+// triangles have opposite orientations is a boundary. Open edges that lie along others and are flat are joined too
+// (T-junctions), if the mesh has at most some thousands of open edges. Bound: linear but for sorting;
+// kMaxCornerTriangles at a corner.
 #pragma once
 
 #include <memory>
@@ -16,7 +17,7 @@
 
 namespace tactus::sim {
 
-// The arrays that a mesh looks into, by the same names.
+// Owns the arrays that a physics::Mesh refers to, under the same names.
 struct MeshParts {
   std::vector<Vec3d> corners;
   std::vector<physics::MeshTriangle> triangles;
@@ -27,7 +28,7 @@ struct MeshParts {
   Vec3d half_extents;
   BodyId first_patch_id{kNoBody};
 
-  // Valid as long as the parts stay as they are.
+  // Valid until the parts change.
   physics::Mesh view() const noexcept {
     return {corners, triangles, normals, patches, nodes, order, around_start, around, half_extents, first_patch_id};
   }
@@ -35,19 +36,20 @@ struct MeshParts {
 
 struct BuiltMesh {
   std::shared_ptr<const MeshParts> parts;
-  physics::Mesh mesh;     // of the parts
-  Posed given_from_body;  // where the mesh's frame is in the frame of the corners
-  MeshAccount account;    // but for file, body and what was welded
+  physics::Mesh mesh;     // view of the parts
+  Posed given_from_body;  // pose of the mesh's frame in the frame of the corners
+  MeshAccount account;    // without file, body and welded
 };
 
-// The same triangles with every place once, in the order in which they are used.
+// Merges corners at the same position; corners are in the order of first use.
 TriangleSoup weld(const TriangleSoup& soup);
 
-// Of a soup that is welded. `first_patch_id`: of its patches; the caller's next mesh begins after them. An error says
-// what is wrong and what is accepted.
+// `soup` must be welded. `first_patch_id`: id of its first patch; the caller's next mesh starts after its last. An
+// error says what is wrong and what is accepted.
 Result<BuiltMesh> build_mesh(const TriangleSoup& soup, BodyId first_patch_id);
 
-// Inside: the tree. Halves the triangles until four are left, across the longest side of their middles' box.
+// Internal: builds the tree of boxes. Splits the triangles in half, along the longest side of the box of their
+// centroids, until at most four are left.
 void build_tree(MeshParts& mesh);
 
 }  // namespace tactus::sim

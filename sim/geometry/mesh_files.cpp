@@ -16,7 +16,7 @@ Status too_many(std::string_view name, std::size_t line, const char* what, std::
   return Status::error(fmt::format("{}{}: more than {} {}; accepted: at most {}", name, place, limit, what, limit));
 }
 
-// "7", "7/1/2", "-1": the first number, from 1 or from the end. False where it is none of the corners so far.
+// Parses "7", "7/1/2" or "-1": the first number, from 1 or from the end. False if it is none of the corners so far.
 bool parse_corner(std::string_view word, std::size_t corners, std::uint32_t& index) {
   word = word.substr(0, word.find('/'));
   long long number = 0;
@@ -29,7 +29,7 @@ bool parse_corner(std::string_view word, std::size_t corners, std::uint32_t& ind
   return true;
 }
 
-// The corners of a face, as a fan of triangles. An error's text otherwise.
+// Reads a face as a fan of triangles. Returns an error's text, or empty.
 std::string read_face(Words& words, TriangleSoup& soup) {
   std::uint32_t corner[3] = {0, 0, 0};
   unsigned count = 0;

@@ -17,7 +17,7 @@ class TreeBuilder {
     }
   }
 
-  // The node of order[first, first + count); depth is the logarithm of the count.
+  // Adds the node of order[first, first + count) and its children. The recursion's depth is the logarithm of count.
   void add(std::uint32_t first, std::uint32_t count) {
     const auto at = static_cast<std::uint32_t>(mesh_.nodes.size());
     mesh_.nodes.push_back({box_of(first, count), first, count, 0});
@@ -56,7 +56,7 @@ class TreeBuilder {
   }
 
   MeshParts& mesh_;
-  physics::Mesh view_;  // of what is there already: corners and triangles
+  physics::Mesh view_;  // of the corners and triangles; the tree does not exist yet
   std::vector<Vec3d> middle_;
 };
 

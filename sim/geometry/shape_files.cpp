@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;  // bytes
 
-// Each place once: the corners of triangles come many times.
+// Collects positions without duplicates: triangles repeat their corners.
 class Places {
  public:
   void add(const Vec3d& place) {
@@ -62,7 +62,7 @@ Result<std::vector<Vec3d>> parse_binary_stl(std::string_view bytes, std::string_
   std::vector<Vec3d> corners;
   const std::size_t triangles = (bytes.size() - kStlHeader) / kStlTriangle;
   for (std::size_t t = 0; t < triangles; ++t) {
-    float numbers[12];  // the normal, which is not used, and three corners
+    float numbers[12];  // the normal (not used) and three corners
     std::memcpy(numbers, bytes.data() + kStlHeader + t * kStlTriangle, sizeof numbers);
     for (int corner = 1; corner < 4; ++corner) {
       const float* p = numbers + 3 * corner;
@@ -101,7 +101,7 @@ Result<std::vector<Vec3d>> parse_obj(std::string_view text, std::string_view nam
   return not_empty(places.take(), name, "lines \"v x y z\"");
 }
 
-// Some programs begin binary files with "solid" too: the size decides first.
+// Some programs start binary files with "solid" too, so the size is checked first.
 Result<std::vector<Vec3d>> parse_stl_corners(std::string_view bytes, std::string_view name) {
   if (bytes.size() >= kStlHeader) {
     std::uint32_t triangles = 0;

@@ -1,10 +1,10 @@
-// The corners of a solid in a file: Wavefront OBJ, STL in text or binary.
+// Reads the corners of a solid from a file: Wavefront OBJ, STL in text or binary.
 //
-// Only places are read: what a convex hull is made of; for triangles see mesh_files.h. Of an OBJ file the lines "v x y
-// z", of an STL file the corners of its triangles, each place once, in the order of the file. Why not a library: the
-// readers at hand take a number that is none for zero and do not say in which line; here each mistake is named with its
-// line, or its triangle. Units: the file's own. Thread: [setup]. Bound: kMaxShapeFileBytes; beyond it the file is
-// refused.
+// Only positions are read, for a convex hull; for triangles see mesh_files.h. From an OBJ file the lines "v x y z",
+// from an STL file the corners of its triangles, each position once, in the order of the file. Why not a library: the
+// available readers take an invalid number for zero and do not report the line; here each mistake has its line or its
+// triangle. Units: the file's own.
+// Thread: [setup]. Bound: kMaxShapeFileBytes; beyond it the file is rejected.
 #pragma once
 
 #include <filesystem>
@@ -18,10 +18,11 @@ namespace tactus::sim {
 
 inline constexpr std::size_t kMaxShapeFileBytes = 64u << 20;
 
-// By the name's ending: .obj or .stl. Errors are one line: the file, the place, what is wrong, what is accepted.
+// The name's extension, .obj or .stl, selects the format. Errors are one line: the file, the position in it, what is
+// wrong, what is accepted.
 Result<std::vector<Vec3d>> read_shape_file(const std::filesystem::path& path);
 
-// The same from what is in the file; `name` is for messages.
+// The same from the file's content; `name` is for messages.
 Result<std::vector<Vec3d>> parse_obj(std::string_view text, std::string_view name);
 Result<std::vector<Vec3d>> parse_stl(std::string_view bytes, std::string_view name);
 
@@ -30,9 +31,9 @@ Result<std::vector<Vec3d>> parse_stl_corners(std::string_view bytes, std::string
 
 struct ShapeFile {
   std::string name, bytes;
-  bool is_obj{true};  // or STL
+  bool is_obj{true};  // false: STL
 };
-// What is in the file, if it is one that may be a shape.
+// The file's content, or an error if it cannot be a shape file.
 Result<ShapeFile> open_shape_file(const std::filesystem::path& path);
 
 }  // namespace tactus::sim

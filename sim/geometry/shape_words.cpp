@@ -46,7 +46,6 @@ std::string shown(std::string_view word) {
   return "\"" + text + "\"";
 }
 
-// Three numbers on the line; an error's text otherwise.
 std::string read_place(Words& words, Vec3d& place) {
   for (int i = 0; i < 3; ++i) {
     const std::string_view word = words.next(true);

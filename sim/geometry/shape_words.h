@@ -1,4 +1,4 @@
-// Words and numbers of a shape file in text, with the line that they are in. Inside the readers of shape files.
+// Reads words and numbers of a text shape file, with their line. Internal to the readers of shape files.
 // Thread: [setup].
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace tactus::sim {
 
-// Words of a text, one after the other, and the line that the last one was in.
+// The words of a text, one after the other, and the line of the last one.
 class Words {
  public:
   explicit Words(std::string_view text) : rest_(text) {}
 
-  // Empty at the end. `same_line`: also at the end of the line.
+  // Empty at the end of the text; with `same_line`, also at the end of the line.
   std::string_view next(bool same_line);
   void skip_line();
   std::size_t line() const { return line_; }
@@ -26,10 +26,10 @@ class Words {
 
 bool parse_number(std::string_view word, double& value);
 
-// A word for a message: short, printable, in quotes; "nothing" for none.
+// A word in a form for messages: short, printable, in quotes; "nothing" if it is empty.
 std::string shown(std::string_view word);
 
-// Three numbers on the line; an error's text otherwise.
+// Reads three numbers on the line. Returns an error's text, or empty.
 std::string read_place(Words& words, Vec3d& place);
 
 }  // namespace tactus::sim

@@ -14,7 +14,7 @@ std::string body_label(const Scene& scene, BodyId id) {
   if (!read_toml(scene.source, root, ignored)) return number;
   const TomlNode *proxy = root.find("proxy"), *bodies = root.find("body"), *generated = root.find("generate");
   if (id == scene.proxy) return proxy == nullptr ? "the proxy" : fmt::format("the proxy (line {})", proxy->line);
-  // Bodies come behind the proxy, in the order of the file, then what is generated.
+  // Ids: the proxy, then the bodies in the order of the file, then the generated bodies.
   const std::size_t index = id - 1;
   if (bodies != nullptr && index < bodies->items.size()) {
     const TomlNode& body = bodies->items[index];

@@ -1,6 +1,6 @@
-// What people call a body of a scene: its name, or its number, and the line of the file that it comes from.
-// Thread: [setup]: reads the scene's text again. Bound: the text. Errors: none; of a body that the text does not have,
-// the number alone.
+// A label for a body of a scene, for messages: its name or number, and its line in the file.
+// Thread: [setup]; parses the scene's text again. Bound: the text. Errors: none; a body that is not in the text gets
+// the number only.
 #pragma once
 
 #include <string>

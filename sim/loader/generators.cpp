@@ -16,8 +16,7 @@ Body box(const Vec3d& size_m, double mass_kg, double friction, const Vec3d& cent
 
 Quatd about_z(double angle_rad) { return quat_from_rotation_vector(Vec3d{0, 0, angle_rad}); }
 
-// How the layers of a pile are laid out: columns along x, rows along y, for the least square-like layer that holds
-// them.
+// Layout of a pile's layers: columns along x, rows along y, of the smallest nearly square layer that has the cubes.
 struct PileLayout {
   unsigned columns, rows;
   double pitch_m, shift_m;
@@ -61,7 +60,7 @@ Bodies make_pile(const PileSpec& spec) {
   Bodies bodies;
   bodies.reserve(count_of(spec));
   const auto [columns, rows, pitch, shift] = layout_of(spec);
-  // Inside of the box: the layers with their shift, and one gap to the walls.
+  // Inner size of the box: the layers with their shift, and one gap to the walls.
   const double inner_x = columns * pitch + shift, inner_y = rows * pitch + shift;
   const double t = spec.wall_thickness_m, h = spec.wall_height_m;
   for (const double side : {-1.0, 1.0})
@@ -70,14 +69,14 @@ Bodies make_pile(const PileSpec& spec) {
   for (const double side : {-1.0, 1.0})
     bodies.push_back(physics::make_fixed_body(kNoBody, Shape::box({0.5 * inner_x, 0.5 * t, 0.5 * h}), spec.friction,
                                               Posed{{0, side * 0.5 * (inner_y + t), 0.5 * h}, {}}));
-  // A cube turned by a small angle is wider by a factor cos + sin <= 1 + angle: half of the gap for that, a quarter on
-  // each side for its place, so that no two can overlap.
+  // A cube rotated by a small angle is wider by the factor cos + sin <= 1 + angle. Half of the gap is for that, a
+  // quarter on each side for the offset, so that no two cubes can overlap.
   const double max_yaw = 0.5 * spec.gap_fraction, max_offset = 0.25 * spec.gap_fraction * spec.cube_m;
   Random random(spec.seed);
   const unsigned per_layer = columns * rows;
   for (unsigned n = 0; n < spec.count; ++n) {
     const unsigned layer = n / per_layer, i = n % per_layer % columns, j = n % per_layer / columns;
-    // Two layers by two layers round the four corners of a square: each shift is along one axis, x and y in turn.
+    // Every two layers move on by one corner of a square: each shift is along one axis, x and y in turn.
     const unsigned corner = layer / 2 % 4;
     const double sx = corner == 1 || corner == 2 ? 0.5 : -0.5, sy = corner >= 2 ? 0.5 : -0.5;
     const double x = (i + 0.5) * pitch - 0.5 * columns * pitch + sx * shift + max_offset * random.symmetric();
@@ -98,7 +97,7 @@ Bodies make_tower(const TowerSpec& spec) {
     const bool turned = layer % 2 == 1 && spec.blocks_per_layer > 1;
     for (unsigned i = 0; i < spec.blocks_per_layer; ++i) {
       const double aside = (i + 0.5 - 0.5 * spec.blocks_per_layer) * spec.block_m.y;
-      // A turned block is a block with its edges exchanged: exact, where a rotation by a quarter turn would round.
+      // A rotated block is a block with its edges exchanged: this is exact, a rotation by a quarter turn would round.
       const Vec3d size = turned ? Vec3d{spec.block_m.y, spec.block_m.x, spec.block_m.z} : spec.block_m;
       bodies.push_back(box(size, spec.mass_kg, spec.friction, turned ? Vec3d{aside, 0, z} : Vec3d{0, aside, z}));
     }
@@ -113,8 +112,8 @@ Bodies make_card_house(const CardHouseSpec& spec) {
   bodies.reserve(count_of(spec));
   const auto [s, c] = sin_cos(spec.angle_rad);
   const double leg = spec.card_m.y, flat = spec.card_m.x, t = spec.card_m.z;
-  // A leaning card, seen along y: its lowest corner is on the ground, and the corner nearest to its partner touches the
-  // partner's in the plane between them.
+  // A leaning card in the x-z plane: its lowest corner is on the ground, and its upper corner touches the partner's in
+  // the plane of symmetry.
   const double centre_x = 0.5 * (leg * s + t * c), centre_z = 0.5 * (leg * c + t * s);
   const double pair_pitch = flat + spec.gap_m, level_height = 2 * centre_z + t;
   const Vec3d leaning_size{t, flat, leg}, flat_size{flat, leg, t};
@@ -140,15 +139,15 @@ CardHouseNeeds needs_of(const CardHouseSpec& spec) {
   const double leg = spec.card_m.y, t = spec.card_m.z, aside = leg * s - t * c;
   CardHouseNeeds needs;
   if (spec.levels > 1) needs.top_friction = aside / (leg * c + t * s);
-  // Loads in weights of one card. A flat card hands half of what it carries, and half of itself, to the top below each
-  // of its ends; a leaning card hands what it carries and itself to its foot. `loads[i]` is what leaning card i of a
-  // level carries: two for each pair, left to right. The flat card i rests on cards 2 i + 1 and 2 i + 2.
+  // Loads in weights of one card. A flat card transmits half of its load and of its weight to the card below each end;
+  // a leaning card transmits its load and weight to its foot. `loads[level][i]`: load of leaning card i, two for each
+  // pair, left to right. The flat card i rests on cards 2 i + 1 and 2 i + 2.
   std::vector<std::vector<double>> loads(spec.levels);
   for (unsigned level = spec.levels; level-- > 0;) {
     const unsigned pairs = spec.levels - level;
     loads[level].assign(2 * pairs, 0.0);
     for (unsigned i = 0; i + 1 < pairs; ++i) {
-      const double feet = 2 + loads[level + 1][2 * i] + loads[level + 1][2 * i + 1];  // the pair above stands on it
+      const double feet = 2 + loads[level + 1][2 * i] + loads[level + 1][2 * i + 1];  // of the pair above
       loads[level][2 * i + 1] += 0.5 * (1 + feet);
       loads[level][2 * i + 2] += 0.5 * (1 + feet);
     }

@@ -1,10 +1,10 @@
-// The usual worlds, made from a few numbers: wall, pile, tower, card house, row of dominoes.
+// Generators of common test worlds from a few numbers: wall, pile, tower, card house, row of dominoes.
 //
 // Pure functions: the same numbers give the same bodies, bit for bit, on every machine (own trigonometry, own random
-// numbers). Bodies come without ids, at rest, in an order that is part of the contract: from the ground up.
-// Frame: the part's own, origin on the ground in the middle of the part, z up; the loader places it. Units: SI.
-// Bodies start in contact, with no overlap beyond rounding. Thread: [setup].
-// Bound: what they are given must be in the ranges that the scene loader accepts; counts are the caller's to limit.
+// numbers). Bodies have no ids, are at rest, and are ordered from the ground up; the order is part of the contract.
+// Frame: the part's own, origin on the ground in the middle of the part, z up; the loader places it. Units: SI. Bodies
+// start in contact, with no overlap beyond rounding.
+// Thread: [setup]. Bound: arguments must be in the ranges that the scene loader accepts; the caller limits the counts.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace tactus::sim {
 
 using Bodies = std::vector<physics::Body>;
 
-// Bricks in running bond: every other course begins with half a brick, and each brick rests on two.
+// Bricks in running bond: every other course starts with half a brick, and each brick rests on two.
 struct WallSpec {
   unsigned columns{6}, rows{6};
   Vec3d brick_m{0.1, 0.05, 0.05};  // along the wall (x), through it (y), up (z)
@@ -28,8 +28,8 @@ unsigned count_of(const WallSpec& spec) noexcept;
 Bodies make_wall(const WallSpec& spec);
 
 // Cubes in layers inside an open box of four fixed walls. Every second layer is shifted by a quarter of a cube against
-// the one below, along x and y in turn, so that its cubes rest on two each and the whole heap hangs together by its
-// contacts; cubes of the layers between stand on one. Yaw and place are jittered within the gaps.
+// the one below, along x and y in turn, so that each of its cubes rests on two and contacts connect the whole heap;
+// cubes of the other layers stand on one. Yaw and position are random within the gaps.
 struct PileSpec {
   unsigned count{700}, layers{8};
   double cube_m{0.05}, mass_kg{0.075}, friction{0};
@@ -37,10 +37,10 @@ struct PileSpec {
   double wall_height_m{0.5}, wall_thickness_m{0.05};
   std::uint64_t seed{1};
 };
-unsigned count_of(const PileSpec& spec) noexcept;  // the walls included: they come first
+unsigned count_of(const PileSpec& spec) noexcept;  // includes the walls, which come first
 Bodies make_pile(const PileSpec& spec);
 
-// Blocks on blocks. One block per layer: a stack. More: side by side, every other layer turned by a quarter turn.
+// Layers of blocks. One block per layer: a stack. More: side by side, every other layer rotated by a quarter turn.
 struct TowerSpec {
   unsigned layers{18}, blocks_per_layer{3};
   Vec3d block_m{0.075, 0.025, 0.015};
@@ -49,9 +49,9 @@ struct TowerSpec {
 unsigned count_of(const TowerSpec& spec) noexcept;
 Bodies make_tower(const TowerSpec& spec);
 
-// Pairs of cards that lean on each other, each with the next joined by a flat card on which the level above stands.
-// Level k of L has L - k pairs and L - k - 1 flat cards. Cards stand on their short edge and lie across, so that a flat
-// card reaches from one pair's top to the next.
+// Pairs of cards that lean on each other; a flat card connects each pair's top with the next, and the level above
+// stands on the flat cards. Level k of L has L - k pairs and L - k - 1 flat cards. Leaning cards stand on their short
+// edge; flat cards lie across, so that they reach from one pair's top to the next.
 struct CardHouseSpec {
   unsigned levels{3};
   Vec3d card_m{0.0635, 0.0889, 0.002};   // short edge, long edge, thickness
@@ -62,15 +62,15 @@ struct CardHouseSpec {
 unsigned count_of(const CardHouseSpec& spec) noexcept;
 Bodies make_card_house(const CardHouseSpec& spec);
 
-// What a card house needs to stand, by level from the ground.
+// Minimum friction coefficients with which a card house stands.
 struct CardHouseNeeds {
-  // Under the feet: a card of weight m g that carries P stands while mu > ((m g / 2 + P) / (m g + P)) a / (L cos), by
-  // the balance of torques about its foot, of the most loaded card of the level. a = L sin - t cos is how far beside
-  // the foot the corner is that carries, L the card's length, t its thickness.
+  // Under the feet, by level from the ground, for the most loaded card of the level. A card of weight m g that carries
+  // a load P stands if mu > ((m g / 2 + P) / (m g + P)) a / (L cos), by the balance of torques about its foot. a = L
+  // sin - t cos: horizontal distance from the foot to the loaded corner; L: the card's length; t: its thickness.
   std::vector<double> foot_friction;
-  // Where a flat card lies on the outermost pairs it is what keeps the one card that it loads from falling outwards, by
-  // the friction on that card's top: mu > a / (L cos + t sin). What friction between the tops of the pair may add is
-  // not counted: 3 % with five levels. 0 for one level, whose pair holds itself.
+  // On the top of an outermost pair: the flat card loads one card there, and only its friction keeps that card from
+  // falling outwards: mu > a / (L cos + t sin). The friction between the tops of the pair is neglected: 3 % with five
+  // levels. 0 for one level, where the pair supports itself.
   double top_friction{0};
 };
 CardHouseNeeds needs_of(const CardHouseSpec& spec);

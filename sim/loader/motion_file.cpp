@@ -16,7 +16,7 @@ constexpr std::size_t kMaxBytes = 16u << 20;
 constexpr std::string_view kColumns[] = {"time_s",     "position_x_m", "position_y_m", "position_z_m",
                                          "rotation_w", "rotation_x",   "rotation_y",   "rotation_z"};
 constexpr std::size_t kWithoutRotation = 4, kWithRotation = 8;
-constexpr double kUnitTolerance = 1e-3;  // what is written with four digits is a unit quaternion
+constexpr double kUnitTolerance = 1e-3;  // accepts unit quaternions written with four digits
 
 std::string header(std::size_t columns) {
   return fmt::format("{}", fmt::join(std::begin(kColumns), std::begin(kColumns) + columns, ","));
@@ -41,7 +41,7 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 Quatd rotation_of(const MotionRow& row) { return {row[4], row[5], row[6], row[7]}; }
 
-// Lines of a text; an empty one at its end is none.
+// The lines of a text, without an empty last one.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -61,7 +61,7 @@ class Lines {
   std::size_t number_{0};
 };
 
-// What is wrong with the first line; empty: nothing, and `columns` is how many a row has.
+// Checks the first line. Returns an error's text, or empty and sets `columns`, the number of values in a row.
 std::string judge_header(std::string_view line, std::size_t& columns) {
   const auto names = fields_of(line);
   const std::string accepted = fmt::format("accepted: {}, or without rotation_w to rotation_z", header(kWithRotation));
@@ -121,10 +121,10 @@ MotionFile parse_motion(std::string_view text, std::string_view name) {
   std::string_view line;
   std::size_t columns = 0;
   if (!lines.next(line)) line = {};
-  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // spreadsheets mark UTF-8 so
+  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // UTF-8 byte order mark of spreadsheets
   if (const std::string wrong = judge_header(line, columns); !wrong.empty()) {
     mistake(wrong);
-    return motion;  // what the columns are is not known
+    return motion;  // the columns are unknown
   }
   double first_s = 0;
   bool has_before = false;

@@ -8,9 +8,9 @@ namespace tactus::sim {
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known) {
   if (word.size() > 64) return {};
   const std::string_view stem = word.substr(0, word.find('_'));
-  constexpr std::size_t kOtherStem = 1000;  // more than any distance
+  constexpr std::size_t kOtherStem = 1000;  // larger than any distance
   std::string_view best;
-  std::size_t best_distance = kOtherStem + word.size() / 2 + 1;  // further away it is another word
+  std::size_t best_distance = kOtherStem + word.size() / 2 + 1;  // beyond: no suggestion
   std::vector<std::size_t> row;
   for (const auto candidate : known) {
     // Levenshtein's distance, one row of the table at a time.
@@ -25,9 +25,9 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
         row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
       }
     }
-    // A key without its unit is a common slip: stiffness for stiffness_N_per_m.
+    // A key without its unit is a common mistake: stiffness for stiffness_N_per_m.
     const bool begins = word.size() >= 3 && candidate.starts_with(word);
-    // Another unit, or another way to say the same: rotation_deg for rotation_vector_rad.
+    // The same stem with another unit or form: rotation_deg for rotation_vector_rad.
     const bool same_stem = stem.size() >= 3 && stem.size() < word.size() && candidate.starts_with(stem) &&
                            (candidate.size() == stem.size() || candidate[stem.size()] == '_');
     const std::size_t distance = begins ? 1 : row.back() + (same_stem ? 0 : kOtherStem);

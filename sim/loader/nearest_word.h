@@ -1,5 +1,5 @@
-// The known word that somebody probably meant: for the keys of a scene, the options of a command.
-// Thread: [any], normal priority: it allocates. Bound: a word of more than 64 characters is near nothing.
+// Finds the known word closest to a misspelt one, for the keys of a scene and the options of a command.
+// Thread: [any], normal priority: it allocates. Bound: for a word of more than 64 characters the result is empty.
 #pragma once
 
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace tactus::sim {
 
-// The word of `known` that needs the fewest changes to become `word`, ties to the first; one that begins with `word`
-// counts as one change away. Empty where none is near: where more than half of the word would have to change.
+// The word of `known` with the fewest changes to `word`, ties to the first; a known word that starts with `word` counts
+// as one change. Empty if more than half of `word` would have to change.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
 }  // namespace tactus::sim

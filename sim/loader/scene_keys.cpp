@@ -14,8 +14,8 @@ struct Meaning {
   std::string_view table, key, text, fallback;
 };
 
-// In the order of the documentation; keys that several tables share are written once, under the table "surface" or
-// "pose".
+// In the order of the documentation. Keys that several tables share are listed once, under the table "body", "surface"
+// or "pose".
 constexpr Meaning kMeanings[] = {
     {"", "title", "one line for people", ""},
     {"", "effects", "the effects that the scene calls for, by their names; all others cost nothing", "none"},
@@ -220,7 +220,7 @@ constexpr std::array kShapes{"sphere", "capsule", "box", "hull", "plane", "mesh"
 constexpr std::array kGenerators{"wall", "pile", "tower", "card_house", "domino_row"};
 constexpr std::array kJoints{"fixed", "ball", "hinge", "slider", "distance"};
 
-// A scene that calls for every effect, with one table of each variant at a time.
+// The head of a scene that declares every effect; one variant of a table is appended at a time.
 std::string head() {
   std::string effects;
   for (const auto& effect : known_effects()) effects += fmt::format("\"{}\", ", effect.name);
@@ -242,7 +242,7 @@ std::vector<Variant> variants() {
   for (const std::string shape : kShapes) {
     std::string text = fmt::format("{}[[body]]\nshape = \"{}\"\n", head(), shape);
     if (shape == "mesh") text += "file = \"a.stl\"\n";
-    // By points, then by a file: only one of the two is asked for at a time.
+    // With points, then with a file: the loader requests only one of the two at a time.
     if (shape == "hull") {
       all.push_back({"[[body]]", shape, text + "file = \"a.stl\"\n"});
       text += pointed;
@@ -277,7 +277,7 @@ const Meaning* find_meaning(std::string_view table, std::string_view key) {
   return nullptr;
 }
 
-// Of its own table first, then what all bodies, poses and surfaces share.
+// The entry of the key's own table, else the shared one of bodies, surfaces or poses.
 const Meaning* meaning_of(const AskedKey& asked) {
   if (const Meaning* own = find_meaning(asked.table, asked.key)) return own;
   const bool is_body = asked.table == "[[body]]" || asked.table == "[proxy]";
@@ -292,10 +292,11 @@ const Meaning* meaning_of(const AskedKey& asked) {
 
 struct Found {
   AskedKey asked;
-  std::vector<std::string> with;  // the variants of its table that ask for it
+  std::vector<std::string> with;  // the variants of its table that have it
 };
 
-// Generators and joints differ in their defaults: those are rows of their own, unless the default is said in words.
+// The same key with different defaults or ranges, as in generators and joints, is a separate row, unless the default is
+// given in words.
 bool is_same(const AskedKey& a, const AskedKey& b) {
   if (a.table != b.table || a.key != b.key) return false;
   const Meaning* meaning = meaning_of(a);
@@ -326,7 +327,7 @@ std::size_t order_of(const AskedKey& asked) {
   return meaning == nullptr ? std::size(kMeanings) : static_cast<std::size_t>(meaning - kMeanings);
 }
 
-// "box, hull": where it is not all of the table's variants.
+// "box, hull"; empty if all variants of the table have the key.
 std::string some_of(const std::vector<std::string>& with, std::size_t variants_of_table) {
   std::string list;
   if (with.size() < variants_of_table)

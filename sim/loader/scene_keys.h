@@ -1,7 +1,8 @@
-// The scene language as a list: every table and key that the loader reads, with type, range and default as the loader
-// itself asks for them, and a sentence for each. Reference pages, the manual page and the JSON schema are written from
-// this list, and a test compares it with what the loader asks: a key without a sentence, or a sentence without a key,
-// fails. Thread: [setup].
+// The scene language as a list: every table and key that the loader reads, with the loader's own type, range and
+// default, and a sentence for each. Reference pages, the manual page and the JSON schema are generated from this list.
+// A test compares it with the keys that the loader requests: a key without a sentence, or a sentence without a key,
+// fails.
+// Thread: [setup].
 #pragma once
 
 #include <span>
@@ -15,9 +16,9 @@ namespace tactus::sim {
 
 struct SceneKey {
   AskedKey asked;
-  std::string only_with;  // "box": the shape or kind, of several with commas, that has the key; empty: all have it
-  std::string meaning;    // one sentence, with the unit where the key has none in its name; empty: nobody wrote it
-  std::string fallback;   // the default in words, where it depends on others; else asked.fallback
+  std::string only_with;  // the shapes or kinds that have the key, separated by commas: "box"; empty: all have it
+  std::string meaning;    // one sentence, with the unit if the key's name has none; empty: missing
+  std::string fallback;   // the default in words if it depends on other keys; else asked.fallback
 };
 
 struct SceneTable {
@@ -26,7 +27,7 @@ struct SceneTable {
   std::vector<SceneKey> keys;
 };
 
-// Two keys of a table of which the loader takes one; `needed`: and not neither.
+// Two keys of a table that exclude each other; `needed`: one of them is required.
 struct EitherKey {
   std::string_view table, only_with, key, other;
   bool needed;
@@ -36,11 +37,11 @@ std::span<const EitherKey> either_keys() noexcept;
 // In the order of the documentation.
 std::vector<SceneTable> scene_language();
 
-// "table key" of each sentence that no key has.
+// "table key" of each sentence without a key.
 std::vector<std::string> superfluous_meanings();
 
 std::string type_of(const AskedKey& key);  // "number", "whole number", "one of", ...
-std::string unit_of(const AskedKey& key);  // from the end of its name: "N/m"; empty: none
+std::string unit_of(const AskedKey& key);  // from the suffix of its name: "N/m"; empty: none
 std::string values_of(
     const AskedKey& key);  // what is accepted: "0 to 1000", "box, sphere"; empty: anything of the type
 

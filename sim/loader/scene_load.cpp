@@ -22,7 +22,7 @@ constexpr double kNominalTick_s = 1e-3;
 constexpr Range kStiffness{"a stiffness", 0, 1e5};
 constexpr Range kDamping{"a damping", 0, 1e4};
 
-// Fills a scene from the document, table by table; the order of calls is that of body ids where it matters.
+// Fills a scene from the document, table by table; the order of calls determines the body ids.
 class SceneReader {
  public:
   SceneReader(const TomlNode& root, Scene& scene, SceneDiagnostics& diagnostics,
@@ -176,7 +176,7 @@ class SceneReader {
   }
 
   void check_card_houses() {
-    double ground = 0;  // the roughest ground decides nothing: a house may stand on any, so take the best
+    double ground = 0;  // the house may stand on any fixed body: the largest friction is taken
     for (const auto& body : scene_.bodies)
       if (body.kind == physics::BodyKind::kFixed) ground = std::max(ground, body.friction);
     for (const auto& part : scene_.generated) {
@@ -214,7 +214,7 @@ std::string lines_of(const std::string& name, std::vector<Mistake> list, const c
   for (const Mistake& m : list) {
     const std::string place = m.line == 0 ? "" : fmt::format(":{}:{}", m.line, m.column);
     std::string line = fmt::format("{}{}: {}{}: {}; accepted: {}", name, place, label, m.where, m.what, m.accepted);
-    // One line each, whatever a key or a file name holds.
+    // Control characters in keys and file names are replaced, so that each message is one line.
     std::replace_if(
         line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
     text += (text.empty() ? "" : "\n") + line;
@@ -232,7 +232,7 @@ Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diag
   return scene;
 }
 
-// `folder`: where the scene's files are; none: it has no files.
+// `folder`: of the scene's files; none: no file is opened.
 Result<Scene> parse(std::string_view text, std::string_view name, const std::optional<std::filesystem::path>& folder,
                     SceneDiagnostics* diagnostics) {
   SceneDiagnostics found;
@@ -246,7 +246,7 @@ Result<Scene> parse(std::string_view text, std::string_view name, const std::opt
     reader.read();
     kept = reader.kept_files();
   }
-  if (text.size() + kept.size() > kMaxSceneBytes && found.ok())  // a tape that carries it could not be read
+  if (text.size() + kept.size() > kMaxSceneBytes && found.ok())  // a tape with a longer source could not be read
     found.add({0, 0, "the file", fmt::format("{} bytes with what its files hold", text.size() + kept.size()),
                fmt::format("at most {} bytes: fewer rows, corners or triangles", kMaxSceneBytes)});
   if (found.ok()) scene.source = std::string(text) + kept;
@@ -278,7 +278,7 @@ Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* di
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file && !std::filesystem::is_directory(path)) {
-    text.resize(kMaxSceneBytes + 1);  // one byte more than is accepted says that there is more
+    text.resize(kMaxSceneBytes + 1);  // one byte above the limit, to detect a longer file
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
     if (!file.bad()) return parse(text, path.string(), path.parent_path(), diagnostics);

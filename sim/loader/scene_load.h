@@ -1,9 +1,9 @@
-// Reading a scene from its TOML text, and saying everything that is wrong with it at once.
+// Loads a scene from its TOML text and reports all mistakes in one pass.
 //
-// Every mistake has its line and column, the key, what was found and what is accepted; a mistake never hides the next
-// one, but where the text is no TOML at all. Warnings (an effect declared and not used, a card house that cannot stand)
-// do not refuse a scene. Units: SI, in the key names. Frame: world, z up. Thread: [setup].
-// Bound: the limits below; beyond them the scene is refused by a mistake like any other.
+// Every mistake has its line and column, the key, what was found and what is accepted. A mistake never hides the next
+// one, except if the text is not TOML. A scene with warnings only (an effect declared but not used, a card house that
+// cannot stand) is accepted. Units: SI, in the key names. Frame: world, z up.
+// Thread: [setup]. Bound: the limits below; beyond them the scene is rejected with a mistake like any other.
 #pragma once
 
 #include <filesystem>
@@ -22,34 +22,34 @@ inline constexpr unsigned kMaxWaypoints = 10'000;
 inline constexpr std::size_t kMaxReportedMistakes = 100;  // more are counted, not listed
 
 struct Mistake {
-  unsigned line{0}, column{0};  // from 1; 0 where there is no text to point at
+  unsigned line{0}, column{0};  // from 1; 0 if it has no position in the text
   std::string where;            // "[body.3] mass_kg": tables of an array count from 1, in the order of the file
   std::string what;             // what was found
-  std::string accepted;         // what would do
+  std::string accepted;         // what is accepted
 };
 
-// A key that the loader asked a table for, whether it was there or not: the scene language as it is read.
+// A key that the loader requested from a table, present or not: from these the scene language is documented.
 struct AskedKey {
   enum class Type { kUnknown, kNumber, kCount, kSeed, kFlag, kText, kWord, kVector, kTable, kArray };
   std::string table{};  // "[simulation]", "[[body]]", "[hand] path"; empty: the file's own keys
   std::string key{};    // "mass_kg"
   Type type{Type::kUnknown};
-  std::string fallback{};            // as one would write it; empty: none
-  double low{0}, high{0};            // of a number, a count, each component of a vector; of an array, entries at most
-  std::vector<std::string> words{};  // what a word may be
+  std::string fallback{};  // the default, in the file's syntax; empty: none
+  double low{0}, high{0};  // range of a number, a count, each component of a vector; high: entries of an array
+  std::vector<std::string> words{};  // accepted words
   bool required{false};
 };
 
 struct SceneDiagnostics {
-  std::string name;                       // as given: the file
+  std::string name;                       // of the file, as given
   std::vector<Mistake> mistakes;          // by line and column
   std::vector<Mistake> warnings;          // same
   std::size_t left_out{0};                // mistakes beyond kMaxReportedMistakes
-  std::vector<AskedKey>* asked{nullptr};  // null: nobody wants to know
+  std::vector<AskedKey>* asked{nullptr};  // receives the requested keys; null: not recorded
 
   bool ok() const noexcept { return mistakes.empty(); }
   bool full() const noexcept { return mistakes.size() >= kMaxReportedMistakes; }
-  void add(Mistake mistake);  // counts it only, where full
+  void add(Mistake mistake);  // only counted when full()
   // One line each, by line and column: "scenes/x.toml:12:3: [body.3] mass_kg: -1 is not a mass; accepted: a number >=
   // 1e-06 and <= 1e+06".
   std::string message() const;
@@ -60,10 +60,10 @@ struct SceneDiagnostics {
 Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics = nullptr);
 Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics = nullptr);
 
-// What reading this text asks for, in the order of the questions, each key of a table once: see scene_keys.h.
+// The keys that the loader requests for this text, in order, each key of a table once: see scene_keys.h.
 std::vector<AskedKey> asked_keys(std::string_view text);
 
-// 16 hexadecimal digits: which text a scene is of, what its files hold included (Scene::source). FNV-1a, 64 bit.
+// Hash of a scene's text with its files' data (Scene::source): FNV-1a, 64 bit, 16 hexadecimal digits.
 std::string source_hash(std::string_view source);
 
 // The highest contact frequency that both worlds solve accurately: 0.25 / h for the longer of their sub-steps [Hz].

@@ -26,7 +26,7 @@ double face_area(const physics::Hull& hull, std::uint32_t face) {
   return 0.5 * norm(twice);
 }
 
-// Of a convex body, averaged over all directions: a quarter of its surface (Cauchy).
+// Projected area of a convex body, mean over all directions: a quarter of its surface (Cauchy).
 double area_across(const Scene& scene, const physics::Shape& shape) {
   const double r = shape.radius;
   const Vec3d& e = shape.half_extents;
@@ -56,7 +56,7 @@ T& entry_of(std::vector<T>& by_id, BodyId id) {
 
 }  // namespace
 
-// A key that is there needs its effect.
+// Adds a mistake if the key is present and its effect is not declared.
 bool EffectReader::needs(TableReader& table, const char* key, bool declared, const char* effect) {
   if (!table.has(key) || declared) return true;
   table.mistake(key, fmt::format("set, but the effect {} is not declared", effect),
@@ -110,7 +110,7 @@ EffectReader::Surface EffectReader::read_surface(TableReader& table) {
   return surface;
 }
 
-// What the hand feels of it beyond its coupling.
+// Keys of effects on the hand only: texture and transients.
 void EffectReader::read_feel(TableReader& table, Surface& surface) {
   needs(table, "texture_height_m", scene_.effects.texture, "texture");
   surface.grain.height_m = table.number("texture_height_m", 0, {"a height", 0, 0.01});

@@ -1,7 +1,8 @@
-// The keys of effects in a scene file: the list, the effects' own tables, the keys of a body, joints.
+// Reads the keys of effects in a scene file: the list, the effects' own tables, the keys of a body, joints.
 //
-// A key or a table that needs an effect which is not declared is a mistake that names the effect; one that is declared
-// and used by nothing is a warning. Thread: [setup]. Mistakes go to the reader's diagnostics.
+// A key or table of an effect that is not declared is a mistake that names the effect; an effect that is declared but
+// not used is a warning.
+// Thread: [setup]. Mistakes go to the reader's diagnostics.
 #pragma once
 
 #include <map>
@@ -19,7 +20,7 @@ class EffectReader {
 
   void read_list(TableReader& root);    // before all others
   void read_tables(TableReader& root);  // [damping], [drag]
-  // What a table says of the surfaces of the bodies that it makes.
+  // Surface properties in a table, for the bodies that it makes.
   struct Surface {
     double restitution{0};
     physics::ContactPatch patch;
@@ -29,13 +30,13 @@ class EffectReader {
   };
   Surface read_surface(TableReader& table);
   void set_surface(BodyId id, const Surface& surface);
-  // A body's own: its name for joints, its script.
+  // Keys of a single body: its name for joints, its script.
   void read_body(TableReader& table, physics::Body& body);
   void set_name(const std::string& name, BodyId id) { ids_[name] = id; }
-  // After all bodies: what refers to them.
+  // Call after all bodies, since these tables refer to them.
   void read_joints(TableReader& root);
   void read_attraction(TableReader& root);
-  // After everything: what follows from it, and what is declared for nothing.
+  // Call last: computes derived data and warns of effects that are declared but not used.
   void finish(TableReader& root);
 
  private:

@@ -1,4 +1,4 @@
-// What the readers of shape files in a scene share. Thread: [setup].
+// Shared helpers of the readers of files in a scene. Thread: [setup].
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace tactus::sim {
 
-inline constexpr double kFarthest_m = 1e3;  // that a corner may be
+inline constexpr double kFarthest_m = 1e3;  // limit on a corner's coordinates
 inline constexpr Range kFileUnit{"a length of the file's unit", 1e-9, 1e3};
 inline constexpr std::size_t kLongestFileName = 400;
 
-// "what; accepted: how" in its two halves.
+// Splits "what; accepted: how" into its two halves.
 inline std::pair<std::string, std::string> halves_of(const std::string& message) {
   constexpr std::string_view between = "; accepted: ";
   const std::size_t at = message.find(between);
@@ -20,7 +20,7 @@ inline std::pair<std::string, std::string> halves_of(const std::string& message)
   return {message.substr(0, at), message.substr(at + between.size())};
 }
 
-// As TOML writes a text.
+// The text as a TOML string.
 inline std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {

@@ -16,13 +16,13 @@ constexpr Range kDamping{"a damping", 0, 1e4};
 
 std::string table_of(const std::string& file, const std::vector<MotionRow>& rows) {
   std::string text = fmt::format("\n[[motion_file]]\nname = {}\nrows = [\n", quoted(file));
-  for (const MotionRow& row : rows) text += fmt::format("  {},\n", fmt::join(row, ", "));  // every bit of them
+  for (const MotionRow& row : rows) text += fmt::format("  {},\n", fmt::join(row, ", "));  // round-trips exactly
   return text + "]\n";
 }
 
 Quatd rotation_of(const MotionRow& row) { return normalized(Quatd{row[4], row[5], row[6], row[7]}); }
 
-// Where it goes from one row to the next, by the second.
+// Mean velocities between two rows, m/s and rad/s.
 struct Leg {
   double time_s;
   Vec3d velocity, angular_velocity;
@@ -34,8 +34,8 @@ struct Leg {
   }
 };
 
-// At a row between two legs. A cubic that begins or ends at more than three times a leg's mean speed goes beyond the
-// leg's ends (Fritsch and Carlson, 1980): where a pause meets a quick move, it would swing out by most of the move.
+// Velocity at a row between two legs, limited to three times each leg's mean speed. A faster cubic overshoots the leg's
+// ends (Fritsch and Carlson, 1980): between a pause and a quick move, by most of the move.
 Vec3d velocity_between(const Vec3d& to, const Vec3d& from, double share_of_to) {
   const Vec3d parabola = share_of_to * to + (1 - share_of_to) * from;
   const double most = 3 * std::min(norm(to), norm(from)), speed = norm(parabola);
@@ -79,7 +79,7 @@ void HandReader::read_kept(std::span<const TomlNode> tables) {
 void HandReader::read(TableReader hand) {
   HandScript& script = scene_.hand;
   const bool recorded = hand.has("file");
-  script.repeat = hand.flag("repeat", !recorded);  // what was recorded seldom ends where it began
+  script.repeat = hand.flag("repeat", !recorded);  // a recording seldom ends at its start
   script.stiffness_N_per_m = hand.number("stiffness_N_per_m", script.stiffness_N_per_m, kStiffness);
   script.damping_Ns_per_m = hand.number("damping_Ns_per_m", script.damping_Ns_per_m, kDamping);
   script.stiffness_Nm_per_rad = hand.number("stiffness_Nm_per_rad", script.stiffness_Nm_per_rad, kStiffness);
@@ -93,7 +93,7 @@ void HandReader::read(TableReader hand) {
   } else {
     hand.refuse("interpolation", "there is no file; between the way points of a path the motion is a smooth step",
                 "no such key");
-    hand.refuse("file", "", "");  // it is not there: a key that the reader shall know
+    hand.refuse("file", "", "");  // it is absent: this only registers it as a known key
     unsigned number = 0;
     for (const TomlNode& node : hand.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
   }
@@ -159,8 +159,8 @@ void HandReader::add_rows(const std::vector<MotionRow>& rows) {
   for (const MotionRow& row : rows)
     path.push_back({row[0], {row[1], row[2], row[3]}, rotation_vector_of(rotation_of(row))});
   if (scene_.hand.motion != HandMotion::kCubic) return;
-  // The velocity at a row is that of the parabola through it and its neighbours, as far as that does not overshoot. At
-  // the ends it is 0, or, where the path goes on at its beginning, that of the neighbours there.
+  // The velocity at a row is that of the parabola through it and its neighbours, limited against overshoot. At the ends
+  // it is 0, or, in a path that repeats, computed from the neighbours across the repeat.
   const std::size_t last = rows.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
     const bool inner = i > 0 && i < last;
@@ -178,7 +178,7 @@ void HandReader::check_path(TableReader& hand, const char* key) {
   if (scene_.proxy == kNoBody) return;
   const Vec3d proxy = scene_.bodies[scene_.proxy].motion.pose.position;
   if (path.empty()) {
-    path.push_back({0, proxy, {}});  // without a path the hand rests where the proxy is
+    path.push_back({0, proxy, {}});  // without a path the hand rests at the proxy
     return;
   }
   const auto& first = path.front();

@@ -1,7 +1,8 @@
-// The [hand] of a scene: way points in the text, or a recorded motion in a file beside it.
+// Reads the [hand] of a scene: way points in the text, or a recorded motion in a file beside it.
 //
-// A file's rows are kept in the scene's source as a [[motion_file]] table at its end, as hulls and meshes are, so that
-// a tape replays without the file. Thread: [setup]. Mistakes go to the reader's diagnostics.
+// A file's rows are stored at the end of the scene's source as a [[motion_file]] table, as hulls and meshes are, so
+// that a tape replays without the file.
+// Thread: [setup]. Mistakes go to the reader's diagnostics.
 #pragma once
 
 #include <filesystem>
@@ -16,16 +17,16 @@ namespace tactus::sim {
 
 class HandReader {
  public:
-  // `folder`: where the names of files start; none: no file is opened.
+  // `folder`: file names are relative to it; none: no file is opened.
   HandReader(Scene& scene, SceneDiagnostics& diagnostics, std::optional<std::filesystem::path> folder)
       : scene_(scene), diagnostics_(diagnostics), folder_(std::move(folder)) {}
 
   // The [[motion_file]] tables of the text.
   void read_kept(std::span<const TomlNode> tables);
-  // The scene's proxy is read before.
+  // Call after the scene's proxy has been read.
   void read(TableReader hand);
 
-  // What the source must have at its end so that it needs no file.
+  // Text to append to the source, so that it needs no file.
   const std::string& kept() const { return kept_; }
 
  private:

@@ -13,7 +13,7 @@
 namespace tactus::sim {
 namespace {
 
-// False, and one mistake, where an entry is no place.
+// Reads positions. If an entry is not one: false, and one mistake.
 bool read_points(std::span<const TomlNode> nodes, const std::string& where, SceneDiagnostics& diagnostics,
                  std::vector<Vec3d>& points) {
   const auto is_coordinate = [](const TomlNode& n) {
@@ -32,7 +32,7 @@ bool read_points(std::span<const TomlNode> nodes, const std::string& where, Scen
 
 std::string table_of(const std::string& file, double unit_m, const std::vector<Vec3d>& vertices) {
   std::string text = fmt::format("\n[[hull_file]]\nname = {}\nfile_unit_m = {}\npoints_m = [\n", quoted(file), unit_m);
-  for (const Vec3d& v : vertices) text += fmt::format("  [{}, {}, {}],\n", v.x, v.y, v.z);  // every bit of them
+  for (const Vec3d& v : vertices) text += fmt::format("  [{}, {}, {}],\n", v.x, v.y, v.z);  // round-trips exactly
   return text + "]\n";
 }
 
@@ -101,8 +101,8 @@ std::optional<HullOfBody> HullReader::read_file(TableReader& body) {
   return of_file_[key] = add(*built);
 }
 
-// A hull fills what its file leaves open; nobody shall be surprised by what they feel there. A file of corners alone
-// has no surface to compare with.
+// Warns if the hull fills concave or open regions of the file's surface: the user would feel a surface there that the
+// file does not have. A file with corners only has no surface to compare with.
 void HullReader::compare_with_mesh(TableReader& body, const std::filesystem::path& file, double unit_m,
                                    const BuiltHull& built) {
   auto soup = read_triangle_file(file);

@@ -1,8 +1,9 @@
-// Hulls of a scene file: points in the text, or a file of corners beside it.
+// Reads the hulls of a scene file: points in the text, or a file of corners beside it.
 //
-// A file's vertices are kept in the scene's source as [[hull_file]] tables at its end, so that a tape replays without
-// the file: a text that has them needs no file. Thread: [setup]. Mistakes go to the reader's diagnostics.
-// Bound: kMaxSceneHulls; two bodies of the same file and unit share a hull.
+// A file's vertices are stored at the end of the scene's source as [[hull_file]] tables, so that a tape replays without
+// the file: a text that has them needs no file.
+// Thread: [setup]. Mistakes go to the reader's diagnostics. Bound: kMaxSceneHulls; two bodies of the same file and unit
+// share a hull.
 #pragma once
 
 #include <filesystem>
@@ -18,24 +19,24 @@ inline constexpr std::size_t kMaxSceneHulls = 1000;
 inline constexpr std::size_t kMaxHullPoints = 100'000;
 
 struct HullOfBody {
-  std::uint32_t index{0};  // in the scene's hulls
+  std::uint32_t index{0};  // into the scene's hulls
   Posed given_from_body;
 };
 
 class HullReader {
  public:
-  // `folder`: where the names of files start; none: no file is opened.
+  // `folder`: file names are relative to it; none: no file is opened.
   HullReader(Scene& scene, SceneDiagnostics& diagnostics, std::optional<std::filesystem::path> folder)
       : scene_(scene), diagnostics_(diagnostics), folder_(std::move(folder)) {}
 
   // The [[hull_file]] tables of the text.
   void read_kept(std::span<const TomlNode> tables);
 
-  // From a body's points_m, or its file and file_unit_m. Nothing, and a mistake, where they make no hull.
+  // Builds the hull from a body's points_m, or its file and file_unit_m. If that fails: empty, and a mistake.
   std::optional<HullOfBody> read(TableReader& body);
 
   const physics::Hull& hull(std::uint32_t index) const { return scene_.hulls[index]; }
-  // What the source must have at its end so that it needs no file: the corners of the files that were opened.
+  // Text to append to the source, so that it needs no file: the corners of the files that were opened.
   const std::string& kept() const { return kept_; }
 
  private:

@@ -1,4 +1,4 @@
-// The keys of [[joint]].
+// Reads the keys of [[joint]].
 #include <fmt/format.h>
 
 #include "sim/loader/nearest_word.h"
@@ -38,7 +38,7 @@ void EffectReader::read_joints(TableReader& root) {
   }
 }
 
-// The body of that name; kNoBody where there is none, or no such key.
+// The body named by the key; kNoBody if the key is absent or the name is unknown.
 BodyId EffectReader::read_end(TableReader& table, const char* key) {
   const std::string name = table.text(key, "", 100);
   if (name.empty()) return kNoBody;
@@ -74,7 +74,7 @@ void EffectReader::read_joint(TableReader& t) {
   const Posed world_from_a = known && joint.a != kNoBody ? scene_.bodies[joint.a].motion.pose : Posed{};
   const Posed world_from_b = known ? scene_.bodies[joint.b].motion.pose : Posed{};
 
-  Posed at_a, at_b;  // world_from_joint, of either side
+  Posed at_a, at_b;  // world_from_joint, of A's and of B's side
   if (joint.kind == JointKind::kDistance) {
     at_a.position = t.vector("position_a_m", world_from_a.position, kPlace);
     at_b.position = t.vector("position_b_m", world_from_b.position, kPlace);

@@ -10,7 +10,7 @@
 namespace tactus::sim {
 namespace {
 
-// All numbers of an array, or a mistake at the first that is none.
+// Reads all numbers of an array; a mistake at the first entry that is not a number.
 bool read_numbers(TableReader& table, const char* key, std::size_t longest, SceneDiagnostics& diagnostics,
                   std::vector<double>& numbers) {
   for (const TomlNode& node : table.array(key, longest)) {
@@ -27,7 +27,7 @@ bool read_numbers(TableReader& table, const char* key, std::size_t longest, Scen
 
 std::string table_of(const std::string& file, double unit_m, const TriangleSoup& soup) {
   std::string text = fmt::format("\n[[mesh_file]]\nname = {}\nfile_unit_m = {}\ncorners_m = [\n", quoted(file), unit_m);
-  for (const Vec3d& c : soup.corners) text += fmt::format("  {}, {}, {},\n", c.x, c.y, c.z);  // every bit of them
+  for (const Vec3d& c : soup.corners) text += fmt::format("  {}, {}, {},\n", c.x, c.y, c.z);  // round-trips exactly
   text += "]\ntriangles = [\n";
   for (const auto& t : soup.triangles) text += fmt::format("  {}, {}, {},\n", t[0], t[1], t[2]);
   return text + "]\n";

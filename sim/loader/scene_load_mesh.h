@@ -1,8 +1,9 @@
-// Triangle meshes of a scene file: a file of triangles beside it.
+// Reads the triangle meshes of a scene file, from files of triangles beside it.
 //
-// A file's triangles are kept in the scene's source as [[mesh_file]] tables at its end, as hulls are, so that a tape
-// replays without the file. Thread: [setup]. Mistakes go to the reader's diagnostics. Bound: kMaxMeshTriangles and
-// kMaxMeshCorners over all meshes of the scene; each body with a mesh counts.
+// A file's triangles are stored at the end of the scene's source as [[mesh_file]] tables, as hulls are, so that a tape
+// replays without the file.
+// Thread: [setup]. Mistakes go to the reader's diagnostics. Bound: kMaxMeshTriangles and kMaxMeshCorners over all
+// meshes of the scene; each body with a mesh counts.
 #pragma once
 
 #include <filesystem>
@@ -15,24 +16,24 @@
 namespace tactus::sim {
 
 struct MeshOfBody {
-  std::uint32_t index{0};  // in the scene's meshes
+  std::uint32_t index{0};  // into the scene's meshes
   Posed given_from_body;
 };
 
 class MeshReader {
  public:
-  // `folder`: where the names of files start; none: no file is opened.
+  // `folder`: file names are relative to it; none: no file is opened.
   MeshReader(Scene& scene, SceneDiagnostics& diagnostics, std::optional<std::filesystem::path> folder)
       : scene_(scene), diagnostics_(diagnostics), folder_(std::move(folder)) {}
 
   // The [[mesh_file]] tables of the text.
   void read_kept(std::span<const TomlNode> tables);
 
-  // From a body's file and file_unit_m. Nothing, and a mistake, where they make no mesh.
+  // Builds the mesh from a body's file and file_unit_m. If that fails: empty, and a mistake.
   std::optional<MeshOfBody> read(TableReader& body);
 
   const physics::Mesh& mesh(std::uint32_t index) const { return scene_.meshes[index]; }
-  // What the source must have at its end so that it needs no file.
+  // Text to append to the source, so that it needs no file.
   const std::string& kept() const { return kept_; }
 
  private:
@@ -50,7 +51,7 @@ class MeshReader {
   std::optional<std::filesystem::path> folder_;
   std::map<FileKey, Given> given_;
   std::string kept_;
-  std::size_t corners_{0}, triangles_{0};  // of all meshes
+  std::size_t corners_{0}, triangles_{0};  // totals of all meshes
   BodyId next_patch_{physics::kFirstPatchId};
 };
 

@@ -11,14 +11,14 @@ using physics::Body;
 using physics::Shape;
 using physics::ShapeKind;
 
-// Lengths and masses whose squares and inverses stay far from the ends of a double, and of a float too.
+// Ranges of lengths and masses whose squares and inverses are far from the limits of a double, and of a float.
 constexpr Range kLength{"a length", 1e-4, 1e3};
 constexpr Range kMass{"a mass", 1e-6, 1e6};
 constexpr Range kDensity{"a density", 1e-3, 1e5};
 constexpr Range kVelocity{"a velocity", -100, 100};
 constexpr Range kAngularVelocity{"an angular velocity", -1000, 1000};
 
-// A shape and its own frame in that of the body's keys: hulls and meshes are given in any frame.
+// A shape, and the pose of its frame in the frame of the body's keys: hulls and meshes may be given in any frame.
 struct ReadShape {
   Shape shape;
   Posed given_from_body{};
@@ -27,7 +27,7 @@ struct ReadShape {
   double volume() const { return hull != nullptr ? hull->volume : physics::volume_of(shape); }
 };
 
-// Nothing where the shape is not known: a mistake has been added, and the other keys cannot be judged.
+// Empty if the shape is unknown: a mistake has been added, and the other keys cannot be checked.
 std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
   const bool proxy = role == BodyRole::kProxy;
   if (!table.require("shape", proxy ? "sphere, capsule, box, hull" : "box, sphere, capsule, hull, plane, mesh"))
@@ -77,7 +77,7 @@ Vec3d read_edges(TableReader& table, const char* key, const Vec3d& fallback) {
   return table.vector(key, fallback, {"a size", kLength.low, kLength.high});
 }
 
-// --- the generators' own keys. Each fills the bodies when there is room for them.
+// --- the generators' own keys. Each fills the bodies if `room` suffices.
 
 template <class Spec, class Make>
 void make_if_room(TableReader& table, const Spec& spec, Make make, unsigned room, Generated& made) {
@@ -171,7 +171,7 @@ void read_domino_row(TableReader& table, double friction, unsigned room, Generat
   make_if_room(table, spec, make_domino_row, room, made);
 }
 
-// The part again and again, in a grid about its own place: row by row, each part's bodies together.
+// Copies the part in a grid centred on its pose: row by row, each copy's bodies together.
 void repeat(TableReader& table, unsigned room, Generated& made) {
   const unsigned columns = table.count("copies_x", 1, {"a number of copies", 1, 1000});
   const unsigned rows = table.count("copies_y", 1, {"a number of copies", 1, 1000});
@@ -216,7 +216,7 @@ Body read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader&
                    is_mesh ? "no such key; what moves is a hull, or several bodies" : "no such key");
     return physics::make_fixed_body(kNoBody, shape, friction, pose);
   }
-  // What follows a script weighs nothing to anybody.
+  // The mass of a scripted body has no effect, so it may be omitted.
   const bool weightless = role == BodyRole::kBody && table.flag("kinematic", false) && !table.has("mass_kg") &&
                           !table.has("density_kg_per_m3");
   const double mass_kg = weightless ? 1 : read_mass(table, known_shape->volume());
@@ -233,7 +233,7 @@ Generated read_generator(TableReader& table, unsigned room) {
   const auto kinds = {"wall", "pile", "tower", "card_house", "domino_row"};
   if (!table.require("kind", "wall, pile, tower, card_house, domino_row")) return made;
   const std::string kind = table.word("kind", "", kinds);
-  if (kind.empty()) return made;  // its keys are not judged: nobody knows which it has
+  if (kind.empty()) return made;  // its keys are unknown and not checked
   const double friction = table.number("friction", 0, kFriction);
   const Posed world_from_part = table.pose();
   made.part.kind = kind;

@@ -1,5 +1,5 @@
-// The parts of a scene file that make bodies: a body's table, a generator's table.
-// Thread: [setup]. Mistakes go to the reader's diagnostics; what is wrong reads as a harmless default.
+// Reads the tables of a scene file that make bodies: a body's table, a generator's table.
+// Thread: [setup]. Mistakes go to the reader's diagnostics; a wrong value is replaced by a harmless default.
 #pragma once
 
 #include "sim/loader/generators.h"
@@ -13,11 +13,11 @@ inline constexpr Range kFriction{"a coefficient of friction", 0, 10};
 
 enum class BodyRole { kProxy, kBody };
 
-// A body without an id. The proxy floats: the device carries it.
+// Returns a body without an id. Gravity does not act on the proxy: the device holds it.
 physics::Body read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes);
 
-// Bodies in the frame of the world, without ids, and what the generator says of them. Nothing is made (and a mistake
-// added) beyond `room` bodies.
+// Bodies in the world frame, without ids, and the generator's results. If the part has more than `room` bodies, none is
+// made and a mistake is added.
 struct Generated {
   GeneratedPart part;
   Bodies bodies;

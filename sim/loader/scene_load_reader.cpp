@@ -9,17 +9,17 @@
 namespace tactus::sim {
 namespace {
 
-// More keys than these are not listed beside the one that was meant.
+// Up to so many keys are listed in a message that also suggests one.
 constexpr std::size_t kFewKeys = 10;
 
 std::string accepted(const Range& range) { return fmt::format("a number >= {:g} and <= {:g}", range.low, range.high); }
 
 bool is_number(const TomlNode& node) { return node.kind == TomlKind::kNumber || node.kind == TomlKind::kInteger; }
 
-// True also for NaN, which no comparison holds for.
+// True also for NaN.
 bool outside(double value, const Range& range) { return !(value >= range.low && value <= range.high); }
 
-// Of UTF-8, which TOML is.
+// Number of characters of a UTF-8 text.
 std::size_t characters_in(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
@@ -31,7 +31,7 @@ std::string list_of(std::span<const std::string_view> words) {
   return list;
 }
 
-// "[body.3] path.2" is of the table "[[body]] path".
+// The table's name in the scene language: "[[body]] path" for "[body.3] path.2".
 std::string table_name(std::string where) {
   const auto dot = where.find('.'), end = where.find(']');
   const bool of_array = dot != std::string::npos && end != std::string::npos && dot < end;
@@ -238,7 +238,7 @@ void TableReader::finish() {
   for (const TomlNode& item : table_->items) {
     if (std::find(known_.begin(), known_.end(), item.key) != known_.end()) continue;
     if (diagnostics_.full()) {
-      ++diagnostics_.left_out;  // without the work of finding the nearest
+      ++diagnostics_.left_out;  // skips the search for the nearest word
       continue;
     }
     const auto nearest = nearest_word(item.key, known_);

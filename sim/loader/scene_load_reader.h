@@ -1,7 +1,8 @@
-// Reads the keys of one TOML table: each with its range, its default and a sentence for what is wrong with it.
+// Reads the keys of one TOML table, each with its range and default, and adds a mistake for each wrong value.
 //
-// A wrong value adds a mistake and reads as the default, so that reading goes on and all mistakes are found. Keys that
-// nobody asked for are mistakes too, with the nearest known key as advice. Thread: [setup].
+// A wrong value is replaced by the default, so that reading continues and all mistakes are found. Keys that were not
+// requested are mistakes too, with the nearest known key as a suggestion.
+// Thread: [setup].
 #pragma once
 
 #include <initializer_list>
@@ -15,7 +16,7 @@
 
 namespace tactus::sim {
 
-// What a number may be, and the word for it: "-1 is not a mass".
+// The accepted range of a number, and its noun in messages: "-1 is not a mass".
 struct Range {
   const char* noun;
   double low, high;
@@ -23,7 +24,7 @@ struct Range {
 
 class TableReader {
  public:
-  // `table` may be null: every key then reads as its default, and nothing is required.
+  // `table` may be null: every key then returns its default, and none is required.
   TableReader(const TomlNode* table, std::string where, SceneDiagnostics& diagnostics);
 
   bool there() const noexcept { return table_ != nullptr; }
@@ -34,28 +35,28 @@ class TableReader {
   std::uint64_t seed(const char* key, std::uint64_t fallback);
   bool flag(const char* key, bool fallback);
   std::string text(const char* key, std::string fallback, std::size_t longest);
-  // One word of a few; the first where it is wrong.
+  // One of `words`; the first of them if the value is wrong.
   std::string word(const char* key, std::string fallback, std::initializer_list<const char*> words);
   Vec3d vector(const char* key, const Vec3d& fallback, const Range& range);  // each component in the range
   Posed pose();                                                              // position_m, rotation_vector_rad
   const TomlNode* table(const char* key);                                    // null where missing or wrong
   std::span<const TomlNode> array(const char* key, std::size_t longest);
 
-  // What a mistake calls the key: "[body.3] mass_kg".
+  // The key's name in a mistake: "[body.3] mass_kg".
   std::string name_of(std::string_view key) const;
-  // A mistake where the key is missing. Returns whether it is there.
+  // Adds a mistake if the key is missing. Returns whether it is present.
   bool require(const char* key, const char* accepted);
-  // A mistake where the key is there.
+  // Adds a mistake if the key is present.
   void refuse(const char* key, std::string what, std::string accepted);
-  // A mistake at the key's value, or at the table where the key is missing.
+  // Adds a mistake at the key's value, or at the table if the key is missing.
   void mistake(const char* key, std::string what, std::string accepted);
   void warning(const char* key, std::string what, std::string accepted);
-  void finish();                                        // unknown keys
-  void ignore_the_rest() noexcept { judged_ = false; }  // finish() does nothing: which keys there may be is not known
+  void finish();                                        // adds a mistake for each unknown key
+  void ignore_the_rest() noexcept { judged_ = false; }  // disables finish(): the accepted keys are not known
 
  private:
   const TomlNode* find(const char* key);
-  // Adds the question to SceneDiagnostics::asked, or completes it. Only where is_asked_about().
+  // Adds the requested key to SceneDiagnostics::asked, or completes its entry. Only if is_asked_about().
   void note(const char* key, AskedKey question);
   bool is_asked_about() const noexcept { return diagnostics_.asked != nullptr; }
   Mistake at(const char* key, std::string what, std::string accepted);

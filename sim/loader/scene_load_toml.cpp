@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <optional>
 
-// The one file that sees the TOML library. Compiled in, not linked, because the limit on nesting is a constant of its
-// build: the default of 256, times the dots that a key may have, would be deep enough to overflow the stack.
-// Its assertions fail on texts that people write ("[" before a line break), and a release build takes them for granted,
-// which is undefined behaviour: here they are exceptions, in every build, that refuse the text.
+// The only file that includes the TOML library. It is compiled in, not linked, because the limit on nesting is a
+// compile-time constant: the default of 256, times the dots that a key may have, could overflow the stack.
+// The library's assertions fail on texts that people write ("[" before a line break), and a release build assumes that
+// they hold, which is undefined behaviour. Here a failed assertion throws, in every build, and the text is rejected.
 namespace {
 struct TomlAssertion {};
 [[noreturn]] void refuse_text() { throw TomlAssertion{}; }
@@ -25,7 +25,8 @@ struct TomlAssertion {};
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
-// Its tables of Unicode call letters outside them "unreachable" (an accent right after a number): the answer is no.
+// The library's Unicode tables declare characters outside them "unreachable" (an accent right after a number); here
+// they return false.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
@@ -40,11 +41,11 @@ struct TomlAssertion {};
 namespace tactus::sim {
 namespace {
 
-constexpr std::size_t kMaxDotsPerLine = 500;  // each may open a table: a key cannot span lines
+constexpr std::size_t kMaxDotsPerLine = 500;  // each dot may open a table; a key cannot span lines
 constexpr std::size_t kMaxValues = 1'000'000;
 constexpr unsigned kMaxDepth = 24;  // a scene needs 5
 
-// The library frees and builds tables by recursion and does not limit how many a dotted key opens.
+// The library builds and frees tables by recursion and does not limit the number of tables that a dotted key opens.
 bool too_many_dots(std::string_view text, SceneDiagnostics& diagnostics) {
   unsigned line = 1;
   std::size_t dots = 0;
@@ -59,7 +60,7 @@ bool too_many_dots(std::string_view text, SceneDiagnostics& diagnostics) {
   return false;
 }
 
-// Does the library's parser fail an assertion of its own on this text?
+// True if one of the library's assertions fails on this text.
 bool breaks_parser(std::string_view text) {
   try {
     (void)toml::parse(text);
@@ -67,7 +68,8 @@ bool breaks_parser(std::string_view text) {
   } catch (const TomlAssertion&) { return true; }
 }
 
-// The line that breaks it: the parser goes from left to right, so the first lines break it from that line on.
+// The line with the failing assertion, by bisection: the parser reads from left to right, so a text of the first lines
+// fails if and only if it includes that line.
 unsigned breaking_line(std::string_view text) {
   std::vector<std::size_t> ends;
   for (std::size_t i = 0; i < text.size(); ++i)
@@ -87,7 +89,7 @@ std::string_view line_of(std::string_view text, unsigned number) {
   return text.substr(0, text.find('\n'));
 }
 
-// What the parser says where the right side of `key = value` is none; empty where that is not the mistake.
+// A mistake for a line `key = value` whose value is invalid; empty if that is not the mistake.
 std::optional<Mistake> bad_value(std::string_view line, const toml::source_position& at) {
   const std::size_t equals = line.find('=');
   if (equals == std::string_view::npos || at.column <= equals + 1) return std::nullopt;
@@ -108,7 +110,7 @@ std::optional<Mistake> bad_value(std::string_view line, const toml::source_posit
   return Mistake{at.line, at.column, key, fmt::format("{} is no value", value), kValues};
 }
 
-// Nothing, and one mistake, where the text is no TOML.
+// Empty, and one mistake, if the text is not TOML.
 std::optional<toml::table> parse_text(std::string_view text, SceneDiagnostics& diagnostics) {
   try {
     toml::parse_result parsed = toml::parse(text);

@@ -1,7 +1,8 @@
-// A TOML document as plain values with places in the text: all that the rest of the program sees of the TOML library.
+// A TOML document as plain values with their positions in the text; hides the TOML library from the rest of the
+// program.
 //
 // Thread: [setup]. Bound: the text's size, nesting and number of values are limited before and while it is read, so
-// that no text can exhaust the stack or the memory; beyond them there is a mistake instead of a document.
+// that no text can exhaust the stack or the memory; beyond the limits the result is a mistake instead of a document.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +21,14 @@ struct TomlNode {
   unsigned line{0}, column{0};
   bool boolean{false};
   std::int64_t integer{0};
-  double number{0};  // of an integer too
+  double number{0};  // also set for an integer
   std::string text;
   std::vector<TomlNode> items;  // of an array, in order; of a table, by key
-  std::string key;              // where it is in a table
+  std::string key;              // of an entry of a table
   unsigned key_line{0}, key_column{0};
 
-  const TomlNode* find(std::string_view key_sought) const noexcept;  // in a table; null where it is not
-  // For messages: the value as one would write it, or its kind where that is long.
+  const TomlNode* find(std::string_view key_sought) const noexcept;  // entry of a table; null if absent
+  // For messages: the value in TOML syntax, or its kind if that is too long.
   std::string shown() const;
 };
 

@@ -74,7 +74,7 @@ void count_contact(const physics::Manifold& manifold, const Body& a, const Body&
   }
 }
 
-// The contacts of one body with a mesh, patch by patch.
+// Counts the contacts of one body with a mesh, patch by patch.
 void add_mesh_contacts(const Scene& scene, const Body& a, const Body& b, double margin_m, StartContacts& start) {
   const auto& mesh = scene.meshes[b.shape.index];
   physics::TriangleList near;
@@ -109,7 +109,7 @@ StartContacts find_start_contacts(const Scene& scene) {
   }
   StartContacts start;
   if (dynamic.empty()) return start;
-  // 64 neighbours a body: more than convex bodies of like size can have; what does not fit is not counted.
+  // 64 neighbours a body: more than convex bodies of similar size can have; pairs that do not fit are not counted.
   BoundedVector<physics::SlotPair> pairs(static_cast<std::uint32_t>(64 * dynamic.size()));
   PairGrid grid(static_cast<std::uint32_t>(dynamic.size()));
   (void)grid.find(bounds, pairs);
@@ -126,8 +126,8 @@ StartContacts find_start_contacts(const Scene& scene) {
   return start;
 }
 
-// The largest speed on the way from one place to the next, by the motion in between. `v_a`, `v_b`: the rates there, of
-// a cubic, whose rate is a parabola: taken at sixteen places.
+// The largest speed between two way points, by the kind of motion. `way`: the displacement. `v_a`, `v_b`: the
+// velocities at its ends, for a cubic, whose velocity is a parabola: sampled at sixteen points.
 double fastest_between(HandMotion motion, const Vec3d& way, double time_s, const Vec3d& v_a, const Vec3d& v_b) {
   if (motion == HandMotion::kSmoothStep) return 15.0 / 8.0 * norm(way) / time_s;
   if (motion == HandMotion::kLinear) return norm(way) / time_s;
@@ -184,7 +184,7 @@ HandReport report_hand(const Scene& scene, const haptics::DeviceProperties& devi
   return report;
 }
 
-// "[hand] path.3", or the line of the file, where the way point or row is.
+// The position of a way point or row in the text, for messages: "[hand] path.3", or the line of the motion file.
 std::string hand_place(const HandReport& hand, std::size_t i) {
   return hand.file.empty() ? fmt::format("[hand] path.{}", i + 1)
                            : fmt::format("[hand] file {}:{}:", hand.file, i + kFirstMotionLine);
@@ -236,7 +236,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.generated = scene.generated;
   report.meshes = scene.mesh_accounts;
   report.lightest_kg = std::numeric_limits<double>::infinity();
-  const auto follows_script = [&](BodyId id) {  // weighs nothing to anybody
+  const auto follows_script = [&](BodyId id) {  // its mass has no effect
     return std::any_of(scene.effect_data.scripts.begin(), scene.effect_data.scripts.end(),
                        [id](const auto& script) { return script.id == id; });
   };
@@ -254,7 +254,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
 
   const double s2 = scene.device.motion_scale * scene.device.motion_scale;
   report.coupling = haptics::check_coupling(scene.coupling.at_hand(scene.device.motion_scale), device, tick_s);
-  haptics::AxisVerdict& linear = report.coupling.translation;  // the device's axis, in the units of the scene's keys
+  haptics::AxisVerdict& linear = report.coupling.translation;  // converted to the units of the scene's keys
   for (double* value :
        {&linear.stiffness, &linear.stiffness_limit, &linear.stiffness_allowed, &linear.damping, &linear.damping_limit})
     *value /= s2;

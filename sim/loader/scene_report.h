@@ -1,4 +1,4 @@
-// What a scene asks of the machine, the device and the solver, before it runs: for `tactus scene check`.
+// Demands of a scene on the machine, the device and the solver, computed before a run for `tactus scene check`.
 //
 // Everything here follows from the scene and the device's description by formulas; nothing is simulated.
 // Thread: [setup]. Units: SI, in the names.
@@ -21,9 +21,9 @@ struct BodyCounts {
 struct EffectReport {
   std::string name;
   bool declared{false}, used{false};
-  std::string cost;                // what it adds to a tick
-  double added_us{0}, tick_us{0};  // as measured on this machine, in a tick of all bodies; tick 0: not measured
-  double spread_us{0};             // of the measurement: less than that says nothing
+  std::string cost;                // added computation in a tick
+  double added_us{0}, tick_us{0};  // measured on this machine, in a tick of all bodies; tick_us 0: not measured
+  double spread_us{0};             // of the measurement; a smaller added_us is not significant
 
   bool is_measured() const noexcept { return tick_us > 0 && added_us > spread_us; }
 };
@@ -31,11 +31,11 @@ struct EffectReport {
 // Contacts of the scene as it stands before the first tick.
 struct StartContacts {
   unsigned contacts{0}, points{0};  // pairs of bodies no further apart than the solver's margin
-  double deepest_m{0};              // largest overlap, 0 where there is none
+  double deepest_m{0};              // largest overlap; 0: none
   BodyId deepest_a{kNoBody}, deepest_b{kNoBody};
 };
 
-// A load F on a contact of effective mass m sinks F / (m w^2) deep, w = 2 pi x the contact frequency.
+// Static penetration of a contact with effective mass m under a load F: F / (m w^2), w = 2 pi x the contact frequency.
 struct PenetrationReport {
   double proxy_m_per_N{0};     // of the proxy on fixed ground
   double lightest_m_per_N{0};  // of the lightest body on fixed ground
@@ -50,14 +50,14 @@ struct HandReport {
   double device_max_speed_m_per_s{0};
   double max_angular_speed_rad_per_s{0}, device_max_angular_speed_rad_per_s{0};
   std::size_t fastest{0}, fastest_turn{0},
-      farthest{0};       // way point or row, from 0: the end of the fastest way; the farthest
-  double farthest_m{0};  // of the path from the middle of the device's workspace, in the device's metres
+      farthest{0};       // way point or row, from 0: the end of the fastest leg; the farthest point
+  double farthest_m{0};  // distance of the path from the centre of the device's workspace, in the device's metres
   double workspace_radius_m{0};
 };
 
-// What the haptic thread must have room for.
+// Sizes that determine the capacities of the haptic thread.
 struct CapacityReport {
-  unsigned member_cap{0}, members_possible{0};  // dynamic bodies; the cap where there are more
+  unsigned member_cap{0}, members_possible{0};  // members_possible: dynamic bodies, at most the cap
   double contacts_per_body{0};                  // at the start
   unsigned sub_world_contacts{0};               // members_possible x contacts_per_body, rounded up: an estimate
   unsigned global_sub_steps{0};                 // of one global step
@@ -66,7 +66,7 @@ struct CapacityReport {
 struct SceneReport {
   std::string name, title;
   BodyCounts bodies;
-  std::vector<EffectReport> effects;                     // all that there are, sim/model/scene_effects.cpp
+  std::vector<EffectReport> effects;                     // all effects of sim/model/scene_effects.cpp
   double lightest_kg{0}, heaviest_kg{0}, mass_ratio{1};  // dynamic bodies that follow no script
   double contact_hertz_Hz{0}, max_contact_hertz_Hz{0};
   PenetrationReport penetration;
@@ -76,13 +76,13 @@ struct SceneReport {
   StartContacts start;
   HandReport hand;
   CapacityReport capacity;
-  std::vector<std::string> problems;  // why the scene will not run well; empty: good
+  std::vector<std::string> problems;  // reasons why the scene will not run well; empty: good
 
-  // One of the rules of tools/session/verdict.h, which every verdict is by.
+  // One of the rules of tools/session/verdict.h, from which every verdict follows.
   bool good() const noexcept { return problems.empty(); }
 };
 
-// `scripted`: the scene's hand moves the device; else a person does, and its path is not judged.
+// `scripted`: the scene's hand moves the device; else a person does, and the hand's path is not checked.
 SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& device, double tick_s, bool scripted = true);
 
 // For people: a dozen lines.

@@ -1,4 +1,5 @@
-// The words by which people choose on the command line, both ways. Thread: [any]; name_of never empty.
+// The command line's names of couplings, borders and other choices: name_of and parse.
+// Thread: [any]. name_of is never empty.
 #pragma once
 
 #include <optional>
@@ -21,11 +22,11 @@ std::string_view name_of(Reach reach) noexcept;                        // two-cy
 std::string_view name_of(physics::SweepPrecision precision) noexcept;  // double, mixed
 std::string_view name_of(physics::FrictionSweeps sweeps) noexcept;     // auto, relax, every
 
-// All of them, in the order of help texts.
+// All names, in the order of help texts.
 std::vector<std::string> coupling_names();
 std::vector<std::string> border_names();
 
-// Empty for a word that names nothing.
+// Empty for an unknown word.
 std::optional<haptics::CouplingScheme> parse_coupling_scheme(std::string_view word) noexcept;
 std::optional<physics::BorderMode> parse_border_mode(std::string_view word) noexcept;
 std::optional<CutOrder> parse_cut_order(std::string_view word) noexcept;

@@ -1,5 +1,5 @@
-// Three digits, downwards: a figure that a person can write into a scene, and that is accepted there when the value is.
-// Thread: any. Bound: the digits of a double. What is not finite or not above 0 comes back, at least 0.
+// Rounds a limit down to three digits, so that a person can write it into a scene and it is still within the limit.
+// Thread: [any]. Bound: the digits of a double. A value that is not finite or not above 0 returns max(0, value).
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A scene: the bodies, the effects it calls for, the proxy, the device's place in it and what the simulated hand does.
+// A scene: bodies, effects, the proxy, the placement of the device and the script of the simulated hand.
 //
 // A plain value, loaded once from TOML (sim/scenes/*.toml) by load_scene. Frame: world, z up. Units: SI.
 // Thread: [setup], normal threads.
@@ -17,7 +17,7 @@
 
 namespace tactus::sim {
 
-// What a scene calls for. One that is not declared is not simulated. What each is: sim/model/scene_effects.cpp.
+// The effects that a scene declares; others are not simulated. Their meaning: sim/model/scene_effects.cpp.
 struct Effects {
   bool gravity{false}, friction{false}, gyroscopic{false}, sleeping{false};
   bool damping{false}, drag{false}, kinematic{false}, joints{false};
@@ -25,7 +25,7 @@ struct Effects {
   bool ccd{false}, texture{false}, transients{false};
 };
 
-// What the effects act on. Lists by body id are empty where no body needs them, else one entry for each body.
+// Parameters of the effects. A list by body id has one entry for each body, or is empty if no body needs it.
 struct EffectData {
   physics::Damping::Setup damping;
   std::vector<double> drag_per_m;                 // by body id
@@ -41,15 +41,15 @@ struct EffectData {
   std::vector<physics::Ringing> ringing;  // by body id
 };
 
-// When what rests in the global world falls asleep, with the effect sleeping.
+// When resting islands of the global world fall asleep, with the effect sleeping.
 struct SleepingChoice {
-  double max_speed_m_per_s{0.01};  // of a body's surface: below, it counts as at rest
-  double after_s{0.5};             // at rest for as long as that: it may sleep
-  bool from_start{false};          // what does not move at the start sleeps until something comes near
+  double max_speed_m_per_s{0.01};  // of a body's surface: below, the body counts as at rest
+  double after_s{0.5};             // time at rest before it may sleep
+  bool from_start{false};          // bodies at rest at the start sleep until something comes near
 };
 
-// Where the device's frame is in the scene, and how much larger its motion is there. Power is conserved: the force on
-// the hand is motion_scale times the force in the scene.
+// Pose of the device's frame in the scene, and the scale of its motion there. Power is conserved: the force on the hand
+// is motion_scale times the force in the scene.
 struct DevicePlacement {
   Posed world_from_device;
   double motion_scale{1};
@@ -61,73 +61,73 @@ struct HandWaypoint {
   double time_s{0};
   Vec3d position_m;
   Vec3d rotation_vector_rad;                               // of the tool, about the world's axes
-  Vec3d velocity_m_per_s{}, angular_velocity_rad_per_s{};  // of the target there; for kCubic alone
+  Vec3d velocity_m_per_s{}, angular_velocity_rad_per_s{};  // of the target there; for kCubic only
 };
 
-// Between way points: a smooth step (C2, at rest at each), a straight line, or a cubic through all (C1).
+// Motion between way points: a smooth step (C2, at rest at each), a straight line, or a cubic spline (C1).
 enum class HandMotion { kSmoothStep, kLinear, kCubic };
 
 // A simulated hand: an arm's impedance that follows way points. Stiffness and damping are those of a human arm.
 struct HandScript {
   std::vector<HandWaypoint> path;  // times ascending, from 0
   HandMotion motion{HandMotion::kSmoothStep};
-  std::string file;   // a recorded motion's, as the scene names it; way point i is in its line i + kFirstMotionLine
-  bool repeat{true};  // the path starts again at its end; its last pose is then its first
+  std::string file;   // of a recorded motion, as named in the scene; way point i is in its line i + kFirstMotionLine
+  bool repeat{true};  // the path repeats; its last pose is then its first
   double stiffness_N_per_m{400}, damping_Ns_per_m{12}, mass_kg{0.5};
   double stiffness_Nm_per_rad{4}, damping_Nms_per_rad{0.1};
 };
 
-inline constexpr unsigned kFirstMotionLine = 2;  // of the file: the first has the names of the columns
+inline constexpr unsigned kFirstMotionLine = 2;  // line of the first row; line 1 has the names of the columns
 
 struct SolverChoice {
   double contact_hertz{250}, contact_damping_ratio{10};
   unsigned sub_steps{4}, relax_sweeps{1};  // haptic side
   physics::FrictionSweeps friction_sweeps{physics::FrictionSweeps::kAuto};
   double global_sub_steps_per_tick{1};  // global side: sub-steps of a global step = this x ratio, rounded up
-  double far_sub_steps_per_tick{0};     // same, of what does not hang together with a sub-world; 0: as many
+  double far_sub_steps_per_tick{0};     // same, for islands without a member of a sub-world; 0: as many
 
-  // Of a global step of `ratio` ticks.
+  // Sub-steps in a global step of `ratio` ticks.
   unsigned global_sub_steps(unsigned ratio) const noexcept { return sub_steps_in(global_sub_steps_per_tick, ratio); }
   unsigned far_sub_steps(unsigned ratio) const noexcept { return sub_steps_in(far_sub_steps_per_tick, ratio); }
 
  private:
   static unsigned sub_steps_in(double per_tick, unsigned ratio) noexcept {
-    constexpr double kRounding = 1e-9;  // 0.1 x 10 is 1
+    constexpr double kRounding = 1e-9;  // so that 0.1 x 10 gives 1
     return static_cast<unsigned>(std::ceil(per_tick * ratio - kRounding));
   }
 };
 
-// What a generator made, and what it says of its own work.
+// The bodies that a generator made, and its own results.
 struct GeneratedPart {
   std::string kind;       // wall, pile, tower, card_house, domino_row
   BodyId first{kNoBody};  // ids first .. first + count - 1
   unsigned count{0};
   double friction{0};                 // of its bodies
-  std::vector<double> foot_friction;  // card house, by level from the ground: least coefficient under its cards' feet
-  double top_friction{0};  // card house: least coefficient between a top and the flat card on it; 0 otherwise
+  std::vector<double> foot_friction;  // card house, by level from the ground: min. coefficient under its cards' feet
+  double top_friction{0};             // card house: min. coefficient between a top and the flat card on it; 0 otherwise
 };
 
-// What became of the triangles of a file.
+// Counts of the conversion of a triangle file into a mesh.
 struct MeshAccount {
   std::string file;
   BodyId body{kNoBody};
-  unsigned corners{0}, triangles{0}, patches{0};  // that the mesh has
-  unsigned welded{0};                             // corners of the file that were there already, or not used
+  unsigned corners{0}, triangles{0}, patches{0};  // of the mesh
+  unsigned welded{0};                             // corners of the file that are duplicates or unused
   unsigned without_area{0}, doubled{0};           // triangles left out
-  unsigned disagreeing_edges{0};                  // whose two triangles do not agree on what is outside
-  unsigned boundary_edges{0};                     // of one triangle only: there the mesh is open
+  unsigned disagreeing_edges{0};                  // edges whose two triangles have opposite orientations
+  unsigned boundary_edges{0};                     // edges of one triangle only: the mesh is open there
 };
 
 struct Scene {
   std::string name;   // file stem
   std::string title;  // one line for people
   Effects effects;
-  EffectData effect_data;  // worlds look into it
+  EffectData effect_data;  // worlds refer to it
   Vec3d gravity_m_per_s2{0, 0, -9.81};
   std::vector<physics::Body> bodies;                    // bodies[i].id == i
-  std::vector<physics::Hull> hulls;                     // what the bodies' hull shapes refer to; worlds look into it
-  std::vector<physics::Mesh> meshes;                    // same; one for each body that has one
-  std::vector<std::shared_ptr<const void>> mesh_parts;  // what the meshes look into: copies of a scene share it
+  std::vector<physics::Hull> hulls;                     // of the bodies' hull shapes; worlds refer to it
+  std::vector<physics::Mesh> meshes;                    // same for meshes; one for each body that has one
+  std::vector<std::shared_ptr<const void>> mesh_parts;  // owns the meshes' data; copies of a scene share it
   std::vector<MeshAccount> mesh_accounts;               // of each mesh
   BodyId proxy{kNoBody};
   DevicePlacement device;
@@ -138,7 +138,7 @@ struct Scene {
   unsigned members{64};  // cap of the sub-world, the proxy included
   unsigned ratio{10};
   std::vector<GeneratedPart> generated;  // in the order of the file
-  std::string source;                    // the text it was loaded from: the tape carries it
+  std::string source;                    // the text that it was loaded from, with its files' data; stored in the tape
 };
 
 }  // namespace tactus::sim
