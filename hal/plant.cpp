@@ -104,16 +104,17 @@ void Plant::hit_sphere() noexcept {
   }
 }
 
-// A blow on the pitch axis: it changes the tool's twist along that axis' row of the inverse, as far as the axis stops.
+// A impulse on the pitch axis: it changes the tool's twist along that axis' row of the inverse, as far as the axis
+// stops.
 void Plant::hit_pitch_stop() noexcept {
   coordinates_[kPitchAxis] = std::copysign(kPitchLimit_rad, coordinates_[kPitchAxis]);
   const double rate = kinematics_.rates_of(coordinates_, twist_)[kPitchAxis];
   if (rate * coordinates_[kPitchAxis] <= 0.0) return;
   const Wrenchd row = kinematics_.wrench_of(coordinates_, unit_axis(kPitchAxis));
   const double mobility = norm_squared(row.force) / mass_kg_ + norm_squared(row.torque) / inertia_kg_m2_;
-  const double blow = rate / mobility;
-  twist_.linear -= row.force * (blow / mass_kg_);
-  twist_.angular -= row.torque * (blow / inertia_kg_m2_);
+  const double impulse = rate / mobility;
+  twist_.linear -= row.force * (impulse / mass_kg_);
+  twist_.angular -= row.torque * (impulse / inertia_kg_m2_);
 }
 
 double Plant::kinetic_energy_J() const noexcept {

@@ -368,7 +368,7 @@ physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t pas
   world_.begin_step(bounds_settings);
   while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings);  // a woken body may wake others
   if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
-  physics::FarRegion far = far_region();
+  physics::CoarseRegion far = coarse_region();
   far.sub_steps = std::max(1u, far.sub_steps / passes);
   pass_s_ = settings.dt;
   note_member_velocities();

@@ -141,7 +141,7 @@ class GlobalWorld {
   void wake_near(const Device& device) noexcept;
   void mark_held() noexcept;
   void sleep() noexcept;
-  physics::FarRegion far_region() noexcept;
+  physics::CoarseRegion coarse_region() noexcept;
   std::uint32_t passes_of_step() noexcept;
   physics::StepReport take_pass(std::uint32_t pass, std::uint32_t passes) noexcept;
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }

@@ -50,10 +50,10 @@ void GlobalWorld::sleep() noexcept {
 
 // Islands without a member, outside every proxy's region. They are independent of the other islands, so they may have
 // their own number of sub-steps. Their contacts' stiffness does not change.
-physics::FarRegion GlobalWorld::far_region() noexcept {
+physics::CoarseRegion GlobalWorld::coarse_region() noexcept {
   if (bounds_settings_.sub_steps == settings_.sub_steps) return {};
   mark_held();
-  return {islands_.find_far(held_, regions_, world_), bounds_settings_.sub_steps};
+  return {islands_.find_coarse(held_, regions_, world_), bounds_settings_.sub_steps};
 }
 
 void GlobalWorld::sleep_from_start() noexcept {

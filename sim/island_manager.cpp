@@ -27,7 +27,7 @@ IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uin
   if (!rule.enabled) return;
   marked_.reserve(bodies_.size()), woken_.reserve(bodies_.size()), merge_.reserve(bodies_.size());
   returning_.reserve(bodies_.size());
-  parked_.reserve(max_parked_);
+  sleeping_contacts_.reserve(max_parked_);
 }
 
 std::int32_t IslandManager::place_of(BodyId id) const noexcept {
@@ -72,9 +72,9 @@ bool IslandManager::wake_marked(World& world) noexcept {
       grid_.remove(place);
     }
     for (std::uint32_t at = first_parked_[island]; at != kNone;) {
-      (void)world.add_warm_start(parked_[at].warm_start);  // if it does not fit, the contact starts cold
-      const std::uint32_t next = parked_[at].next;
-      parked_[at].next = free_parked_, free_parked_ = at;
+      (void)world.add_warm_start(sleeping_contacts_[at].warm_start);  // if it does not fit, the contact starts cold
+      const std::uint32_t next = sleeping_contacts_[at].next;
+      sleeping_contacts_[at].next = free_parked_, free_parked_ = at;
       at = next;
     }
   }
@@ -99,8 +99,8 @@ physics::Islands IslandManager::find_islands(World& world) noexcept {
   return islands;
 }
 
-std::span<const std::uint8_t> IslandManager::find_far(std::span<const std::uint8_t> held, std::span<const Aabb> regions,
-                                                      World& world) noexcept {
+std::span<const std::uint8_t> IslandManager::find_coarse(std::span<const std::uint8_t> held,
+                                                         std::span<const Aabb> regions, World& world) noexcept {
   const auto count = static_cast<std::uint32_t>(awake_.size());
   const auto bounds = world.bounds();
   physics::Islands islands = find_islands(world);
@@ -169,11 +169,11 @@ void IslandManager::put_to_sleep(std::span<const std::uint8_t> held, std::span<c
     const std::uint32_t root = islands.of(slot);
     if (stays_[root] != 0) continue;
     apart_[slot] = 1, some = true;
-    lay_down_body(slot, awake_[root], settings);
+    put_body_to_sleep(slot, awake_[root], settings);
   }
   if (!some) return;
   for (const auto& contact : world.contacts())
-    if (apart_[contact.slot_a] != 0) park(contact, island_of_[awake_[contact.slot_a]], sub_step_s);
+    if (apart_[contact.slot_a] != 0) store_contact(contact, island_of_[awake_[contact.slot_a]], sub_step_s);
   world.remove(apart_);
   std::uint32_t kept = 0;
   for (std::uint32_t slot = 0; slot < count; ++slot)
@@ -182,7 +182,7 @@ void IslandManager::put_to_sleep(std::span<const std::uint8_t> held, std::span<c
   awake_.resize(kept);
 }
 
-void IslandManager::lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept {
+void IslandManager::put_body_to_sleep(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept {
   const std::uint32_t place = awake_[slot];
   Body& body = bodies_[place];
   stopped_energy_J_ += kinetic_energy(body);
@@ -197,16 +197,16 @@ void IslandManager::lay_down_body(std::uint32_t slot, std::uint32_t island, cons
   grid_.insert(place, bounds_at_rest(place, settings));
 }
 
-void IslandManager::park(const physics::Contact& contact, std::uint32_t island, double sub_step_s) noexcept {
+void IslandManager::store_contact(const physics::Contact& contact, std::uint32_t island, double sub_step_s) noexcept {
   std::uint32_t at = free_parked_;
   if (at != kNone) {
-    free_parked_ = parked_[at].next;
+    free_parked_ = sleeping_contacts_[at].next;
   } else {
-    if (parked_.size() == max_parked_) return;
-    at = static_cast<std::uint32_t>(parked_.size());
-    parked_.emplace_back();
+    if (sleeping_contacts_.size() == max_parked_) return;
+    at = static_cast<std::uint32_t>(sleeping_contacts_.size());
+    sleeping_contacts_.emplace_back();
   }
-  parked_[at] = {World::warm_start_of(contact, sub_step_s), first_parked_[island]};
+  sleeping_contacts_[at] = {World::warm_start_of(contact, sub_step_s), first_parked_[island]};
   first_parked_[island] = at;
 }
 

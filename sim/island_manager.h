@@ -48,8 +48,8 @@ class IslandManager {
 
   // Per slot: 1 if no body of the body's island is held (`held`, by place: 1) or overlaps one of the regions. Needs the
   // pairs of the step that has begun. Valid until the next call of any function here.
-  std::span<const std::uint8_t> find_far(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions,
-                                         World& world) noexcept;
+  std::span<const std::uint8_t> find_coarse(std::span<const std::uint8_t> held, std::span<const physics::Aabb> regions,
+                                            World& world) noexcept;
 
   // --- after a step
   void follow(const World& world) noexcept;  // copies the motions and counts slow steps
@@ -79,8 +79,8 @@ class IslandManager {
   physics::Islands find_islands(World& world) noexcept;
   bool mark(std::uint32_t place) noexcept;
   bool wake_marked(World& world) noexcept;
-  void lay_down_body(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept;
-  void park(const physics::Contact& contact, std::uint32_t island, double sub_step_s) noexcept;
+  void put_body_to_sleep(std::uint32_t slot, std::uint32_t island, const Settings& settings) noexcept;
+  void store_contact(const physics::Contact& contact, std::uint32_t island, double sub_step_s) noexcept;
 
   SleepRule rule_;
   std::vector<physics::Body> bodies_;      // by place
@@ -92,7 +92,7 @@ class IslandManager {
   std::vector<std::uint32_t> next_body_;     // by place: the next of its island
   std::vector<std::uint32_t> first_parked_;  // by island: its first sleeping contact
   std::vector<std::uint8_t> is_marked_;      // by island: 1 if in marked_
-  std::vector<SleepingContact> parked_;
+  std::vector<SleepingContact> sleeping_contacts_;
   std::size_t max_parked_;
   std::uint32_t free_parked_{kNone};
   BoxGrid grid_;

@@ -9,12 +9,12 @@
 
 #include "rt/base/nonblocking.h"
 #include "rt/base/status.h"
+#include "rt/haptics/coupling/sub_world.h"
 #include "rt/haptics/device_placement.h"
 #include "rt/haptics/force_limiter.h"
 #include "rt/haptics/force_watch.h"
 #include "rt/haptics/input_guard.h"
 #include "rt/haptics/passivity.h"
-#include "rt/haptics/coupling/sub_world.h"
 #include "rt/haptics/velocity_estimator.h"
 #include "rt/loop/governor.h"
 #include "rt/loop/tick_stages.h"

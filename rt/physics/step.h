@@ -50,12 +50,10 @@ struct StepSettings {
 
 // Extra margin with which a manifold is searched so that it can be reused [m]: covers the motion of its bodies, and an
 // increase of their speed, until the tolerance is used up.
-constexpr double room_to_carry_over(const StepSettings& settings) noexcept {
-  return 2.0 * settings.recycle_tolerance_m;
-}
+constexpr double carry_over_margin(const StepSettings& settings) noexcept { return 2.0 * settings.recycle_tolerance_m; }
 
 // Bodies that no pair links to the others and for which fewer sub-steps suffice.
-struct FarRegion {
+struct CoarseRegion {
   std::span<const std::uint8_t> bodies;  // by slot, 1: far; empty: no body is far
   std::uint32_t sub_steps{0};
 };

@@ -298,7 +298,7 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double 
   report.dropped += left_out;
 }
 
-StepReport World::finish_step(const StepSettings& settings, const CutPredicate& cut, const FarRegion& far) noexcept {
+StepReport World::finish_step(const StepSettings& settings, const CutPredicate& cut, const CoarseRegion& far) noexcept {
   TACTUS_CHECK(settings.sub_steps > 0 && settings.dt > 0.0, settings.sub_steps, settings.dt);
   TACTUS_CHECK(bounds_.size() == bodies_.size(), bounds_.size(), bodies_.size());
   StepReport report;
@@ -354,7 +354,7 @@ void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> spri
 
 // Solves the far region; the others have been solved and are held. Impulses stored between steps are those of the near
 // region's sub-step.
-void World::solve_far(const FarRegion& far, const StepSettings& settings, const CutPredicate& cut,
+void World::solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
                       StepReport& report) noexcept {
   TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);
   TACTUS_CHECK(border_contacts_.empty(), bodies_.size(), border_contacts_.size());

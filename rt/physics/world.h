@@ -78,7 +78,7 @@ class World {
   BoundedVector<SlotPair>& dynamic_pairs() noexcept { return dynamic_pairs_; }
   // `far`: not in a world with border contacts; a body on a spring is never far.
   StepReport finish_step(const StepSettings& settings, const CutPredicate& cut = {},
-                         const FarRegion& far = {}) noexcept;
+                         const CoarseRegion& far = {}) noexcept;
 
   // Optional: triangles known to be near the bodies, valid until set again; they only save work.
   NearTriangles near_triangles;
@@ -140,7 +140,7 @@ class World {
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double margin, StepReport& report) noexcept;
   void solve(std::span<const std::uint8_t> held, std::span<PoseSpring> springs, const StepSettings& settings,
              double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept;
-  void solve_far(const FarRegion& far, const StepSettings& settings, const CutPredicate& cut,
+  void solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
                  StepReport& report) noexcept;
   void move_body(std::uint32_t from, std::uint32_t to) noexcept;
   void follow_moves() noexcept;

@@ -113,12 +113,12 @@ Twistd mean_between(const Posed& start, const Posed& end, double step_s) noexcep
           small_rotation_vector(end.rotation * conjugate(start.rotation)) * rate};
 }
 
-// Adds a constraint of stiffness `firm` along the screw s = (along, turn): firm s s^T. `turn`: moment of `along` about
-// the centre.
-void hold(Matrix6& sum, double firm, const Vec3d& along, const Vec3d& turn) noexcept {
+// Adds a constraint of stiffness `stiffness` along the screw s = (along, turn): stiffness s s^T. `turn`: moment of
+// `along` about the centre.
+void hold(Matrix6& sum, double stiffness, const Vec3d& along, const Vec3d& turn) noexcept {
   const Vector6 row{along.x, along.y, along.z, turn.x, turn.y, turn.z};
   for (std::size_t k = 0; k < 6; ++k) {
-    const double scaled = firm * row[k];
+    const double scaled = stiffness * row[k];
     for (std::size_t l = 0; l < 6; ++l) sum[k][l] += scaled * row[l];
   }
 }
@@ -144,11 +144,11 @@ Vec3d slip_of(const Contact& contact, const physics::ContactPoint& point, std::s
 // G of a contact, as an inertia: added_inertia times the reduced mass, times the sum of J J^T over the constrained
 // directions. The impulse that would stop the present motion is added to the load of the last step: the contact
 // constrains if it then still presses, and sticks if its friction stays within the friction disk.
-Matrix6 firmness_of_contact(const Contact& contact, double added_inertia, std::span<const Body> bodies,
-                            const Vec3d& centre) noexcept {
+Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::span<const Body> bodies,
+                             const Vec3d& centre) noexcept {
   const Body& a = bodies[contact.slot_a];
   const double mass_of_both = 1 / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
-  const double firm = added_inertia * mass_of_both;
+  const double stiffness = added_inertia * mass_of_both;
   Vec3d friction, slip;
   double pressed = 0, points = 0;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
@@ -171,9 +171,9 @@ Matrix6 firmness_of_contact(const Contact& contact, double added_inertia, std::s
     if (!(point.total_normal_impulse > 0)) continue;
     const Vec3d r = a.motion.pose.position + point.from_a - centre;
     if (sticks)
-      mass += firm, moment += firm * r, turning = turning + turning_at(firm, r);
+      mass += stiffness, moment += stiffness * r, turning = turning + turning_at(stiffness, r);
     else
-      hold(sum, firm, contact.normal, cross(r, contact.normal));
+      hold(sum, stiffness, contact.normal, cross(r, contact.normal));
   }
   return sticks ? inertia_of(mass, moment, turning) : sum;
 }
@@ -187,9 +187,9 @@ bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
 }
 
 // G of a joint between the bodies at these slots; slot_a is kNone for the world.
-Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double added_inertia, std::uint32_t slot_a,
-                          std::uint32_t slot_b, std::span<const Body> bodies, const Vec3d& centre) noexcept {
-  const double firm = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
+Matrix6 stiffness_of_joint(const Joint& joint, const JointState& state, double added_inertia, std::uint32_t slot_a,
+                           std::uint32_t slot_b, std::span<const Body> bodies, const Vec3d& centre) noexcept {
+  const double stiffness = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
   const double firm_turn = added_inertia / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
   const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
   const Posed at_b = bodies[slot_b].motion.pose * joint.b_from_joint;
@@ -198,7 +198,7 @@ Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double ad
   Matrix6 sum{};
   if (joint.kind == JointKind::kDistance) {
     const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
-    if (coordinate) hold(sum, firm, n, cross(r, n));
+    if (coordinate) hold(sum, stiffness, n, cross(r, n));
     return sum;
   }
   const bool slides = joint.kind == JointKind::kSlider && !coordinate;
@@ -206,7 +206,7 @@ Matrix6 firmness_of_joint(const Joint& joint, const JointState& state, double ad
   const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
                          rotate(at_a.rotation, Vec3d{0, 0, 1})};
   for (int k = 0; k < 3; ++k) {
-    if (k < 2 || !slides) hold(sum, firm, axes[k], cross(r, axes[k]));
+    if (k < 2 || !slides) hold(sum, stiffness, axes[k], cross(r, axes[k]));
     if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
   }
   return sum;
@@ -314,9 +314,9 @@ std::span<const ApparentInertia::Link> ApparentInertia::links_of(std::uint32_t s
 }
 
 Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
-  if (link < contacts_.size()) return firmness_of_contact(contacts_[link], added_inertia_, bodies_, centre);
+  if (link < contacts_.size()) return stiffness_of_contact(contacts_[link], added_inertia_, bodies_, centre);
   const Held& held = joints_[link - contacts_.size()];
-  return firmness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
+  return stiffness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
 }
 
 // Mean velocity over the last step; the present velocity for a body that was added since.

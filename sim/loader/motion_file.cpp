@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "rt/base/rotation_vector.h"
-#include "sim/loader/scene_load.h"
 #include "sim/geometry/shape_words.h"
+#include "sim/loader/scene_load.h"
 
 namespace tactus::sim {
 namespace {

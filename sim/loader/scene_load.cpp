@@ -9,11 +9,11 @@
 
 #include "rt/base/hash.h"
 #include "rt/haptics/coupling/snapshot.h"
-#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load_effects.h"
 #include "sim/loader/scene_load_hand.h"
 #include "sim/loader/scene_load_parts.h"
 #include "sim/loader/scene_load_reader.h"
+#include "sim/model/choice_names.h"
 
 namespace tactus::sim {
 namespace {

@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "sim/loader/motion_file.h"
-#include "sim/model/scene.h"
 #include "sim/loader/scene_load_reader.h"
+#include "sim/model/scene.h"
 
 namespace tactus::sim {
 

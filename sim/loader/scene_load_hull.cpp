@@ -7,8 +7,8 @@
 
 #include "sim/geometry/hull_gap.h"
 #include "sim/geometry/mesh_files.h"
-#include "sim/loader/scene_load_files.h"
 #include "sim/geometry/shape_files.h"
+#include "sim/loader/scene_load_files.h"
 
 namespace tactus::sim {
 namespace {

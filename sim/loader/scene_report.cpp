@@ -11,10 +11,10 @@
 #include "rt/physics/collision/manifold.h"
 #include "rt/physics/shapes/mesh_query.h"
 #include "rt/physics/step.h"
+#include "sim/broad_phase/pair_grid.h"
 #include "sim/loader/body_label.h"
 #include "sim/model/rounded_down.h"
 #include "sim/model/scene_effects.h"
-#include "sim/broad_phase/pair_grid.h"
 
 namespace tactus::sim {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 
-#include "rt/haptics/interpolation_limit.h"
 #include "rt/haptics/coupling/sub_world.h"
+#include "rt/haptics/interpolation_limit.h"
 #include "sim/global_world.h"
 
 namespace {

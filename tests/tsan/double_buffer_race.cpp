@@ -1,6 +1,6 @@
-// The exchange of rt/haptics/coupling/exchange.h on two double buffers with a small payload: one thread adopts G(n) and answers
-// H(n), the other takes H(n) and sends G(n+1), each with random delays. Run under ThreadSanitizer: the orders as they
-// are must be clean, any of the four weakened must be a race.
+// The exchange of rt/haptics/coupling/exchange.h on two double buffers with a small payload: one thread adopts G(n) and
+// answers H(n), the other takes H(n) and sends G(n+1), each with random delays. Run under ThreadSanitizer: the orders
+// as they are must be clean, any of the four weakened must be a race.
 #include <array>
 #include <atomic>
 #include <cstring>

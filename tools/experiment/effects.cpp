@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/physics/world.h"
-#include "sim/model/scene_effects.h"
-#include "sim/loader/scene_load.h"
 #include "sim/broad_phase/pair_grid.h"
+#include "sim/loader/scene_load.h"
+#include "sim/model/scene_effects.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"

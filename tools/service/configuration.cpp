@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "rt/haptics/coupling/snapshot.h"
-#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load_reader.h"
+#include "sim/model/choice_names.h"
 #include "sim/worker_pool.h"
 #include "tools/doctor/system_view.h"
 

@@ -6,8 +6,8 @@
 
 #include "hal/gpio/gpio_options.h"
 #include "rt/haptics/coupling/snapshot.h"
-#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load.h"
+#include "sim/model/choice_names.h"
 #include "sim/worker_pool.h"
 #include "tools/json_text.h"
 #include "tools/session/device_choice.h"

@@ -6,9 +6,9 @@
 
 #include "firmware/faults.h"
 #include "sim/loader/body_label.h"
+#include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
 #include "sim/model/scene_effects.h"
-#include "sim/loader/scene_load.h"
 #include "tools/session/arm_gate.h"
 #include "tools/session/open_link.h"
 #include "tools/session/scheme_gains.h"

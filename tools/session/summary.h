@@ -8,8 +8,8 @@
 
 #include "hal/device_on_link.h"
 #include "rt/calibration/calibration.h"
-#include "rt/thread/realtime_setup.h"
 #include "rt/loop/run_stats.h"
+#include "rt/thread/realtime_setup.h"
 #include "rt/thread/timing.h"
 #include "sim/global_world.h"
 #include "tools/session/run_options.h"

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "tools/validation/random_world.h"
-#include "tools/validation/report.h"
-#include "tools/validation/trial_report.h"
 #include "tools/experiment/page.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
+#include "tools/validation/random_world.h"
+#include "tools/validation/report.h"
+#include "tools/validation/trial_report.h"
 
 namespace tactus::tools {
 namespace {

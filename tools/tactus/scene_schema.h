@@ -1,5 +1,5 @@
-// The JSON schema (2020-12) of scenes, written from the loader's own list: types, ranges, what each shape, generator and
-// joint has and needs, and keys that go together. What is asked of numbers of several tables is the loader's alone.
+// The JSON schema (2020-12) of scenes, written from the loader's own list: types, ranges, what each shape, generator
+// and joint has and needs, and keys that go together. What is asked of numbers of several tables is the loader's alone.
 // Thread: normal.
 #pragma once
 

@@ -8,10 +8,10 @@
 #include "rt/base/hash.h"
 #include "rt/loop/haptic_loop.h"
 #include "sim/global_world.h"
+#include "tools/session/session.h"
 #include "tools/validation/case_scene.h"
 #include "tools/validation/case_world.h"
 #include "tools/validation/cases.h"
-#include "tools/session/session.h"
 
 namespace tactus::hard_cases {
 namespace {

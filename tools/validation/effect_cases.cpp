@@ -76,7 +76,7 @@ Outcome bouncing_ball(const Setting& setting) {
   return outcome;
 }
 
-// Five balls on rods that touch; the first is let go from 0.5 rad. What each does after the blow depends on the model
+// Five balls on rods that touch; the first is let go from 0.5 rad. What each does after the impact depends on the model
 // of several contacts at once and is only recorded; energy is not.
 Outcome newtons_cradle(const Setting& setting) {
   const double radius = 0.02, mass = 0.1, length = 0.3, angle = 0.5;
@@ -117,7 +117,7 @@ Outcome newtons_cradle(const Setting& setting) {
   outcome.holds("two turns", turns == 2);
   outcome.at_most("change of energy, share of the first ball's", off / start, 1e-3);
   for (BodyId id = 0; id < 5; ++id)
-    outcome.at_most("recorded: speed after the first blow, m/s", after[id], std::numeric_limits<double>::max());
+    outcome.at_most("recorded: speed after the first impact, m/s", after[id], std::numeric_limits<double>::max());
   world.close(outcome);
   return outcome;
 }

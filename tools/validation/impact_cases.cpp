@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "rt/base/check.h"
-#include "sim/loader/generators.h"
 #include "sim/geometry/mesh_builder.h"
+#include "sim/loader/generators.h"
 #include "tools/validation/case_world.h"
 #include "tools/validation/cases.h"
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "tools/experiment/engine.h"
+#include "tools/experiment/progress.h"
 #include "tools/validation/hard_case.h"
 #include "tools/validation/stack_spec.h"
-#include "tools/experiment/progress.h"
 
 namespace tactus::hard_cases {
 

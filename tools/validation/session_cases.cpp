@@ -10,10 +10,10 @@
 #include "rt/base/hash.h"
 #include "sim/loader/scene_load.h"
 #include "tools/experiment/coupling/scheme.h"
+#include "tools/session/virtual_run.h"
 #include "tools/validation/case_scene.h"
 #include "tools/validation/case_world.h"
 #include "tools/validation/cases.h"
-#include "tools/session/virtual_run.h"
 
 namespace tactus::hard_cases {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/validation/random_trial.h"
 #include "tools/experiment/progress.h"
+#include "tools/validation/random_trial.h"
 
 namespace tactus::hard_cases {
 

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "rt/thread/realtime_setup.h"
 #include "rt/tape/tape.h"
+#include "rt/thread/realtime_setup.h"
 #include "tools/version/version.h"
 
 namespace tactus {

@@ -5,8 +5,8 @@
 
 #include <tactus_commit.h>
 
-#include "rt/thread/realtime_setup.h"
 #include "rt/tape/tape.h"
+#include "rt/thread/realtime_setup.h"
 
 namespace tactus {
 

@@ -32,21 +32,21 @@ inline double fall_in_step(const StepSettings& settings) noexcept {
 // Distance to a fixed body up to which narrow phase is needed [m].
 inline double margin_to_fixed(const MotionBound& reach, const StepSettings& settings) noexcept {
   const double closing = std::min(reach.moved + reach.fallen, settings.max_margin);
-  return std::max(settings.min_margin, closing + room_to_carry_over(settings));
+  return std::max(settings.min_margin, closing + carry_over_margin(settings));
 }
 
 // Growth of a body's bounds [m]: the growths of two bodies sum to at least the margin of their pair. Two bodies fall
-// together, or one of them is supported, so each takes half of the fall, and half of room_to_carry_over. `fall`:
+// together, or one of them is supported, so each takes half of the fall, and half of carry_over_margin. `fall`:
 // fall_in_step.
 inline double growth_of(const MotionBound& reach, double fall, const StepSettings& settings) noexcept {
   const double heavier = std::max(reach.fallen - fall, 0.0);
   const double closing = std::min(reach.moved + 0.5 * fall + heavier, settings.max_margin);
-  return 0.5 * room_to_carry_over(settings) + std::max(0.5 * settings.min_margin, closing);
+  return 0.5 * carry_over_margin(settings) + std::max(0.5 * settings.min_margin, closing);
 }
 
 // Upper bound of margin_to_fixed - growth_of [m].
 inline double growth_to_fixed(double fall, const StepSettings& settings) noexcept {
-  return std::max(0.5 * settings.min_margin, 0.5 * (fall + room_to_carry_over(settings)));
+  return std::max(0.5 * settings.min_margin, 0.5 * (fall + carry_over_margin(settings)));
 }
 
 // An invalid pose, for a body that was not in the last step.

@@ -13,7 +13,7 @@ constexpr std::uint32_t kFewestBodies = 128;
 
 // Impact: in one sub-step the impulses change a body's velocity by more than this share of the push speed. Below it the
 // excess energy is small, and the check would cost more than a sweep.
-constexpr double kBlow = 0.1;
+constexpr double kImpactShare = 0.1;
 
 template <class V>
 void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
@@ -170,18 +170,18 @@ void ContactSolver<T, kWidth>::warm_start_freely(SolverBodies<T> bodies) noexcep
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::warm_start(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
   warm_start_freely(bodies);
-  const T blow = static_cast<T>(kBlow) * rule.max_push_speed;
-  if (holds_blow(blow)) hold_back_gain(bodies, blow);
+  const T impact = static_cast<T>(kImpactShare) * rule.max_push_speed;
+  if (holds_impact(impact)) hold_back_gain(bodies, impact);
 }
 
 template <class T, int kWidth>
-bool ContactSolver<T, kWidth>::holds_blow(T blow_m_per_s) const noexcept {
+bool ContactSolver<T, kWidth>::holds_impact(T impact_m_per_s) const noexcept {
   return std::any_of(accumulated_delta_v_.begin(), accumulated_delta_v_.end(),
-                     [blow_m_per_s](const Twist<T>& given) noexcept { return is_blow(given, blow_m_per_s); });
+                     [impact_m_per_s](const Twist<T>& given) noexcept { return is_impact(given, impact_m_per_s); });
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies, T blow_m_per_s) noexcept {
+void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies, T impact_m_per_s) noexcept {
   if (!gate_.knows_islands()) {
     gate_.begin_islands(accumulated_delta_v_.size());
     const auto link = [&](const auto& row) noexcept {
@@ -190,7 +190,7 @@ void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies, T blow_m_p
     for (std::uint32_t k = 0; k < rows_.first_fixed; ++k) link(rows_.all[k]);
     for (std::uint32_t k = 0; k < singles_.first_fixed; ++k) link(singles_.all[k]);
   }
-  if (!gate_.hold_back(bodies, accumulated_delta_v_.span(), blow_m_per_s)) return;
+  if (!gate_.hold_back(bodies, accumulated_delta_v_.span(), impact_m_per_s)) return;
   for_each_row([&](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane) {
       const T share = gate_.share(bodies, row.a[lane], row.b[lane]);

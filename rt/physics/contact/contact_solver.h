@@ -64,8 +64,8 @@ class ContactSolver {
   void for_each_body(F&& f) noexcept;
   template <bool kTotals>
   void store_rows(std::span<Contact> contacts, double share) const noexcept;
-  bool holds_blow(T blow_m_per_s) const noexcept;
-  void hold_back_gain(SolverBodies<T> bodies, T blow_m_per_s) noexcept;
+  bool holds_impact(T impact_m_per_s) const noexcept;
+  void hold_back_gain(SolverBodies<T> bodies, T impact_m_per_s) noexcept;
   void note_velocities(SolverBodies<T> bodies) noexcept;
   void add_change(SolverBodies<T> bodies) noexcept;
   template <bool kBias, bool kFriction, bool kTotals>

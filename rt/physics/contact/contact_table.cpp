@@ -140,7 +140,7 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   const double closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
   const double least =
       pair.patch.count > 0 ? std::min(kPatchMargin, walk.settings.min_margin) : walk.settings.min_margin;
-  const double margin = std::max(least, closing + room_to_carry_over(walk.settings));
+  const double margin = std::max(least, closing + carry_over_margin(walk.settings));
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {

@@ -16,7 +16,7 @@ void EnergyGate<T>::link(const SolverBodies<T>& bodies, std::uint32_t slot_a, st
 }
 
 template <class T>
-bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T blow_m_per_s) noexcept {
+bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T impact_m_per_s) noexcept {
   // Whether there is an impact is mostly decided without the inertia of the other bodies, at a tenth of the work.
   for (IslandChange& change : change_) change = {};
   const auto moves = [&](std::uint32_t i) noexcept { return bodies.motion[i].inverse_mass > T(0); };
@@ -24,21 +24,21 @@ bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given,
     if (!moves(i)) continue;
     IslandChange& change = change_[islands_.of(i)];
     change.shift += dot((T(1) / bodies.motion[i].inverse_mass) * given[i].linear, given[i].linear);
-    if (!is_blow(given[i], blow_m_per_s)) continue;
+    if (!is_impact(given[i], impact_m_per_s)) continue;
     EnergyChange<T> own;
     own.add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
-    change.blow += own.quadratic;
+    change.impact += own.quadratic;
   }
-  if (std::none_of(change_.begin(), change_.end(), [](const IslandChange& c) noexcept { return c.may_be_blow(); }))
+  if (std::none_of(change_.begin(), change_.end(), [](const IslandChange& c) noexcept { return c.may_be_impact(); }))
     return false;
   for (std::uint32_t i = 0; i < given.size(); ++i)
-    if (IslandChange& change = change_[islands_.of(i)]; moves(i) && change.may_be_blow())
+    if (IslandChange& change = change_[islands_.of(i)]; moves(i) && change.may_be_impact())
       change.all.add(bodies.motion[i], bodies.inverse_inertia[i], given[i]);
   bool held_back = false;
   for (std::uint32_t i = 0; i < given.size(); ++i) {
     const IslandChange& change = change_[islands_.of(i)];
-    const bool blow = change.may_be_blow() && change.is_blow();
-    const T share = share_[i] = blow ? change.all.best_share() : T(1);
+    const bool impact = change.may_be_impact() && change.is_impact();
+    const T share = share_[i] = impact ? change.all.best_share() : T(1);
     if (share == T(1)) continue;
     held_back = true;
     bodies.motion[i].v -= (T(1) - share) * given[i].linear, bodies.motion[i].w -= (T(1) - share) * given[i].angular;

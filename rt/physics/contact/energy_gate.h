@@ -38,8 +38,8 @@ struct EnergyChange {
 
 // True if the impulses change the velocity by so much that it is an impact.
 template <class T>
-bool is_blow(const Twist<T>& change, T blow_m_per_s) noexcept {
-  return norm_squared(change.linear) > blow_m_per_s * blow_m_per_s;
+bool is_impact(const Twist<T>& change, T impact_m_per_s) noexcept {
+  return norm_squared(change.linear) > impact_m_per_s * impact_m_per_s;
 }
 
 template <class T>
@@ -54,9 +54,9 @@ class EnergyGate {
   void begin_islands(std::uint32_t bodies) noexcept;
   void link(const SolverBodies<T>& bodies, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
 
-  // `given`: the change of velocity by the warm start, by slot; an impact changes it by more than `blow_m_per_s`.
+  // `given`: the change of velocity by the warm start, by slot; an impact changes it by more than `impact_m_per_s`.
   // Scales the change in the bodies and in `given`; returns false if nothing was scaled.
-  bool hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T blow_m_per_s) noexcept;
+  bool hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T impact_m_per_s) noexcept;
   // Share by which a row's impulses are scaled.
   T share(const SolverBodies<T>& bodies, std::uint32_t slot_a, std::uint32_t slot_b) const noexcept {
     return share_[bodies.motion[slot_a].inverse_mass > T(0) ? slot_a : slot_b];
@@ -65,9 +65,9 @@ class EnergyGate {
  private:
   struct IslandChange {
     EnergyChange<T> all;  // only if there may be an impact
-    T blow{}, shift{};    // J, quadratic part: of the bodies with an impact; of all bodies, without rotation
-    bool may_be_blow() const noexcept { return blow > T(0.5) * shift; }
-    bool is_blow() const noexcept { return blow > T(0.5) * all.quadratic; }
+    T impact{}, shift{};  // J, quadratic part: of the bodies with an impact; of all bodies, without rotation
+    bool may_be_impact() const noexcept { return impact > T(0.5) * shift; }
+    bool is_impact() const noexcept { return impact > T(0.5) * all.quadratic; }
   };
 
   BoundedVector<std::uint32_t> parents_;  // storage of islands_

@@ -28,7 +28,7 @@ class Attraction : public Stateless {
     bool used() const noexcept { return !sources.empty() && !weight_by_id.empty(); }
   };
   Attraction(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable& table) noexcept { table.add<&Attraction::pull>(Phase::kForces, *this); }
+  void register_stages(StageTable& table) noexcept { table.add<&Attraction::pull>(Phase::kForces, *this); }
 
  private:
   void pull(StageContext& c) noexcept;

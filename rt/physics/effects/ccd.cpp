@@ -21,7 +21,7 @@ Posed pose_now(const Body& body, const SolverBody<double>& state) noexcept {
 
 }  // namespace
 
-void ContinuousCollision::enter(StageTable& table) noexcept {
+void ContinuousCollision::register_stages(StageTable& table) noexcept {
   table.add<&ContinuousCollision::look_around>(Phase::kPrepare, *this);
   table.add<&ContinuousCollision::hold_back>(Phase::kBiased, *this);
 }

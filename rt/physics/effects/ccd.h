@@ -24,7 +24,7 @@ class ContinuousCollision : public Stateless {
     bool used() const noexcept { return proxy != kNoBody; }
   };
   ContinuousCollision(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable& table) noexcept;
+  void register_stages(StageTable& table) noexcept;
 
  private:
   struct Near {

@@ -4,7 +4,7 @@
 
 namespace tactus::physics {
 
-void ContactTorque::enter(StageTable& table) noexcept {
+void ContactTorque::register_stages(StageTable& table) noexcept {
   table.add<&ContactTorque::list>(Phase::kPrepare, *this);
   table.add<&ContactTorque::begin_sub_step>(Phase::kBeginSubStep, *this);
   table.add<&ContactTorque::resist>(Phase::kBiased, *this);

@@ -27,7 +27,7 @@ class ContactTorque : public Stateless {
     bool used() const noexcept { return !by_id.empty(); }
   };
   ContactTorque(const Setup& setup, const Capacities& capacities) : by_id_(setup.by_id), rows_(capacities.contacts) {}
-  void enter(StageTable& table) noexcept;
+  void register_stages(StageTable& table) noexcept;
 
  private:
   struct Row {

@@ -15,7 +15,7 @@ class Damping : public Stateless {
     bool used() const noexcept { return linear_per_s > 0.0 || angular_per_s > 0.0; }
   };
   Damping(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable& table) noexcept { table.add<&Damping::slow_down>(Phase::kForces, *this); }
+  void register_stages(StageTable& table) noexcept { table.add<&Damping::slow_down>(Phase::kForces, *this); }
 
  private:
   void slow_down(StageContext& c) noexcept;

@@ -18,7 +18,7 @@ class Drag : public Stateless {
     bool used() const noexcept { return !per_m.empty(); }
   };
   Drag(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable& table) noexcept { table.add<&Drag::resist>(Phase::kForces, *this); }
+  void register_stages(StageTable& table) noexcept { table.add<&Drag::resist>(Phase::kForces, *this); }
 
  private:
   void resist(StageContext& c) noexcept;

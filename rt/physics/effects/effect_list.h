@@ -21,18 +21,18 @@
 
 namespace tactus::physics {
 
-using EffectRooms = std::tuple<  //
-    Gravity,                     //
-    Damping,                     //
-    Drag,                        //
-    Attraction,                  //
-    ScriptedMotion,              //
-    Joints,                      //
-    ContactTorque,               //
-    Restitution,                 //
-    ContinuousCollision,         //
-    Texture,                     //
-    Transients                   //
+using EffectObjects = std::tuple<  //
+    Gravity,                       //
+    Damping,                       //
+    Drag,                          //
+    Attraction,                    //
+    ScriptedMotion,                //
+    Joints,                        //
+    ContactTorque,                 //
+    Restitution,                   //
+    ContinuousCollision,           //
+    Texture,                       //
+    Transients                     //
     >;
 
 }  // namespace tactus::physics

@@ -4,14 +4,14 @@ namespace tactus::physics {
 namespace {
 
 // Calls `f(effect object)` for every effect in use, in the order of the list.
-template <class Rooms, class F>
-void for_each_room(Rooms& rooms, F&& f) noexcept {
+template <class Objects, class F>
+void for_each_object(Objects& rooms, F&& f) noexcept {
   std::apply(
-      [&](auto&... room) noexcept {
+      [&](auto&... object) noexcept {
         const auto visit = [&](auto& one) noexcept {
           if (one != nullptr) f(*one);
         };
-        (visit(room), ...);
+        (visit(object), ...);
       },
       rooms);
 }
@@ -19,49 +19,50 @@ void for_each_room(Rooms& rooms, F&& f) noexcept {
 }  // namespace
 
 Effects::Effects(const EffectSetups& setups, const Capacities& capacities) {
-  const auto open = [&]<class Room>(std::unique_ptr<Room>& room) {
-    const auto& setup = std::get<typename Room::Setup>(setups);
+  const auto open = [&]<class Object>(std::unique_ptr<Object>& object) {
+    const auto& setup = std::get<typename Object::Setup>(setups);
     if (!setup.used()) return;
-    room = std::make_unique<Room>(setup, capacities);
-    room->enter(stages_);
+    object = std::make_unique<Object>(setup, capacities);
+    object->register_stages(stages_);
   };
-  std::apply([&](auto&... room) { (open(room), ...); }, rooms_);
+  std::apply([&](auto&... object) { (open(object), ...); }, objects_);
 }
 
 bool Effects::only_gravity() const noexcept {
   std::uint32_t others = 0;
-  for_each_room(rooms_, [&]<class Room>(const Room&) noexcept { others += std::is_same_v<Room, Gravity> ? 0 : 1; });
+  for_each_object(objects_,
+                  [&]<class Object>(const Object&) noexcept { others += std::is_same_v<Object, Gravity> ? 0 : 1; });
   return others == 0;
 }
 
 void Effects::reset() noexcept {
-  for_each_room(rooms_, [](auto& room) noexcept { room.reset(); });
+  for_each_object(objects_, [](auto& object) noexcept { object.reset(); });
 }
 
 void Effects::save(ByteWriter& out) const noexcept {
-  for_each_room(rooms_, [&](const auto& room) noexcept { room.save(out); });
+  for_each_object(objects_, [&](const auto& object) noexcept { object.save(out); });
 }
 
 bool Effects::restore(ByteReader& in) noexcept {
   bool good = true;
-  for_each_room(rooms_, [&](auto& room) noexcept { good = room.restore(in) && good; });
+  for_each_object(objects_, [&](auto& object) noexcept { good = object.restore(in) && good; });
   return good;
 }
 
 std::size_t Effects::save_size_bound() const noexcept {
   std::size_t bytes = 0;
-  for_each_room(rooms_, [&](const auto& room) noexcept { bytes += room.save_size_bound(); });
+  for_each_object(objects_, [&](const auto& object) noexcept { bytes += object.save_size_bound(); });
   return bytes;
 }
 
 void Effects::export_state(ByteWriter& out, std::span<const Body> bodies,
                            std::span<const std::uint8_t> inside) const noexcept {
-  for_each_room(rooms_, [&](const auto& room) noexcept { room.export_state(out, bodies, inside); });
+  for_each_object(objects_, [&](const auto& object) noexcept { object.export_state(out, bodies, inside); });
 }
 
 bool Effects::import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
   bool good = true;
-  for_each_room(rooms_, [&](auto& room) noexcept { good = good && room.import_state(in, bodies, known_too); });
+  for_each_object(objects_, [&](auto& object) noexcept { good = good && object.import_state(in, bodies, known_too); });
   return good;
 }
 

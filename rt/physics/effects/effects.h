@@ -11,17 +11,17 @@
 namespace tactus::physics {
 
 namespace effects_detail {
-template <class Rooms>
+template <class Objects>
 struct Of;
-template <class... Room>
-struct Of<std::tuple<Room...>> {
-  using Setups = std::tuple<typename Room::Setup...>;
-  using Held = std::tuple<std::unique_ptr<Room>...>;
+template <class... Object>
+struct Of<std::tuple<Object...>> {
+  using Setups = std::tuple<typename Object::Setup...>;
+  using Held = std::tuple<std::unique_ptr<Object>...>;
 };
 }  // namespace effects_detail
 
 // The setups of all effects; std::get<Joints::Setup>(setups) is that of the joints. Default: gravity only.
-using EffectSetups = effects_detail::Of<EffectRooms>::Setups;
+using EffectSetups = effects_detail::Of<EffectObjects>::Setups;
 
 class Effects {
  public:
@@ -29,9 +29,9 @@ class Effects {
 
   const StageTable& stages() const noexcept { return stages_; }
   // Null if the effect is not used.
-  template <class Room>
-  const Room* find() const noexcept {
-    return std::get<std::unique_ptr<Room>>(rooms_).get();
+  template <class Object>
+  const Object* find() const noexcept {
+    return std::get<std::unique_ptr<Object>>(objects_).get();
   }
 
   bool only_gravity() const noexcept;  // true also if no effect is used
@@ -52,7 +52,7 @@ class Effects {
   bool import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept;
 
  private:
-  effects_detail::Of<EffectRooms>::Held rooms_;
+  effects_detail::Of<EffectObjects>::Held objects_;
   StageTable stages_;
 };
 

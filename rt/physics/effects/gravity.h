@@ -15,7 +15,7 @@ class Gravity : public Stateless {
     bool used() const noexcept { return on; }
   };
   Gravity(const Setup&, const Capacities&) noexcept {}
-  void enter(StageTable& table) noexcept { table.add<&Gravity::fall>(Phase::kForces, *this); }
+  void register_stages(StageTable& table) noexcept { table.add<&Gravity::fall>(Phase::kForces, *this); }
 
  private:
   void fall(StageContext& c) noexcept;

@@ -64,7 +64,7 @@ Joints::Joints(const Setup& setup, const Capacities&) : joints_(setup.joints) {
   }
 }
 
-void Joints::enter(StageTable& table) noexcept {
+void Joints::register_stages(StageTable& table) noexcept {
   table.add<&Joints::find_active>(Phase::kPairs, *this);
   table.add<&Joints::separate>(Phase::kPairs, *this);
   table.add<&Joints::separate_fixed>(Phase::kFixedPairs, *this);

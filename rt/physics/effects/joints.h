@@ -31,7 +31,7 @@ class Joints {
     bool used() const noexcept { return !joints.empty(); }
   };
   Joints(const Setup& setup, const Capacities& capacities);
-  void enter(StageTable& table) noexcept;
+  void register_stages(StageTable& table) noexcept;
 
   std::span<const Joint> joints() const noexcept { return joints_; }
   std::span<const JointState> states() const noexcept { return states_.span(); }  // by joint

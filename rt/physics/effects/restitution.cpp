@@ -50,7 +50,7 @@ void push_apart(StageContext& c, const Contact& contact, std::uint32_t point, do
 
 }  // namespace
 
-void Restitution::enter(StageTable& table) noexcept {
+void Restitution::register_stages(StageTable& table) noexcept {
   table.add<&Restitution::list>(Phase::kPrepare, *this);
   table.add<&Restitution::bounce>(Phase::kForces, *this);
   table.add<&Restitution::finish>(Phase::kFinish, *this);

@@ -12,7 +12,7 @@ ScriptedMotion::ScriptedMotion(const Setup& setup, const Capacities&)
   time_.resize(time_.capacity());
 }
 
-void ScriptedMotion::enter(StageTable& table) noexcept {
+void ScriptedMotion::register_stages(StageTable& table) noexcept {
   table.add<&ScriptedMotion::take_hold>(Phase::kPrepare, *this);
   table.add<&ScriptedMotion::aim>(Phase::kBeginSubStep, *this);
   table.add<&ScriptedMotion::place>(Phase::kMoved, *this);

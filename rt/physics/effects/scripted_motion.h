@@ -31,7 +31,7 @@ class ScriptedMotion {
     bool used() const noexcept { return !scripts.empty(); }
   };
   ScriptedMotion(const Setup& setup, const Capacities& capacities);
-  void enter(StageTable& table) noexcept;
+  void register_stages(StageTable& table) noexcept;
 
   std::span<const KinematicScript> scripts() const noexcept { return setup_.scripts; }
   // Time on each script's path [s].

@@ -66,21 +66,21 @@ struct StageContext {
 
 class StageTable {
  public:
-  // [setup] `kStage`: a member function of `room` that takes the context. `room` must keep its address.
-  template <auto kStage, class Room>
-  void add(Phase phase, Room& room) noexcept {
+  // [setup] `kStage`: a member function of `object` that takes the context. `object` must keep its address.
+  template <auto kStage, class Object>
+  void add(Phase phase, Object& object) noexcept {
     const bool fits = stages_[static_cast<std::uint32_t>(phase)].try_push(
-        {[](void* self, StageContext& context) noexcept { (static_cast<Room*>(self)->*kStage)(context); }, &room});
+        {[](void* self, StageContext& context) noexcept { (static_cast<Object*>(self)->*kStage)(context); }, &object});
     TACTUS_CHECK(fits, phase, kMostStages);
   }
   void run(Phase phase, StageContext& context) const noexcept {
-    for (const Stage& stage : stages_[static_cast<std::uint32_t>(phase)]) stage.run(stage.room, context);
+    for (const Stage& stage : stages_[static_cast<std::uint32_t>(phase)]) stage.run(stage.object, context);
   }
 
  private:
   struct Stage {
-    void (*run)(void* room, StageContext& context) noexcept {nullptr};
-    void* room{nullptr};
+    void (*run)(void* object, StageContext& context) noexcept {nullptr};
+    void* object{nullptr};
   };
   std::array<FixedVector<Stage, kMostStages>, kPhases> stages_{};
 };

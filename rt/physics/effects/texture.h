@@ -27,7 +27,7 @@ class Texture : public Stateless {
     bool used() const noexcept { return proxy != kNoBody && !by_id.empty(); }
   };
   Texture(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable& table) noexcept { table.add<&Texture::feel>(Phase::kFinish, *this); }
+  void register_stages(StageTable& table) noexcept { table.add<&Texture::feel>(Phase::kFinish, *this); }
 
  private:
   void feel(StageContext& c) noexcept;

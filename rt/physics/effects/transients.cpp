@@ -12,7 +12,7 @@ double amplitude_squared(double sine, double cosine) noexcept { return sine * si
 
 }  // namespace
 
-void Transients::enter(StageTable& table) noexcept {
+void Transients::register_stages(StageTable& table) noexcept {
   table.add<&Transients::look_ahead>(Phase::kPrepare, *this);
   table.add<&Transients::ring>(Phase::kFinish, *this);
 }

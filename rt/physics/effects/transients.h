@@ -36,7 +36,7 @@ class Transients : public Stateless {  // nothing to export: only the hand recei
     bool used() const noexcept { return proxy != kNoBody && !by_id.empty(); }
   };
   Transients(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
-  void enter(StageTable& table) noexcept;
+  void register_stages(StageTable& table) noexcept;
 
   void reset() noexcept { state_ = {}; }
   void save(ByteWriter& out) const noexcept { out.put(state_); }

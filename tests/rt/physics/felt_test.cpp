@@ -1,4 +1,4 @@
-// What the hand feels beyond its coupling: the grain of a surface, and a blow that rings.
+// What the hand feels beyond its coupling: the grain of a surface, and an impact that rings.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -101,7 +101,7 @@ TEST_CASE("Grain finer than the ticks resolve fades: half of it at 3/8 of a wave
   CHECK(sideways(0.5) == Approx(0).margin(1e-9));
 }
 
-TEST_CASE("A blow rings as A exp(-t / decay) sin(2 pi f t) along the normal, A by the speed of the impact") {
+TEST_CASE("An impact rings as A exp(-t / decay) sin(2 pi f t) along the normal, A by the speed of the impact") {
   const double strength = 4, frequency = 120, decay = 0.02;
   const Rings rings({strength, frequency, decay});
   for (const double speed : {0.1, 0.4}) {

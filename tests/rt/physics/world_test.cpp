@@ -436,7 +436,7 @@ TEST_CASE("What a body with the fewer sub-steps falls on is found, though the ot
   bench.settings.dt = 1e-2, bench.settings.sub_steps = 1;
   const double gap = 0.999 * fall_in_step(bench.settings);
   bench.add_ground(9, 0.5);
-  bench.add_box(1, {0.05, 0.05, 0.05}, 0.2, 0.5, {{0, 0, 0.05 + gap + 0.999 * room_to_carry_over(bench.settings)}, {}});
+  bench.add_box(1, {0.05, 0.05, 0.05}, 0.2, 0.5, {{0, 0, 0.05 + gap + 0.999 * carry_over_margin(bench.settings)}, {}});
   bench.world.begin_step(bench.settings);
   bench.settings.sub_steps = 5;
   CHECK(bench.world.finish_step(bench.settings).pairs == 1);
@@ -455,7 +455,7 @@ TEST_CASE("The bounds of a step hold what a body moves in it, and no more than t
   bench.world.begin_step(bench.settings);
   const Aabb tight = bounds_of(bench.body(1).shape, bench.body(1).motion.pose, 0.0);
   CHECK(bench.world.bounds()[0].upper.x - tight.upper.x ==
-        Approx(bench.settings.max_margin + 0.5 * room_to_carry_over(bench.settings)));
+        Approx(bench.settings.max_margin + 0.5 * carry_over_margin(bench.settings)));
 }
 
 TEST_CASE("Brute force finds every overlapping pair once, in the order of slots, and says when there are too many") {

@@ -184,9 +184,9 @@ TEST_CASE("each kind of damage has its own line", "[loop]") {
     return read_tape(file.path());
   };
   CHECK(contains(changed(0, {'P', 'K'}).open_error, "is not a tape"));
-  CHECK(contains(changed(8, {kTapeVersion + 1, 0, 0, 0}).open_error,
-                 "version " + std::to_string(kTapeVersion + 1) + "; this program reads version " +
-                     std::to_string(kTapeVersion)));
+  CHECK(contains(
+      changed(8, {kTapeVersion + 1, 0, 0, 0}).open_error,
+      "version " + std::to_string(kTapeVersion + 1) + "; this program reads version " + std::to_string(kTapeVersion)));
   CHECK(contains(changed(12, {0xff, 0xff, 0xff, 0x7f}).open_error, "damaged header"));
   CHECK(contains(changed(41, {'x'}).open_error, "checksum"));
   CHECK(contains(changed(first + 4, {0xff, 0xff, 0xff, 0xff}).damage, "claims 4294967295 bytes"));

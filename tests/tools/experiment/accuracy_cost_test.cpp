@@ -79,9 +79,8 @@ TEST_CASE("Accuracy has a price: more sub-steps cost more, and all that was meas
   const auto whole = std::find_if(report.value().points.begin(), report.value().points.end(),
                                   [](const CostPoint& p) { return p.setting.members == 32; });
   REQUIRE(whole != report.value().points.end());
-  const auto frozen = std::find_if(report.value().points.begin(), report.value().points.end(), [](const CostPoint& p) {
-    return p.setting.border == physics::BorderMode::kFrozen;
-  });
+  const auto frozen = std::find_if(report.value().points.begin(), report.value().points.end(),
+                                   [](const CostPoint& p) { return p.setting.border == physics::BorderMode::kFrozen; });
   REQUIRE(frozen != report.value().points.end());
   CHECK(whole->force_error < frozen->force_error);
 }

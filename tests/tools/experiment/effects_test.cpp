@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sim/model/scene_effects.h"
 #include "sim/loader/scene_load.h"
 #include "sim/loader/scene_report.h"
+#include "sim/model/scene_effects.h"
 
 using namespace tactus;
 using namespace tactus::experiment;

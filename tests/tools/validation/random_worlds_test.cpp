@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint64_t kSeeds = 8000, kLongSeeds = 100'000;
 
-// Of the hundred thousand: rows keep the inertia that a body had when the step began, so a rod or a plate that a blow
-// spins by a good part of a turn in a step is turned by a wrong one.
+// Of the hundred thousand: rows keep the inertia that a body had when the step began, so a rod or a plate that an
+// impact spins by a good part of a turn in a step is turned by a wrong one.
 constexpr double kMostSpun = 5e-4;
 
 // What is left of a failing world, where the next person finds it.
@@ -54,7 +54,7 @@ TEST_CASE("random worlds: a hundred thousand seeds", "[.long]") {
 }
 
 // More than half a radian in a sub-step is more than the gyroscopic term's iteration can follow.
-TEST_CASE("a small rod that a blow spins at thirty thousand radians a second stays finite") {
+TEST_CASE("a small rod that an impact spins at thirty thousand radians a second stays finite") {
   CaseWorld world({});
   auto rod = physics::make_dynamic_body(0, physics::Shape::capsule(0.5e-3, 2e-3), 0.01, 0.5, {});
   rod.motion.velocity.angular = {24000, 15000, 9000};

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/model/choice_names.h"
 #include "sim/loader/scene_load.h"
+#include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/coupled_worlds.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"

@@ -9,8 +9,8 @@
 
 #include "hal/hand.h"
 #include "hal/plant.h"
-#include "rt/haptics/device_placement.h"
 #include "rt/haptics/coupling/sub_world.h"
+#include "rt/haptics/device_placement.h"
 #include "rt/haptics/velocity_estimator.h"
 
 namespace tactus::experiment {
