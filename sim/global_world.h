@@ -1,15 +1,15 @@
 // The global world: simulates every body of the scene, one step of r ticks per cycle, beside the haptic sub-worlds.
 //
 // One cycle: read the report H(n), impose the members' state, apply the returned border impulses, step by r T, choose
-// the members of cycle n + 1, write the snapshot G(n+1). Members are the sub-world's to move: only joiners' state goes
-// down. The coupling schemes differ in `impose` and `fill_snapshot`; the direct coupling has no global world.
-// With the effect sleeping, resting islands are removed from the world: island_manager.h. Proxies, members, all bodies
-// connected to them, and all bodies in reach of a proxy are always awake.
-// A device is a proxy with its sub-world; a body is a member of at most one sub-world. With several devices the three
-// parts of a step are called separately: impose for each device, one advance, fill_snapshot for each device. A scene
-// names one proxy, so a session has one device; a separate program may have more (GlobalOptions::more_proxies).
-// Thread: construction [setup]; the rest: one owner, any priority; allocates nothing. Frame: world.
-// Units: SI. Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics.
+// the members of cycle n + 1, write the snapshot G(n+1). The sub-world moves the members: only the state of joiners and
+// of buffer bodies (border_buffer.h) goes down. The coupling schemes differ in `impose` and `fill_snapshot`; the direct
+// coupling has no global world. With the effect sleeping, resting islands are removed from the world: island_manager.h.
+// Proxies, members, all bodies connected to them, and all bodies in reach of a proxy are always awake. A device is a
+// proxy with its sub-world; a body is a member of at most one sub-world. With several devices the three parts of a step
+// are called separately: impose for each device, one advance, fill_snapshot for each device. A scene names one proxy,
+// so a session has one device; a separate program may have more (GlobalOptions::more_proxies). Thread: construction
+// [setup]; the rest: one owner, any priority; a step allocates nothing, the first snapshot and a reset do. Frame:
+// world. Units: SI. Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics.
 // Source: the paper, section 2.
 #pragma once
 

@@ -6,7 +6,7 @@
 namespace tactus::physics {
 
 // kFull: double, as the world. kSingle: float in the sweeps (solver.h); in a large world that takes about half the
-// time, and velocities have a relative error of about 1e-7. Springs and border contacts need kFull.
+// time, and velocities have a relative error of about 1e-7. Border contacts need kFull.
 enum class SweepPrecision : std::uint8_t { kFull, kSingle };
 
 }  // namespace tactus::physics

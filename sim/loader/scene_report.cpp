@@ -127,7 +127,7 @@ StartContacts find_start_contacts(const Scene& scene) {
 }
 
 // The largest speed between two way points, by the kind of motion. `way`: the displacement. `v_a`, `v_b`: the
-// velocities at its ends, for a cubic, whose velocity is a parabola: sampled at sixteen points.
+// velocities at its ends, for a cubic, whose velocity is a parabola: sampled at seventeen points.
 double fastest_between(HandMotion motion, const Vec3d& way, double time_s, const Vec3d& v_a, const Vec3d& v_b) {
   if (motion == HandMotion::kSmoothStep) return 15.0 / 8.0 * norm(way) / time_s;
   if (motion == HandMotion::kLinear) return norm(way) / time_s;

@@ -48,8 +48,8 @@ struct FaceAxis {
   std::uint32_t face{0};
   double separation{};
 };
-// The face of ref with the largest separation (the lower index on a tie; `first` is preferred), or the first one found
-// whose separation exceeds the margin. `first`: the face to test first, or any number >= faces.
+// The face of ref with the largest separation (`first` on a tie, or the face where the search starts), or the first one
+// found whose separation exceeds the margin. `first`: the face to test first, or any number >= faces.
 FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t first) noexcept;
 
 struct EdgeAxis {

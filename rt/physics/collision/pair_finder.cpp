@@ -44,7 +44,8 @@ void mark(Blocks& blocks, std::uint32_t a, std::uint32_t first, std::uint32_t co
                      static_cast<std::uint32_t>(lower[2] <= u[2][b]) & static_cast<std::uint32_t>(l[2][b] <= upper[2]);
 }
 
-// True if no box of the stride is marked. Entries beyond the last box are stale, which costs at most one more test.
+// True if no box of the stride is marked. Entries beyond the last box are zero. Marks at or below
+// the first box of a pair cost at most one more test.
 bool is_empty(const Blocks& blocks, std::uint32_t stride) noexcept {
   std::uint64_t marks[kStride / 2];
   std::memcpy(marks, blocks.near + stride, sizeof(marks));
