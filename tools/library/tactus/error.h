@@ -1,8 +1,8 @@
 /// \file
-/// How a call of the library says that it did not work: the one way, without exceptions.
+/// Error type of the library: the only way in which a call reports failure. The library uses no exceptions.
 ///
-/// Thread: any normal one; no haptic thread makes an error. Bound: one message on the heap; a good result has none and
-/// allocates nothing.
+/// Thread: any normal thread; the haptic thread creates no Error. Bound: one message on the heap; success has no
+/// message and allocates nothing.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace tactus {
 
-/// What went wrong, or that nothing did. True where something did:
+/// Error or success. Converts to true for an error:
 ///
 ///     if (const tactus::Error error = session.open("card_house.toml")) return report(error);
 ///
-/// A call that failed has changed nothing but what its description says. No call of the library throws, but for memory
-/// that is not there, and none ends the program for what its caller or a file did wrong.
+/// A failed call changes nothing except what its description states. No call of the library throws, except when memory
+/// runs out, and none ends the program because of a mistake of its caller or in a file.
 class [[nodiscard]] Error {
  public:
   /// Who can do something about it.
