@@ -36,9 +36,8 @@ class TapedDevice {
 // Hardware opened for a run.
 struct Hardware {
   std::unique_ptr<hal::AnyDevice> device;
-  std::string identity;  // of a real device, as text; empty otherwise
-  std::function<Status()>
-      same_device;  // compares the device with the one opened; null: none
+  std::string identity;                  // of a real device, as text; empty otherwise
+  std::function<Status()> same_device;   // compares the device with the one opened; null: none
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
 };
 
