@@ -138,7 +138,7 @@ Outcome come_and_go(const Setting& setting) {
     fastest = std::max(fastest, world.fastest());
   }
   Outcome outcome;
-  // Bound: the fall of a heap by 0.8 m; falling for 20 ms and the push speed of overlaps are slower.
+  // Bound: a fall of 0.8 m. It covers a cube's fall for 20 ms, the push speed of overlaps and a collapse of the heap.
   outcome.at_most("fastest, m/s", fastest, std::sqrt(2 * kGravity * 0.8));
   world.run(3);
   outcome.at_most("speed at the end, m/s", world.fastest(), 1e-3);

@@ -42,7 +42,8 @@ Outcome box_rests(const Vec3d& half, double mass, const Setting& setting) {
 
 Outcome box_at_rest(const Setting& setting) { return box_rests({0.05, 0.05, 0.05}, 1, setting); }
 Outcome thin_card(const Setting& setting) { return box_rests({0.03175, 0.04445, 0.00015}, 0.002, setting); }
-// A hundred times as long as it is wide: a card has no moments of inertia of 1 to 10,000, a strip of it has.
+// A strip a hundred times as long as wide: moments of inertia in the ratio 1 to 10,000, which a square card does not
+// have.
 Outcome strip(const Setting& setting) { return box_rests({0.05, 0.0005, 0.00015}, 0.002, setting); }
 
 Outcome long_thin_box(const Setting& setting) {
