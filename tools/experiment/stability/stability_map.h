@@ -39,11 +39,10 @@ struct MapRow {
   LoopTiming timing;
   double delay_s{0};           // transport
   double damping_Ns_per_m{0};  // the coupling's
-  double measured_N_per_m{
-      0};  // where it begins to ring on; 0: it does with a tenth of the line's and a quarter of the formula's
-  double formula_N_per_m{0};  // the limit that `tactus run` uses
-  double line_N_per_m{0};     // (b + B) / (T/2 + t_d), for comparison
-  double allowed_N_per_m{0};  // what `tactus run` accepts
+  double measured_N_per_m{0};  // stability limit; 0: unstable at the least tried
+  double formula_N_per_m{0};   // the limit that `tactus run` uses
+  double line_N_per_m{0};      // (b + B) / (T/2 + t_d), for comparison
+  double allowed_N_per_m{0};   // what `tactus run` accepts
 };
 
 struct MapReport {
