@@ -144,7 +144,7 @@ class BulletEngine final : public Engine {
     motions_.push_back(std::make_unique<btDefaultMotionState>(at));
     btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass_kg), motions_.back().get(), shape.get(),
                                                   inertia);
-    // Bullet multiplies the two coefficients; the square root gives the pair the coefficient of the other engines.
+    // Bullet multiplies the two coefficients; set so that the pair has the same coefficient as in the other engines.
     info.m_friction = std::sqrt(friction);
     info.m_restitution = 0;
     shapes_.push_back(std::move(shape));

@@ -1,6 +1,6 @@
 // The control socket of a running tactus: one line in, one line of JSON out, over a Unix stream socket.
 //
-//   state     what the loop does now        arm       force on, with the device where it is
+//   state     the state of the loop         arm       force on, with the device where it is
 // rearm     clear a latched fault         disarm    force off
 //   reload    read the configuration again  reset     the scene back to its start, the force off meanwhile
 //   stop      end the run

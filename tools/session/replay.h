@@ -15,7 +15,7 @@ struct ReplayReport {
   std::uint64_t keyframes{0}, snapshots{0}, gaps{0};
   std::uint64_t different{0};  // ticks whose output differs
   std::uint64_t first_different_tick{0};
-  std::string first_difference;          // the field, what the tape has, what the replay has
+  std::string first_difference;          // the field, its value on the tape, its replayed value
   std::uint64_t keyframes_different{0};  // keyframes that the replay's own state did not reproduce
   std::uint64_t unreplayable{0};         // ticks between a gap or damage and the next keyframe
   std::uint64_t damages{0};              // places where records could not be read

@@ -7,22 +7,22 @@
 //
 //   rule        degraded above      bad above           figure; why there
 //   fault       -                   0                   a fault is latched at the end
-//   faults      0                   -                   faults that were taken back: the hand felt nothing meanwhile
-//   samples     1 % of the ticks    -                   no sample of the device that could be used
+//   faults      0                   -                   faults that were cleared: without force meanwhile
+//   samples     1 % of the ticks    -                   no valid sample of the device
 //   own-work    -                   0                   ticks lost to the program's own work
-//   scene       -                   0                   problems that `tactus scene check` names
-//   overlap     10 %                50 %                deepest overlap of the thinner body's thickness. A soft contact
-//                                                       bears less; beyond a half the nearest way out is the far side
-//   energy      10 % and 5 mJ       25 % and 20 mJ      energy that nothing explains, of the largest kinetic energy or
-//                                                       the hand's work. A border may give a tenth (hard case 33); only
-//                                                       where the book is complete (sim/energy_book.h)
-//   border      1 % of the ticks    10 % of the ticks   the border had nothing left to give (border-spent): the
-//                                                       members are braked for it
+//   scene       -                   0                   problems reported by `tactus scene check`
+//   overlap     10 %                50 %                deepest overlap / thickness of the thinner body. Less for a
+//                                                       soft contact; above a half it is resolved to the far side
+//   energy      10 % and 5 mJ       25 % and 20 mJ      unexplained energy / largest kinetic energy or hand's work.
+//                                                       A border may supply a tenth (hard case 33). Only if the energy
+//                                                       account is complete (sim/energy_book.h)
+//   border      1 % of the ticks    10 % of the ticks   the energy tank of the border is empty (border-spent): the
+//                                                       members are braked
 //   capacity    0                   -                   entries left out: contacts, pairs, border points
-//   deadlines   1 in 10 000, and 1  -                   ticks late for the machine's sake, and deadlines skipped
-//   clock       1 % and 4 cycles    -                   what the global clock lost to the haptic one
+//   deadlines   1 in 10 000, and 1  -                   ticks late because of the machine, and skipped deadlines
+//   clock       1 % and 4 cycles    -                   lag of the global clock behind the haptic clock
 //   set-up      0                   -                   real-time privileges and kernel: lines with FAIL
-//   tape        0                   -                   ticks that the disk did not take, records that came too fast
+//   tape        0                   -                   ticks not written because of the disk or full buffers
 // Thread: normal, after the run. Pure.
 #pragma once
 

@@ -5,7 +5,7 @@
 // the rest of the file; this protects against mistakes, not against an adversary.
 // `tactus run --budget` compares, in this order: the seal; the machine (another one: refused); the verdict; the rate
 // (a higher one: refused); sub-steps (more: refused, as they are the scene's accuracy); members (more: the cap is
-// lowered to the certified number, one line says so). Thread: normal. Units in the keys.
+// lowered to the certified number, and one line reports it). Thread: normal. Units in the keys.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

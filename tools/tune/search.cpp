@@ -8,7 +8,8 @@ namespace tactus::tune {
 namespace {
 
 constexpr unsigned kMostRounds = 16;
-// A notch is worth its time from this share of the error on; and one that costs less is taken back.
+// A step is kept if it reduces the error to this share or less; a step is undone if that raises the error by at most
+// the second factor.
 constexpr double kWorth = 0.98, kForNothing = 1.005;
 
 template <class T>

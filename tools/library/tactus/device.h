@@ -3,7 +3,7 @@
 /// Session::open.
 ///
 /// Frame: the device's own, right-handed, origin in the centre of its workspace, x to the right, y away from the
-/// person, z up; the scene's [device] says where that is in the world. Units: SI.
+/// person, z up; the scene's [device] gives its pose in the world. Units: SI.
 #pragma once
 
 #include "tactus/error.h"

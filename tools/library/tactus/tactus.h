@@ -25,7 +25,7 @@
 /// \example first_touch.cpp
 /// Five seconds of a scene in virtual time.
 /// \example own_device.cpp
-/// A device that the library does not know.
+/// A device that the library does not support.
 /// \example real_time.cpp
 /// A run in real time, its monitor, and clearing a fault.
 #pragma once
