@@ -22,10 +22,10 @@ struct Session::Parts {
   Device* device{nullptr};  // the caller's; null: none
 
   std::unique_ptr<session::Session> session;
-  library::OwnDevice* own{nullptr};                // in it
+  library::OwnDevice* own{nullptr};                // held by `session`
   std::optional<session::VirtualRun> virtual_run;  // none in real time
   std::optional<session::RunSummary> ended;        // summary of an ended run, with the result of closing its tape
-  bool started{false};                             // the device has
+  bool started{false};                             // the device was started
   bool closed{false};
   bool in_monitor{false};
   std::atomic<std::uint32_t> requests{0};

@@ -45,7 +45,7 @@ struct Progress {
 /// normal one. It may allocate, print and take long; the haptic thread is not affected.
 using Monitor = std::function<bool(const Progress&)>;
 
-/// A scene under a device.
+/// A run of a scene with a device.
 ///
 /// Thread: all calls from one thread at a time, except request() and stop(): any thread may call these two while the
 /// session is not being opened, moved or destroyed. Several sessions are independent. On a session that is not open,
