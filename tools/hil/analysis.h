@@ -1,6 +1,5 @@
 // Analysis of records: frame losses, answer time of a command, age of the force, drift of the two clocks. Uses the
-// records alone, one by one, so that a soak may have any length. Thread: normal. Units
-// in the names.
+// records alone, one by one, so that a soak may have any length. Thread: normal. Units in the names.
 #pragma once
 
 #include <array>

@@ -3,8 +3,7 @@
 //
 // The commands follow a plan of phases, each for a number of ticks or until the director ends it. The director receives
 // every record in order and may request the next phase or the end. In stepped mode (a link without a clock) one thread
-// does
-// both, tick by tick, and times are multiples of the period.
+// does both, tick by tick, and times are multiples of the period.
 // Thread: run() normal; ExchangeTick [rt]: no allocation, no lock; it pushes records into a ring of fixed size; records
 // that do not fit are counted. Units in the names.
 #pragma once

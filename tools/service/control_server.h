@@ -1,12 +1,11 @@
 // The control socket of a running tactus: one line in, one line of JSON out, over a Unix stream socket.
 //
 //   state     the state of the loop         arm       force on, with the device where it is
-// rearm     clear a latched fault         disarm    force off
+//   rearm     clear a latched fault         disarm    force off
 //   reload    read the configuration again  reset     the scene back to its start, the force off meanwhile
 //   stop      end the run
 // Anyone who may write to the socket may use all commands: its mode is 0660, in the service's folder. Thread:
-// construction and
-// destruction [setup]; it serves on its own thread of normal priority; tell() from one normal thread.
+// construction and destruction [setup]; it serves on its own thread of normal priority; tell() from one normal thread.
 // Bound: kMostClients connections at once; beyond that the oldest is answered and closed. A request is kLongestLine
 // bytes within kPatience_ms; after that, what has arrived is answered. A slow client does not delay others. Any bytes
 // are accepted: an answer repeats at most kLongestEcho of them, and an exception while making it becomes the answer.

@@ -24,8 +24,8 @@ class Monitor {
  public:
   explicit Monitor(EventLog& log, RunName name = {}) : log_(log), name_(std::move(name)) {}
 
-  // Logs what has changed since the last call: the start, force on and off, overruns, a late world, a
-  // fault and its end.
+  // Logs what has changed since the last call: the start, force on and off, overruns, a late world, a fault and its
+  // end.
   void look(const session::LiveStatus& live, double elapsed_s);
   // True if the loop has ticked since the last call, for the watchdog.
   bool alive() const { return alive_; }

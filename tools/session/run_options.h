@@ -70,8 +70,7 @@ std::vector<std::string> option_mistakes(const RunOptions& options);
 Status check_options(const RunOptions& options);
 
 // The header text of a tape: the program that wrote it, the scene (its file and the hash of its text), the options that
-// the
-// haptic thread's results depend on, the device's properties, and the scene's own text.
+// the haptic thread's results depend on, the device's properties, and the scene's own text.
 std::string to_tape_text(const RunOptions& options, const haptics::DeviceProperties& device,
                          const std::string& scene_name, const std::string& scene_source);
 

@@ -1,6 +1,5 @@
 // tactus experiment couplings: compares the coupling schemes (paper, section 3.3), and three that the paper's
-// introduction
-// cites.
+// introduction cites.
 #include <CLI/CLI.hpp>
 
 #include <memory>

@@ -2,8 +2,8 @@
 //
 // The world of the seed first settles (direct coupling, four seconds), so that some bodies stand. Then a proxy
 // approaches one of the bodies from above or from a side, presses, moves to and fro, leaves and returns, with the arm
-// in the loop of each run. Both runs start from the same bodies: ghost border, ratio 8,
-// a cap on members that leaves bodies outside. Thread: one. Virtual time: the same seed, the same bits. Units: SI.
+// in the loop of each run. Both runs start from the same bodies: ghost border, ratio 8, a cap on members that leaves
+// bodies outside. Thread: one. Virtual time: the same seed, the same bits. Units: SI.
 #pragma once
 
 #include <cstdint>

@@ -2,8 +2,8 @@
 // path, to measure the effect of the coupling alone on the force.
 //
 // A tick that begins a cycle synchronises, and the global world answers at once, so it is never late. The worlds start
-// at
-// rest, or from the state of a run with direct coupling, contact impulses included. Thread: one. Frame: world. Units:
+// at rest, or from the state of a run with direct coupling, contact impulses included. Thread: one. Frame: world.
+// Units:
 // SI. Bound: from another run's state at most haptics::kMaxMembers moving bodies.
 #pragma once
 
@@ -40,8 +40,7 @@ class CoupledWorlds {
   void start_at_rest();
   // `before` is one cycle earlier than `now`: the global world steps from `before`, so that its contacts are as in a
   // continuing run. `on_proxy`: mean wrench of the coupling over that cycle [N, N m]. For the direct coupling `before`
-  // is
-  // not used, and `shift` displaces the proxy.
+  // is not used, and `shift` displaces the proxy.
   void start_from(const WorldKeyframe& before, const WorldKeyframe& now, const Wrenchd& on_proxy,
                   const Vec3d& shift = {});
 

@@ -28,8 +28,8 @@ unsigned parts_of_tick(double rate_Hz);
 haptics::DeviceProperties device_in(const hal::DeviceDescription& description, const LoopTiming& timing);
 
 // True if the oscillation after the tap has decayed, contact with the wall was never lost, and the oscillation is
-// smaller half a second later. Delays and jitter count in
-// whole parts of a tick; at least one part of delay, at most 32.
+// smaller half a second later. Delays and jitter count in whole parts of a tick; at least one part of delay, at most
+// 32.
 bool rings_out(const hal::DeviceDescription& description, const LoopTiming& timing, double stiffness_N_per_m,
                double damping_Ns_per_m);
 

@@ -3,8 +3,8 @@
 ///
 /// Virtual time: the caller's thread computes each tick. Real time: run() starts its own threads. Units: SI, in the
 /// names. Frame: world, unless a description says device frame. Source: L. Glondu, M. Marchal, G. Dumont, "A new
-/// coupling scheme for haptic rendering
-/// of rigid bodies interactions based on a haptic sub-world using a contact graph".
+/// coupling scheme for haptic rendering of rigid bodies interactions based on a haptic sub-world using a contact
+/// graph".
 #pragma once
 
 #include <filesystem>
@@ -93,8 +93,7 @@ class Session {
   /// \param duration_s 0: until the monitor or stop() ends it
   /// \param monitor observes the run; may be empty
   /// \return kUse, kOption: not open, in virtual time, already run, invalid duration; kMachine: threads or the device
-  /// did
-  /// not start. Faults and lost ticks are not errors: see summary()
+  /// did not start. Faults and lost ticks are not errors: see summary()
   Error run(double duration_s, const Monitor& monitor = {});
 
   /// Restarts with the same scene, options and device; gives the same bits again. Closes the tape.
@@ -133,8 +132,7 @@ class Session {
   std::span<const BorderContact> border_contacts() const;
 
   /// Hash of the sub-world's state: poses, velocities, contacts and couplings of its bodies. Equal for bit-identical
-  /// runs. With
-  /// the plane couplings the sub-world is the proxy alone. 0 in a Monitor.
+  /// runs. With the plane couplings the sub-world is the proxy alone. 0 in a Monitor.
   std::uint64_t state_hash() const noexcept;
   /// Changes made to the requested settings, such as gains lowered for the coupling scheme; one line each.
   std::vector<std::string> notes() const;

@@ -5,8 +5,7 @@
 ///
 /// tactus lets a hand feel a large world of rigid bodies through a force-feedback device at 1 kHz. The library contains
 /// the complete program: its inputs are a scene, options and a device; each tick returns force, poses, members,
-/// contacts,
-/// energy and faults.
+/// contacts, energy and faults.
 ///
 /// \include first_touch.cpp
 ///
