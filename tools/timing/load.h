@@ -2,8 +2,8 @@
 //
 //   none      nothing
 //   cpu       arithmetic, one process a core
-// memory    streams through memory larger than the caches, one process a core: uses up the bandwidth
-// stress-ng arithmetic, memory, files and context switches by that program, if installed
+//   memory    streams through memory larger than the caches, one process a core: uses up the bandwidth
+//   stress-ng arithmetic, memory, files and context switches by that program, if installed
 // The core of the haptic thread is left out, unless it is the only one. Thread: normal; start it before other threads
 // exist. Bound: one process a core.
 #pragma once

@@ -2,8 +2,8 @@
 // that they satisfy the contact laws. Two solvers with different methods check each other.
 //
 // v = v0 + M^-1 J^T lambda; rows of J by contact: normal (from A to B), two tangents. Per contact, u = J v + bias n:
-// 0 <= lambda_n and u_n >= 0, one of them 0;  |lambda_t| <= mu lambda_n, and if u_t is not 0, lambda_t = -mu lambda_n
-// u_t / |u_t|.
+//   0 <= lambda_n and u_n >= 0, one of them 0;  |lambda_t| <= mu lambda_n, and if u_t is not 0,
+//   lambda_t = -mu lambda_n u_t / |u_t|.
 // Equivalently, with Gamma(u) = (mu |u_t|, 0, 0): u + Gamma(u) in K*, lambda in K, and the two are orthogonal.
 // Impulses of redundant contacts are not unique; the net impulse on each body is, so solutions are compared by it.
 // Offline, double precision. Thread: [setup]. Units: SI. Source: De Saxce, Feng 1998 (bi-potential).
