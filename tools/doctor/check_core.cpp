@@ -11,10 +11,10 @@ namespace {
 
 // A register that counts system management interrupts since the start (Intel SDM vol. 4, MSR_SMI_COUNT).
 constexpr std::uint64_t kSmiCounter = 0x34;
-// A core that wakes slower than this costs a share of a millisecond that can be felt in the wake-up figures.
+// Idle states with a longer exit latency visibly increase the wake-up latency.
 constexpr long kQuickWake_us = 10;
 
-// A file of its own for each parameter: what is run twice is there once.
+// A separate file for each parameter, so that running the commands twice has no further effect.
 std::string boot_with(const CheckContext& p, const char* parameter, const char* words = "") {
   return fmt::format(
       "mkdir -p /etc/default/grub.d && echo 'GRUB_CMDLINE_LINUX=\"$GRUB_CMDLINE_LINUX {0}={1}{2}\"' > "
@@ -22,7 +22,7 @@ std::string boot_with(const CheckContext& p, const char* parameter, const char* 
       parameter, words, p.cpu);
 }
 
-// A core in a set that the kernel shows in this file; null: it shows none, and the boot line decides.
+// True if the core is in the set that the kernel shows in this file; `shown` null: no such file, the boot line decides.
 bool core_in(const CheckContext& p, const char* shown, const char* parameter) {
   if (const auto text = shown != nullptr ? p.system.read(shown) : std::nullopt)
     if (const auto cpus = parse_cpu_list(*text)) return contains(*cpus, p.cpu);
@@ -141,11 +141,11 @@ Finding check_interrupts(const CheckContext& p) {
     if (number.empty() || number.front() < '0' || number.front() > '9') continue;
     if (std::find(of_bus.begin(), of_bus.end(), number) != of_bus.end()) continue;  // see bus-interrupt
     const std::string folder = "/proc/irq/" + number;
-    // What was chosen for it last; until its next interrupt the line may still be where it was before.
+    // The last chosen affinity; it takes effect at the next interrupt.
     const auto allowed = parse_cpu_list(p.system.read(folder + "/smp_affinity_list").value_or(""));
     const auto effective = p.system.read(folder + "/effective_affinity_list");
     const auto now = effective && !effective->empty() ? parse_cpu_list(*effective) : allowed;
-    // A number that no driver uses has only files in its folder.
+    // The folder of a number that no driver uses contains only files.
     const auto entries = p.system.list(folder);
     const bool used = std::any_of(entries.begin(), entries.end(), [&](const std::string& e) {
       return e != "smp_affinity" && e != "smp_affinity_list" && e != "effective_affinity" &&

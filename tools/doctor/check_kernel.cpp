@@ -26,8 +26,8 @@ std::string chosen_word(const std::string& text) {
 
 }  // namespace
 
-// /sys/kernel/realtime is not there in every PREEMPT_RT kernel (it came with the patch, not with the main line): the
-// version's own text decides where it is missing.
+// /sys/kernel/realtime is not present in every PREEMPT_RT kernel (the patch has it, the mainline kernel does not); if
+// it is missing, the version text decides.
 Finding check_kernel(const CheckContext& context) {
   const std::string version = context.system.read("/proc/version").value_or("");
   const std::string release = context.system.read("/proc/sys/kernel/osrelease").value_or("an unknown kernel");
@@ -64,7 +64,7 @@ Finding check_clock_source(const CheckContext& context) {
   const std::string folder = "/sys/devices/system/clocksource/clocksource0/";
   const auto now = context.system.read(folder + "current_clocksource");
   if (!now) return amber("clock", "the clock source cannot be read", "see whether /sys is mounted");
-  // Those that a program reads without entering the kernel.
+  // Clock sources that a program can read without a system call.
   if (*now == "tsc" || *now == "kvm-clock" || *now == "arch_sys_counter" || *now == "hyperv_clocksource_tsc_page")
     return green("clock", *now + ": read in nanoseconds, without the kernel");
   const bool has_tsc =

@@ -19,7 +19,7 @@ std::optional<std::string> usb_device(const SystemView& system) {
   return std::nullopt;
 }
 
-// The lines of a device in sysfs: those of its messages, else the wire it has.
+// Interrupt lines of a device in sysfs: its MSI lines, otherwise its wired line.
 std::vector<std::string> lines_of(const SystemView& system, const std::string& folder) {
   std::vector<std::string> lines = system.list(folder + "/msi_irqs");
   const auto wire = system.read(folder + "/irq");
@@ -27,7 +27,7 @@ std::vector<std::string> lines_of(const SystemView& system, const std::string& f
   return lines;
 }
 
-// Of a USB bus: its root hub hangs below the controller.
+// Interrupt lines of a USB bus, from the parent of its root hub, the controller.
 std::vector<std::string> lines_of_usb_bus(const SystemView& system, const std::string& bus) {
   return lines_of(system, kUsbDevices + "usb" + bus + "/..");
 }
@@ -82,12 +82,12 @@ std::vector<std::string> bus_interrupt_lines(const CheckContext& context) {
   }
   if (context.request.can_interface.empty()) return {};
   const std::string controller = "/sys/class/net/" + context.request.can_interface + "/device";
-  // An adapter on USB speaks through that bus's controller.
+  // A USB adapter uses the interrupt of that bus's controller.
   if (const auto bus = system.read(controller + "/../busnum")) return lines_of_usb_bus(system, *bus);
   return lines_of(system, controller);
 }
 
-// On one core of its own choice a frame waits for nobody but the loop; spread over many, for whatever those do.
+// Bound to one core, a frame's interrupt waits only for the loop; distributed over several cores, for their other work.
 Finding check_bus_interrupt(const CheckContext& context) {
   std::string where, commands;
   bool spread = false;

@@ -5,7 +5,7 @@
 namespace tactus::doctor {
 namespace {
 
-constexpr std::uint64_t kPriority = 80;  // what the loop asks for
+constexpr std::uint64_t kPriority = 80;  // priority that the loop requests
 
 std::string limits_file(const ProcessFacts& process, const char* line) {
   return fmt::format("echo '{} - {}' >> /etc/security/limits.d/60-tactus.conf   # then log in again", process.user,

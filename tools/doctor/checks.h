@@ -5,7 +5,7 @@
 
 namespace tactus::doctor {
 
-// What a check looks at: the system, what was asked, and the core that was chosen.
+// Input of a check: the system, the request, and the chosen core.
 struct CheckContext {
   const SystemView& system;
   const Request& request;
@@ -14,24 +14,24 @@ struct CheckContext {
 
 // --- the kernel (check_kernel.cpp)
 Finding check_kernel(const CheckContext& context);   // PREEMPT_RT
-Finding check_machine(const CheckContext& context);  // hardware, or a guest of somebody's
+Finding check_machine(const CheckContext& context);  // hardware or virtual machine
 Finding check_clock_source(const CheckContext& context);
-Finding check_throttling(const CheckContext& context);  // the share of a second that real-time threads may use
+Finding check_throttling(const CheckContext& context);  // share of a second allowed for real-time threads
 Finding check_swap(const CheckContext& context);
 Finding check_huge_pages(const CheckContext& context);
 
 // --- the chosen core (check_core.cpp)
-Finding check_cores(const CheckContext& context);        // enough of them, and the chosen one there
+Finding check_cores(const CheckContext& context);        // enough cores, and the chosen one exists
 Finding check_isolation(const CheckContext& context);    // isolcpus
 Finding check_timer_ticks(const CheckContext& context);  // nohz_full
 Finding check_rcu(const CheckContext& context);          // rcu_nocbs
 Finding check_governor(const CheckContext& context);
 Finding check_idle_states(const CheckContext& context);  // C-states and /dev/cpu_dma_latency
 Finding check_sibling(const CheckContext& context);      // the other thread of the core
-Finding check_interrupts(const CheckContext& context);   // which may come to the core
-Finding check_smi(const CheckContext& context);          // firmware interrupts, which no kernel sees
+Finding check_interrupts(const CheckContext& context);   // interrupts allowed on the core
+Finding check_smi(const CheckContext& context);          // firmware interrupts, invisible to the kernel
 
-// --- what this user may do (check_rights.cpp)
+// --- the rights of this user (check_rights.cpp)
 Finding check_priority_limit(const CheckContext& context);
 Finding check_memory_limit(const CheckContext& context);
 Finding check_gpio(const CheckContext& context);
@@ -39,15 +39,15 @@ Finding check_gpio(const CheckContext& context);
 // --- the device's link (check_link.cpp)
 Finding check_usb(const CheckContext& context);
 Finding check_can(const CheckContext& context);
-Finding check_bus_interrupt(const CheckContext& context);  // where that of its controller goes; only if it has one
-// The numbers of the lines of the controller that the device is on; none: it has none, or no link was asked about.
+Finding check_bus_interrupt(const CheckContext& context);  // core of the controller's interrupt; only if it has one
+// Interrupt line numbers of the device's controller; empty: it has none, or no link was requested.
 std::vector<std::string> bus_interrupt_lines(const CheckContext& context);
 
 // --- helpers of all three
 Finding green(const char* check, std::string found);
 Finding amber(const char* check, std::string found, std::string cure, std::string commands = {});
 Finding red(const char* check, std::string found, std::string cure, std::string commands = {});
-// The value of `name=` in /proc/cmdline, or nothing.
+// The value of `name=` in /proc/cmdline; empty if absent.
 std::optional<std::string> boot_parameter(const SystemView& system, const std::string& name);
 bool contains(const std::vector<int>& cpus, int cpu);
 std::string cpu_folder(int cpu);  // /sys/devices/system/cpu/cpuN

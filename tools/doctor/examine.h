@@ -1,8 +1,8 @@
-// Is this PC fit for the rate? What the doctor looks at, what it found, and the cure of each finding.
+// Examines whether this PC is fit for the rate: the checks, their findings, and the remedy of each.
 //
 // Each check is one function from the system's view to a finding; the table in examine.cpp lists them in the order in
-// which they are shown. Green: as it should be. Amber: works, with late wake-ups now and then, or cannot be told. Red:
-// the loop will miss deadlines, or will not run. Thread: normal. Nothing is changed: the cures are printed.
+// which they are shown. Green: correct. Amber: works with occasional late wake-ups, or cannot be determined. Red: the
+// loop will miss deadlines or will not run. Thread: normal. Changes nothing: the remedies are only printed.
 #pragma once
 
 #include <string>
@@ -17,9 +17,9 @@ enum class Verdict { kGreen, kAmber, kRed };
 struct Finding {
   std::string check;  // one word
   Verdict verdict{Verdict::kGreen};
-  std::string found;     // what is so, in one line
-  std::string cure;      // one line; empty where nothing needs one
-  std::string commands;  // what --fix prints: shell lines; empty where no command cures it
+  std::string found;     // the observed state, one line
+  std::string cure;      // remedy, one line; empty: none needed
+  std::string commands;  // shell lines printed by --fix; empty: no command can fix it
   bool distorts{false};  // figures taken on this machine will not be representative
 };
 
@@ -34,7 +34,7 @@ struct Request {
 struct Report {
   int cpu{0};
   std::vector<Finding> findings;
-  bool representative() const;  // are figures taken here those of a dedicated PC?
+  bool representative() const;  // true: timing figures of this PC represent a dedicated PC
   Verdict worst() const;
 };
 

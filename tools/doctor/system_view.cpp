@@ -41,7 +41,7 @@ ProcessFacts facts_of_this_process() {
   return facts;
 }
 
-// One `name value` a line; what is not named keeps its default.
+// One `name value` per line; missing names keep their defaults.
 Result<ProcessFacts> recorded_facts(const std::filesystem::path& file) {
   ProcessFacts facts;
   std::ifstream in(file);

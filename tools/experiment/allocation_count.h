@@ -1,7 +1,7 @@
-// How often this thread allocated, where the library of tools/experiment/malloc_count counts: its malloc stands before
-// the C library's, also for the libraries that are linked. Tests link it;
-// LD_PRELOAD=BUILD/tools/libtactus_malloc_count.so has the program count. Thread: [any], each its own. Bound: none.
-// Without it, and under a sanitizer, nothing is counted: 0.
+// Number of allocations of a thread, counted by the library of tools/experiment/malloc_count. Its malloc replaces that
+// of the C library, also in linked libraries. Tests link it; for the program use
+// LD_PRELOAD=BUILD/tools/libtactus_malloc_count.so. Thread: [any], each its own. Bound: none.
+// Returns 0 without the library and under a sanitizer.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,6 @@
 namespace tactus::experiment {
 
 bool allocations_are_counted() noexcept;
-std::uint64_t allocation_count() noexcept;  // of the calling thread, since it began
+std::uint64_t allocation_count() noexcept;  // of the calling thread, since it started
 
 }  // namespace tactus::experiment

@@ -67,7 +67,7 @@ std::string list_of(const std::vector<std::string>& effects) {
   return "effects = [" + list + "]\n";
 }
 
-// Columns of cubes, spheres on the ground beside them, slabs that fly; what an effect needs is in the extra keys.
+// Columns of cubes, spheres on the ground beside them, slabs in free flight; the extra keys declare and use an effect.
 struct Bodies {
   std::string all, sphere, slab;  // extra keys, of each kind
   double friction{0.5}, slab_height_m{0.1};
@@ -140,7 +140,7 @@ std::string effect_scene(const std::string& effect, EffectState state) {
 
 void count_effect(const std::string& effect, EffectState state) {
   const auto loaded = sim::parse_scene(effect_scene(effect, state), effect);
-  if (!loaded.ok()) std::abort();  // the test of these scenes says why
+  if (!loaded.ok()) std::abort();  // the test of these scenes reports the reason
   const sim::Scene& scene = loaded.value();
   TickedWorld world(scene);
   for (unsigned i = 0; i < kSettleTicks; ++i) world.tick();
@@ -216,7 +216,8 @@ std::vector<EffectTime> time_effects(const sim::Scene& scene) {
   std::vector<EffectTime> times;
   if (scene.bodies.size() > kTimedMost) return times;
   for (const auto& effect : sim::known_effects()) {
-    if (!sim::is_in_use(scene, effect) || effect.name == "sleeping") continue;  // that one is the global world's
+    if (!sim::is_in_use(scene, effect) || effect.name == "sleeping")
+      continue;  // sleeping exists only in the global world
     sim::Scene without = scene;
     without.effects.*effect.declared = false;
     TickedWorld with_it(scene), without_it(without);

@@ -1,10 +1,9 @@
-// tactus experiment effects: what an effect costs a tick that does not call for it, one that calls for it in vain, and
-// one that uses it.
+// tactus experiment effects: cost of an effect in a tick when it is not declared, declared but not used, and used.
 //
-// The same scene three times for each effect: not declared; declared, with nothing that uses it; used. Instructions are
-// counted by callgrind, which runs this program again, once a row and state, and counts some ticks of the world that
-// the haptic thread would have. Sleeping is the global world's alone, so its three counts are the same there. And what
-// the effects of a given scene cost in time, for `tactus scene check`. Thread: one, on one core. Units in the names.
+// Each effect is measured on the same scene in these three states. Instructions are counted by callgrind, which runs
+// this program again, once per row and state, and counts some ticks of the haptic thread's world. Sleeping exists only
+// in the global world, so its three counts are equal. Also measures the time that the effects of a given scene take,
+// for `tactus scene check`. Thread: one, on one core. Units in the names.
 #pragma once
 
 #include <array>
@@ -25,23 +24,23 @@ struct EffectRow {
   bool good() const noexcept;
 };
 
-// One for every effect that there is.
+// Names of all effects.
 std::vector<std::string> effect_names();
 // The scene of a row, as text.
 std::string effect_scene(const std::string& effect, EffectState state);
 
-// `program`: this program's own path. Nothing is counted where valgrind is missing.
+// `program`: this program's own path. Without valgrind nothing is counted.
 std::vector<EffectRow> run_effects(const std::vector<std::string>& effects, const std::string& program,
                                    const Progress& progress);
-// What runs under valgrind: some ticks to settle, then those that are counted.
+// Runs under valgrind: some ticks to settle, then the counted ones.
 void count_effect(const std::string& effect, EffectState state);
 
 std::string effects_table(const std::vector<EffectRow>& rows);
 std::string effects_json(const std::vector<EffectRow>& rows);
 
-// What an effect that the scene uses adds to a tick of all its bodies [us, CPU time]: the median of ticks with it less
-// that of ticks without it, in turns. Empty for a scene that is too large to try. Spread: half the range of what six
-// parts of the measurement find, each by itself; a difference below it says nothing.
+// Time that an effect used by the scene adds to a tick of all bodies [us, CPU time]: median of ticks with it minus
+// median of ticks without it, measured alternately. Empty for a scene that is too large to measure. Spread: half the
+// range of the results of six parts of the measurement; a smaller difference is not significant.
 struct EffectTime {
   std::string effect;
   double added_us{0}, spread_us{0}, tick_us{0};

@@ -1,8 +1,8 @@
-// A physics engine as the experiments see it: a scene goes in, steps are made, figures come out.
+// Common interface of the physics engines in the experiments: load a scene, step it, read figures.
 //
-// Each engine's own file translates the scene; nothing else knows its headers. An engine that was not there when
-// tactus was built has a maker that gives none.
-// Thread: one; a step runs on the caller's thread alone, unless it is given helpers. Units: SI.
+// Each engine's own file translates the scene, and only it includes the engine's headers. For an engine that was not
+// available when tactus was built, the maker returns null.
+// Thread: one; a step runs only on the caller's thread, unless helpers are given. Units: SI.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@
 
 namespace tactus::experiment {
 
-// What holds after the last step, by the engine's own books.
+// Figures after the last step, as the engine reports them.
 struct Measurement {
-  double contacts{0};                // contact points that the engine itself counts
-  double touching_pairs{0};          // pairs of bodies with a point that does not gape
+  double contacts{0};                // contact points reported by the engine
+  double touching_pairs{0};          // pairs of bodies with a point of separation 0 or less
   double residual_speed_m_per_s{0};  // root mean square over the cubes
 };
 
@@ -36,40 +36,40 @@ class Engine {
   virtual Measurement measure() = 0;
   virtual std::vector<CubeState> cubes() const = 0;  // in the scene's order
   virtual std::vector<Posed> rods() const = 0;       // of the stirrer, in its order
-  virtual std::string settings() const = 0;          // what it runs with, in a line
-  // Why its figures do not count (work was left out); empty while they do.
+  virtual std::string settings() const = 0;          // its settings, one line
+  // Why its figures are invalid (work was left out); empty: valid.
   virtual std::string failure() const { return {}; }
-  // Of the last step, the time in which pairs were found [us]; 0 where it was not asked for.
+  // Time of the broad phase in the last step [us]; 0 if not requested.
   virtual double broad_phase_us() const { return 0; }
 };
 
 struct EngineOptions {
   bool tuned{false};
-  unsigned iterations{0};  // peers only: of the contact solver in a step; 0: as it comes, ODE tuned 10
-  // tactus only; none: as in a run, single precision where the world is a global one.
+  unsigned iterations{0};  // peers only: of the contact solver per step; 0: the engine's default, ODE tuned 10
+  // tactus only; empty: as in a run, single precision for a global world.
   std::optional<physics::SweepPrecision> precision{};
   bool time_broad_phase{false};  // tactus only
-  std::vector<int> helpers{};    // tactus only: cores of the threads that share its steps, beside the caller
+  std::vector<int> helpers{};    // tactus only: cores of the threads that share its steps, in addition to the caller's
   unsigned sub_steps{0};         // tactus only; 0: 4 in a step of 1 ms, 10 in one of 10 ms
 };
 
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);
-std::unique_ptr<Engine> make_bullet(const BoxScene& scene, const EngineOptions& options);  // none: not built in
-std::unique_ptr<Engine> make_ode(const BoxScene& scene, const EngineOptions& options);     // none: not built in
+std::unique_ptr<Engine> make_bullet(const BoxScene& scene, const EngineOptions& options);  // null: not built in
+std::unique_ptr<Engine> make_ode(const BoxScene& scene, const EngineOptions& options);     // null: not built in
 
 struct EngineKind {
   std::string_view name;     // in the tables: "bullet-tuned"
-  std::string_view package;  // Debian package that it needs; empty: none
+  std::string_view package;  // required Debian package; empty: none
   bool tuned;
   std::unique_ptr<Engine> (*make)(const BoxScene&, const EngineOptions&);
-  bool available;          // was there when this program was built
+  bool available;          // was available when this program was built
   unsigned iterations{0};  // see EngineOptions
 };
 
-// All that exist, tactus first.
+// All engines, tactus first.
 const std::vector<EngineKind>& engine_kinds();
 
-// The same, and the tuned ones with fewer and with more iterations: "bullet-tuned-4".
+// Same, plus the tuned ones with fewer and with more iterations: "bullet-tuned-4".
 const std::vector<EngineKind>& compared_kinds();
 
 // Root mean square of the speeds.

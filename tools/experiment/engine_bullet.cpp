@@ -69,7 +69,7 @@ class BulletEngine final : public Engine {
 
   void step() override {
     time_s_ += static_cast<double>(step_s_);
-    // Bullet takes a kinematic body's velocity from where it was and where it is to be.
+    // Bullet computes a kinematic body's velocity from its previous and its next pose.
     for (std::size_t i = 0; i < rods_.size(); ++i) rods_[i]->getMotionState()->setWorldTransform(rod_at(i, time_s_));
     world_.stepSimulation(step_s_, 0);
   }
@@ -144,7 +144,7 @@ class BulletEngine final : public Engine {
     motions_.push_back(std::make_unique<btDefaultMotionState>(at));
     btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass_kg), motions_.back().get(), shape.get(),
                                                   inertia);
-    // Bullet multiplies the two coefficients: the pair is to have that of the others.
+    // Bullet multiplies the two coefficients; set so that the pair has the same coefficient as in the other engines.
     info.m_friction = std::sqrt(friction);
     info.m_restitution = 0;
     shapes_.push_back(std::move(shape));

@@ -15,7 +15,7 @@ constexpr int kPointsPerPair = 4;
 // Tuned: half the sweeps of the default, and a broad phase by sorting, which keeps its memory.
 constexpr int kTunedIterations = 10;
 
-struct OdeLibrary {  // its set-up counts nothing itself: once a process
+struct OdeLibrary {  // ODE does not count its initialisations, so once per process
   OdeLibrary() { dInitODE2(0); }
   ~OdeLibrary() { dCloseODE(); }
   OdeLibrary(const OdeLibrary&) = delete;
@@ -29,7 +29,7 @@ Quatd rotation_of(const dReal* q) {
   return {static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2]), static_cast<double>(q[3])};
 }
 
-// A convex geometry's numbers, which ODE does not copy.
+// Data of a convex geometry, which ODE does not copy.
 class OdeHull {
  public:
   explicit OdeHull(const physics::Hull& hull) {
@@ -184,7 +184,7 @@ class OdeEngine final : public Engine {
       dJointAttach(dJointCreateContact(world_, joints_, &contact), body_a, body_b);
     }
     facts_.contacts += count;
-    facts_.touching_pairs += count > 0 ? 1 : 0;  // ODE finds nothing before it overlaps
+    facts_.touching_pairs += count > 0 ? 1 : 0;  // ODE reports no contact before bodies overlap
   }
 
   dWorldID world_{};
@@ -195,7 +195,7 @@ class OdeEngine final : public Engine {
   bool tuned_;
   std::vector<OdeHull> hulls_;
   std::vector<dBodyID> cubes_, rods_;
-  Measurement facts_;  // of the last step, but for the speed
+  Measurement facts_;  // of the last step, except the speed
   double time_s_{0};
 };
 

@@ -1,6 +1,5 @@
-// tactus itself: the world that both the haptic and the global side use, with the broad phase and the precision of the
-// side whose size it has: up to the most that a sub-world holds those of the haptic side, beyond those of the global
-// one.
+// tactus itself: the world used by both sides. Up to the largest sub-world it has the broad phase and precision of the
+// haptic side, above that those of the global world.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +17,7 @@ namespace tactus::experiment {
 namespace {
 
 constexpr std::uint32_t kPairsPerBody = 16, kContactsPerBody = 8;  // as in the global world
-// Where sizes differ, a large body has hundreds of small neighbours.
+// With mixed sizes, a large body may have hundreds of small neighbours.
 constexpr std::uint32_t kPairsPerMixedBody = 48, kContactsPerMixedBody = 16;
 constexpr double kLongStep_s = 5e-3;
 constexpr double kMostHertz = 250,
@@ -29,7 +28,7 @@ bool is_mixed(const BoxScene& scene) {
                      [&](const Cube& cube) { return cube.edge_m != scene.cubes.front().edge_m; });
 }
 
-// Larger than a sub-world can be?
+// True if the scene is larger than the largest sub-world.
 bool is_global(const BoxScene& scene) { return scene.cubes.size() + rods_of(scene) > haptics::kMaxMembers; }
 
 physics::SweepPrecision precision_of(const BoxScene& scene, const EngineOptions& options) {
@@ -54,7 +53,7 @@ physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {
   return settings;
 }
 
-// Rods follow the velocity that they are given before each step: scripts without way points.
+// Rods follow the velocity set before each step, so their scripts have no way points.
 std::vector<physics::KinematicScript> scripts_of(const BoxScene& scene) {
   std::vector<physics::KinematicScript> scripts;
   for (std::uint32_t i = 0; i < rods_of(scene); ++i)
@@ -161,7 +160,7 @@ class TactusEngine final : public Engine {
  private:
   void insert(const physics::Body& body) { TACTUS_CHECK(world_.insert(body), body.id, world_.bodies().size()); }
 
-  // Its mass counts for nothing: to the others it is infinitely heavy.
+  // Its mass is not used: a kinematic body acts as infinitely heavy.
   void add_rod(std::size_t rod, BodyId id, double friction) {
     const Posed at = stirrer_->pose_at(rod, 0);
     insert(physics::make_dynamic_body(id, physics::Shape::box(stirrer_->half_extents_m), 1.0, friction,

@@ -27,7 +27,7 @@ OverlapJudge::OverlapJudge(const BoxScene& scene)
   bounds_.reserve(shapes_.size());
 }
 
-// `b` is kNoBody where it is a wall or a rod.
+// `b`: kNoBody for a wall or a rod.
 void OverlapJudge::judge_pair(std::uint32_t a, const Shape& shape_b, const Posed& pose_b, std::uint32_t b) {
   physics::AxisCache cache;
   const auto manifold = physics::collide(shapes_[a], poses_[a], shape_b, pose_b, 0.0, cache, hulls_);

@@ -1,8 +1,8 @@
-// How deep bodies lie in each other, judged alike for every engine: from the poses that it reports, by tactus' own
-// collision functions, not by the engine's books.
+// Measures overlaps of bodies in the same way for every engine: from the poses that it reports, with tactus' collision
+// functions, not from the engine's own contacts.
 //
-// Judged are the bodies against each other, the walls and the stirrer's rods; a rod reaches into the floor, and that
-// does not count. Frame: that of the scene. Units: m; a share is of the thinner body's thickness
+// Covers overlaps of bodies with each other, with the walls and with the stirrer's rods. Overlaps of rods with the
+// floor are intended and not counted. Frame: that of the scene. Units: m; a share is of the thinner body's thickness
 // (rt/physics/overlap.h). Thread: one. Bound: the pairs of boxes that overlap, at most kMostPairs a body; pairs beyond
 // make `complete` false.
 #pragma once
@@ -18,7 +18,7 @@ namespace tactus::experiment {
 
 struct Overlaps {
   double deepest_m{0}, deepest_share{0};
-  double mean_m{0}, mean_share{0};  // over the bodies, of each one's deepest; 0 where it overlaps nothing
+  double mean_m{0}, mean_share{0};  // mean over the bodies of each one's deepest overlap (0 if none)
   bool complete{true};              // false: a pose is not finite, or there were too many pairs
 };
 

@@ -15,7 +15,7 @@
 namespace tactus::experiment {
 namespace {
 
-// The writer's own exit status: it cannot draw; the file cannot be written.
+// Exit status of the page script: matplotlib is missing; the file cannot be written.
 constexpr int kLibraryMissing = 3, kFileRefused = 4;
 
 bool write_all(int to, const std::string& text) {
@@ -38,7 +38,7 @@ Status write_page(const std::string& experiment, const std::string& json, const 
     return Status::error(fmt::format("--page: the page's writer is not there: {}; install tactus as a whole", writer));
   std::array<int, 2> pipe_ends{};
   if (pipe(pipe_ends.data()) != 0) return Status::error("--page: no pipe to the page's writer");
-  std::signal(SIGPIPE, SIG_IGN);  // a writer that dies is told by its exit status
+  std::signal(SIGPIPE, SIG_IGN);  // the exit status reports a script that ended early
   const pid_t child = fork();
   if (child < 0) return Status::error("--page: the page's writer could not be started");
   if (child == 0) {

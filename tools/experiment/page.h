@@ -1,6 +1,6 @@
-// The page of an experiment: one HTML file with its figures, drawn by tools/experiment_page with matplotlib,
+// Writes the page of an experiment: one HTML file with its figures, drawn by tools/experiment_page with matplotlib,
 // and with date, version, machine and command.
-// Thread: one; runs another program and waits for it. Bound: none that matters, it is the end of an experiment.
+// Thread: one; runs another program and waits for it. Bound: none; called once, at the end of an experiment.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace tactus::experiment {
 
-// `json`: what the experiment prints, `command`: what a person types to get it. An error is one line: what is missing
-// and how to get it.
+// `json`: output of the experiment; `command`: command line that produced it. Error, one line: what is missing and how
+// to install it.
 Status write_page(const std::string& experiment, const std::string& json, const std::string& command,
                   const std::string& path);
 

@@ -14,10 +14,10 @@ namespace {
 
 constexpr std::uint32_t kWarmUpSteps = 2;  // of a block, not timed
 
-// About as long for a small world as for a large one.
+// Blocks of about equal duration for small and large worlds.
 std::uint32_t block_of(const BoxScene& scene) { return scene.cubes.size() < 500 ? 50 : 10; }
 
-// What one engine did in all runs of a scene.
+// Results of one engine in all runs of a scene.
 struct Record {
   std::vector<std::vector<double>> us;  // by run, by step
   std::uint64_t allocations{0}, steps{0};

@@ -1,9 +1,9 @@
-// tactus experiment peers: what tactus costs beside Bullet and ODE, on identical scenes, in one program.
+// tactus experiment peers: compares computing time of tactus, Bullet and ODE on identical scenes, in one program.
 //
-// Every scene is settled, then timed by steps, in blocks that take turns between the engines, so that what the machine
-// does to one it does to all; a block's first steps fill the caches and are not timed. The whole is run several times:
-// the least of each step over the runs is free of the machine's gaps. What is counted (contacts, speed) and judged
-// (quality.h) is sampled at the end of each block. A row that misses a gate is shown and not compared in time.
+// Every scene is settled, then timed by steps, in blocks that alternate between the engines, so that disturbances by
+// the machine affect all equally; a block's first steps fill the caches and are not timed. Everything is run several
+// times; the minimum of each step over the runs excludes interruptions. Contacts, speed and quality (quality.h) are
+// sampled at the end of each block. A row that fails a gate is listed but not compared in time.
 // Thread: one, on one core. Units in the names.
 #pragma once
 
@@ -21,23 +21,23 @@ namespace tactus::experiment {
 struct PeersRequest {
   std::vector<BoxScene> scenes;
   std::vector<EngineKind> engines;  // all available
-  EngineOptions options;            // `tuned` comes from the kind
+  EngineOptions options;            // `tuned` is taken from the kind
   unsigned runs{3};
 };
 
 struct PeersRow {
   std::string scene, engine, settings;
   double median_us{0}, p99_us{0};  // of all timed steps of all runs
-  double worst_over_median{0};     // of the least of each step over the runs
+  double worst_over_median{0};     // of the minimum of each step over the runs
   double contacts{0}, touching_pairs{0};
   double residual_speed_rms_m_per_s{0};
   Quality quality;
   double allocations_per_step{0};
-  // Of the medians; 0 where this row or the other is not compared, or there is no other.
+  // Ratios of medians; 0 if this row or the other is not compared, or there is no other.
   double ratio_to_bullet{0};     // to Bullet at its defaults
-  double ratio_to_best_peer{0};  // to the fastest peer that is compared, of all its settings
-  std::string failure;           // why the row does not count; empty: it does
-  std::string missed_gate;       // of its quality; empty: none
+  double ratio_to_best_peer{0};  // to the fastest compared peer, over all its settings
+  std::string failure;           // why the row is invalid; empty: valid
+  std::string missed_gate;       // of its quality; empty: passed all
 
   bool is_compared() const noexcept { return failure.empty() && missed_gate.empty() && median_us > 0; }
 };
@@ -48,7 +48,7 @@ void compare(std::span<PeersRow> rows) noexcept;
 std::vector<PeersRow> run_peers(const PeersRequest& request, const Progress& progress);
 
 std::string peers_table(const std::vector<PeersRow>& rows);  // for people
-std::string peers_json(const std::vector<PeersRow>& rows);   // {"rows":[...]}; null where nothing was measured
+std::string peers_json(const std::vector<PeersRow>& rows);   // {"rows":[...]}; null: not measured
 std::string peers_csv(const std::vector<PeersRow>& rows);    // units in the header
 
 }  // namespace tactus::experiment

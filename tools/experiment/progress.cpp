@@ -11,7 +11,7 @@ namespace tactus::experiment {
 
 namespace {
 
-// In a log every call would fill pages.
+// Limits the number of lines in a log.
 constexpr std::chrono::seconds kBetweenLines{30};
 
 }  // namespace

@@ -1,5 +1,5 @@
-// How well an engine simulated a scene while it was timed, judged alike for every engine, and the gates: a row that
-// misses one is not compared in time.
+// Quality of an engine's simulation while it is timed, measured in the same way for every engine, and its gates: a row
+// that fails one is not compared in time.
 //
 // Sampled between the timed blocks. Units in the names; a share is of the thinner body's thickness. Thread: one.
 #pragma once
@@ -15,16 +15,16 @@ namespace tactus::experiment {
 struct Quality {
   double overlap_mean_m{0}, overlap_mean_share{0};  // over bodies and samples
   double overlap_max_m{0}, overlap_max_share{0};
-  double travel_m{0};        // mean over the bodies of their path, by the straight lines between samples
+  double travel_m{0};        // path length, mean over the bodies, as straight lines between samples
   double rod_travel_m{0};    // the same of the stirrer's rods
   std::uint32_t escaped{0};  // bodies whose centre was in a wall or the floor, or beyond all of them
-  bool complete{true};       // every pose was finite, and the judge had room for all pairs
+  bool complete{true};       // every pose was finite, and no pair exceeded the judge's capacity
 };
 
 class QualityBook {
  public:
   explicit QualityBook(const BoxScene& scene);
-  void start(const Engine& engine);  // of a run: paths begin here
+  void start(const Engine& engine);  // begins a run and its paths
   void sample(const Engine& engine);
   Quality result() const;  // of all runs; travel: of a run
 
@@ -40,12 +40,13 @@ class QualityBook {
   double samples_{0}, runs_{0};
 };
 
-// The gates. A body that lies deeper than half its thickness leaves on the other side; half of that is the limit.
+// The gates. A body that overlaps by more than half its thickness is pushed out on the far side; the limit is half of
+// that.
 inline constexpr double kMostOverlapShare = 0.25, kMostMeanOverlapShare = 0.02;
-// Of the rods' path, in a stirred scene: what is not pushed travels less.
+// Share of the rods' path in a stirred scene; bodies that are not pushed travel less.
 inline constexpr double kLeastTravelShare = 0.05;
 
-// Which gate it misses, in a line; empty: none.
+// The gate that it fails, one line; empty: none.
 std::string missed_gate(const Quality& quality);
 
 }  // namespace tactus::experiment

@@ -20,7 +20,7 @@ constexpr std::uint32_t kMixedCubes = 10000;  // of the worlds with cubes of man
 
 BoxScene scene_of(const ScalingCase& one) { return make_pile(one.sweep, one.pile); }
 
-// Cores for the threads beside this one, which has settled on one of them.
+// Cores for the additional threads; this thread is pinned to one of `cores`.
 std::vector<int> helpers_of(const ScalingCase& one, const std::vector<int>& cores) {
   std::vector<int> helpers;
   const int own = sched_getcpu();
@@ -64,7 +64,7 @@ ScalingRow timed(const ScalingCase& one, const EngineOptions& options, const std
   return row;
 }
 
-// Instructions of a step; 0 where it could not be counted.
+// Instructions of a step; 0: not counted.
 double counted(std::size_t index, const EngineOptions& options, const std::string& program, bool quick) {
   const std::string precision =
       options.precision ? fmt::format(" --precision {}", sim::name_of(*options.precision)) : "";
@@ -90,12 +90,12 @@ std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores) {
                               .step_s = 1e-2,
                               .smallest_edge_m = 0.1 / std::sqrt(ratio),
                               .largest_edge_m = 0.1 * std::sqrt(ratio)},
-                     .settle_s = 8});  // small cubes trickle through large ones for longer
+                     .settle_s = 8});  // small cubes take longer to settle between large ones
   for (const std::uint32_t cubes : {64u, 1000u, 5000u, 10000u}) {
     if (quick && cubes > 1000) continue;
     cases.push_back({"stirred", {.cubes = cubes, .step_s = 1e-2, .stirred = true}});
   }
-  // The last, as they depend on the cores: what counts instructions runs on one, and names a case by its number.
+  // Last, because they depend on the cores: the counted program runs on one core and identifies a case by its index.
   constexpr std::size_t kMostThreads = 8;
   for (std::uint32_t threads = 1; threads <= std::min(cores, kMostThreads); ++threads)
     cases.push_back({.sweep = "threads", .pile = {.cubes = quick ? 1000u : 4000u, .step_s = 1e-2}, .threads = threads});

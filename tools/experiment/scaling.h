@@ -1,8 +1,8 @@
-// tactus experiment scaling: how the cost of a step grows with bodies, contacts, sub-steps and the mix of sizes.
+// tactus experiment scaling: cost of a step against bodies, contacts, sub-steps and the range of sizes.
 //
-// Each row is one world, settled, then timed; all of it by tactus alone. Instructions are counted where valgrind is
-// installed (and was when this was built): it runs this program again, once a row, and counts the steps alone. Thread:
-// one, on one core; but for the sweep of threads, each on a core of its own. Units in the names.
+// Each row is one world of tactus, settled, then timed. Instructions are counted if valgrind is installed (and was at
+// build time): it runs this program again, once per row, and counts only the steps. Thread: one, on one core; in the
+// sweep of threads each on its own core. Units in the names.
 #pragma once
 
 #include <string>
@@ -14,12 +14,12 @@
 namespace tactus::experiment {
 
 struct ScalingCase {
-  std::string sweep;  // what the row belongs to: bodies, sub-steps, sizes, threads, stirred
+  std::string sweep;  // sweep that the row belongs to: bodies, sub-steps, sizes, threads, stirred
   PileSpec pile;
   unsigned sub_steps{4};
   double settle_s{2};
   std::uint32_t timed_steps{100};
-  std::uint32_t threads{0};  // that share the step, timed by the wall clock; 0: one, by its CPU time
+  std::uint32_t threads{0};  // threads that share the step, timed by the wall clock; 0: one, timed by its CPU time
 };
 
 // The worlds of the experiment; `quick` leaves out those above 1000 cubes. `cores`: at most as many threads share a
@@ -34,9 +34,9 @@ struct ScalingRow {
   double size_ratio{1};  // largest edge to smallest
   double contact_points{0}, touching_pairs{0};
   double median_us{0}, p99_us{0}, ns_per_point{0};
-  double broad_phase_us{0};  // of the median: what finding the pairs takes, a median too
-  double instructions{0};    // a step; 0: not counted
-  std::string failure;       // why the row does not count; empty: it does
+  double broad_phase_us{0};  // median time of the broad phase
+  double instructions{0};    // per step; 0: not counted
+  std::string failure;       // why the row is invalid; empty: valid
 };
 
 struct ScalingReport {
@@ -45,12 +45,12 @@ struct ScalingReport {
   double instruction_exponent{0};  // the same of instructions; 0: not counted
 };
 
-// `program`: this program's own path, for the count of instructions; empty: none are counted. `quick`: the cases are
-// those of scaling_cases(quick), so that the program finds them again.
+// `program`: path of this program, to count instructions; empty: not counted. `quick`: the cases are those of
+// scaling_cases(quick), so that the counted program finds the same ones.
 ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOptions& options,
                           const std::string& program, bool quick, const Progress& progress);
 
-// What runs under valgrind: the case settles, then makes a few steps, which alone are counted.
+// Runs under valgrind: the case settles, then makes a few steps; only these are counted.
 void run_counted(const ScalingCase& one, const EngineOptions& options);
 
 std::string scaling_table(const ScalingReport& report);

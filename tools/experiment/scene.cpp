@@ -12,14 +12,14 @@ namespace tactus::experiment {
 namespace {
 
 constexpr double kDensity = 1000;  // kg/m^3
-// Room enough for tilted cubes, and for a heap rather than columns.
+// Large enough for tilted cubes, and so that a heap forms instead of columns.
 constexpr double kGap = 0.4;         // of the edge, between neighbours of the grid
-constexpr double kJitter = 0.05;     // of the edge, to either side: less than the gap lets them meet
+constexpr double kJitter = 0.05;     // of the edge, to either side; small enough that neighbours do not touch
 constexpr double kTilt_rad = 0.3;    // about each axis, at most
-constexpr double kWallHalf_m = 0.5;  // thick enough that nothing gets through
+constexpr double kWallHalf_m = 0.5;  // thick enough that no body passes through
 
-// Of a bowl's sides: steeper than what rests on them by friction (27 degrees at 0.5), flatter than where a push along
-// the floor jams (63 degrees).
+// Slope of the bowl's sides: steeper than the friction angle (27 degrees at 0.5), flatter than the angle at which a
+// body pushed along the floor jams (63 degrees).
 constexpr double kBowlSlope_rad = 0.6;
 
 using sim::Random;
@@ -35,7 +35,7 @@ void add_walls(BoxScene& scene, double width_m, double height_m) {
 
 constexpr std::uint32_t kHulls = 16, kHullVertices = 20;
 
-// Points drawn on a sphere, all of them vertices; sizes evenly in the logarithm.
+// Random points on a sphere, all of them vertices; log-uniform sizes.
 void add_hulls(BoxScene& scene, const PileSpec& spec, Random& random) {
   for (std::uint32_t k = 0; k < kHulls; ++k) {
     const double edge = spec.smallest_edge_m * std::pow(spec.largest_edge_m / spec.smallest_edge_m, k / (kHulls - 1.0));
@@ -51,7 +51,7 @@ void add_hulls(BoxScene& scene, const PileSpec& spec, Random& random) {
   }
 }
 
-// The forms of bodies that are already in their places, and the masses that follow.
+// Sets the forms of placed bodies, and their masses.
 void give_forms(BoxScene& scene, const PileSpec& spec) {
   Random random(spec.seed + 1);
   add_hulls(scene, spec, random);
@@ -59,20 +59,20 @@ void give_forms(BoxScene& scene, const PileSpec& spec) {
   for (Cube& body : scene.cubes) {
     body.form = spec.forms[random.next() % spec.forms.size()];
     body.hull = static_cast<std::uint32_t>(random.next() % kHulls);
-    if (octaves > 0)  // the hull that is just not larger
+    if (octaves > 0)  // the largest hull that is not larger than the body
       body.hull = static_cast<std::uint32_t>((kHulls - 1) * std::log(body.edge_m / spec.smallest_edge_m) / octaves);
     body.mass_kg = kDensity * volume_of(scene, body);
   }
 }
 
-// Sides that slope up from the edge of the floor: what is pushed against them rises, and falls back.
+// Sides that slope up from the edge of the floor: bodies pushed against them rise and fall back.
 void add_bowl(BoxScene& scene, double floor_width_m, double height_m) {
   const double half = 0.5 * floor_width_m, t = kWallHalf_m;
   const double rise = std::sin(kBowlSlope_rad), run = std::cos(kBowlSlope_rad);
   const double along = 0.5 * height_m / rise, wide = half + 2 * along * run + 2 * t;
   scene.walls.push_back({{wide, wide, t}, {0, 0, -t}});
   for (const double side : {-1.0, 1.0}) {
-    // From the edge of the floor half the slope's length up, then half the thickness into the wall.
+    // Centre: from the edge of the floor half the slope's length up, then half the thickness into the wall.
     const double out = half + along * run + t * rise, up = along * rise - t * run;
     scene.walls.push_back(
         {{along + t, wide, t}, {side * out, 0, up}, quat_from_rotation_vector(Vec3d{0, -side * kBowlSlope_rad, 0})});
@@ -101,7 +101,7 @@ double place_equal(BoxScene& scene, const PileSpec& spec, Random& random) {
   return pitch * columns;
 }
 
-// Cubes of many sizes: rows as deep and layers as high as the largest of them needs.
+// Cubes of many sizes: the depth of rows and the height of layers follow from their largest cube.
 double place_mixed(BoxScene& scene, const PileSpec& spec, Random& random) {
   const double ratio = spec.largest_edge_m / spec.smallest_edge_m, shelf = spec.largest_edge_m * (1 + kGap);
   const double mean = (spec.largest_edge_m - spec.smallest_edge_m) / std::log(ratio) * (1 + kGap);
@@ -164,7 +164,7 @@ BoxScene make_pile(std::string name, const PileSpec& spec) {
   double top = 0;
   for (const Cube& cube : scene.cubes) top = std::max(top, cube.position.z + cube.edge_m);
   if (spec.stirred) {
-    // The heap starts above the rods, and the rods need room of their own.
+    // The heap starts above the rods; the box is enlarged for the rods.
     const double edge = spec.largest_edge_m;
     scene.stirrer = make_stirrer(spec.cubes, edge);
     const double rise = scene.stirrer->centres_m.front().z + scene.stirrer->half_extents_m.z + edge;

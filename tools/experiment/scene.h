@@ -1,8 +1,8 @@
-// The scenes of the experiments: cubes, or bodies of other forms, dropped on a jittered grid into an open box; one
-// description for every engine.
+// The scenes of the experiments: cubes, or bodies of other shapes, dropped on a jittered grid into an open box; one
+// description for all engines.
 //
-// Frame: z up, the box's floor is z = 0 and its middle the origin. Units: SI. Thread: [any]; plain values.
-// The same name gives the same bits on every machine: the jitter comes from a generator of our own.
+// Frame: z up, the floor of the box is z = 0, its centre the origin. Units: SI. Thread: [any]; plain values.
+// The same name gives the same bits on every machine: the jitter comes from the project's own generator.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace tactus::experiment {
 
 enum class Form : std::uint8_t { kCube, kSphere, kCapsule, kPlate, kHull };
 
-struct Cube {  // a body: of another form where it says so, and about as large as a cube of that edge
+struct Cube {  // a body of any form, about as large as a cube of that edge
   double edge_m;
   double mass_kg;
   Vec3d position;  // of the centre
@@ -42,7 +42,7 @@ struct BoxScene {
   double gravity_m_per_s2{9.81};  // downwards
   std::vector<Cube> cubes;
   std::vector<physics::Hull> hulls;
-  std::vector<Wall> walls;  // the floor, then four sides: upright, or sloping as a bowl's where it is stirred
+  std::vector<Wall> walls;  // the floor, then four sides: upright, or sloping like a bowl in a stirred scene
   std::optional<Stirrer> stirrer;
 };
 
@@ -52,8 +52,8 @@ struct PileSpec {
   std::uint32_t cubes{64};
   double step_s{1e-3};
   bool stirred{false};
-  double smallest_edge_m{0.1}, largest_edge_m{0.1};  // sizes are drawn evenly in the logarithm
-  std::vector<Form> forms{};                         // drawn for each body; none: cubes
+  double smallest_edge_m{0.1}, largest_edge_m{0.1};  // sizes are log-uniform
+  std::vector<Form> forms{};                         // drawn for each body; empty: cubes
   std::uint32_t layers{8};
   std::uint64_t seed{1};
 };
@@ -63,7 +63,7 @@ BoxScene make_pile(std::string name, const PileSpec& spec);
 
 // The names that `peers` takes, in the order of its table.
 const std::vector<std::string_view>& scene_names();
-// One of them; none where there is no such name. `quick`: settles 1 s, a fifth of the timed steps.
+// Makes one of them; empty for an unknown name. `quick`: settles 1 s, a fifth of the timed steps.
 std::optional<BoxScene> make_scene(std::string_view name, bool quick);
 
 }  // namespace tactus::experiment

@@ -1,4 +1,4 @@
-// The shapes of a scene's bodies as tactus has them, from which every engine's are made. Thread: [any]; Units: SI.
+// The tactus shapes of a scene's bodies, from which the shapes of every engine are made. Thread: [any]; Units: SI.
 #pragma once
 
 #include "rt/physics/shapes/shape.h"

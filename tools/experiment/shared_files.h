@@ -1,6 +1,6 @@
-// Where the files are that come with the program: scenes, and what draws pages. They are found from the program's own
-// place, PROGRAM/../../share/tactus: so in the package, in another prefix, and in a build folder, which has links
-// there. Thread: [setup]. Bound: none. Errors: none; whether the file is there is for the caller to see.
+// Finds the files installed with the program: scenes and the page script. Their folder is relative to the program,
+// PROGRAM/../../share/tactus; this works in the package, in another prefix, and in a build folder, which has links
+// there. Thread: [setup]. Bound: none. Errors: none; the caller checks whether the file exists.
 #pragma once
 
 #include <filesystem>

@@ -11,7 +11,7 @@ constexpr double kBodiesPerRod = 50;
 constexpr double kHalfThickness = 0.25, kHeight = 4, kDepthInFloor = 0.1;
 constexpr double kPitch = 4.2, kRadius = 1.1;
 constexpr double kSpeed_rad_per_s = 2;
-constexpr double kRoomAtWall = 0.5;  // on the floor, beside a rod
+constexpr double kRoomAtWall = 0.5;  // free width between wall and rods, on the floor
 
 }  // namespace
 

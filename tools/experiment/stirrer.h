@@ -1,4 +1,4 @@
-// What stirs a heap: upright rods that circle together, as a rake does, at prescribed poses whatever touches them.
+// Stirrer of a heap: upright rods that move together on circles, with prescribed poses regardless of contacts.
 //
 // One description for every engine: in each step an engine moves each rod at constant velocity from its pose at the
 // start of the step to its pose at the end, as a kinematic body.
@@ -26,11 +26,11 @@ struct Stirrer {
   double path_length_m(double duration_s) const noexcept;  // of a rod
 };
 
-// Rods for `bodies` bodies of at most `edge_m`, about fifty to a rod, on a square grid about the middle of the floor.
-// No body gets under a rod: it reaches into the floor. Walls are to be a bowl's (add_bowl): between a rod that nothing
-// stops and an upright wall a row of bodies is crushed, whatever the engine.
+// Rods for `bodies` bodies of at most `edge_m`, about fifty bodies per rod, on a square grid around the centre of the
+// floor. Rods extend into the floor, so that no body gets under them. The walls must slope (add_bowl): between a rod of
+// prescribed motion and an upright wall every engine crushes a row of bodies.
 Stirrer make_stirrer(std::uint32_t bodies, double edge_m);
-// Of the square floor over which the rods move [m].
+// Side of the square floor over which the rods move [m].
 double floor_width(const Stirrer& stirrer, double edge_m) noexcept;
 
 }  // namespace tactus::experiment

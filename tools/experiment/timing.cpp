@@ -33,7 +33,7 @@ void settle_on_core() noexcept {
   cpu_set_t one;
   CPU_ZERO(&one);
   CPU_SET(static_cast<unsigned>(core), &one);
-  static_cast<void>(sched_setaffinity(0, sizeof one, &one));  // where it is not allowed, the scheduler's choice holds
+  static_cast<void>(sched_setaffinity(0, sizeof one, &one));  // if not permitted, the scheduler chooses
 }
 
 }  // namespace tactus::experiment

@@ -1,6 +1,5 @@
-// What records say: which frames came, how long a command takes to be answered, how old the force is, how the two
-// clocks go. Everything from the records alone, so that a soak of any length is read as it comes. Thread: normal. Units
-// in the names.
+// Analysis of records: frame losses, answer time of a command, age of the force, drift of the two clocks. Uses the
+// records alone, one by one, so that a soak may have any length. Thread: normal. Units in the names.
 #pragma once
 
 #include <array>
@@ -12,23 +11,23 @@
 
 namespace tactus::hil {
 
-// Every frame that the device numbered, by what became of it, and what the commands did.
+// Counts every frame that the device numbered and every command, by outcome.
 class FrameBook {
  public:
   void add(const Record& record) noexcept;
 
   std::uint64_t ticks{0};
   std::uint64_t fresh{0}, corrupt{0}, superseded{0};
-  std::uint64_t reordered{0}, duplicated{0};  // whole frames whose number is older than, or that of, the newest
+  std::uint64_t reordered{0}, duplicated{0};  // whole frames whose number is older than the newest, or equal to it
   std::uint64_t missing_ticks{0}, disconnected_ticks{0};
   std::uint64_t longest_gap_ticks{0};                  // ticks in a row without a whole new frame
   std::uint64_t numbered{0};                           // by the device, from the first frame to the newest
-  std::uint64_t commands{0}, refused{0}, answered{0};  // sent, not taken on by the link, seen echoed
+  std::uint64_t commands{0}, refused{0}, answered{0};  // sent; not accepted by the link; echoed by the device
 
-  // Numbered, and neither came nor was superseded nor broken.
+  // Numbered frames that were neither received nor superseded nor broken.
   std::uint64_t lost() const noexcept;
-  // Of the frames that the link says it received, those that no record accounts for. What is under way at either end of
-  // an exchange may be one or two.
+  // Frames that the link counts as received but that are in no record. One or two may be in transit at the start or end
+  // of an exchange.
   std::uint64_t unaccounted(const hal::LinkCounters& link) const noexcept;
 
  private:
@@ -37,8 +36,8 @@ class FrameBook {
   bool seen_{false};
 };
 
-// From a command's sending to the first state frame that says the device has it; and the age of a force: from the
-// device's sample to the period in which the effort that answers it acts, both by the device's clock.
+// Round-trip time: from sending a command to the first state frame that acknowledges it. Age of a force: from the
+// device's sample to the period in which the resulting effort acts, both by the device's clock.
 class RoundTrip {
  public:
   void add(const Record& record) noexcept;
@@ -48,7 +47,7 @@ class RoundTrip {
   struct Command {
     std::uint32_t sequence{0};
     std::int64_t sent_ns{0};
-    std::uint64_t sample_us{0};  // device time of the sample that it answers
+    std::uint64_t sample_us{0};  // device time of the sample that it is based on
   };
   static constexpr std::uint32_t kUnderWay = 256;
   std::array<Command, kUnderWay> commands_{};
@@ -56,17 +55,17 @@ class RoundTrip {
   bool seen_{false};
 };
 
-// Both clocks against each other, and the device's own rate. The shortest delays of the first and the last tenth of the
-// frames are compared, so that what delays frames does not count: needs a second or so.
+// Drift between both clocks, and the device's rate. Compares the shortest delays of the first and the last tenth of the
+// frames, so that delayed frames have no effect; needs about a second.
 struct ClockFigures {
-  double drift_ppm{0};         // the device's clock gains so much on the host's
+  double drift_ppm{0};         // rate of the device's clock relative to the host's, minus 1
   double device_period_us{0};  // between numbers, by the device's clock
   double host_period_us{0};    // the same by the host's clock
 };
 std::optional<ClockFigures> clock_figures(std::span<const Record> records);
 
-// When, in the device's own count of missed commands, it faded and braked. The bounds bracket what superseded frames
-// may have hidden: it happened after `after` and at `at` at the latest.
+// When the device faded or braked, in its own count of missed commands. Frames may be superseded, so there are two
+// bounds: after `after`, and at `at` at the latest.
 struct Onset {
   std::optional<std::uint32_t> after, at;  // missed commands in a row
   bool is(std::uint32_t frames) const noexcept {
@@ -78,7 +77,7 @@ struct WatchdogFigures {
 };
 WatchdogFigures watchdog_figures(std::span<const Record> records);
 
-// Device periods from the last frame without the sign to the first one in BRAKE; nothing if it never braked.
+// Device periods from the last frame before `first_sign` to the first one in BRAKE; empty if it never braked.
 std::optional<std::uint32_t> frames_to_brake(std::span<const Record> records, std::size_t first_sign);
 
 }  // namespace tactus::hil

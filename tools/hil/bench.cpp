@@ -109,7 +109,7 @@ const Result<QuietExchange>& Bench::quiet() {
 }
 
 Status Bench::settle() {
-  constexpr std::uint64_t kPatience = 60;  // periods for the device to hear of a re-arm, at most
+  constexpr std::uint64_t kPatience = 60;  // periods; time limit for the device to act on a re-arm
   const Phase plan[] = {{.ticks = 20}, {.ticks = kPatience, .rearm = true}, {.ticks = 20}};
   auto result = exchange(plan);
   if (!result.ok()) return result.status();

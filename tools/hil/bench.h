@@ -1,5 +1,5 @@
-// What the checks work with: the link and what is on it, the description it is compared with, and the ways to talk to
-// it. A check gets the device IDLE and without fault, and may leave it as it likes.
+// Test bench of the checks: the link, the device on it, the description it is compared with, and functions to
+// communicate with it. A check receives the device in IDLE without fault, and may leave it in any state.
 // Thread: normal. Units in the names.
 #pragma once
 
@@ -16,16 +16,16 @@ namespace tactus::hil {
 
 struct HilOptions {
   double rate_Hz{1000};
-  double force_N{0};        // the largest force that a check may ask for; 0: none
+  double force_N{0};        // largest force that a check may command; 0: none
   bool stepped{false};      // no clock: the link is stepped tick by tick
-  bool judge_timing{true};  // false: figures of time are shown and not judged
+  bool judge_timing{true};  // false: times are shown and not judged
   bool can{false};          // the link is a CAN bus
   std::uint64_t soak_frames{0};
-  double quiet_s{5};  // of the exchange that losses, times and clocks are read from
+  double quiet_s{5};  // duration of the exchange from which losses, times and clocks are determined
   loop::SetupRequest setup;
 };
 
-// The exchange at rest that several checks read.
+// The exchange at rest, used by several checks.
 struct QuietExchange {
   ExchangeResult result;
   FrameBook book;
@@ -34,7 +34,7 @@ struct QuietExchange {
 
 class Bench {
  public:
-  // Who sees how far an exchange is: 0 to 1.
+  // Receives the completed fraction of an exchange, 0 to 1.
   using Progress = std::function<void(double share)>;
 
   Bench(hal::AnyLink& link, const hal::DeviceProfile& profile, Provoker& provoker, const HilOptions& options);
@@ -49,12 +49,12 @@ class Bench {
   void on_progress(Progress progress) { progress_ = std::move(progress); }
 
   Result<ExchangeResult> exchange(std::span<const Phase> plan, const Director& director = {}, bool keep = true);
-  // Run once, then remembered.
+  // Run at the first call; later calls return the same result.
   const Result<QuietExchange>& quiet();
-  // IDLE, without fault; re-arms where it must. One line where the device does not go there.
+  // Brings the device to IDLE without fault; re-arms if necessary. Error, one line: the device does not get there.
   Status settle();
 
-  // One question. An error: no answer, or a refusal in words.
+  // Sends one request. Error: no answer, or the reason of a refusal.
   Result<firmware::ServiceMessage> call(firmware::Operation operation, std::uint16_t number, std::uint32_t value = 0);
   Result<std::uint32_t> read(std::uint16_t number);
   Status write(std::uint16_t number, std::uint32_t value);
@@ -72,10 +72,10 @@ class Bench {
   std::uint8_t tag_{0};
 };
 
-// How long an answer may take: the device answers once a period, the rest is for a machine that is busy.
+// Time limit for an answer. The device answers once a period; the rest is a margin for a busy machine.
 inline constexpr std::chrono::milliseconds kAnswer{500};
 
-// "BRAKE, fault 2 (e-stop)": what a state frame says, for people.
+// "BRAKE, fault 2 (e-stop)": a state frame as text.
 std::string describe(const firmware::StateFrame& frame);
 
 }  // namespace tactus::hil

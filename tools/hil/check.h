@@ -1,7 +1,7 @@
-// The suite's checks: each one function in a file of its own kind, all in one table.
+// The suite's checks: one function each, grouped by topic in files, all in one table.
 //
-// A check gets a device that is IDLE without fault, looks at one thing, and says what it measured and which threshold
-// it was held against. Thread: normal.
+// A check receives a device in IDLE without fault, tests one property, and reports the measured value and its
+// threshold. Thread: normal.
 #pragma once
 
 #include <span>
@@ -23,7 +23,7 @@ struct Figure {
 struct Finding {
   Verdict verdict{Verdict::kGood};
   std::string measured;   // a line for people
-  std::string threshold;  // what it was held against
+  std::string threshold;  // limit it was compared with
   std::string reason;     // why bad or skipped
   std::vector<Figure> figures;
 };
@@ -33,9 +33,9 @@ Finding skipped(std::string reason);
 
 enum Need : unsigned {
   kNothing = 0,
-  kMotors = 1,  // motors are on, or shorted: the person is asked first
+  kMotors = 1,  // motors are on, or shorted: the operator must agree first
   kForce = 2,   // a force that moves the tool: --force
-  kSoak = 4,    // takes its time: --soak
+  kSoak = 4,    // takes long: --soak
 };
 
 struct Check {

@@ -10,9 +10,10 @@
 namespace tactus::hil {
 namespace {
 
-// 29 s of records at 1 kHz: while a person reads a question, or a command provokes a fault, nothing is lost.
+// 29 s of records at 1 kHz: enough for the time in which the operator reads a question or a command causes a fault.
 constexpr std::uint64_t kRingBytes = 8u << 20;
-constexpr std::uint64_t kRearmRises = 2;  // the device must have seen the flag clear before
+constexpr std::uint64_t kRearmRises =
+    2;  // tick in which the flag rises; the device must first have received it cleared
 
 hal::LinkCounters since(const hal::LinkCounters& now, const hal::LinkCounters& before) noexcept {
   return {now.received - before.received,
@@ -25,13 +26,13 @@ hal::LinkCounters since(const hal::LinkCounters& now, const hal::LinkCounters& b
           now.disconnects - before.disconnects};
 }
 
-// Takes records from the ring to the director and the result.
+// Passes records from the ring to the director and the result.
 class Reader {
  public:
   Reader(ExchangeTick& tick, const Director& director, bool keep, ExchangeResult& result)
       : tick_(tick), director_(director), keep_(keep), result_(result) {}
 
-  // False: the director wants the end.
+  // False: the director requests the end.
   bool drain() {
     RingRecord header;
     Record record;
@@ -40,7 +41,8 @@ class Reader {
       if (keep_) result_.records.push_back(record);
       if (stopped_ || !director_) continue;
       const Next next = director_(record);
-      // One step for each record of the phase that is over: the thread is ahead of what is read here.
+      // The phase advances only once, although further records of the ended phase follow: the haptic thread is ahead of
+      // this reader.
       if (next == Next::kNextPhase && record.phase >= asked_) tick_.ask_for_phase(asked_ = record.phase + 1);
       if (next == Next::kStop) stopped_ = true;
     }
@@ -103,7 +105,7 @@ bool ExchangeTick::operator()(const loop::TickTiming&) noexcept {
   record.now_ns = now_ns();
   receive(record);
   if (plan_[phase_].send) send(plan_[phase_], record);
-  (void)records_.try_push(0, std::span(&record, 1));  // no room: counted by the ring
+  (void)records_.try_push(0, std::span(&record, 1));  // the ring counts a record that does not fit
   counters_ = link_.counters();
   ++tick_;
   return true;
@@ -169,7 +171,7 @@ Result<ExchangeResult> run_exchange(hal::AnyLink& link, Conversation& conversati
   } else if (const Status status = run_on_thread(tick, reader, settings, result); !status.ok()) {
     return status;
   }
-  // As they were in the last period: a link of its own thread goes on receiving while this one is joined.
+  // Counters of the last period: a link with its own thread continues to receive while this thread is joined.
   result.counters = since(tick.counters(), before);
   return result;
 }

@@ -1,11 +1,11 @@
-// The suite's exchange with the device: frame in, frame out, once a period, as the haptic loop does it and on a thread
-// like the loop's; every period is a record, and the records are looked at on a normal thread.
+// The suite's exchange with the device: one frame in and one out per period, on a thread like the haptic loop's. Every
+// period gives a record; a normal thread evaluates the records.
 //
-// What is sent is a plan: phases, each for so many ticks or until the director moves on. The director sees every record
-// in order; it may ask for the next phase, or for the end. In stepped mode (a link without a clock) one thread does
-// both, tick by tick, and times are multiples of the period.
-// Thread: run() normal; ExchangeTick [rt]: no allocation, no lock; it pushes records into a ring of fixed size, and
-// what finds no room is counted. Units in the names.
+// The commands follow a plan of phases, each for a number of ticks or until the director ends it. The director receives
+// every record in order and may request the next phase or the end. In stepped mode (a link without a clock) one thread
+// does both, tick by tick, and times are multiples of the period.
+// Thread: run() normal; ExchangeTick [rt]: no allocation, no lock; it pushes records into a ring of fixed size; records
+// that do not fit are counted. Units in the names.
 #pragma once
 
 #include <atomic>
@@ -22,7 +22,7 @@ namespace tactus::hil {
 enum class Got : std::uint8_t { kNothing = 0, kFresh = 1, kCorrupt = 2, kDisconnected = 3 };
 enum class Sent : std::uint8_t { kNotTried = 0, kTaken = 1, kRefused = 2 };
 
-// What one period brought. `state` is the newest whole frame, of this tick where `got` is kFresh.
+// Record of one period. `state` is the newest whole frame, of this tick where `got` is kFresh.
 struct Record {
   std::uint64_t tick{0};
   std::int64_t now_ns{0}, arrival_ns{0}, sent_ns{0};  // CLOCK_MONOTONIC, or periods in stepped mode
@@ -38,9 +38,9 @@ static_assert(std::is_trivially_copyable_v<Record>);
 
 enum class Harm : std::uint8_t { kNone = 0, kBrokenCrc = 1, kNotFinite = 2, kRepeated = 3 };
 
-// What is sent for a while.
+// Commands of one phase.
 struct Phase {
-  std::uint64_t ticks{0};  // 0: until the director moves on
+  std::uint64_t ticks{0};  // 0: until the director ends the phase
   firmware::State wanted{firmware::State::kIdle};
   bool send{true};
   bool rearm{false};  // the flag rises in the phase's third tick: the device acts on the rise
@@ -57,7 +57,7 @@ struct ExchangeSettings {
   loop::SetupRequest setup;
 };
 
-// Sequence numbers and the codec's memory go on from one exchange to the next.
+// Sequence numbers and codec state, kept from one exchange to the next.
 struct Conversation {
   hal::FrameCodec codec;
   std::uint64_t command_sequence{0};
@@ -74,7 +74,7 @@ class ExchangeTick {
   bool operator()(const loop::TickTiming& timing) noexcept;
 
   Ring& records() noexcept { return records_; }
-  // The link's, as of the last period; before the first: those given.
+  // Counters of the link as of the last period; before the first period those given here.
   void begin_with(const hal::LinkCounters& counters) noexcept { counters_ = counters; }
   const hal::LinkCounters& counters() const noexcept { return counters_; }
   void ask_for_phase(std::uint32_t phase) noexcept { asked_phase_.store(phase, std::memory_order_relaxed); }
@@ -99,14 +99,14 @@ class ExchangeTick {
 };
 
 struct ExchangeResult {
-  std::vector<Record> records;       // empty where they were not to be kept
-  std::uint64_t dropped_records{0};  // the ring was full: the figures are then not to be believed
+  std::vector<Record> records;       // empty unless `keep`
+  std::uint64_t dropped_records{0};  // lost because the ring was full; above 0 the figures are invalid
   hal::LinkCounters counters;        // of this exchange
   loop::SetupReport setup;           // real time only
   loop::TimingHealth timing;
 };
 
-// Runs the plan to its end. `keep`: the records are handed back. An error is the system's or the link's.
+// Runs the plan to its end. `keep`: returns the records. Errors: of the operating system or the link.
 Result<ExchangeResult> run_exchange(hal::AnyLink& link, Conversation& conversation, const ExchangeSettings& settings,
                                     std::span<const Phase> plan, const Director& director = {}, bool keep = true);
 

@@ -1,4 +1,4 @@
-// Questions that several checks ask of their records, phase by phase: did FORCE come, did BRAKE stay.
+// Tests on records, per phase, shared by several checks: was FORCE reached, was BRAKE kept.
 // Thread: normal.
 #pragma once
 
@@ -13,10 +13,10 @@ namespace tactus::hil {
 // The records of phases `first` to `last`. Phases are in order in the records.
 std::span<const Record> in_phases(std::span<const Record> records, std::uint32_t first, std::uint32_t last);
 
-// Empty if the device was in FORCE at the phase's end; else why not, for people.
+// Empty if the device was in FORCE at the phase's end; otherwise the reason, as text.
 std::string never_forced(std::span<const Record> records, std::uint32_t phase);
 
-// Empty if every frame of the phase's second half says BRAKE with this fault; else what it said.
+// Empty if every frame of the phase's second half reports BRAKE with this fault; otherwise the observed state.
 std::string latch_broken(std::span<const Record> records, std::uint32_t phase, firmware::Fault fault);
 
 }  // namespace tactus::hil

@@ -1,4 +1,4 @@
-// What the suite found: as a table, as one JSON object, as JUnit XML.
+// Reports of the suite: as a table, as one JSON object, as JUnit XML.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 // The suite without hardware: the firmware on simulated mechanics behind a link in this process, with switches for the
-// faults that a bench could cause.
+// faults that a real bench can cause.
 //
-// Thread: the switches [any]; they act at the next receive(). The rest as the contract of links says; call() while
-// nobody receives.
+// Thread: the switches [any]; they act at the next receive(). The rest as in the contract of links; call() only while
+// no thread receives.
 #pragma once
 
 #include <atomic>
@@ -39,7 +39,7 @@ class SimulatedBench {
 
 static_assert(hal::FrameLink<SimulatedBench>);
 
-// Works the switches of a bench that outlives it.
+// Operates the switches of a bench, which must outlive it.
 class ProvokeSimulated final : public Provoker {
  public:
   explicit ProvokeSimulated(SimulatedBench& bench) : bench_(bench) {}

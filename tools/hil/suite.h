@@ -1,4 +1,4 @@
-// Runs checks one after the other and keeps what they found.
+// Runs checks one after the other and collects their findings.
 // Thread: normal.
 #pragma once
 
@@ -23,26 +23,26 @@ struct SuiteReport {
   bool real_time{false};
 
   std::size_t count(Verdict verdict) const noexcept;
-  // Nothing bad, and something good.
+  // No check is bad, and at least one is good.
   bool good() const noexcept { return count(Verdict::kBad) == 0 && count(Verdict::kGood) > 0; }
   bool degraded() const noexcept { return real_time && setup.failed(); }
 };
 
 struct SuiteRequest {
   std::vector<std::string> only;  // names; empty: all
-  bool motors_allowed{false};     // the person agreed
+  bool motors_allowed{false};     // the operator agreed
 };
 
 struct SuiteHooks {
   std::function<void(const Check&, double share)> progress;
   std::function<void(const CheckReport&)> done;
-  std::function<bool()> stop;  // asked for between two checks
+  std::function<bool()> stop;  // called between two checks
 };
 
-// The names that are none, in words; empty when all exist.
+// Message about unknown names; empty if all exist.
 std::string unknown_checks(const std::vector<std::string>& names);
 
-// The checks that a request takes, in the table's order.
+// The requested checks, in the table's order.
 std::vector<const Check*> chosen_checks(const std::vector<std::string>& only);
 
 SuiteReport run_suite(Bench& bench, const SuiteRequest& request, const SuiteHooks& hooks);

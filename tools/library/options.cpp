@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint32_t kMostHistoryTicks = 1'000'000;
 
-// Longer ones first: none is hidden by its own beginning.
+// Longer entries first, so that a shorter one which is their prefix does not match first.
 constexpr std::pair<std::string_view, std::string_view> kOwnWords[] = {
     {"without --virtual-time", "with real_time = true"},
     {"--virtual-time", "real_time = false"},

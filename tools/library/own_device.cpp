@@ -23,7 +23,7 @@ struct Figure {
   double DeviceProperties::*ours;
   double haptics::DeviceProperties::*inner;
   bool may_be_zero;
-  bool of_rotation{false};  // 0 is accepted where there is none
+  bool of_rotation{false};  // 0 is accepted for a device without rotation
 };
 
 constexpr Figure kFigures[] = {

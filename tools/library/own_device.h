@@ -1,8 +1,8 @@
-// A Device of the caller's as the loop wants one: numbers its samples, keeps the state machine that a device with the
-// project's firmware keeps itself, and sees to it that no force is asked of it that is not finite or not wanted.
+// Adapts the caller's Device to the interface of the loop: numbers its samples, implements the state machine that the
+// project's firmware has, and commands no force that is not finite or not enabled.
 //
-// Thread: construction, start(), finish() [setup]; read(), write() [rt]: what the caller's own code costs, and constant
-// time. Frame: the device's. The device outlives this. Faults: what Device reports; kOutputNotFinite never comes here.
+// Thread: construction, start(), finish() [setup]; read(), write() [rt]: the time of the caller's code plus a constant.
+// Frame: the device's. The device outlives this. Faults: those that Device reports; kOutputNotFinite does not occur.
 #pragma once
 
 #include "rt/base/result.h"
@@ -11,19 +11,19 @@
 
 namespace tactus::library {
 
-// Which figure is impossible, what is accepted; good else.
+// Error: which figure is impossible and what is accepted.
 Status check_properties(const DeviceProperties& properties);
 
 class OwnDevice {
  public:
-  // `properties`: checked.
+  // `properties`: already checked.
   OwnDevice(Device& device, const DeviceProperties& properties, double period_s) noexcept;
 
   const haptics::DeviceProperties& properties() const noexcept { return properties_; }
   Status start();
   void read(haptics::DeviceInput& input) noexcept;
   void write(const haptics::DeviceCommand& command) noexcept;
-  // No force any more, and the device is told to stop, where it was started.
+  // Removes the force and stops the device if it was started.
   void finish() noexcept;
 
  private:
@@ -33,7 +33,7 @@ class OwnDevice {
   bool started_{false};
   std::uint64_t reads_{0};
   DeviceSample last_{};
-  haptics::DeviceSample sample_;  // the last one that came
+  haptics::DeviceSample sample_;  // the last fresh sample
   haptics::DeviceState state_{haptics::DeviceState::kIdle};
   std::uint32_t rearm_{0};  // of the last command
 };

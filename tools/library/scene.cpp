@@ -18,7 +18,7 @@ static_assert(static_cast<std::uint32_t>(Shape::kSphere) == static_cast<std::uin
               static_cast<std::uint32_t>(Shape::kHull) == static_cast<std::uint32_t>(physics::ShapeKind::kHull) &&
               static_cast<std::uint32_t>(Shape::kMesh) == static_cast<std::uint32_t>(physics::ShapeKind::kMesh));
 
-// A message that begins with the scene's name in each line.
+// Begins each line of a message with the scene's name.
 Error take(Result<sim::Scene> read, const sim::SceneDiagnostics& said, std::shared_ptr<const void>& scene,
            std::vector<std::string>& warnings) {
   if (!read.ok()) return {Error::Kind::kFile, read.message()};

@@ -18,10 +18,10 @@ namespace {
 using Kind = Error::Kind;
 
 constexpr std::chrono::milliseconds kLook{33};
-// A record takes its size and 16 bytes, in sixteens.
+// Size of a record in the ring: the tick and a header of 16 bytes, rounded up to a multiple of 16.
 constexpr std::uint64_t kRecordBytes = (sizeof(Tick) + 16 + 15) / 16 * 16;
 
-// The caller's thread computes as all of the house do, and is then as it was.
+// Flushes denormals on the caller's thread, as on all threads of the program, and restores its mode afterwards.
 class DenormalsFlushed {
  public:
   DenormalsFlushed() noexcept { set_denormals_flush(); }
@@ -122,7 +122,7 @@ void Session::Parts::step(std::uint64_t ticks) {
   view_is_old = view_is_old || done > 0;
 }
 
-// What the ring has, the newest history_ticks of it; returns how many are lost.
+// Reads the ring and keeps the newest history_ticks; returns the number of ticks lost.
 std::uint64_t Session::Parts::take_ticks() {
   const std::size_t room = history.size();
   std::uint64_t taken = 0;
@@ -153,7 +153,7 @@ Error Session::Parts::run(double duration_s, const Monitor& monitor) {
   hooks.taps.ticked = [](void* self, const session::Driver& driver) noexcept {
     auto& parts = *static_cast<Parts*>(self);
     const Tick tick = library::to_tick(driver, parts.session->options.period_s());
-    (void)parts.ring->try_push(0, std::span<const Tick, 1>(&tick, 1));  // one that does not fit is counted there
+    (void)parts.ring->try_push(0, std::span<const Tick, 1>(&tick, 1));  // the ring counts a tick that does not fit
   };
   if (monitor)
     hooks.taps.stepped = [](void* self, const sim::GlobalWorld& world) noexcept {

@@ -47,7 +47,7 @@ void StateView::look(const session::Session& session) {
   list_border(session);
 }
 
-// The haptic side has them newer than the global one.
+// The sub-world's state of the members is newer than the global world's.
 void StateView::place_members(const session::Session& session) {
   if (session.stats.ticks == 0) return;
   const haptics::SubWorld& sub_world = session.loop->sub_world();
@@ -62,7 +62,7 @@ void StateView::place_members(const session::Session& session) {
   const BodyNumber proxy = session.scene.proxy;
   bodies[proxy] = to_state(sub_world.proxy());
   roles[proxy] = Role::kMember;
-  if (members.empty()) members.push_back(proxy);  // the couplings that feel the proxy alone
+  if (members.empty()) members.push_back(proxy);  // coupling schemes in which the sub-world is the proxy alone
 }
 
 void StateView::list_contacts(const session::Session& session) {

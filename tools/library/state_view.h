@@ -1,7 +1,7 @@
-// The arrays behind Session's views: filled from both worlds when somebody looks, never moved while a session is open.
+// The arrays of Session's views: filled from both worlds on request, and never moved while a session is open.
 //
-// Thread: the session's owner; take() the global world's. Frame: world. Bound: bind() allocates for the scene; nothing
-// else does. What a world has more of than the arrays were made for does not happen: they have the worlds' capacities.
+// Thread: the session's owner; take(): the global world's. Frame: world. Bound: only bind() allocates. The arrays have
+// the worlds' capacities and cannot overflow.
 #pragma once
 
 #include <atomic>
@@ -19,11 +19,11 @@ struct StateView {
   std::vector<Contact> contacts;
   std::vector<BorderContact> border;
 
-  // [setup] As the scene begins. With a scene of the same size the arrays stay where they are.
+  // [setup] Fills the arrays with the initial state. For a scene of the same size the arrays keep their addresses.
   void bind(const session::Session& session);
-  // From both worlds, which nobody steps meanwhile.
+  // Reads both worlds; no thread may step them meanwhile.
   void look(const session::Session& session);
-  // Bodies, roles and members as the global world has them.
+  // Reads bodies, roles and members from the global world.
   void look(const sim::GlobalWorld& world);
 
  private:
@@ -32,19 +32,19 @@ struct StateView {
   void list_border(const session::Session& session);
 };
 
-// Hands the global world's state over to a thread that looks now and then: none waits for the other. Bound: the copy is
-// made only where a look was taken since the last one.
+// Passes the global world's state to a thread that reads it at a low rate; neither waits for the other. Bound: a copy
+// is made only after the previous one has been read.
 class StateHandOver {
  public:
   void bind(const session::Session& session) { view_.bind(session); }
-  // [global world's thread] After a step.
+  // [global world's thread] Called after a step.
   void take(const sim::GlobalWorld& world) noexcept;
-  // [the looking thread] True: `view` has a newer state.
+  // [reading thread] True: `view` was updated to a newer state.
   bool look(StateView& view);
 
  private:
   StateView view_;
-  std::atomic<bool> filled_{false};  // true: the looker's to read; false: the world's to fill
+  std::atomic<bool> filled_{false};  // true: owned by the reading thread; false: owned by the global world's thread
 };
 
 }  // namespace tactus::library

@@ -1,4 +1,4 @@
-// A tick of the loop as the public header has it. Thread: [rt]. Bound: constant time, no allocation.
+// Converts a tick of the loop to the public Tick. Thread: [rt]. Bound: constant time, no allocation.
 #pragma once
 
 #include "tactus/tick.h"

@@ -1,4 +1,4 @@
-// Values of the inside as the public headers have them. Thread: [any]. Bound: constant time, no allocation.
+// Converts between internal and public vector types. Thread: [any]. Bound: constant time, no allocation.
 #pragma once
 
 #include "rt/base/spatial.h"

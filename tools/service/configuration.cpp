@@ -16,7 +16,7 @@ namespace tactus::service {
 namespace {
 
 constexpr std::size_t kLongestText = 1024;
-constexpr std::size_t kLongestSocket = 107;  // sockaddr_un has room for that
+constexpr std::size_t kLongestSocket = 107;  // limit of sockaddr_un
 
 class ConfigurationReader {
  public:
@@ -100,7 +100,7 @@ class ConfigurationReader {
     if (!c_.socket.empty() && (!c_.socket.is_absolute() || c_.socket.native().size() > kLongestSocket))
       t.mistake("socket", fmt::format("'{:.64}' is no place for a socket", c_.socket.string()),
                 fmt::format("an absolute path of up to {} characters, such as /run/tactus/control", kLongestSocket));
-    c_.run.arm_at_start = t.flag("arm_at_start", false);  // motors move when somebody asks
+    c_.run.arm_at_start = t.flag("arm_at_start", false);  // the motors move only on request
     c_.run.rearm = t.flag("rearm", c_.run.rearm);
     t.finish();
   }
@@ -134,7 +134,7 @@ ConfigurationReading read_configuration(const std::filesystem::path& path,
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file && !std::filesystem::is_directory(path)) {
-    text.resize(kMaxConfigurationBytes + 1);  // one byte more than is accepted says that there is more
+    text.resize(kMaxConfigurationBytes + 1);  // one byte beyond the limit, to detect a longer file
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
   }

@@ -1,9 +1,9 @@
-// What an installed tactus runs: one TOML file for the device, the scene, the rates, the cores and the limits.
+// Configuration of the installed service: one TOML file for the device, the scene, the rates, the cores and the limits.
 //
-// Same quality of messages as for scenes: file, line, column, key, what was found, what is accepted; a mistake never
-// hides the next one. Every key may be left out but `scene`; relative paths are from the file's folder. What may change
-// while it runs (`reload`): [control] rearm and [log] interval_s. Units: in the keys. Thread: [setup].
-// Bound: kMaxConfigurationBytes; a longer file is refused by a mistake like any other.
+// Messages as for scenes: file, line, column, key, what was found, what is accepted. Reading continues after a mistake.
+// Only `scene` is required; relative paths are from the file's folder. `reload` may change during a run: [control]
+// rearm and [log] interval_s. Units: in the keys. Thread: [setup].
+// Bound: kMaxConfigurationBytes; a longer file is reported as a mistake.
 #pragma once
 
 #include <filesystem>
@@ -22,25 +22,25 @@ struct Configuration {
   session::RunOptions run;       // [device] [rates] [cores] [limits]
   std::filesystem::path budget;  // of `tactus timing --certify`; empty: none
   std::filesystem::path socket;  // of `tactus control`; empty: none
-  double log_interval_s{1};      // the same event at most once in this time
+  double log_interval_s{1};      // minimum time between equal events
 };
 
-// What is wrong with the file, a line each, and what it says all the same, by default where it is wrong.
+// The mistakes in the file, one per line, and its content, with defaults for wrong values.
 struct ConfigurationReading {
   Configuration configuration;
   std::string mistakes;
 };
-// `cores`: those that the machine has; a core that is not among them is a mistake. Nothing: any is good.
+// `cores`: cores of the machine; any other core is a mistake. Empty: every core is accepted.
 ConfigurationReading read_configuration(const std::filesystem::path& path,
                                         const std::optional<std::vector<int>>& cores);
 ConfigurationReading read_configuration(std::string_view text, std::string_view name,
                                         const std::optional<std::vector<int>>& cores);
 
-// Checks ranges and combinations too, as for options of `tactus run`. The message lists every mistake, a line each.
+// Also checks ranges and combinations, as for options of `tactus run`. The message lists every mistake, one per line.
 Result<Configuration> parse_configuration(std::string_view text, std::string_view name);
 Result<Configuration> load_configuration(const std::filesystem::path& path);
 
-// The keys that differ and need a restart, in one line; empty: all that differs is safe to change.
+// The keys that differ and need a restart, in one line; empty: all differences may be applied during a run.
 std::string needs_restart(const Configuration& before, const Configuration& after);
 
 }  // namespace tactus::service

@@ -23,7 +23,7 @@
 namespace tactus::service {
 namespace {
 
-constexpr int kLookEvery_ms = 100;  // for the end of the run
+constexpr int kLookEvery_ms = 100;  // interval of checking for the end of the run
 
 class File {
  public:
@@ -52,15 +52,15 @@ bool fill_address(const std::filesystem::path& socket, sockaddr_un& address) {
 
 using Clock = std::chrono::steady_clock;
 
-// One that has asked, or is about to.
+// A client connection, before or after its request.
 struct Client {
   File connection;
   Clock::time_point give_up;
   std::string line{};
-  bool complete{false};  // the line has ended, the other side has, or it is too long
+  bool complete{false};  // end of line, connection closed by the client, or line too long
 };
 
-// What is there, without waiting.
+// Reads the available bytes without waiting.
 void receive(Client& client) {
   char bytes[kLongestLine];
   const ssize_t count =
@@ -72,7 +72,7 @@ void receive(Client& client) {
   client.complete = came.empty() || end != std::string_view::npos || client.line.size() >= kLongestLine;
 }
 
-// What else the other side has sent, or else the close would take the answer back from it.
+// Reads the remaining input, because closing with unread input would discard the answer.
 void drain(int connection) {
   char bytes[4096];
   for (int i = 0; i < 64 && TEMP_FAILURE_RETRY(recv(connection, bytes, sizeof bytes, MSG_DONTWAIT)) > 0; ++i) {}
@@ -81,7 +81,7 @@ void drain(int connection) {
 bool is_served(const sockaddr_un& address) {
   const File connection(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (connect(connection.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return true;
-  return errno != ECONNREFUSED && errno != ENOENT;  // busy, or somebody else's: not ours to take away
+  return errno != ECONNREFUSED && errno != ENOENT;  // in use, or owned by another process: must not be removed
 }
 
 std::uint64_t inode_of(const std::filesystem::path& path) {
@@ -105,7 +105,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::filesystem
   };
   sockaddr_un address{};
   if (!fill_address(socket, address)) return fail("the path is too long");
-  // What a run before left behind; one that somebody serves, however slowly, is not taken away from them.
+  // Removes a socket left by an earlier run, but not one that is still served.
   if (is_served(address)) return fail("another run serves it");
   if (struct stat status{}; stat(socket.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) unlink(socket.c_str());
   File listener(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
@@ -135,7 +135,7 @@ ControlServer::~ControlServer() {
   closing_.store(true, std::memory_order_relaxed);
   thread_.join();
   close(listener_);
-  if (inode_of(socket_) == inode_) unlink(socket_.c_str());  // not one that is somebody else's by now
+  if (inode_of(socket_) == inode_) unlink(socket_.c_str());  // only if it is still this socket
 }
 
 void ControlServer::tell(std::string state) {
@@ -145,7 +145,7 @@ void ControlServer::tell(std::string state) {
 
 std::string ControlServer::answer(const std::string& line) {
   const auto ask = [&](loop::OperatorBit bit, const char* said) {
-    requests_.fetch_or(bit, std::memory_order_relaxed);  // nothing is handed over with it
+    requests_.fetch_or(bit, std::memory_order_relaxed);  // relaxed: no other data is passed with it
     return good(said);
   };
   if (line == "state") {
@@ -185,14 +185,15 @@ void ControlServer::serve_one(int connection, const std::string& line) {
   const Status status = caught([&] { text = answer(line); });
   if (!status.ok()) text = bad(status.message());
   text += '\n';
-  (void)send(connection, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);  // an answer fits the socket's buffer
+  (void)send(connection, text.data(), text.size(),
+             MSG_NOSIGNAL | MSG_DONTWAIT);  // does not block: an answer fits in the socket's buffer
   drain(connection);
 }
 
 void ControlServer::serve() {
   std::vector<Client> clients;  // the oldest first
   while (!closing_.load(std::memory_order_relaxed)) {
-    // No memory even for an answer: there is none.
+    // Not enough memory for an answer: none is sent.
     (void)caught([&] { serve_round(clients); });
   }
 }
@@ -209,7 +210,8 @@ void ControlServer::serve_round(Clients& clients) {
     if (connection.number() >= 0)
       clients.push_back({std::move(connection), Clock::now() + std::chrono::milliseconds(kPatience_ms)});
     else
-      (void)poll(nullptr, 0, kLookEvery_ms);  // out of files: the connection stays and would be asked for at once
+      (void)poll(nullptr, 0, kLookEvery_ms);  // out of file descriptors: wait, because the pending connection would
+                                              // wake poll again at once
   }
   const auto now = Clock::now();
   const auto is_over = [&](const Client& client) {

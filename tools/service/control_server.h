@@ -1,14 +1,14 @@
 // The control socket of a running tactus: one line in, one line of JSON out, over a Unix stream socket.
 //
-//   state     what the loop does now        arm       force on, with the device where it is
-//   rearm     take a latched fault back     disarm    force off
+//   state     the state of the loop         arm       force on, with the device where it is
+//   rearm     clear a latched fault         disarm    force off
 //   reload    read the configuration again  reset     the scene back to its start, the force off meanwhile
 //   stop      end the run
-// Who may write to the socket may do all of it: its mode is 0660, its folder the service's. Thread: construction and
-// destruction [setup]; it serves on a thread of its own, of normal priority; tell() by one normal thread.
-// Bound: kMostClients connections at once, of more the oldest is answered and closed; kLongestLine bytes in within
-// kPatience_ms, or what came until then is answered. Who is slow to ask keeps nobody waiting. Any bytes may come: an
-// answer repeats at most kLongestEcho of them, and what its making throws is the answer.
+// Anyone who may write to the socket may use all commands: its mode is 0660, in the service's folder. Thread:
+// construction and destruction [setup]; it serves on its own thread of normal priority; tell() from one normal thread.
+// Bound: kMostClients connections at once; beyond that the oldest is answered and closed. A request is kLongestLine
+// bytes within kPatience_ms; after that, what has arrived is answered. A slow client does not delay others. Any bytes
+// are accepted: an answer repeats at most kLongestEcho of them, and an exception while making it becomes the answer.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@
 namespace tactus::service {
 
 inline constexpr std::size_t kLongestLine = 256;
-inline constexpr std::size_t kLongestEcho = 64;  // of what was sent, in an answer
+inline constexpr std::size_t kLongestEcho = 64;  // bytes of the request repeated in an answer
 inline constexpr int kPatience_ms = 1000;
 inline constexpr std::size_t kMostClients = 16;
 
@@ -32,19 +32,20 @@ class ControlServer {
  public:
   using Reload = std::function<Status(std::string& said)>;
 
-  // `requests`: OperatorBit (rt/loop/haptic_loop.h) is set there, and taken by whoever gives it to the loop; `stop` is
-  // set by "stop"; `reload` gives a line, what was changed, or an error; `can_reset`: there is a global world.
+  // `requests`: OperatorBit (rt/loop/haptic_loop.h) is set there and cleared by the thread that passes it to the loop;
+  // `stop` is set by "stop"; `reload` returns a line that lists the changes, or an error; `can_reset`: there is a
+  // global world.
   static Result<std::unique_ptr<ControlServer>> open(const std::filesystem::path& socket,
                                                      std::atomic<std::uint32_t>& requests, std::atomic<bool>& stop,
                                                      Reload reload, bool can_reset = true);
   ~ControlServer();
 
-  // The answer to "state": one JSON object.
+  // Sets the answer to "state": one JSON object.
   void tell(std::string state);
-  // Whether a re-arm has something to take back, for its answer; true until it is told.
+  // Sets whether a fault is latched, for the answer to "rearm"; true until the first call.
   void tell_latched(bool latched) noexcept { latched_.store(latched, std::memory_order_relaxed); }
 
-  // One line's answer. Public for tests.
+  // Answers one line. Public for tests.
   std::string answer(const std::string& line);
 
  private:
@@ -68,7 +69,7 @@ class ControlServer {
   std::thread thread_;  // last: it uses the others
 };
 
-// The other end: sends the line, gives the answer. One line on an error.
+// Client: sends the line and returns the answer. Error: one line.
 Result<std::string> ask_control(const std::filesystem::path& socket, const std::string& line);
 
 }  // namespace tactus::service

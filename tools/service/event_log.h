@@ -1,9 +1,9 @@
-// Events of a run as lines for people and for journald: a level, a name, fields.
+// Logs events of a run as readable lines, also for journald: a level, a name, fields.
 //
 //   <4>overruns count=12 total=310 suppressed=4
-// The level stands in front as journald takes it, where standard error goes to a journal; else it is left out. The
-// same event comes at most once in an interval; what was held back is counted into the next one. Thread: one, normal;
-// never the haptic thread. Time comes from the caller. Bound: one line an event, values quoted where they have blanks.
+// The level precedes the line in journald's format if standard error goes to a journal; otherwise it is omitted. The
+// same event is logged at most once per interval; suppressed ones are counted in the next. Thread: one, normal;
+// never the haptic thread. Time comes from the caller. Bound: one line per event; values with blanks are quoted.
 #pragma once
 
 #include <cstdio>
@@ -27,7 +27,7 @@ class EventLog {
   void event(Level level, const std::string& name, Fields fields, double now_s);
   void set_interval(double interval_s) { interval_s_ = interval_s; }
 
-  // Standard error goes to a journal (systemd says so).
+  // True if standard error goes to a journal, as reported by systemd.
   static bool to_journal();
 
  private:

@@ -77,7 +77,7 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
     log_.event(Level::kNotice, "reset", {{"total", number(resets)}}, elapsed_s);
     resets_ = resets;
   }
-  // What the loop does, not what it was asked to do; a fault that takes the force away has its own line.
+  // Logs the state of the loop, not the request; a fault that removes the force has its own line.
   const bool armed = started_ && (live.status.load(relaxed) & kNotArmed) == 0;
   if (armed != armed_ && fault == 0) log_.event(Level::kNotice, armed ? "armed" : "disarmed", {}, elapsed_s);
   armed_ = armed;

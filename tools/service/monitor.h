@@ -1,4 +1,4 @@
-// What the outside learns of a run, five times a second: the log's events, the control socket's state, systemd's
+// Publishes the state of a run five times a second: events of the log, state for the control socket, systemd's
 // watchdog. Thread: one, normal. Time comes from the caller.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace tactus::service {
 
-// What a run is of: for its log and its state.
+// Identity of a run, for its log and its state.
 struct RunName {
   std::filesystem::path scene;
   std::string scene_hash;  // of its text
@@ -24,10 +24,10 @@ class Monitor {
  public:
   explicit Monitor(EventLog& log, RunName name = {}) : log_(log), name_(std::move(name)) {}
 
-  // Events for what has changed since the last call: the start, force on and off, overruns, a late world, a
-  // fault and its end.
+  // Logs what has changed since the last call: the start, force on and off, overruns, a late world, a fault and its
+  // end.
   void look(const session::LiveStatus& live, double elapsed_s);
-  // The loop has ticked since the last call: what a watchdog wants to know.
+  // True if the loop has ticked since the last call, for the watchdog.
   bool alive() const { return alive_; }
   double rate_Hz() const { return rate_Hz_; }
 

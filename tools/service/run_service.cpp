@@ -8,7 +8,7 @@
 namespace tactus::service {
 namespace {
 
-// A latched fault is taken back this long after it latched, as by --rearm.
+// A latched fault is cleared this long after it latched, as by --rearm.
 constexpr double kRearmAfter_s = 1.0;
 
 }  // namespace
@@ -32,7 +32,7 @@ Result<std::unique_ptr<RunService>> RunService::open(const Configuration& config
     auto control = ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload), can_reset);
     if (!control.ok()) return control.status();
     service->control_ = std::move(control).value();
-    session::LiveStatus not_yet;  // who asks before the loop runs learns that
+    session::LiveStatus not_yet;  // initial state, for requests before the loop runs
     not_yet.status.store(kNotArmed, std::memory_order_relaxed);
     service->control_->tell(state_json(not_yet, 0, 0, service->name_));
   }

@@ -1,8 +1,8 @@
-// What makes a run a service: its log, its control socket, systemd's notifications and watchdog, a configuration that
-// may be read again while it runs.
+// Runs a session as a service: log, control socket, systemd's notifications and watchdog, and a configuration that can
+// be reloaded during the run.
 //
-// Thread: made and looked at by the main one; the control socket's own thread calls back into reload. The haptic thread
-// sees one atomic number, requests(). Bound: one look in some 200 ms, as the run's hooks give it.
+// Thread: created and updated by the main thread; the control socket's thread calls reload. The haptic thread reads one
+// atomic number, requests(). Bound: one update every 200 ms or so, from the run's hooks.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,8 @@ namespace tactus::service {
 
 class RunService {
  public:
-  // `file` is the one that `configuration` came from: reload reads it again. Where it names no socket there is none.
+  // `file` is the one that `configuration` came from: reload reads it again. Without a socket in it there is no control
+  // server.
   // `can_reset`: the run has a global world. `name`: for the log.
   static Result<std::unique_ptr<RunService>> open(const Configuration& configuration, const std::filesystem::path& file,
                                                   std::atomic<bool>& stop, bool can_reset, RunName name);
@@ -23,10 +24,9 @@ class RunService {
 
   // OperatorBit, for RealtimeHooks.
   std::atomic<std::uint32_t>& requests() noexcept { return requests_; }
-  // Logs what changed, tells the control socket and systemd, takes a latched fault back where the configuration says
-  // so.
+  // Logs changes, updates the control socket and systemd, and clears a latched fault if so configured.
   void look(const session::LiveStatus& live, double elapsed_s);
-  // Logs a line that the run says, such as why it was not armed.
+  // Logs a message of the run, such as why it was not armed.
   void say(const std::string& line);
 
  private:

@@ -17,7 +17,7 @@ std::uint32_t ArmGate::pass(std::uint32_t asked) noexcept {
     return asked;
   }
   if ((asked & kGivesForce) != 0) waiting_.fetch_or(asked & kGivesForce, relaxed);
-  // Off is off: who asked for force before that has to ask again.
+  // A disarm cancels waiting requests for force; they must be made again.
   if ((asked & loop::kDisarm) != 0) {
     waiting_.store(0, relaxed);
     granted_.store(0, relaxed);

@@ -1,8 +1,8 @@
-// Between those who ask for force, and the loop: a real device is compared with what the run began with before it is
-// armed or re-armed.
+// Filters requests for force before they reach the loop: before a real device is armed or re-armed, its identity is
+// compared with that at the start of the run.
 //
-// Thread: construction [setup]; pass() [rt], the haptic thread's: two atomic exchanges at most; look() normal, one
-// thread: it asks the device and takes as long as that does. What the check refuses is dropped: ask again.
+// Thread: construction [setup]; pass() [rt], haptic thread, at most two atomic exchanges; look() on one normal thread:
+// it queries the device and waits for the answer. A refused request is dropped and must be made again.
 #pragma once
 
 #include <atomic>
@@ -14,24 +14,25 @@
 
 namespace tactus::session {
 
-// A device on a link is told to be IDLE for so many ticks before a run arms it: it gives no FORCE to a host that never
-// wanted IDLE. Many, for some may be lost.
+// Number of ticks in which IDLE is commanded before a run arms a device on a link. The device enters FORCE only after
+// the host has commanded IDLE. Repeated because frames may be lost.
 inline constexpr std::uint32_t kIdleTicks = 20;
 
 class ArmGate {
  public:
-  // `same_device`: null where nothing can change, as on the simulated device.
+  // `same_device`: checks the identity; null if it cannot change, as on the simulated device.
   explicit ArmGate(std::function<Status()> same_device) : same_device_(std::move(same_device)) {}
 
-  // OperatorBit asked for in this tick: those that the loop is given now.
+  // `asked`: OperatorBits requested in this tick. Returns those that are passed on to the loop.
   std::uint32_t pass(std::uint32_t asked) noexcept;
 
-  // Checks where somebody waits. The error: why the request was refused, in one line.
+  // Checks the device if a request is waiting. Error: why the request was refused, one line.
   Status look();
 
  private:
   std::function<Status()> same_device_;
-  std::uint32_t unchecked_ticks_{kIdleTicks + 1};  // the first ones follow the check at the start
+  std::uint32_t unchecked_ticks_{kIdleTicks +
+                                 1};  // the first ticks need no check: the start of the run has just made it
   std::atomic<std::uint32_t> waiting_{0}, granted_{0};
 };
 

@@ -22,7 +22,7 @@ constexpr Range kMass{"an apparent mass", 1e-3, 100}, kInertia{"an apparent iner
 constexpr Range kDamping{"a damping", 0, 1000}, kFriction{"a friction", 0, 100};
 constexpr Range kCounts{"a number of encoder counts", 1, 1e9};
 
-// One figure of the description: missing, it is a mistake.
+// A required number of the description.
 struct Figure {
   const char* key;
   double* value;
@@ -48,7 +48,7 @@ class DeviceReader {
  private:
   sim::TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
 
-  // All of it is needed: a device without its limits cannot be driven safely.
+  // Every table is required: a device with unknown limits cannot be driven safely.
   sim::TableReader needed_table(const char* key) {
     root_.require(key, fmt::format("a table [{}]", key).c_str());
     return table(key);
@@ -59,7 +59,7 @@ class DeviceReader {
       *figure.value = t.number(figure.key, *figure.value, figure.range);
   }
 
-  // Figures of rotation: a device without a wrist has none.
+  // Figures of rotation; not read for a device without rotation.
   void read_rotary(sim::TableReader& t, const Figure& figure) {
     if (device_.has_rotation())
       read_figure(t, figure);
@@ -183,7 +183,7 @@ Result<hal::DeviceProfile> load_device_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file && !std::filesystem::is_directory(path)) {
-    text.resize(kMaxDeviceFileBytes + 1);  // one byte more than is accepted says that there is more
+    text.resize(kMaxDeviceFileBytes + 1);  // one byte beyond the limit, to detect a longer file
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
   }

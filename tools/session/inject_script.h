@@ -1,5 +1,6 @@
-// The part of an `--inject` script that is not the device's: `stall@TICK+TICKS`, the global world is late once by that
-// many ticks, from the first report after TICK on; `reset@TICK`, an operator resets the scene.
+// Parses the part of an `--inject` script that does not concern the device.
+// `stall@TICK+TICKS`: the global world is late once by that many ticks, from the first report after TICK on.
+// `reset@TICK`: the operator resets the scene.
 // Thread: normal.
 #pragma once
 

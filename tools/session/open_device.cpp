@@ -11,7 +11,7 @@
 namespace tactus::session {
 namespace {
 
-// A device answers once a period; the rest is for a machine that is busy.
+// Time limit for an answer. A device answers once a period; the rest is a margin for a busy machine.
 constexpr std::chrono::milliseconds kAnswer{500};
 
 std::int64_t period_ns(const RunOptions& options) { return std::llround(options.period_s() * 1e9); }

@@ -1,5 +1,4 @@
-// The device that a run asks for, opened: simulated, on USB, on CAN; or none, where a tape says what the device said.
-// With it the lines of --gpio.
+// Opens the device of a run (simulated, USB or CAN; none when a tape is replayed) and the lines of --gpio.
 //
 // A real device is described by a device file or the scene's profile; before it is driven, its identity, version and
 // limits are compared with that description. Thread: normal, before the loop runs.
@@ -18,11 +17,11 @@
 
 namespace tactus::session {
 
-// The device on `link`, read now; what is returned reads it again and compares. One line on an error. The link outlives
-// it.
+// Reads the identity of the device on `link` now. The returned function reads it again and compares; it must not
+// outlive the link. Errors: one line.
 Result<std::function<Status()>> remember_device(hal::AnyLink& link);
 
-// Stands in where a tape is replayed: what the loop must know of the device, and nothing that comes from it.
+// Placeholder device for a replay: has the device's properties and returns empty input.
 class TapedDevice {
  public:
   explicit TapedDevice(const haptics::DeviceProperties& properties) : properties_(properties) {}
@@ -34,19 +33,19 @@ class TapedDevice {
   haptics::DeviceProperties properties_;
 };
 
-// What a run holds of the machine's.
+// Hardware opened for a run.
 struct Hardware {
   std::unique_ptr<hal::AnyDevice> device;
-  std::string identity;                  // of a real device, for people; empty else
-  std::function<Status()> same_device;   // is it still what it was when it was opened? Asks it; null: nothing to ask
+  std::string identity;                  // of a real device, as text; empty otherwise
+  std::function<Status()> same_device;   // compares the device with the one opened; null: none
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
 };
 
-// The real device and the lines, where the options ask for them; else empty. One line on an error: what the machine
-// lacks or what the device says, and what to do.
+// Opens the real device and the lines that the options name; otherwise the members are empty. Error, one line: what the
+// machine lacks or the device reports, and the remedy.
 Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile);
 
-// In place of a real device: the simulated one, or the one of a tape.
+// Makes the simulated device, or the placeholder for a replay.
 Result<std::unique_ptr<hal::AnyDevice>> make_simulated(const RunOptions& options, const hal::DeviceProfile& profile,
                                                        const hal::HandModel& hand, const hal::FaultScript& faults);
 

@@ -1,4 +1,4 @@
-// The link that `--device` names, opened; and the description of the device that is expected on it.
+// Opens the link that `--device` names and finds the description of the device expected on it.
 //
 // Thread: normal, before the loop runs.
 #pragma once
@@ -15,15 +15,15 @@ namespace tactus::session {
 
 struct OpenedLink {
   std::unique_ptr<hal::AnyLink> link;
-  std::string name;  // for people: the port and the serial number, or the interface and the node
+  std::string name;  // readable: port and serial number, or interface and node
 };
 
-// `choice` is of a real device; what it leaves open the description says. One line on an error: what the machine lacks,
-// and what to do.
+// `choice` must name a real device; the description fills in what it leaves open. Error, one line: what the machine
+// lacks, and the remedy.
 Result<OpenedLink> open_link(const DeviceChoice& choice, const hal::DeviceDescription& description,
                              std::int64_t period_ns);
 
-// The device file if one is named, else the built-in description of that name.
+// Returns the profile of the device file if one is named, otherwise the built-in description of that name.
 Result<hal::DeviceProfile> find_description(const std::string& profile_name, const std::filesystem::path& device_file);
 
 }  // namespace tactus::session

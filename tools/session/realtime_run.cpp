@@ -17,7 +17,7 @@
 namespace tactus::session {
 namespace {
 
-// Lines of refused re-arms that a summary keeps.
+// Maximum number of refused re-arms listed in a summary.
 constexpr std::size_t kMostRefusals = 16;
 
 int last_allowed_cpu() {
@@ -29,7 +29,7 @@ int last_allowed_cpu() {
   return -1;
 }
 
-// The cost model of the core that the loop will run on, measured at its priority.
+// Measures the cost model on the core and at the priority of the haptic thread.
 Status calibrate_governor(Session& session, const loop::SetupRequest& setup, loop::Calibration& result) {
   Status status = Status::good();
   std::atomic<bool> done{false};
@@ -64,7 +64,7 @@ bool has_to_rearm(const LiveStatus& live) {
   return live.fault.load(relaxed) != 0 || live.device_state.load(relaxed) == braked;
 }
 
-// Shows and listens until the run is over.
+// Serves display, operator requests and the arm gate until the run is over.
 void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& live, const RealtimeHooks& hooks,
             std::atomic<std::uint32_t>& requests, ArmGate& gate, const std::atomic<bool>& stop,
             std::vector<std::string>& refusals) {
@@ -87,7 +87,7 @@ void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& 
   }
 }
 
-// Bound: five times what the ending takes on a machine that keeps its rate.
+// Bound: five times the duration of the ending on a machine that keeps the rate.
 void end_device(RealtimeTick& tick, const loop::PeriodicThread<RealtimeTick>& thread) {
   tick.end();
   constexpr std::chrono::milliseconds kPiece{5};
@@ -117,7 +117,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   std::optional<sim::GlobalThread> world;
   if (session.global != nullptr) {
     if (const Status& status = session.workers->status(); !status.ok()) return status;
-    set_denormals_flush();  // G(0) is made on this thread
+    set_denormals_flush();  // this thread computes the first snapshot, G(0)
     sim::GlobalThreadOptions world_options;
     if (!options.world_cpus.empty()) world_options.cpu = options.world_cpus.front();
     world_options.stalls = wall_clock_stalls(session);

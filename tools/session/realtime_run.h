@@ -1,5 +1,5 @@
-// A run in real time: the haptic thread on its core, the global world on its own, this thread for the screen and the
-// keyboard. Thread: the main one.
+// Runs a session in real time: the haptic thread on its core, the global world on another thread, and the calling
+// thread for display and keyboard. Thread: main.
 #pragma once
 
 #include <atomic>
@@ -11,25 +11,26 @@
 
 namespace tactus::session {
 
-// The latched fault with what the device says of it; empty if none is.
+// Describes the latched fault and the device's state at that time; empty if none is latched.
 std::string fault_line(const LiveStatus& live);
 
 struct RealtimeHooks {
   // Called every `look_every` by the calling thread. Returns false to end the run.
   std::function<bool(const LiveStatus&, double elapsed_s)> show;
-  // OperatorBit: what the operator asked for since the last call.
+  // OperatorBit: requests of the operator since the last call.
   std::function<std::uint32_t()> asked;
-  // OperatorBit: what others ask of the loop, set by them and taken once; null: nobody does.
+  // OperatorBit: requests of other threads; each bit is set by them and cleared when it is read. Optional.
   std::atomic<std::uint32_t>* requests{nullptr};
-  // Lines for people, such as why a re-arm was refused; null: nobody reads them. By the calling thread.
+  // Prints messages, such as why a re-arm was refused. Called by the calling thread. Optional.
   std::function<void(const std::string&)> say;
-  // Looks into every tick, and may take windows for itself; null: nobody does.
+  // Observes every tick and may claim windows for its own measurements. Optional.
   loop::TickProbe* probe{nullptr};
   RealtimeTaps taps{};
   std::chrono::milliseconds look_every{200};
 };
 
-// Returns when the duration is over, a hook or `stop` ends it. The error is the system's or the tape's.
+// Returns when the duration is over, or when a hook or `stop` ends the run. Errors: of the operating system or the
+// tape.
 Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, const std::atomic<bool>& stop);
 
 }  // namespace tactus::session

@@ -32,7 +32,7 @@ bool RealtimeTick::operator()(const loop::TickTiming& timing) noexcept {
   return session_.stats.ticks < most_ticks_ && ended_ticks_ < end_ticks_;
 }
 
-// What is asked of the loop in this tick, by whoever may.
+// OperatorBits for this tick, from all sources.
 std::uint32_t RealtimeTick::operator_bits() noexcept {
   constexpr auto relaxed = std::memory_order_relaxed;
   const std::uint32_t requests = requests_.load(relaxed) != 0 ? requests_.exchange(0, relaxed) : 0u;
@@ -44,7 +44,7 @@ std::uint32_t RealtimeTick::operator_bits() noexcept {
   return bits;
 }
 
-// False: the window is not the loop's.
+// Returns false if the probe has claimed this window.
 bool RealtimeTick::probe_begins(const loop::TickTiming& timing) noexcept {
   switch (probe_->window(timing)) {
     case loop::WindowKind::kLoop:

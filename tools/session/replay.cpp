@@ -23,7 +23,7 @@ bool same_bits(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-// The first field that differs, for people; the whole is compared by its bytes.
+// Describes the first field that differs. Equality itself is decided by the bytes of the whole.
 std::string describe_difference(const TickOutput& taped, const TickOutput& replayed) {
   const auto number = [](const char* name, double a, double b) {
     return fmt::format("{}: tape {:.17g}, replay {:.17g}", name, a, b);
@@ -77,7 +77,7 @@ class Replayer {
     }
   }
 
-  // Records are missing from here on: the next keyframe is where it goes on.
+  // Records are missing from here on; the replay continues at the next keyframe.
   void take_damage(const std::string& what, std::uint64_t lost_bytes) {
     if (report_.damages++ == 0) report_.damage = what;
     report_.lost_bytes += lost_bytes;
@@ -92,7 +92,7 @@ class Replayer {
                                      record.offset, what));
   }
 
-  // While in step, the keyframe must be what the replay has come to by itself; otherwise it is where it goes on.
+  // Without a preceding gap, the keyframe must equal the replay's own state. After a gap, the replay continues from it.
   Status take_keyframe(const loop::TapeRecord& record) {
     ++report_.keyframes;
     if (in_step_) {
@@ -175,7 +175,7 @@ Result<ReplayReport> replay(const std::string& path, const std::function<void(do
   if (!settings.ok()) return prefixed(settings.message());
   auto scene = sim::parse_scene(settings.value().scene_source, settings.value().scene_name);
   if (!scene.ok()) return prefixed("the scene on the tape: " + scene.message());
-  // Everything that the loop is made from, checked as for a run.
+  // Checks everything that the loop is built from, as for a run.
   auto session = Session::create(std::move(scene).value(), settings.value().options);
   if (!session.ok()) return prefixed(session.message());
 

@@ -25,8 +25,7 @@ Status check_range(const char* option, T value, T low, T high, const char* unit)
   return Status::error(fmt::format("{}: {} is out of range; accepted: {} to {}{}", option, value, low, high, unit));
 }
 
-// The properties that are numbers, by name. JSON keeps their bits: it writes the shortest text that reads back the
-// same.
+// The numeric properties by name. JSON keeps their bits: it writes the shortest text that reads back the same.
 using Properties = haptics::DeviceProperties;
 constexpr std::pair<const char*, double Properties::*> kProperties[] = {
     {"workspace_radius_m", &Properties::workspace_radius_m},
@@ -54,7 +53,7 @@ json properties_to_json(const haptics::DeviceProperties& device) {
   return object;
 }
 
-// The name of what is missing or no number; empty when all is there.
+// Returns the name of the first property that is missing or not a number; empty if all are present.
 std::string properties_from_json(const json& object, haptics::DeviceProperties& device) {
   const auto rotation = object.find("has_rotation");
   if (rotation == object.end() || !rotation->is_boolean()) return "has_rotation";
@@ -183,7 +182,7 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   o.virtual_time = parsed["virtual_time"].get<bool>();
   o.rate_Hz = parsed["rate_Hz"].get<double>();
   o.late_s = parsed["late_s"].get<double>();
-  // Narrowed only where it fits; what does not is out of range below.
+  // Saturates instead of truncating; the range check below then rejects the value.
   const auto small = [&](const char* key) {
     return static_cast<unsigned>(std::min<std::uint64_t>(parsed[key].get<std::uint64_t>(), 0xffffffffu));
   };

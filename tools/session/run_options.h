@@ -1,4 +1,4 @@
-// What a run is asked to be: the options of `tactus run`, and the header text by which a tape brings them back.
+// The options of `tactus run`, and their storage in the header text of a tape.
 // Thread: normal. Units in the names.
 #pragma once
 
@@ -16,25 +16,25 @@
 
 namespace tactus::session {
 
-// Three points of what accuracy costs (`tactus experiment accuracy-cost`): what pays most is a sub-world with room for
-// all that hangs together with the proxy, then sub-steps.
+// Three settings of accuracy against computing time (`tactus experiment accuracy-cost`). Most effective is a cap of
+// members that admits all bodies connected to the proxy by contacts, then more sub-steps.
 enum class Accuracy {
-  kFast,      // half of the scene's members, half of its sub-steps where they still resolve its contacts
-  kBalanced,  // as the scene says
+  kFast,      // half of the scene's members; half of its sub-steps if these still resolve the contact frequency
+  kBalanced,  // the scene's
   kAccurate,  // twice its members and its sub-steps
 };
 std::string_view name_of(Accuracy accuracy) noexcept;  // fast, balanced, accurate
 std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept;
 
-// RunOptions::device where a program brings its own; on a tape, too. No choice of the command line.
+// Value of RunOptions::device when a program supplies its own device, also on a tape. Not accepted on the command line.
 inline constexpr const char* kGivenDevice = "own";
 
 struct RunOptions {
   std::filesystem::path scene;
   std::string device{"sim"};          // see device_choice.h
-  bool given_device{false};           // the caller brings the device; `device` is what people call it
-  std::filesystem::path device_file;  // describes a real device; empty: the scene's profile does
-  std::string gpio;                   // lines beside the link: e-stop, drive enable, probe, heartbeat; empty: none
+  bool given_device{false};           // the caller supplies the device; `device` is its display name
+  std::filesystem::path device_file;  // describes a real device; empty: the scene's profile is used
+  std::string gpio;                   // GPIO lines: e-stop, drive enable, probe, heartbeat; empty: none
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   physics::BorderMode border{physics::BorderMode::kGhost};
   sim::CutOrder order{sim::CutOrder::kBestFirst};
@@ -42,43 +42,43 @@ struct RunOptions {
   bool all_members{false};  // every dynamic body a member from tick 0
   double rate_Hz{1000};
   unsigned ratio{0};    // 0: the scene's
-  unsigned members{0};  // 0: the scene's, by the accuracy
+  unsigned members{0};  // 0: the scene's, scaled by `accuracy`
   Accuracy accuracy{Accuracy::kBalanced};
-  double duration_s{0};       // 0: until stopped; virtual time needs one
+  double duration_s{0};       // 0: until stopped; required in virtual time
   int cpu{-1};                // -1: the last core that this process may use
   unsigned world_threads{1};  // of the global world
   physics::SweepPrecision world_precision{physics::SweepPrecision::kSingle};
-  std::vector<int> world_cpus;  // one for each of them; empty: any
+  std::vector<int> world_cpus;  // one core per thread of world_threads; empty: any
   int priority{80};             // SCHED_FIFO
-  bool keep_gains{false};       // the scene's gains, or refuse: none is lowered for the coupling
-  double late_s{0};             // how late this machine wakes the loop; the coupling's gains must bear it
+  bool keep_gains{false};       // use the scene's gains or refuse; they are not lowered for the coupling scheme
+  double late_s{0};             // s, wake-up latency of this machine; the coupling's gains must be stable with it
   bool virtual_time{false};
-  bool arm_at_start{true};  // force from the first good sample on; else when an operator asks for it
-  bool rearm{false};        // take a latched fault back by itself, one second after it latched
-  std::string inject;       // faults of device, link and world, by script
+  bool arm_at_start{true};  // force from the first good sample on; otherwise when the operator arms
+  bool rearm{false};        // clear a latched fault automatically, one second after it latched
+  std::string inject;       // script of faults of device, link and world
   std::filesystem::path record;
-  std::uint64_t seed{1};  // of the simulated device's link
-  // Of a tape that is replayed: the device that it was made with, which is not opened then.
+  std::uint64_t seed{1};  // of the random faults of the simulated device's link
+  // For a replay: properties of the device that the tape was made with. That device is not opened.
   std::optional<haptics::DeviceProperties> taped_device;
 
   double period_s() const noexcept { return 1.0 / rate_Hz; }
 };
 
-// Ranges and combinations. One line for each mistake: the option, what was given, what is accepted. check_options: the
-// first of them.
+// Check ranges and combinations. One line for each mistake: the option, what was given, what is accepted. check_options
+// returns the first.
 std::vector<std::string> option_mistakes(const RunOptions& options);
 Status check_options(const RunOptions& options);
 
-// The header text of a tape: who made it, of which scene (its file and the hash of its text), the options that the
-// haptic thread's results depend on, the device's properties, and the scene's own text.
+// The header text of a tape: the program that wrote it, the scene (its file and the hash of its text), the options that
+// the haptic thread's results depend on, the device's properties, and the scene's own text.
 std::string to_tape_text(const RunOptions& options, const haptics::DeviceProperties& device,
                          const std::string& scene_name, const std::string& scene_source);
 
 struct TapeSettings {
   RunOptions options;
   std::string scene_name, scene_source;
-  std::string made_by;                 // version of the program; empty: it does not say
-  std::string scene_file, scene_hash;  // as given then; of scene_source
+  std::string made_by;                 // version of the program; empty: not recorded
+  std::string scene_file, scene_hash;  // path as given when recorded; hash of scene_source
 };
 Result<TapeSettings> from_tape_text(const std::string& text);
 

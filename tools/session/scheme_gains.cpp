@@ -18,7 +18,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 double square(double x) { return x * x; }
 
-// What the scheme allows of a stiffness with this limit.
+// Allowed stiffness for a stability limit.
 double allowed(double limit) { return limit == kNone ? kNone : haptics::kAllowedStiffnessShare * limit; }
 
 double lowered(double asked, double limit) {
@@ -31,7 +31,7 @@ Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, c
   const haptics::CouplingGains use = haptics::suggest_gains(device, options.period_s(), options.late_s);
   const std::string late =
       options.late_s > 0 ? fmt::format(" that wakes up to {:.0f} us late", 1e6 * options.late_s) : "";
-  // All in the units of the scene's keys: at the hand, with motion_scale, it is `scale` times as much.
+  // In the units of the scene's keys; values at the hand are `scale` times these (motion_scale).
   const auto line = [&](const haptics::AxisVerdict& v, double scale, const char* stiffness, const char* damping,
                         double use_stiffness, double use_damping) {
     return Status::error(
@@ -53,7 +53,7 @@ Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, c
 struct ScenesAxis {
   const char *name, *key, *stiffness_unit, *damping_unit;
   double stiffness, damping;  // asked for
-  double used, limit;         // of the stiffness, by the scheme
+  double used, limit;         // stiffness used, and its limit by the scheme
 };
 
 std::array<ScenesAxis, 2> axes_of(const SchemeGains& g) {
@@ -63,7 +63,7 @@ std::array<ScenesAxis, 2> axes_of(const SchemeGains& g) {
             g.asked.damping_Nms_per_rad, g.gains.stiffness_Nm_per_rad, g.stiffness_limit_Nm_per_rad}}};
 }
 
-// Of the scheme alone.
+// Error about the limit of the coupling scheme.
 Status refuse_scheme_gains(const sim::Scene& scene, const RunOptions& options, const ScenesAxis& axis) {
   const std::string instead =
       axis.limit > 0 ? fmt::format("use {} = {:g}, a lower --ratio, or the scene without --keep-gains", axis.key,

@@ -16,11 +16,11 @@
 namespace tactus::session {
 namespace {
 
-// A keyframe a second of 1 kHz, and a ring that a stalled disk may leave alone for a few seconds.
+// One keyframe per second at 1 kHz, and a ring large enough for a disk that stalls for a few seconds.
 constexpr std::uint32_t kKeyframeTicks = 1000;
 constexpr std::uint64_t kRingBytes = 16u << 20;
 constexpr std::size_t kHistoryBytes = 64u << 20;
-// --rearm waits this long after a fault has latched.
+// --rearm clears a fault this long after it latched.
 constexpr double kRearmAfter_s = 1.0;
 
 std::vector<physics::Body> fixed_bodies_of(const sim::Scene& scene) {
@@ -68,7 +68,7 @@ physics::StepSettings step_settings(const sim::Scene& scene, const RunOptions& o
   return step;
 }
 
-// What a sub-world of that many members may need: a packed cube has up to 26 neighbours, each pair counted once.
+// Capacities for that many members: a packed cube has up to 26 neighbours, each pair counted once.
 physics::Capacities sub_world_capacities(const sim::Scene& scene, std::uint32_t members) {
   physics::Capacities capacities;
   capacities.bodies = members;
@@ -76,7 +76,7 @@ physics::Capacities sub_world_capacities(const sim::Scene& scene, std::uint32_t 
   capacities.pairs = 16 * members + 64;
   capacities.contacts = 10 * members + 32;
   capacities.border_contacts = haptics::kMaxBorderPoints;
-  if (!scene.meshes.empty()) {  // a body may touch several patches, and be near to many triangles
+  if (!scene.meshes.empty()) {  // a body may touch several patches and be near many triangles
     capacities.pairs += 16 * members;
     capacities.mesh_triangles = 64 * members + physics::kMaxBodyTriangles;
   }
@@ -119,7 +119,7 @@ static hal::HandMotion hand_motion_of(sim::HandMotion motion) {
   return hal::HandMotion::kSmoothStep;
 }
 
-// The scene says where the hand goes in the world; the device wants it in its own frame.
+// Transforms the scene's hand path from the world to the device frame.
 hal::HandModel make_hand(const sim::Scene& scene) {
   const sim::HandScript& script = scene.hand;
   const Posed device_from_world = inverse(scene.device.world_from_device);
@@ -239,7 +239,7 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
     const sim::GlobalOptions global = global_options(scene, options, device);
     if (const Status status = sim::check_global_options(scene, global); !status.ok()) return status;
     session->global = std::make_unique<sim::GlobalWorld>(scene, global);
-    const std::span<const int> cpus = options.world_cpus;  // the first is the global world's own thread's
+    const std::span<const int> cpus = options.world_cpus;  // the first is that of the global world's own thread
     session->workers = std::make_unique<sim::WorkerPool>(options.world_threads, cpus.empty() ? cpus : cpus.subspan(1));
     session->global->share_work(*session->workers);
     session->exchange = std::make_unique<haptics::Exchange>();
@@ -291,7 +291,8 @@ void Session::count_tick() noexcept {
   start_hand(out);
 }
 
-// A path goes on from where it was when the first trial had its force, so that every trial has the same.
+// After a reset the hand's path restarts at the point where the first trial had its force, so that all trials are
+// equal.
 void Session::start_hand(const loop::TickOutput& out) noexcept {
   const bool engaged = (out.status & (kNotArmed | kSceneReset)) == 0;
   if (engaged && !first_engaged_ && options.arm_at_start) first_engaged_ = out.tick;

@@ -1,8 +1,8 @@
-// Everything that a run consists of, built from a scene and the options: the haptic loop with its device, governor and
-// recorder on one side, the global world on the other, the exchange between them. Real time and virtual time run the
-// same parts; only who calls them, and when, differs.
-// Thread: built on a normal thread ([setup]); then the driver belongs to the haptic thread, the global world to its
-// own.
+// Builds all parts of a run from a scene and the options: the haptic loop with its device, governor and recorder, the
+// global world, and the exchange between them. Real time and virtual time use the same parts; they differ only in which
+// thread calls them, and when.
+// Thread: built on a normal thread [setup]; afterwards the haptic thread uses the driver, and the global world's thread
+// uses the global world.
 #pragma once
 
 #include <memory>
@@ -25,31 +25,31 @@ namespace tactus::session {
 
 using Driver = loop::HapticDriver<hal::AnyDevice>;
 
-// Ticks per global step: 1 with the direct coupling, else the option's, or the scene's.
+// Ticks per global step: 1 with the direct coupling, otherwise the option's or, if that is 0, the scene's.
 unsigned ratio_of(const sim::Scene& scene, const RunOptions& options);
 
-// What the haptic thread of this scene is made of. Also what a replay builds its loop from.
+// Configuration of the haptic loop for this scene; a replay uses it too.
 loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
                              const haptics::DeviceProperties& device);
-// A loop with its fixed bodies, and with all members where no exchange brings them.
+// Makes a loop with its fixed bodies; with all members too, if there is no exchange to supply them.
 std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOptions& options,
                                             const haptics::DeviceProperties& device);
 
-// What the global world of this scene is told; its hand, for a simulated device.
+// Options of the global world of this scene.
 sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& options,
                                   const haptics::DeviceProperties& device);
 hal::HandModel make_hand(const sim::Scene& scene);
 
 class Session {
  public:
-  // One line on everything that does not go together: gains the device cannot hold, too many bodies, a bad script.
-  // `hardware`: opened before, see open_device.h; without a device in it, the simulated one is made.
+  // Error, one line: settings that do not fit together, such as gains beyond the device's limit, too many bodies, a bad
+  // script. `hardware`: already opened, see open_device.h; if it has no device, the simulated one is made.
   static Result<std::unique_ptr<Session>> create(sim::Scene scene, RunOptions options, Hardware hardware = {});
 
-  // Whether to keep records, and to write a tape. Before the first tick.
+  // Enables recording, and writing a tape. Call before the first tick.
   Status record(const std::string& tape_path);  // empty: history only
-  // After the last tick: ends the tape, and says in the summary what is on it. A tape that could not be written is its
-  // own fault, and not the run's.
+  // After the last tick: closes the tape and enters its size and losses in the summary. A failure to write the tape is
+  // recorded there and does not fail the run.
   void close_tape(RunSummary& summary);
 
   sim::Scene scene;
@@ -57,30 +57,30 @@ class Session {
   unsigned ratio, members;
   std::unique_ptr<loop::HapticLoop> loop;
   std::unique_ptr<hal::AnyDevice> device;
-  std::string device_identity;           // of a real one, for people
+  std::string device_identity;           // of a real device, as text
   std::function<Status()> same_device;   // see Hardware
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
   std::unique_ptr<loop::Governor> governor;
-  std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as the next
-  std::unique_ptr<sim::WorkerPool> workers;     // that share the global world's steps
+  std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as are `workers` and `global`
+  std::unique_ptr<sim::WorkerPool> workers;     // threads that share the global world's steps
   std::unique_ptr<sim::GlobalWorld> global;
   std::unique_ptr<loop::FlightRecorder> recorder;  // null when nothing is recorded
   std::unique_ptr<loop::TapeDrain> drain;
   std::unique_ptr<Driver> driver;
   std::vector<WorldStall> stalls;
-  std::vector<std::uint64_t> resets;  // ticks in which the operator's script has the scene begin anew
+  std::vector<std::uint64_t> resets;  // ticks in which the script resets the scene
   loop::RunStats stats;
 
-  // One tick of the driver, its figures into `stats`. Real time measures around the three stages itself.
+  // Adds the figures of the driver's last tick to `stats`. The real-time run measures the three stages itself.
   void count_tick() noexcept;
-  // What the operator asks in the coming tick: `asked`, and to arm at the start, to take a fault back (--rearm), to
-  // begin anew by the script. A simulated device's hand begins anew with the scene, so that trials are equal.
+  // OperatorBits for the coming tick: `asked`, arming at the start, clearing a fault (--rearm), and resets by the
+  // script. The hand of a simulated device restarts with the scene, so that all trials are equal.
   std::uint32_t operator_bits(std::uint32_t asked = 0) noexcept;
 
-  // The truth behind the simulated device's frames; null on a real device.
+  // The simulated device, with its exact state; null on a real device.
   const hal::SimulatedDevice* simulated() const noexcept { return device->as<hal::SimulatedDevice>(); }
 
-  // The figures that both kinds of run have.
+  // The figures common to real-time and virtual runs.
   RunSummary summary() const;
 
  private:
@@ -88,7 +88,7 @@ class Session {
   std::uint32_t hold_for_hand(std::uint32_t bits) noexcept;
   void start_hand(const loop::TickOutput& out) noexcept;
 
-  hal::SimulatedDevice* hand_{nullptr};  // the device whose hand begins anew; null on a real one
+  hal::SimulatedDevice* hand_{nullptr};  // the simulated device, whose hand restarts at a reset; null on a real device
   bool hand_returns_{false};
   std::uint64_t arm_tick_{0};                   // of a run that is armed at its start
   std::optional<std::uint64_t> first_engaged_;  // tick, of a run that is armed at its start

@@ -6,7 +6,7 @@
 
 namespace tactus::session {
 
-// user nice system idle iowait irq softirq steal, then guest times that are in user and nice already.
+// Columns: user nice system idle iowait irq softirq steal, then guest times, which user and nice already include.
 std::optional<CpuTime> cpu_time(const std::string& proc_stat, int cpu) {
   const std::string wanted = cpu < 0 ? "cpu" : "cpu" + std::to_string(cpu);
   std::istringstream lines(proc_stat);
@@ -19,7 +19,7 @@ std::optional<CpuTime> cpu_time(const std::string& proc_stat, int cpu) {
       std::uint64_t ticks = 0;
       if (!(words >> ticks)) return std::nullopt;
       time.all += ticks;
-      time.stolen = ticks;  // the eighth is the last that stays
+      time.stolen = ticks;  // the eighth column read is `steal`
     }
     return time;
   }

@@ -56,7 +56,7 @@ std::string timing_text(const RunSummary& s) {
       t.skipped_ticks);
   text += fmt::format("  {:<22} {} minor, {} major page faults; {} involuntary context switches\n", "haptic thread",
                       t.minor_faults, t.major_faults, t.involuntary_switches);
-  // No cause of a verdict, but the first to look at when wake-ups are late: the machine, not tactus.
+  // Not part of the verdict, but the first cause to check when wake-ups are late.
   if (s.stolen_share.value_or(0) > 0)
     text += fmt::format("  {:<22} {:.2f} % of the time of {}, taken by this machine's host (the machine)\n", "stolen",
                         100 * *s.stolen_share, core_name(s.haptic_cpu));
@@ -71,7 +71,7 @@ double ratio_percentile(const RunSummary& s, double percent) {
   return 1e-3 * static_cast<double>(s.forecast.measured_permille.percentile_ns(percent));
 }
 
-// What the governor chose, and how well its cost model foresaw the ticks.
+// The governor's choices, and the error of its predicted tick times.
 std::string governor_text(const RunSummary& s) {
   std::string text =
       fmt::format("  {:<22} {} ticks with fewer sub-steps, {} cut at a sweep; {} cycles with fewer members\n",
@@ -137,7 +137,7 @@ std::string global_text(const RunSummary& s) {
   return text;
 }
 
-// Every state frame that the device numbered, and every command, by what became of it.
+// Counts of all state frames that the device numbered and of all commands, by outcome.
 std::string link_text(const RunSummary& s) {
   if (!s.link) return {};
   const hal::LinkCounters& link = s.link->link;
@@ -210,7 +210,7 @@ std::string setup_text(const RunSummary& s) {
   return text;
 }
 
-// The book of the border, in both worlds; signs as in the README.
+// Energy account of the border, in both worlds; signs as in the README.
 std::string border_energy_text(const RunSummary& s) {
   if (!s.has_global) return {};
   return fmt::format(
@@ -221,7 +221,7 @@ std::string border_energy_text(const RunSummary& s) {
       s.global.border_work_J, s.global.imposed_energy_J, s.global.returned_energy_J);
 }
 
-// Cuts that no border holds were not made: who of the members was left to the global world, and why.
+// Cuts at which the border would be unstable were not made; lists the members left to the global world, and the reason.
 std::string uneven_text(const RunSummary& s) {
   if (!s.has_global || s.global.uneven_cycles == 0) return {};
   return fmt::format(

@@ -1,4 +1,4 @@
-// The end of a run, said honestly: one struct of figures, shown to people and as JSON with units in the keys.
+// Summary of a run: one struct of figures, printed as text and as JSON with units in the keys.
 // Thread: normal, after the run.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace tactus::session {
 struct RunSummary {
   RunOptions options;
   std::string scene_name, scene_title;
-  std::string scene_hash;                   // of its text, what its files hold included
+  std::string scene_hash;                   // of its text and of the content of its files
   std::vector<std::string> scene_problems;  // of `tactus scene check`, for this device and rate
   unsigned ratio{0}, members_cap{0}, sub_steps{0};
   SchemeGains gains;
@@ -35,7 +35,7 @@ struct RunSummary {
   loop::TimingHealth timing;
   Histogram compute, device;  // of the tick without the device; of reading and writing the device alone
   std::uint64_t overruns_late_wake{0}, overruns_own_work{0}, overruns_interrupted{0};
-  std::optional<double> stolen_share;  // of the haptic thread's core, by the machine's host, where the kernel tells
+  std::optional<double> stolen_share;  // of the haptic core, by the host; empty if not reported
   int haptic_cpu{-1};                  // -1: not pinned
   loop::Calibration calibration;
   loop::ForecastStats forecast;
@@ -44,28 +44,28 @@ struct RunSummary {
   bool has_global{false};
   sim::GlobalStatistics global;
   Histogram global_step;   // wall clock; empty in virtual time
-  std::string overlapped;  // the two bodies of global.overlap, as people call them; empty: nobody overlapped
+  std::string overlapped;  // names of the two bodies of global.overlap; empty: no overlap
 
   std::string device_identity;            // of a real device
-  std::vector<std::string> arm_refusals;  // why it was not armed or re-armed; the first few, without repetitions
+  std::vector<std::string> arm_refusals;  // why arming was refused; the first few, each once
   std::optional<hal::LinkReport> link;    // of a device on a link
 
-  // Energy, J: hand and device of the simulation; 0 on a real device.
+  // Energy, J: work of the simulated hand and of the simulated motors; 0 on a real device.
   double hand_work_J{0}, motor_work_J{0};
   std::uint64_t state_hash{0};
   std::string tape;  // path, empty if none
   std::uint64_t tape_bytes{0}, tape_dropped{0};
-  std::string tape_fault;            // why it could not be written to its end; empty: it could
-  std::uint64_t tape_lost_ticks{0};  // not on the tape for that
+  std::string tape_fault;            // why it is incomplete; empty: complete
+  std::uint64_t tape_lost_ticks{0};  // ticks missing from the tape for that reason
   std::string fault_tape;            // flight recorder dump, empty if none
-  std::string fault_tape_error;      // why there is none
+  std::string fault_tape_error;      // why there is no dump
 
   // verdict.h: 0 good or degraded, 1 bad.
   int exit_code() const { return judge(*this).exit_code(); }
   bool fault_latched() const noexcept;  // at the end
-  // A line of the set-up says FAIL.
+  // True: a line of the real-time set-up reports FAIL.
   bool degraded() const noexcept { return real_time && setup.failed(); }
-  double dilation_ms() const noexcept;  // what the global clock lost to the haptic clock
+  double dilation_ms() const noexcept;  // lag of the global clock behind the haptic clock
   bool simulated() const noexcept { return options.device == "sim"; }
 };
 

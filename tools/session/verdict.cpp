@@ -13,7 +13,7 @@ namespace tactus::session {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-// Less is the noise of a book that is kept in cycles, and what a hand's contacts store.
+// Smaller amounts are the error of an energy account kept per cycle, and energy stored in the hand's contacts.
 constexpr double kLeastDegraded_J = 5e-3, kLeastBad_J = 20e-3;
 constexpr unsigned kLateCycles = 4;
 
@@ -48,7 +48,7 @@ Ruling recovered_of(const RunSummary& s) {
       "see the faults below: each has its cause"};
 }
 
-// What the hand felt without a sample was a fading force, or none.
+// Without a sample the hand feels a fading force, or none.
 Ruling samples_of(const RunSummary& s) {
   const auto ticks_with = [&](StatusBit bit) {
     return s.stats.status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))];
@@ -103,12 +103,12 @@ Ruling overlap_of(const RunSummary& s) {
           "more sub-steps with a higher contact_hertz_Hz, more --members, a lower --ratio, or a slower hand"};
 }
 
-// A book that is not complete says nothing.
+// An incomplete energy account is not judged.
 void add_energy(const RunSummary& s, std::vector<Ruling>& rulings) {
   const sim::EnergyBook& book = s.global.energy;
   if (!s.has_global || !book.complete) return;
   const double in_play_J = book.in_play_J(), found_J = book.unexplained_J;
-  // Of nothing in play every share is large: what is small by itself is none.
+  // If almost no energy is in play, every share is large; amounts below `least_J` count as 0.
   const auto share_above = [&](double least_J) { return found_J > least_J ? 100 * found_J / in_play_J : 0.0; };
   const double shown = std::min(1e6, share_above(kLeastDegraded_J));
   rulings.push_back(
@@ -204,7 +204,7 @@ Ruling tape_of(const RunSummary& s) {
           true};
 }
 
-// A limit is finite where the rule knows that level.
+// A limit is infinite if the rule does not have that level.
 std::string limit_text(const Ruling& r) {
   const double limit = r.level() == Level::kBad ? r.bad_above : r.degraded_above;
   return limit > 0 ? fmt::format(" ({:.3g} {}; good up to {:.3g})", r.measured, r.unit,
@@ -230,7 +230,7 @@ const char* name_of(Level level) noexcept {
   return "";
 }
 
-// What is no number is not good.
+// Written so that NaN is not good.
 Level Ruling::level() const noexcept {
   if (!(measured <= bad_above)) return Level::kBad;
   return measured <= degraded_above ? Level::kGood : Level::kDegraded;

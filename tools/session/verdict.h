@@ -1,28 +1,28 @@
-// Is a run good? One table of rules for `tactus run`, `tactus timing` and `tactus scene check`, and the words for it.
+// Judges a run by one table of rules, for `tactus run`, `tactus timing` and `tactus scene check`.
 //
-// A run is `bad` where the program or the simulation is at fault: what the hand felt is not what the scene says, or the
-// program lost ticks to its own work. It is `degraded` where it is worth less than it was meant to be: the machine did
-// not keep up, or something was spent or left out. Exit status 1 is that of `bad` alone: the machine's gaps are
-// reported, not judged.
+// A run is `bad` if the program or the simulation is at fault: the hand did not feel what the scene defines, or the
+// program lost ticks to its own work. It is `degraded` if its quality is reduced: the machine did not keep up, or
+// something was used up or left out. Only `bad` gives exit status 1: the machine's delays are reported but do not fail
+// the run.
 //
 //   rule        degraded above      bad above           figure; why there
 //   fault       -                   0                   a fault is latched at the end
-//   faults      0                   -                   faults that were taken back: the hand felt nothing meanwhile
-//   samples     1 % of the ticks    -                   no sample of the device that could be used
+//   faults      0                   -                   faults that were cleared: without force meanwhile
+//   samples     1 % of the ticks    -                   no valid sample of the device
 //   own-work    -                   0                   ticks lost to the program's own work
-//   scene       -                   0                   problems that `tactus scene check` names
-//   overlap     10 %                50 %                deepest overlap of the thinner body's thickness. A soft contact
-//                                                       bears less; beyond a half the nearest way out is the far side
-//   energy      10 % and 5 mJ       25 % and 20 mJ      energy that nothing explains, of the largest kinetic energy or
-//                                                       the hand's work. A border may give a tenth (hard case 33); only
-//                                                       where the book is complete (sim/energy_book.h)
-//   border      1 % of the ticks    10 % of the ticks   the border had nothing left to give (border-spent): the
-//                                                       members are braked for it
+//   scene       -                   0                   problems reported by `tactus scene check`
+//   overlap     10 %                50 %                deepest overlap / thickness of the thinner body. Less for a
+//                                                       soft contact; above a half it is resolved to the far side
+//   energy      10 % and 5 mJ       25 % and 20 mJ      unexplained energy / largest kinetic energy or hand's work.
+//                                                       A border may supply a tenth (hard case 33). Only if the energy
+//                                                       account is complete (sim/energy_book.h)
+//   border      1 % of the ticks    10 % of the ticks   the energy tank of the border is empty (border-spent): the
+//                                                       members are braked
 //   capacity    0                   -                   entries left out: contacts, pairs, border points
-//   deadlines   1 in 10 000, and 1  -                   ticks late for the machine's sake, and deadlines skipped
-//   clock       1 % and 4 cycles    -                   what the global clock lost to the haptic one
+//   deadlines   1 in 10 000, and 1  -                   ticks late because of the machine, and skipped deadlines
+//   clock       1 % and 4 cycles    -                   lag of the global clock behind the haptic clock
 //   set-up      0                   -                   real-time privileges and kernel: lines with FAIL
-//   tape        0                   -                   ticks that the disk did not take, records that came too fast
+//   tape        0                   -                   ticks not written because of the disk or full buffers
 // Thread: normal, after the run. Pure.
 #pragma once
 
@@ -41,13 +41,13 @@ struct RunSummary;
 enum class Level : std::uint32_t { kGood = 0, kDegraded = 1, kBad = 2 };
 const char* name_of(Level level) noexcept;  // one word: good, degraded, bad
 
-// One rule as it came out. Good up to `degraded_above` and, where that is infinite, up to `bad_above`.
+// Result of one rule. Good up to `degraded_above` or, if that is infinite, up to `bad_above`.
 struct Ruling {
   std::string rule, figure, unit;
   double measured{0};
   double degraded_above{std::numeric_limits<double>::infinity()}, bad_above{std::numeric_limits<double>::infinity()};
-  std::string found, cure;  // what to say where it is not good
-  bool machine{false};      // the machine's, not the program's
+  std::string found, cure;  // texts if it is not good
+  bool machine{false};      // caused by the machine, not by the program
 
   Level level() const noexcept;
 };
@@ -58,16 +58,16 @@ struct Verdict {
   Level level() const noexcept;  // the worst
   int exit_code() const noexcept { return level() == Level::kBad ? 1 : 0; }
   std::string line() const;  // good; DEGRADED: the first reason; BAD: the same
-  std::string text() const;  // a line for each reason, with figure, limit and cure; empty where it is good
+  std::string text() const;  // a line for each reason, with figure, limit and remedy; empty if good
 };
 
 Verdict judge(const RunSummary& summary);
-// The rule `scene` alone: a scene by itself.
+// Applies the rule `scene` only, to a scene without a run.
 Verdict judge(const sim::SceneReport& report);
-// All but what a clock says: for `tactus timing`, which has its own rows for the deadlines and the program's own work.
+// All rules except those based on a clock: for `tactus timing`, which has its own rows for deadlines and own work.
 std::vector<Ruling> judge_simulation(const RunSummary& summary);
 
-// Late ticks and skipped deadlines of 10 000 that are not yet too many: one, and one in a short run.
+// Accepted number of late ticks and skipped deadlines per 10 000: one, and one in a shorter run.
 double most_lost_of_10000(std::uint64_t ticks) noexcept;
 
 nlohmann::json to_json(const Verdict& verdict);  // an array: one object for each rule, its figure and its limits

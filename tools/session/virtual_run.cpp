@@ -26,7 +26,7 @@ Status VirtualRun::check(const Session& session) {
 
 const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
   if (server_) serve_world();
-  // The driver is another one after Session::record.
+  // Made here because Session::record replaces the driver.
   loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick(*session_.driver, 0);
   timed_tick({}, [&]() noexcept { return session_.operator_bits(asked); });
   session_.count_tick();

@@ -1,5 +1,5 @@
-// A run on a virtual clock: device, loop and global world in one thread, nothing measured, so the same options give the
-// same bits. The global world takes the time that a fixed cost table says; a stall adds to it.
+// A run on a virtual clock: device, loop and global world in one thread. No time is measured, so the same options give
+// the same bits. The duration of a global step comes from a fixed cost table; a stall adds to it.
 // Thread: normal.
 #pragma once
 
@@ -10,22 +10,23 @@
 
 namespace tactus::session {
 
-// After each tick of a virtual run; returns false to end it. For tests and for progress.
+// Called after each tick of a virtual run; returns false to end it. For tests and progress display.
 using TickObserver = std::function<bool(const loop::TickOutput&)>;
 
-// What the cost table says a global step took, by its counts [ns], searching for contacts included.
+// Duration of a global step by the cost table, from its counts [ns]; collision detection included.
 double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps) noexcept;
 
-// The run tick by tick. The thread must flush denormals (rt/base/denormals.h) while it calls. The session outlives it.
+// Runs a session tick by tick. The calling thread must flush denormals (rt/base/denormals.h). The session must outlive
+// it.
 class VirtualRun {
  public:
-  // G(0) is published. Once for each session: its worlds have then begun.
+  // Publishes the first snapshot, G(0). Only once per session, because it starts the worlds.
   explicit VirtualRun(Session& session);
 
-  // [setup] The threads that share the global world's steps are there.
+  // [setup] Checks that the threads which share the global world's steps exist.
   static Status check(const Session& session);
 
-  // One tick; `asked`: bits of the operator beside the session's own. Allocates nothing but for a reset and a tape.
+  // One tick; `asked`: OperatorBits in addition to the session's own. Allocates only for a reset and for a tape.
   const loop::TickOutput& tick(std::uint32_t asked = 0);
 
  private:
@@ -37,11 +38,11 @@ class VirtualRun {
   std::optional<sim::SnapshotServer> server_;  // none with the direct coupling
   std::uint64_t tick_{0};
   std::size_t next_stall_{0};
-  std::uint64_t ready_tick_{0};  // when the global world is done with the report that it has
+  std::uint64_t ready_tick_{0};  // when the global world has finished the current report
   bool busy_{false};
 };
 
-// The error is that of the threads that share the global world's steps. `observer` may be empty.
+// Error: of the threads that share the global world's steps. `observer` may be empty.
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer = {});
 
 }  // namespace tactus::session

@@ -1,5 +1,5 @@
 // The subcommands of the program, one source file each. Every function adds its subcommand to the program and sets
-// `exit_code` when it is run: 0 good; 1 it ran and the verdict is bad; 2 bad usage or input; 3 the machine cannot.
+// `exit_code` when it runs: 0 good; 1 it ran and the verdict is bad; 2 bad usage or input; 3 the machine cannot run it.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -22,12 +22,12 @@ CLI::App* add_config_command(CLI::App& program, int& exit_code);
 CLI::App* add_control_command(CLI::App& program, int& exit_code);
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code);
 
-// Why a command ends: one line on stderr, "tactus: " and the text. With --json and an exit status of 2 or 3 also the
-// one object on stdout, which has `error`. Returns `exit_code`, so that a command can end with it.
+// Reports why a command ends: one line on stderr, "tactus: " and the text. With --json and an exit status of 2 or 3
+// also the only object on stdout, with the key `error`. Returns `exit_code`, so that a command can return it.
 int complain(const std::string& text, int exit_code);
-// The same of a text with a line for each mistake.
+// Same, for a text with one line per mistake.
 int complain_of_each(const std::string& lines, int exit_code);
-// What goes wrong after the object has been printed: the line on stderr alone.
+// Same, for an error after the object has been printed: only the line on stderr.
 int complain_after(const std::string& text, int exit_code);
 
 }  // namespace tactus::tools

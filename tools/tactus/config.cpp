@@ -1,4 +1,4 @@
-// tactus config check FILE: is this deployment's configuration good? And the scene, the device and the budget that it
+// tactus config check FILE: checks a deployment's configuration, and the scene, the device and the budget that it
 // names.
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ struct ConfigOptions {
   bool json{false};
 };
 
-// The cores that are there; nothing where the kernel does not say.
+// The existing cores; empty if the kernel does not report them.
 std::optional<std::vector<int>> cores_of_machine() {
   const auto system = doctor::SystemView::open("/");
   if (!system.ok()) return std::nullopt;
@@ -30,7 +30,7 @@ std::optional<std::vector<int>> cores_of_machine() {
   return cores && !cores->empty() ? cores : std::nullopt;
 }
 
-// All that is wrong with the file and with what it names, a line each.
+// All mistakes in the file and in the files that it names, one per line.
 std::vector<std::string> problems_of(const ConfigOptions& options, std::string& good) {
   std::vector<std::string> problems;
   const auto add = [&](const std::string& lines) {

@@ -1,4 +1,4 @@
-// tactus control: asks a running tactus for its state, or to do something, over its control socket.
+// tactus control: queries a running tactus or sends it a command, over its control socket.
 #include <fmt/format.h>
 
 #include <memory>

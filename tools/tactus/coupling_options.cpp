@@ -18,7 +18,7 @@ std::vector<std::string> case_names() {
   return names;
 }
 
-// What a person types to get the same figures.
+// The command line that gives the same figures.
 std::string command_of(const CouplingOptions& o, const experiment::StudyRequest& request) {
   std::string text = "tactus experiment " + o.name;
   if (!o.scenes.empty()) text += fmt::format(" --scenes {}", fmt::join(o.scenes, ","));
@@ -107,7 +107,7 @@ std::vector<experiment::Scheme> schemes_of(const CouplingOptions& options,
   return chosen;
 }
 
-// Windows for each cap on members, one after the other; the account of a scene is of the last.
+// Windows for each cap on members, one after the other; the properties of a scene are those of the last.
 Result<experiment::StudyReport> run_windows(const CouplingOptions& options, experiment::StudyRequest request) {
   experiment::StudyReport all;
   for (const unsigned members : options.members.empty() ? std::vector<unsigned>{0} : options.members) {

@@ -1,4 +1,4 @@
-// What `tactus experiment energy-loss` and `couplings` have in common: their options, and how they end. Thread:
+// Options and execution shared by `tactus experiment energy-loss` and `couplings`. Thread:
 // [setup].
 #pragma once
 
@@ -23,7 +23,7 @@ struct CouplingOptions {
   bool quick{false}, json{false};
 };
 
-// For the help of both: what a whole run is, and when a body stands in it.
+// Help text of both: what a whole run is, and when a body stands.
 inline constexpr const char* kWholeRunsHelp =
     "--whole SECONDS also compares whole runs, from rest, with the scene's own hand: closed, its arm in the loop of\n"
     "the run itself, and direct, the arm's motion of the direct run (not with --quick). off: the body farthest from\n"
@@ -36,7 +36,7 @@ inline constexpr const char* kWholeRunsHelp =
 
 void add_coupling_options(CLI::App& command, CouplingOptions& options);
 
-// Runs it and prints; the exit status. `schemes`: each is run at every ratio.
+// Runs the experiment, prints it and returns the exit status. `schemes`: each is run at every ratio.
 int run_coupling_experiment(const CouplingOptions& options, const std::vector<experiment::Scheme>& schemes);
 
 }  // namespace tactus::tools

@@ -1,4 +1,4 @@
-// tactus doctor: is this PC fit for the rate? Green, amber, red; each with its cure.
+// tactus doctor: checks whether this PC is fit for the rate: green, amber or red findings, each with its remedy.
 #include <fmt/format.h>
 #include <unistd.h>
 

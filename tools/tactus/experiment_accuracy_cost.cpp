@@ -1,4 +1,4 @@
-// tactus experiment accuracy-cost: what accuracy costs in time.
+// tactus experiment accuracy-cost: computing time against accuracy.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 

@@ -1,5 +1,5 @@
-// tactus experiment couplings: the schemes side by side (paper, section 3.3), and three that the paper's introduction
-// cites.
+// tactus experiment couplings: compares the coupling schemes (paper, section 3.3), and three that the paper's
+// introduction cites.
 #include <CLI/CLI.hpp>
 
 #include <memory>

@@ -1,4 +1,4 @@
-// tactus experiment effects: what effects cost where they are called for, and where they are not.
+// tactus experiment effects: cost of effects when used and when not used.
 #include "tools/experiment/effects.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// tactus experiment energy-loss: what the sub-world costs in energy (paper, section 3.2).
+// tactus experiment energy-loss: energy lost by the sub-world coupling (paper, section 3.2).
 #include <CLI/CLI.hpp>
 
 #include <memory>

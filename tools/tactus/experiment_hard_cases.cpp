@@ -27,8 +27,8 @@ struct HardCasesOptions {
   bool sub_world{false}, no_peers{false}, json{false};
 };
 
-// Seeds one after the other; what breaks a gate is left as a scene file. Worlds whose bodies turn more than the
-// engine's integration is meant for are told apart.
+// Seeds one after the other; a world that fails a gate is written as a scene file. Worlds whose bodies rotate faster
+// than the integrator is designed for are listed separately.
 int run_random_worlds(const HardCasesOptions& options) {
   const experiment::Pace pace(experiment::terminal_progress(), static_cast<double>(options.random));
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -55,7 +55,7 @@ int run_random_worlds(const HardCasesOptions& options) {
   return broken == 0 ? kExitGood : kExitVerdictBad;
 }
 
-// The worst worlds are left as scene files.
+// Writes the worst worlds as scene files.
 int run_random_trials(const HardCasesOptions& options) {
   const auto report = hard_cases::try_random_worlds(options.first, options.random, experiment::terminal_progress());
   const std::string json = hard_cases::trial_json(report);

@@ -1,4 +1,4 @@
-// tactus experiment peers: what a step costs beside other engines.
+// tactus experiment peers: time of a step compared with other engines.
 #include "tools/experiment/peers.h"
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ bool asked_for(const experiment::EngineKind& kind, const std::vector<std::string
   return peers.empty() || std::find(peers.begin(), peers.end(), kind.name) != peers.end();
 }
 
-// What a person types to get the same.
+// The command line that gives the same result.
 std::string command_of(const PeersOptions& options) {
   std::string command = fmt::format("tactus experiment peers --runs {}", options.runs);
   if (!options.scenes.empty()) command += fmt::format(" --scenes {}", fmt::join(options.scenes, ","));
@@ -49,7 +49,7 @@ int run_peers(const PeersOptions& options) {
   request.options.precision = sim::parse_precision(options.precision);
   request.options.sub_steps = options.sub_steps;
   request.runs = options.quick ? std::min(2u, options.runs) : options.runs;
-  // A quick look leaves the large worlds out, unless they are asked for.
+  // --quick omits the large worlds unless they are named.
   std::vector<std::string> scenes = options.scenes;
   if (scenes.empty() && options.quick) scenes = {"pile64", "pile64-stirred", "pile1000", "pile1000-stirred"};
   for (const auto& name : experiment::scene_names())

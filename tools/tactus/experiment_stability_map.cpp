@@ -32,7 +32,7 @@ Result<experiment::WakeLateness> lateness_of(const MapOptions& options) {
                                   false};
 }
 
-// What a person types to get the same figures.
+// The command line that gives the same figures.
 std::string command_of(const MapOptions& o) {
   std::string text = fmt::format("tactus experiment stability-map --rate {:g}", o.rate_Hz);
   text += o.device_file.empty() ? " --profile " + o.profile : " --device-file " + o.device_file;

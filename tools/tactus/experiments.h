@@ -1,4 +1,4 @@
-// The subcommands of `tactus experiment`, one file each, and what they share. Thread: [setup].
+// The subcommands of `tactus experiment`, one file each, and their shared functions. Thread: [setup].
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ class App;
 
 namespace tactus::tools {
 
-// Each adds its subcommand; the exit status of what ran lands in `exit_code`.
+// Each adds its subcommand, which sets `exit_code` when it runs.
 void add_accuracy_cost(CLI::App& experiment, int& exit_code);
 void add_capacity(CLI::App& experiment, int& exit_code);
 void add_couplings(CLI::App& experiment, int& exit_code);
@@ -20,7 +20,8 @@ void add_scaling(CLI::App& experiment, int& exit_code);
 void add_stability_map(CLI::App& experiment, int& exit_code);
 void add_effects(CLI::App& experiment, int& exit_code);
 
-// Writes `text` to `path`; nothing where the path is empty. Exit status: complains where the file cannot be written.
+// Writes `text` to `path`; nothing if the path is empty. Returns the exit status; reports a file that cannot be
+// written.
 int write_file(const std::string& path, const std::string& text);
 
 }  // namespace tactus::tools

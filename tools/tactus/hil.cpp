@@ -65,7 +65,7 @@ int list_checks() {
   return kExitGood;
 }
 
-// Nothing moves before somebody agreed. The simulated device has no motors that could hurt.
+// The motors stay off until the operator agrees. The simulated device needs no agreement.
 bool may_switch_motors_on(const HilCommand& c, bool real) {
   if (c.yes || !real) return true;
   if (isatty(STDIN_FILENO) == 0) return false;

@@ -1,4 +1,4 @@
-// The tactus program: finds the subcommand, and says in one line what is wrong with a command line.
+// The tactus program: selects the subcommand, and reports in one line what is wrong with a command line.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,14 +17,14 @@
 namespace tactus::tools {
 namespace {
 
-bool g_json{false};  // --json is on the command line, whatever else is wrong with it
+bool g_json{false};  // --json is on the command line, even if other options are invalid
 
 void print_error_object(const std::string& text, int exit_code) {
   if (!g_json || (exit_code != kExitBadInput && exit_code != kExitMachineCannot)) return;
   fmt::print("{}\n", report_text(nlohmann::ordered_json{{"error", text}, {"exit_code", exit_code}}, 2));
 }
 
-// The innermost subcommand that was named: the program itself where none was.
+// The innermost subcommand given; the program itself if none was.
 const CLI::App& innermost(const CLI::App& program) {
   const CLI::App* app = &program;
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
@@ -43,7 +43,7 @@ std::vector<std::string> subcommands_of(const CLI::App& app) {
 
 std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
-// A word that nothing takes: an option that does not exist, a subcommand that does not, one argument too many.
+// Explains an unused word: an unknown option, an unknown subcommand, or one argument too many.
 std::string explain_extra(const CLI::App& app, const std::string& extra) {
   std::vector<std::string> known = subcommands_of(app);
   const bool is_option = extra.starts_with("-");
@@ -131,7 +131,8 @@ int complain_after(const std::string& text, int exit_code) {
 }  // namespace tactus::tools
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of that file, and not the end of a run
+  std::signal(SIGXFSZ,
+              SIG_IGN);  // a write beyond the file size limit is then an error of that file and does not end the run
   try {
     return tactus::tools::run_program(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// tactus run SCENE: the main job.
+// tactus run SCENE: runs a scene in real or virtual time.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -37,7 +37,7 @@ struct RunCommand {
   bool json{false};
 };
 
-// What an error of the library is to the program: the exit status by who can do something about it.
+// Converts an error of the library to an exit status, by its kind.
 int complain_of(const Error& error) {
   if (error.kind() == Error::Kind::kFile) return complain_of_each(error.message(), kExitBadInput);
   return complain("tactus run: " + error.message(),
@@ -59,7 +59,7 @@ Error complete_options(RunCommand& command) {
   return library::Access::check(o, command.duration_s);
 }
 
-// On a terminal the line is written over by the next one.
+// On a terminal the next line overwrites this one.
 void show_live(const session::LiveStatus& live, double elapsed_s, bool terminal, std::uint64_t& last_ticks,
                double& last_s) {
   const std::uint64_t ticks = live.ticks.load(std::memory_order_relaxed);
@@ -81,7 +81,7 @@ void show_live(const session::LiveStatus& live, double elapsed_s, bool terminal,
              terminal ? "" : "\n");
 }
 
-// Enter on the keyboard, or r and Enter; nothing where standard input is none.
+// Requests by Enter, or r and Enter; none if standard input is closed.
 std::uint32_t asked_on_keyboard() {
   pollfd in{STDIN_FILENO, POLLIN, 0};
   if (isatty(STDIN_FILENO) == 0 || poll(&in, 1, 0) <= 0 || (in.revents & POLLIN) == 0) return 0;
@@ -103,13 +103,13 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
     if (!opened.ok()) return opened.status();
     service = std::move(opened).value();
   }
-  // Without a tape, too: a fault leaves the last seconds.
+  // Also without a tape: a fault saves the last seconds.
   session.options.record = command.record;
   if (const Status status = session.record(command.record.string()); !status.ok()) return status;
   session.options.duration_s = command.duration_s;
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGTERM, ask_to_stop);
-  std::signal(SIGPIPE, SIG_IGN);  // who reads the status lines may go: the device is driven on
+  std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
   session::RealtimeHooks hooks;
   const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
   std::uint64_t last_ticks = 0;
@@ -119,7 +119,7 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   hooks.show = [&](const session::LiveStatus& live, double elapsed_s) {
     if (service != nullptr) service->look(live, elapsed_s);
     if (logged) return true;
-    // Whole, on a line of its own, where it latches: the status line has room for its number.
+    // Printed in full on its own line when it latches; the status line only shows its number.
     const std::uint64_t faults = live.fault_count.load(std::memory_order_relaxed);
     const std::string fault = fault_line(live);
     if (!fault.empty() && faults > faults_told) {
@@ -144,7 +144,7 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
 }
 
 Result<session::RunSummary> run_in_virtual_time(Session& session, const RunCommand& command) {
-  constexpr std::uint64_t kStride = 50;  // between two looks at the progress
+  constexpr std::uint64_t kStride = 50;  // ticks between two progress checks
   if (!command.record.empty())
     if (const Error error = session.record(command.record)) return Status::error(error.message());
   const auto ticks = static_cast<std::uint64_t>(std::llround(command.duration_s * command.options.rate_Hz));
@@ -159,7 +159,7 @@ Result<session::RunSummary> run_in_virtual_time(Session& session, const RunComma
   return library::Access::summary(session);
 }
 
-// Held against what was measured on this machine; may lower the cap of members.
+// Compares the run with the budget measured on this machine; may lower the cap of members.
 int keep_budget(RunCommand& command, const sim::Scene& scene) {
   if (command.budget.empty()) return kExitGood;
   Options& o = command.options;
@@ -178,7 +178,7 @@ int keep_budget(RunCommand& command, const sim::Scene& scene) {
   return kExitGood;
 }
 
-// What the configuration says, where no option says otherwise.
+// Applies the configuration where no option overrides it.
 Status read_configuration(const CLI::App& app, RunCommand& command) {
   if (command.config.empty()) return Status::good();
   auto read = service::load_configuration(command.config);
@@ -230,7 +230,7 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   } else {
     fmt::print("{}", to_text(summary.value()));
   }
-  // A service that was told to stop has ended well, whatever it has seen: its log says that.
+  // A service stopped on request exits with success; its log contains the faults of the run.
   if (!command.config.empty() && g_stop.load(std::memory_order_relaxed)) return kExitGood;
   return summary.value().exit_code();
 }

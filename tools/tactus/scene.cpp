@@ -1,4 +1,4 @@
-// tactus scene check FILE: is the scene good, what does it call for, what does that cost?
+// tactus scene check FILE: checks a scene and lists the effects that it uses and their cost.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -114,7 +114,7 @@ ordered_json to_json(const sim::SceneReport& r) {
           {"problems", r.problems}};
 }
 
-// The device that the scene names; the loader knows no others.
+// The device that the scene names; the loader accepts only known ones.
 haptics::DeviceProperties device_of(const sim::Scene& scene, double tick_s) {
   const hal::DeviceProfile* profile = hal::find_profile(scene.device.profile);
   TACTUS_CHECK(profile != nullptr, 0, 0);

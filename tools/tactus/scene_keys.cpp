@@ -1,4 +1,4 @@
-// tactus scene keys: the scene language, written from the loader's own list.
+// tactus scene keys: prints the scene language, generated from the loader's own list.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -49,7 +49,7 @@ void print_text(const std::vector<SceneTable>& language) {
   }
 }
 
-// In a cell of a table a bar would end it.
+// Escapes bars, which would end a table cell.
 std::string cell(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
   return text;

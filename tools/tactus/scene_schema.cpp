@@ -69,13 +69,13 @@ ordered_json none_of(const std::vector<ordered_json>& list) {
   return rule;
 }
 
-// "box, hull" has "hull"; what is not said is of all.
+// True if `only_with` lists the variant, as "box, hull" lists "hull", or is empty (valid for all).
 bool is_of(const std::string& only_with, const std::string& variant) {
   return only_with.empty() ||
          fmt::format(", {}, ", only_with).find(fmt::format(", {}, ", variant)) != std::string::npos;
 }
 
-// What each shape or kind needs, and what it has not.
+// Adds the required and the forbidden keys of each shape or kind.
 void add_variants(const SceneTable& table, ordered_json& rules) {
   const auto choice = std::find_if(table.keys.begin(), table.keys.end(), [](const SceneKey& key) {
     return key.asked.key == "shape" || key.asked.key == "kind";
@@ -95,7 +95,7 @@ void add_variants(const SceneTable& table, ordered_json& rules) {
   }
 }
 
-// A body that is fixed has no mass, one that is kinematic needs none.
+// Applies a rule only to bodies with mass: a fixed body has none, a kinematic one needs none.
 ordered_json when_it_has_mass(const ordered_json& rule) {
   const ordered_json without =
       none_of({is("fixed", true), is("kinematic", true), is("shape", "plane"), is("shape", "mesh")});
@@ -132,7 +132,7 @@ ordered_json schema_of(const SceneTable& table) {
   ordered_json properties = ordered_json::object(), required = ordered_json::array();
   for (const SceneKey& key : table.keys) {
     const std::string& name = key.asked.key;
-    if (properties.contains(name)) {  // another generator's range or default: what one of them accepts
+    if (properties.contains(name)) {  // generators differ in range or default: accept what any of them accepts
       auto& other = properties[name];
       if (!other.contains("anyOf")) other = {{"anyOf", ordered_json::array({other})}};
       other["anyOf"].push_back(schema_of(key));

@@ -1,5 +1,6 @@
-// The JSON schema (2020-12) of scenes, written from the loader's own list: types, ranges, what each shape, generator
-// and joint has and needs, and keys that go together. What is asked of numbers of several tables is the loader's alone.
+// The JSON schema (2020-12) of scenes, generated from the loader's own list: types, ranges, allowed and required keys
+// of each shape, generator and joint, and keys that depend on each other. Conditions on numbers of several tables are
+// checked only by the loader.
 // Thread: normal.
 #pragma once
 

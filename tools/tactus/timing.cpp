@@ -1,4 +1,4 @@
-// tactus timing: the real loop under a worst case, measured stage by stage.
+// tactus timing: measures the real loop in a worst-case scene, stage by stage.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -45,7 +45,7 @@ int certify(const TimingCommand& command, const timing::TimingResult& result) {
   return write_file(command.certify, text);
 }
 
-// What the doctor finds that makes figures taken here say little about a dedicated PC.
+// The doctor's findings that make figures of this PC unrepresentative of a dedicated one.
 std::vector<std::string> distortions(int cpu, double rate_Hz) {
   const auto system = doctor::SystemView::open("/");
   std::vector<std::string> found;
@@ -70,7 +70,7 @@ void print_result(const timing::TimingResult& result, bool json) {
   for (const std::string& line : distorted) fmt::print("  {}\n", line);
 }
 
-// What a person types to get the like.
+// The command line that repeats the measurement.
 std::string command_of(const TimingCommand& command, int cpu) {
   const timing::TimingOptions& o = command.options;
   std::string text =

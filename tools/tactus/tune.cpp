@@ -1,4 +1,4 @@
-// tactus tune SCENE: the most accurate setting that this PC bears.
+// tactus tune SCENE: finds the most accurate setting that this PC can run.
 #include <fmt/format.h>
 
 #include <csignal>
@@ -22,7 +22,7 @@ struct TuneCommand {
   bool json{false};
 };
 
-// No more than what was measured and signed off on this machine.
+// Limits the search to the budget certified on this machine.
 int keep_budget(TuneCommand& command) {
   if (command.budget.empty()) return kExitGood;
   const auto budget = timing::load_budget(command.budget);

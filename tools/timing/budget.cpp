@@ -40,7 +40,7 @@ ordered_json buckets_json(const Histogram& h) {
   return list;
 }
 
-// The first thing that is another one; empty: it is the machine of the budget.
+// The first property that differs; empty: same machine.
 std::string other_machine(const Machine& certified, const Machine& here) {
   const auto differs = [](const char* what, const std::string& then, const std::string& now) {
     return fmt::format("it was measured on the {} '{}', here it is '{}'", what, then, now);
@@ -111,7 +111,7 @@ Result<Budget> read_budget(const std::string& text, const std::string& name) {
   const ordered_json seal = j.value("seal", ordered_json());
   j.erase("seal");
   if (!seal.is_string() || seal.get<std::string>() != seal_of(j)) return bad("was changed after it was signed off");
-  // What is sealed is what this program wrote: every key is there.
+  // A valid seal means that this program wrote the text, so every key exists.
   Budget budget;
   const ordered_json& machine = j["machine"];
   budget.machine = {machine["cpu_model"], machine["kernel"], machine["boot_line"], machine["governor"],

@@ -1,11 +1,11 @@
-// The capacity contract: what a timing run measured on this PC, signed off in a file, and what it allows later runs.
+// Budget file: certifies what a timing run measured on this PC, and limits later runs to it.
 //
-// A budget holds the machine (CPU, kernel, boot line, settings of the core), what was measured (rate, members,
-// sub-steps, histogram of computing) and the margin that was left of the period. Whoever edits it breaks its
-// seal, a checksum over all the rest: a guard against mistakes, not against an adversary.
+// A budget holds the machine (CPU, kernel, boot line, settings of the core), the measurement (rate, members, sub-steps,
+// histogram of computing time) and the remaining margin of the period. An edit invalidates its seal, a checksum over
+// the rest of the file; this protects against mistakes, not against an adversary.
 // `tactus run --budget` compares, in this order: the seal; the machine (another one: refused); the verdict; the rate
 // (a higher one: refused); sub-steps (more: refused, as they are the scene's accuracy); members (more: the cap is
-// lowered to the certified number, one line says so). Thread: normal. Units in the keys.
+// lowered to the certified number, and one line reports it). Thread: normal. Units in the keys.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,7 +18,7 @@
 
 namespace tactus::timing {
 
-// What a budget is only good for.
+// The machine for which a budget is valid.
 struct Machine {
   std::string cpu_model, kernel, boot_line, governor;
   unsigned cores{0};
@@ -26,22 +26,22 @@ struct Machine {
 };
 Machine this_machine(int cpu);
 
-// The file's text. Empty where the run's verdict is bad: that is signed by nobody.
+// The file's text. Empty if the run's verdict is bad.
 std::string budget_text(const TimingResult& result, const Machine& machine);
 
 struct Budget {
   Machine machine;
-  double rate_Hz{0}, worst_us{0}, margin{0};  // of computing; the share of the period that the worst tick left
-  double wake_p50_us{0}, wake_p99_9_us{0}, wake_worst_us{0};  // how late the loop woke
+  double rate_Hz{0}, worst_us{0}, margin{0};  // worst computing time; share of the period left by the worst tick
+  double wake_p50_us{0}, wake_p99_9_us{0}, wake_worst_us{0};  // wake-up latency of the loop
   unsigned members{0}, sub_steps{0};
   int priority{0};
   std::string verdict;
 };
-// One line for what is no budget: the file, what is wrong, what is accepted.
+// Error, one line: the file, what is wrong, what is accepted.
 Result<Budget> read_budget(const std::string& text, const std::string& name);
 Result<Budget> load_budget(const std::string& path);
 
-// What a run wants of the machine.
+// What a run requests.
 struct BudgetRequest {
   double rate_Hz{1000};
   unsigned members{64}, sub_steps{4};
@@ -50,7 +50,7 @@ struct BudgetRequest {
 struct BudgetAnswer {
   std::string refusal;                    // one line; empty: it may run
   std::optional<unsigned> fewer_members;  // the cap to run with
-  std::string note;                       // one line, where it runs with less than it asked for
+  std::string note;                       // one line, if it runs with less than requested
 };
 BudgetAnswer check_budget(const Budget& budget, const Machine& machine, const BudgetRequest& request);
 

@@ -14,9 +14,9 @@ constexpr double kCube_m = 0.05, kProxyRadius_m = 0.02;
 }  // namespace
 
 std::string capacity_scene(unsigned members, unsigned sub_steps, unsigned ratio, double rate_Hz) {
-  // Below 1 kHz the coupling and the contacts are softer, as that rate bears.
+  // Below 1 kHz coupling and contacts are softer, to be stable at that rate.
   const double slower = std::min(1.0, rate_Hz / 1000);
-  // Twice the members, so that there always is a border; and wide enough to be stirred.
+  // Twice the members, so that a border always exists, and wide enough to be stirred.
   const unsigned cubes = std::max(2 * members, 49 * kLayers);
   const double top_m = kLayers * kCube_m + kProxyRadius_m;
   const double pressed_m = top_m - 0.012, stirred_m = top_m - 0.014;

@@ -15,12 +15,12 @@ namespace {
 using loop::OverrunCause;
 using loop::TickTimes;
 
-// Less than that of a tick off its core is the error of two clocks that are read one after the other.
+// A shorter time off the core is the error of two clocks read one after the other.
 constexpr std::int64_t kNoise_ns = 5'000;
 
 double us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
 
-// Of a tick that met its deadline: which part grew most over what is typical.
+// For a tick that met its deadline: the part that exceeds its typical value most.
 OverrunCause largest_part(const TickTimes& t, const Typical& typical) {
   const std::int64_t execution = t.wrote_ns - t.woke_ns, rest = execution - (t.computed_ns - t.read_ns);
   const std::int64_t explained = std::min(t.cpu_ns, 2 * t.foreseen_ns + rest);
@@ -52,7 +52,7 @@ std::string machine_evidence(const std::optional<MachineChange>& change) {
   return text.empty() ? text : text + fmt::format(" in the {:.0f} ms around it", span_ms);
 }
 
-// What the kernel measured within the tick: sums by kind, and the longest by name.
+// Noise measured by the kernel within the tick: sums by kind, and the name of the longest.
 struct Measured {
   std::int64_t interrupts_ns{0}, threads_ns{0};
   std::string text;
@@ -85,7 +85,7 @@ bool device_interrupted(const std::optional<MachineChange>& change) {
 Cause what_interrupted(const TickTimes& t, std::int64_t off_core_ns, std::int64_t to_explain_ns,
                        const std::optional<Measured>& noise, const std::optional<MachineChange>& change) {
   if (t.minor_faults + t.major_faults > 0) return Cause::kPageFault;
-  // Where the kernel measures what takes the core, what it did not see was below it.
+  // If the kernel measures the use of the core, the remaining time was used below the kernel.
   if (noise) {
     if (2 * (noise->interrupts_ns + noise->threads_ns) < to_explain_ns) return Cause::kMachine;
     return noise->threads_ns >= noise->interrupts_ns ? Cause::kContextSwitch : Cause::kInterrupt;

@@ -1,6 +1,7 @@
-// cyclictest of rt-tests as a measure beside the loop: the same core, period and priority, in turns with it.
+// Runs cyclictest (rt-tests) as a reference: same core, period and priority as the loop, alternating with it.
 //
-// Thread: normal. It is run as a program and its wake-ups are read one by one, in ns. Source: cyclictest(8), `-v -N`.
+// Thread: normal. It is run as a program; its wake-up latencies are read one by one, in ns. Source: cyclictest(8), `-v
+// -N`.
 #pragma once
 
 #include <string>
@@ -19,11 +20,11 @@ struct CyclictestRun {
 
 std::string cyclictest_command(const CyclictestRun& run);
 
-// One line of its output, "thread: count: latency", into the histogram; anything else is passed over. The first
-// `skip` wake-ups are not counted. False: the line was no wake-up.
+// One line of its output, "thread: count: latency", into the histogram; other lines are ignored. The first `skip`
+// wake-ups are not counted. False: the line was not a wake-up.
 bool add_cyclictest_line(const std::string& line, std::uint64_t skip, Histogram& wake);
 
-// Runs it to its end. One line where it is not installed or fails.
+// Runs it to its end. Error, one line: it is not installed or fails.
 Status run_cyclictest(const CyclictestRun& run, std::uint64_t skip, Histogram& wake);
 
 }  // namespace tactus::timing

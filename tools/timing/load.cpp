@@ -89,7 +89,7 @@ Status Load::start(LoadKind kind, int spare_cpu) {
   const std::vector<int> cpus = cores_without(spare_cpu);
   const pid_t parent = getpid();
   const std::size_t count = kind == LoadKind::kStressNg ? 1 : cpus.size();
-  // A child that is ended must not run this program's handlers, not even before it has put them away.
+  // A child that is ended must not run this program's signal handlers, not even before it has reset them.
   sigset_t endings, before;
   sigemptyset(&endings);
   sigaddset(&endings, SIGTERM);
@@ -105,7 +105,7 @@ Status Load::start(LoadKind kind, int spare_cpu) {
     signal(SIGTERM, SIG_DFL);
     signal(SIGINT, SIG_DFL);
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    setpgid(0, 0);  // stop() ends what it may have started itself, too
+    setpgid(0, 0);  // own process group, so that stop() also ends its children
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(0);
     sched_setaffinity(0, sizeof set, &set);
@@ -120,7 +120,7 @@ Status Load::start(LoadKind kind, int spare_cpu) {
 void Load::stop() noexcept {
   for (const int child : children_) {
     kill(-child, SIGTERM);
-    kill(child, SIGTERM);  // where it has not made its group yet
+    kill(child, SIGTERM);  // in case it has not created its group yet
   }
   for (const int child : children_)
     while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {}

@@ -1,11 +1,11 @@
-// What keeps the other cores busy while the loop is timed: child processes of normal priority, gone with the object.
+// Loads the other cores while the loop is timed, by child processes of normal priority; the destructor ends them.
 //
 //   none      nothing
 //   cpu       arithmetic, one process a core
-//   memory    streams through memory larger than the caches, one process a core: takes the bandwidth away
-//   stress-ng arithmetic, memory, files and context switches by that program, where it is installed
+//   memory    streams through memory larger than the caches, one process a core: uses up the bandwidth
+//   stress-ng arithmetic, memory, files and context switches by that program, if installed
 // The core of the haptic thread is left out, unless it is the only one. Thread: normal; start it before other threads
-// are there. Bound: one process a core.
+// exist. Bound: one process a core.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ namespace tactus::timing {
 
 enum class LoadKind { kNone, kCpu, kMemory, kStressNg };
 
-// One line on anything else.
+// Error, one line, for any other word.
 Result<LoadKind> parse_load(const std::string& word);
 
 class Load {
@@ -27,8 +27,8 @@ class Load {
   Load(const Load&) = delete;
   Load& operator=(const Load&) = delete;
 
-  // On all cores that this process may use but `spare_cpu`. One line where the program is missing or no process is to
-  // be had.
+  // Starts the load on all cores that this process may use, except `spare_cpu`. Error, one line: the program is missing
+  // or no process can be started.
   Status start(LoadKind kind, int spare_cpu);
   void stop() noexcept;
   std::size_t processes() const { return children_.size(); }
@@ -37,7 +37,7 @@ class Load {
   std::vector<int> children_;  // process ids
 };
 
-// The cores that this process may use, without `spare_cpu` where another is left.
+// The cores that this process may use, without `spare_cpu` unless it is the only one.
 std::vector<int> cores_without(int spare_cpu);
 
 }  // namespace tactus::timing

@@ -109,7 +109,7 @@ MachineLook look_at_machine(int cpu, int thread_id) {
     look.stolen_ms = time->stolen * 1000 / static_cast<std::uint64_t>(sysconf(_SC_CLK_TCK));
   if (thread_id > 0)
     look.waited_ns = parse_wait_ns(text_of("/proc/self/task/" + std::to_string(thread_id) + "/schedstat"));
-  look.at_ns = MonotonicClock::now_ns();  // after the counts: what they hold was before
+  look.at_ns = MonotonicClock::now_ns();  // after reading the counts, which are therefore older
   return look;
 }
 

@@ -23,7 +23,7 @@ constexpr std::array<Event, 4> kEvents{{{"irq_noise", Noise::Kind::kInterrupt},
                                         {"softirq_noise", Noise::Kind::kInterrupt},
                                         {"nmi_noise", Noise::Kind::kInterrupt},
                                         {"thread_noise", Noise::Kind::kThread}}};
-// The longest that the kernel takes: its thread shall disturb as seldom as can be.
+// The longest period that the kernel accepts, so that its thread disturbs least often.
 constexpr const char* kTimerlatPeriod_us = "1000000";
 
 std::string text_of(const std::string& path) {
@@ -33,7 +33,7 @@ std::string text_of(const std::string& path) {
   return text;
 }
 
-// One write, as these files want it.
+// Writes in a single call, as these files require.
 Status write_to(const std::string& path, std::string_view text) {
   const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
   const bool good = file >= 0 && ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
@@ -65,7 +65,7 @@ std::optional<std::int64_t> seconds_ns(std::string_view text) {
 }  // namespace
 
 // `  TASK-PID [CPU] FLAGS SECONDS: EVENT: NAME:NUMBER start S duration N ns`; an nmi has no name. The time of the line
-// is that of the end, and on the clock that was asked for; the start is on the kernel's own.
+// is that of the end, and on the selected trace clock; the start is on the kernel's own clock.
 std::optional<Noise> parse_noise(const std::string& line) {
   const std::string_view text(line);
   for (const Event& event : kEvents) {

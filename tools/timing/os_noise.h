@@ -1,11 +1,11 @@
-// What took a core away from the thread that should run there, as the kernel itself measures it: each interrupt, soft
-// interrupt and other thread with its name, when it began and for how long, from the osnoise events of the kernel's
-// tracer, for one core.
+// Reads the osnoise events of the kernel's tracer for one core: each interrupt, soft interrupt and other thread that
+// used the core, with name, start and duration.
 //
-// The events come while one of the tracers `osnoise` and `timerlat` is on. Where the kernel can leave their own thread
-// out (osnoise/options), it does; else timerlat is used, whose thread then wakes once a second on the core, above the
-// loop. A trace instance of our own is made and taken away again; the two settings that all instances share are put
-// back. Thread: one, normal. Needs tracefs and the right to write there (root). Units in the names; times are
+// The events are produced while the tracer `osnoise` or `timerlat` is on. Their own threads are disabled if the kernel
+// supports it (osnoise/options); otherwise timerlat is used, whose thread then wakes once a second on the core, with
+// priority over the loop. A separate trace instance is created and removed again; the two settings shared by all
+// instances are restored. Thread: one, normal. Needs tracefs and the right to write there (root). Units in the names;
+// times are
 // MonotonicClock's, to a microsecond. Source: Linux, Documentation/trace/osnoise-tracer.rst, timerlat-tracer.rst.
 #pragma once
 
@@ -20,25 +20,25 @@
 namespace tactus::timing {
 
 struct Noise {
-  enum class Kind { kInterrupt, kThread };  // interrupts of all sorts; another thread
+  enum class Kind { kInterrupt, kThread };  // interrupts of all kinds; another thread
   Kind kind{Kind::kInterrupt};
   std::string name;
   std::int64_t number{0};  // a thread's id, an interrupt's vector
   std::int64_t from_ns{0}, duration_ns{0};
 };
 
-// A line of the trace; nothing where it is no such event.
+// Parses a line of the trace; empty if it is not such an event.
 std::optional<Noise> parse_noise(const std::string& line);
 
 class OsNoise {
  public:
-  // What is wrong, in one line, where this kernel or this user cannot.
+  // Error, one line: why this kernel or this user cannot trace.
   static Result<std::unique_ptr<OsNoise>> start(int cpu, const std::string& tracefs = "/sys/kernel/tracing");
   ~OsNoise();
   OsNoise(const OsNoise&) = delete;
   OsNoise& operator=(const OsNoise&) = delete;
 
-  // Since the last call, without the core's idling and without this thread.
+  // Events since the last call, without idle time and without the given thread.
   std::vector<Noise> read(int except_thread);
 
  private:
@@ -49,10 +49,10 @@ class OsNoise {
   struct Saved {
     std::string file, text;
   };
-  std::string instance_;      // our folder; empty until it is made
+  std::string instance_;      // folder of the trace instance; empty until created
   std::vector<Saved> saved_;  // as they were
   int pipe_{-1};
-  std::string rest_;  // of a line that was read in part
+  std::string rest_;  // incomplete last line
 };
 
 }  // namespace tactus::timing

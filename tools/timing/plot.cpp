@@ -18,7 +18,7 @@ std::uint64_t count_between(const Histogram& h, std::uint64_t low_ns, std::uint6
   return count;
 }
 
-// One tick is a block; the most there are is the full width.
+// One tick is one block; the largest count is the full width.
 std::string bar(std::uint64_t count, std::uint64_t most) {
   if (count == 0) return "";
   const double share = most > 1 ? std::log(static_cast<double>(count)) / std::log(static_cast<double>(most)) : 1;
@@ -70,11 +70,11 @@ std::string histogram_text(const std::vector<Curve>& curves, std::int64_t mark_n
 
 namespace {
 
-// What is drawn where, px. Narrow, so that a window of 400 px still shows text that can be read.
+// Layout, px. Narrow, so that text is still readable in a window of 400 px.
 constexpr double kWidth = 560, kLeft = 96, kRight = 22, kPlotHeight = 300, kLine = 16;
 constexpr std::size_t kWordsBold = 68, kWords = 84;  // characters that fit a line of the sentence, of the rest
 
-// Text and paper are 4.5 : 1 apart or more, curves and paper 3 : 1, light and dark; printed it is light.
+// Contrast of text to background at least 4.5 : 1, of curves 3 : 1, in light and dark mode; printed in light mode.
 constexpr const char* kStyle =
     "<style>svg{--paper:#fff;--ink:#1a1a1b;--mute:#55595e;--grid:#e2e4e7;--c0:#0067a5;--c1:#c94f00;--c2:#00805d;"
     "--c3:#6b4fb3;background:var(--paper);color-scheme:light dark;max-width:100%;height:auto;"
@@ -99,8 +99,7 @@ bool is_figure(std::string_view word) {
   return !word.empty() && std::all_of(word.begin(), word.end(), in_number);
 }
 
-// Lines of at most so many bytes, broken at spaces, but not between a number and what follows it, its unit; a word that
-// is longer is cut.
+// Wraps text to lines of at most `most` bytes, at spaces, but not between a number and its unit; a longer word is cut.
 std::vector<std::string> wrapped(const std::string& words, std::size_t most) {
   std::vector<std::string> lines{""};
   for (std::size_t at = 0; at < words.size();) {
@@ -147,7 +146,7 @@ std::string number_text(double value) {
   return value < 1e6 ? fmt::format("{:g}", value) : fmt::format("{:.0e}", value);
 }
 
-// From where the first curve begins to beyond the last and the deadline, in whole decades of us.
+// From the start of the first curve to beyond the last curve and the deadline, in whole decades of us.
 Decades time_axis(const std::vector<Curve>& curves, double mark_us) {
   double shortest_us = mark_us, longest_us = 2 * mark_us;
   for (const Curve& curve : curves) {
@@ -176,7 +175,7 @@ std::string falling(const Histogram& times, const Decades& x, const Decades& y) 
   return points;
 }
 
-// From all at the top down to one tick.
+// The vertical axis goes from all ticks at the top to one tick.
 void draw_axes(Drawing& drawing, const Decades& x, const Decades& y) {
   const double top = y.start, bottom = y.end;
   for (double d = x.low; d <= x.high; ++d)
@@ -195,7 +194,7 @@ void draw_axes(Drawing& drawing, const Decades& x, const Decades& y) {
   drawing.label("ylabel", 8, top - 14, "start", "ticks that took longer [1 in N]");
 }
 
-// What was measured, each with its sample of a line; gives back where it ends.
+// Draws the legend; returns its lower end.
 double draw_key(Drawing& drawing, const std::vector<const Curve*>& drawn, double mark_us, double top) {
   for (std::size_t i = 0; i < drawn.size(); ++i, top += kLine) {
     drawing.line(fmt::format("series s{}", i).c_str(), 8, top - 4, 48, top - 4);

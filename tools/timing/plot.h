@@ -1,5 +1,5 @@
-// Histograms of times for the eye: bars in a terminal, a plot as SVG. Both axes are logarithmic: what matters is rare
-// and late. Thread: normal. Pure.
+// Plots histograms of times: bars in a terminal, or SVG. Both axes are logarithmic, because rare and late ticks matter.
+// Thread: normal. Pure.
 #pragma once
 
 #include <string>
@@ -18,9 +18,9 @@ struct Curve {
 // Times in bins of 1, 2, 5, 10 ... us, a column of bars for each curve, with the counts. `mark_ns`: a deadline.
 std::string histogram_text(const std::vector<Curve>& curves, std::int64_t mark_ns);
 
-// The share of the ticks that took longer than the time: falls from all to one tick. The deadline is a dashed line.
-// Above: the sentence that says what came out, where the figures come from, and the legend. At most four curves have
-// times; light or dark as the reader's screen.
+// Plots the share of ticks that took longer than a time, from all ticks down to one. The deadline is a dashed line.
+// Above the plot: a sentence with the result, the source of the figures, and the legend. At most four curves may have
+// times. Light or dark by the reader's setting.
 std::string histogram_svg(const std::string& sentence, const Provenance& made, const std::vector<Curve>& curves,
                           std::int64_t mark_ns);
 

@@ -28,7 +28,7 @@ ordered_json times_json(const Histogram& h) {
           {"max_us", us(h.max_ns())}};
 }
 
-// What the clock's rows say before what the rules of a run found.
+// The rows on times first, then the findings of the rules of a run.
 std::string verdict_line(const TimingResult& r) {
   const TimingVerdict verdict = r.verdict();
   if (verdict == TimingVerdict::kGood) return "good";
@@ -183,7 +183,7 @@ ordered_json to_json(const TimingResult& r) {
 
 namespace {
 
-// What the plot shows, in one sentence.
+// One sentence that states the result of the plot.
 std::string answer(const TimingResult& r) {
   const TickStatistics& b = r.books;
   const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];

@@ -1,4 +1,4 @@
-// A timing run, told to people and as JSON with units in the keys. Thread: normal. Pure.
+// Prints a timing run as text and as JSON with units in the keys. Thread: normal. Pure.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,7 +14,7 @@ nlohmann::ordered_json to_json(const TimingResult& result);
 // The plot that --svg writes.
 std::string to_svg(const TimingResult& result, const Provenance& made);
 
-// p50 or p99 of the loop's wake-up over that of the other; 0 where there is none.
+// p50 or p99 of the loop's wake-up latency divided by that of `other`; 0 if there is none.
 double wake_ratio(const TimingResult& result, const Histogram& other, double percent);
 
 }  // namespace tactus::timing

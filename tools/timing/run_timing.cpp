@@ -21,14 +21,14 @@ namespace {
 constexpr double kWarmUp_s = 1, kGrace_s = 0.5;
 constexpr std::uint32_t kSettleTicks = 10;
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
-// Cyclictest has to start and to end within its window.
+// Margin for cyclictest to start and end within its window.
 constexpr unsigned kCyclictestSpare_s = 1;
 
 void stay_on(const std::vector<int>& cpus) {
   cpu_set_t set;
   CPU_ZERO(&set);
   for (const int cpu : cpus) CPU_SET(static_cast<unsigned>(cpu), &set);
-  sched_setaffinity(0, sizeof set, &set);  // where it fails, the figures are only a little worse
+  sched_setaffinity(0, sizeof set, &set);  // if it fails, the figures are only slightly worse
 }
 
 loop::WindowPlan windows_of(const TimingOptions& o) {
@@ -37,7 +37,8 @@ loop::WindowPlan windows_of(const TimingOptions& o) {
   return {deadlines(o.window_s), o.bare ? deadlines(o.window_s) : 0, 0};
 }
 
-// Empties the ring into the books, looks at the machine, and gives the core to cyclictest where the loop rests.
+// Moves records from the ring to the statistics, samples the machine, and runs cyclictest on the core while the loop
+// pauses.
 class Watcher {
  public:
   // `noise` may be null.
@@ -153,7 +154,7 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
     problem = {input, text};
     return std::nullopt;
   };
-  Load load;  // before there are threads
+  Load load;  // before any thread is started
   if (const Status status = load.start(options.load, options.run.cpu); !status.ok())
     return fail(false, status.message());
   std::unique_ptr<OsNoise> noise;
@@ -175,10 +176,10 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   hooks.probe = &probe;
   hooks.show = [&](const session::LiveStatus& live, double elapsed_s) {
     if (progress) progress(std::min(1.0, elapsed_s / options.duration_s), live);
-    // Where deadlines are skipped the ticks would take longer than was asked for.
+    // If deadlines are skipped, the ticks would take longer than requested.
     return elapsed_s < options.duration_s + kGrace_s;
   };
-  stay_on(cores_without(options.run.cpu));  // this thread, and what it starts: the haptic thread pins itself
+  stay_on(cores_without(options.run.cpu));  // for this thread and those that it starts; the haptic thread pins itself
   Watcher watcher(options, probe, noise.get(), result);
   auto summary = session::run_realtime(*session.value(), hooks, stop);
   watcher.stop();
@@ -188,7 +189,7 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   result.rows = judge(result.books);
   const std::vector<VerdictRow> simulated = rows_of(session::judge_simulation(result.summary));
   result.rows.insert(result.rows.end(), simulated.begin(), simulated.end());
-  // The governor gives members up where the core is too slow for them: then the capacity is not what was measured.
+  // The governor reduces the members if the core is too slow; then the requested capacity was not measured.
   if (options.run.scene.empty())
     result.rows.push_back({"members short of capacity", "",
                            static_cast<double>(options.members) - static_cast<double>(result.books.members_max), 0,

@@ -1,7 +1,8 @@
-// One timing run: the real loop on the simulated device, its probe, the other cores' load, and who watches.
+// One timing run: the real loop on the simulated device, its probe, the load on the other cores, and the sampling of
+// the machine.
 //
-// Thread: the main one. A thread of normal priority on the other cores empties the probe's ring and looks at the
-// machine fifty times a second; the loop itself is that of `tactus run` (tools/session/realtime_run.h).
+// Thread: the main one. A thread of normal priority on the other cores reads the probe's ring and samples the machine
+// fifty times a second; the loop itself is that of `tactus run` (tools/session/realtime_run.h).
 #pragma once
 
 #include <atomic>
@@ -23,7 +24,7 @@ struct TimingOptions {
   bool bare{true};
   LoadKind load{LoadKind::kNone};
   bool os_noise{false};            // read the kernel's osnoise events
-  bool against_cyclictest{false};  // in the bare timer's place, in windows of 10 s
+  bool against_cyclictest{false};  // instead of the bare timer, in windows of 10 s
 };
 
 inline constexpr double kAgainstWindow_s = 10;
@@ -41,17 +42,17 @@ struct TimingResult {
 };
 
 struct TimingProblem {
-  bool input{false};  // the user's; else the machine's
+  bool input{false};  // true: the user's input is wrong; false: the machine fails
   std::string text;
 };
 
-// Shown about five times a second: the share done, and what the loop says.
+// Called about five times a second with the completed fraction and the state of the loop.
 using TimingProgress = std::function<void(double share, const session::LiveStatus& live)>;
 
-// Ranges. One line: the option, what was given, what is accepted.
+// Checks ranges. Error, one line: the option, what was given, what is accepted.
 Status check(const TimingOptions& options);
 
-// Nothing: see `problem`.
+// Empty on an error: see `problem`.
 std::optional<TimingResult> run_timing(const TimingOptions& options, const TimingProgress& progress,
                                        const std::atomic<bool>& stop, TimingProblem& problem);
 

@@ -44,7 +44,7 @@ void TickStatistics::add_loop(const loop::TickTimes& t) {
     ++warm_up;
     return;
   }
-  // After another window the caches are somebody else's: that is not what a run is like.
+  // After another window the caches are cold, which is not typical of a run.
   if (t.into_window < settings_.settle_ticks) {
     has_last_ = false;
     return;
@@ -80,7 +80,7 @@ void TickStatistics::add_bare(const loop::TickTimes& t) {
   bare_wake.record(duration_ns(t, Stage::kWake));
 }
 
-// The latest kWorst; the ticks after a spike are added to it as they come.
+// The latest kWorst; later ticks are added to a spike as they arrive.
 void TickStatistics::note_spike(const loop::TickTimes& t) {
   for (Spike& spike : spikes)
     if (t.tick > spike.times.tick && t.tick <= spike.times.tick + kAround) spike.around.push_back(t);

@@ -1,7 +1,8 @@
-// What the ticks of a timing run amount to: times by stage, overruns by cause, the latest ticks with those around them.
+// Statistics of the ticks of a timing run: times by stage, overruns by cause, the latest ticks with those around them.
 //
-// Fed with records of the probe and looks at the machine, in the order of time; a tick is judged once the machine was
-// looked at after it. Pure but for its memory: recorded or made-up figures give the same books. Thread: one, normal.
+// Input: records of the probe and samples of the machine, in order of time; a tick is judged after the first sample
+// that follows it. Depends on its input alone, so recorded or synthetic figures give the same statistics. Thread: one,
+// normal.
 // Bound: kWorst spikes, kAround ticks on either side of each, the last kRecent ticks.
 #pragma once
 
@@ -17,14 +18,14 @@ namespace tactus::timing {
 enum class Stage : std::uint32_t { kWake, kRead, kAdopt, kCouple, kCollide, kSolve, kWrite };
 inline constexpr std::uint32_t kStages = 7;
 const char* name_of(Stage stage);
-// From the end of the stage before, or from the deadline.
+// Duration from the end of the previous stage, or from the deadline.
 std::int64_t duration_ns(const loop::TickTimes& tick, Stage stage);
 
 struct Spike {
   loop::TickTimes times;
   Attribution attribution;
   bool judged{false};
-  std::vector<loop::TickTimes> around;  // itself among them
+  std::vector<loop::TickTimes> around;  // including itself
 };
 
 struct Settings {
@@ -42,7 +43,7 @@ class TickStatistics {
   void add_loop(const loop::TickTimes& tick);
   void add_bare(const loop::TickTimes& tick);
   void add_look(const MachineLook& look);
-  // Judges what is left, with what is known.
+  // Judges the remaining ticks with the data available.
   void finish();
 
   const Settings& settings() const { return settings_; }
@@ -51,18 +52,18 @@ class TickStatistics {
 
   std::array<Histogram, kStages> stages;
   Histogram execution;   // woke to wrote
-  Histogram done;        // scheduled to wrote: what the deadline is about
-  Histogram overhead;    // execution without the device, collision and solving: what the loop itself costs
-  Histogram compute;     // read to computed: what the cost model foresees
-  Histogram force_age;   // of a force when it is written, since the sample that it answers
-  Histogram oldest_age;  // ... and when the next one replaces it
+  Histogram done;        // scheduled to wrote: compared with the deadline
+  Histogram overhead;    // execution without the device, collision and solving: the loop's own cost
+  Histogram compute;     // read to computed: predicted by the cost model
+  Histogram force_age;   // of a force when it is written, since the sample from which it was computed
+  Histogram oldest_age;  // of a force when the next one replaces it
   Histogram bare_wake;
   std::uint64_t ticks{0}, bare_ticks{0}, warm_up{0}, skipped{0};
   std::uint64_t minor_faults{0}, major_faults{0}, involuntary_switches{0};
   std::uint64_t overruns{0};
   std::array<std::uint64_t, kCauses> overruns_by_cause{};
   std::uint32_t members_max{0}, contacts_max{0}, points_max{0}, border_max{0};
-  std::uint64_t at_capacity{0};  // ticks with as many members as there ever were
+  std::uint64_t at_capacity{0};  // ticks with the largest number of members of the run
   std::vector<Spike> spikes;     // the latest first
   std::deque<loop::TickTimes> recent;
 
@@ -72,7 +73,7 @@ class TickStatistics {
 
   Settings settings_;
   MachineHistory machine_;
-  std::deque<loop::TickTimes> waiting_;  // overruns that are not judged yet
+  std::deque<loop::TickTimes> waiting_;  // overruns not judged yet
   loop::TickTimes last_;
   bool has_last_{false};
 };

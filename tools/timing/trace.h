@@ -1,5 +1,5 @@
-// The ticks around the worst spikes, and the last ones of the run, as a trace that Perfetto and chrome://tracing open:
-// one slice a tick, one below it a stage, a mark on each spike with its cause.
+// The ticks around the worst spikes, and the last ones of the run, as a trace for Perfetto and chrome://tracing: one
+// slice per tick, below it one per stage, and a mark with its cause on each spike.
 //
 // Thread: normal. Pure. Format: the JSON trace event format; times in us from the first tick shown.
 #pragma once

@@ -9,10 +9,10 @@ double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
 
 }  // namespace
 
-// The shares. Wake-up: a tenth of a period is jitter that no hand feels; half of one leaves less for the work than the
-// governor plans with. Computing: the 0.6 that the governor plans with, and 0.85, where the cut fires. Done: 1 tick in
-// 10 000 after its deadline is a force that is held one period longer. Force age: a force may be a period old when it
-// is replaced, and as old again after one late tick. The loop's own part: a hundredth of a period.
+// Limits, as shares of the period. Wake-up: jitter of a tenth of a period is not perceptible; a delay of half a period
+// leaves less computing time than the governor assumes. Computing: 0.6, the governor's budget, and 0.85, where the
+// solver is cut. Done: 1 tick in 10 000 after its deadline, when the force is held one period longer. Force age: one
+// period when replaced, two after one late tick. The loop's own part: a hundredth of a period.
 std::vector<VerdictRow> judge(const TickStatistics& b) {
   const double period_us = static_cast<double>(b.settings().period_ns) * 1e-3;
   const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];

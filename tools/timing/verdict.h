@@ -1,9 +1,9 @@
-// What a timing run is held against, figure by figure, and what follows: rows on the clock, and the rules of
-// tools/session/verdict.h on the simulation, its scene and the set-up, which are those of `tactus run`.
+// Judges a timing run: rows on its times, and the rules of `tactus run` (tools/session/verdict.h) on the simulation,
+// its scene and the set-up.
 //
-// "bad" says that the program itself is at fault: a tick lost to its own work, a page fault of the haptic thread, or a
-// simulation that is bad. "machine" says that the program kept its promise and the machine did not, or that the run
-// was degraded otherwise: its row says by what. Thread: normal. Pure.
+// "bad": the program is at fault: a tick lost to its own work, a page fault of the haptic thread, or a bad simulation.
+// "machine": the program met its limits and the machine did not, or the run was otherwise degraded; its row states the
+// reason. Thread: normal. Pure.
 #pragma once
 
 #include <string>
@@ -17,14 +17,14 @@ namespace tactus::timing {
 struct VerdictRow {
   std::string figure, unit;
   double measured{0}, limit{0};  // good up to the limit
-  bool ours{false};              // the program's to keep, not the machine's
-  std::string found{};           // by the rules of a run: what to say where it is not good
+  bool ours{false};              // responsibility of the program, not of the machine
+  std::string found{};           // from the rules of a run: text if it is not good
   bool good() const { return measured <= limit; }
 };
 
 // Limits are shares of the period, as given in verdict.cpp with their reasons.
 std::vector<VerdictRow> judge(const TickStatistics& books);
-// The rules of a run as rows: `bad` is ours, `degraded` is not.
+// The rules of a run as rows: `bad` sets `ours`, `degraded` does not.
 std::vector<VerdictRow> rows_of(const std::vector<session::Ruling>& rulings);
 
 enum class TimingVerdict { kGood, kMachine, kBad };

@@ -8,7 +8,8 @@ namespace tactus::tune {
 namespace {
 
 constexpr unsigned kMostRounds = 16;
-// A notch is worth its time from this share of the error on; and one that costs less is taken back.
+// A step is kept if it reduces the error to this share or less; a step is undone if that raises the error by at most
+// the second factor.
 constexpr double kWorth = 0.98, kForNothing = 1.005;
 
 template <class T>
@@ -69,7 +70,7 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
     for (const Notch& notch : notches_down(found.best.setting, limits)) tried.push_back(measure(notch.setting));
     std::erase_if(tried, [&](const Trial& t) { return !t.fits(limits) && !cheaper(t, found.best); });
     if (tried.empty()) return found;
-    // What fits, else what is cheaper; of these the most accurate.
+    // Of the settings within the limits, or else of the cheaper ones, the most accurate.
     found.best = *std::min_element(tried.begin(), tried.end(), [&](const Trial& a, const Trial& b) {
       return a.fits(limits) != b.fits(limits) ? a.fits(limits) : a.force_error < b.force_error;
     });
@@ -88,7 +89,7 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
   }
   const double error = found.best.force_error;
   for (const Notch& notch : notches_down(found.best.setting, limits)) {
-    if (notch.factor == "ratio") continue;  // the global world's time is its own
+    if (notch.factor == "ratio") continue;  // the ratio changes only the global world's time
     const Trial trial = measure(notch.setting);
     if (trial.fits(limits) && trial.force_error <= kForNothing * error && cheaper(trial, found.best)) {
       found.best = trial;

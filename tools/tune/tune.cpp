@@ -20,12 +20,13 @@ using experiment::kWindowTicks;
 using experiment::ReferenceRun;
 
 constexpr double kFirstWindow_s = 0.3, kWindowEvery_s = 0.25;
-// Of the whole, in trials: the reference, a real run, and about as many trials as there are.
+// Estimated work for the progress display, in trials: the reference, a real-time run, and the number of trials.
 constexpr double kReferenceWork = 6, kRealWork = 4, kTrials = 22;
 constexpr int kMostStepsBack = 3;
 constexpr double kMostCoreFactor = 4;
 
-// This thread stays on the core where it is, while it lives: a real run wants all of them back.
+// Pins this thread to its current core for the object's lifetime; the destructor restores all cores, which a real-time
+// run needs.
 class OnOneCore {
  public:
   OnOneCore() {
@@ -74,7 +75,7 @@ Result<RealRun> run_for_real(const TuneRequest& request, const Setting& setting,
   return run;
 }
 
-// The windows in which the hand presses most, in the order of time.
+// Keeps the windows in which the hand presses most, in order of time.
 void keep_strongest(ReferenceRun& reference, std::size_t count) {
   const auto force = [&](const experiment::Window& window) {
     double sum = 0;
@@ -130,7 +131,7 @@ class Bench {
   const hal::DeviceProfile& profile_;
   std::vector<unsigned> ratios_;
   ReferenceRun reference_;
-  std::vector<Trial> known_;  // times as they are in a row
+  std::vector<Trial> known_;  // times of ticks run back to back
 };
 
 Setting written_setting(const TuneRequest& request, unsigned bodies) {
@@ -146,8 +147,8 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
   return setting;
 }
 
-// What holds in a real run may be less than what was foreseen: the most accurate step back in what did not hold, the
-// global world's time or the tick's.
+// If a setting fails in the real-time run, takes the most accurate step back in the part that failed: the time of the
+// global world or of the tick.
 Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Bench& bench) {
   const bool world_is_late = real.late_share > kMostMissed;
   std::vector<Trial> tried;

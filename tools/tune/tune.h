@@ -1,9 +1,10 @@
-// tactus tune SCENE: the most accurate setting of a scene that this PC bears.
+// tactus tune SCENE: finds the most accurate setting of a scene that this PC can run.
 //
-// Accuracy is measured in virtual time: the scene's own hand, windows of 200 ms in which it touches, against all bodies
-// at 1 kHz with 16 sub-steps and two relax sweeps (tools/experiment/coupling/setting_cost.h). Time is CPU time on this
-// core, scaled by what a short real run of the scene as it is written takes: a loop that sleeps between its ticks finds
-// its caches cold. The choice is then run for real, and taken back a step where it does not hold. Thread: the main one.
+// Accuracy is measured in virtual time: the scene's own hand, windows of 200 ms in which it is in contact, compared
+// with all bodies at 1 kHz with 16 sub-steps and two relax sweeps (tools/experiment/coupling/setting_cost.h). Time is
+// CPU time on this core, scaled by a short real-time run of the scene as written, because a loop that sleeps between
+// ticks finds cold caches. The chosen setting is verified in a real-time run and reduced by one step if it fails.
+// Thread: the main one.
 // Bound: scenes of at most haptics::kMaxMembers moving bodies; 1 kHz.
 #pragma once
 
@@ -18,21 +19,22 @@ struct TuneRequest {
   std::string file;  // for the command that is printed
   sim::Scene scene;
   session::RunOptions run;  // cpu, priority
-  Limits limits;            // bodies are filled in
-  double verify_s{5};       // of each real run
+  Limits limits;            // `bodies` is filled in by run_tune
+  double verify_s{5};       // of each real-time run
   bool quick{false};        // two windows in the hand's first three seconds, instead of four in its first six
 };
 
-// One tick in a hundred may have less in a real run, one cycle in a hundred: the machine's gaps count there too.
+// Accepted share of ticks and of cycles that are reduced in a real-time run, because interruptions by the machine are
+// included.
 inline constexpr double kMostMissed = 0.01;
 
-// A real run of a setting.
+// Results of a real-time run of a setting.
 struct RealRun {
   double duration_s{0};
   double tick_us_p50{0}, tick_us_p99{0}, tick_us_max{0};  // computing
   double reduced_share{0};                                // ticks with fewer sub-steps, or cut
-  double restrained_share{0}, late_share{0};              // cycles with fewer members; whose global step was late
-  std::uint64_t lost{0};                                  // ticks, to the program's own work
+  double restrained_share{0}, late_share{0};              // share of cycles with fewer members; with a late global step
+  std::uint64_t lost{0};                                  // ticks, ticks lost to the program's own work
   bool degraded{false};                                   // without a real-time privilege
   bool holds() const {
     return lost == 0 && reduced_share <= kMostMissed && restrained_share <= kMostMissed && late_share <= kMostMissed;
@@ -49,7 +51,7 @@ struct TuneReport {
   std::string file, scene, scene_hash;
   unsigned bodies{0}, windows{0};
   Limits limits;
-  double core_factor{1};  // a tick in the loop / the same tick in a row
+  double core_factor{1};  // time of a tick in the loop divided by that of the same tick back to back
   Trial written, chosen;
   bool fits{false};
   RealRun real;  // of the chosen one
@@ -57,12 +59,12 @@ struct TuneReport {
   unsigned trials{0};
 };
 
-// One line: why there is nothing to tune, or what the system refuses.
+// Error, one line: why there is nothing to tune, or what the system refuses.
 Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progress& progress,
                             const std::atomic<bool>& stop);
 
-std::string command_of(const TuneReport& report);  // the options that `tactus run` has for it
-std::string snippet_of(const TuneReport& report);  // [simulation], all of it
+std::string command_of(const TuneReport& report);  // the options of `tactus run` for it
+std::string snippet_of(const TuneReport& report);  // the complete [simulation] table
 std::string tune_text(const TuneReport& report);
 std::string tune_json(const TuneReport& report);
 

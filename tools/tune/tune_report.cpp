@@ -27,7 +27,7 @@ std::string sentence_of(const FurtherStep& step, const Trial& chosen, const Limi
                global_us = step.trial.global_us_per_tick - chosen.global_us_per_tick,
                error = 100 * (step.trial.force_error - chosen.force_error);
   const std::string buys =
-      is_stiffer(step, chosen)  // another rigidity, not another error
+      is_stiffer(step, chosen)  // the simulated stiffness differs, so errors are not comparable
           ? "overlaps a quarter as deep"
           : fmt::format("{} {:.3f} % of force error", error <= 0 ? "saves" : "adds", std::abs(error));
   std::string text =

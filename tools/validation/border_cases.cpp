@@ -1,4 +1,4 @@
-// The border on its own: the study's row of bodies with a hand that nothing moves, and friction at one contact.
+// Hard cases of the border: the study's row of bodies with a hand of prescribed motion, and friction at one contact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -123,7 +123,8 @@ Outcome row_with_border(const Setting& setting) {
   return outcome;
 }
 
-// --- 34: a member on a border contact, pressed with i and pulled with a part of mu i: the contact holds or lets go
+// --- 34: a member on a border contact with normal impulse i, pulled with a fraction of mu i: the contact sticks or
+// slides
 
 Outcome friction_point(const Setting& setting) {
   Outcome outcome;
@@ -136,16 +137,16 @@ Outcome friction_point(const Setting& setting) {
       capacities.border_contacts = 4;
       CaseWorld world(setting, 1000, capacities);
       world.settings.gravity = {};
-      world.energy_is_booked = false;  // the border's work is its own book
+      world.energy_is_booked = false;  // the border's work is accounted separately
       world.add_box(0, {half, half, half}, mass, 0.5, {});
-      world.body(0).inertia = {1e6, 1e6, 1e6};  // pressed on one point it would tip over
+      world.body(0).inertia = {1e6, 1e6, 1e6};  // large, because the body would tip over on a single point
       physics::BorderContact contact;
       contact.member = 0, contact.outside = 9;
       contact.normal = {0, 0, 1};
       contact.member_anchor = contact.line_point = {0, 0, -half};
       contact.impulse_rate = press + 5, contact.friction = friction;
       world.world.border_mode = mode;
-      if (mode == physics::BorderMode::kGhost) {  // of a body that nothing moves
+      if (mode == physics::BorderMode::kGhost) {  // ghost of an immovable body
         physics::BorderGhost ghost;
         ghost.outside = contact.outside, ghost.centre = {0, 0, -2 * half};
         TACTUS_CHECK(world.world.border_ghosts().try_push(ghost), 0, 0);

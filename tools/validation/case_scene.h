@@ -1,5 +1,5 @@
-// A hard case's scene, from TOML, with the solver of its setting in both worlds. [setup] Aborts where the text is no
-// scene: it is the program's own.
+// Makes a hard case's scene from TOML, with the solver settings of the case in both worlds. [setup] Aborts if the text
+// is not a valid scene, because it is part of the program.
 #pragma once
 
 #include <string>

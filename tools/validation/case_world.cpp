@@ -47,7 +47,7 @@ void CaseWorld::run(double seconds) {
   for (int i = steps_in(seconds); i > 0; --i) step();
 }
 
-// As the global world takes its steps.
+// Same sequence as a step of the global world.
 void CaseWorld::step() {
   const bool whole = world.device_spring().enabled || !world.border_contacts().empty();
   const std::uint32_t passes = whole ? 1 : physics::passes_of(world, settings);
@@ -67,7 +67,7 @@ void CaseWorld::take_pass(const physics::StepSettings& pass) {
   book(stored_J(pass.dt) - before_J - work_of_step_J());
 }
 
-// Kinetic, potential and that of the device's spring, whose target has gone on for `ahead_s`.
+// Kinetic and potential energy, and the energy of the device's spring with its target extrapolated by `ahead_s`.
 double CaseWorld::stored_J(double ahead_s) {
   const double energy = world.kinetic_energy() + world.potential_energy(settings.gravity);
   const auto& spring = world.device_spring();
@@ -76,12 +76,12 @@ double CaseWorld::stored_J(double ahead_s) {
   const Vec3d stretch = pose.position - spring.target.position - ahead_s * spring.target_velocity.linear;
   const Quatd target = quat_from_rotation_vector(ahead_s * spring.target_velocity.angular) * spring.target.rotation;
   const Quatd turn = pose.rotation * conjugate(target);
-  // The torque of an angle a is 2 K sin(a / 2): 4 K (1 - cos(a / 2)) are stored.
+  // The torque at an angle a is 2 K sin(a / 2), so the stored energy is 4 K (1 - cos(a / 2)).
   return energy + 0.5 * spring.stiffness_N_per_m * norm_squared(stretch) +
          spring.stiffness_Nm_per_rad * norm_squared(small_rotation_vector(turn)) / (1 + std::abs(turn.w));
 }
 
-// Of the wrenches, along the bodies' way; and of the device's target, which gives the force that it exerts.
+// Work of the held wrenches along the bodies' motion, plus the work of the device's target against the spring force.
 double CaseWorld::work_of_step_J() {
   double work = 0;
   for (const Held& held : held_) {
@@ -110,7 +110,8 @@ void CaseWorld::book(double gained_J) {
   gain_J_ = std::max(gain_J_, unexplained_J_ - least_J_);
 }
 
-// Of the points that were found at the start of the step: then, and where the bodies have taken them.
+// Energy of the contact springs, for the points found at the start of the step: at the start and at the end of the
+// step.
 CaseWorld::Springs CaseWorld::springs_J() const {
   const double omega = 2 * kPi * settings.contact_hertz;
   Springs springs;

@@ -1,8 +1,8 @@
-// A world for a hard case, with the gates that hold in every step, and what mechanics says of soft contacts.
+// A world for a hard case, with the gates that must hold in every step, and formulas for soft contacts.
 //
-// The energy gate, tick by tick: kinetic and potential energy and that of the device's spring never rise by more than
-// the work of the wrenches that the case holds and of the device's target, and what the contacts' springs released in
-// that tick. What rises unexplained, less what falls, never comes to more than a thousandth of the largest energy in
+// The energy gate, tick by tick: the sum of kinetic energy, potential energy and the energy of the device's spring may
+// rise only by the work of the held wrenches and of the device's target, plus the energy released by the contact
+// springs in that tick. The unexplained rises minus the falls must stay below a thousandth of the largest energy in
 // play. Frame: world, z up. Thread: one. Units: SI.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace tactus::hard_cases {
 inline constexpr double kGravity = 9.81;  // m/s^2
 inline constexpr double kPi = 3.14159265358979323846;
 
-// Of the stiffest contacts that the sub-step resolves, and the relax sweeps that they need. `contact_hertz`: what the
-// scene would ask for.
+// Settings with the stiffest contacts that the sub-step resolves, and the relax sweeps that they need. `contact_hertz`:
+// requested by the scene.
 physics::StepSettings settings_of(const Setting& setting, double contact_hertz);
 
 class CaseWorld {
@@ -28,14 +28,14 @@ class CaseWorld {
   physics::StepSettings settings;
   physics::StepReport report;  // of the last pass
   physics::CutPredicate cut;
-  bool energy_is_booked{true};  // false: where something acts whose work is not known
+  bool energy_is_booked{true};  // false if something acts whose work is not known
 
   void step();
   void run(double seconds);
   int steps_in(double seconds) const;
-  // Held until it is set anew; its work is booked. Zero: none.
+  // Applies `wrench` until the next call; its work is included in the energy account. Zero: none.
   void hold(BodyId id, const Wrenchd& wrench);
-  // The gates, and the hash of the state.
+  // Enters the gates and the hash of the state.
   void close(Outcome& outcome) const;
 
   physics::Body& body(BodyId id) { return world.bodies()[slot(id)]; }
@@ -43,7 +43,7 @@ class CaseWorld {
   std::uint32_t slot(BodyId id) const { return static_cast<std::uint32_t>(world.slot_of(id)); }
   const Vec3d& position(BodyId id) const { return body(id).motion.pose.position; }
   Twistd& velocity(BodyId id) { return body(id).motion.velocity; }
-  double fastest() const;  // m/s, of the centres
+  double fastest() const;  // m/s, of the centres of mass
   double h() const { return settings.dt / settings.sub_steps; }
 
   void add(const physics::Body& body);
@@ -51,11 +51,11 @@ class CaseWorld {
   void add_box(BodyId id, const Vec3d& half, double mass, double friction, const Posed& pose, const Twistd& twist = {});
   void add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at, const Vec3d& velocity = {});
 
-  // Of the last pass. N: what the contacts of `id` with fixed bodies carry, or all of them.
+  // N, in the last sub-step pass: force of the contacts with fixed bodies, of body `id` or of all bodies.
   double carried_by_fixed() const;
   double carried_between(BodyId a, BodyId b) const;
 
-  // How deep a load sinks into a soft contact of effective mass `mass`.
+  // Penetration of a soft contact of effective mass `mass` under a load [m].
   double overlap_under(double load_N, double mass_kg) const;
 
  private:
@@ -81,11 +81,11 @@ class CaseWorld {
   bool finite_{true};
 };
 
-// Effective mass of the four corners in parallel of a box's face on an equal face of a box of `other` kg; 0: fixed.
-// `half`: of both, z across the face; a cube by default.
+// Effective mass [kg] of the four corner contacts in parallel, between a box's face and the equal face of a box of
+// `other` kg (0: fixed). `half`: half extents of both, z normal to the face; default: a cube.
 double face_mass(double mass, double other, const Vec3d& half = {1, 1, 1});
 
-// How far a rotation has turned a body's z axis from the world's [rad].
+// Angle between the body's z axis and the world's [rad].
 double tilt_of(const Quatd& rotation);
 
 }  // namespace tactus::hard_cases

@@ -1,4 +1,4 @@
-// The device's spring at its limits, and tight places.
+// Hard cases of the device's spring: at its stability limits, and in narrow gaps.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -139,8 +139,8 @@ Outcome between_blocks(const Setting& setting) {
 
 // --- the coupling at its limit: a device of 0.3 kg with 0.5 N s/m on a proxy that does not move
 
-// The loop that the study's line is of holds the sample for the whole tick. The one that ships moves the target on at
-// the sample's speed while it solves the tick, and so rings later.
+// The study's stability line is for a loop that holds the sample for the whole tick. The product's loop extrapolates
+// the target at the sample's velocity during the tick, so it becomes unstable only at a higher stiffness.
 struct DeviceLoop {
   unsigned delay_ticks;  // transport, beyond the sample-and-hold
   bool held;             // the study's
@@ -150,8 +150,8 @@ struct DeviceLoop {
 double lead_s(const Setting& setting) { return 0.5 * setting.step_s * (1 + 1.0 / sub_steps_of(setting)); }
 
 struct DeviceOnSpring {
-  double early_m_per_s{0}, late_m_per_s{0};  // fastest in the second and last tenth
-  double given_J{0};                         // most work done on the device
+  double early_m_per_s{0}, late_m_per_s{0};  // peak speed in the second and the last tenth
+  double given_J{0};                         // largest work done on the device
   int active_ticks{0};                       // of the controller
   bool left{false};                          // the workspace of a metre
   bool grows() const { return left || late_m_per_s > early_m_per_s; }
@@ -171,7 +171,7 @@ DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, double damp
   haptics::Passivity passivity{haptics::Passivity::Config::of(device, gains, T), {}};
   double x = 0, v = 0.1, last = 0, work = 0;
   std::array<Vec3d, kMostDelayTicks + 1> sent{};  // newest first
-  world.energy_is_booked = false;                 // the device goes its own way, not its velocity's
+  world.energy_is_booked = false;                 // the device's motion is prescribed and does not match its velocity
   DeviceOnSpring result;
   auto& spring = world.world.device_spring();
   const int ticks = world.steps_in(seconds);
@@ -204,7 +204,7 @@ DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, double damp
   return result;
 }
 
-// Where a push neither grows nor dies out, within 1 %, between half and twice of `near`.
+// Stiffness at which an oscillation neither grows nor decays, within 1 %, searched between half and twice `near`.
 double where_it_rings(const DeviceLoop& loop, double near, double damping, const Setting& setting, Outcome& outcome) {
   double least = 0.5 * near, most = 2 * near;
   while (most > 1.01 * least) {
@@ -214,7 +214,8 @@ double where_it_rings(const DeviceLoop& loop, double near, double damping, const
   return std::sqrt(least * most);
 }
 
-// Beyond the limit the loop rings by itself, and with the controller it gives no more than 0.05 J and rings down.
+// Beyond the limit the loop oscillates without the passivity controller; with it, the loop supplies at most 0.05 J and
+// the oscillation decays.
 void hold_beyond(const DeviceLoop& loop, const std::string& what, double stiffness, double damping,
                  const Setting& setting, Outcome& outcome) {
   const bool rings = push_device(loop, stiffness, damping, false, setting, outcome).grows();

@@ -16,7 +16,7 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kStart_m = 0.065;  // of either proxy's centre from the cube's; they would touch at 0.06
+constexpr double kStart_m = 0.065;  // distance of each proxy's centre from the cube's; contact at 0.06
 
 constexpr double kStiffness = 2000;  // N/m, as in the scene
 
@@ -60,7 +60,7 @@ BodyId body_at(const sim::Scene& scene, const Vec3d& position) {
   return at->id;
 }
 
-// A device that is wherever the hand that holds it wants, and its loop.
+// A device of prescribed position, and its loop.
 struct Hand {
   std::unique_ptr<loop::HapticLoop> loop;
   std::unique_ptr<haptics::WorldSnapshot> snapshot = std::make_unique<haptics::WorldSnapshot>();
@@ -68,7 +68,7 @@ struct Hand {
   loop::TickInput in;
   loop::TickOutput out;
 
-  // The tool stands at `x` [m], world; the device's origin is where the proxy began.
+  // `x`: position of the tool [m], world. The device's origin is the proxy's initial position.
   void tick(double x, bool adopts) {
     auto& sample = in.device.sample;
     in.device.status = haptics::ReadStatus::kFresh;
@@ -84,7 +84,7 @@ struct Hand {
   double force() const { return out.command.wrench.force.x; }
 };
 
-// Two proxies press a floating cube between them, the right one half as far again, and then carry it along.
+// Two proxies press a floating cube between them, the right one moving 1.5 times as far, and then carry it along.
 Outcome squeeze(const Setting& setting) {
   const sim::Scene scene = case_scene(kScene, setting, 1000);
   session::RunOptions options;
@@ -142,7 +142,7 @@ Outcome squeeze(const Setting& setting) {
   outcome.gate("no fault", !faulted);
   outcome.gate("nothing left out", world.statistics().capacity_bits == 0);
   const auto& body = world.bodies()[cube];
-  // Equal springs in series: each gives what the nearer one is pressed less than the other, halved.
+  // Equal springs in series: each carries half of the total compression.
   const double expected = kStiffness * 0.5 * (0.01 + 1.5 * 0.01 - 2 * (kStart_m - 0.06));
   outcome.relative("squeezed with, N", -force[0][0], expected, 0.02);
   outcome.near("sum of the forces over one, pressed", (force[0][0] + force[0][1]) / force[0][0], 0, 0.02);

@@ -1,4 +1,5 @@
-// What random worlds are drawn with: the same seed, the same numbers on every machine. Thread: one owner.
+// Random number generator of the random worlds: the same seed gives the same numbers on every machine. Thread: one
+// owner.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What effects must keep to: bounces, joints, a disk that turns.
+// Hard cases of the effects: restitution, joints, torsional friction.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,7 +23,7 @@ EffectSetups with(const typename Room::Setup& setup) {
   return setups;
 }
 
-// The hashes of several worlds in one.
+// Combines the hashes of several worlds.
 void close_with(const CaseWorld& world, Outcome& outcome) {
   const std::uint64_t last = outcome.hash;
   world.close(outcome);
@@ -64,7 +64,7 @@ Outcome bouncing_ball(const Setting& setting) {
     top = std::max(v > 0 ? world.position(0).z - radius : 0.0, top);
     if (before > 0 && v <= 0) {
       expected *= e * e;
-      // Steps see the ball near its top, not at it.
+      // The highest position in a step is below the exact top.
       top = std::max(top, world.position(0).z - radius);
       outcome.relative("height, m", top, expected, 0.02);
       top = 0;
@@ -76,8 +76,8 @@ Outcome bouncing_ball(const Setting& setting) {
   return outcome;
 }
 
-// Five balls on rods that touch; the first is let go from 0.5 rad. What each does after the impact depends on the model
-// of several contacts at once and is only recorded; energy is not.
+// Five balls on rods that touch; the first is let go from 0.5 rad. The velocities after the impact depend on the model
+// of simultaneous contacts and are only recorded; the energy is checked.
 Outcome newtons_cradle(const Setting& setting) {
   const double radius = 0.02, mass = 0.1, length = 0.3, angle = 0.5;
   const std::array<double, 5> by_id{1, 1, 1, 1, 1};
@@ -99,8 +99,9 @@ Outcome newtons_cradle(const Setting& setting) {
     return world.world.kinetic_energy() + world.world.potential_energy(world.settings.gravity);
   };
   const double start = energy();
-  // Where all stand still the energy is told exactly; between, it swings with the error of the integrator. Down takes a
-  // quarter of 1.1 s, so there are blows at 0.28, 0.83 and 1.38 s and turns between them.
+  // At the turning points, where all balls are at rest, the energy is exact; between them it varies with the
+  // integrator's error. The fall takes a quarter of 1.1 s, so impacts occur at 0.28, 0.83 and 1.38 s, with turning
+  // points between.
   double off = 0, last_J = 0, last_kinetic_J = 0, before_J = 0;
   std::array<double, 5> after{};
   int turns = 0;
@@ -122,7 +123,7 @@ Outcome newtons_cradle(const Setting& setting) {
   return outcome;
 }
 
-// A heavy top whose axis is level goes round steadily at m g r / (I3 w), exactly.
+// A heavy top with a horizontal axis precesses steadily at exactly m g r / (I3 w).
 Outcome heavy_top(const Setting& setting) {
   const double mass = 0.2, arm = 0.05, spin = 100;
   const Vec3d inertia{3e-4, 3e-4, 4e-4};
@@ -153,7 +154,7 @@ Outcome heavy_top(const Setting& setting) {
   return outcome;
 }
 
-// A ball that touches with a disk of even pressure: the moment is 2/3 mu N R.
+// A ball with a circular contact area of uniform pressure: the moment is 2/3 mu N R.
 Outcome spinning_disk(const Setting& setting) {
   const double radius = 0.05, patch = 0.02, mass = 1, friction = 0.3, spin = 20;
   const std::array<physics::ContactPatch, 1> by_id{{{patch, 0}}};

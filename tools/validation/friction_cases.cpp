@@ -1,4 +1,4 @@
-// Slopes at their thresholds, spinning, rolling, locking.
+// Hard cases of friction: slopes at the threshold, spinning, rolling, self-locking.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ double acceleration_on_slope(CaseWorld& world, double slope, double from_s, doub
   return (dot(world.velocity(0).linear, downhill(slope)) - before) / for_s;
 }
 
-// Just above the threshold it stays, just below it and well below it goes as Coulomb's law says.
+// With friction just above the threshold the body stays; just below and well below it accelerates by Coulomb's law.
 Outcome slope_threshold(const Setting& setting) {
   const double slope = 0.5, threshold = std::tan(slope);
   Outcome outcome;
@@ -55,7 +55,7 @@ Outcome slope_threshold(const Setting& setting) {
   return outcome;
 }
 
-// A tall box tips where tan(slope) > breadth / height, whatever the friction that holds it; a flat one slides.
+// A tall box tips where tan(slope) > breadth / height, for any friction that prevents sliding; a flat one slides.
 Outcome tips_or_slides(const Setting& setting) {
   const Vec3d tall{0.02, 0.02, 0.05};  // b/h = 0.4
   Outcome outcome;
@@ -121,7 +121,7 @@ Outcome rolling_sphere(const Setting& setting) {
 // --- a wedge of half angle `alpha` in a groove of two planes: weightless, pressed down, let go
 
 struct Wedge {
-  double pressed_N, left_N, moved_m;  // normal force of a side while pressed; what is left of it; how far it came back
+  double pressed_N, left_N, moved_m;  // normal force on a side while pressed; after release; distance moved back
 };
 
 Wedge press_wedge(double alpha, double friction, double force_N, const Setting& setting, Outcome& outcome) {
@@ -151,7 +151,7 @@ Wedge press_wedge(double alpha, double friction, double force_N, const Setting& 
       physics::make_dynamic_body(0, physics::Shape::convex(hulls[0], 0), mass, friction, hull.given_from_body);
   body.inertia = mass * hull.hull.inertia_per_kg;
   world.add(body);
-  // Slowly, so that the sides slide all the way and friction is used up.
+  // Slow enough that the sides slide throughout and friction is at its limit.
   const int ramp = world.steps_in(0.5);
   for (int k = 1; k <= ramp; ++k) {
     world.hold(0, {{0, 0, -force_N * k / ramp}, {}});

@@ -1,9 +1,10 @@
-// A hard case: a small world with a known answer, run at an accuracy and a step, graded by how near it comes.
+// A hard case: a small world with a known answer, run at an accuracy and a step length, and scored by its error.
 //
-// Each metric has an error and a tolerance; its score is 1 up to the tolerance and loses a half for each factor of ten
-// beyond it. A case scores as its worst metric, passes when every metric is within its tolerance, and scores 0 when a
-// gate breaks: something not finite, energy from nowhere, an allocation in a step, work left out, another state the
-// second time. Where a value comes from is in tests/tools/validation/README.md.
+// Each metric has an error and a tolerance; its score is 1 up to the tolerance and drops by 0.5 for each factor of ten
+// beyond it. The score of a case is that of its worst metric. A case passes if every metric is within its tolerance; it
+// scores 0 if a gate fails: a value that is not finite, an unexplained energy gain, an allocation in a step, work left
+// out, a different state in the second run. The sources of expected values are listed in
+// tests/tools/validation/README.md.
 // Thread: one. Units: SI, in the names.
 #pragma once
 
@@ -22,7 +23,7 @@ struct Setting {
   Accuracy accuracy{Accuracy::kBalanced};
   double step_s{1e-3};
 };
-// In a step: fast 2 in 1 ms and 10 in 10 ms, balanced 4 and 40, accurate 16 and 160.
+// Sub-steps per step of 1 ms / 10 ms: fast 2 / 10, balanced 4 / 40, accurate 16 / 160.
 unsigned sub_steps_of(const Setting& setting) noexcept;
 
 struct Metric {
@@ -41,8 +42,8 @@ struct Outcome {
 
   void near(std::string name, double observed, double expected, double tolerance);
   void relative(std::string name, double observed, double expected, double tolerance);  // of `expected`
-  void at_most(std::string name, double observed, double bound);                        // the error is what is observed
-  void holds(std::string name, bool does);                                              // all or nothing
+  void at_most(std::string name, double observed, double bound);  // the error is the observed value
+  void holds(std::string name, bool does);                        // all or nothing
   void gate(std::string name, bool holds);
 
   double score() const noexcept;
@@ -54,7 +55,7 @@ struct HardCase {
   std::string_view name;  // "twenty cubes on each other"
   bool global_step;       // also in steps of 10 ms
   Outcome (*run)(const Setting& setting);
-  // Why it fails at the balanced accuracy in steps of 1 ms and of 10 ms; empty: it does not.
+  // Known reason for failing at balanced accuracy in steps of 1 ms and of 10 ms; empty: it passes.
   std::string_view fails_because{}, fails_in_10_ms_because{};
 
   std::string_view why_it_fails(double step_s) const noexcept {
@@ -62,10 +63,10 @@ struct HardCase {
   }
 };
 
-// All there are, by number.
+// All cases, by number.
 const std::vector<HardCase>& hard_cases();
 
-// Runs it twice and adds the gate of equal states.
+// Runs the case twice and adds the gate that both final states are equal.
 Outcome run_twice(const HardCase& one, const Setting& setting);
 
 }  // namespace tactus::hard_cases

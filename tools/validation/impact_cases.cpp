@@ -1,4 +1,4 @@
-// Fast, deep and sudden: impacts, overlaps at the start, chains of falls, bodies that come and go.
+// Hard cases of impacts, initial overlaps, chains of falling bodies, and bodies added and removed.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr BodyId kGround = 1000;
 
-// A ball at 10 m/s on a plate of 2 mm. Contacts do not bounce.
+// A ball at 10 m/s on a plate of 2 mm. Contacts have no restitution.
 Outcome impact_on_a_plate(const Setting& setting) {
   CaseWorld world(setting);
   world.settings.gravity = {};
@@ -86,7 +86,7 @@ Outcome spawned_overlap(const Setting& setting) {
   return outcome;
 }
 
-// The wave runs as in the same model in steps of 1/16 ms with 4 sub-steps.
+// Expected duration of the wave: the same model in steps of 1/16 ms with 4 sub-steps.
 constexpr double kDominoWave_s = 1.38875;
 
 Outcome domino_chain(const Setting& setting) {
@@ -118,13 +118,13 @@ Outcome domino_chain(const Setting& setting) {
   return outcome;
 }
 
-// Bodies taken out of a heap that stands on them, and put into it where others are.
+// Removes bodies that support a heap, and inserts bodies that overlap others.
 Outcome come_and_go(const Setting& setting) {
   CaseWorld world(setting);
   world.add_ground(kGround, 0.5);
   for (BodyId id = 0; id < 8; ++id) world.add_box(id, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.05 + 0.1 * id}, {}});
   world.run(1);
-  world.energy_is_booked = false;  // what the case puts in and takes out
+  world.energy_is_booked = false;  // the case itself adds and removes energy
   double fastest = 0;
   for (int round = 0; round < 40; ++round) {
     const BodyId id = static_cast<BodyId>((round * 5) % 8);
@@ -138,7 +138,7 @@ Outcome come_and_go(const Setting& setting) {
     fastest = std::max(fastest, world.fastest());
   }
   Outcome outcome;
-  // A cube falls for 20 ms, an overlap is pushed out at the push speed, and the heap may come down: 0.8 m.
+  // Bound: a fall of 0.8 m. It covers a cube's fall for 20 ms, the push speed of overlaps and a collapse of the heap.
   outcome.at_most("fastest, m/s", fastest, std::sqrt(2 * kGravity * 0.8));
   world.run(3);
   outcome.at_most("speed at the end, m/s", world.fastest(), 1e-3);
@@ -146,8 +146,8 @@ Outcome come_and_go(const Setting& setting) {
   return outcome;
 }
 
-// A grid with all that a file may hold: triangles without area, doubles, a needle, a corner on an edge; and a patch
-// that looks down. A box and a ball slide over it.
+// A mesh with the defects that a file may contain: triangles of zero area, duplicates, a needle, a corner on an edge,
+// and a patch facing down. A box and a ball slide over it.
 sim::TriangleSoup bad_grid() {
   sim::TriangleSoup soup;
   constexpr unsigned kCells = 12;
@@ -172,7 +172,7 @@ sim::TriangleSoup bad_grid() {
     }
   const double y = -0.5 * kCells * kCell_m;
   const unsigned a = corner(y, y), b = corner(y + kCell_m, y), c = corner(y, y + kCell_m);
-  soup.triangles.push_back({a, c, b});  // upside down, where the first cell is
+  soup.triangles.push_back({a, c, b});  // facing down, in place of the first cell
   return soup;
 }
 

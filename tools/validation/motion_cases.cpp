@@ -1,4 +1,4 @@
-// Bodies that nothing touches: what they must keep.
+// Hard cases of free bodies: conserved quantities.
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +26,7 @@ struct Kept {
   double energy{0}, energy_gain{0}, momentum{0};  // largest relative change
 };
 
-// Runs and watches energy and angular momentum; `each` is called after every step.
+// Runs the world and records energy and angular momentum; `each` is called after every step.
 template <class F>
 Kept run_free(CaseWorld& world, double seconds, F&& each) {
   const double energy = world.world.kinetic_energy();
@@ -103,7 +103,7 @@ Outcome floating_bodies(const Setting& setting) {
   for (BodyId id = 0; id < 3; ++id)
     off = std::max(off, norm(world.position(id) - start[id] - steps * setting.step_s * velocity[id]));
   const Wrenchd end = world.world.momentum();
-  Vec3d turned;  // about their own centres: about the origin it is the places once more
+  Vec3d turned;  // spin about their own centres; the orbital part is checked by the positions
   for (BodyId id = 0; id < 3; ++id) turned += scale(world.body(id).inertia, spin_in_body(world.body(id)));
   Outcome outcome;
   outcome.at_most("change of momentum, share", norm(end.force - momentum.force) / norm(momentum.force), 1e-12);

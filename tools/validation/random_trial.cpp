@@ -19,17 +19,18 @@ using physics::Body;
 using physics::BodyKind;
 using physics::ShapeKind;
 
-constexpr std::uint64_t kHandSeed = 0x68616e64;  // the hand is drawn apart from the world
-constexpr double kArm_N_per_m = 400;             // HandScript's own: in series with the coupling
+constexpr std::uint64_t kHandSeed =
+    0x68616e64;                       // separate seed, so that the hand does not depend on the draws of the world
+constexpr double kArm_N_per_m = 400;  // HandScript's default; in series with the coupling
 constexpr double kSmallestProxy_m = 1e-3, kLargestProxy_m = 0.03;
-constexpr double kClear_m = 1e-4;           // of proxy and ground, at the start
+constexpr double kClear_m = 1e-4;           // m, clearance between proxy and ground at the start
 constexpr std::uint32_t kFirstPlane = 100;  // ids of the planes that are added
 constexpr double kAtRest_m_per_s = experiment::StandingRule::kAtRest_m_per_s;
 
 Aabb box_of(const Body& body) { return bounds_of(body.shape, body.motion.pose, 0.0); }
 
-// Without speeds, on the ground, and every other one between four walls, some of them closer than its bodies: what
-// flies apart leaves nothing that could stand. No body is larger than the room.
+// Sets velocities to zero and adds a ground and, in every other world, four walls, some closer than its bodies need.
+// Otherwise the bodies fly apart and none is left standing. No body is larger than the space between the walls.
 RandomWorld calmed(RandomWorld world, Draw& random) {
   double reach = 0, largest = 0;
   bool grounded = false;
@@ -53,7 +54,7 @@ RandomWorld calmed(RandomWorld world, Draw& random) {
   return world;
 }
 
-// A body that rests, if there is one.
+// Returns a body at rest, if there is one.
 const Body& chosen_body(const RandomWorld& world, Draw& random) {
   std::vector<const Body*> moving, resting;
   for (const Body& body : world.bodies) {
@@ -65,7 +66,8 @@ const Body& chosen_body(const RandomWorld& world, Draw& random) {
   return *among[random.below(static_cast<std::uint32_t>(among.size()))];
 }
 
-// From a point to a body's surface; negative inside. Exact outside, for spheres, capsules, boxes and planes.
+// Signed distance from a point to a body's surface; negative inside. Exact outside for spheres, capsules, boxes and
+// planes.
 double distance_to(const Body& body, const Vec3d& point) {
   const Posed& pose = body.motion.pose;
   const Vec3d p = rotate_inverse(pose.rotation, point - pose.position);
@@ -79,14 +81,15 @@ double distance_to(const Body& body, const Vec3d& point) {
       return norm(Vec3d{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)}) +
              std::min(0.0, std::max({q.x, q.y, q.z}));
     }
-    default: {  // sphere: a capsule without length
+    default: {  // sphere: a capsule of length 0
       const Vec3d on_axis{0, 0, std::clamp(p.z, -shape.half_length, shape.half_length)};
       return norm(p - on_axis) - shape.radius;
     }
   }
 }
 
-// Where a ball that comes from outside towards `at`, against `out`, touches the first body: sphere tracing (Hart 1996).
+// Centre of a ball, moved from outside towards `at` along -`out`, at which it first touches a body: sphere tracing
+// (Hart 1996).
 Vec3d first_touch(const RandomWorld& world, const Vec3d& at, const Vec3d& out, double radius) {
   double along = 0;
   for (const Body& body : world.bodies)

@@ -19,8 +19,8 @@ using physics::ShapeKind;
 constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMostFriction = 5;
 constexpr unsigned kTicksOneWay = 10;
 
-// Draws are statements of their own: compilers evaluate the arguments of a call in different orders, and a seed must be
-// the same world everywhere.
+// Each draw is a separate statement: compilers evaluate the arguments of a call in different orders, and a seed must
+// give the same world everywhere.
 
 // About `size` long; every third box is a sliver, up to 1:1000.
 Shape random_shape(Draw& random, double size) {
@@ -55,7 +55,8 @@ RandomWorld make_random_world(std::uint64_t seed) {
   const double middle = random.logarithmic(kSmallest_m, kLargest_m), spread = random.chance(0.5) ? 3 : 1000;
   const double mass = random.logarithmic(kLightest_kg, kHeaviest_kg), ratio = random.chance(0.5) ? 10 : 1e6;
   const auto count = 2 + random.below(11);
-  const double room = middle * std::cbrt(count) * random.uniform(0.3, 1.5);  // less than they need, or more
+  const double room =
+      middle * std::cbrt(count) * random.uniform(0.3, 1.5);  // smaller or larger than the space that they need
   for (std::uint32_t k = 0; k < count; ++k) {
     const double size = std::clamp(middle * random.logarithmic(1 / spread, spread), kSmallest_m, kLargest_m);
     const double weight = std::clamp(mass * random.logarithmic(1 / ratio, ratio), kLightest_kg, kHeaviest_kg);
@@ -114,7 +115,7 @@ RandomRun run_once(const RandomWorld& random) {
       given += dot(spring.step_impulse.force, spring.target_velocity.linear);
       spring.target.position += world.settings.dt * spring.target_velocity.linear;
     }
-    // Each body may be pushed by the next, and all of them upwards: as fast as the push speed each.
+    // Upper bound: each body may be pushed by the next at the push speed, all in the same direction.
     const double fastest = world.settings.max_push_speed * moving;
     const double pushed = 2 * mass * fastest * fastest + weight_moment * fastest * world.settings.dt * (tick + 1);
     most_excess = std::max(most_excess, (mechanical_J(world) - start - std::max(given, 0.0)) / pushed);

@@ -1,8 +1,9 @@
-// Worlds that nobody would build, by seed: mass ratios to 1e6, sizes from 1 mm to 10 m, frictions 0 to 5, slivers, deep
+// Extreme random worlds, by seed: mass ratios to 1e6, sizes from 1 mm to 10 m, frictions 0 to 5, slivers, deep
 // overlaps and coincident bodies at the start, and a device that pulls on one of them at its limits.
 //
-// The same seed gives the same world on every machine. What must hold: the gates of CaseWorld, the same state twice,
-// and mechanical energy within what was given: work, and overlaps pushed out at the push speed.
+// The same seed gives the same world on every machine. Required: the gates of CaseWorld, the same state in two runs,
+// and a mechanical energy of at most the initial energy plus the work done plus the energy of overlaps resolved at the
+// push speed.
 // Thread: one. Units: SI.
 #pragma once
 
@@ -22,21 +23,21 @@ struct RandomWorld {
   unsigned ticks{60};
   bool held{false};  // the proxy by the device
   double stiffness_N_per_m{0}, damping_Ns_per_m{0};
-  Vec3d device_speed_m_per_s;  // turns round every ten ticks
+  Vec3d device_speed_m_per_s;  // reversed every ten ticks
 };
 
 RandomWorld make_random_world(std::uint64_t seed);
 
 struct RandomRun {
-  std::string broken_gate;  // the first; or nothing
+  std::string broken_gate;  // the first gate that failed; empty: none
   std::uint64_t hash{0};
 };
 RandomRun run_twice(const RandomWorld& world);
 
-// The same failure with as few bodies and ticks as it takes: bodies are left out one by one while `fails`.
+// Reduces a failing world: removes bodies one by one, and ticks, as long as `fails` returns true.
 RandomWorld shrink(RandomWorld world, const std::function<bool(const RandomWorld&)>& fails);
 
-// What it has become after `seconds` with nothing held, in steps of 1 ms.
+// Returns the world after `seconds` without the device, in steps of 1 ms.
 RandomWorld settled(RandomWorld world, double seconds);
 
 // A proxy and the hand that moves it. Units: SI; frame: world.
@@ -49,12 +50,12 @@ struct ScriptedHand {
 
   double radius_m{1e-3}, mass_kg{0.2}, friction{0.5};       // of the proxy, a sphere
   double stiffness_N_per_m{2000}, damping_Ns_per_m{5};      // of the coupling
-  std::vector<Waypoint> path{{0, {0, 0, kOutOfTheWay_m}}};  // the proxy begins at its start
+  std::vector<Waypoint> path{{0, {0, 0, kOutOfTheWay_m}}};  // the proxy starts at its first point
 };
 
-// A scene file of it, for `tactus run` and for looking at. `about`: lines of a comment.
+// Writes the world as a scene file for `tactus run`. `about`: lines of a comment.
 std::string to_scene(const RandomWorld& world, const std::string& about, const ScriptedHand& hand, unsigned members);
-// With a hand that is out of the way.
+// Same, with the hand out of reach.
 std::string to_scene(const RandomWorld& world, const std::string& broken_gate);
 
 }  // namespace tactus::hard_cases

@@ -1,4 +1,4 @@
-// tactus experiment hard-cases: every case at every accuracy and step, and the stacks beside other engines.
+// tactus experiment hard-cases: every case at every accuracy and step, and the stacks compared with other engines.
 // Thread: one. Units in the names.
 #pragma once
 
@@ -16,7 +16,7 @@ struct Request {
   std::vector<const HardCase*> cases;
   std::vector<Accuracy> accuracies;
   std::vector<double> steps_s;
-  std::vector<experiment::EngineKind> peers;  // that are given the stacks, beside tactus
+  std::vector<experiment::EngineKind> peers;  // engines that also simulate the stacks, in addition to tactus
 };
 
 struct Row {
@@ -41,11 +41,11 @@ struct Report {
 Report run(const Request& request, const experiment::Progress& progress);
 
 std::string report_table(const Report& report);
-// What failed, metric by metric; empty where nothing did.
+// Lists the failed metrics; empty if none failed.
 std::string failures_text(const Report& report);
 // {"rows": [{"case", "accuracy", "step_ms", "score", "passed", ...}], "peers": [...]}.
 std::string report_json(const Report& report);
 std::string report_csv(const Report& report);  // one line per metric
-std::string report_svg(const Report& report);  // the scores: cases down, accuracies and steps across
+std::string report_svg(const Report& report);  // scores: one row per case, one column per accuracy and step
 
 }  // namespace tactus::hard_cases

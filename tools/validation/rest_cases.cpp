@@ -1,4 +1,4 @@
-// What must not move, however long, and what must move by nothing but its start.
+// Hard cases of bodies at rest over a long time, and of independence from the distance to the origin.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr BodyId kGround = 1000;
 
-// Drift, turn and ripple of the force of what rests on the ground, over `steps`.
+// Drift, rotation and force ripple of a body at rest on the ground, over `steps`.
 Outcome rests(CaseWorld& world, BodyId id, int steps) {
   world.run(2);
   const Posed start = world.body(id).motion.pose;
@@ -32,7 +32,7 @@ Outcome rests(CaseWorld& world, BodyId id, int steps) {
   return outcome;
 }
 
-// 10^6 ticks, or as many seconds in steps of 10 ms.
+// 10^6 ticks, or the same time in steps of 10 ms.
 Outcome box_rests(const Vec3d& half, double mass, const Setting& setting) {
   CaseWorld world(setting);
   world.add_ground(kGround, 0.5);
@@ -42,7 +42,8 @@ Outcome box_rests(const Vec3d& half, double mass, const Setting& setting) {
 
 Outcome box_at_rest(const Setting& setting) { return box_rests({0.05, 0.05, 0.05}, 1, setting); }
 Outcome thin_card(const Setting& setting) { return box_rests({0.03175, 0.04445, 0.00015}, 0.002, setting); }
-// A hundred times as long as it is wide: a card has no moments of inertia of 1 to 10,000, a strip of it has.
+// A strip a hundred times as long as wide: moments of inertia in the ratio 1 to 10,000, which a square card does not
+// have.
 Outcome strip(const Setting& setting) { return box_rests({0.05, 0.0005, 0.00015}, 0.002, setting); }
 
 Outcome long_thin_box(const Setting& setting) {
@@ -90,7 +91,7 @@ Outcome far_from_origin(const Setting& setting) {
     world.run(3);
   };
   CaseWorld near(setting), far(setting);
-  // Places that a binary number holds exactly: what differs is the arithmetic, not the scene.
+  // The offset is exact in binary, so differences come from the arithmetic and not from the scene.
   const Vec3d origin{1024, -1024, 0};
   fall(near, {}), fall(far, origin);
   double off = 0;

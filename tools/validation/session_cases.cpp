@@ -1,5 +1,5 @@
 // Whole runs on the virtual clock: device faults, a stiff hand, the border, a full sub-world, a late world.
-// They have the tick of the device, so no 10 ms step, and the accuracy sets the sub-steps of both worlds.
+// They run at the device's tick, so there is no 10 ms step. The accuracy sets the sub-steps of both worlds.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -74,7 +74,7 @@ struct Watched {
   bool finite{true}, faulted{false};
   std::unique_ptr<session::Session> session;
 
-  // Of the force's size over ticks [from, to).
+  // Mean magnitude of the force over ticks [from, to).
   double mean(std::size_t from, std::size_t to) const {
     double sum = 0;
     for (std::size_t k = from; k < to; ++k) sum += norm(force[k]);
@@ -122,7 +122,7 @@ Watched watch(sim::Scene scene, session::RunOptions options, std::uint64_t ticks
   return watched;
 }
 
-// The gates of a run: finite, within the force's limits; and its hash into the outcome's.
+// Adds the gates of a run (finite values, force within its limits) and its hash to the outcome.
 void gate(const Watched& watched, Outcome& outcome) {
   outcome.gate("finite", watched.finite);
   outcome.gate("force within its limit", watched.largest() <= kMostForce_N * (1 + 1e-9));
@@ -208,7 +208,7 @@ Outcome late_world(const Setting& setting) {
   return outcome;
 }
 
-// The scene begins anew at 1.5 s: with the hand on a cube, and with the hand where the cube began that it has pushed
+// Scene reset at 1.5 s: with the hand on a cube, and with the hand at the initial position of a cube that it has pushed
 // away.
 Outcome begins_anew(const Setting& setting) {
   const std::string pressed_cube = cube({0, 0, 0.05}, 0.1, 1, 0.5);
@@ -252,7 +252,7 @@ Outcome begins_anew(const Setting& setting) {
 
 // --- 32, 35, 36: the border
 
-// A hand that rests on a stack whose lower part is outside.
+// A hand at rest on a stack whose lower bodies are outside bodies.
 Outcome stack_border(const Setting& setting) {
   Outcome outcome;
   for (const unsigned layers : {12u, 24u}) {
@@ -273,8 +273,8 @@ Outcome stack_border(const Setting& setting) {
   return outcome;
 }
 
-// The hand presses on a bar and goes to and fro on it, four times a second: the cubes beside the bar are on the
-// boundary of the sub-world, come and go, and neither they nor the hand may notice.
+// The hand presses on a bar and goes to and fro on it, four times a second: the cubes beside the bar repeatedly enter
+// and leave the sub-world, which must not change their motion or the force on the hand.
 Outcome thrash(const Setting& setting) {
   std::string bodies =
       "[[body]]\nshape = \"box\"\nsize_m = [0.4, 0.02, 0.05]\nmass_kg = 2\nfriction = 0.5\nposition_m = [0, 0, "
@@ -309,7 +309,7 @@ Outcome thrash(const Setting& setting) {
   return outcome;
 }
 
-// A hand taps on a stack that sleeps: awake before it is touched, and it answers in that very tick.
+// A hand taps on a stack that sleeps: it must be awake before the contact and react in the tick of the contact.
 Outcome tap_on_sleepers(const Setting& setting) {
   std::string bodies;
   for (unsigned k = 0; k < 5; ++k) bodies += cube({0, 0, 0.05 * (k + 0.5)}, 0.05, 0.2, 0.5);
@@ -341,7 +341,7 @@ Outcome tap_on_sleepers(const Setting& setting) {
   return outcome;
 }
 
-// A heap that hangs together, of which the sub-world has room for 64.
+// A heap connected by contacts, larger than the cap of 64 members.
 Outcome full_sub_world(const Setting& setting) {
   auto loaded = sim::parse_scene(R"(
 title = "A hand in a heap larger than the sub-world"
@@ -389,7 +389,7 @@ path = [
   outcome.at_most("members", watched.session->stats.members_max, 64);
   outcome.holds("more hang together", watched.session->global->statistics().most_component > 64);
   outcome.at_most("largest step of the force, N", watched.largest_step(), kMostSlew_N * (1 + 1e-9));
-  // The heap's cubes may settle; nothing may fly: the energy of all members falling by a cube's edge.
+  // The cubes may settle but not be ejected. Bound: the energy of all members falling by a cube's edge.
   outcome.at_most("kinetic energy of the members, J", watched.most_energy_J, 64 * 0.075 * kGravity * 0.05);
   return outcome;
 }

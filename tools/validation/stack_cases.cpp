@@ -24,7 +24,7 @@ class StackWorld : public CaseWorld {
   std::size_t count() const { return spec_.masses_kg.size(); }
   const Vec3d& top() const { return position(static_cast<BodyId>(count() - 1)); }
 
-  // How deep cube k is in what is below it: now, and by its load.
+  // Penetration of cube k into the body below: observed, and expected from its load.
   double overlap(std::size_t k) const {
     const double below = k == 0 ? -0.5 * spec_.edge_m : position(static_cast<BodyId>(k - 1)).z;
     return spec_.edge_m - (position(static_cast<BodyId>(k)).z - below);
@@ -37,7 +37,7 @@ class StackWorld : public CaseWorld {
     for (; k < count(); ++k) mass += spec_.masses_kg[k];
     return mass * kGravity;
   }
-  // The worst of all overlaps against what their loads make of them.
+  // Largest relative difference between observed and expected overlaps.
   double overlap_error() const {
     double worst = 0;
     for (std::size_t k = 0; k < count(); ++k) worst = std::max(worst, std::abs(overlap(k) / expected_overlap(k) - 1));
@@ -58,7 +58,8 @@ class StackWorld : public CaseWorld {
   StackSpec spec_;
 };
 
-// Sinks as its loads say, and stays there for a minute. The study's stack of forty settles in 0.2 s.
+// The stack sinks by the overlap expected from its loads and stays there for a minute. The study's stack of forty
+// settles in 0.2 s.
 Outcome equal_cubes(unsigned count, const Setting& setting) {
   StackWorld world(equal_stack(count), setting);
   world.run(1);
@@ -98,7 +99,7 @@ Outcome hundred_on_nine(const Setting& setting) {
   world.run(0.5);
   Outcome outcome;
   outcome.holds("stands", world.state().stands);
-  // 0.6 mm where the contacts' frequency gives 0.5.
+  // Bound: 0.6 mm for an expected overlap of 0.5 mm.
   outcome.at_most("deepest overlap, m", world.deepest(), 1.2 * world.expected_overlap(1));
   outcome.relative("force on the ground after 2.5 s, N", carried, world.load(0), 1e-4);
   world.close(outcome);
@@ -107,7 +108,7 @@ Outcome hundred_on_nine(const Setting& setting) {
 
 Outcome heavy_on_five(double top_kg, const Setting& setting) {
   StackWorld world(heavy_on(top_kg, 5, 1), setting);
-  world.run(30);  // it sways at first, ever less
+  world.run(30);  // decaying oscillation at the start
   const Vec3d settled = world.top();
   world.run(60);
   Outcome outcome;
@@ -124,7 +125,7 @@ Outcome thousand_on_five(const Setting& setting) { return heavy_on_five(1000, se
 
 // --- card houses
 
-// Most that a card moved from where it was put, in `seconds`.
+// Largest displacement of a card from its initial position, in `seconds`.
 double card_house_moves(const sim::CardHouseSpec& spec, double seconds, const Setting& setting, Outcome& outcome) {
   CaseWorld world(setting);
   world.add_ground(kGround, spec.friction);
@@ -138,7 +139,7 @@ double card_house_moves(const sim::CardHouseSpec& spec, double seconds, const Se
   return most;
 }
 
-// Feet that are a little too smooth let go, a little rougher ones hold for a minute.
+// With friction slightly below the threshold the feet slide; slightly above it they stick for a minute.
 Outcome card_house_threshold(const Setting& setting) {
   sim::CardHouseSpec spec;
   spec.levels = 5;
@@ -163,7 +164,7 @@ Outcome card_house_of_three(const Setting& setting) {
   return outcome;
 }
 
-// Twenty cards of a millimetre; one is taken out of the middle and the rest comes down by its thickness.
+// Twenty cards of a millimetre; one is removed from the middle and the upper ones fall by its thickness.
 Outcome cards_in_a_stack(const Setting& setting) {
   const Vec3d half{0.03175, 0.04445, 0.0005};
   const double mass = 0.007;

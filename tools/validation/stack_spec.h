@@ -1,4 +1,4 @@
-// A stack of cubes, from the ground up, as every engine can be given it, and whether it stands. Thread: [any].
+// A stack of cubes in a form that every engine can load, and the test whether it stands. Thread: [any].
 #pragma once
 
 #include <span>
@@ -21,17 +21,17 @@ struct StackSpec {
 StackSpec equal_stack(unsigned count);
 StackSpec heavy_on(double top_kg, unsigned count, double each_kg);
 
-// The stacks that other engines are compared on.
+// The stacks on which engines are compared.
 std::vector<StackSpec> compared_stacks();
 
-// Most that a cube went to the side, and that the top one sank.
+// Largest lateral displacement of a cube, and the sinking of the top cube.
 struct StackState {
   double side_m{0}, sag_m{0};
-  bool stands{false};  // none went to the side by half its edge or lost its place in the height
+  bool stands{false};  // no cube moved sideways by half its edge or changed its place in the order of heights
 };
 StackState judge(const StackSpec& spec, std::span<const Vec3d> centres);
 
-// The same by tactus, with contacts as stiff as in the hard cases, at the balanced accuracy.
+// Simulates the stack with tactus, with the contact stiffness of the hard cases, at balanced accuracy.
 StackState stack_in_tactus(const StackSpec& spec, double step_s);
 
 }  // namespace tactus::hard_cases

@@ -54,7 +54,7 @@ ordered_json pose_json(const Body& body) {
   return pose;
 }
 
-// Half extents of a box; radius and half length of a capsule, a sphere being one without length; none of a plane.
+// Half extents of a box; radius and half length of a capsule (sphere: length 0); nothing for a plane.
 ordered_json shape_json(const Body& body) {
   const auto& shape = body.shape;
   if (shape.kind == ShapeKind::kPlane) return {{"shape", "plane"}};

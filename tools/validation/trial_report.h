@@ -1,4 +1,4 @@
-// tactus experiment hard-cases --random N --sub-world: what became of so many random worlds, and the worst of them.
+// tactus experiment hard-cases --random N --sub-world: results of N random worlds, and the worst of them.
 // Thread: one. Units in the names. Bound: keeps the figures of every world, and the bodies of the worst.
 #pragma once
 
@@ -14,16 +14,16 @@ struct TrialReport {
   static constexpr std::size_t kWorst = 10;
 
   std::uint64_t first{0}, worlds{0};
-  std::vector<std::uint64_t> left_out;        // seeds of which no scene file can be made
-  std::uint64_t with_border{0};               // more bodies move than the cap lets in
-  std::uint64_t standing{0};                  // bodies that stand in the direct runs
-  std::vector<RandomTrial> noted;             // that fall or gain energy; without bodies and scene, by seed
+  std::vector<std::uint64_t> left_out;        // seeds whose world no scene file can represent
+  std::uint64_t with_border{0};               // worlds with more moving bodies than the cap of members
+  std::uint64_t standing{0};                  // number of bodies that stand in the direct runs
+  std::vector<RandomTrial> noted;             // trials with a fall or an energy gain; without bodies and scene, by seed
   std::vector<RandomTrial> worst;             // at most kWorst, worst first
   std::vector<experiment::WholeRunRow> rows;  // of all, without bodies
 
   void add(RandomTrial trial);
   std::size_t collapsed() const;
-  std::size_t still_fallen() const;  // of these: what stood still in the direct run falls
+  std::size_t still_fallen() const;  // of these: a body at rest in the direct run falls
   std::size_t by_chance() const;
   std::size_t gain_energy() const;
 };

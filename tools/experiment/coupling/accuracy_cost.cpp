@@ -22,7 +22,7 @@ using physics::SweepPrecision;
 using sim::CutOrder;
 
 constexpr unsigned kDefaultRatio = 8;
-constexpr double kReferenceWork = 5;  // of the reference run, in settings on its windows
+constexpr double kReferenceWork = 5;  // work of the reference run, in units of one setting on its windows
 
 CostPoint point_of(const std::string& scene, const Setting& setting, const SettingSums& sums) {
   CostPoint point;
@@ -38,7 +38,7 @@ CostPoint point_of(const std::string& scene, const Setting& setting, const Setti
   return point;
 }
 
-// What each factor is changed to, alone, and how it is called.
+// A single changed factor and its name.
 struct Change {
   std::string factor, from, to;
   Setting setting;
@@ -84,7 +84,7 @@ Setting default_setting(const sim::Scene& scene, unsigned members) {
   return setting;
 }
 
-// How long a case takes, a seed: its bodies count in every setting.
+// Estimated work of a case per seed: its bodies times its settings.
 double work_of(const sim::Scene& scene, const CouplingCase& one, bool quick) {
   return moving_bodies(scene) * (kReferenceWork + static_cast<double>(settings_for(scene, one.members, quick).size()));
 }
@@ -176,7 +176,7 @@ Status run_counted(const CouplingCase& one, std::size_t setting, bool quick) {
   const auto config = session::loop_config(solved, options, profile.value().properties);
   ScriptedArm arm(profile.value(), session::make_hand(solved), config.placement, config.period_s);
   worlds.start_at_rest();
-  const std::size_t first = tick_at(HandTimes::kPressed) / 16 * 16;  // where a cycle begins, at every ratio
+  const std::size_t first = tick_at(HandTimes::kPressed) / 16 * 16;  // the beginning of a cycle, at every ratio
   for (std::size_t k = 0; k < first + kCountedTicks; ++k) {
     if (k > 0) arm.advance(worlds.last().on_device);
     const bool count = k >= first;

@@ -35,7 +35,7 @@ std::string cost_table(const CostReport& report) {
           text.empty() ? "" : "\n", scene, "sub-steps", "relax", "friction", "contact", "members", "ratio", "border",
           "extraction", "precision", "error %", "vibr. N", "p50 us", "p99 us", "");
     }
-    // All of a full sweep would fill pages: the front and the default; --csv and --json have the rest.
+    // Only the front and the default; --csv and --json contain all points.
     if (!p.on_front && !p.is_default) continue;
     const Setting& s = p.setting;
     text += fmt::format(

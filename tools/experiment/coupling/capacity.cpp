@@ -18,15 +18,15 @@ namespace {
 
 constexpr unsigned kLeastBodies = 25;
 constexpr unsigned kLeastSteps = 40;
-// Five sub-steps in 10 ms bring columns of eight cubes to rest (3e-5 m/s), of twelve not (1e-3 m/s).
+// With five sub-steps in 10 ms, columns of eight cubes come to rest (3e-5 m/s), columns of twelve do not (1e-3 m/s).
 constexpr unsigned kMostLayers = 8;
-// What takes more than that many times its period no run will bring down.
+// A heap above this multiple of its limit is not run again.
 constexpr double kHopeless = 2;
 constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
 constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
 
-// A heap as wide as high, up to eight layers, in its box, under a proxy: of `least` bodies, or a few more, so that the
-// layer under the proxy is full. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
+// A heap as wide as high, up to eight layers, in its box, under a proxy: of at least `least` bodies, enough to fill the
+// layer under the proxy. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
 Result<sim::Scene> make_heap(unsigned least, double rate_Hz) {
   const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMostLayers);
   const unsigned bodies = (least + layers - 1) / layers * layers;
@@ -69,7 +69,7 @@ path = [{{time_s = 0.0, position_m = [0, -0.03, {}]}}]
       "heap");
 }
 
-// Down by 12 mm in a tenth of a second, then round and round.
+// Down by 12 mm in 0.1 s, then in circles.
 haptics::DeviceTarget stir(const Vec3d& start, double time_s) {
   constexpr double kRadius_m = 0.02, kTurns_Hz = 1;
   const double pressed = std::min(1.0, time_s / 0.1);
@@ -82,7 +82,7 @@ haptics::DeviceTarget stir(const Vec3d& start, double time_s) {
   return target;
 }
 
-// How high the settled heap is where the proxy will come down.
+// Height of the settled heap below the proxy.
 double top_below(const CoupledWorlds& worlds, const Vec3d& proxy) {
   double top_m = 0;
   const auto bodies = worlds.global() != nullptr ? worlds.global()->bodies() : worlds.sub_world().world().bodies();
@@ -94,12 +94,12 @@ double top_below(const CoupledWorlds& worlds, const Vec3d& proxy) {
   return top_m;
 }
 
-// Of one heap, over its runs.
+// Times of one heap, over its runs.
 struct HeapTimes {
   std::vector<std::vector<double>> ticks_us, steps_us;
 };
 
-// Runs the heap once more. The point is that of the least times so far.
+// Runs the heap once more. Returns the point for the minimum times so far.
 Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint point, HeapTimes& times) {
   auto scene = make_heap(point.bodies, point.rate_Hz);
   if (!scene.ok()) return scene.status();
@@ -159,7 +159,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
   settle_on_core();
   CapacityReport report;
   report.members = request.members, report.runs = request.runs;
-  // A search is as long as any other, nearly: most of it goes into its largest heaps.
+  // Each search counts as equal work: most of its time goes into its largest heaps.
   double work = 0, done = 0;
   for (const Scheme& scheme : request.couplings)
     work += static_cast<double>(request.rates_Hz.size()) *

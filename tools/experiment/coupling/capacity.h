@@ -1,9 +1,9 @@
-// How many bodies each coupling sustains, by rate and ratio: `tactus experiment capacity` (paper, section 3.1).
+// Number of bodies that each coupling sustains, by rate and ratio: `tactus experiment capacity` (paper, section 3.1).
 //
-// A heap of cubes with a proxy that presses and stirs, every cube awake. Sustained: 99 of 100 ticks compute for less
-// than the tick, and 9 of 10 global steps for less than their r ticks: the global world has a core of its own. CPU time
-// of one thread, the least of a few identical runs, so that what else the machine does counts little; the heap
-// doubles until something is too slow, then the number is narrowed down. Thread: one.
+// A heap of cubes with a proxy that presses and stirs, every cube awake. Sustained: 99 of 100 ticks take less than the
+// tick period, and 9 of 10 global steps less than their r ticks (the global world has its own core). Measured is the
+// CPU time of one thread, the minimum over a few identical runs, to reduce the effect of other load. The heap doubles
+// until a limit is exceeded, then the number is narrowed down by bisection. Thread: one.
 #pragma once
 
 #include <functional>
@@ -20,12 +20,12 @@ namespace tactus::experiment {
 struct CapacityRequest {
   std::vector<double> rates_Hz;
   std::vector<unsigned> ratios;
-  std::vector<Scheme> couplings;  // with every ratio; the direct one has none
+  std::vector<Scheme> couplings;  // each with every ratio; the direct coupling has none
   unsigned members{64};
   unsigned most_bodies{20000};
   unsigned ticks{400};  // timed, of each heap; at least 40 global steps
-  // A heap that is too slow is run again, at most so often in all: the same bits each time, so what a step takes longer
-  // is the machine's, and its least time counts.
+  // A heap that is too slow is run again, up to this number of runs. The runs are bit-identical, so the minimum time of
+  // each step counts.
   unsigned runs{5};
 };
 
@@ -36,7 +36,7 @@ struct CapacityPoint {
   unsigned bodies{0}, contact_points{0};  // points: of the whole world
   double tick_us_p50{0}, tick_us_p99{0};
   double step_us_p50{0}, step_us_p90{0};  // global; 0 with the direct coupling
-  double tick_load{0}, step_load{0};      // p99 of the ticks, p90 of the global steps, over what they may take
+  double tick_load{0}, step_load{0};      // p99 of the ticks and p90 of the global steps, each divided by its limit
   double load() const { return tick_load > step_load ? tick_load : step_load; }
   bool fits() const { return load() <= 1; }
 };
@@ -44,10 +44,10 @@ struct CapacityPoint {
 struct CapacityRow {
   Scheme scheme{kDirectScheme};
   double rate_Hz{1000};
-  unsigned bodies{0};    // sustained; 0: not even the smallest heap
-  unsigned too_many{0};  // the smallest heap that was not; 0: none was found
-  std::string breaks;    // what was too slow there: tick, global step
-  double quotient{0};    // over the direct coupling at the same rate; 0: not measured
+  unsigned bodies{0};    // sustained; 0: the smallest heap is not sustained
+  unsigned too_many{0};  // the smallest heap that was not sustained; 0: none found
+  std::string breaks;    // what exceeded its limit there: tick or global step
+  double quotient{0};    // bodies relative to the direct coupling at the same rate; 0: not measured
 };
 
 struct CapacityReport {
@@ -56,11 +56,11 @@ struct CapacityReport {
   unsigned members{0}, runs{0};
 };
 
-// One line where a scene is refused.
+// Error, one line: a scene is refused.
 Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress);
 
-// The largest number that `fits`, between `least` and `most`, by doubling and then narrowing down to an eighth of an
-// octave; {largest that fits or 0, smallest seen that does not or 0}.
+// Largest number between `least` and `most` for which `fits` is true, by doubling and then bisection to 1/8 octave.
+// Returns {largest that fits or 0, smallest tried that does not or 0}.
 struct Bracket {
   unsigned fits{0}, too_many{0};
 };

@@ -19,7 +19,7 @@ CoupledWorlds::CoupledWorlds(const sim::Scene& scene, const session::RunOptions&
     : config_(session::loop_config(scene, options, device).sub_world), coupling_(traits_of(options.coupling)) {
   std::vector<physics::Body> fixed;
   for (const auto& body : scene.bodies) (body.kind == physics::BodyKind::kFixed ? fixed : at_rest_).push_back(body);
-  // Room for all bodies, so that the state of a direct run fits.
+  // Capacity for all bodies, so that the state of a direct run fits.
   session::RunOptions direct = options;
   direct.coupling = kDirectScheme.coupling;
   const bool is_direct = !coupling_.global_world;
@@ -53,7 +53,8 @@ void CoupledWorlds::start_from(const WorldKeyframe& before, const WorldKeyframe&
   report_->device = device_that_holds(before, on_proxy);
   global_->impose(0, *report_);
   haptics::WorldSnapshot& first = *snapshots_[0];
-  if (coupling_.model == haptics::LocalModel::kInterpolatedProxy) {  // which moves from where the proxy was a cycle ago
+  if (coupling_.model ==
+      haptics::LocalModel::kInterpolatedProxy) {  // which interpolates from the proxy's pose one cycle ago
     global_->fill_snapshot(0, 1, haptics::kMaxMembers, first);
     first.warm_starts.clear();
     sub_world_->synchronise(first, *report_);
@@ -62,12 +63,12 @@ void CoupledWorlds::start_from(const WorldKeyframe& before, const WorldKeyframe&
   global_->set_state(now.bodies, {});
   global_->fill_snapshot(0, 1, haptics::kMaxMembers, first);
   first.cycle = 0;
-  first.warm_starts.clear();  // the members are there already, with what their contacts hold
+  first.warm_starts.clear();  // the members already exist, with their contact impulses
   device_before_ = device_that_holds(now, on_proxy);
-  if (coupling_.proxy_planes > 0) sub_world_->synchronise(first, *report_);  // planes that were there before
+  if (coupling_.proxy_planes > 0) sub_world_->synchronise(first, *report_);  // planes of the previous cycle
 }
 
-// Where a device is that moves with the proxy and pulls at it so.
+// Target of a device that moves with the proxy and exerts this wrench.
 haptics::DeviceTarget CoupledWorlds::device_that_holds(const WorldKeyframe& moment, const Wrenchd& on_proxy) const {
   for (const auto& body : moment.bodies) {
     if (body.id != config_.proxy) continue;
@@ -79,7 +80,7 @@ haptics::DeviceTarget CoupledWorlds::device_that_holds(const WorldKeyframe& mome
   return {};
 }
 
-// By leaving and joining again, elsewhere and with the contacts that it had.
+// Removes the proxy and adds it again at the new place with its former contacts.
 void CoupledWorlds::shift_proxy(const WorldKeyframe& now, const Vec3d& shift) {
   haptics::WorldSnapshot& snapshot = *snapshots_[0];
   snapshot = {};
@@ -132,7 +133,7 @@ const haptics::SubWorldStep& CoupledWorlds::tick(const haptics::DeviceTarget& ta
   return step(target);
 }
 
-// Is the haptic side's motion of a member the one that counts?
+// True if the member's valid state is that of the haptic side.
 bool CoupledWorlds::haptic_side_moves(BodyId member) const noexcept {
   return coupling_.imposes_motion && (!coupling_.members_frozen || member == config_.proxy);
 }
@@ -148,7 +149,7 @@ EnergySample CoupledWorlds::motion() const noexcept {
   return sum;
 }
 
-// Members as the haptic side has them, the others as the global world has them.
+// Members from the haptic side, the others from the global world.
 void CoupledWorlds::bodies(std::vector<physics::Body>& all) const {
   const auto& inner = sub_world_->world();
   all.clear();

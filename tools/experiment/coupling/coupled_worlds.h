@@ -1,8 +1,9 @@
 // The haptic sub-world and the global world of a run, on a virtual clock and in one thread, without device and output
-// path: what the coupling itself does to the force.
+// path, to measure the effect of the coupling alone on the force.
 //
-// A tick that begins a cycle synchronises, and the global world answers at once: it is never late. The worlds start at
-// rest, or from the state of a run with direct coupling, contact impulses included. Thread: one. Frame: world. Units:
+// A tick that begins a cycle synchronises, and the global world answers at once, so it is never late. The worlds start
+// at rest, or from the state of a run with direct coupling, contact impulses included. Thread: one. Frame: world.
+// Units:
 // SI. Bound: from another run's state at most haptics::kMaxMembers moving bodies.
 #pragma once
 
@@ -17,7 +18,7 @@
 
 namespace tactus::experiment {
 
-// The whole of a world at the beginning of a tick.
+// Complete state of a world at the beginning of a tick.
 struct WorldKeyframe {
   std::uint64_t tick{0};
   std::vector<physics::Body> bodies;         // that move, by id
@@ -25,32 +26,33 @@ struct WorldKeyframe {
   std::vector<std::byte> state;              // of the haptic side, every bit
 };
 
-// Of all moving bodies at once.
+// Energy of all moving bodies at one instant.
 struct EnergySample {
   double kinetic_J{0};
-  double speed_squared{0};  // m^2/s^2: sum of |v|^2, every body of mass one
+  double speed_squared{0};  // m^2/s^2: sum of |v|^2, every body counted with unit mass
 };
 
 class CoupledWorlds {
  public:
-  // The options must go with the scene (sim::check_global_options).
+  // The options must fit the scene (sim::check_global_options).
   CoupledWorlds(const sim::Scene& scene, const session::RunOptions& options, const haptics::DeviceProperties& device);
 
   void start_at_rest();
-  // `before` is one cycle earlier than `now`: the global world steps from there, so that its contacts are as in a run
-  // under way. `on_proxy`: mean wrench of the coupling over that cycle [N, N m]. For the direct coupling `before` is
-  // not used, and `shift` puts the proxy elsewhere.
+  // `before` is one cycle earlier than `now`: the global world steps from `before`, so that its contacts are as in a
+  // continuing run. `on_proxy`: mean wrench of the coupling over that cycle [N, N m]. For the direct coupling `before`
+  // is not used, and `shift` displaces the proxy.
   void start_from(const WorldKeyframe& before, const WorldKeyframe& now, const Wrenchd& on_proxy,
                   const Vec3d& shift = {});
 
   const haptics::SubWorldStep& tick(const haptics::DeviceTarget& target);
 
-  // The three parts of a tick: haptic side, where a cycle begins; global world, then; haptic side.
+  // The three parts of a tick: synchronisation on the haptic side at the beginning of a cycle; then the global step;
+  // then the haptic tick.
   bool synchronise();  // false: no cycle begins
   void serve();
   const haptics::SubWorldStep& step(const haptics::DeviceTarget& target);
 
-  // Does the next tick begin with a synchronisation? Then all bodies are at the same time.
+  // True if the next tick begins with a synchronisation; then all bodies are at the same time.
   bool at_synchronisation() const noexcept;
   EnergySample motion() const noexcept;                // at a synchronisation
   void bodies(std::vector<physics::Body>& all) const;  // that move, by id; at a synchronisation
@@ -79,12 +81,12 @@ class CoupledWorlds {
   std::uint64_t cycle_{0};
   bool first_{true};
   Wrenchd on_proxy_before_;              // mean of the cycle before the start
-  haptics::DeviceTarget device_before_;  // that pulls so at the start
+  haptics::DeviceTarget device_before_;  // target that causes this wrench at the start
   std::uint32_t component_{0};
   haptics::SubWorldStep step_;
 };
 
-// CPU time of a tick [us]: the haptic side's, and that of the global world where a cycle began.
+// CPU time of a tick [us]: of the haptic side, and of the global world at the beginning of a cycle.
 struct TickTimes {
   double haptic_us{0};
   std::optional<double> global_us;

@@ -27,7 +27,7 @@ std::vector<unsigned> ratios_of(const StudyRequest& request) {
   return ratios;
 }
 
-// What a row is made of, over windows and seeds.
+// Sums for a row, over windows and seeds.
 struct RowSums {
   ForceError hold, moving;
   double worst{0};
@@ -60,14 +60,14 @@ SeedFigures figures_of(const RowSums& sums) {
   return {sums.all().relative(), energy.loss, energy.gain, quantile(sums.steps, 0.95), median(sums.vibration)};
 }
 
-// The schemes that run with the same gains, and the scene with these for its own.
+// Schemes with the same gains, and the scene with these gains.
 struct GainsGroup {
   haptics::CouplingGains gains;
   std::vector<std::size_t> schemes;  // in the request's order
   HandInLoop direct_loop;
 };
 
-// One scene while it is measured.
+// Measurement of one scene.
 class SceneStudy {
  public:
   SceneStudy(const StudyRequest& request, const CouplingCase& one, const hal::DeviceProfile& profile)
@@ -103,11 +103,11 @@ class SceneStudy {
   const CouplingCase& case_;
   const hal::DeviceProfile& profile_;
   std::vector<unsigned> ratios_;
-  sim::Scene scene_;                  // with the hand of the last seed, and the gains of the group in question
+  sim::Scene scene_;                  // with the hand of the last seed and the gains of the current group
   haptics::CouplingGains own_gains_;  // the scene's
   std::vector<GainsGroup> groups_;    // the scene's own gains first
-  std::vector<RowSums> sums_;         // over the seeds that are done
-  std::vector<RowSums> seed_sums_;    // of the seed in question
+  std::vector<RowSums> sums_;         // over the finished seeds
+  std::vector<RowSums> seed_sums_;    // of the current seed
   std::vector<std::vector<SeedFigures>> by_seed_;
   std::vector<HandInLoop> loops_;
   StudyScene account_;
@@ -244,7 +244,7 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
     if (k > 0) hand.advance(on_device);
     on_device = tested.tick(hand.encoded()).on_device;
     const double size = norm(on_device.force);
-    // What no device would give is no number to go on with.
+    // A force beyond that of any device is not used further.
     if (!is_finite(on_device) || size > 1e3) return {1e3, 1e3, 1e3, 0, 0};
     loop.peak_N = std::max(loop.peak_N, size);
     if (k < first_held || k >= last_held) continue;
@@ -255,7 +255,7 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
   return loop;
 }
 
-// The same run, with the poses and the energy of all bodies beside the direct run's (whole_run.h).
+// The same run, with poses and energy of all bodies compared with the direct run's (whole_run.h).
 Status SceneStudy::judge_poses() {
   scene_.coupling = own_gains_;
   WholeRunRequest whole;
@@ -343,14 +343,15 @@ Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progre
     weight.push_back(static_cast<double>(scene.value().bodies.size()));
     work += (request.seeds + 1) * weight.back();
   }
-  const Pace pace(progress, work);  // the scenes weigh as their bodies do
+  const Pace pace(progress, work);  // scenes are weighted by their number of bodies
   for (std::size_t c = 0; c < request.cases.size(); ++c) {
     const CouplingCase& one = request.cases[c];
     auto scene = load_coupling_case(one, 0);
     const auto profile = session::find_description(scene.value().device.profile, {});
     if (!profile.ok()) return profile.status();
     SceneStudy study(request, one, profile.value());
-    for (unsigned seed = request.seeds; seed-- > 0;) {  // the hand as it is written last: stability is judged with it
+    for (unsigned seed = request.seeds;
+         seed-- > 0;) {  // the unmodified hand (seed 0) last, because stability is tested with it
       pace.say(fmt::format("scene {}, seed {} of {}", one.name, request.seeds - seed, request.seeds), done);
       if (const Status status = study.measure(seed); !status.ok()) return status;
       done += weight[c];

@@ -1,10 +1,11 @@
-// Couplings measured against the direct one on the same hand motion: `tactus experiment energy-loss` and `couplings`.
+// Compares couplings with the direct one on the same hand motion: `tactus experiment energy-loss` and `couplings`.
 //
-// For each scene and seed a run with direct coupling, the hand in the loop. Then, for each coupling, border and ratio,
-// windows of 200 ms that start from that run's state, contact impulses included, with that run's hand motion. Stability
-// is judged apart: from rest, the hand in the loop, the device's own encoder and delay. A coupling that is not stable
-// with the scene's stiffness has the most that it bears (tools/session/scheme_gains.h), and is held against a direct
-// run with the same: its error is then the coupling's, and the stiffness in its row what else it costs. Thread: one.
+// For each scene and seed, one run uses direct coupling with the hand in the loop. Then, for each coupling, border and
+// ratio, windows of 200 ms start from that run's state, contact impulses included, with that run's hand motion.
+// Stability is tested in separate runs: from rest, with the hand in the loop and the device's encoder and delay. A
+// coupling that is not stable with the scene's stiffness uses the largest allowed one (tools/session/scheme_gains.h)
+// and is compared with a direct run of the same stiffness, so that the error is that of the coupling alone; its row
+// lists the stiffness. Thread: one.
 // Virtual time: the same request, the same bits.
 #pragma once
 
@@ -27,50 +28,51 @@ struct StudyRequest {
   unsigned seeds{20};
   unsigned members{0};  // cap; 0: the case's
   sim::CutOrder order{sim::CutOrder::kBestFirst};
-  bool quick{false};  // two windows a seed instead of six
+  bool quick{false};  // two windows per seed instead of six
 };
 
-// A run from rest with the hand in the loop, the device's own encoder and delay.
+// Results of a run from rest with the hand in the loop and the device's encoder and delay.
 struct HandInLoop {
   double peak_N{0};       // largest force
   double shake_N{0};      // 20 to 500 Hz while the hand holds
   double hold_N{0};       // mean force while the hand holds
-  unsigned fallen{0};     // bodies that do not stand where they do in the direct run (StandingRule)
-  double energy_gain{0};  // energy beyond the start and the hand's work, less the direct run's, of the energy at play
+  unsigned fallen{0};     // bodies that stand in the direct run and not here (StandingRule)
+  double energy_gain{0};  // excess over initial energy plus hand's work, minus that of the direct run, as a share of
+                          // the energy at play
 };
 
-// Of the windows of one hand alone: how far the figures of a row depend on it.
+// Figures of the windows of one hand, to show their spread between hands.
 struct SeedFigures {
   double force_error{0}, loss{0}, gain{0}, sync_step_N{0}, hold_vibration_N{0};
 };
 
-// Of one coupling on one scene; fractions, unless the name has a unit.
+// Results of one coupling on one scene; fractions, unless the name has a unit.
 struct StudyRow {
   std::string scene;
   Scheme scheme;
   unsigned members{0};                             // cap
-  haptics::CouplingGains gains;                    // world units, also of the direct run that it is held against
-  bool lowered{false};                             // they are less stiff than the scene's
-  Deviation energy, worst_instant, speed_squared;  // L1, L2, L3, of the windows in which the hand moves
+  haptics::CouplingGains gains;                    // world units; also used by the direct run that it is compared with
+  bool lowered{false};                             // less stiff than the scene's
+  Deviation energy, worst_instant, speed_squared;  // L1, L2, L3, over the windows in which the hand moves
   bool at_rest{false};                             // L1 and L2 are shares of the energy at play, see energy_measures.h
   double force_error{0};                           // RMS(F - F_direct) / RMS(F_direct), over all windows
   double force_error_hold{0}, force_error_moving{0};
   double force_error_worst{0};         // of the windows
-  double sync_step_N{0};               // 95 % of the steps of F - F_direct at synchronisations
+  double sync_step_N{0};               // 95 % quantile of the steps of F - F_direct at synchronisations
   double hold_vibration_N{0};          // std of F - F_direct, 20 to 500 Hz, ideal encoder; median of the hold windows
   double hold_vibration_worst_N{0};    // of the hold windows
-  double hold_vibration_encoder_N{0};  // the same as the median, with the device's encoder
+  double hold_vibration_encoder_N{0};  // same median, with the device's encoder
   bool stable{true};
   HandInLoop loop;
   std::vector<SeedFigures> by_seed;
   std::vector<double> spectrum;  // of F - F_direct in hold windows, mean power by line [N^2]
 };
 
-// Of one scene: how hard it is, and how far apart two direct runs are that start 1 um apart.
+// Properties of one scene, and the divergence of two direct runs that start 1 um apart.
 struct StudyScene {
   std::string name;
   unsigned bodies{0}, members{0}, component{0}, contact_points{0};
-  double contact_share{0};  // of the windows' ticks
+  double contact_share{0};  // share of the windows' ticks with proxy contact
   double force_rms_N{0};
   double apart_force_error{0};
   Deviation apart_energy;
@@ -80,18 +82,18 @@ struct StudyScene {
 struct StudyReport {
   std::vector<StudyRow> rows;
   std::vector<StudyScene> scenes;
-  std::vector<WholeRunRow> whole;  // beside the windows, see whole_run.h
+  std::vector<WholeRunRow> whole;  // in addition to the windows, see whole_run.h
   unsigned seeds{0}, windows{0};   // a seed
   double window_s{0}, line_Hz{0};  // the shortest window: kWindowCycles cycles, or that
 };
 
-// One line where a scene cannot be loaded or does not go with the schemes.
+// Error, one line: a scene cannot be loaded or does not fit the schemes.
 Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progress& progress);
 
-// Stable: no force beyond 1.5 times the direct coupling's peak and 1 N more; while the hand holds, no more than 0.2 N
-// between 20 and 500 Hz beyond the direct coupling's, and at least half its force: nothing has given way. At the end
-// every body stands (StandingRule), and at no time is there more energy than the direct run has by kMostEnergyGain of
-// the energy at play.
+// Criteria of stability, relative to the direct coupling: peak force at most 1.5 times its peak plus 1 N; while the
+// hand holds, at most 0.2 N more vibration between 20 and 500 Hz, and at least half its force, so that nothing has
+// given way; every body stands at the end (StandingRule); the energy never exceeds that of the direct run by more than
+// kMostEnergyGain of the energy at play.
 inline constexpr double kMostEnergyGain = 0.1;
 bool is_stable(const HandInLoop& loop, const HandInLoop& direct);
 

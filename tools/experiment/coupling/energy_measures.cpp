@@ -5,7 +5,7 @@
 namespace tactus::experiment {
 namespace {
 
-// Below this share of what the spring holds, the kinetic energy is that of trembling.
+// Kinetic energy below this share of the spring's energy is treated as vibration at rest.
 constexpr double kMoves = 0.1;
 
 }  // namespace

@@ -1,13 +1,13 @@
-// Energy lost and won by a coupling, in three readings: the paper says "based on the velocity of the bodies" and no
-// more.
+// Energy lost and gained by a coupling, by three definitions, because the paper says only "based on the velocity of the
+// bodies".
 //
 //   L1 = 1 - sum E / sum E_ref            kinetic energy of all bodies, translation and rotation
 //   L2 = max (E_ref - E) / max E_ref      the worst instant
 //   L3 = 1 - sum |v|^2 / sum |v_ref|^2    speeds alone
 //
-// A scene at rest has no kinetic energy to compare with: there L1 and L2 are shares of the energy at play, E_ref and
-// what the coupling's spring holds. Loss and gain apart, window by window, so that a window that won does not hide one
-// that lost. Sums over windows weigh each by its energy: what hardly moves counts little. Thread: [any].
+// A scene at rest has no kinetic energy to compare with; there L1 and L2 are shares of the energy at play, which is
+// E_ref plus the energy of the coupling's spring. Loss and gain are summed separately over windows, so that a gain in
+// one window cannot hide a loss in another. The sums weight each window by its energy. Thread: [any].
 #pragma once
 
 #include "tools/experiment/coupling/coupled_worlds.h"
@@ -20,11 +20,11 @@ struct Deviation {
 
 class EnergyBook {
  public:
-  // At one instant. `spring_J`: what the coupling's spring holds in the reference.
+  // At one instant. `spring_J`: energy of the coupling's spring in the reference.
   void add(const EnergySample& motion, const EnergySample& reference, double spring_J);
   void close_window();
 
-  bool at_rest() const;                                      // the reference moves too little for shares of it
+  bool at_rest() const;                                      // the reference has too little kinetic energy to divide by
   Deviation kinetic() const;                                 // L1
   Deviation worst_instant() const;                           // L2
   Deviation speed_squared() const { return share(speed_); }  // L3
@@ -41,7 +41,7 @@ class EnergyBook {
 
   Sums kinetic_, speed_;
   double most_lost_J_{0}, most_won_J_{0}, most_reference_J_{0};
-  double spring_J_{0}, most_spring_J_{0};  // over all instants; the most of one
+  double spring_J_{0}, most_spring_J_{0};  // sum over all instants; maximum
 };
 
 }  // namespace tactus::experiment

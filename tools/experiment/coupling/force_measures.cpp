@@ -51,7 +51,7 @@ std::vector<double> power_spectrum(std::span<const Vec3d> signal) {
       real += left[i] * cosine[phase];
       imaginary += left[i] * sine[phase];
     }
-    const double sides = k == 0 || 2 * k == n ? 1 : 2;  // a line stands for its mirror image too
+    const double sides = k == 0 || 2 * k == n ? 1 : 2;  // a line includes its negative frequency
     lines[k] = sides * (norm_squared(real) + norm_squared(imaginary)) / (count * window_power);
   }
   return lines;

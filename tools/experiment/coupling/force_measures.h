@@ -1,6 +1,6 @@
-// What is measured on a force that a device is told, tick by tick, against the one it should have been told.
+// Error measures of a commanded force, tick by tick, relative to a reference force.
 //
-// Pure functions. Thread: [any]; allocate. Units: SI. Bound: linear in the sample, but for spectra: quadratic.
+// Pure functions. Thread: [any]; allocate. Units: SI. Bound: linear in the number of samples; spectra: quadratic.
 #pragma once
 
 #include <span>
@@ -16,20 +16,20 @@ struct ForceError {
 
   void add(std::span<const Vec3d> force, std::span<const Vec3d> reference);
   void add(const ForceError& other);
-  double relative() const;  // 0 where there was no force at all
+  double relative() const;  // 0 if there was no force
 };
 
-// The power of a signal by frequency [N^2 per line]: its linear trend is taken out, and a Hann window put over it. Line
+// The power of a signal by frequency [N^2 per line]: the linear trend is removed and a Hann window applied. Line
 // k is k / (n T); the sum over the lines is the variance, over x, y and z together.
 std::vector<double> power_spectrum(std::span<const Vec3d> signal);
 
 // The lines' frequencies of a spectrum of n samples at `rate_Hz`.
 double line_Hz(std::size_t line, std::size_t samples, double rate_Hz);
 
-// Standard deviation of what lies between two frequencies, both included [N].
+// Standard deviation of the signal between two frequencies, both included [N].
 double band_deviation(std::span<const Vec3d> signal, double rate_Hz, double low_Hz, double high_Hz);
 
-// |step of F - F_ref| from each of `ticks` - 1 to it: the reference's own step there is the hand's.
+// |step of F - F_ref| from each of `ticks` - 1 to it: the reference's own step is caused by the hand's motion.
 std::vector<double> steps_at(std::span<const Vec3d> force, std::span<const Vec3d> reference,
                              std::span<const std::size_t> ticks);
 

@@ -11,7 +11,7 @@ namespace tactus::experiment {
 
 struct Scheme {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border{physics::BorderMode::kGhost};  // where the coupling has one
+  physics::BorderMode border{physics::BorderMode::kGhost};  // if the coupling has one
   unsigned ratio{8};                                        // ticks per global step
 
   constexpr haptics::CouplingTraits traits() const noexcept { return traits_of(coupling); }
@@ -22,10 +22,10 @@ struct Scheme {
   }
 };
 
-// What the others are held against.
+// The reference scheme.
 inline constexpr Scheme kDirectScheme{.coupling = haptics::CouplingScheme::kDirect, .ratio = 1};
 
-// Every coupling with the border that ships, the direct one first; the sub-world with every border.
+// Every coupling with its default border, the direct one first; the sub-world with every border.
 inline std::vector<Scheme> every_coupling() {
   std::vector<Scheme> schemes{kDirectScheme};
   for (const auto coupling : haptics::kCouplingSchemes)
@@ -38,7 +38,7 @@ inline std::vector<Scheme> every_border() {
   return schemes;
 }
 
-// "-" where the coupling has none.
+// "-" if the coupling has no border.
 inline std::string_view name_of_border(const Scheme& scheme) {
   return scheme.traits().border ? sim::name_of(scheme.border) : "-";
 }

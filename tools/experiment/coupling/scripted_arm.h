@@ -1,7 +1,7 @@
 // A hand that follows a scene's script and holds the simulated device's arm, without the device's electronics.
 //
 // The motion of device and hand is hal::Plant's; the force of the coupling acts on it after the device's transport
-// delay. The encoder is ideal or real: what it says in each tick is where the coupling wants the proxy. Thread: one.
+// delay. The encoder is ideal or real; its reading is the coupling's target in each tick. Thread: one.
 // Frame: world. Units: SI. Same arguments, same bits.
 #pragma once
 
@@ -21,11 +21,11 @@ class ScriptedArm {
   ScriptedArm(const hal::DeviceProfile& profile, const hal::HandModel& hand,
               const haptics::DevicePlacement::Config& placement, double period_s);
 
-  // What is felt now; moves the arm on by a period under the force on the device of the tick before [N, N m, world].
+  // Advances the arm by one period. `on_device`: force on the device in the previous tick [N, N m, world].
   void advance(const Wrenchd& on_device);
 
-  haptics::DeviceTarget ideal() const;                               // where the tool is, to the bit
-  const haptics::DeviceTarget& encoded() const { return encoded_; }  // by counts, speed estimated from them
+  haptics::DeviceTarget ideal() const;                               // exact tool pose
+  const haptics::DeviceTarget& encoded() const { return encoded_; }  // quantised pose, velocity estimated from it
 
  private:
   void encode();

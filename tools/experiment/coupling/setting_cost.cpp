@@ -8,7 +8,7 @@
 namespace tactus::experiment {
 namespace {
 
-// Of the run that all settings are measured against.
+// Of the reference run.
 constexpr unsigned kReferenceSubSteps = 16, kReferenceRelaxSweeps = 2;
 
 // A window, timed part by part.

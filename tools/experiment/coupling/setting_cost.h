@@ -1,8 +1,9 @@
-// One setting of solver, sub-world and border, on the windows of a reference run: how far off its force is, and what it
-// takes.
+// One setting of solver, sub-world and border, on the windows of a reference run: its force error and its computing
+// time.
 //
-// The reference is a direct run with many more sub-steps and a second relax sweep: the error is the coupling's and the
-// solver's. Times are CPU time of one thread, the haptic side's and the global world's apart. Thread: one, on one core.
+// The reference is a direct run with many more sub-steps and a second relax sweep: the error includes those of the
+// coupling and of the solver. Times are CPU times of one thread, separate for the haptic side and the global world.
+// Thread: one, on one core.
 // Bound: scenes of at most haptics::kMaxMembers moving bodies.
 #pragma once
 
@@ -31,7 +32,7 @@ struct Setting {
   friend bool operator==(const Setting&, const Setting&) = default;
 };
 
-// Sub-steps of a tick that resolve a contact frequency: a quarter of them in a second.
+// Smallest number of sub-steps per tick that resolves a contact frequency: at most a quarter of the sub-step rate.
 unsigned least_sub_steps(double contact_Hz);
 
 // The scene and the options of a run with this setting.
@@ -40,21 +41,22 @@ session::RunOptions options_of(const Setting& setting);  // with the sub-world c
 
 unsigned moving_bodies(const sim::Scene& scene);
 
-// The scene's own hand, all bodies at the haptic rate. `ratios`: of the settings to come.
+// Records the reference with the scene's own hand and all bodies at the haptic rate. `ratios`: those of the settings to
+// be measured.
 ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& profile, std::size_t ticks,
                          std::span<const WindowPlace> places, std::span<const unsigned> ratios);
 
-// Over windows, of one hand or of all.
+// Sums over windows, of one hand or of all.
 struct SettingSums {
   ForceError error;
   EnergyBook energy;
   std::vector<double> vibration, steps;     // N: of the hold windows; at synchronisations
-  std::vector<double> ticks_us, global_us;  // a tick of the haptic side; a global step
+  std::vector<double> ticks_us, global_us;  // time of a tick of the haptic side; of a global step
 
   void add(const SettingSums& other);
 };
 
-// Adds what the setting does on the reference's windows. Its ratio is one of `ratios`, as the reference was recorded.
+// Adds the results of a setting on the reference's windows. Its ratio must be one of `ratios` of record_fine.
 void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const Setting& setting,
                      const ReferenceRun& reference, std::span<const unsigned> ratios, SettingSums& sums);
 

@@ -22,9 +22,9 @@ using physics::Body;
 
 // Poses are compared at a multiple of every ratio that is accepted for this, so that each run is at a synchronisation.
 constexpr unsigned kCompareEvery = 16 * 5;
-// A work below this is none: the energy at play is then the weight alone.
+// Work below this counts as 0: the energy at play is then the weight term alone.
 constexpr double kLeastWork_J = 1e-6;
-// A force no device gives: the run has left all bounds and ends there.
+// Beyond the force of any device: the run counts as lost and ends there.
 constexpr double kLostForce_N = 1e4;
 
 double smallest_extent(const physics::Shape& shape) {
@@ -43,7 +43,7 @@ double turned(const Body& a, const Body& b) {
 
 double off(const Body& a, const Body& b) { return norm(a.motion.pose.position - b.motion.pose.position); }
 
-// One run, tick by tick: what the comparison and the direct run both need.
+// Recording of one run, tick by tick, for the comparison and the direct run.
 struct Trace {
   std::vector<Vec3d> force;
   std::vector<haptics::DeviceTarget> target;
@@ -152,7 +152,7 @@ class WholeRun {
 void compare_force(const Trace& run, const Trace& direct, WholeRunRow& row) {
   const std::size_t n = direct.force.size();
   std::vector<Vec3d> force = run.force;
-  force.resize(n);  // a run that was lost gives nothing from there on
+  force.resize(n);  // a lost run has zero force from there on
   ForceError whole;
   for (std::size_t q = 0; q < 4; ++q) {
     const std::size_t from = q * n / 4, to = (q + 1) * n / 4;
@@ -216,7 +216,7 @@ sim::Scene with_gains(sim::Scene scene, const haptics::CouplingGains& gains) {
   return scene;
 }
 
-// What a scheme is held against: the direct coupling with the same gains.
+// The reference of a scheme: the direct coupling with the same gains.
 class DirectRun {
  public:
   DirectRun(const sim::Scene& scene, const haptics::CouplingGains& gains, const hal::DeviceProfile& profile,

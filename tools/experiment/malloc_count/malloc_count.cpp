@@ -1,6 +1,6 @@
-// Counts the allocations of each thread: a shared library with a malloc of its own, which tests link, and which
-// LD_PRELOAD puts before the program. The program itself has none, so that a user's own heap profiler sees everything.
-// Under a sanitizer, which has a malloc of its own, it is empty.
+// Counts the allocations of each thread: a shared library that replaces malloc, linked by tests and loaded into the
+// program with LD_PRELOAD. The program itself does not contain it, so that a heap profiler sees everything. Empty under
+// a sanitizer, which replaces malloc itself.
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +29,7 @@ namespace {
 
 // The C library keeps its allocator under these names too; operator new calls malloc.
 extern "C" {
-// Of the calling thread, since it began; experiment::allocation_count() asks for it by its name.
+// Allocations of the calling thread since it started; experiment::allocation_count() looks it up by name.
 std::uint64_t tactus_thread_allocations() { return t_allocations; }
 
 void* __libc_malloc(std::size_t);

@@ -14,15 +14,16 @@ namespace {
 
 constexpr double kLeastPart_s = 50e-6;
 constexpr unsigned kMostParts = 10, kMostDelayParts = 32;
-// As fine as the workspace in counts of 32 bits allows, so that what the damper makes of it is far below the tap: with
-// fifty times as much a loop that is stable at 4 kHz trembles on for as long as it is watched.
+// The finest quantum that represents the workspace in 32-bit counts, so that the damper's force from quantisation is
+// far below the tap. With fifty times this quantum, a loop that is stable at 4 kHz keeps vibrating for the whole
+// observation.
 constexpr double kFineQuantum_m = 2e-10;
 constexpr std::uint64_t kJitterSeed = 1;
 
-// The hand: a spring so soft that it is a force; it comes, holds, and taps.
+// The hand: a spring soft enough to act as a constant force; it approaches, holds, and taps.
 constexpr double kHand_N_per_m = 10, kPress_N = 5, kTap_N = 1;
 constexpr double kPressFrom_s = 0.02, kPressed_s = 0.3, kTap_s = 0.6, kTapped_s = 0.604;
-// The tap is watched twice, so far apart that 5 % off the limit shows in its size.
+// The amplitude after the tap is measured in two windows, far enough apart to detect a stiffness 5 % from the limit.
 constexpr double kEarly_s = 0.62, kWindow_s = 0.25, kLate_s = 1.15, kEnd_s = kLate_s + kWindow_s;
 
 constexpr double kProxyRadius_m = 0.02, kProxy_kg = 0.2;
@@ -42,7 +43,7 @@ hal::DeviceProfile stage_of(const hal::DeviceDescription& description, const Loo
   stage.kind = hal::KinematicsKind::kStage;
   stage.workspace_radius_m = 0.3;
   stage.coulomb_friction_N = stage.coulomb_friction_Nm = 0;
-  stage.max_speed_m_per_s = 100;  // an unstable one is told by its motion, not by a fault
+  stage.max_speed_m_per_s = 100;  // high, so that an unstable loop is detected by its motion and not by a fault
   stage.peak_force_N = 1000;
   const double counts_per_m = 1 / (timing.quantum_m > 0 ? timing.quantum_m : kFineQuantum_m);
   stage.counts_per_m = {counts_per_m, counts_per_m, counts_per_m, 0, 0, 0};
@@ -61,7 +62,7 @@ hal::HandModel pressing_hand() {
   return {hand, path};
 }
 
-// A ball that is as far as the tool, and just touches the wall below.
+// A ball at the tool's position that just touches the wall below.
 haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, double damping) {
   haptics::SubWorldConfig config;
   config.scheme = kDirectScheme.coupling;
@@ -122,7 +123,7 @@ bool rings_out(const hal::DeviceDescription& description, const LoopTiming& timi
         target.velocity = {velocity.update(input.sample.device_from_tool).linear, {}};
         const auto step = world.step(target, world.config().step.sub_steps, {});
         command.wrench = {step.on_device.force, {}};
-        // What rings so that it leaves the wall only stops growing because it flies.
+        // An oscillation that leaves the wall counts as unstable: it stops growing only because the contact is lost.
         if (time_s > kEarly_s && step.on_device.force.z <= 0) return false;
       }
       ++command.sequence;

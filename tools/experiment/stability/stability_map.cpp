@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kFactors[] = {"rate", "delay", "jitter", "quantum"};
 
-// Shares of the damping that is accepted.
+// Damping values, as shares of the accepted limit.
 std::vector<double> damping_shares(bool quick) {
   if (quick) return {0.005, 0.04, 0.3, 1};
   return {0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.5, 0.75, 1};
@@ -35,7 +35,7 @@ MapRow measure(const MapRequest& request, const char* factor, const LoopTiming& 
   row.formula_N_per_m = verdict.stiffness_limit, row.allowed_N_per_m = verdict.stiffness_allowed;
   row.line_N_per_m =
       haptics::little_damping_limit(haptics::translation_of(device, period_s, late_s), row.damping_Ns_per_m);
-  // Where the damper alone is all but unstable the boundary is far below the line.
+  // Near the limit of the damping the stability boundary is far below the line.
   const double least_N_per_m = std::min(0.1 * row.line_N_per_m, std::max(0.25 * row.formula_N_per_m, 1.0));
   row.measured_N_per_m = measured_limit(request.description, timing, row.damping_Ns_per_m, least_N_per_m,
                                         4 * row.line_N_per_m, request.quick ? 1.04 : 1.02);
@@ -96,7 +96,7 @@ MapReport run_stability_map(const MapRequest& request, const Progress& progress)
     LoopTiming timing;
   };
   std::vector<Task> tasks;
-  double work = 0, done = 0;  // ticks that a device sees: that of a loop, in parts
+  double work = 0, done = 0;  // device ticks: parts of the loop's ticks
   const auto work_of = [](const LoopTiming& t) { return t.rate_Hz * (parts_of_tick(t.rate_Hz) + 8); };
   for (const char* factor : kFactors)
     for (const LoopTiming& timing : loops_of(factor, base, profile.properties.position_quantum_m, request.quick)) {

@@ -1,8 +1,9 @@
-// Which gains of the device-proxy coupling are stable: `tactus experiment stability-map`.
+// Stability limits of the coupling's gains: `tactus experiment stability-map`.
 //
-// For each loop (rate, delay, jitter, encoder, one factor at a time) and each damping, the stiffness at which a tap no
-// longer rings out (pressed_device.h), beside the limit by which `tactus run` refuses (rt/haptics/coupling_limits.h).
-// Thread: one. Virtual time: the same request, the same figures; only how late this PC wakes a thread is measured.
+// For each loop (rate, delay, jitter, encoder, one factor at a time) and each damping, the stiffness above which the
+// oscillation after a tap no longer decays (pressed_device.h), compared with the limit that `tactus run` applies
+// (rt/haptics/coupling_limits.h).
+// Thread: one. Virtual time: the same request, the same figures; only the wake-up latency of this PC is measured.
 #pragma once
 
 #include <string>
@@ -14,35 +15,34 @@
 
 namespace tactus::experiment {
 
-// How late a thread of this PC wakes.
+// Wake-up latency of a thread on this PC.
 struct WakeLateness {
-  double typical_s{0};  // half of the wake-ups are later
-  double late_s{0};     // one in a thousand is later: what gains are suggested for
+  double typical_s{0};  // median
+  double late_s{0};     // 99.9 % quantile; used for the suggested gains
   double latest_s{0};
   std::string source;    // for people
   bool degraded{false};  // measured without a real-time privilege
 };
 
-// Sleeps to `seconds` of deadlines on a real-time thread, as the loop does. `cpu` -1: any.
+// Measures by sleeping to periodic deadlines for `seconds` on a real-time thread, as the loop does. `cpu` -1: any.
 WakeLateness measure_wake(double rate_Hz, double seconds, int cpu);
 
 struct MapRequest {
   hal::DeviceDescription description;
-  double rate_Hz{1000};  // of the loop from which each factor is changed
+  double rate_Hz{1000};  // of the base loop, from which one factor is changed at a time
   WakeLateness wake;
   bool quick{false};
 };
 
 struct MapRow {
-  std::string factor;  // what is changed in this loop: rate, delay, jitter, quantum
+  std::string factor;  // changed factor: rate, delay, jitter, quantum
   LoopTiming timing;
   double delay_s{0};           // transport
   double damping_Ns_per_m{0};  // the coupling's
-  double measured_N_per_m{
-      0};  // where it begins to ring on; 0: it does with a tenth of the line's and a quarter of the formula's
-  double formula_N_per_m{0};  // the limit by which `tactus run` goes
-  double line_N_per_m{0};     // (b + B) / (T/2 + t_d), the same
-  double allowed_N_per_m{0};  // what `tactus run` accepts
+  double measured_N_per_m{0};  // stability limit; 0: unstable at the least tried
+  double formula_N_per_m{0};   // the limit that `tactus run` uses
+  double line_N_per_m{0};      // (b + B) / (T/2 + t_d), for comparison
+  double allowed_N_per_m{0};   // what `tactus run` accepts
 };
 
 struct MapReport {
@@ -51,8 +51,8 @@ struct MapReport {
   std::vector<MapRow> rows;
   WakeLateness wake;
   haptics::CouplingGains suggested;  // at rate_Hz, on this PC
-  double least_of_formula{0};        // the smallest measured / formula: 0.56 is allowed
-  unsigned unsafe{0};                // rows whose boundary is below what is allowed
+  double least_of_formula{0};        // smallest ratio measured / formula; the allowed share is 0.56
+  unsigned unsafe{0};                // rows whose measured limit is below the allowed stiffness
 };
 
 std::vector<LoopTiming> loops_of(const std::string& factor, const LoopTiming& base, double quantum_m, bool quick);

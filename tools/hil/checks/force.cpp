@@ -1,4 +1,4 @@
-// Forces: one that the device must cut, and small ones that it must give.
+// Checks of force: a command that the device must limit, and small forces that it must produce.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,12 +14,12 @@ namespace number = firmware::number;
 using firmware::Limit;
 using firmware::State;
 
-// Above a limit of zero, and small all the same, should a device ignore its limit.
+// Above a limit of zero, but small in case a device ignores its limit.
 constexpr double kAboveLimit_N = 1.0;
-constexpr std::uint64_t kPush = 20;  // ticks; there, twice back, and there again: the tool ends where it began
+constexpr std::uint64_t kPush = 20;  // ticks; once forward, twice back, once forward: the tool ends where it began
 constexpr double kMostBackwards_m = 1e-3;
 
-// Sets the force limit for as long as it lives.
+// Sets the force limit for its lifetime.
 class LoweredLimit {
  public:
   static Result<LoweredLimit> make(Bench& bench, float limit_N) {
@@ -47,7 +47,7 @@ class LoweredLimit {
   std::uint32_t before_;
 };
 
-// A device that carries its arm would let it fall under a limit of zero.
+// A device that compensates the arm's weight would let it fall with a force limit of zero.
 bool carries_its_arm(Bench& bench) {
   for (unsigned i = 0; i < 16; ++i) {
     const auto term = bench.read(static_cast<std::uint16_t>(number::kGravityAmplitude + i));
@@ -103,7 +103,7 @@ Finding check_force(Bench& bench) {
                           {.ticks = 2 * kPush, .wanted = State::kForce, .force_N = along(axis, -size)},
                           {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
                           {.ticks = 60, .wanted = State::kForce},
-                          {.ticks = 20}};  // a real device brakes in FORCE while nothing is exchanged
+                          {.ticks = 20}};  // a real device in FORCE brakes if frames stop
     const auto result = bench.exchange(plan);
     if (!result.ok()) return bad(result.message(), finding.threshold);
     const std::span<const Record> records = result.value().records;

@@ -1,4 +1,4 @@
-// Who the device is, and whether its registers answer as the table says.
+// Checks the device's identity and that its registers answer according to the table.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::string serial_of(Bench& bench) {
   return serial.empty() ? "without a serial number" : serial;
 }
 
-// What must be refused, and how.
+// Requests that must be refused, and the expected reason.
 std::string refusals(Bench& bench) {
   struct Case {
     Operation operation;

@@ -1,4 +1,4 @@
-// Faults from outside: the e-stop, a device that goes away, broken frames, a bus that goes down.
+// Checks of external faults: e-stop, disconnected device, corrupt frames, bus-off.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,19 +16,19 @@ constexpr std::uint64_t kSettle = 100, kStay = 100;
 
 struct Provocation {
   const char* fault;
-  std::function<bool(const Record&)> sign, gone;  // that the fault is there; that it is over
-  State wanted_after;                             // while it must stay latched
+  std::function<bool(const Record&)> sign, gone;  // detect the start and the end of the fault
+  State wanted_after;                             // commanded while the fault must stay latched
 };
 
 struct Provoked {
   ExchangeResult result;
-  std::optional<std::size_t> first_sign;  // among the records
-  std::string refused;                    // it cannot be provoked here
+  std::optional<std::size_t> first_sign;  // index in the records
+  std::string refused;                    // why it cannot be caused here
 };
 
 enum Stage : std::uint32_t { kBefore = 0, kDuring = 1, kAfter = 2, kLatched = 3, kRearm = 4, kAgain = 5 };
 
-// FORCE at zero force; the fault comes, stays for a while, goes; then the latch, the re-arm, FORCE again.
+// Sequence: FORCE at zero force; fault on, held, off; then the latch, the re-arm, FORCE again.
 Result<Provoked> provoke(Bench& bench, const Provocation& what) {
   const auto patience = static_cast<double>(bench.provoker().patience().count());
   const Phase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
@@ -67,13 +67,13 @@ Result<Provoked> provoke(Bench& bench, const Provocation& what) {
   return provoked;
 }
 
-// The device's answers once the fault is over, and the way back to FORCE.
+// Checks the device's states after the fault, and the return to FORCE.
 std::string recovery(std::span<const Record> records) {
   if (in_phases(records, kAgain, kAgain).empty()) return "it did not come back";
   return never_forced(records, kAgain);
 }
 
-// Where the device was away, its last phase is BRAKE by its watchdog, or a fresh start: IDLE, and no force either.
+// After a disconnection the device must be in BRAKE by its watchdog, or in IDLE after a restart; neither has force.
 std::string safe_when_back(std::span<const Record> records) {
   for (const Record& record : in_phases(records, kLatched, kLatched))
     if (record.got == Got::kFresh && record.state.state == State::kForce)
@@ -81,7 +81,7 @@ std::string safe_when_back(std::span<const Record> records) {
   return {};
 }
 
-// Ticks from the last whole frame until the link says that the device is away.
+// Ticks from the last whole frame until the link reports the disconnection.
 std::uint64_t ticks_to_notice(std::span<const Record> records, std::size_t first_sign) {
   for (std::size_t i = first_sign; i > 0; --i)
     if (records[i - 1].got == Got::kFresh) return first_sign - (i - 1);
@@ -150,7 +150,7 @@ Finding check_bus_off(Bench& bench) {
 }
 
 Finding check_broken_states(Bench& bench) {
-  // Some links throw broken frames away themselves: the record is then without one, and the link's counter says why.
+  // Some links discard corrupt frames: then the record has no frame, and the link's counter shows the reason.
   const auto broken = [](const Record& r) { return r.got == Got::kCorrupt || r.got == Got::kNothing; };
   const auto whole = [](const Record& r) { return r.got == Got::kFresh; };
   Finding finding;

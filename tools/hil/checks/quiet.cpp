@@ -1,4 +1,4 @@
-// What the exchange at rest says: losses, times, clocks.
+// Checks of the exchange at rest: losses, times, clocks.
 #include <fmt/format.h>
 
 #include "tools/hil/check.h"
@@ -6,14 +6,14 @@
 namespace tactus::hil {
 namespace {
 
-// A command is taken in one of the device's periods and told in its state frame: two periods where the clocks run
-// free, one more for a link that is slow.
+// The device reads a command in one of its periods and acknowledges it in a state frame: two periods with
+// unsynchronised clocks, one more for a slow link.
 constexpr double kRoundTripPeriods = 3;
 constexpr double kForceAgePeriods = 4;
-// From three missed in a row on the device fades.
+// The device fades its force after three missed commands in a row.
 constexpr std::uint64_t kGapTicks = 3;
 constexpr double kLostShare = 1e-3;
-// A crystal is good for 100; a device beyond this counts its periods wrongly.
+// A crystal keeps 100 ppm; a device beyond this limit counts its periods wrongly.
 constexpr double kDrift_ppm = 500;
 constexpr double kPeriodShare = 0.01;
 
@@ -34,7 +34,7 @@ Finding judge_times(Bench& bench, const Histogram& h, const char* name, double p
   finding.measured = fmt::format("p50 {:.0f}, p99 {:.0f}, p99.99 {:.0f}, max {:.0f} us", us(h.percentile_ns(50)),
                                  us(h.percentile_ns(99)), us(h.percentile_ns(99.99)), us(h.max_ns()));
   put(finding, name, h);
-  if (us(h.percentile_ns(99)) > limit_us * 1.02) {  // the histogram's own resolution
+  if (us(h.percentile_ns(99)) > limit_us * 1.02) {  // 2 %: resolution of the histogram
     finding.reason = "too slow: a haptic loop would feel it";
     if (bench.options().judge_timing) finding.verdict = Verdict::kBad;
   }
@@ -83,7 +83,7 @@ Finding check_losses(Bench& bench) {
   const auto& quiet = bench.quiet();
   if (!quiet.ok()) return bad(quiet.message());
   Finding finding = judge_book(quiet.value().book, quiet.value().result.counters);
-  // A gap may be this machine's: the loop was not woken. It is not the link's fault then.
+  // A gap may be caused by this machine, if the loop was not woken; then the link is not at fault.
   const bool gap_alone = finding.reason.starts_with("gaps");
   if (gap_alone && !bench.options().judge_timing) finding.verdict = Verdict::kGood;
   return finding;

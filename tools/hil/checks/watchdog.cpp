@@ -1,4 +1,4 @@
-// Commands that stop, that are broken, old or no numbers; BRAKE, and the way out of it.
+// Checks of the watchdog: commands that stop, are corrupt, old or not finite; BRAKE, and the return from it.
 #include <fmt/format.h>
 
 #include "tools/hil/check.h"
@@ -12,7 +12,7 @@ using firmware::State;
 
 constexpr std::uint64_t kSettle = 80, kHarm = 40;
 
-// What the device says that its watchdog is set to; the protocol's own figures where it does not say.
+// Watchdog settings reported by the device; defaults of the protocol if it reports none.
 struct WatchdogSettings {
   std::uint32_t fade{3}, brake{10};
 };
@@ -29,7 +29,7 @@ std::string words(const Onset& onset) {
   return exact || !onset.after ? fmt::format("{}", *onset.at) : fmt::format("{} to {}", *onset.after + 1, *onset.at);
 }
 
-// FORCE at zero force, then `harmed` for long enough, then the latch and the way back.
+// Sequence: FORCE at zero force, then `harmed` for long enough, then the latch and the return.
 Finding starve(Bench& bench, const Phase& harmed) {
   const WatchdogSettings settings = watchdog_settings(bench);
   Finding finding;
@@ -72,7 +72,7 @@ Finding check_repeated_commands(Bench& bench) {
 }
 
 Finding check_brake(Bench& bench) {
-  // The flag is still up from the phase before when BRAKE is over: only a new rise may count.
+  // When BRAKE ends, the flag is still set from the previous phase: only a new rising edge may count.
   const Phase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
                         {.ticks = kSettle, .wanted = State::kBrake},
                         {.ticks = kSettle, .wanted = State::kForce},
@@ -84,7 +84,7 @@ Finding check_brake(Bench& bench) {
   if (!result.ok()) return bad(result.message(), finding.threshold);
   const std::span<const Record> records = result.value().records;
   if (std::string reason = never_forced(records, 0); !reason.empty()) return bad(std::move(reason), finding.threshold);
-  const auto frames = frames_to_brake(records, kSettle + 1);  // the state of the tick that asks is from before
+  const auto frames = frames_to_brake(records, kSettle + 1);  // the state frame of the requesting tick is older
   if (!frames) return bad("it never braked", finding.threshold);
   finding.measured = fmt::format("{} frames after it was asked for", *frames);
   finding.figures.push_back({"frames_to_safe", static_cast<double>(*frames)});

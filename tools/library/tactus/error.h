@@ -1,8 +1,8 @@
 /// \file
-/// How a call of the library says that it did not work: the one way, without exceptions.
+/// Error type of the library: the only way in which a call reports failure. The library uses no exceptions.
 ///
-/// Thread: any normal one; no haptic thread makes an error. Bound: one message on the heap; a good result has none and
-/// allocates nothing.
+/// Thread: any normal thread; the haptic thread creates no Error. Bound: one message on the heap; success has no
+/// message and allocates nothing.
 #pragma once
 
 #include <string>
@@ -10,34 +10,34 @@
 
 namespace tactus {
 
-/// What went wrong, or that nothing did. True where something did:
+/// Error or success. Converts to true for an error:
 ///
 ///     if (const tactus::Error error = session.open("card_house.toml")) return report(error);
 ///
-/// A call that failed has changed nothing but what its description says. No call of the library throws, but for memory
-/// that is not there, and none ends the program for what its caller or a file did wrong.
+/// A failed call changes nothing except what its description states. No call of the library throws, except when memory
+/// runs out, and none ends the program because of a mistake of its caller or in a file.
 class [[nodiscard]] Error {
  public:
-  /// Who can do something about it.
+  /// Where the cause lies.
   enum class Kind {
-    kNone = 0,     ///< nothing went wrong
+    kNone = 0,     ///< success
     kFile = 1,     ///< a file's content: a scene, a device file, a tape; one line for each mistake
     kOption = 2,   ///< an option, or options that do not go together
-    kMachine = 3,  ///< what the machine or the device lacks or says
-    kUse = 4,      ///< a call that makes no sense now, such as tick() before open()
+    kMachine = 3,  ///< the machine or the device lacks something or reports an error
+    kUse = 4,      ///< a call that is not allowed now, such as tick() before open()
   };
 
-  /// Nothing went wrong.
+  /// Success.
   Error() = default;
-  /// \param kind who can do something about it
-  /// \param message for people: what failed, what was found, what is accepted or helps
+  /// \param kind where the cause lies
+  /// \param message readable text: what failed, what was found, what is accepted or the remedy
   Error(Kind kind, std::string message) : kind_(kind), message_(std::move(message)) {}
 
-  /// True: something went wrong.
+  /// True for an error.
   explicit operator bool() const noexcept { return kind_ != Kind::kNone; }
-  /// Who can do something about it.
+  /// Where the cause lies.
   Kind kind() const noexcept { return kind_; }
-  /// For people, to be shown as it is; empty where nothing went wrong.
+  /// Readable message; empty on success.
   const std::string& message() const noexcept { return message_; }
 
  private:

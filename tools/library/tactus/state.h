@@ -1,7 +1,7 @@
 /// \file
-/// Where all bodies are, which of them the hand can feel, and what touches: what Session's views show.
+/// State of all bodies, their role in the simulation, and the contacts: the element types of Session's views.
 ///
-/// Plain values of a fixed layout, so that NumPy or a graphics card takes an array of them as it is. Thread: any.
+/// Plain values of a fixed layout, so that NumPy or a graphics card can use an array of them directly. Thread: any.
 /// Frame: world. Units: SI, in the names.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace tactus {
 
-/// Where a body is and how it moves.
+/// Pose and velocity of a body.
 struct BodyState {
   Vector3 position_m{};                  ///< of the centre of mass
   Quaternion rotation{};                 ///< world from body
@@ -20,29 +20,29 @@ struct BodyState {
 };
 static_assert(std::is_trivially_copyable_v<BodyState> && sizeof(BodyState) == 13 * sizeof(double));
 
-/// Who simulates a body now.
+/// Where a body is currently simulated.
 enum class Role : std::uint8_t {
-  kFixed = 0,    ///< nobody: it never moves
-  kAsleep = 1,   ///< nobody: it rests, until something comes near
+  kFixed = 0,    ///< not simulated: it never moves
+  kAsleep = 1,   ///< not simulated: it rests until another body comes near
   kGlobal = 2,   ///< the global world alone
-  kOutside = 3,  ///< the global world, and members touch it
-  kMember = 4,   ///< the sub-world, at the device's rate
-  kBorder = 5,   ///< the sub-world, and it touches a body outside
+  kOutside = 3,  ///< the global world; it touches members
+  kMember = 4,   ///< the sub-world, at the haptic rate
+  kBorder = 5,   ///< the sub-world; it touches an outside body
 };
 
 /// A contact point between two bodies of the sub-world, in the last tick.
 struct Contact {
   BodyNumber a{0};         ///< never fixed
   BodyNumber b{0};         ///< the other one
-  Vector3 position_m{};    ///< of the point on A, as the tick began
+  Vector3 position_m{};    ///< of the point on A, at the beginning of the tick
   Vector3 normal{};        ///< unit, from A to B
   double force_N{0};       ///< along the normal on B, mean over the tick
   Vector3 friction_N{};    ///< on B, mean over the tick
-  double separation_m{0};  ///< as the tick began; negative: they overlap
+  double separation_m{0};  ///< at the beginning of the tick; negative: overlap
 };
 static_assert(std::is_trivially_copyable_v<Contact> && sizeof(Contact) == 12 * sizeof(double));
 
-/// A contact point between a member and a body outside of the sub-world, in the last tick.
+/// A contact point between a member and an outside body, in the last tick.
 struct BorderContact {
   BodyNumber member{0};   ///< of the sub-world
   BodyNumber outside{0};  ///< of the global world

@@ -3,30 +3,30 @@
 ///
 /// \mainpage
 ///
-/// tactus lets a hand feel a large world of rigid bodies through a force-feedback device at 1 kHz. The library is the
-/// program's own inside: a scene, options and a device go in, and every tick gives force, poses, members, contacts,
-/// energy and faults.
+/// tactus lets a hand feel a large world of rigid bodies through a force-feedback device at 1 kHz. The library contains
+/// the complete program: its inputs are a scene, options and a device; each tick returns force, poses, members,
+/// contacts, energy and faults.
 ///
 /// \include first_touch.cpp
 ///
-/// - tactus::Session runs a scene, in virtual time tick by tick or in real time on a thread of its own.
-/// - tactus::Scene reads the text of a scene, tactus::Options says how it is run.
-/// - tactus::Device is what to implement for a device that the library does not know.
-/// - tactus::Tick, tactus::BodyState, tactus::Contact are what comes out.
-/// - tactus::Error is how every call says that it did not work.
+/// - tactus::Session runs a scene, in virtual time tick by tick or in real time on its own thread.
+/// - tactus::Scene reads a scene, tactus::Options sets how it is run.
+/// - tactus::Device is the interface to implement for a device that the library does not support.
+/// - tactus::Tick, tactus::BodyState, tactus::Contact are the outputs.
+/// - tactus::Error is how every call reports failure.
 ///
 /// With CMake `find_package(tactus)` and `target_link_libraries(... tactus::tactus)`; without it
 /// `g++ -std=c++20 program.cpp $(pkg-config --cflags --libs tactus)`. Units are SI and in the names; the frame is the
 /// world's unless a name or its description says otherwise.
 /// \namespace tactus
-/// All that is public. What is in tactus::library is not.
+/// The public interface. tactus::library is not public.
 ///
 /// \example first_touch.cpp
 /// Five seconds of a scene in virtual time.
 /// \example own_device.cpp
-/// A device that the library does not know.
+/// A device that the library does not support.
 /// \example real_time.cpp
-/// A run in real time, its monitor, and a fault that is taken back.
+/// A run in real time, its monitor, and clearing a fault.
 #pragma once
 
 #include "tactus/device.h"

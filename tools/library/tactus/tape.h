@@ -1,7 +1,7 @@
 /// \file
-/// Tapes: what Session::record and `tactus run --record` write.
+/// Replay of tapes, which Session::record and `tactus run --record` write.
 ///
-/// Thread: any normal one. Bound: memory for one keyframe; time, about that of the run in virtual time.
+/// Thread: any normal one. Bound: memory for one keyframe; about the time of the run in virtual time.
 #pragma once
 
 #include <filesystem>
@@ -13,23 +13,23 @@
 
 namespace tactus {
 
-/// What came of running a tape again.
+/// Result of a replay.
 struct Replay {
   std::uint64_t ticks{0};        ///< on the tape
-  std::uint64_t compared{0};     ///< of them run again and compared
-  std::uint64_t different{0};    ///< of those with another output
-  std::uint64_t lost_ticks{0};   ///< that damage has taken, as far as it can be told
-  bool same_bits{false};         ///< all that could be compared is the same, and that is not nothing
-  std::string first_difference;  ///< which value, what the tape has and what the replay has; empty: none
-  std::string damage;            ///< the first of it in one line; empty: none
-  std::string warning;           ///< such as: made with another instruction set; empty: none
+  std::uint64_t compared{0};     ///< ticks replayed and compared
+  std::uint64_t different{0};    ///< compared ticks whose output differs
+  std::uint64_t lost_ticks{0};   ///< ticks lost to damage, as far as this can be determined
+  bool same_bits{false};         ///< at least one tick was compared, and everything compared is identical
+  std::string first_difference;  ///< value name, value on the tape, replayed value; empty: none
+  std::string damage;            ///< the first damage, in one line; empty: none
+  std::string warning;           ///< such as a tape made with another instruction set; empty: none
 };
 
-/// Runs a tape's haptic loop again on the inputs that the tape holds, and compares every output bit by bit.
+/// Runs the haptic loop again on the recorded inputs and compares every output bit by bit.
 /// \param tape the file
-/// \param replay what came of it
-/// \param progress is told the share done, 0 to 1, by the calling thread; may be empty
-/// \return kFile where it cannot be replayed at all; a difference or a damage is no error
+/// \param replay the result
+/// \param progress called by the calling thread with the completed fraction, 0 to 1; may be empty
+/// \return kFile: the tape cannot be replayed at all; a difference or damage is not an error
 Error replay_tape(const std::filesystem::path& tape, Replay& replay, const std::function<void(double)>& progress = {});
 
 }  // namespace tactus

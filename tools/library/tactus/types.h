@@ -1,8 +1,8 @@
 /// \file
-/// Vectors and rotations as plain arrays, so that Eigen, NumPy or a file take them as they are.
+/// Vectors and rotations as plain arrays, so that Eigen, NumPy or a file can use them directly.
 ///
-/// Units and frame are in the name or the description of whatever has such a type; SI and the world's frame unless that
-/// says otherwise. Thread: any. Errors: none.
+/// The name or description of each variable gives unit and frame; the default is SI and the world frame. Thread: any.
+/// Errors: none.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@ namespace tactus {
 
 /// x, y, z.
 using Vector3 = std::array<double, 3>;
-/// A rotation as a unit quaternion: w, x, y, z. (1, 0, 0, 0) turns nothing.
+/// A rotation as a unit quaternion: w, x, y, z. Identity: (1, 0, 0, 0).
 using Quaternion = std::array<double, 4>;
-/// A body's number: its place in the scene, from 0 without gaps: the proxy, the bodies in the order of the file, then
-/// what is generated.
+/// Index of a body in the scene, from 0 without gaps: the proxy, the bodies in the order of the file, then the
+/// generated bodies.
 using BodyNumber = std::uint32_t;
 
 }  // namespace tactus

@@ -1,5 +1,5 @@
 /// \file
-/// Which tactus this is.
+/// Version of the library.
 ///
 /// Thread: any normal one.
 #pragma once
@@ -8,7 +8,7 @@
 
 namespace tactus {
 
-/// "0.1.0 (commit 0123456789ab)"; with "-dirty" where the source was changed since.
+/// "0.1.0 (commit 0123456789ab)"; with "-dirty" if the source was changed since that commit.
 std::string version();
 
 }  // namespace tactus

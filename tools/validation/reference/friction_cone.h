@@ -1,4 +1,5 @@
-// Coulomb's cone K = {(n, t): |t| <= mu n} and what both solvers need of it. Pure functions. Thread: [any].
+// Coulomb's cone K = {(n, t): |t| <= mu n} and the operations on it that both solvers use. Pure functions. Thread:
+// [any].
 #pragma once
 
 #include <Eigen/Dense>
@@ -16,7 +17,7 @@ inline Eigen::Vector3d project_on_cone(const Eigen::Vector3d& x, double mu) {
   return {n, scale * x[1], scale * x[2]};
 }
 
-// The one contact problem, exactly: W lambda + b = u with Signorini's and Coulomb's laws. W symmetric positive
+// Exact solution for one contact: W lambda + b = u with Signorini's and Coulomb's laws. W symmetric positive
 // definite.
 Eigen::Vector3d solve_one_contact(const Eigen::Matrix3d& w, const Eigen::Vector3d& b, double mu);
 

@@ -1,4 +1,4 @@
-// The two solvers. They share the cone and the residual, nothing of their way.
+// The two solvers. They share only the cone and the residual.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,17 +18,19 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr std::size_t kLookEvery = 20;  // iterations between two looks at the residual
+constexpr std::size_t kLookEvery = 20;  // iterations between two evaluations of the residual
 // ADMM, on rows scaled to unit diagonal.
 constexpr double kProximal = 1e-9, kRelaxation = 1.6, kFirstPenalty = 0.1, kMostUnbalanced = 10;
-// Near the solution and with more than half of the residual left after ten looks it walks, by residual / penalty in
-// each step: a looser penalty makes it run. One that lets the residual grow a hundredfold is taken back.
+// Near the solution the iteration may stall: more than half of the residual is left after ten evaluations, because each
+// step changes lambda by only residual / penalty. Then the penalty is reduced. If the residual grows a hundredfold, the
+// reduction is undone.
 constexpr double kNear = 1e-6, kStalled = 0.5, kLooser = 0.1, kRunsAway = 100;
-// Gauss-Seidel leaps where its change points the way of the last one to within this part.
+// Gauss-Seidel extrapolates if two consecutive changes are parallel within this relative tolerance.
 constexpr double kStraight = 0.1;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-// For how long `lambda` may go on by `change` until the first contact that sticks comes to the edge of its cone.
+// Largest multiple of `change` that can be added to `lambda` until the first sticking contact reaches its cone's
+// boundary.
 double way_to_the_edge(const ContactProblem& p, const VectorXd& lambda, const VectorXd& change) {
   double way = kInfinite;
   for (Index c = 0; c < p.contacts(); ++c) {
@@ -44,12 +46,12 @@ double way_to_the_edge(const ContactProblem& p, const VectorXd& lambda, const Ve
   return way;
 }
 
-// Sweeps that go straight on, each `rho` times the last, are done at once: the rest of the geometric series, or up to
-// where a contact starts to slide, since from there on they go another way. (Contacts that over-determine a body let
-// the impulses walk by as little as 1e-12 N s in each sweep, all in one direction, until one of them slides.)
+// Extrapolates sweeps whose changes are parallel, each `rho` times the last: adds the rest of the geometric series, but
+// only up to the point where a contact starts to slide, because the direction changes there. (With redundant contacts
+// on a body the impulses may change by as little as 1e-12 N s per sweep, all in one direction, until a contact slides.)
 class Leap {
  public:
-  // At every look.
+  // Called at every evaluation of the residual.
   void take(const ContactProblem& p, VectorXd& lambda) {
     const VectorXd change = lambda - last_;
     const double rho = change.dot(change_) / change_.squaredNorm();
@@ -75,8 +77,8 @@ class Leap {
 }  // namespace
 
 // With u_n = 0 the normal impulse follows from the tangential one, which leaves u_t = r + V t. A sliding contact has
-// u_t = -k t with k > 0, so t(k) = -(V + k)^-1 r: from sticking at k = 0 to no friction at infinity, and somewhere
-// between it is as long as mu times its normal impulse.
+// u_t = -k t with k > 0, so t(k) = -(V + k)^-1 r: from sticking at k = 0 to no friction at infinity, and for some k
+// between, |t| is mu times the normal impulse.
 Vector3d solve_one_contact(const Matrix3d& w, const Vector3d& b, double mu) {
   if (b[0] >= 0) return Vector3d::Zero();
   const Vector3d stuck = -w.ldlt().solve(b);
@@ -125,7 +127,7 @@ Solution solve_admm(const ContactProblem& p, double residual, std::size_t most_i
   const Index contacts = p.contacts(), rows = 3 * contacts;
   MatrixXd w = p.jacobian * p.inverse_mass * p.jacobian.transpose();
   VectorXd free = p.jacobian * p.v0;
-  // One scale per contact: the cone stays what it is.
+  // One scale per contact, so that the cone is unchanged.
   VectorXd scale(rows);
   for (Index c = 0; c < contacts; ++c) {
     free[3 * c] += p.bias[c];
@@ -152,7 +154,7 @@ Solution solve_admm(const ContactProblem& p, double residual, std::size_t most_i
     solution.impulse = scale.asDiagonal() * z;
     solution.residual = residual_of(p, solution.impulse);
     if (solution.residual <= residual) break;
-    if (solution.residual > kRunsAway * residual_before) {  // too loose for contacts that slide now
+    if (solution.residual > kRunsAway * residual_before) {  // penalty too small for the contacts that slide now
       z = kept_z, y = kept_y, penalty /= kLooser, renew();
       continue;
     }
