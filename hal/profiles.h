@@ -48,7 +48,8 @@ std::span<const DeviceProfile> all_profiles() noexcept;
 // Null for an unknown name.
 const DeviceProfile* find_profile(std::string_view name) noexcept;
 
-// Ratio of firmware_config's effort limits to what the description needs, for rounding.
+// Ratio of firmware_config's effort limits to what the description needs: the host's limit acts first, and a wrench at
+// the limit passes the firmware in spite of rounding.
 inline constexpr double kFirmwareMargin = 1.01;
 
 // The firmware's configuration for a profile. `period_us` is the control period. The firmware limits axes, not the
