@@ -1,10 +1,9 @@
-// What a board supplies, and the one control period that every board runs.
+// The concepts that a board implements, and the control period that every board runs.
 //
-// A board is mechanics (encoders, motors, the e-stop line) and a link to the host; what lies between them is the same
-// on all: Device. `run_period` is called once per control period by whatever keeps time on the board. New hardware is
-// one class for each of the two concepts. Thread: the control period's, [rt]: nothing here waits, allocates or throws;
-// the two classes may not either. Bound: one period, at most one service request and
-// kMostCommands commands.
+// A board supplies mechanics (encoders, motors, the e-stop line) and a link to the host; Device, between them, is the
+// same on all boards. The board's timer calls `run_period` once per control period. New hardware needs one class for
+// each of the two concepts. Thread: the control period's, [rt]: nothing here waits, allocates or throws; the two
+// classes may not either. Bound: per period at most one service request and kMostCommands commands.
 #pragma once
 
 #include <concepts>
@@ -13,11 +12,11 @@
 
 namespace tactus::firmware {
 
-// Command frames that a period takes; what is left then waits for the next.
+// Most command frames read in one period; further frames wait for the next.
 inline constexpr unsigned kMostCommands = 128;
 
-// Encoders and motors. sample() fills counts, time, buttons, e-stop and supply; drive() carries out until the next
-// call.
+// Encoders and motors. sample() fills counts, time, buttons, e-stop and supply; drive() applies the outputs until the
+// next call.
 template <class M>
 concept Mechanics = requires(M mechanics, ControllerInputs& inputs, const ControllerOutputs& outputs) {
   { mechanics.sample(inputs) }
@@ -30,21 +29,22 @@ concept Mechanics = requires(M mechanics, ControllerInputs& inputs, const Contro
 template <class L>
 concept DeviceLink = requires(L link, std::span<std::byte, kMaxFrameSize> buffer, std::span<const std::byte> frame,
                               ServiceMessage& message) {
-  // The next command frame that came into `buffer`, oldest first, and its size; 0: no more. The period takes them all,
-  // for which of them counts is the controller's to say. A link that stores only some keeps the newest.
+  // Copies the next received command frame, oldest first, into `buffer` and returns its size; 0: no more. The period
+  // reads them all, because the controller decides which one counts. A link with limited storage keeps the newest.
   { link.receive_command(buffer) }
   noexcept->std::same_as<std::size_t>;
   { link.send_state(frame) }
   noexcept->std::same_as<void>;
-  // A service request that waits; false when none does. reply_service answers the one taken last.
+  // Takes a waiting service request; false if there is none. reply_service() replies to the last one taken.
   { link.receive_service(message) }
   noexcept->std::same_as<bool>;
   { link.reply_service(message) }
   noexcept->std::same_as<void>;
 };
 
-// Where a configuration survives the supply. load() [setup]: the block stored last into `room`, and its size; 0 when
-// none is. store() takes a block over; false when it cannot: a board that writes slowly copies it and writes beside.
+// Non-volatile memory for the configuration. load() [setup]: copies the last stored block into `room` and returns its
+// size; 0 if there is none. store() accepts a block; false if it cannot. A board that writes slowly copies the block
+// and writes it in the background.
 template <class S>
 concept Storage = requires(S storage, std::span<std::byte> room, std::span<const std::byte> block) {
   { storage.load(room) } -> std::same_as<std::size_t>;
@@ -52,13 +52,13 @@ concept Storage = requires(S storage, std::span<std::byte> room, std::span<const
   noexcept->std::same_as<bool>;
 };
 
-// A board that keeps nothing, and says so.
+// For a board without non-volatile memory: store() reports failure.
 struct NoStorage {
   std::size_t load(std::span<std::byte>) noexcept { return 0; }
   bool store(std::span<const std::byte>) noexcept { return false; }
 };
 
-// [setup] Before the first period. False: something was stored, and it is none of ours; the factory's is in force.
+// [setup] Before the first period. False: the stored block is invalid, and the factory configuration stays active.
 template <Storage S>
 bool restore_configuration(Device& device, S& storage) {
   std::array<std::byte, kConfigBlockSize> room;

@@ -1,11 +1,11 @@
-// How much of a CAN bus the control frames of can_codec.h take, at worst.
+// Worst-case CAN bus load of the control frames of can_codec.h.
 //
-// With every bit stuffed that can be, and the three bits between frames, a classic frame of n bytes with an 11-bit
+// With worst-case bit stuffing and the three bits between frames, a classic frame of n bytes with an 11-bit
 // identifier is 8 n + 47 + (8 n + 33) / 4 bits long: 135 for eight. At 1 Mbit/s a bit is a microsecond.
 //   classic, 1 Mbit/s: a period is 3 + 2 frames and a tenth of a status, 688.5 us: 69 % at 1 kHz, which is the rate for
-//     classic CAN; 80 % at 1.16 kHz, all of the bus at 1.45 kHz. A service question and its answer are 270 us, fit
-//     beside it at 1 kHz (96 %), and being lowest wait for what is left. Whatever is on the bus when a control frame
-//     wants it is in its way for one frame, 135 us.
+//     classic CAN; 80 % at 1.16 kHz, all of the bus at 1.45 kHz. A service request and its reply take 270 us, fit in
+//     addition at 1 kHz (96 %), and use the remaining time since their priority is lowest. A frame already on the bus
+//     delays a control frame by at most one frame, 135 us.
 //   FD, 1 and 5 Mbit/s: state 169 us, command 137 us: 31 % at 1 kHz, 80 % at 2.6 kHz, all at 3.27 kHz.
 //   FD, 1 and 2 Mbit/s: 373 and 293 us: 67 % at 1 kHz, 80 % at 1.2 kHz, all at 1.5 kHz.
 // Nothing of the watchdog changes with the link: it counts periods, and a command is whole or it did not come.
@@ -16,19 +16,19 @@
 
 namespace tactus::firmware {
 
-// One frame with an 11-bit identifier, and the three bits after it.
+// Bits of one frame with an 11-bit identifier, and the three bits after it.
 constexpr std::uint32_t worst_classic_bits(std::uint32_t bytes) noexcept {
   return 8 * bytes + 47 + (8 * bytes + 33) / 4;
 }
 constexpr std::uint64_t worst_fd_ns(std::uint32_t bytes, std::uint64_t nominal_bit_per_s,
                                     std::uint64_t data_bit_per_s) noexcept {
-  // Slow: 17 bits up to the rate switch with 4 stuffed, 12 after the CRC. Fast: ESI and length, data, what is stuffed
-  // there, the CRC with its stuff count and fixed stuff bits, its delimiter.
+  // Slow: 17 bits up to the rate switch with 4 stuff bits, 12 after the CRC. Fast: ESI and length, data, their stuff
+  // bits, the CRC with its stuff count and fixed stuff bits, its delimiter.
   const std::uint32_t crc_bits = bytes > 16 ? 32 : 27, stuffed = (17 + 5 + 8 * bytes - 1) / 4 - 4;
   const std::uint64_t slow = 17 + 4 + 12, fast = 5 + 8 * bytes + stuffed + crc_bits + 1;
   return slow * 1'000'000'000 / nominal_bit_per_s + fast * 1'000'000'000 / data_bit_per_s;
 }
-// Of one control period's frames, the status with its share. `data_bit_per_s` 0: classic.
+// Bus time of one control period's frames, including a tenth of a status frame. `data_bit_per_s` 0: classic.
 constexpr std::uint64_t worst_period_ns(std::uint64_t bit_per_s, std::uint64_t data_bit_per_s) noexcept {
   if (data_bit_per_s > 0)
     return worst_fd_ns(kFdStateSize, bit_per_s, data_bit_per_s) +

@@ -1,13 +1,13 @@
-// The control frames and the service messages on CAN: identifiers, fragments, bus load; both ends.
+// Encoding of the control frames and service messages on CAN: identifiers and fragments, for both ends.
 //
 // Identifier: 11 bits, function (high four) and node id 1 to 127 (low seven); the lower one wins the bus:
 //   1 command 0   2 command 1   3 state 0   4 state 1   5 state 2   6 status   7 service request   8 service reply
-// There is no emergency identifier: state and fault number are in every period's state. Little-endian, bit 0 first.
+// There is no emergency identifier: every state contains state and fault number. Little-endian, bit 0 first.
 //
-// CAN FD (bit rate switched): a whole frame of protocol.h in one, state as function 3, 56 bytes and 8 zeros; command as
-// function 1, 40 bytes and 8 zeros. Service messages go as classic frames of 8 bytes on either bus.
+// CAN FD (bit rate switched): each frame of protocol.h is one CAN frame, state as function 3, 56 bytes and 8 zeros;
+// command as function 1, 40 bytes and 8 zeros. Service messages are classic frames of 8 bytes on either bus.
 //
-// Classic: frames of 8 bytes, each one 64-bit number. CAN's own CRC-15 stands in for the CRC-32C.
+// Classic: frames of 8 bytes, each one 64-bit number. CAN's own CRC-15 replaces the CRC-32C.
 //   bits     0-21      22-43     44-47           48-63
 //   state 0  count 0   count 1   sequence 0-3    48-49 state, 50-55 fault, 56-63 time bits 3-10 [8 us]
 //   state 1  count 2   count 3   sequence 0-3    48-63 limit bits
@@ -17,13 +17,14 @@
 //   cmd 0    effort 0  effort 1  effort 2        60-61 wanted state, 62 re-arm, 63 zero
 //   cmd 1    effort 3  effort 4  effort 5        60-63 sequence 8-11
 // Counts are signed and saturate at +-(2^21 - 1); missed saturates. An effort is a signed number m and means m 2^(e-20)
-// N or N m: three share the smallest e that holds the largest of them, so that no full scale has to be agreed on;
-// -32768 is "not finite", which the device refuses as ever. Beyond 1023 the three shrink together. The status is sent
-// after the state whose sequence divides by ten, and when the buttons change. Both ends rebuild whole frames: sequence
-// and time continue from the last, nearest to what was expected, and only forwards after a gap. A status that is behind
-// is an old one; two that follow one another are those of a device that was reset: sequence and time go back with them.
+// N or N m: three efforts share the smallest e that can represent the largest of them, so that no full scale has to be
+// configured; -32768 means "not finite", which the device rejects. Beyond 1023 the three are scaled down together. The
+// status is sent after each state whose sequence is a multiple of ten, and when the buttons change. Both ends rebuild
+// whole frames: sequence and time are extended from the last ones to the value nearest to the expected one, after a gap
+// only forwards. A status older than the newest state is a copy and ignored; two such that follow each other by the
+// right time come from a device that was reset: sequence and time go back with them.
 //
-// What that loads the bus with, and the rate that fits: can_bus_load.h.
+// Bus load and possible rates: can_bus_load.h.
 // Thread: [any], one owner per object; no allocation, bounded.
 #pragma once
 
@@ -59,10 +60,10 @@ struct CanFragment {
   CanData data{};
 };
 
-// The device's end of a state: the fragments to send, in their order.
+// Splits a state into fragments, in the order of sending; device's end.
 class StateSplitter {
  public:
-  // How many of `out` are used: three, or four with a status.
+  // Returns the number of fragments in `out`: three, or four with a status.
   unsigned split(const StateFrame& frame, std::array<CanFragment, kStateFragments + 1>& out) noexcept;
 
  private:
@@ -72,12 +73,12 @@ class StateSplitter {
 
 std::array<CanFragment, kCommandFragments> split_command(const CommandFrame& frame) noexcept;
 
-// Of fragments that came since the last look(): the whole frames among them. A fragment of another period than those
-// that wait, or one that came already, starts a new set; so does waiting for more than kMaxLooks.
+// Collects received fragments into complete sets. A fragment with another key than the waiting ones, or a repeated one,
+// starts a new set; an incomplete set is dropped after kMaxLooks calls of look().
 class FragmentSet {
  public:
-  // Half the range of a state's key: the same key cannot come around again. Longer than one period, because a slow
-  // interrupt or other nodes' frames may part what was sent together.
+  // Half the range of a state's key, so that the key cannot repeat meanwhile. More than one period, because a slow
+  // interrupt or other nodes' frames may separate fragments that were sent together.
   static constexpr unsigned kMaxLooks = 8;
 
   // True: the set of `count` fragments is complete, and empty again.
@@ -85,7 +86,7 @@ class FragmentSet {
   void look() noexcept;
   void forget() noexcept;
   std::uint64_t word(unsigned index) const noexcept { return words_[index]; }
-  std::uint32_t incomplete() const noexcept { return incomplete_; }  // sets given up; wraps
+  std::uint32_t incomplete() const noexcept { return incomplete_; }  // dropped sets; wraps
 
  private:
   std::array<std::uint64_t, kStateFragments> words_{};
@@ -94,20 +95,20 @@ class FragmentSet {
   std::uint32_t incomplete_{0};
 };
 
-// The host's end of a state.
+// Rebuilds states from fragments; host's end.
 class StateAssembler {
  public:
-  static constexpr unsigned kGapLooks = 64;  // looks without a frame, beyond which the 8-bit sequence may have wrapped
+  static constexpr unsigned kGapLooks = 64;  // look()s without a frame after which the 8-bit sequence may have wrapped
 
   explicit StateAssembler(std::uint32_t period_us) noexcept : period_us_(period_us) {}
 
-  // Once per period, before the fragments that came in it.
+  // Once per period, before the fragments received in it.
   void look() noexcept;
-  // True: `frame` is a whole new one. `data` of another size or function: malformed, nothing changes.
+  // True: `frame` is a complete new frame. `data` of another size or function: malformed, nothing changes.
   bool accept(CanFunction function, std::span<const std::byte> data, StateFrame& frame) noexcept;
-  // Frames were lost, nobody knows how many: what waits is given up, the sequence goes on forwards.
+  // Call after the loss of an unknown number of frames: drops waiting fragments; the sequence continues forwards.
   void forget() noexcept;
-  // The sequence of the command sent last; the echo is rebuilt from it.
+  // The sequence of the last command sent; the echoed sequence is rebuilt from it.
   void sent(std::uint32_t sequence) noexcept { sent_ = sequence; }
 
   std::uint32_t incomplete() const noexcept { return set_.incomplete(); }
@@ -123,13 +124,13 @@ class StateAssembler {
   std::uint32_t period_us_;
   std::uint32_t sequence_{0}, sent_{0}, echoed_{0}, malformed_{0};
   std::uint64_t time_us_{0};
-  std::uint64_t old_status_{0};  // the last one that was behind; 0: none
+  std::uint64_t old_status_{0};  // the last status older than the newest state; 0: none
   unsigned silent_looks_{0};
-  bool state_gap_{true}, status_gap_{true};  // the next one of that kind continues forwards
+  bool state_gap_{true}, status_gap_{true};  // the next state, status is extended forwards only
   std::uint8_t buttons_{0}, status_missed_{0};
 };
 
-// The device's end of a command.
+// Rebuilds commands from fragments; device's end.
 class CommandAssembler {
  public:
   void look() noexcept { set_.look(); }
@@ -143,9 +144,9 @@ class CommandAssembler {
   std::uint32_t sequence_{0}, malformed_{0};
 };
 
-// A whole frame as the data of a CAN FD frame, `out`, which is at least as large: zeros follow.
+// Copies a frame into the data of a CAN FD frame, `out`, which is at least as large, and pads it with zeros.
 void pad_fd(std::span<const std::byte> frame, std::span<std::byte> out) noexcept;
-// The frame of `size` bytes in such data of `padded`; empty if the length is another or zeros do not follow.
+// The frame of `size` bytes in data of `padded` bytes; empty if the length differs or the padding is not zero.
 std::span<const std::byte> unpad_fd(std::span<const std::byte> data, std::size_t padded, std::size_t size) noexcept;
 
 }  // namespace tactus::firmware

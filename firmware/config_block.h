@@ -1,9 +1,9 @@
-// The configuration as bytes that survive the supply: what the command register `save` hands to the board.
+// The configuration as a block of bytes for non-volatile storage: the command register `save` passes it to the board.
 //
 // Layout, little-endian: 0 u32 magic "TCFG", 4 u16 block version 1, 6 u16 number of entries, then per entry u16
-// register number and u32 value, at the end u32 CRC-32C of all before. Entries by number, so that a block of an older
-// or newer device is understood as far as both know the registers. Thread: [rt]; a writer does one row of the table per
-// call, so that no period is long; reading is [setup]. Bound: kConfigBlockSize.
+// register number and u32 value, at the end u32 CRC-32C of all before. Entries are identified by register number, so
+// that a block of older or newer firmware can be read as far as both have the registers. Thread: [rt]; the writer adds
+// one row of the table per call, to keep periods short; reading is [setup]. Bound: kConfigBlockSize.
 #pragma once
 
 #include "firmware/registers.h"
@@ -16,7 +16,7 @@ inline constexpr std::size_t kConfigBlockSize = kConfigBlockHead + kConfigEntryS
 class ConfigWriter {
  public:
   void begin() noexcept;
-  // One row; true once the block is whole. `config` may not change from begin() until then.
+  // Adds one row; true once the block is complete. `config` must not change from begin() until then.
   bool advance(const ConfigView& config) noexcept;
   // Valid until the next begin().
   std::span<const std::byte> block() const noexcept { return std::span(bytes_).first(size_); }
@@ -27,8 +27,8 @@ class ConfigWriter {
   std::uint32_t crc_{0};
 };
 
-// Takes the entries over into `config`. False, and `config` as it was: not such a block, broken, a value out of its
-// register's range, or a whole that makes no sense. Numbers that are not known are passed over.
+// Copies the entries into `config`. False, with `config` unchanged: not such a block, corrupt, a value out of its
+// register's range, or an inconsistent configuration. Unknown register numbers are ignored.
 [[nodiscard]] bool read_config_block(std::span<const std::byte> block, DeviceConfig& config) noexcept;
 
 }  // namespace tactus::firmware

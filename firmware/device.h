@@ -1,10 +1,10 @@
 // The device's whole program, without its board: the controller, and around it the registers, identity, homing, arm
 // weight, thermal model, fault log and self-test.
 //
-// A step, in this order: take over what was written -> encoders -> what the rooms say (Supervision) -> Controller::step
-// -> speeds, temperatures, log -> one row of the self-test and of a save under way.
+// A step, in this order: activate written configuration -> encoders -> Supervision from the modules -> Controller::step
+// -> speeds, temperatures, log -> one row of the self-test and of a save in progress.
 // Thread: construction and restore() [setup]; the rest the control period's, [rt]: no heap, no lock, no exception,
-// bounded. Units: SI. See board.h for the period, registers.h for what serve() answers.
+// bounded. Units: SI. See board.h for the period, registers.h for the registers that serve() accesses.
 #pragma once
 
 #include "firmware/bus_errors.h"
@@ -17,38 +17,38 @@
 
 namespace tactus::firmware {
 
-// Numbers are those of the register save_state.
+// Values of the register save_state.
 enum class SaveState : std::uint32_t {
   kNone = 0,
-  kWriting = 1,  // the block is made, or waits for the board
+  kWriting = 1,  // the block is being assembled, or waits for the board
   kSaved = 2,
-  kFailed = 3,  // the board keeps nothing, or could not
+  kFailed = 3,  // the board has no storage, or could not write
 };
 
 class Device {
  public:
-  // With every room but the controller neutral: no homing, no thermal model, no arm weight.
+  // With every module but the controller neutral: no homing, no thermal model, no arm weight.
   explicit Device(const Config& config, const Identity& identity = {}) noexcept
       : Device(DeviceConfig{config, {}, {}, {}, {}}, identity) {}
   explicit Device(const DeviceConfig& factory, const Identity& identity = {}) noexcept;
 
-  // [setup] Takes over what was saved. False, and the factory's configuration stays: the block is none (self-test bit
-  // 5).
+  // [setup] Activates a saved configuration. False if the block is invalid (self-test bit 5): the factory configuration
+  // stays active.
   bool restore(std::span<const std::byte> block) noexcept;
 
-  // Once per control period; see Controller::step. The state frame tells counts after direction and offset.
+  // Once per control period; see Controller::step. The state frame contains counts after direction and offset.
   ControllerOutputs step(const ControllerInputs& inputs, std::span<const std::byte> command_frame) noexcept;
-  // A frame that came since the last step, in the order of arrival; step() hears its own last.
+  // Passes a frame received since the last step, in the order of arrival; the argument of step() comes last.
   void hear(std::span<const std::byte> command_frame) noexcept { controller_.hear(command_frame); }
 
-  // Answers one request. What it writes is in force from the next step on, whole.
+  // Replies to one request. Written values become active together, in the next step.
   ServiceMessage serve(const ServiceMessage& request) noexcept;
 
-  // What the link knows of its bus; registers read it. Ask it before every request.
+  // Error counters of the link's bus, for the registers. Call before every request.
   void note_bus_errors(const BusErrors& errors) noexcept { bus_errors_ = errors; }
 
-  // A configuration that waits to be stored: ask after every step; empty if none does. Valid until stored() is told how
-  // it went.
+  // A configuration that waits to be stored, to be polled after every step; empty if none. Valid until stored() reports
+  // the result.
   std::span<const std::byte> block_to_store() const noexcept;
   void stored(bool good) noexcept;
 
@@ -58,7 +58,7 @@ class Device {
   const AxisValues& speed() const noexcept { return speed_filter_.speed(); }  // smoothed
   const FaultLog& fault_log() const noexcept { return log_; }
   const SelfTest& self_test() const noexcept { return self_test_; }
-  const DeviceConfig& config() const noexcept { return accepted_; }  // as written, in force from the next step on
+  const DeviceConfig& config() const noexcept { return accepted_; }  // as written, active from the next step on
   const Identity& identity() const noexcept { return identity_; }
 
  private:
@@ -72,8 +72,8 @@ class Device {
   ServiceStatus execute(const Register& row, std::uint32_t argument) noexcept;
 
   DeviceConfig factory_, accepted_;
-  bool changed_{false};     // accepted_ is not yet in force
-  bool rooms_valid_{true};  // what is in force makes sense beside the controller's part, which it judges itself
+  bool changed_{false};     // accepted_ is not yet active
+  bool rooms_valid_{true};  // the active parts except the controller's, which the controller checks, are valid
   Identity identity_;
 
   Encoders encoders_;
@@ -81,7 +81,7 @@ class Device {
   SpeedFilter speed_filter_;
   ThermalModel thermal_;
   GravityConfig gravity_;
-  bool carries_arm_{false};  // some term of gravity_ is not zero
+  bool carries_arm_{false};  // a term of gravity_ is not zero
   BusConfig bus_;
   BusErrors bus_errors_;
   FaultLog log_;

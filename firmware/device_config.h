@@ -1,6 +1,6 @@
-// The whole configuration of a device: each room's own part, side by side.
+// The whole configuration of a device: the parts of all modules.
 //
-// A board states it once, at construction (the factory's values); registers change it. A part is given to its room
+// A board supplies it once, at construction (the factory values); registers change it. A module receives its part as a
 // whole, between two periods. Units: SI, in each part's names. Thread: [any]; values.
 #pragma once
 
@@ -12,10 +12,10 @@
 namespace tactus::firmware {
 
 struct BusConfig {
-  std::uint32_t can_node_id{1};  // can_codec.h; a board listens to a new one when it starts next
+  std::uint32_t can_node_id{1};  // can_codec.h; a new value takes effect when the board restarts
 };
 
-// The parts, where they are in force or where they wait: what registers read and the self-test compares.
+// Pointers to the parts of either the active or the accepted configuration: for registers and the self-test.
 struct ConfigView {
   const Config* control;
   const EncoderConfig* encoders;
@@ -34,7 +34,7 @@ struct DeviceConfig {
   ConfigView view() const noexcept { return {&control, &encoders, &thermal, &gravity, &bus}; }
 };
 
-// Every part makes sense; ranges of single values are the registers' (registers.h).
+// Checks each part for consistency; the registers (registers.h) check the ranges of single values.
 inline bool is_valid(const DeviceConfig& config) noexcept {
   return is_valid(config.control) && is_valid(config.encoders) && is_valid(config.thermal);
 }

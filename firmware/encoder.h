@@ -1,7 +1,7 @@
-// Encoder counts: an axis coordinate in whole quanta, and how fast it changes.
+// Encoder counts: conversion between counts and axis coordinates, and axis speeds.
 //
-// Units: a quantum is metres or radians per count. Thread: [any]; pure functions, but for AxisSpeed, which the control
-// period owns. Bound: counts saturate at +-2^30; a difference wraps with the 32-bit counter and is right up to 2^31
+// Units: a quantum is metres or radians per count. Thread: [any]; pure functions, except AxisSpeed, which the control
+// period owns. Bound: counts saturate at +-2^30; a difference wraps with the 32-bit counter and is correct below 2^31
 // counts per period. No library mathematics: this file also compiles for a microcontroller.
 #pragma once
 
@@ -15,7 +15,7 @@ inline constexpr std::int32_t kMaxCount = 1 << 30;
 
 using AxisCounts = std::array<std::int32_t, kAxes>;
 
-// The nearest count, halves upwards. NaN gives 0.
+// Rounds to the nearest count, halves upwards. NaN gives 0.
 template <class T>
 constexpr std::int32_t count_of(T coordinate, T quantum) noexcept {
   const T scaled = coordinate / quantum + T(0.5);
@@ -30,7 +30,7 @@ constexpr T coordinate_of(std::int32_t count, T quantum) noexcept {
   return static_cast<T>(count) * quantum;
 }
 
-// to - from, over the wrap of the counter.
+// to - from, modulo the counter's wrap.
 constexpr std::int32_t count_difference(std::int32_t to, std::int32_t from) noexcept {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) - static_cast<std::uint32_t>(from));
 }
@@ -38,8 +38,8 @@ constexpr std::int32_t count_difference(std::int32_t to, std::int32_t from) noex
 // Speeds of all axes from two successive readings.
 class AxisSpeed {
  public:
-  // Per axis, unit per second. The first call has nothing to compare with and gives zero. A clock that advances less
-  // than half the nominal period is not believed: it would make a speed out of one quantum.
+  // Per axis, m/s or rad/s. The first call has no previous reading and returns zero. If the clock advanced by less than
+  // half the nominal period, the nominal period is used: otherwise a single quantum would appear as a high speed.
   std::array<float, kAxes> update(const AxisCounts& counts, std::uint64_t time_us, std::uint32_t period_us,
                                   const std::array<float, kAxes>& quantum) noexcept {
     std::array<float, kAxes> speed{};
@@ -54,7 +54,7 @@ class AxisSpeed {
     return speed;
   }
 
-  // Counts mean something else from now on, `counts` is the last reading in the new meaning: no speed comes of that.
+  // Call when direction or offset of the counts changed, with the last reading after the change: causes no speed.
   void rebase(const AxisCounts& counts) noexcept { counts_ = counts; }
 
  private:

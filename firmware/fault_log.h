@@ -1,8 +1,8 @@
-// The last faults, each with what the device did and when: kept over re-arms, lost with the supply.
+// Log of the last faults, each with the device's state and the time: kept over re-arms, lost at power-off.
 //
-// One entry per entry into BRAKE for a fault (a BRAKE that the host asked for is none), and one when the configuration
-// is found bad. Thread: [rt], the control period's. Bound: kCapacity entries; the oldest is overwritten, the total
-// tells how many there were.
+// One entry for each transition to BRAKE by a fault (not for a BRAKE that the host requested), and one when the
+// configuration is found invalid. Thread: [rt], the control period's. Bound: kCapacity entries; the oldest is
+// overwritten; total() counts all.
 #pragma once
 
 #include "firmware/encoder.h"
@@ -16,7 +16,7 @@ inline constexpr std::uint8_t kNoAxis = 255;
 struct FaultEntry {
   Fault fault{Fault::kNone};
   State state_before{State::kReset};
-  std::uint8_t axis{kNoAxis};  // the one it was about, if it was about one
+  std::uint8_t axis{kNoAxis};  // the axis concerned, if any
   std::uint64_t time_us{0};    // device clock
   float value{0.0f};  // overspeed: m/s or rad/s; overheated: K; commands lost: how many; self-test: failed bits
 };
@@ -31,7 +31,7 @@ class FaultLog {
   }
   std::uint32_t total() const noexcept { return total_; }  // since the start; wraps
   unsigned size() const noexcept { return total_ < kCapacity ? static_cast<unsigned>(total_) : kCapacity; }
-  // 0 is the newest. An entry that is not there is empty: fault 0.
+  // Age 0 is the newest entry. A missing entry is empty: fault 0.
   FaultEntry entry(unsigned age) const noexcept {
     return age < size() ? entries_[(total_ - 1 - age) % kCapacity] : FaultEntry{};
   }

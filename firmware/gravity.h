@@ -1,9 +1,9 @@
-// What the motors must give to carry the arm's own weight, as a function of where its axes are.
+// Motor efforts that carry the arm's own weight, as a function of the axis coordinates.
 //
 //   effort_i = constant_i + sum over k = 0..3 of amplitude_ik f_ik(n_ik . q),   f: sine or cosine, n: six integers
 //
-// q: the axes' coordinates [m, rad]. The weight of a chain of rigid links is of this form in the joint angles, whatever
-// the arm: each link adds one term per axis below it. Integers from -8 to 7 name sums and differences of angles.
+// q: the axes' coordinates [m, rad]. The gravity load of any chain of rigid links has this form in the joint angles:
+// each link adds one term per axis below it. The integers, -8 to 7, form sums and differences of angles.
 // Thread: [rt], pure. Bound: 24 terms; a term of amplitude 0 costs a comparison. Neutral by default.
 #pragma once
 
@@ -18,7 +18,7 @@ struct GravityConfig {
   std::array<float, kAxes * kGravityTerms> amplitude{};  // N, N m; term k of axis i at 4 i + k
   // Bits 4 j to 4 j + 3: the integer of axis j, two's complement; bit 24: cosine instead of sine.
   std::array<std::uint32_t, kAxes * kGravityTerms> combination{};
-  std::uint32_t in_idle{0};  // 1: acts in IDLE too, without a host
+  std::uint32_t in_idle{0};  // 1: acts in IDLE too, also without a host
   friend constexpr bool operator==(const GravityConfig&, const GravityConfig&) noexcept = default;
 };
 

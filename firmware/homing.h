@@ -1,14 +1,14 @@
-// From what an encoder counts to where its axis is: direction, offset, homing, index pulses, encoder faults.
+// Converts raw encoder counts to axis positions: direction, offset, homing, index pulses, encoder faults.
 //
-//   count = direction x raw + offset        (what the state frame tells; the host multiplies by the quantum)
+//   count = direction x raw + offset        (reported in the state frame; the host multiplies by the quantum)
 //
-// The offset is the configuration's until a homing finds it:
-//   in the cradle: the device lies in its rest now, so every count is the cradle position;
+// The offset is the configuration's until homing determines it:
+//   in the cradle: the device lies in its cradle, so every count is set to the cradle position;
 //   by index: the user moves the device, motors free, through the index pulses of all axes in index_axes; each pulse
-//     is at index_position + k index_distance, and k is the one that lies nearest to what the offset so far says.
+//     is at index_position + k index_distance, with the k nearest to the count by the present offset.
 //     With index_distance 0 there is one pulse in the whole range. Other axes keep their offset (absolute encoders).
-// Every later pulse must be whole index_distances away from the first, within index_tolerance: else counts were lost.
-// An encoder fault takes the axis's homing away: its position is not to be trusted any more.
+// Every later pulse must be a multiple of index_distance from the first, within index_tolerance: otherwise counts were
+// lost. After an encoder fault the axis is no longer homed, because its position is unreliable.
 // Units: counts. Thread: [rt], the control period's. Bound: constant work; counts wrap at 32 bits.
 #pragma once
 
@@ -19,19 +19,19 @@ namespace tactus::firmware {
 struct EncoderConfig {
   std::array<std::int32_t, kAxes> direction{1, 1, 1, 1, 1, 1};  // 1 or -1
   AxisCounts offset{};
-  std::array<std::uint32_t, kAxes> index_distance{};  // between two pulses; 0: there is one only
-  AxisCounts index_position{};                        // of one of them, after direction and offset
+  std::array<std::uint32_t, kAxes> index_distance{};  // between two pulses; 0: only one pulse
+  AxisCounts index_position{};                        // of one pulse, after direction and offset
   AxisCounts cradle_position{};
   std::uint32_t index_axes{0};  // bit k: axis k has index pulses
   std::uint32_t index_tolerance{0};
   std::uint32_t homing_demanded{0};  // 1: no FORCE before homing
-  float speed_corner_Hz{0};          // of speed_filter.h
+  float speed_corner_Hz{0};          // corner frequency of speed_filter.h; 0: no filter
   friend constexpr bool operator==(const EncoderConfig&, const EncoderConfig&) noexcept = default;
 };
 
 bool is_valid(const EncoderConfig& config) noexcept;
 
-// Numbers are those of the register.
+// Values of the registers homing_state and home.
 enum class HomingState : std::uint32_t { kNotHomed = 0, kHoming = 1, kHomed = 2 };
 enum class HomingOrder : std::uint32_t { kForget = 0, kByIndex = 1, kInCradle = 2 };
 
@@ -41,15 +41,15 @@ class Encoders {
  public:
   struct Reading {
     AxisCounts counts{};
-    bool meaning_changed{false};  // since the last reading: `before` is the last one in the new meaning
-    AxisCounts before{};
-    std::uint8_t fault_axes{0};  // bit k: axis k has a fault now
+    bool meaning_changed{false};  // direction or offset changed since the last reading
+    AxisCounts before{};          // the last reading, with the present direction and offset
+    std::uint8_t fault_axes{0};   // bit k: axis k has a fault now
   };
 
-  // A configuration that differs takes all homing away.
+  // A changed configuration resets the homing of all axes.
   void configure(const EncoderConfig& config) noexcept;
   Reading update(const ControllerInputs& inputs) noexcept;
-  // False: an order that is none, or by index without an axis that has one.
+  // False: invalid order, or kByIndex without an axis that has an index.
   [[nodiscard]] bool order(HomingOrder order) noexcept;
 
   const EncoderConfig& config() const noexcept { return config_; }
@@ -57,7 +57,7 @@ class Encoders {
     return homing_ ? HomingState::kHoming : homed_axes_ == kAllAxes ? HomingState::kHomed : HomingState::kNotHomed;
   }
   std::uint32_t homed_axes() const noexcept { return homed_axes_; }
-  std::uint32_t errors(unsigned axis) const noexcept { return errors_[axis]; }  // periods with one; saturates
+  std::uint32_t errors(unsigned axis) const noexcept { return errors_[axis]; }  // periods with a fault; saturates
 
  private:
   bool index_fits(unsigned axis, std::int32_t latched) noexcept;

@@ -1,6 +1,6 @@
-// Who a device is: what a host reads before it believes anything else.
+// Identity of a device, which a host reads first: class, serial number, versions.
 //
-// A board states it once, at construction. Thread: [any]; constants.
+// A board supplies it once, at construction. Thread: [any]; constants.
 #pragma once
 
 #include <array>
@@ -10,14 +10,13 @@
 
 namespace tactus::firmware {
 
-// Rises with the wire: PROTOCOL.md says what may change under the same number. The frames carry it.
-// The table of registers grows under the same protocol version; its own revision counts that.
+// Revision of the table of registers, which may grow under the same protocol version (PROTOCOL.md).
 inline constexpr std::uint32_t kRegisterRevision = 3;
 // Major in bits 16 and up, minor in 8 to 15, patch in 0 to 7.
 inline constexpr std::uint32_t kFirmwareVersion = 0x000100;
 
-// What stands behind the six axes. Numbers are never reused; a host that does not know one reads counts and sends
-// efforts all the same.
+// Type of mechanism behind the six axes. Numbers are never reused; a host can read counts and send efforts without
+// knowing the class.
 enum class DeviceClass : std::uint32_t {
   kUnknown = 0,
   kDesk3 = 1,     // three translations, no motor on the rotations
@@ -28,7 +27,7 @@ inline constexpr std::size_t kSerialSize = 16, kSerialWords = kSerialSize / 4;
 
 struct Identity {
   DeviceClass device_class{DeviceClass::kUnknown};
-  std::array<char, kSerialSize> serial{};  // ASCII, filled up with zeros
+  std::array<char, kSerialSize> serial{};  // ASCII, padded with zeros
 };
 
 // The first sixteen characters of `serial`.

@@ -1,6 +1,6 @@
-// Unsigned numbers in byte order of the wire, little-endian, whatever the processor's own is.
+// Reads and writes unsigned numbers in little-endian byte order (the wire's), independent of the processor's order.
 //
-// Thread: [any]; pure functions. Bound: the caller's: offset and size lie inside the span.
+// Thread: [any]; pure functions. Bound: the caller ensures that offset and size lie inside the span.
 #pragma once
 
 #include <cstddef>

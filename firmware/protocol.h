@@ -1,4 +1,4 @@
-// The wire between device and host: the one definition, compiled into both ends.
+// The protocol between device and host: the one definition, compiled into both ends.
 //
 // Two frames of fixed size, little-endian, one of each per control period. Both fit a full-speed USB interrupt packet
 // and a CAN FD frame (64 bytes). Layout of version 1 (offset: field):
@@ -19,7 +19,7 @@
 //   50 u16     0
 //   52 u32     CRC-32C of bytes 0 to 51
 //
-// In every version the last four bytes are the CRC of all the others. CRC-32C finds every error of up to five bits in
+// In every version the last four bytes are the CRC of all the others. CRC-32C detects every error of up to five bits in
 // frames of this size, and every burst of up to 32 bits. Thread: [any]; no state, no allocation, bounded.
 #pragma once
 
@@ -39,7 +39,7 @@ static_assert(kStateFrameSize <= kMaxFrameSize && kCommandFrameSize <= kMaxFrame
 enum class State : std::uint8_t {
   kReset = 0,  // waits for its supply; motors shorted
   kIdle = 1,   // motors free
-  kForce = 2,  // efforts of the newest command act
+  kForce = 2,  // efforts of the newest command are applied
   kBrake = 3,  // motors shorted, latched until re-armed
 };
 
@@ -64,7 +64,7 @@ struct CommandFrame {
   friend constexpr bool operator==(const CommandFrame&, const CommandFrame&) noexcept = default;
 };
 
-// Why bytes are no frame. Numbers are never reused. The first that applies is reported, in this order.
+// Why bytes are not a valid frame. Numbers are never reused. The first that applies is reported, in this order.
 enum class DecodeError : std::uint8_t {
   kNone = 0,
   kWrongSize = 1,
@@ -72,23 +72,23 @@ enum class DecodeError : std::uint8_t {
   kWrongCrc = 3,
   kWrongVersion = 4,
   kWrongType = 5,
-  kWrongState = 6,  // a state number that does not exist, or RESET wanted
+  kWrongState = 6,  // a state number that does not exist, or RESET requested
   kReservedNotZero = 7,
 };
 
 // CRC-32C (Castagnoli), reflected, initial value and final exclusive-or 0xffffffff; of "123456789": 0xe3069283.
 std::uint32_t crc32c(std::span<const std::byte> bytes) noexcept;
-// Of bytes that come in pieces: `crc` is that of the pieces before, 0 for none.
+// CRC of data in pieces: `crc` is the CRC of the previous pieces, 0 for none.
 std::uint32_t crc32c_continued(std::uint32_t crc, std::span<const std::byte> bytes) noexcept;
 
 void encode_state(const StateFrame& frame, std::span<std::byte, kStateFrameSize> out) noexcept;
 void encode_command(const CommandFrame& frame, std::span<std::byte, kCommandFrameSize> out) noexcept;
 
-// On an error `frame` is left as it was. Efforts are not judged here: a NaN is the controller's to refuse.
+// On an error `frame` is unchanged. Efforts are not checked here: the controller rejects NaN.
 [[nodiscard]] DecodeError decode_state(std::span<const std::byte> bytes, StateFrame& frame) noexcept;
 [[nodiscard]] DecodeError decode_command(std::span<const std::byte> bytes, CommandFrame& frame) noexcept;
 
-// Is sequence `a` after `b`, over the wrap? Half the range counts as after.
+// True if sequence `a` is after `b`, modulo the wrap: up to half the range ahead.
 constexpr bool is_newer(std::uint32_t a, std::uint32_t b) noexcept { return static_cast<std::int32_t>(a - b) > 0; }
 
 }  // namespace tactus::firmware

@@ -1,9 +1,9 @@
 // Every register of the device: number, name, type, unit, range, and who may write it when.
 //
-// The one table that the device answers from, that the saved configuration is written by, and that PROTOCOL.md prints
-// (a test compares the two). A row is a family: `count` registers with successive numbers, one per axis, per term, per
-// word. Numbers are explicit and never reused; a row may be added, never changed in type, unit or meaning.
-// Thread: [any]; constants and pure functions. Bound: a look-up is a binary search among some fifty rows.
+// The device's replies, the saved configuration and the table in PROTOCOL.md all follow this table (a test compares it
+// with PROTOCOL.md). A row is a family: `count` registers with successive numbers, one per axis, per term, per word.
+// Numbers are explicit and never reused; a row may be added, never changed in type, unit or meaning.
+// Thread: [any]; constants and pure functions. Bound: a look-up is a binary search among about fifty rows.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@ namespace tactus::firmware {
 
 enum class RegisterType : std::uint8_t { kU32 = 0, kI32 = 1, kF32 = 2 };
 enum class Access : std::uint8_t { kRead = 0, kReadWrite = 1, kCommand = 2 };
-// Whose field it is; kNone: computed by the device.
+// Part of DeviceConfig that contains the field; kNone: computed by the device.
 enum class Section : std::uint8_t { kNone = 0, kControl = 1, kEncoders = 2, kThermal = 3, kGravity = 4, kBus = 5 };
 
 struct Register {
@@ -23,16 +23,16 @@ struct Register {
   std::uint8_t count;
   RegisterType type;
   Access access;
-  std::uint8_t states;  // bit s: may be written or executed in State s
+  std::uint8_t states;  // bit s: writing or executing is allowed in State s
   Section section;
   std::uint8_t width;       // bytes of the field: 1 or 4
   std::uint16_t offset;     // of the first field in its section
-  std::uint32_t low, high;  // bits of the lowest and highest value taken, in the register's type
+  std::uint32_t low, high;  // bits of the lowest and highest accepted value, in the register's type
   const char* name;
-  const char* unit;  // "" for a pure number
+  const char* unit;  // "" if dimensionless
 };
 
-// Numbers that the code names; the table below says what they are.
+// Register numbers that the code uses by name; the table in registers.cpp describes the registers.
 namespace number {
 inline constexpr std::uint16_t kProtocol = 0x0000, kRevision = 0x0001, kFirmware = 0x0002, kDeviceClass = 0x0003,
                                kAxisCount = 0x0004, kSerial = 0x0008, kQuantum = 0x0100, kMaxEffort = 0x0110,
@@ -58,20 +58,20 @@ inline constexpr std::size_t kMaxRegisterCount = 64;
 
 std::span<const Register> all_registers() noexcept;
 
-// The row that holds `wanted`, or null.
+// The row that contains `wanted`, or null.
 const Register* find_register(std::uint16_t wanted) noexcept;
 
-// Finite and within [low, high], as the type compares.
+// Finite and within [low, high], compared in the register's type.
 bool is_in_range(const Register& row, std::uint32_t bits) noexcept;
 
-// The field of register row.number + index. The section is not kNone, index < count.
+// The field of register row.number + index. Precondition: the section is not kNone, index < count.
 std::uint32_t read_field(const Register& row, unsigned index, const ConfigView& config) noexcept;
 void write_field(const Register& row, unsigned index, std::uint32_t bits, DeviceConfig& config) noexcept;
 
-// All fields of the row are the same in both, bit by bit. The section is not kNone.
+// True if all fields of the row are bitwise equal in both. Precondition: the section is not kNone.
 bool has_same_fields(const Register& row, const ConfigView& a, const ConfigView& b) noexcept;
 
-// A fingerprint of all that a row means (its name and unit left out): the self-test recomputes it from memory.
+// Hash of a row, except its name and unit, continued from `so_far`: the self-test recomputes it from memory.
 constexpr std::uint32_t fingerprint(std::uint32_t so_far, const Register& row) noexcept {
   const std::uint32_t words[] = {row.number + (std::uint32_t{row.count} << 16) + (std::uint32_t{row.states} << 24),
                                  static_cast<std::uint32_t>(row.type) + (static_cast<std::uint32_t>(row.access) << 8) +
@@ -81,7 +81,7 @@ constexpr std::uint32_t fingerprint(std::uint32_t so_far, const Register& row) n
   return so_far;
 }
 
-// What the compiler computed for the whole table.
+// The hash of the whole table, computed at compile time.
 std::uint32_t built_fingerprint() noexcept;
 
 }  // namespace tactus::firmware

@@ -1,14 +1,14 @@
-// Questions to the device beside the control period's two frames: its identity, its configuration, its diagnosis.
+// Service messages, separate from the two control frames: identity, configuration and diagnosis of the device.
 //
-// One request, one reply, both the same eight bytes of content, small enough for a classic CAN frame; the host asks the
-// next question after the answer to the last. They travel apart from the control frames (USB: vendor requests on
-// endpoint 0; CAN: identifiers of their own), so that nobody who asks disturbs the loop. The content (offset: field):
+// One request, one reply, both with the same eight bytes of content, small enough for a classic CAN frame; the host
+// sends the next request after the reply to the last. They use other channels than the control frames (USB: vendor
+// requests on endpoint 0; CAN: separate identifiers), so requests do not disturb the loop. The content (offset: field):
 //    0 u8   operation, low four bits; status, high four bits: 0 in a request
 //    1 u8   tag, chosen by the host, returned in the reply
 //    2 u16  register number
 //    4 u32  value: an integer, or the bits of a float, as the register's type says; 0 in a read request
-// On CAN that is the frame. On USB it goes as 16 bytes: magic, version, type 3 (request) or 4 (reply), 0, content,
-// CRC-32C of the twelve bytes before. Little-endian. Thread: [any]; no state, no allocation, bounded.
+// On CAN this is the whole frame. On USB a frame has 16 bytes: magic, version, type 3 (request) or 4 (reply), 0,
+// content, CRC-32C of the twelve bytes before. Little-endian. Thread: [any]; no state, no allocation, bounded.
 #pragma once
 
 #include "firmware/protocol.h"
@@ -27,10 +27,10 @@ enum class ServiceStatus : std::uint8_t {
   kGood = 0,
   kNoSuchRegister = 1,
   kReadOnly = 2,
-  kOutOfRange = 3,  // finite or not: the value is not one that the register takes; nothing changed
-  kWrongState = 4,  // not while the device is in this state (most writes need IDLE or BRAKE)
+  kOutOfRange = 3,  // the register does not accept the value, finite or not; nothing changed
+  kWrongState = 4,  // not allowed in the device's present state (most writes need IDLE or BRAKE)
   kNoSuchOperation = 5,
-  kBusy = 6,  // homing or a self-test is under way
+  kBusy = 6,  // homing or a self-test is in progress
 };
 
 struct ServiceMessage {
@@ -45,12 +45,12 @@ struct ServiceMessage {
 enum class ServiceDirection : std::uint8_t { kRequest = 3, kReply = 4 };
 
 void encode_service_content(const ServiceMessage& message, std::span<std::byte, kServiceContentSize> out) noexcept;
-// Operation and status are taken as they come: the device answers an operation that it does not know, and says so.
+// Operation and status are not checked: the device replies kNoSuchOperation to an unknown operation.
 [[nodiscard]] bool decode_service_content(std::span<const std::byte> bytes, ServiceMessage& message) noexcept;
 
 void encode_service(const ServiceMessage& message, ServiceDirection direction,
                     std::span<std::byte, kServiceFrameSize> out) noexcept;
-// On an error `message` is left as it was.
+// On an error `message` is unchanged.
 [[nodiscard]] DecodeError decode_service(std::span<const std::byte> bytes, ServiceDirection direction,
                                          ServiceMessage& message) noexcept;
 

@@ -1,8 +1,8 @@
-// Sine and cosine in float arithmetic alone, the same bits on every machine without fused multiply-add.
+// Sine and cosine in float arithmetic only; the same bits on every machine without fused multiply-add.
 //
-// The argument is reduced to a quarter turn's half in three exact steps (pi/2 in pieces of 11 bits: multiples up to
-// 2^13 are exact), then the Taylor polynomial, whose rest is below 3e-8 there. Radians. Thread: [any]; pure.
-// Bound: |x| <= 8192; beyond that, and for NaN, both are 0: a term that nobody can trust does nothing.
+// The argument is reduced to |r| <= pi/4 in three exact steps (pi/2 in pieces of 11 bits: multiples up to 2^13 are
+// exact), then the Taylor polynomial is used, whose remainder is below 3e-8 there. Radians. Thread: [any]; pure.
+// Bound: |x| <= 8192; beyond that, and for NaN, both are 0, so that an unreliable term has no effect.
 #pragma once
 
 #include <cstdint>

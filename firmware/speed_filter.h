@@ -1,8 +1,8 @@
-// The axes' speeds, smoothed: for whoever damps or shows them. Overspeed is judged without it, at once.
+// Low-pass filter of the axis speeds, for damping and display. Overspeed is detected without it, in the same period.
 //
-// First order over the differences of successive readings: v += s (difference - v), s = w / (1 + w), w = 2 pi f T.
+// First order on the differences of successive readings: v += s (difference - v), s = w / (1 + w), w = 2 pi f T.
 // Latency: half a period of the difference, plus the filter's 1 / (2 pi f). Units: as AxisSpeed. Thread: [rt], pure.
-// Bound: never beyond the largest difference that went in. Corner 0 (the default): no filter.
+// Bound: never above the largest input. Corner frequency 0 (the default): no filter.
 #pragma once
 
 #include "firmware/controller.h"

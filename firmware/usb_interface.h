@@ -1,11 +1,11 @@
-// What USB adds to the wire: identity, the one interface, its endpoints and its requests. Both ends compile it.
+// The USB part of the protocol: identity, the interface, its endpoints and its requests. Compiled into both ends.
 //
-// One vendor interface (class 0xff, subclass = the protocol's magic, protocol = the protocol's version) with an
-// interrupt endpoint each way, 64 bytes, polled every millisecond at full speed and every microframe at high speed: the
-// device sends one state frame per control period and has nothing to send in between. A frame is one packet. Their
-// addresses are read from the descriptors: 0x81 and 0x02 unless the board's controller has others.
-// Service messages go as vendor requests to the interface: the host writes the 16 bytes of a request, then reads the 16
-// bytes of the reply. The device stalls the read while there is no reply: it comes within a control period or two.
+// One vendor interface (class 0xff, subclass = the protocol's magic, protocol = the protocol's version) with one
+// interrupt endpoint in each direction, 64 bytes, polled every millisecond at full speed and every microframe at high
+// speed. The device sends one state frame per control period and nothing in between. A frame is one packet. The host
+// reads the endpoint addresses from the descriptors: 0x81 and 0x02 unless the board's controller uses others.
+// Service messages are vendor requests to the interface: the host writes the 16 bytes of a request, then reads the 16
+// bytes of the reply. The device stalls the read until the reply is there, within one or two control periods.
 // Configuration value 1. Windows binds WinUSB by the Microsoft OS 1.0 descriptors, under the vendor code below.
 // Thread: [any]; constants.
 #pragma once
@@ -16,7 +16,7 @@
 
 namespace tactus::firmware {
 
-inline constexpr std::uint16_t kUsbVendor = 0x1209, kUsbProduct = 0x0001;  // pid.codes' number for tests
+inline constexpr std::uint16_t kUsbVendor = 0x1209, kUsbProduct = 0x0001;  // the test product ID of pid.codes
 inline constexpr std::uint16_t kUsbDeviceRelease = 0x0100;                 // bcdDevice
 
 inline constexpr std::uint8_t kUsbInterfaceClass = 0xff;
@@ -35,7 +35,7 @@ inline constexpr std::uint8_t kUsbRequestOut = 0x41, kUsbRequestIn = 0xc1;
 inline constexpr std::uint8_t kUsbWriteService = 1, kUsbReadService = 2;
 
 inline constexpr std::uint8_t kUsbMicrosoftVendorCode = 0x74;
-// Windows programs find the device by it.
+// Device interface GUID by which Windows programs find the device.
 inline constexpr char kUsbInterfaceGuid[] = "{f5670343-2bed-4da8-bed6-07d43ceae6bf}";
 
 }  // namespace tactus::firmware

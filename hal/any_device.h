@@ -1,8 +1,8 @@
-// Any device, chosen when the program starts: what the session runs on.
+// Type-erased device, for a session that chooses its device when the program starts.
 //
-// Two virtual calls a tick stand between the loop and the device; everything inside them stays the device's own type.
-// Owns the device. Thread: construction, as() and link_report() [setup] and by the owner after the loop has ended;
-// read(), write() [rt], with the bounds of the device inside.
+// Costs two virtual calls a tick; inside them the device's own type is used. Owns the device. Thread: construction,
+// as() and link_report() [setup] and by the owner after the loop has ended; read(), write() [rt], with the bounds of
+// the device inside.
 #pragma once
 
 #include <memory>
@@ -23,12 +23,12 @@ class AnyDevice {
   void read(haptics::DeviceInput& input) noexcept { held_->read(input); }
   void write(const haptics::DeviceCommand& command) noexcept { held_->write(command); }
 
-  // [setup] Just before the first tick: what waits on its link is dropped, and the link's counters begin anew.
+  // [setup] Call just before the first tick: drops the frames that wait on its link and resets the link's counters.
   Status start() { return held_->start(); }
 
-  // What came and went over its link; nothing where the device has no link.
+  // The frame counts of its link; nullopt if the device has no link.
   std::optional<LinkReport> link_report() const noexcept { return held_->link_report(); }
-  // The device itself where it is a D, else null.
+  // The device itself if it is a D, else null.
   template <haptics::HapticDevice D>
   D* as() const noexcept {
     auto* held = dynamic_cast<Held<D>*>(held_.get());

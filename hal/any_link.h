@@ -1,7 +1,7 @@
-// Any link, chosen when the program starts: one virtual call for each of what the concept FrameLink asks.
+// Type-erased link, for a kind that is chosen when the program starts: one virtual call per function of FrameLink.
 //
-// Owns the link. Threads and bounds: those of the link inside. start() is for links that have one: what waits is
-// dropped and the counters begin anew, just before the first tick.
+// Owns the link. Threads and bounds: those of the link inside. start(), for links that have one, is called just before
+// the first tick: it drops waiting frames and resets the counters.
 #pragma once
 
 #include <memory>
@@ -36,7 +36,7 @@ class AnyLink {
     return held_->call(request, timeout);
   }
 
-  // The link itself where it is an L, else null.
+  // The link itself if it is an L, else null.
   template <FrameLink L>
   L* as() const noexcept {
     auto* held = dynamic_cast<Held<L>*>(held_.get());

@@ -15,7 +15,7 @@ DescriptionMistake above(const char* key, double value, double peak) {
 }  // namespace
 
 double largest_workspace_m(const ArmLinks& links) noexcept {
-  // The tool's distance from the shoulder is d^2 = a^2 + b^2 + 2 a b sin(e), cos(e) the elbow's bounded cosine.
+  // Squared distance of the tool from the shoulder: d^2 = a^2 + b^2 + 2 a b sin(e), with |cos(e)| >= kCosPitchLimit.
   const double a = links.upper_m, b = links.forearm_m, squares = a * a + b * b;
   const double sine = std::sqrt(1.0 - kCosPitchLimit * kCosPitchLimit), centre = std::sqrt(squares);
   const double outwards = std::sqrt(squares + 2.0 * a * b * sine) - centre;

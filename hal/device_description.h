@@ -1,7 +1,7 @@
-// A device as its maker describes it: the figures that somebody measured, estimated or read in a data sheet, each once.
-// Everything else that the program must know of a device follows from them (make_profile in profiles.h).
+// The description of a device: each figure that was measured, estimated or taken from a data sheet, once. make_profile
+// (profiles.h) derives everything else that the program needs.
 //
-// The files in hal/devices/ hold exactly these figures, under the same names. Frame: the device's, with the tool's
+// The files in hal/devices/ contain exactly these figures, under the same names. Frame: the device's, with the tool's
 // centre pose at its origin. Units: SI. Thread: [setup].
 #pragma once
 
@@ -23,22 +23,22 @@ struct DeviceDescription {
   KinematicsKind kind{KinematicsKind::kWristedArm};
   ArmLinks links;  // of an arm
 
-  double workspace_radius_m{0};  // the mechanical stop, about the centre
+  double workspace_radius_m{0};  // distance of the mechanical stop from the centre
   double max_speed_m_per_s{0}, max_angular_speed_rad_per_s{10};
   // At the tool, everywhere in the workspace; torques are 0 without a wrist.
   double peak_force_N{0}, peak_torque_Nm{0};
   double continuous_force_N{0}, continuous_torque_Nm{0};
-  // As felt at the tool: isotropic, gravity balanced. Without a wrist nothing looks at what rotation is like.
+  // Apparent at the tool: isotropic, gravity balanced. Without a wrist the rotary figures are not used.
   double mass_kg{0}, inertia_kg_m2{1e-3};
   double damping_Ns_per_m{0}, damping_Nms_per_rad{2e-3};
   double coulomb_friction_N{0}, coulomb_friction_Nm{0};
-  double brake_damping_Ns_per_m{0}, brake_damping_Nms_per_rad{0};  // more, while the motors are shorted
+  double brake_damping_Ns_per_m{0}, brake_damping_Nms_per_rad{0};  // added while the motors are shorted
 
-  // Encoder counts per metre of a prismatic axis, per turn of a rotary one; 0 for an axis that is not there.
+  // Encoder counts per metre of a prismatic axis, per turn of a rotary axis; 0 for a missing axis.
   AxisVector counts_per_m{}, counts_per_turn{};
-  unsigned transport_delay_ticks{1};  // from a sample to the effort that answers it, beyond the sample-and-hold
+  unsigned transport_delay_ticks{1};  // from a sample to the effort computed from it, beyond the sample-and-hold
 
-  std::string usb_serial;  // of the one device that is meant; empty: any
+  std::string usb_serial;  // selects one device; empty: any
   unsigned can_node{1};
 
   bool has_rotation() const noexcept { return kind != KinematicsKind::kPointArm; }
@@ -47,19 +47,19 @@ struct DeviceDescription {
 
 inline constexpr unsigned kMaxCanNode = 63, kMaxDeviceDelayTicks = 32;
 
-// The largest workspace about an arm's rest pose that keeps away from where its inverses are bounded.
+// Radius [m] of the largest workspace about an arm's rest pose in which its inverse kinematics is exact (arm.h).
 double largest_workspace_m(const ArmLinks& links) noexcept;
 
-// Axes that a kind has: the first of them prismatic, the others rotary.
+// Number of axes of a kind: the prismatic ones come first, then the rotary ones.
 struct AxisKinds {
   unsigned prismatic{0}, rotary{0};
 };
 AxisKinds axes_of(KinematicsKind kind) noexcept;
 
-// The first figure that cannot go with the others, by its key in a file, and what is accepted. Ranges of single figures
-// are the reader's.
+// The first figure that is inconsistent with the others, by its key in a file, and what is accepted. The file's reader
+// checks the ranges of single figures.
 struct DescriptionMistake {
-  const char* table{nullptr};  // of the file; null: there is no mistake
+  const char* table{nullptr};  // the file's table; null: no mistake
   const char* key{nullptr};
   std::string what, accepted;
 };

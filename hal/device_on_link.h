@@ -1,8 +1,8 @@
-// A link together with the device on it, as one object to own, and the book of what came over the link.
+// Owns a link and the device on it, and counts the frames that came over the link.
 //
-// The device numbers its state frames, so what was lost shows as a gap: of the frames from the first number seen to the
-// newest, those that came neither whole, nor broken, nor superseded. Thread: construction, link(), link_report()
-// [setup] and by the owner after the loop has ended; read(), write() [rt]: the link's bound, and one look at the clock.
+// The device numbers its state frames. Lost frames are the numbers between the first and the newest one seen that were
+// not received fresh, corrupt or superseded. Thread: construction, link(), link_report() [setup] and by the owner after
+// the loop has ended; read(), write() [rt]: the link's bound, and one clock read.
 #pragma once
 
 #include <memory>
@@ -15,12 +15,13 @@
 
 namespace tactus::hal {
 
-// Of a run. Every frame that the device numbered is in fresh, corrupt, link.superseded, link.malformed or lost.
+// Counts of one run. Every frame that the device numbered is counted in fresh, corrupt, link.superseded,
+// link.malformed or lost.
 struct LinkReport {
   LinkCounters link;
   LinkedDeviceCounters reads;
-  std::uint64_t lost{0};  // by the gaps in the device's numbers
-  Histogram force_age;    // from a sample's arrival to the command that answers it
+  std::uint64_t lost{0};  // state frames, from gaps in the device's numbers
+  Histogram force_age;    // ns, from a sample's arrival to the command computed from it
 };
 
 template <FrameLink Link>

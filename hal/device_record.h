@@ -1,9 +1,9 @@
-// What a run began with: the registers of its device that decide which device it is, what its counts mean and what its
-// efforts are held to. Before force is given again they must be the same: another device may hang on the link by then,
-// or the same one after a power failure, with what was never saved gone.
+// Record of the device's registers at the start of a run: identity, meaning of its counts, limits of its efforts.
 //
-// Thread: [setup], [normal]; never the haptic thread. Bound: some forty questions of at most `patience` each; the first
-// that is not answered ends it.
+// The registers must be unchanged before force is enabled again: a different device may be connected by then, or the
+// same one after a power failure, without its unsaved configuration.
+// Thread: [setup], [normal]; never the haptic thread. Bound: about forty requests of at most `patience` each; the first
+// without a reply ends the read.
 #pragma once
 
 #include <bit>
@@ -27,7 +27,7 @@ class DeviceRecord {
     return record;
   }
 
-  // One line on an error: the first register that differs, both values, what to do; or why it cannot be read.
+  // An error is one line: the first register that differs, both values, what to do; or why it cannot be read.
   template <FrameLink Link>
   Status compare(Link& link, std::chrono::milliseconds patience) const {
     const auto now = read(link, patience);

@@ -1,8 +1,8 @@
-// A template for a device of one's own: a class of one's own on the maker's library, without frames or links.
+// A template for a new device: a class that calls the maker's library directly, without frames or links.
 //
-// Copy it, put the maker's calls where PuckLibrary's are, and add the class to the list in
-// tests/hal/device_contract_test.cpp: what hal/README.md asks of a device is tested there. Here the library is a puck
-// held to its centre by springs, simulated, with units and axes of its own, as such libraries have.
+// Copy it, replace PuckLibrary's calls by the maker's, and add the class to the list in
+// tests/hal/device_contract_test.cpp, which tests what hal/README.md requires of a device. Here the library is a
+// simulated puck, held to its centre by springs, with its own units and axes, as is common for such libraries.
 // Thread: construction [setup]; read(), write() [rt] by the haptic thread: no wait, no allocation, no lock, no throw.
 // Frame: the device's: x to the right, y away from the person, z up. Units: SI. One read() is one period.
 #pragma once
@@ -25,7 +25,7 @@ class PuckLibrary {
     x_N = force_N_.x, y_N = force_N_.y, z_N = force_N_.z;
   }
 
-  // A real one moves by itself.
+  // Simulation only: a real device needs no such call.
   void simulate(double time_s) noexcept {
     constexpr double kMass_kg = 0.1, kStiffness_N_per_m = 40.0, kDamping_Ns_per_m = 1.0;
     const Vec3d spring = Vec3d{position_mm_.x, position_mm_.y, position_mm_.z} * (-1e-3 * kStiffness_N_per_m);
@@ -41,7 +41,7 @@ class PuckLibrary {
 
 class ExampleDevice {
  public:
-  // [setup] Figures of the device, as a person measured them; everything that the program promises rests on these.
+  // [setup] Measured figures of the device; every guarantee of the program depends on them.
   ExampleDevice() noexcept {
     properties_.has_rotation = false;
     properties_.workspace_radius_m = 0.1, properties_.max_speed_m_per_s = 1.0;
@@ -59,7 +59,7 @@ class ExampleDevice {
     push();
     library_.simulate(kPeriod_s);
     const PuckLibrary::Millimetres at = library_.position();
-    ++sample_.sequence;  // a device that numbers its samples itself: its number, so that repeated ones are seen
+    ++sample_.sequence;  // if the device numbers its samples, use its number, so that repeated samples are detected
     sample_.device_time_ns += static_cast<std::uint64_t>(kPeriod_s * 1e9);  // the device's clock, if it has one
     sample_.device_from_tool.position = {1e-3 * at.x, -1e-3 * at.z, -1e-3 * at.y};
     sample_.state = state_;
@@ -70,7 +70,7 @@ class ExampleDevice {
 
   void write(const haptics::DeviceCommand& command) noexcept {
     using haptics::DeviceState;
-    const bool rearms = command.rearm != 0 && command_.rearm == 0;  // the change counts: a flag that is stuck does not
+    const bool rearms = command.rearm != 0 && command_.rearm == 0;  // rising edge only, so a stuck flag has no effect
     command_ = command, missed_ = 0;
     if (!is_finite(command.wrench)) return brake(kForceNotFinite);
     if (command.wanted == DeviceState::kBrake) return brake(kNoFault);
@@ -80,7 +80,7 @@ class ExampleDevice {
       state_ = DeviceState::kIdle, fault_ = kNoFault;
   }
 
-  // At the mechanism, for the test.
+  // N, device frame: the force on the mechanism, for the test.
   Vec3d force() const noexcept {
     Vec3d f;
     library_.force(f.x, f.y, f.z);
@@ -92,8 +92,8 @@ class ExampleDevice {
   static constexpr std::uint32_t kNoFault = 0, kCommandsLost = 1, kForceNotFinite = 4;  // as firmware/faults.h
   static constexpr std::uint32_t kFadeMissed = 3, kBrakeMissed = 10;
 
-  // Missing commands must fade the force, whatever the host's program is doing. A real library's own watchdog is
-  // better: this one lives in the program that it watches.
+  // Missing commands must fade the force, whatever the host's program does. A watchdog in the real device or its
+  // library is better: this one runs in the program that it monitors.
   void watch_over_commands() noexcept {
     if (missed_ <= kBrakeMissed) ++missed_;  // 1: the command that the last write brought
     if (missed_ > kBrakeMissed && state_ == haptics::DeviceState::kForce) brake(kCommandsLost);
@@ -111,7 +111,7 @@ class ExampleDevice {
   }
 
   void brake(std::uint32_t fault) noexcept {
-    if (state_ != haptics::DeviceState::kBrake) fault_ = fault;  // the first cause is the one kept
+    if (state_ != haptics::DeviceState::kBrake) fault_ = fault;  // keep the first cause
     state_ = haptics::DeviceState::kBrake;
   }
 

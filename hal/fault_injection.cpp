@@ -42,7 +42,7 @@ std::string_view trimmed(std::string_view text) noexcept {
   return text;
 }
 
-// What stands before the first of `marks`; `rest` begins with the mark.
+// Removes and returns the text before the first of `marks`; `rest` then begins with that mark.
 std::string_view take_until(std::string_view& rest, std::string_view marks) noexcept {
   const std::size_t end = std::min(rest.find_first_of(marks), rest.size());
   const std::string_view taken = rest.substr(0, end);

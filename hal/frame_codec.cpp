@@ -10,11 +10,11 @@ static_assert(static_cast<int>(DeviceState::kReset) == static_cast<int>(firmware
               static_cast<int>(DeviceState::kForce) == static_cast<int>(firmware::State::kForce) &&
               static_cast<int>(DeviceState::kBrake) == static_cast<int>(firmware::State::kBrake));
 
-// The 64-bit sequence that ends in `low` and is nearest to `known`.
+// The 64-bit sequence number nearest to `known` whose low 32 bits are `low`.
 std::uint64_t continued(std::uint64_t known, std::uint32_t low) noexcept {
   const auto step = static_cast<std::int32_t>(low - static_cast<std::uint32_t>(known));
   const auto back = static_cast<std::uint64_t>(-static_cast<std::int64_t>(step));
-  if (step < 0 && back > known) return low;  // before the first: nothing to continue
+  if (step < 0 && back > known) return low;  // would be negative
   return known + static_cast<std::uint64_t>(static_cast<std::int64_t>(step));
 }
 

@@ -1,7 +1,7 @@
-// The host's end of the wire: state frames become DeviceSamples, DeviceCommands become command frames.
+// The host's frame codec: decodes state frames into DeviceSamples, encodes DeviceCommands into command frames.
 //
-// Every device uses it, simulated or real. Counts become a pose here, once; a wrench becomes axis efforts at the
-// coordinates of the newest decoded sample. 32-bit sequences of the wire continue as 64-bit ones.
+// Every device on frames uses it, simulated or real. It converts encoder counts to a pose, and a wrench to axis efforts
+// at the coordinates of the newest decoded sample. The 32-bit sequence numbers of the wire are extended to 64 bits.
 // Frame: the device's. Units: SI. Thread: [rt], the haptic thread; no allocation, bounded.
 #pragma once
 
@@ -13,14 +13,14 @@ namespace tactus::hal {
 
 class FrameCodec {
  public:
-  // `quantum`: m or rad per count. Without rotation the torque of a command is left out.
+  // `quantum`: m or rad per count. Without rotation the torque of a command is ignored.
   FrameCodec(const Kinematics& kinematics, const AxisVector& quantum, bool has_rotation) noexcept
       : kinematics_(kinematics), quantum_(quantum), has_rotation_(has_rotation) {}
 
-  // On an error `sample` is left as it was.
+  // On an error `sample` is unchanged.
   [[nodiscard]] firmware::DecodeError decode(std::span<const std::byte> bytes, haptics::DeviceSample& sample) noexcept;
 
-  // NaN goes through: the firmware refuses it and says so. Wanting kReset is wanting kIdle.
+  // NaN is encoded as it is: the firmware rejects it and reports that. A wanted kReset is encoded as kIdle.
   void encode(const haptics::DeviceCommand& command, std::span<std::byte, firmware::kCommandFrameSize> bytes) noexcept;
 
  private:

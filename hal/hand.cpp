@@ -8,7 +8,7 @@ namespace tactus::hal {
 namespace {
 
 struct SmoothStep {
-  double share, rate;  // of the way; per unit of the parameter
+  double share, rate;  // fraction of the distance, 0 to 1; its derivative by u
 };
 
 // 10 u^3 - 15 u^4 + 6 u^5: first and second derivatives vanish at both ends.
@@ -17,7 +17,7 @@ SmoothStep smooth_step(double u) noexcept {
   return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * rest * rest};
 }
 
-// A hand that goes back to where it began, besides the time to speed up and to slow down.
+// Return to the start: base duration for acceleration and deceleration, and speeds.
 constexpr double kReturnStart_s = 0.3, kReturnSpeed_m_per_s = 0.2, kReturnSpeed_rad_per_s = 2.0;
 
 bool is_finite_and_at_least(double x, double least) noexcept { return std::isfinite(x) && x >= least; }
@@ -125,7 +125,7 @@ HandTarget HandModel::Segment::linear_at(double u) const noexcept {
 }
 
 HandTarget HandModel::Segment::cubic_at(double u) const noexcept {
-  // Hermite's polynomials of the way, and of the rates at the start and the end; their derivatives by u.
+  // Cubic Hermite basis of the displacement and of the velocities at the start and the end; their derivatives by u.
   const double way = u * u * (3.0 - 2.0 * u), start = u * (1.0 - u) * (1.0 - u), end = u * u * (u - 1.0);
   const double way_rate = 6.0 * u * (1.0 - u), start_rate = (1.0 - u) * (1.0 - 3.0 * u), end_rate = u * (3.0 * u - 2.0);
   const auto value = [&](const Vec3d& move_by, const Vec3d& v0, const Vec3d& v1) {

@@ -1,11 +1,11 @@
-// Is the device on a link the one that its description says? Asked before it is driven.
+// Checks, before a device on a link is driven, that it matches its description.
 //
-// Its protocol, its class where it names one, the control period, the watchdog's frames, and for every axis that the
-// description has: the encoder's quantum, which must agree, for the pose follows from it; the effort limit, which must
-// let through what the description promises, and not much more, for it is the last guard; the speed limit, which must
-// not brake motions that the description allows. The norms of efforts, max_force and max_torque, as the effort limits.
-// Units: SI. Thread: [setup], [normal]; never the haptic thread. Bound: some thirty questions of at most `patience`
-// each; the first that is not answered ends the check.
+// Compares the protocol, the device class if it reports one, the control period and the watchdog's frame counts. For
+// every axis of the description: the encoder's quantum must agree, because the pose is computed from it; the effort
+// limit must allow what the description promises and little more, because it is the last guard; the speed limit must
+// not brake motions that the description allows. The norm limits max_force and max_torque are checked like the effort
+// limits. Units: SI. Thread: [setup], [normal]; never the haptic thread. Bound: about thirty requests of at most
+// `patience` each; the first without a reply ends the check.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,9 +20,9 @@
 
 namespace tactus::hal {
 
-// A firmware that lets through more than this multiple of what the description needs does not guard this device.
+// Largest accepted ratio of an effort limit to what the description needs: a looser limit does not guard this device.
 inline constexpr double kMostSpareEffort = 1.5;
-// Registers are floats, and a person may have typed them.
+// Relative: registers are floats, possibly typed by hand.
 inline constexpr double kQuantumTolerance = 1e-5, kLimitTolerance = 1e-3;
 
 template <FrameLink Link>
@@ -74,7 +74,7 @@ class IdentityCheck {
       fail(named("speed limit"), speed, static_cast<double>(expected.max_speed[axis]), kCorrect);
   }
 
-  // In the axes' own units. The firmware that is made from the description has 1 % more than it needs.
+  // N, or N m where the axes are rotary. `expected` is kFirmwareMargin times what the description needs.
   void check_norm(std::uint16_t number, const char* what, float expected) {
     const double told = real(number), described = static_cast<double>(expected), needed = described / kFirmwareMargin;
     if (!(told >= needed * (1.0 - kLimitTolerance) && told <= kMostSpareEffort * needed))
@@ -88,7 +88,7 @@ class IdentityCheck {
 
   double real(std::uint16_t number) { return static_cast<double>(std::bit_cast<float>(read(number))); }
 
-  // 0 once something failed: the first reason is the one that is told.
+  // Returns 0 once a check has failed: only the first failure is reported.
   std::uint32_t read(std::uint16_t number) {
     if (!status_.ok()) return 0;
     const firmware::ServiceMessage request{firmware::Operation::kRead, firmware::ServiceStatus::kGood, ++tag_, number,
@@ -119,7 +119,7 @@ class IdentityCheck {
   Status status_{Status::good()};
 };
 
-// One line on an error: what the device says, what the description says, what to do.
+// An error is one line: the device's value, the description's value, what to do.
 template <FrameLink Link>
 Status check_identity(const DeviceProfile& profile, std::uint32_t period_us, Link& link,
                       std::chrono::milliseconds patience = std::chrono::milliseconds(100)) {

@@ -1,8 +1,8 @@
-// A real device: frames that a link moves, as the HapticDevice that the loop drives.
+// A real device: implements HapticDevice, which the loop drives, on the frames of a link.
 //
 // One read() takes the newest state frame from the link; a state frame that fails its check is counted and never
-// becomes a sample. One write() makes a command frame and hands it to the link. Neither waits: how long receive() may
-// take is the link's promise. What to do about a missing, broken or hostile frame is the input guard's to decide.
+// becomes a sample. One write() encodes a command frame and passes it to the link. Neither waits, except within the
+// link's bound on receive(). The input guard decides how to react to a missing, corrupt or implausible frame.
 // Thread: construction [setup]; read(), write() [rt] by the haptic thread; the accessors by that thread, or after it
 // ended. No allocation, no lock, no throw. Frame: the device's. Units: SI. The link outlives the device.
 #pragma once
@@ -15,20 +15,20 @@
 
 namespace tactus::hal {
 
-// Since construction: every read is in exactly one of the first four.
+// Since construction. Every read is counted in exactly one of the first four.
 struct LinkedDeviceCounters {
-  std::uint64_t fresh{0};         // a whole frame, a new sample
-  std::uint64_t missing{0};       // nothing new
-  std::uint64_t corrupt{0};       // a frame that failed its check
-  std::uint64_t disconnected{0};  // the link said that the device is gone
-  std::uint64_t superseded{0};    // frames that came and were dropped for a newer one
-  std::uint64_t not_sent{0};      // commands that the link did not take on
+  std::uint64_t fresh{0};         // reads with a valid frame, that is a new sample
+  std::uint64_t missing{0};       // reads without a new frame
+  std::uint64_t corrupt{0};       // reads of a frame that failed its check
+  std::uint64_t disconnected{0};  // reads while the link was disconnected
+  std::uint64_t superseded{0};    // frames dropped because a newer one had arrived
+  std::uint64_t not_sent{0};      // commands that the link refused
 };
 
 template <FrameLink Link>
 class LinkedDevice {
  public:
-  // [setup] `period_ns`: the control period of both ends.
+  // [setup] `period_ns`: the control period of host and device.
   LinkedDevice(const DeviceProfile& profile, std::int64_t period_ns, Link& link) noexcept
       : properties_(profile.properties),
         codec_(profile.kinematics, profile.quantum, profile.properties.has_rotation),
@@ -43,7 +43,7 @@ class LinkedDevice {
     std::array<std::byte, firmware::kMaxFrameSize> buffer;
     const ReceivedFrame frame = link_->receive(buffer);
     counters_.superseded += frame.superseded;
-    if (!link_->connected()) {  // also for a frame that came just before: what follows it will not come
+    if (!link_->connected()) {  // even if a last frame arrived just before the disconnect
       input.status = ReadStatus::kDisconnected;
       ++counters_.disconnected;
     } else if (frame.size == 0) {
@@ -68,17 +68,17 @@ class LinkedDevice {
 
   Link& link() const noexcept { return *link_; }
   const LinkedDeviceCounters& counters() const noexcept { return counters_; }
-  // CLOCK_MONOTONIC when the sample of the newest fresh read came in; 0 before the first. The age of a force is the
-  // time of its write() minus this.
+  // CLOCK_MONOTONIC arrival time of the newest fresh sample; 0 before the first. The age of a force is the time of its
+  // write() minus this.
   std::int64_t newest_arrival_ns() const noexcept { return newest_arrival_ns_; }
-  // Of the last frame that came: why it was refused.
+  // Why the last received frame was rejected; kNone if it was accepted.
   firmware::DecodeError last_decode_error() const noexcept { return last_decode_error_; }
 
  private:
   haptics::DeviceProperties properties_;
   FrameCodec codec_;
   Link* link_;
-  haptics::DeviceSample sample_;  // the last one that came
+  haptics::DeviceSample sample_;  // the newest valid one
   std::int64_t newest_arrival_ns_{0};
   firmware::DecodeError last_decode_error_{firmware::DecodeError::kNone};
   LinkedDeviceCounters counters_;

@@ -1,13 +1,13 @@
 // A link whose other end is in the same process: the whole firmware on simulated mechanics, one control period per
-// receive(). What needs a device on a link, and has none, takes this one: the same bytes cross it as a cable.
+// receive(). For code that needs a device on a link without hardware; the bytes are the same as on a cable.
 //
-// receive(): the mechanics move on by one period under the efforts in force, the device runs its period with the
-// command that send() left, and its state frame is handed out. So a command is seen one tick after it was sent, and
-// nothing is ever superseded. Device time advances with receive() alone. Faults are switched on and off by hand (the
-// script of faults by tick is the SimulatedDevice's).
-// Thread: construction [setup]; receive(), send() [rt], no allocation, bounded, no lock but against call() of another
-// thread; the switches by the same thread, or while nobody receives. Frame: the device's. Units: SI. Same calls, same
-// bits, but for arrival_ns with Stamp::kClock.
+// receive(): the mechanics advance one period under the present efforts, the device runs its period with the command
+// from the last send(), and its state frame is returned. So the device sees a command one tick after it was sent, and
+// no state is ever superseded. Device time advances with receive() only. Faults are switched on and off by function
+// calls (SimulatedDevice has a fault script by tick instead). Thread: construction [setup]; receive(), send() [rt], no
+// allocation, bounded, no lock except against call() of another thread; the fault switches by the same thread, or while
+// no thread receives. Frame: the device's. Units: SI. Deterministic: the same calls give the same bits, except
+// arrival_ns with Stamp::kClock.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,8 @@ namespace tactus::hal {
 
 class LoopbackLink {
  public:
-  // What arrival_ns is: periods since construction, or CLOCK_MONOTONIC as on a real link.
+  // Source of arrival_ns: simulated time since construction (periods x period_ns), or CLOCK_MONOTONIC as on a real
+  // link.
   enum class Stamp : std::uint8_t { kPeriods, kClock };
 
   LoopbackLink(const DeviceProfile& profile, const HandModel& hand, std::int64_t period_ns,
@@ -83,8 +84,8 @@ class LoopbackLink {
     if (plugged_ && !plugged) ++counters_.disconnects, wire_.command_size = 0;
     plugged_ = plugged;
   }
-  // Off: the device's program ends and the mechanics stand still. On: the program starts again, motors shorted, and
-  // gives no FORCE before it was told to be IDLE.
+  // Off: the device's program ends and the mechanics stop. On: the program restarts, motors shorted, and refuses FORCE
+  // until it has received an IDLE command.
   void set_powered(bool powered) noexcept {
     if (powered && !powered_) device_ = firmware::Device(config_), wire_.command_size = 0;
     if (powered_ && !powered) ++counters_.disconnects, mechanics_.drive({});
@@ -99,7 +100,7 @@ class LoopbackLink {
   void corrupt_states(unsigned count) noexcept { corrupted_states_ = count; }
   void corrupt_commands(unsigned count) noexcept { corrupted_commands_ = count; }
 
-  // --- The truth behind the frames
+  // --- The exact simulated state
   std::uint64_t periods() const noexcept { return periods_; }
   const Plant& plant() const noexcept { return mechanics_.plant; }
   const firmware::Device& device() const noexcept { return device_; }
@@ -151,7 +152,7 @@ class LoopbackLink {
     }
   };
 
-  // A question comes between two periods. Whoever waits spins for the length of one.
+  // Spin lock between a period and a service request: a request is served between two periods; the wait is at most one.
   class Turn {
    public:
     explicit Turn(std::atomic_flag& busy) noexcept : busy_(busy) {
@@ -178,7 +179,7 @@ class LoopbackLink {
     void send_state(std::span<const std::byte> frame) noexcept {
       std::copy_n(frame.begin(), std::min(frame.size(), state.size()), state.begin());
     }
-    bool receive_service(firmware::ServiceMessage&) noexcept { return false; }  // call() asks the device itself
+    bool receive_service(firmware::ServiceMessage&) noexcept { return false; }  // call() asks the device directly
     void reply_service(const firmware::ServiceMessage&) noexcept {}
   };
 

@@ -5,7 +5,7 @@
 
 namespace tactus::hal {
 struct Plant::Line {
-  double h, mass, damping, friction;  // s; kg, N s/m, N (or their rotary kin)
+  double h, mass, damping, friction;  // s; kg, N s/m, N, or their rotary counterparts
   double hand_stiffness, hand_damping;
   Vec3d motor, error, target_speed;  // N; target - position; m/s
   Vec3d* hand_force;                 // out: the hand's, on the tool
@@ -51,7 +51,7 @@ void Plant::step(double h_s, const AxisVector& motor_effort, bool shorted, const
   hit_stops();
 }
 
-// By the rates of half way: the axes' paths bend where the tool's does not.
+// Midpoint rule: for a straight tool path the axes' paths are curved.
 void Plant::move(double h_s) noexcept {
   AxisVector half_way = coordinates_;
   AxisVector rate = kinematics_.rates_of(coordinates_, twist_);
@@ -61,18 +61,18 @@ void Plant::move(double h_s) noexcept {
 }
 
 Vec3d Plant::advance(const Line& l, const Vec3d& speed) noexcept {
-  // The hand's spring as it will be at the end of the sub-step: error - h (v+ - v_target).
+  // Implicit spring of the hand: its error at the end of the sub-step is error - h (v+ - v_target).
   const double hand_rate = l.hand_damping + l.h * l.hand_stiffness;
   const double resistance = l.mass + l.h * (l.damping + hand_rate);
   const Vec3d push = l.motor + l.error * l.hand_stiffness + l.target_speed * l.hand_damping;
-  const Vec3d momentum = speed * l.mass + push * l.h;  // resistance times the speed that would be without friction
+  const Vec3d momentum = speed * l.mass + push * l.h;  // resistance x the velocity without friction
   const double holding = l.h * l.friction, size = norm(momentum);
   const bool sticks = size <= holding;
   const Vec3d next = sticks ? Vec3d{} : momentum * ((1.0 - holding / size) / resistance);
 
   const Vec3d hand_force = push - l.motor - next * hand_rate;
   const Vec3d viscous_force = next * -l.damping;
-  // What is left of the change of momentum is friction's, stuck or slipping.
+  // The rest of the momentum change is the friction impulse, sticking or slipping.
   const Vec3d friction_impulse = (next - speed) * l.mass - (l.motor + hand_force + viscous_force) * l.h;
   const Vec3d mean_speed = (speed + next) * 0.5;
   energy_.motors += l.h * dot(l.motor, mean_speed);
@@ -91,7 +91,7 @@ void Plant::hit_stops() noexcept {
 }
 
 void Plant::hit_sphere() noexcept {
-  constexpr int kSteps = 4;  // back along a line that the axes' rates only touch: the second one is enough
+  constexpr int kSteps = 4;  // Newton steps along the tangent back to the sphere; two are usually enough
   for (int i = 0; i < kSteps; ++i) {
     const Vec3d position = pose().position;
     const double distance = norm(position);
@@ -104,8 +104,7 @@ void Plant::hit_sphere() noexcept {
   }
 }
 
-// A impulse on the pitch axis: it changes the tool's twist along that axis' row of the inverse, as far as the axis
-// stops.
+// Applies the impulse on the pitch axis that stops it: the tool's twist changes along that axis's row of the inverse.
 void Plant::hit_pitch_stop() noexcept {
   coordinates_[kPitchAxis] = std::copysign(kPitchLimit_rad, coordinates_[kPitchAxis]);
   const double rate = kinematics_.rates_of(coordinates_, twist_)[kPitchAxis];

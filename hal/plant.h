@@ -1,10 +1,10 @@
 // The mechanics of the simulated device with a hand on its tool: a mass and an isotropic inertia with viscous damping,
-// Coulomb friction, amplifiers that saturate, and stops: the workspace's sphere, and the wrist's pitch limit.
+// Coulomb friction, amplifier saturation, and two mechanical stops: the workspace sphere and the wrist's pitch limit.
 //
-// Semi-implicit: damping, the hand's spring and friction act on the speed at the end of the sub-step, so none of them
-// can add energy or chatter; friction sticks whenever it can hold. Books: kinetic energy changes by exactly the sum of
-// the works, which are taken with the mean speed of the sub-step. Frame: the device's. Units: SI.
-// Thread: [rt], the owner's; no allocation, no loop but over three components.
+// Semi-implicit: damping, the hand's spring and friction act on the velocity at the end of the sub-step, so none of
+// them can add energy or chatter; friction sticks whenever it can. Energy account: kinetic energy changes by exactly
+// the sum of the works, each computed with the mean velocity of the sub-step. Frame: the device's. Units: SI. Thread:
+// [rt], the owner's; no allocation, bounded.
 #pragma once
 
 #include "hal/hand.h"
@@ -12,18 +12,19 @@
 
 namespace tactus::hal {
 
-// J, each the work done on device and hand together since the start; dissipation is negative.
+// J: the work that each source has done on device and hand together since the start; dissipation is negative.
 struct EnergyBook {
   double motors{0}, hand{0}, viscous{0}, coulomb{0}, stops{0};
 };
 
 class Plant {
  public:
-  // [setup] At rest at `device_from_tool`, moved inside the stops if it is not.
+  // [setup] At rest at `device_from_tool`; a pose outside the stops is moved inside.
   Plant(const PlantParameters& parameters, const HandParameters& hand, const Posed& device_from_tool,
         const Kinematics& kinematics = {}) noexcept;
 
-  // One sub-step of `h_s`. `motor_effort` is cut where the amplifiers saturate. `shorted`: no effort, but damping.
+  // One sub-step of `h_s` seconds. `motor_effort` (N, N m) is clamped where the amplifiers saturate. `shorted`: no
+  // effort, added damping.
   void step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept;
 
   Posed pose() const noexcept { return kinematics_.pose_of(coordinates_); }  // device_from_tool
@@ -35,7 +36,7 @@ class Plant {
   double kinetic_energy_J() const noexcept;
 
  private:
-  struct Line;  // one vector equation: translation or rotation
+  struct Line;  // one vector equation of motion: translation or rotation
   Vec3d advance(const Line& line, const Vec3d& speed) noexcept;
   void hit_stops() noexcept;
 

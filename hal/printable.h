@@ -1,4 +1,4 @@
-// Text from outside, such as a serial number, made harmless for a terminal, a log and JSON.
+// Escapes text from outside, such as a serial number, so that it is safe in a terminal, a log and JSON.
 //
 // Thread: [any] normal. Bound: linear.
 #pragma once

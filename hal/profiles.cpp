@@ -6,18 +6,17 @@ namespace tactus::hal {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * 3.14159265358979323846;
-// Both ends know the limit; the host's acts first. 1 % lets a wrench at the limit through in spite of rounding.
-// A wrist's three efforts for a torque M have a norm of at most M sqrt(1 + sin pitch): not orthogonal axes.
+// The wrist's axes are not orthogonal: its three efforts for a torque M have a norm of at most M sqrt(1 + sin pitch).
 constexpr double kWristNorm = 1.41;
-// The host's guard refuses samples faster than 1.5 times the device's speed; the firmware brakes only beyond that. A
-// wrist whose pitch is 60 degrees turns its yaw and roll axes twice as fast as the tool, and is still let through.
+// The host's guard rejects samples faster than 1.5 times the device's maximum speed; the firmware brakes only beyond
+// that. At 60 degrees of pitch the wrist's yaw and roll axes turn twice as fast as the tool, which is still accepted.
 constexpr double kOverspeedMargin = 2.0;
-// What is not there (an axis, the tool's rotation) stays 0; a quantum and a speed are wanted all the same.
+// Figures of missing axes stay 0, except the quantum and the speed limit, which the firmware requires to be positive.
 constexpr double kUnusedQuantum = 1e-4, kUnusedSpeed = 1.0;
 
 // The class of the Virtuose 6D35-45: 35 N and 3 N m peak, 10 N and 1 N m continuous, a workspace 0.45 m across.
 // Everything else is an estimate for an arm of this size: links, apparent mass and inertia, damping, friction,
-// encoders, speeds, what shorted motors brake with. The encoders give 1e-5 m and 1e-4 rad at the centre.
+// encoders, speeds, damping of the shorted motors. The encoders resolve 1e-5 m and 1e-4 rad at the centre.
 DeviceDescription make_virtuose6d() {
   DeviceDescription d;
   d.name = "virtuose6d";
@@ -36,7 +35,7 @@ DeviceDescription make_virtuose6d() {
 }
 
 // The class of a desktop device with three degrees of freedom: 8 N peak, a workspace 0.16 m across.
-// Everything else is an estimate, continuous force included. The encoders give 2e-5 m at the centre.
+// Everything else is an estimate, continuous force included. The encoders resolve 2e-5 m at the centre.
 DeviceDescription make_desk3d() {
   DeviceDescription d;
   d.name = "desk3d";

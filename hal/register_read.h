@@ -1,4 +1,4 @@
-// One register of a device on a link, asked for and read.
+// Reads one register of a device over a link.
 //
 // Thread: [setup], [normal]; never the haptic thread. Bound: `patience`.
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace tactus::hal {
 
-// One line on an error: no answer, or no such register.
+// An error is one line: no reply, or no such register.
 template <FrameLink Link>
 Result<std::uint32_t> read_register(Link& link, std::uint16_t number, std::uint8_t tag,
                                     std::chrono::milliseconds patience) {

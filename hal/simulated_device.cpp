@@ -11,7 +11,7 @@ constexpr std::int64_t kMinPeriod_ns = 50'000, kMaxPeriod_ns = 1'000'000'000;
 constexpr unsigned kMaxSubSteps = 64, kMaxDelayTicks = 32;
 static_assert(kMaxDelayTicks + kMaxLateTicks <= SimulatedLink::kMaxAhead);
 
-constexpr double kHandSettles_s = 0.5;  // four times the time in which what shakes an arm dies out to a third
+constexpr double kHandSettles_s = 0.5;  // four time constants (decay to about a third) of an arm's vibration
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -39,7 +39,7 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, HandModel hand, c
       properties_(profile.properties),
       quantum_(profile.quantum),
       travel_per_axis_(norm(profile.kinematics.twist_of({}, unit_axis(0)).linear)),
-      // One tick is there anyway: a command is seen in the period after it was written.
+      // One tick of the delay is inherent: the firmware sees a command in the period after write().
       state_delay_ticks_((delay_of(profile, options) - 1) / 2),
       command_delay_ticks_(delay_of(profile, options) - 1 - state_delay_ticks_),
       hand_(std::move(hand)),
@@ -148,7 +148,7 @@ void SimulatedDevice::send_state(const StateBytes& fresh) noexcept {
   state_link_.send(now_, now_ + state_delay_ticks_ + late_ticks, bytes);
 }
 
-// Wrong counts under a right check: what a bad encoder, not a bad cable, would send.
+// Wrong counts with a valid check: the fault of an encoder, not of a cable.
 void SimulatedDevice::distort(StateBytes& bytes) noexcept {
   const auto* teleport = fault(FaultKind::kTeleport, FaultDirection::kState);
   const bool wild = fault(FaultKind::kWild, FaultDirection::kState) != nullptr;
@@ -177,7 +177,7 @@ void SimulatedDevice::receive_state(haptics::DeviceInput& input) noexcept {
   input.sample = sample_;
 }
 
-// Different bits: 37 has no factor in common with a frame's number of bits.
+// Flips `count` different bits: 37 is coprime to the number of bits of a frame.
 void SimulatedDevice::flip_bits(std::span<std::byte> bytes, unsigned count) noexcept {
   const std::uint64_t bits = 8 * bytes.size(), first = random() % bits;
   for (unsigned i = 0; i < count; ++i) {

@@ -1,14 +1,14 @@
 // A force-feedback device without hardware: the real firmware, arm mechanics, a hand that holds the tool,
-// and a link with delay and injected faults. Stands wherever a real device stands (concept HapticDevice).
+// and a link with delay and injected faults. Replaces a real device anywhere (concept HapticDevice).
 //
-// One read() is one control period of the device, and the order in it is:
-//   mechanics move on by one period under the efforts in force -> encoders -> Device::step with the command that has
-//   arrived -> state frame onto the link -> the frame that arrives now is decoded.
+// One read() is one control period of the device, in this order:
+//   the mechanics advance one period under the present efforts -> encoders -> Device::step with the command that has
+//   arrived -> the state frame enters the link -> the frame that arrives now is decoded.
 // write() encodes a command and puts it onto the link; the firmware sees it in the next period at the earliest, so
-// the smallest transport delay is one tick. Device time advances with read() alone: it does not know real time.
+// the smallest transport delay is one tick. Device time advances with read() only, independent of real time.
 // Thread: construction [setup]; read(), write() [rt] by the loop's thread: no allocation, no lock, bounded (sub-steps
-// of the mechanics are fixed). The accessors tell the truth behind the frames, for tests and summaries; same thread.
-// Frame: the device's. Units: SI. Same arguments, same commands: the same bits.
+// of the mechanics are fixed). The accessors return the exact simulated state, for tests and summaries; same thread.
+// Frame: the device's. Units: SI. Deterministic: the same arguments and commands give the same bits.
 #pragma once
 
 #include <optional>
@@ -23,17 +23,17 @@
 namespace tactus::hal {
 
 struct SimulationOptions {
-  std::int64_t period_ns{1'000'000};              // one read() to the next, 50 us to 1 s
+  std::int64_t period_ns{1'000'000};              // from one read() to the next, 50 us to 1 s
   unsigned sub_steps{4};                          // of the mechanics per period, 1 to 64
-  std::optional<unsigned> transport_delay_ticks;  // 1 to 32; not given: the profile's
-  std::uint64_t seed{1};                          // of the faults that are random
+  std::optional<unsigned> transport_delay_ticks;  // 1 to 32; default: the profile's
+  std::uint64_t seed{1};                          // of the random faults
   FaultScript faults;
 };
 
 class SimulatedDevice {
  public:
-  // [setup] The tool starts at rest in the hand, at the first pose of its path; the firmware has been told to be IDLE,
-  // so that the first command that wants FORCE may have it. Check the options first.
+  // [setup] The tool starts at rest in the hand, at the first pose of the hand's path. The firmware has already
+  // received an IDLE command, so that the first command may enter FORCE. Call check(options) first.
   SimulatedDevice(const DeviceProfile& profile, HandModel hand, const SimulationOptions& options);
 
   // [setup] One line: which option is out of its range.
@@ -43,20 +43,20 @@ class SimulatedDevice {
   void read(haptics::DeviceInput& input) noexcept;
   void write(const haptics::DeviceCommand& command) noexcept;
 
-  // A new trial [rt]: the hand goes back to where its path starts and rests there; start_path() has it set out again,
-  // `into_s` after the path's beginning. hand_is_back: what the way has shaken has died out.
+  // A new trial [rt]. return_hand(): the hand returns to the start of its path and rests there. hand_is_back(): it has
+  // arrived and the vibration has decayed. start_path(): it follows the path again, from `into_s` after its beginning.
   void return_hand() noexcept;
   bool hand_is_back() const noexcept;
   void start_path(double into_s) noexcept;
 
-  // --- the truth
+  // --- the exact simulated state
   std::uint64_t tick() const noexcept { return now_; }  // of the last read, from 0
   std::int64_t period_ns() const noexcept { return options_.period_ns; }
   const Plant& plant() const noexcept { return plant_; }
   const HandModel& hand() const noexcept { return hand_; }
   HandTarget hand_target() const noexcept { return target_at(now_, 0); }
   const firmware::Controller& controller() const noexcept { return device_.controller(); }
-  const firmware::ControllerOutputs& motor_outputs() const noexcept { return outputs_; }  // in force until next read
+  const firmware::ControllerOutputs& motor_outputs() const noexcept { return outputs_; }  // applied until the next read
 
   void set_buttons(std::uint8_t buttons) noexcept { buttons_ = buttons; }  // bit 0 first
 
@@ -81,8 +81,8 @@ class SimulatedDevice {
   double travel_per_axis_;  // m of the tool at the centre per unit of axis 0
   std::uint64_t state_delay_ticks_, command_delay_ticks_;
   HandModel hand_;
-  std::uint64_t hand_since_{0};  // tick at which the hand's path, or its way back, began
-  double path_from_s_{0};        // of the path, at that tick
+  std::uint64_t hand_since_{0};  // tick at which the hand's path, or its return, began
+  double path_from_s_{0};        // path time at that tick
   bool hand_returns_{false};
   Posed return_from_;
   Plant plant_;
@@ -92,7 +92,7 @@ class SimulatedDevice {
   SimulatedLink state_link_, command_link_;
   std::array<std::byte, firmware::kCommandFrameSize> waiting_command_{}, last_command_{};
   StateBytes last_state_{};
-  haptics::DeviceSample sample_;  // the last one that came
+  haptics::DeviceSample sample_;  // the newest valid one
   std::uint64_t reads_{0}, now_{0}, random_state_;
   bool command_waits_{false}, command_sent_{false}, state_sent_{false};
   std::uint8_t buttons_{0};

@@ -1,6 +1,6 @@
-// One direction of a link with a delay: frames that arrive at a later tick.
+// One direction of a simulated link with a delay: a frame arrives at a later tick.
 //
-// Of frames that arrive in the same tick the one that was sent last is kept, as a receiver's mailbox does.
+// If several frames arrive in the same tick, the one sent last is kept, as in a receiver's mailbox.
 // Thread: [rt], the owner's. Bound: a frame arrives at most kMaxAhead ticks after it was sent; 128 slots, no
 // allocation.
 #pragma once
@@ -31,13 +31,13 @@ class SimulatedLink {
     std::copy(bytes.begin(), bytes.end(), slot.bytes.begin());
   }
 
-  // What arrives at `tick`; empty if nothing does. Valid until the next send.
+  // The frame that arrives at `tick`; empty if none. Valid until the next send.
   std::span<const std::byte> arriving(std::uint64_t tick) const noexcept {
     const Slot& slot = slots_[tick % slots_.size()];
     return {slot.bytes.data(), slot.arrival_tick == tick ? slot.size : 0};
   }
 
-  // Forgets what is under way.
+  // Drops all frames in transit.
   void clear() noexcept {
     for (Slot& slot : slots_) slot.size = 0;
   }

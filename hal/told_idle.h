@@ -1,6 +1,6 @@
-// A device that is on, as a host finds it that has opened it: told to be IDLE once, without which it gives no FORCE,
-// and left alone since, so that the next command starts a sequence. Its clock stands at 0 meanwhile. Thread: [setup].
-// Frame: none; counts are the axes'.
+// Creates a simulated device in the state in which a host finds it after opening it: it has received one IDLE command,
+// which it requires before FORCE, and no command since, so that the next command starts a sequence. Its clock is still
+// at 0. Thread: [setup]. Frame: none; counts are encoder counts of the axes.
 #pragma once
 
 #include "firmware/device.h"

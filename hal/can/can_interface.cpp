@@ -94,7 +94,7 @@ struct Descriptor {
   }
 };
 
-// The answer's bytes in `buffer`, or the error number.
+// Requests the interface's data; the reply is in `buffer`. Returns 0 or the error number.
 int ask(unsigned index, std::span<char> buffer) {
   const Descriptor netlink{socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE)};
   if (netlink.number < 0) return errno;
@@ -116,7 +116,7 @@ int ask(unsigned index, std::span<char> buffer) {
   return answer->nlmsg_type == RTM_NEWLINK ? 0 : EPROTO;
 }
 
-// ", there are can0 can1", or what to load if there are none.
+// "there is can0 can1", or what to do if there is none.
 std::string others() {
   std::string names;
   struct if_nameindex* all = if_nameindex();

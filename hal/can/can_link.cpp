@@ -38,7 +38,7 @@ Status cannot_open(const std::string& interface, const CanOpenError& error) {
   return Status::error(fmt::format("cannot open {}: {}", interface, std::strerror(error.number)));
 }
 
-// Which nodes send states, and how this one does.
+// Nodes that were heard to send states, and the format of the selected one.
 struct Heard {
   std::bitset<firmware::kMaxCanNode + 1> nodes;
   bool ours{false}, ours_fd{false};
@@ -137,7 +137,7 @@ ReceivedFrame CanLink::receive(std::span<std::byte, firmware::kMaxFrameSize> buf
   ReceivedFrame newest;
   drain(buffer, newest);
   if (newest.size > 0 || options_.wait == nanoseconds::zero() || !connected_) return newest;
-  // A state's fragments come one by one, so one wake may not be enough; the bound is for all of them together.
+  // A state's fragments arrive one by one, so one wake may not be enough; the deadline applies to all of them together.
   const std::int64_t deadline = MonotonicClock::now_ns() + options_.wait.count();
   for (unsigned wake = 0; wake < kMostWakes && newest.size == 0 && connected_; ++wake) {
     const std::int64_t left = deadline - MonotonicClock::now_ns();
@@ -225,7 +225,7 @@ void CanLink::take_over_socket() noexcept {
 bool CanLink::send(std::span<const std::byte> frame) noexcept {
   firmware::CommandFrame command;
   int error = EINVAL;
-  if (fd_ && frame.size() <= firmware::kFdCommandSize) {  // whatever it is: the device judges
+  if (fd_ && frame.size() <= firmware::kFdCommandSize) {  // any content: the device validates it
     std::array<std::byte, firmware::kFdCommandSize> padded;
     firmware::pad_fd(frame, padded);
     error = socket().send(can_id(CanFunction::kCommand0, options_.node), padded);
@@ -298,7 +298,7 @@ void CanLink::keep_bound(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     keeper_wake_.wait_for(lock, stop, kRebindEvery, [] { return false; });
     if (socket_state_.load(std::memory_order_acquire) != SocketState::kLost) continue;
-    // active_ stands still until the haptic thread sees kReplaced.
+    // active_ does not change until the haptic thread reads kReplaced.
     if (open_socket(sockets_[1 - active_]).step == CanOpenError::Step::kNone)
       socket_state_.store(SocketState::kReplaced, std::memory_order_release);
   }

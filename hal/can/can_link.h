@@ -1,14 +1,14 @@
 // The host's end of a CAN link: FrameLink over SocketCAN, classic or FD (firmware/can_codec.h).
 //
-// Thread: open(), start(), call() [setup] and normal threads; the rest [rt], by the haptic thread alone. call() has a
-// socket of its own. A thread of normal priority does one thing: binds anew when the interface itself went away and
-// came back (an adapter pulled out); the haptic thread takes the new socket over with one atomic look.
-// Bound: receive() reads at most kMostFrames frames, waits at most Options::wait for the rest of a state that is not
-// there yet, in at most kMostWakes pieces; a babbling node costs those frames and no more (identifiers of other nodes
-// are filtered by the kernel). send() is one or two system calls that return at once.
-// Beyond the bounds and when things fail: frames that the kernel drops for want of room are counted, the newest are the
-// ones lost; the next look sees what comes after. Interface down, gone, or bus-off: not connected, counted, and
-// connected again with the next state frame. A bus that takes no frames keeps at most a few commands: then send()
+// Thread: open(), start(), call() [setup] and normal threads; the rest [rt], by the haptic thread alone. call() uses a
+// socket of its own. A thread of normal priority rebinds the socket when the interface disappears and returns (an
+// adapter that is unplugged); the haptic thread picks the new socket up with one atomic read.
+// Bound: receive() reads at most kMostFrames frames and waits at most Options::wait for the rest of an incomplete
+// state, in at most kMostWakes pieces; a babbling node costs at most those frames (the kernel filters identifiers of
+// other nodes). send() is one or two system calls that return at once.
+// Beyond the bounds and on failures: frames that the kernel drops because its queue is full are counted; it drops the
+// newest, and the next receive() sees what comes after. Interface down, gone, or bus-off: disconnected, counted, and
+// connected again with the next state frame. If the bus accepts no frames, a few commands are queued, then send()
 // refuses and counts.
 #pragma once
 
@@ -26,25 +26,25 @@
 
 namespace tactus::hal {
 
-enum class CanFormat : std::uint8_t { kAuto, kClassic, kFd };  // auto: as the device sends
+enum class CanFormat : std::uint8_t { kAuto, kClassic, kFd };  // auto: the format in which the device sends
 
 struct CanOptions {
   std::string interface { "can0" };
   std::uint8_t node{1};  // the device's, 1 to firmware::kMaxCanNode
   CanFormat format{CanFormat::kAuto};
   std::chrono::nanoseconds period{1'000'000};
-  std::chrono::nanoseconds wait{50'000};       // of receive() if nothing is there; at most the period; 0: never
-  std::chrono::milliseconds first_frame{500};  // of open(), for the device to be heard
+  std::chrono::nanoseconds wait{50'000};       // receive()'s wait if no state is there; at most the period; 0: none
+  std::chrono::milliseconds first_frame{500};  // open()'s wait for the device's first frame
 };
 
-// What the bus reports beside frames, since start().
+// Errors on the bus, since start().
 struct CanBusErrors {
   std::uint64_t bus_off{0}, restarted{0}, error_warning{0}, error_passive{0};
   std::uint64_t arbitration_lost{0};        // normal on a busy bus, where the controller reports it
   std::uint64_t protocol{0};                // bit, stuff, form or CRC errors, missing acknowledgement
   std::uint64_t controller_full{0};         // frames lost in the controller
-  std::uint64_t queue_full{0};              // frames lost in the kernel for want of room
-  std::uint64_t incomplete{0};              // classic: states of which a fragment never came
+  std::uint64_t queue_full{0};              // frames lost because the kernel's queue was full
+  std::uint64_t incomplete{0};              // classic: states with a missing fragment
   std::uint8_t tx_errors{0}, rx_errors{0};  // the controller's counters, where it reports them
 };
 
@@ -52,9 +52,9 @@ class CanLink {
  public:
   static constexpr unsigned kMostFrames = firmware::CanSocket::kQueuedFrames, kMostWakes = 4;
 
-  // One line each for what can be wrong: see check_can_interface; besides, no device heard under this node id.
+  // Errors, one line each: those of check_can_interface, and no device heard under this node id.
   static Result<std::unique_ptr<CanLink>> open(const CanOptions& options);
-  // Drops what waits and clears the counters, just before the first tick.
+  // Drops waiting frames and clears the counters, just before the first tick.
   Status start();
 
   ReceivedFrame receive(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept;
@@ -86,7 +86,8 @@ class CanLink {
   CanOptions options_;
   CanInterface interface_;
   bool fd_;
-  std::array<firmware::CanSocket, 2> sockets_;  // sockets_[active_] is the haptic thread's, the other the keeper's
+  std::array<firmware::CanSocket, 2>
+      sockets_;  // sockets_[active_]: the haptic thread's; the other: the keeper thread's
   unsigned active_{0};
   std::atomic<SocketState> socket_state_{SocketState::kGood};
   firmware::StateAssembler assembler_;
@@ -96,7 +97,7 @@ class CanLink {
   CanBusErrors errors_;
   std::mutex keeper_mutex_;
   std::condition_variable_any keeper_wake_;
-  std::jthread keeper_;  // last: it uses the others
+  std::jthread keeper_;  // declared last: it uses the other members
 };
 
 static_assert(FrameLink<CanLink>);

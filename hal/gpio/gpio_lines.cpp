@@ -15,7 +15,7 @@ namespace tactus::hal {
 namespace {
 
 constexpr const char* kConsumer = "tactus";
-constexpr unsigned kQueuedEdges = 16;  // what the kernel keeps of one line
+constexpr unsigned kQueuedEdges = 16;  // size of the kernel's event queue of one line
 constexpr int kTries = 5;
 
 gpiod_line* line_of(void* line) noexcept { return static_cast<gpiod_line*>(line); }
@@ -23,7 +23,7 @@ gpiod_chip* chip_of(void* chip) noexcept { return static_cast<gpiod_chip*>(chip)
 
 int flags_of(const GpioLine& line) { return line.active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0; }
 
-// The quickest of a few calls: a thread that was interrupted in one of them says nothing about the chip.
+// Compares the quickest of kTries calls with the limit: a single slow call may be due to preemption, not to the chip.
 template <class F>
 Status check_quick(const std::string& chip, unsigned offset, F&& call) {
   std::int64_t quickest_ns = std::int64_t{1} << 62;
@@ -91,7 +91,7 @@ Status GpioLines::request_estop(const GpioLine& line) {
   const int descriptor = gpiod_line_event_get_fd(requested);
   if (descriptor < 0 || fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) | O_NONBLOCK) != 0)
     return Status::error(fmt::format("line {} of {}: {}", line.offset, chip_name_, std::strerror(errno)));
-  // Edges are watched from here on, so that no change gets lost between this level and the first look.
+  // Edges are already queued here, so no change is lost between this read and the first estop().
   estop_active_ = read_estop_level();
   return check_quick(chip_name_, line.offset, [&] { return gpiod_line_get_value(requested) >= 0; });
 }
@@ -131,7 +131,7 @@ bool GpioLines::estop() noexcept {
     was_active = was_active || estop_active_;
   }
   counters_.estop_edges += static_cast<unsigned>(count);
-  // A full queue may have lost the newest edges; what is the case now is the line's to say.
+  // A full queue may have lost the newest edges: read the present level.
   if (static_cast<unsigned>(count) == kQueuedEdges) estop_active_ = read_estop_level();
   return was_active || estop_active_;
 }

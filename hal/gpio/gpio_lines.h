@@ -1,13 +1,13 @@
 // The host's GPIO lines: the e-stop's status in, drive-enable, oscilloscope probe and watchdog heartbeat out.
 //
-// The e-stop itself is wired to the device, which cuts the force; this line only tells the host. Only gpio_lines.cpp
-// knows libgpiod, whose second version has another interface.
+// The e-stop itself is wired to the device, which cuts the force; this line only informs the host. Only gpio_lines.cpp
+// uses libgpiod (version 1; version 2 has a different interface).
 // Thread: open(), destruction [setup]; the rest [rt], by one thread. No allocation, no lock, no throw. Bound: estop()
-// is one read that never waits, and one more if the kernel's queue of 16 edges was full; setting a line is one ioctl,
-// none if it is there already. On a chip of the processor these take microseconds. A chip behind I2C or USB sleeps:
-// open() tries every line and refuses one that never answers within kMaxCall. Beyond the bounds: an e-stop line that
-// cannot be read counts as stop; an output that cannot be set is counted. A line that is not in the options does
-// nothing. At the end the outputs go inactive; what they are when the process dies is the wiring's to decide: give
+// is one non-blocking read, and one more if the kernel's queue of 16 edges was full; setting a line is one ioctl,
+// none if the level does not change. With an on-chip controller these take microseconds. A controller behind I2C or USB
+// sleeps: open() tries every line and refuses one that never answers within kMaxCall. Beyond the bounds: an e-stop line
+// that cannot be read counts as stop; a failure to set an output is counted. A line that is not in the options does
+// nothing. The destructor sets the outputs inactive. If the process dies, the wiring determines their level: give
 // drive-enable a resistor to its inactive level.
 #pragma once
 
@@ -20,33 +20,33 @@
 namespace tactus::hal {
 
 struct GpioCounters {
-  std::uint64_t estop_edges{0};   // seen, of both directions
-  std::uint64_t read_failed{0};   // looks at the e-stop that failed
-  std::uint64_t write_failed{0};  // of any output
+  std::uint64_t estop_edges{0};   // edges read, both directions
+  std::uint64_t read_failed{0};   // failed reads of the e-stop
+  std::uint64_t write_failed{0};  // failed writes to any output
 };
 
 class GpioLines {
  public:
   static constexpr std::chrono::microseconds kMaxCall{500};
 
-  // Errors, one line each: no such chip, no permission, no such line, line in use by somebody else, a chip that sleeps.
+  // Errors, one line each: no such chip, no permission, no such line, line in use, a chip that sleeps.
   static Result<std::unique_ptr<GpioLines>> open(const GpioOptions& options);
 
   ~GpioLines();
   GpioLines(const GpioLines&) = delete;
   GpioLines& operator=(const GpioLines&) = delete;
 
-  // Active now, or was since the last look, however short.
+  // True if the e-stop is active now or was active since the last call, however briefly.
   bool estop() noexcept;
   void enable(bool on) noexcept;
   void probe(bool active) noexcept;
-  void heartbeat() noexcept;  // the other level than before
+  void heartbeat() noexcept;  // toggles the line
 
   const GpioCounters& counters() const noexcept { return counters_; }
 
  private:
   struct Output {
-    void* line{nullptr};  // libgpiod's; null: not in the options
+    void* line{nullptr};  // libgpiod's line; null: not in the options
     bool active{false};
   };
 

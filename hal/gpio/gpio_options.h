@@ -1,9 +1,9 @@
-// Which GPIO lines the host uses, in the text form of `--gpio`.
+// Parses which GPIO lines the host uses, from the text of `--gpio`.
 //
 //   chip=gpiochip0,estop=3-low,enable=4,probe=5,heartbeat=6
-// The chip by name, path or label; each line by its offset on the chip, all optional, at least one. `-low` after an
-// offset: active when the line is low. An e-stop with a contact that opens is best wired so that a broken wire reads as
-// stop: contact to ground, pull-up, active when high. Thread: [setup].
+// The chip by name, path or label; each line by its offset on the chip. Every line is optional, at least one is needed.
+// `-low` after an offset: the line is active low. Wire an e-stop with a normally closed contact so that a broken wire
+// reads as stop: contact to ground, pull-up, active high. Thread: [setup].
 #pragma once
 
 #include <optional>
@@ -22,15 +22,15 @@ struct GpioLine {
 
 struct GpioOptions {
   std::string chip{};
-  std::optional<GpioLine> estop{};      // in: the stop's status
-  std::optional<GpioLine> enable{};     // out: drives may be on
+  std::optional<GpioLine> estop{};      // in: status of the e-stop
+  std::optional<GpioLine> enable{};     // out: drives are enabled
   std::optional<GpioLine> probe{};      // out: active while tick() runs, for an oscilloscope
-  std::optional<GpioLine> heartbeat{};  // out: changes with every tick, for a watchdog outside
+  std::optional<GpioLine> heartbeat{};  // out: toggles every tick, for an external watchdog
 };
 
 inline constexpr unsigned kMaxGpioOffset = 1023;
 
-// One line on anything else: what was given and what is accepted.
+// An error is one line: what was given and what is accepted.
 Result<GpioOptions> parse_gpio_options(std::string_view text);
 
 }  // namespace tactus::hal

@@ -1,17 +1,18 @@
-// Arms: a yaw axis, two links in the vertical plane that it turns, and for WristedArm a wrist in the tool's centre.
+// Kinematics of arms: a yaw axis, two links in a vertical plane that it rotates, and for WristedArm a wrist at the
+// tool's centre.
 //
 //            upper arm, up at rest            axis 0: yaw of the whole arm about the vertical [rad]
 //           |‾‾‾‾‾‾‾‾‾ forearm, level         axis 1: lean of the upper arm from the vertical, outwards [rad]
-//           |         tool at the origin      axis 2: rise of the forearm from the level [rad]
+//           |         tool at the origin      axis 2: elevation of the forearm from horizontal [rad]
 //   column  |                                 axes 3 to 5: the wrist on the forearm (wrist.h) [rad]
 //
-// Axis 2 is driven through a parallelogram: it is the forearm's angle in space, not at the elbow. At rest, all
-// coordinates zero, the links are at right angles, the tool stands at the device frame's origin with the frame's
-// orientation, the column at -x, and axes 1, 0, 2 move it along x, y, z: as far from every singularity as an arm gets.
-// PointArm has no wrist: its tool keeps the frame's orientation, whatever the hand does, and takes no torque.
-// Units: SI. Thread: [any]; pure, bounded. Bound: singular with the arm stretched or folded (cosine of the angle by
-// which the elbow is off its right angle: 0) and with the tool above the column (reach 0); the inverses are taken as at
-// a cosine of 0.17 and at a tenth of the forearm's reach.
+// Axis 2 is driven through a parallelogram: its coordinate is the forearm's absolute angle, not the elbow angle. At
+// rest all coordinates are zero, the links are at right angles, the tool is at the device frame's origin with the
+// frame's orientation, the column is at -x, and axes 1, 0, 2 move the tool along x, y, z: this pose is the farthest
+// from all singularities. PointArm has no wrist: its tool always keeps the frame's orientation and takes no torque.
+// Units: SI. Thread: [any]; pure, bounded. Bound: singular with the arm stretched or folded (elbow 90 degrees off its
+// right angle, cosine 0) and with the tool above the column (reach 0). Nearer to these the inverses are computed with a
+// cosine of 0.17 and a reach of a tenth of the forearm.
 #pragma once
 
 #include "hal/kinematics/wrist.h"
@@ -26,12 +27,12 @@ struct ArmLinks {
 // The arm without its wrist, at one configuration.
 struct ArmAt {
   ArmLinks links;
-  double reach, bounded_reach;     // m, from the column; kept away from zero
+  double reach, bounded_reach;     // m: horizontal distance from the column; the same, bounded away from zero
   double height_m;                 // above the shoulder
-  double cos_elbow;                // of axes 1 + 2, kept away from zero
-  Vec3d outwards, tangent;         // horizontal, in the arm's plane and across it
-  Vec3d upper, forearm;            // along the links
-  Vec3d upper_turn, forearm_turn;  // where their ends go when axis 1, 2 moves
+  double cos_elbow;                // cos(q1 + q2), bounded away from zero
+  Vec3d outwards, tangent;         // unit, horizontal: in the arm's plane, normal to it
+  Vec3d upper, forearm;            // unit, along the links
+  Vec3d upper_turn, forearm_turn;  // unit: directions in which the links' ends move with axis 1, 2
 
   ArmAt(const AxisVector& q, const ArmLinks& arm) noexcept : links(arm) {
     const auto yaw = sin_cos(q[0]), lean = sin_cos(q[1]), rise = sin_cos(q[2]);
@@ -137,7 +138,7 @@ class WristedArm {
   Wrenchd wrench_of(const AxisVector& q, const AxisVector& effort) const noexcept {
     const ArmAt arm(q, links_);
     const Vec3d torque = Wrist(q, base_of(arm)).torque(effort);
-    AxisVector for_force = effort;  // what the arm's motors do beside carrying the wrist's torque
+    AxisVector for_force = effort;  // the arm's efforts without the part that supports the wrist's torque
     for_force[0] -= torque.z;
     for_force[2] += dot(arm.tangent, torque);
     return {arm.force(for_force), torque};

@@ -1,5 +1,5 @@
 // A stage with three prismatic axes and a three-axis wrist: axes 0, 1, 2 are x, y, z [m], 3 to 5 the wrist's [rad].
-// Frame: the device's. Units: SI. Thread: [any], pure, bounded. Singular where the wrist is.
+// Frame: the device's. Units: SI. Thread: [any], pure, bounded. Singular where the wrist is (wrist.h).
 #pragma once
 
 #include "hal/kinematics/wrist.h"

@@ -1,4 +1,4 @@
-// The kinematics that a device description names: one of the kinds that there are, chosen at set-up.
+// The kinematics that a device description names: one of the implemented kinds, chosen at set-up.
 // Frame: the device's. Units: SI. Thread: [any]; no allocation, no virtual call, bounded.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace tactus::hal {
 class Kinematics {
   std::variant<CartesianStage, PointArm, WristedArm> kind_;
 
-  // std::visit would throw for a state that these types cannot have.
+  // Instead of std::visit, which may throw (valueless variant); these types cannot become valueless.
   template <class F>
   auto call(F&& function) const noexcept {
     if (const auto* arm = std::get_if<WristedArm>(&kind_)) return function(*arm);

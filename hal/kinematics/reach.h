@@ -1,8 +1,8 @@
-// What holds all over a device's workspace: found by looking at poses spread over it, once, at set-up.
+// Bounds over a device's whole workspace: quanta, axis efforts and axis rates, from sampled poses, once, at set-up.
 //
 // Works for any ToolKinematics whose tool moves freely inside a sphere about the device frame's origin, the wrist
-// within its pitch limit. Bounds are the worst of the poses looked at, with kSpreadMargin for those between them (the
-// property test tries 20 000 others). Frame: the device's. Units: SI. Thread: [setup]; no allocation; some ten
+// within its pitch limit. A bound is the worst of the sampled poses times kSpreadMargin for the poses between them (the
+// property test tries 20 000 others). Frame: the device's. Units: SI. Thread: [setup]; no allocation; about ten
 // thousand evaluations of the kinematics, milliseconds. Same bits in every build.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace tactus::hal {
 
 inline constexpr double kSpreadMargin = 1.08;
 
-// Axis coordinates of a pose, by walking there from rest: the pose's error, turned into axis rates, closes in a few
-// steps. A pitch beyond its limit, and what the device cannot turn, is left out.
+// Axis coordinates of a pose, by Newton iteration with bounded steps from the rest pose. The pitch is clamped to its
+// limit; rotations that the device cannot make are ignored.
 template <ToolKinematics K>
 AxisVector coordinates_of(const K& kinematics, const Posed& device_from_tool) noexcept {
   constexpr int kMaxSteps = 200;
@@ -37,7 +37,7 @@ AxisVector coordinates_of(const K& kinematics, const Posed& device_from_tool) no
   return q;
 }
 
-// What the tool may do.
+// Limits of the tool.
 struct ToolLimits {
   double workspace_radius_m{0};
   double force_N{0}, torque_Nm{0};
@@ -45,11 +45,11 @@ struct ToolLimits {
 };
 
 struct ReachBounds {
-  // The tool's place is known to within half of these along each axis of the device's frame.
+  // Resolution of the tool's pose: known to within half of these along each axis of the device's frame.
   double position_quantum_m{0}, rotation_quantum_rad{0};
-  AxisVector effort{};        // N or N m: no wrench within the limits asks more of an axis
-  double arm_effort_norm{0};  // of axes 0 to 2 together
-  AxisVector rate{};          // m/s or rad/s: no twist within the limits moves an axis faster, the wrist straight
+  AxisVector effort{};        // N or N m: largest axis effort for any wrench within the limits
+  double arm_effort_norm{0};  // N or N m: largest norm of the efforts of axes 0 to 2
+  AxisVector rate{};          // m/s or rad/s: largest axis rate for any twist within the limits, wrist at zero
 };
 
 namespace detail {
@@ -64,8 +64,8 @@ inline Vec3d spread_direction(unsigned k) noexcept {
   return {across * turn.cos, across * turn.sin, z};
 }
 
-// The largest stretch of the map with these columns: the root of the largest eigenvalue of its Gram matrix, by
-// repeated multiplication, from a start that is no eigenvector by accident.
+// The largest singular value of the matrix with these columns: the root of the largest eigenvalue of its Gram matrix,
+// by power iteration. The start vector is chosen so that it is not an eigenvector by coincidence.
 inline double largest_stretch(const std::array<Vec3d, 3>& columns) noexcept {
   Vec3d direction = normalized_or(Vec3d{0.9, 0.7, 0.5}, Vec3d{1, 0, 0});
   double stretch = 0;
@@ -98,7 +98,7 @@ void widen_drives(const K& kinematics, const AxisVector& q, const ToolLimits& li
     const double effort = limits.force_N * norm(column.linear) + limits.torque_Nm * norm(column.angular);
     bounds.effort[axis] = std::max(bounds.effort[axis], effort);
     if (axis < 3) linear[axis] = column.linear, angular[axis] = column.angular;
-    // The wrench that an axis alone exerts is its row of the inverse.
+    // The wrench of a unit effort on one axis is that axis's row of the inverse Jacobian.
     const Wrenchd row = kinematics.wrench_of(q, unit_axis(axis));
     const double rate = limits.speed_m_per_s * norm(row.force) + limits.angular_speed_rad_per_s * norm(row.torque);
     bounds.rate[axis] = std::max(bounds.rate[axis], rate);
@@ -111,9 +111,9 @@ void widen_drives(const K& kinematics, const AxisVector& q, const ToolLimits& li
 
 template <ToolKinematics K>
 ReachBounds bounds_over(const K& kinematics, const AxisVector& quantum, const ToolLimits& limits) noexcept {
-  constexpr double kHalfTurn_rad = 3.14159265358979323846;  // the other half mirrors it
+  constexpr double kHalfTurn_rad = 3.14159265358979323846;  // the other half is its mirror image
   ReachBounds bounds;
-  for (unsigned k = 0; k <= detail::kDirections; ++k) {  // the last one: the centre
+  for (unsigned k = 0; k <= detail::kDirections; ++k) {  // k == kDirections: the centre
     const Vec3d place = k < detail::kDirections ? detail::spread_direction(k) * limits.workspace_radius_m : Vec3d{};
     AxisVector q = coordinates_of(kinematics, {place, {}});
     q[3] = q[4] = q[5] = 0;

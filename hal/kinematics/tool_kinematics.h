@@ -1,11 +1,11 @@
-// From axis coordinates to the tool's pose and back-drive, and from a wrench at the tool to axis efforts.
+// Concept for a device's kinematics: tool pose and twist from the axes, axis efforts from a tool wrench, and inverses.
 //
-// ToolKinematics is the seam: a device with an arm of its own supplies these five functions and the rest of the room
-// does not change. Prismatic axes count in m, m/s and N, rotary ones in rad, rad/s and N m.
-// Efforts are those that do the same work: effort . rate = wrench . twist (transpose of the Jacobian, exact).
+// A device with a new mechanism supplies these five functions; the rest of hal/ does not change. Prismatic axes use m,
+// m/s and N, rotary axes rad, rad/s and N m.
+// Efforts do the same work as the wrench: effort . rate = wrench . twist (transpose of the Jacobian, exact).
 // Frame: the device's; the tool's centre pose is its origin. Units: SI. Thread: [any]; pure functions, no allocation,
-// bounded. Bound: at a singularity an inverse is taken as near it (finite, no longer exact), because counts from a wire
-// may say anything; each class states where.
+// bounded. Bound: near a singularity an inverse is bounded (finite, no longer exact), because received counts may have
+// any value; each class states where.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace tactus::hal {
 inline constexpr unsigned kAxisCount = 6;
 using AxisVector = std::array<double, kAxisCount>;  // m and rad, their rates, or N and N m
 
-// A device with fewer axes leaves the last ones: they move nothing and get no effort.
+// A device with fewer axes leaves the last ones unused: they move nothing and get no effort.
 template <class K>
 concept ToolKinematics = requires(const K kinematics, const AxisVector& q, const Wrenchd& wrench, const Twistd& twist) {
   { kinematics.pose_of(q) }

@@ -1,8 +1,8 @@
-// A wrist with three axes that meet in the tool's centre: yaw about its base's z, pitch about the turned y', roll about
-// the turned x''. Coordinates, rates and efforts are those of axes 3, 4 and 5.
+// Kinematics of a wrist with three axes that intersect in the tool's centre: yaw about its base's z, pitch about the
+// rotated y', roll about the rotated x''. Coordinates, rates and efforts are those of axes 3, 4 and 5.
 //
-// Frame: the device's; the base is given by its axes in it. Units: rad, rad/s, N m. Thread: [any], pure, bounded.
-// Bound: singular at a pitch of 90 degrees; the mechanics stop at 80, and beyond that the inverse is taken as at 80.
+// Frame: the device's; the base is given by its axes in that frame. Units: rad, rad/s, N m. Thread: [any], pure,
+// bounded. Bound: singular at a pitch of 90 degrees; the mechanical stop is at 80, beyond it the inverse uses cos 80.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ inline Quatd wrist_rotation(const AxisVector& q) noexcept {  // base_from_tool
 }
 
 struct Wrist {
-  double sin_pitch, cos_pitch;  // cos kept away from zero
+  double sin_pitch, cos_pitch;  // cos bounded away from zero
   Vec3d yaw_axis, yawed_x, pitch_axis, roll_axis;
 
   Wrist(const AxisVector& q, const WristBase& base) noexcept : yaw_axis(base.z) {
@@ -38,12 +38,12 @@ struct Wrist {
     roll_axis = yawed_x * pitch.cos - yaw_axis * pitch.sin;
   }
 
-  // Of the tool against the base.
+  // Of the tool relative to the base, rad/s.
   Vec3d angular_velocity(const AxisVector& rate) const noexcept {
     return yaw_axis * rate[3] + pitch_axis * rate[4] + roll_axis * rate[5];
   }
 
-  // In the frame that turned with the yaw alone, roll is the only axis with an x, pitch the only one with a y.
+  // In the frame rotated by yaw only, the roll axis is the only one with an x component, pitch the only one with a y.
   void rates(const Vec3d& angular_velocity, AxisVector& rate) const noexcept {
     rate[5] = dot(yawed_x, angular_velocity) / cos_pitch;
     rate[4] = dot(pitch_axis, angular_velocity);

@@ -48,7 +48,7 @@ const char* speed_of(libusb_device* device) {
   }
 }
 
-// Our interface in the active configuration; protocol 0 when there is none, or it lacks an endpoint.
+// The tactus interface in the active configuration; protocol 0 if there is none, or if it lacks an endpoint.
 Interface find_interface(libusb_device* device) {
   Interface found;
   libusb_config_descriptor* config = nullptr;
@@ -93,7 +93,7 @@ std::string interface_problem(const Interface& interface) {
   return "";
 }
 
-// Looks at one device; on success `handle` is open and the caller's.
+// Examines one device; on success `handle` is open and owned by the caller.
 UsbDeviceInfo look_at(libusb_device* device, const libusb_device_descriptor& descriptor, const UsbSelection& selection,
                       libusb_device_handle*& handle, Interface& interface) {
   UsbDeviceInfo info;
@@ -126,7 +126,7 @@ struct Candidate {
   libusb_device_handle* handle{nullptr};
 };
 
-// All devices of the vendor and product, opened where that is allowed. The caller closes the handles.
+// All devices of the vendor and product, opened where permitted. The caller closes the handles.
 Status scan(libusb_context* context, const UsbSelection& selection, std::vector<Candidate>& candidates) {
   libusb_device** devices = nullptr;
   const ssize_t count = libusb_get_device_list(context, &devices);
@@ -159,7 +159,7 @@ std::string list(const std::vector<Candidate>& candidates) {
   return text;
 }
 
-// Which of them is meant, or why none is.
+// The candidate that the selection names, or why there is none.
 Result<std::size_t> choose(const std::vector<Candidate>& candidates, const UsbSelection& selection) {
   if (candidates.empty()) return no_usb_device(selection);
   std::vector<std::size_t> matching;
@@ -180,7 +180,7 @@ Result<std::size_t> choose(const std::vector<Candidate>& candidates, const UsbSe
   return matching.front();
 }
 
-// The kernel driver on an interface, by the kernel's own tree; empty if none.
+// The kernel driver bound to an interface, from sysfs; empty if none.
 std::string kernel_driver(const std::string& port, std::uint8_t interface) {
   std::error_code error;
   const std::filesystem::path link = "/sys/bus/usb/devices/" + port + ":1." + std::to_string(interface) + "/driver";
@@ -247,7 +247,7 @@ Status UsbConnection::claim() {
   const std::string device = "USB device at port " + info_.port + ": ";
   if (error == 0) {
     claimed_ = true;
-    // Whoever had it before may have left its endpoints halted.
+    // The previous user may have left its endpoints halted.
     for (const std::uint8_t endpoint : {state_endpoint_, command_endpoint_})
       if (libusb_clear_halt(handle_, endpoint) == LIBUSB_ERROR_NO_DEVICE)
         return Status::error(device + "was unplugged just now: plug it in again");

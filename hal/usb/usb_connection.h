@@ -1,8 +1,8 @@
-// One tactus device on USB, opened and claimed; and the list of those that are there.
+// Opens and claims one tactus device on USB; lists the connected ones.
 //
-// Each connection has a libusb context of its own: the scan that comes with it sees what is plugged now, on systems
-// with and without udev's daemon, so a replugged device is found by opening anew. Thread: [setup] and normal threads;
-// none of it [rt]. Bound: a scan of the bus, and up to 1 s for each device that does not answer for its serial number.
+// Each connection has its own libusb context, which scans the bus when it is created, with or without the udev daemon;
+// so a replugged device is found by opening a new connection. Thread: [setup] and normal threads; none of it [rt].
+// Bound: a scan of the bus, and up to 1 s for each device that does not return its serial number.
 // Every error is one line that says what to do. Source: libusb 1.0 API; USB 2.0 chapter 9.
 #pragma once
 
@@ -20,26 +20,26 @@ struct libusb_device_handle;
 namespace tactus::hal {
 
 struct UsbSelection {
-  std::string serial;  // empty: the only device there is
+  std::string serial;  // empty: the only connected device
   std::uint16_t vendor{firmware::kUsbVendor}, product{firmware::kUsbProduct};
 };
 
 struct UsbDeviceInfo {
   std::string serial;
-  std::string port;                  // bus and ports to the device, as the kernel names it: 1-2.4
+  std::string port;                  // bus and port path, as the kernel names it: 1-2.4
   std::string speed;                 // "full", "high", ...
   std::uint16_t release{0};          // bcdDevice
-  std::uint8_t protocol_version{0};  // 0: has no tactus interface
-  std::string problem;               // why it cannot be opened; empty: it can
+  std::uint8_t protocol_version{0};  // 0: no tactus interface
+  std::string problem;               // why it cannot be opened; empty: no problem
 };
 
 // "serial A1, port 1-2, high speed", and the problem if there is one.
 std::string describe(const UsbDeviceInfo& info);
 
-// What UsbConnection::open says where no device of that vendor and product is.
+// The error of UsbConnection::open when no device of that vendor and product is connected.
 Status no_usb_device(const UsbSelection& selection);
 
-// All devices of that vendor and product, by port. Fails only when USB itself cannot be looked at.
+// All devices of that vendor and product, by port. Fails only if the bus itself cannot be scanned.
 Result<std::vector<UsbDeviceInfo>> enumerate_usb(const UsbSelection& selection = {});
 
 class UsbConnection {

@@ -16,15 +16,15 @@ Result<std::unique_ptr<UsbLink>> UsbLink::open(const UsbOptions& options) {
   if (!connection.ok()) return connection.status();
   std::unique_ptr<UsbLink> link(new UsbLink(options));
   link->info_ = connection.value()->info();
-  link->selection_.serial = link->info_.serial;  // the same one when it is plugged in again
+  link->selection_.serial = link->info_.serial;  // a replug accepts the same device only
   link->session_ = std::make_unique<Session>(*link, std::move(connection).value());
-  // Queued here already, so that the caller's first look sees a link that is connected or a reason.
+  // Queue the transfers here, so that open() returns a connected link or an error.
   if (!link->session_->begin()) {
     link->end_session();
     return Status::error("the USB device was unplugged just now: plug it in again");
   }
   link->connected_.store(true, std::memory_order_relaxed);
-  constexpr std::uint32_t kStack_KiB = 512;  // the scan of the bus, at a replug, has long paths on its stack
+  constexpr std::uint32_t kStack_KiB = 512;  // the bus scan at a replug keeps long paths on the stack
   if (Status status = link->thread_.start(kStack_KiB, options.realtime, &run_thread, link.get()); !status.ok()) {
     link->end_session();
     return status;
@@ -104,7 +104,7 @@ void UsbLink::run() noexcept {
 
 void UsbLink::serve() noexcept {
   while (!stop_.load(std::memory_order_relaxed) && !session_->gone()) {
-    session_->handle_events(kIdleLook);  // returns with the first that completes
+    session_->handle_events(kIdleLook);  // returns when the first transfer completes
     session_->clear_halts();
     session_->send_newest();
   }
@@ -115,14 +115,14 @@ void UsbLink::end_session() noexcept {
   connected_.store(false, std::memory_order_relaxed);
   if (lost) count(disconnects_);
   session_->cancel();
-  // A question may be under way: its transfer ends by itself, as the device is gone, or by its timeout.
+  // A request may be in progress: its transfer ends because the device is gone, or by its timeout.
   std::unique_lock<std::mutex> no_calls(calls_, std::defer_lock);
   while (!session_->idle() || !no_calls.try_lock()) session_->handle_events(kIdleLook);
   session_.reset();
   drop_command();
 }
 
-// A command that did not leave in time must not leave after a replug, when it is old.
+// Drops an unsent command, so that an old one is not sent after a replug.
 void UsbLink::drop_command() noexcept {
   if (commands_.take() != nullptr) count(send_failed_);
 }
@@ -134,7 +134,7 @@ void UsbLink::reconnect() noexcept {
   if (stop_.load(std::memory_order_relaxed)) return;
   Result<std::unique_ptr<UsbConnection>> connection = UsbConnection::open(selection_);
   const std::lock_guard<std::mutex> no_calls(calls_);
-  if (!connection.ok()) {  // not there yet, its permissions are not set yet, or another one is there
+  if (!connection.ok()) {  // not there yet, permissions not set yet, or a different device
     const bool nobody = connection.message() == no_usb_device(selection_).message();
     refused_ = nobody ? "" : connection.message();
     return;
@@ -145,7 +145,7 @@ void UsbLink::reconnect() noexcept {
   if (session_->begin()) connected_.store(true, std::memory_order_relaxed);
 }
 
-// --- questions
+// --- service requests
 
 Result<ServiceMessage> UsbLink::call(const ServiceMessage& request, std::chrono::milliseconds timeout) {
   using Milliseconds = std::chrono::milliseconds;
@@ -159,7 +159,7 @@ Result<ServiceMessage> UsbLink::call(const ServiceMessage& request, std::chrono:
   if (session_ != nullptr && connected())
     error = session_->ask(firmware::kUsbRequestOut, firmware::kUsbWriteService, bytes, left());
   if (error == 0) {
-    // The device stalls the read while it has no answer.
+    // The device stalls the read while it has no reply.
     do {
       error = connected() ? session_->ask(firmware::kUsbRequestIn, firmware::kUsbReadService, bytes, left())
                           : static_cast<int>(LIBUSB_ERROR_NO_DEVICE);

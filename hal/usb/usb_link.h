@@ -1,14 +1,14 @@
-// The host's end of a USB link: FrameLink over libusb, with a thread of its own between the bus and the haptic thread.
+// The host's end of a USB link: FrameLink over libusb, with its own thread between the bus and the haptic thread.
 //
-// The link's thread keeps kInFlight transfers IN queued, so that no poll of the bus finds none; each that completes
-// stores its frame and arrival time as the newest value, is queued again, and sends the newest command that the haptic
-// thread has left: one transfer OUT at a time, so that what leaves is never older than one transfer. When no frame
-// comes, it looks for commands every kIdleLook all the same. The haptic thread exchanges values with it
+// The link's thread keeps kInFlight IN transfers queued, so that every poll of the bus finds one. When one completes,
+// the thread stores its frame and arrival time as the newest value, queues it again, and sends the newest command from
+// the haptic thread: one OUT transfer at a time, so that a command waits for at most one transfer. While no frame
+// arrives, it checks for commands every kIdleLook. The haptic thread exchanges values with it
 // (rt/base/latest_value.h): it calls neither libusb nor the kernel.
-// Unplugged: connected() is false with the first transfer that says so, commands are refused and counted. The thread
-// then looks for a device with the same serial every kReplugLook, opens it and goes on; nobody has to do anything.
-// An endpoint that halts (STALL) is cleared when the link opens and whenever it happens, by the link's thread; one that
-// halts again and again ends the connection as if it were unplugged.
+// Unplugged: connected() is false from the first transfer that reports it; commands are refused and counted. The thread
+// then searches for a device with the same serial every kReplugLook and reconnects automatically.
+// A halted endpoint (STALL) is cleared when the link opens and whenever it occurs, by the link's thread; repeated halts
+// end the connection as if the device were unplugged.
 // Thread: open(), start(), call() [setup] and normal threads, call() while the loop runs too; receive(), send() [rt],
 // by the haptic thread alone; connected(), counters() [any]. Bound: receive() and send(): one atomic exchange and a
 // copy. call(): its timeout. open(): the scan (usb_connection.h). The destructor: one transfer's cancellation, ms.
@@ -29,8 +29,8 @@ namespace tactus::hal {
 
 struct UsbOptions {
   UsbSelection device;
-  // The link's thread. Above the haptic thread's priority: where both share a core, a frame that arrived must not wait
-  // for the next tick. cpu: -1 for any; the haptic loop's own core is the wrong one.
+  // The link's thread. Its priority is above the haptic thread's, so that on a shared core a received frame does not
+  // wait for the next tick. cpu: -1 for any; do not use the haptic loop's core.
   loop::SetupRequest realtime{.cpu = -1, .priority = 85};
 };
 
@@ -39,15 +39,15 @@ class UsbLink {
   static constexpr unsigned kInFlight = 4;
   static constexpr std::chrono::milliseconds kIdleLook{2}, kReplugLook{200};
 
-  // Errors, one line each: no device, no permission, several devices, no such serial, no tactus interface, another
-  // protocol version, in use by a kernel driver or a program. Missing real-time privileges are no error: see
-  // setup_report(). Frames flow from here on.
+  // Starts the exchange of frames. Errors, one line each: no device, no permission, several devices, no such serial, no
+  // tactus interface, another protocol version, in use by a kernel driver or a program. Missing real-time privileges
+  // are no error: see setup_report().
   static Result<std::unique_ptr<UsbLink>> open(const UsbOptions& options = {});
   ~UsbLink();
   UsbLink(const UsbLink&) = delete;
   UsbLink& operator=(const UsbLink&) = delete;
 
-  // Drops what waits and clears the counters, just before the first tick.
+  // Drops waiting frames and clears the counters, just before the first tick.
   Status start();
 
   // --- FrameLink
@@ -87,16 +87,16 @@ class UsbLink {
 
   UsbSelection selection_;
   UsbDeviceInfo info_;
-  std::unique_ptr<Session> session_;  // the link's thread's, but for call(), which holds the lock
-  std::mutex calls_;                  // one question at a time, and no session ends under one
+  std::unique_ptr<Session> session_;  // used by the link's thread, and by call() under the lock
+  std::mutex calls_;                  // one request at a time; no session ends during a request
   LatestValue<State> states_;
   LatestValue<Command> commands_;
   std::atomic<bool> connected_{false}, stop_{false};
-  std::string refused_;  // why the last new connection failed; under calls_
+  std::string refused_;  // why the last reconnection failed; guarded by calls_
   Counter received_{0}, malformed_{0}, sent_{0}, send_failed_{0}, errors_{0}, disconnects_{0};
   std::uint64_t taken_number_{0};  // the haptic thread's
   LinkCounters before_start_;
-  loop::RealtimeThread thread_;  // last: it is joined before anything that it uses goes
+  loop::RealtimeThread thread_;  // declared last: joined before the members that it uses are destroyed
 };
 
 static_assert(FrameLink<UsbLink>);

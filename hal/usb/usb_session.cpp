@@ -7,9 +7,9 @@
 namespace tactus::hal {
 namespace {
 
-// Failed transfers in a row after which the connection is ended and made anew: a cable that is being pulled gives some.
+// Consecutive failed transfers after which the connection is ended and reopened: a cable being unplugged causes some.
 constexpr unsigned kMostFailures = 20;
-// Halts of the states' endpoint likewise.
+// The same for consecutive halts of the state endpoint.
 constexpr unsigned kMostHalts = 5;
 
 }  // namespace
@@ -64,7 +64,7 @@ bool UsbLink::Session::clear(std::uint8_t endpoint) noexcept {
   return cleared;
 }
 
-// The transfers IN have all come back before their endpoint is cleared: an order of frames that nobody can mix up.
+// The state endpoint is cleared only after all IN transfers have completed, so that the order of frames is preserved.
 void UsbLink::Session::clear_halts() noexcept {
   if (gone_ || ending_) return;
   if (commands_halted_ && clear(connection_->command_endpoint())) commands_halted_ = false;
@@ -90,7 +90,8 @@ void UsbLink::Session::note_failure(const libusb_transfer& transfer) noexcept {
     commands_halted_ = true;
   } else if (!states_halted_) {
     states_halted_ = true;
-    for (Transfer& other : states_) libusb_cancel_transfer(other.usb);  // some controllers keep them until then
+    for (Transfer& other : states_)
+      libusb_cancel_transfer(other.usb);  // some controllers do not complete them otherwise
   }
 }
 
@@ -114,7 +115,7 @@ void UsbLink::Session::on_state(libusb_transfer* transfer) {
     session.failures_in_a_row_ = session.halts_in_a_row_ = 0;
     session.take_state(*transfer);
   } else if (transfer->status == LIBUSB_TRANSFER_OVERFLOW) {
-    count(session.link_.malformed_);  // a packet larger than the endpoint's: not a frame of ours
+    count(session.link_.malformed_);  // a packet larger than the endpoint's: not a tactus frame
   } else {
     session.note_failure(*transfer);
   }
@@ -125,7 +126,7 @@ void UsbLink::Session::on_state(libusb_transfer* transfer) {
       ++session.states_in_flight_;
     } else if (!session.gone_) {
       count(session.link_.errors_);
-      session.lose();  // no transfer IN, no frames: begin anew
+      session.lose();  // without IN transfers no frames arrive: reconnect
     }
   }
   session.send_newest();
@@ -149,7 +150,7 @@ void UsbLink::Session::on_command(libusb_transfer* transfer) {
     count(session.link_.send_failed_);
     session.note_failure(*transfer);
   }
-  session.send_newest();  // one may have come while this was under way
+  session.send_newest();  // a new command may have arrived during this transfer
 }
 
 void UsbLink::Session::handle_events(std::chrono::microseconds wait) noexcept {
@@ -159,7 +160,7 @@ void UsbLink::Session::handle_events(std::chrono::microseconds wait) noexcept {
 
 void UsbLink::Session::cancel() noexcept {
   ending_ = true;
-  for (Transfer& transfer : states_) libusb_cancel_transfer(transfer.usb);  // those not in flight say so, harmlessly
+  for (Transfer& transfer : states_) libusb_cancel_transfer(transfer.usb);  // harmless if not in flight
   libusb_cancel_transfer(command_.usb);
 }
 
@@ -170,8 +171,8 @@ void UsbLink::Session::on_control(libusb_transfer* transfer) {
   session.in_flight_.fetch_sub(1, std::memory_order_acq_rel);
 }
 
-// The caller's thread only submits; the link's thread handles the completion. With libusb's own synchronous calls this
-// thread would become the one that handles all events for a while, at its lower priority.
+// The caller's thread only submits; the link's thread handles the completion. libusb's synchronous calls would make the
+// caller's thread handle all events meanwhile, at its lower priority.
 int UsbLink::Session::ask(std::uint8_t request_type, std::uint8_t request,
                           std::span<std::byte, firmware::kServiceFrameSize> data, std::chrono::milliseconds timeout) {
   unsigned char* buffer = control_.buffer.data();

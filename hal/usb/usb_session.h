@@ -1,7 +1,7 @@
-// The transfers of one USB connection: states IN kept in flight, one command OUT, one control exchange for call().
+// The transfers of one USB connection: queued IN transfers for states, one OUT for a command, one control for call().
 //
-// Part of UsbLink, which it reports to. An endpoint that halts is cleared and used again, a few times in a row; what is
-// under way on the other goes on. Thread: the link's; ask() by the one that calls, while the link's thread serves.
+// Part of UsbLink, whose counters it updates. A halted endpoint is cleared and used again, a few times in a row; the
+// other endpoint's transfers continue. Thread: the link's; ask() by its caller while the link's thread handles events.
 // Bound: all transfers are allocated at construction; a callback does one copy and one resubmission.
 #pragma once
 
@@ -16,23 +16,24 @@ namespace tactus::hal {
 class UsbLink::Session {
  public:
   Session(UsbLink& link, std::unique_ptr<UsbConnection> connection);
-  ~Session();  // waits until nothing is in flight any more
+  ~Session();  // waits until no transfer is in flight
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // Queues the transfers IN. False: the device is gone, or takes none.
+  // Queues the IN transfers. False: the device is gone, or accepts none.
   bool begin() noexcept;
-  // Clears the endpoints that have halted; waits for the device's answer, by the link's thread alone.
+  // Clears halted endpoints; waits for the device's answer. Link's thread only.
   void clear_halts() noexcept;
-  // Waits for what the bus does, at most `wait`, and lets the callbacks run.
+  // Waits at most `wait` for bus events and runs their callbacks.
   void handle_events(std::chrono::microseconds wait) noexcept;
-  // The newest command, if there is one and none is under way.
+  // Sends the newest command, if there is one and no command transfer is in flight.
   void send_newest() noexcept;
   bool gone() const noexcept { return gone_; }
   void cancel() noexcept;
   bool idle() const noexcept { return in_flight_.load(std::memory_order_acquire) == 0; }
 
-  // One control transfer of 16 bytes each way: 0 or the libusb error. Waits for the link's thread to see it complete.
+  // One control transfer of 16 bytes, in the direction of `request_type`. Returns 0 or the libusb error. Waits until
+  // the link's thread has handled its completion.
   int ask(std::uint8_t request_type, std::uint8_t request, std::span<std::byte, firmware::kServiceFrameSize> data,
           std::chrono::milliseconds timeout);
 
@@ -46,7 +47,7 @@ class UsbLink::Session {
   static void on_command(libusb_transfer* transfer);
   static void on_control(libusb_transfer* transfer);
   void take_state(const libusb_transfer& transfer) noexcept;
-  // False when it is not under way.
+  // False if it could not be submitted.
   bool submit(Transfer& transfer) noexcept;
   void note_failure(const libusb_transfer& transfer) noexcept;
   bool clear(std::uint8_t endpoint) noexcept;
