@@ -35,7 +35,7 @@ std::uint64_t count_field(std::int32_t count, unsigned first) noexcept {
   return field(static_cast<std::uint32_t>(count), first, kCountBits);
 }
 
-// The number that ends in `low` (of `bits` bits): nearest to `expected`, or the first at or after it.
+// The number with the lowest `bits` bits `low` that is nearest to `expected`, or, forwards, the first at or after it.
 std::uint32_t continued(std::uint32_t expected, std::uint32_t low, unsigned bits, bool forwards) noexcept {
   const std::uint32_t ahead = static_cast<std::uint32_t>(taken(low - expected, 0, bits));
   if (forwards) return expected + ahead;
@@ -50,7 +50,7 @@ float unit_of(unsigned exponent) noexcept {
   return power_of_two(static_cast<int>(exponent) - static_cast<int>(kExponentBias));
 }
 
-// Three efforts with the exponent that they share.
+// Encodes three efforts with a common exponent.
 std::uint64_t effort_fields(const float* effort) noexcept {
   float largest = 0.0f;
   for (unsigned i = 0; i < 3; ++i)
@@ -164,11 +164,11 @@ bool StateAssembler::accept(CanFunction function, std::span<const std::byte> dat
 }
 
 void StateAssembler::take_status(std::uint64_t word) noexcept {
-  // Behind what came already, by less than half its range: an old one, sent again, or those of a device that was reset.
+  // Older than the newest state by less than half the 16-bit range: a repeated status, or from a device that was reset.
   const std::uint32_t sequence = continued(sequence_, static_cast<std::uint32_t>(taken(word, 0, 16)), 16, status_gap_);
   if (is_newer(sequence_, sequence) && !follows_old_status(word)) return;
   const auto ahead = static_cast<std::uint32_t>(taken(word, 16, 32)) - static_cast<std::uint32_t>(time_us_);
-  // Nearest, because it corrects what was rebuilt; after a gap forwards, as far as it says.
+  // Nearest to the rebuilt time, which it corrects; after a gap forwards only, by any amount.
   time_us_ += status_gap_ ? ahead : static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(ahead)});
   sequence_ = sequence;
   buttons_ = static_cast<std::uint8_t>(taken(word, 48, 8));
@@ -177,8 +177,8 @@ void StateAssembler::take_status(std::uint64_t word) noexcept {
   silent_looks_ = 0;
 }
 
-// Two old ones of which the second comes as long after the first as it should are no copies of one: the time of a
-// device that was reset begins anew, and whoever reads the states is to see it go back.
+// True if two old statuses are apart in time as their sequences require, so they are not copies of one status: the
+// device was reset, its time restarted, and the rebuilt states must show the step back.
 bool StateAssembler::follows_old_status(std::uint64_t word) noexcept {
   const std::uint64_t before = old_status_;
   old_status_ = word;
@@ -202,7 +202,7 @@ void StateAssembler::rebuild(StateFrame& frame) noexcept {
 
   const auto missed = static_cast<std::uint8_t>(taken(set_.word(2), 52, 4));
   frame.missed_commands = missed < kMaxMissed || status_missed_ < kMaxMissed ? missed : status_missed_;
-  // The device's newest is never newer than what was sent. Beyond the range of `missed` the byte may have wrapped.
+  // The echoed sequence is never newer than the last sent one. With `missed` saturated the byte may have wrapped.
   if (missed < kMaxMissed) echoed_ = sent_ - ((sent_ - static_cast<std::uint32_t>(taken(set_.word(2), 56, 8))) & 0xffu);
   frame.echoed_sequence = echoed_;
 }
@@ -221,7 +221,7 @@ void StateAssembler::continue_sequence_and_time(StateFrame& frame) noexcept {
   const auto expected_low = static_cast<std::uint32_t>(expected_quanta);
   const std::int32_t off = static_cast<std::int32_t>(continued(expected_low, quanta_low, 8, state_gap_) - expected_low);
   frame.time_us = (expected_quanta + static_cast<std::uint64_t>(std::int64_t{off})) << kTimeShift;
-  // Also backwards: a stream that is sent again stays an old one, however long it is.
+  // Also backwards: a stream that is sent again keeps its old sequence and time, whatever its length.
   sequence_ = frame.sequence, time_us_ = frame.time_us;
   state_gap_ = false;
   silent_looks_ = 0;
@@ -242,7 +242,7 @@ bool CommandAssembler::accept(CanFunction function, std::span<const std::byte> d
   }
   if (!set_.add(index, kCommandFragments, static_cast<std::uint8_t>(taken(word, 52, 8)), bytes)) return false;
 
-  // A wanted state that does not exist goes through: the controller refuses it and counts it, as on every link.
+  // An invalid wanted state is passed on: the controller rejects and counts it, as on every link.
   frame.wanted = static_cast<State>(taken(set_.word(0), 60, 2));
   frame.rearm = taken(set_.word(0), 62, 1) != 0;
   const auto sequence_low = static_cast<std::uint32_t>(taken(set_.word(0), 52, 8) | (taken(set_.word(1), 60, 4) << 8));

@@ -7,8 +7,8 @@ namespace {
 
 constexpr State R = State::kReset, I = State::kIdle, F = State::kForce, B = State::kBrake;
 
-// Rows: the state. Columns: the event, in the order of its numbers. BRAKE is left by a re-arm alone, and only when
-// nothing more urgent is there: the causes come first in the order of events.
+// Rows: the state. Columns: the event, in the order of its numbers. Only a re-arm leaves BRAKE, and only without a more
+// urgent event: all causes of BRAKE precede it in the order of events.
 constexpr std::array<std::array<State, kEvents>, kStates> kNext{{
     //  stop bus speed supervision effort lost brake rearm force idle nothing
     {{B, R, R, B, B, I, B, I, I, I, I}},  // RESET: waits for the supply; any calm period ends it
@@ -20,17 +20,17 @@ constexpr std::array<std::array<State, kEvents>, kStates> kNext{{
 constexpr std::uint32_t kSaturated = 0xffffffffu;
 
 bool is_finite(float x) noexcept { return (std::bit_cast<std::uint32_t>(x) & 0x7f800000u) != 0x7f800000u; }
-// Far above any motor, far below where a square overflows.
+// Far above any motor's effort, far below the overflow of a square.
 constexpr float kMaxPlausible = 1e6f;
 bool is_limit(float x) noexcept { return is_finite(x) && x >= 0.0f && x <= kMaxPlausible; }
-// N or N m: an effort below it is none, before and after each scaling. Squares of smaller ones underflow: they would
-// pass any limit of a norm, and a base of them would count as none.
+// N or N m: smaller efforts are set to zero, before and after each scaling. Their squares would underflow: they would
+// pass any norm limit, and would not count as part of the base.
 constexpr float kLeastEffort = 1e-15f;
 
 float magnitude(float x) noexcept { return x < 0.0f ? -x : x; }
 void count_up(std::uint32_t& counter) noexcept { counter += counter != kSaturated ? 1u : 0u; }
 
-// The s from 0 to 1 at which base + s (sum - base) leaves the ball of radius max_norm; sum is outside, base inside.
+// The s in [0, 1] with |base + s (sum - base)| = max_norm. Precondition: |base| <= max_norm < |sum|.
 float share_within_norm(const float* base, const float* sum, float sum_squared, float max_norm) noexcept {
   float base_squared = 0.0f, step_squared = 0.0f;
   for (unsigned i = 0; i < 3; ++i) {
@@ -41,8 +41,8 @@ float share_within_norm(const float* base, const float* sum, float sum_squared, 
   if (base_squared == 0.0f) return max_norm / __builtin_sqrtf(sum_squared);
   const float room = max_norm * max_norm - base_squared;
   if (!(room > 0.0f) || !(step_squared > 0.0f)) return 0.0f;
-  // With t = s |step| and the unit vector d along the step: t^2 + 2 t (base . d) + |base|^2 = max_norm^2. No power
-  // above the second: a fourth underflows at 1e-10 N.
+  // With t = s |step| and the unit vector d along the step: t^2 + 2 t (base . d) + |base|^2 = max_norm^2. No powers
+  // above the second: a fourth power underflows at 1e-10 N.
   const float length = __builtin_sqrtf(step_squared);
   float along = 0.0f;
   for (unsigned i = 0; i < 3; ++i) along += base[i] * ((sum[i] - base[i]) / length);
@@ -66,7 +66,7 @@ Fault fault_of(Event event, Fault supervision_fault) noexcept {
     case Event::kCommandsLost:
       return Fault::kCommandsLost;
     default:
-      return Fault::kNone;  // a brake that the host asked for is no fault
+      return Fault::kNone;  // a BRAKE requested by the host is no fault
   }
 }
 
@@ -151,7 +151,7 @@ void Controller::hear(std::span<const std::byte> bytes) noexcept {
     heard_.effort_not_finite = true;
     return count_up(refused_);
   }
-  // At the start of a sequence there is nothing to compare with: the last that came.
+  // At the start of a sequence there is no reference: the last received frame counts.
   const bool older = heard_.acceptable && !starts_sequence() && !is_newer(frame.sequence, heard_.newest.sequence);
   if (older) return count_up(refused_);
   heard_.newest = frame;
@@ -164,7 +164,7 @@ Controller::Reception Controller::receive() noexcept {
   heard_ = {};
   reception.effort_not_finite = heard.effort_not_finite;
   const bool starts = starts_sequence();
-  count_up(missed_);  // taken back below by the one kind of frame that feeds the watchdog
+  count_up(missed_);  // reset below if a frame is accepted
   if (!heard.acceptable) return reception;
 
   const CommandFrame& frame = heard.newest;
@@ -200,15 +200,15 @@ Event Controller::event_of(const ControllerInputs& inputs, const Reception& rece
 }
 
 void Controller::enter(State next, Event event, Fault supervision_fault) noexcept {
-  // The first cause is the one kept.
+  // Keep the first cause.
   if (next == State::kBrake && state_ != State::kBrake) fault_ = fault_of(event, supervision_fault);
   if (next != State::kBrake && state_ == State::kBrake) fault_ = Fault::kNone;
   state_ = next;
 }
 
-// The arm's support first, the command's efforts on top of it as far as the limits leave room. Only the command's part
-// fades: the arm does not drop while the host is late. Every effort between the two is within the limits, for the set
-// of efforts within them is convex.
+// The arm's support has priority; the command's efforts are added as far as the limits allow. Only the command's part
+// fades, so the arm does not drop while the host is late. The set of efforts within the limits is convex, so all
+// efforts between the two sums are within the limits.
 AxisValues Controller::limited_effort(const Supervision& supervision) noexcept {
   const bool supported = state_ == State::kForce || (state_ == State::kIdle && supervision.support_in_idle);
   AxisValues support{};
@@ -225,8 +225,8 @@ AxisValues Controller::limited_effort(const Supervision& supervision) noexcept {
   return effort;
 }
 
-// base + s extra, with the largest s from 0 to 1 that the motors and the two norms allow: three axes share one s, so
-// that the direction that the host chose is kept. `base` is within the limits.
+// base + s extra, with the largest s in [0, 1] that the motors and the two norms allow. Three axes share one s, which
+// keeps the direction of `extra`. Precondition: `base` is within the limits.
 AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValues& extra,
                                          const AxisValues& share) noexcept {
   AxisValues sum{};
@@ -253,7 +253,7 @@ AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValue
       const float norm_scale = share_within_norm(&base[first], &sum[first], norm_squared, max_norm);
       for (unsigned i = first; i < first + 3; ++i) sum[i] = base[i] + (sum[i] - base[i]) * norm_scale;
     }
-    // Rounding may leave a last bit above the motor's limit.
+    // Rounding may exceed the motor's limit by one bit.
     for (unsigned i = first; i < first + 3; ++i) {
       const float limit = max_effort[i];
       sum[i] = sum[i] > limit ? limit : (sum[i] < -limit ? -limit : sum[i]);

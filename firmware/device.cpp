@@ -54,7 +54,7 @@ ControllerOutputs Device::step(const ControllerInputs& inputs, std::span<const s
   return outputs;
 }
 
-// Whole, between two periods: nothing is ever half in force.
+// Activates the accepted configuration as a whole, between two periods.
 void Device::apply() noexcept {
   controller_.configure(accepted_.control);
   encoders_.configure(accepted_.encoders);

@@ -32,8 +32,8 @@ class Device {
       : Device(DeviceConfig{config, {}, {}, {}, {}}, identity) {}
   explicit Device(const DeviceConfig& factory, const Identity& identity = {}) noexcept;
 
-  // [setup] Activates a saved configuration. False if the block is invalid (self-test bit 5): the factory configuration
-  // stays active.
+  // [setup] Activates a saved configuration. False if the block is empty, or invalid (which sets self-test bit 5): the
+  // factory configuration stays active.
   bool restore(std::span<const std::byte> block) noexcept;
 
   // Once per control period; see Controller::step. The state frame contains counts after direction and offset.

@@ -1,4 +1,4 @@
-// Device's answers: what each register reads as, which writes it takes, what the commands do.
+// Service requests of Device: reading and writing registers, executing commands.
 #include "firmware/device.h"
 
 namespace tactus::firmware {
@@ -43,7 +43,7 @@ ServiceStatus Device::write(const Register& row, unsigned index, std::uint32_t v
   if (save_state_ == SaveState::kWriting || homing) return ServiceStatus::kBusy;
   if (!is_in_range(row, value)) return ServiceStatus::kOutOfRange;
 
-  // A whole that makes sense stays one; one that made none may be mended register by register.
+  // A valid configuration must stay valid; an invalid one may be repaired register by register.
   const bool was_valid = is_valid(accepted_);
   const std::uint32_t before = read_field(row, index, accepted_.view());
   write_field(row, index, value, accepted_);
@@ -62,7 +62,7 @@ ServiceStatus Device::execute(const Register& row, std::uint32_t argument) noexc
   const bool homing = encoders_.state() == HomingState::kHoming;
   switch (row.number) {
     case number::kSave:
-      if (changed_ || homing) return ServiceStatus::kBusy;  // a period later it is in force
+      if (changed_ || homing) return ServiceStatus::kBusy;  // a change becomes active in the next period
       writer_.begin();
       save_state_ = SaveState::kWriting;
       return ServiceStatus::kGood;
@@ -146,7 +146,7 @@ std::uint32_t Device::read(const Register& row, unsigned index) const noexcept {
   }
 }
 
-// Entry index / 4, the newest first; its word index % 4.
+// Word index % 4 of entry index / 4; entry 0 is the newest.
 std::uint32_t Device::read_fault_log(unsigned index) const noexcept {
   const FaultEntry entry = log_.entry(index / kFaultLogWords);
   switch (index % kFaultLogWords) {

@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::uint32_t bit(unsigned axis) noexcept { return 1u << axis; }
 
-// Counters wrap; signed overflow may not.
+// Wraps to 32 bits without signed overflow.
 constexpr std::int32_t wrapped(std::int64_t x) noexcept {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(x)));
 }
@@ -22,7 +22,7 @@ bool is_valid(const EncoderConfig& config) noexcept {
   bool valid = config.index_axes <= kAllAxes && config.speed_corner_Hz >= 0.0f;
   for (unsigned i = 0; i < kAxes; ++i) {
     valid = valid && (config.direction[i] == 1 || config.direction[i] == -1);
-    // A tolerance of half a distance would accept everything.
+    // A tolerance of half a distance would accept any count.
     const std::uint32_t distance = config.index_distance[i];
     valid = valid && (distance == 0 || (distance <= static_cast<std::uint32_t>(kMaxCount) &&
                                         config.index_tolerance < (distance + 1) / 2));
@@ -81,7 +81,7 @@ Encoders::Reading Encoders::update(const ControllerInputs& inputs) noexcept {
   return reading;
 }
 
-// Compared with the first pulse, not the last: an error that grows by a count per turn is found as well.
+// Compares with the first pulse, not the last, so that a slowly growing error (a count per turn) is detected too.
 bool Encoders::index_fits(unsigned axis, std::int32_t latched) noexcept {
   if ((referenced_ & bit(axis)) == 0) {
     reference_[axis] = latched, referenced_ |= bit(axis);

@@ -11,7 +11,7 @@ constexpr std::uint8_t kTypeState = 1, kTypeCommand = 2;
 constexpr std::uint8_t kFlagRearm = 1u << 0;
 constexpr std::size_t kCrcSize = 4;
 
-// Sixteen entries, a nibble at a time: 64 bytes of flash instead of 1 KiB, two look-ups per byte.
+// One entry per nibble: 64 bytes of flash instead of 1 KiB, two look-ups per byte.
 constexpr std::array<std::uint32_t, 16> make_crc_table() noexcept {
   constexpr std::uint32_t reflected_polynomial = 0x82f63b78u;
   std::array<std::uint32_t, 16> table{};

@@ -14,7 +14,7 @@ constexpr std::uint8_t state_bit(State state) noexcept { return static_cast<std:
 constexpr std::uint8_t kNever = 0;
 constexpr std::uint8_t kCalm = state_bit(State::kReset) | state_bit(State::kIdle) | state_bit(State::kBrake);
 constexpr std::uint8_t kStarted = state_bit(State::kIdle) | state_bit(State::kBrake);
-constexpr float kMaxPlausible = 1e6f;  // as Controller's own check
+constexpr float kMaxPlausible = 1e6f;  // equal to the limit in controller.cpp
 
 struct Field {
   Section section;
@@ -228,7 +228,7 @@ bool has_same_fields(const Register& row, const ConfigView& a, const ConfigView&
 }
 
 void write_field(const Register& row, unsigned index, std::uint32_t value, DeviceConfig& config) noexcept {
-  // The view's sections are this configuration's own, which is not constant.
+  // The const_cast is valid: the view points into `config`, which is not const.
   auto* at = static_cast<std::byte*>(const_cast<void*>(section_of(config.view(), row.section))) + row.offset;
   if (row.width == 1)
     at[index] = static_cast<std::byte>(value);

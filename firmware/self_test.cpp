@@ -30,7 +30,7 @@ void SelfTest::step(const ConfigView& accepted, const ConfigView& in_force, bool
   if (!encoders_good) note(SelfTestBit::kEncoders);
   if (!motor_bus_good) note(SelfTestBit::kMotorBus);
   if (row_ < table_.size()) {
-    // From memory, not from what the compiler knows to be there.
+    // Forces a read from memory instead of the compile-time constants.
     const Register* row = &table_[row_];
     asm volatile("" : "+r"(row) : : "memory");
     so_far_ = fingerprint(so_far_, *row);

@@ -3,8 +3,8 @@
 namespace tactus::firmware {
 namespace {
 
-// The highest limit that a register takes. A sensor that says more, or infinity, is believed no further: the model
-// would never come back.
+// The highest limit that a register accepts. Sensor values are clamped to it: from infinity the model would not
+// recover.
 constexpr float kHottest_K = 1000.0f;
 
 }  // namespace
@@ -37,7 +37,7 @@ void ThermalModel::update(const AxisValues& effort, const AxisValues& measured_r
     const float share = step_s / (config_.time_constant_s[i] + step_s);
     rise_K_[i] += share * (config_.gain_K_per_effort2[i] * mean_square - rise_K_[i]);
     const float measured_K = measured_rise_K[i] < kHottest_K ? measured_rise_K[i] : kHottest_K;
-    if (measured_rise_K[i] > rise_K_[i]) rise_K_[i] = measured_K;  // NaN is not above anything
+    if (measured_rise_K[i] > rise_K_[i]) rise_K_[i] = measured_K;  // false for NaN
   }
   periods_ = 0;
   judge();

@@ -1,8 +1,8 @@
 // Encoders and motors behind the board's registers: the Mechanics of firmware/board.h.
 //
-// Thread: the control period's, [rt]. Units: N or N m per axis in, set-points in 1/32767 of the axis' full effort out.
-// Bound: a set-point beyond the full one saturates; an axis whose full effort is 0 has no motor and gets 0. Of several
-// index pulses within one period the newest is told.
+// Thread: the control period's, [rt]. Units: input N or N m per axis, output set-points in 1/32767 of the axis's full
+// effort. Bound: set-points saturate at the full one; an axis whose full effort is 0 has no motor and gets 0. Of
+// several index pulses within one period only the newest is reported.
 #pragma once
 
 #include "firmware/board.h"
@@ -33,7 +33,8 @@ class BoardMechanics {
     for (unsigned i = 0; i < kAxes; ++i) {
       inputs.counts[i] = static_cast<std::int32_t>(registers_.encoder_count[i]);
       inputs.measured_rise_K[i] = static_cast<float>(static_cast<std::int32_t>(registers_.winding_rise_mK[i])) * 1e-3f;
-      // The pulses before what they latched: a pulse in between is told again, with the same count, in the next period.
+      // Read the pulse counter before the latched count: a pulse between the two reads is reported again, with the same
+      // count, in the next period.
       const std::uint32_t pulses = registers_.index_pulses[i];
       if (pulses != index_pulses_[i]) inputs.index_edges = static_cast<std::uint8_t>(inputs.index_edges | 1u << i);
       index_pulses_[i] = pulses;
@@ -57,7 +58,7 @@ class BoardMechanics {
   }
 
  private:
-  // To the nearest; NaN gives 0.
+  // Rounds to the nearest; NaN gives 0.
   static std::int32_t setpoint_of(float x) noexcept {
     constexpr auto full = static_cast<float>(kFullSetpoint);
     if (!(x > -full)) return x == x ? -kFullSetpoint : 0;

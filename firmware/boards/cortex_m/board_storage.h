@@ -1,10 +1,10 @@
-// Where the board keeps the device's configuration: the Storage of firmware/board.h over a memory that survives reset.
+// Stores the device's configuration: the Storage of firmware/board.h over a memory that survives reset.
 //
-// On mps2-an386 that memory is plain, at an address that the linker script gives; a port to a chip puts its EEPROM or
-// flash page there, and where writing takes longer than a period it copies the block here and writes beside. The size
-// is cleared before the block is written, and set after it: a reset in between leaves nothing rather than a half, and
-// the block's own CRC guards what is left. Thread: load() [setup], store() the control period's, [rt]. Bound: one block
-// of kConfigBlockSize.
+// On mps2-an386 this is plain memory at an address from the linker script; a port to a chip uses its EEPROM or a flash
+// page, and, if writing takes longer than a period, copies the block here and writes it in the background. The size is
+// cleared before the block is written and set afterwards, so that a reset in between leaves no block instead of half a
+// block; the block's CRC detects other damage. Thread: load() [setup], store() the control period's, [rt]. Bound: one
+// block of kConfigBlockSize.
 #pragma once
 
 #include "firmware/board.h"
@@ -20,7 +20,7 @@ class BoardStorage {
  public:
   explicit BoardStorage(StorageMemory& memory) noexcept : memory_(memory) {}
 
-  // 0 as well where the memory holds what this class did not write.
+  // Also 0 if the stored size is invalid.
   std::size_t load(std::span<std::byte> room) noexcept {
     const std::size_t size = memory_.size;
     if (size > kConfigBlockSize || size > room.size()) return 0;

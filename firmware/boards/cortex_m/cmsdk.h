@@ -1,5 +1,5 @@
-// The peripherals of Arm's CMSDK as the machine mps2-an386 has them: a serial port and a watchdog. A port to a chip
-// replaces this file and the interrupt numbers in main.cpp.
+// Two peripherals of Arm's CMSDK in the machine mps2-an386: a serial port and a watchdog. A port to a chip replaces
+// this file and the interrupt numbers in main.cpp.
 //
 // Source: Cortex-M System Design Kit Technical Reference Manual (ARM DDI 0479), APB components; AN386, memory map and
 // clock. Thread: [setup] and the interrupt handlers of main.cpp.
@@ -31,12 +31,12 @@ inline void start_uart(UartRegisters& uart, std::uint32_t bit_rate_Hz) noexcept 
   uart.control = kUartRuns;
 }
 
-// Counts down from `load`: the first time it comes to zero it raises the NMI, the second time it resets the chip.
+// Counts down from `load`: reaching zero raises the NMI the first time, and resets the chip the second time.
 struct WatchdogRegisters {
   std::uint32_t volatile load;
   std::uint32_t volatile value;
   std::uint32_t volatile control;          // bit 0 counts and interrupts, bit 1 resets
-  std::uint32_t volatile clear_interrupt;  // any write: starts again from `load`
+  std::uint32_t volatile clear_interrupt;  // any write restarts the count from `load`
 };
 inline constexpr std::uint32_t kWatchdogRuns = 3;
 

@@ -1,9 +1,9 @@
-// Frames on a line of bytes: consistent overhead byte stuffing. A frame's zeros are coded away, so that a zero on the
-// line always ends a frame: a receiver that starts anywhere, or after any damage, is right again after the next zero.
+// Framing on a serial line: consistent overhead byte stuffing (COBS). Encoded frames contain no zeros, so a zero on the
+// line always ends a frame, and a receiver resynchronises at the next zero after any start or damage.
 //
-// A block is a code n from 1 to 255 and n - 1 bytes that are not zero; it stands for these bytes and a zero, but for
-// the last block, which has none. Frames here are shorter than 255 bytes, so a code of 255 never occurs and a frame
-// grows by two bytes: its first code and the zero that ends it. What is inside is protocol.h's, magic, CRC and all.
+// A block is a code n from 1 to 255 and n - 1 bytes that are not zero; it encodes these bytes and a following zero,
+// which the last block does not have. Frames here are shorter than 255 bytes, so a code of 255 never occurs and a frame
+// grows by two bytes: its first code and the terminating zero. The content is a frame of protocol.h or service.h.
 // Source: Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999. Thread: [any]. Bound: kMaxFrameSize.
 #pragma once
 
@@ -36,11 +36,11 @@ inline std::size_t stuff(std::span<const std::byte> frame, std::span<std::byte, 
   return size + 1;
 }
 
-// Takes the line byte by byte.
+// Decodes the line byte by byte.
 class FrameReader {
  public:
-  // True when this byte ends a frame: then frame() has it, until the next call. A frame that is empty is none; one that
-  // is broken or too long is counted.
+  // True if this byte ends a frame: frame() returns it until the next call. Empty frames are ignored; corrupt or too
+  // long ones are counted.
   bool accept(std::byte b) noexcept {
     if (complete_) complete_ = false, size_ = 0;
     if (b == std::byte{0}) {
@@ -75,7 +75,7 @@ class FrameReader {
   }
 
   std::array<std::byte, kMaxFrameSize> bytes_{};
-  std::size_t size_{0}, left_{0};  // left_: bytes of the block that are still to come
+  std::size_t size_{0}, left_{0};  // left_: outstanding bytes of the block
   bool begun_{false}, broken_{false}, complete_{false};
   std::uint32_t malformed_{0};
 };

@@ -1,4 +1,4 @@
-// The registers of the Cortex-M4 core that the program uses; what differs from chip to chip is in cmsdk.h.
+// The registers of the Cortex-M4 core that the program uses; chip-specific registers are in cmsdk.h.
 //
 // Addresses and bits: ARMv7-M Architecture Reference Manual (ARM DDI 0403), B3.2 (system control, coprocessor access),
 // B3.3 (SysTick), B3.4 (NVIC). Thread: [setup] and [rt]; each register has one owner, see
@@ -25,7 +25,7 @@ inline std::uint32_t volatile& register_at(std::uint32_t address) noexcept {
   return *reinterpret_cast<std::uint32_t volatile*>(std::uintptr_t{address});
 }
 
-// Interrupts 0 to 31. Setting one pending is how the program asks the transmitter's handler to look for work.
+// Interrupts 0 to 31. The program sets one pending to start the transmitter's handler.
 inline void enable_interrupt(unsigned number) noexcept { register_at(0xe000e100u) = 1u << number; }
 inline void pend_interrupt(unsigned number) noexcept { register_at(0xe000e200u) = 1u << number; }
 
@@ -37,7 +37,7 @@ inline void enable_fpu() noexcept {
 
 inline void disable_interrupts() noexcept { asm volatile("cpsid i" ::: "memory"); }
 inline void enable_interrupts() noexcept { asm volatile("cpsie i" ::: "memory"); }
-// Wakes at a pending interrupt, also where interrupts are disabled: a look and the sleep after it cannot be parted.
+// Wakes at a pending interrupt, also while interrupts are disabled: so no interrupt is missed between check and sleep.
 inline void wait_for_interrupt() noexcept { asm volatile("dsb\n wfi" ::: "memory"); }
 
 }  // namespace tactus::firmware::cortex_m

@@ -1,7 +1,7 @@
-// The device's program on a Cortex-M4: who owns what, which interrupt does what, and the loop.
+// The device's program on a Cortex-M4: static objects, interrupt handlers, and the control loop.
 //
-// One control period per SysTick; between them the core sleeps. The handlers move bytes and count ticks, nothing else,
-// and all have the same priority: no handler interrupts another, but for the faults and the watchdog's NMI.
+// One control period per SysTick; between them the core sleeps. The handlers only move bytes and count ticks. All have
+// the same priority: no handler interrupts another, except the faults and the watchdog's NMI.
 #include "firmware/boards/cortex_m/board_mechanics.h"
 #include "firmware/boards/cortex_m/board_storage.h"
 #include "firmware/boards/cortex_m/cmsdk.h"
@@ -51,7 +51,7 @@ void on_uart0_receiver() {
   while ((uart.state & kUartReceiverFull) != 0) serial_link.received(static_cast<std::byte>(uart.data));
 }
 
-// Runs when a byte has left, and when the link has new ones.
+// Runs when a byte has been sent, and when the link has new bytes.
 void on_uart0_transmitter() {
   UartRegisters& uart = uart0();
   uart.interrupt = kUartTransmitterInterrupt;
@@ -60,11 +60,12 @@ void on_uart0_transmitter() {
     uart.data = std::to_integer<std::uint32_t>(b);
 }
 
-// The watchdog is not kicked any more: its NMI comes here once more, then it resets the chip. The first place counts.
+// Shorts the motors and stops. The watchdog is no longer kicked: its NMI calls this once more, then it resets the chip.
+// Only the first call records the program counter.
 [[noreturn]] void stop_after_fault(const std::uint32_t* frame) {
   short_motors(board_registers);
   static bool stopped = false;
-  constexpr unsigned program_count = 6;  // of the eight words that an exception leaves on the stack
+  constexpr unsigned program_count = 6;  // index among the eight words that an exception pushes on the stack
   if (!stopped) {
     const bool on_stack = frame >= stack_limit && frame + program_count < stack_top;
     board_registers.fault_program_count = on_stack ? frame[program_count] : kUnknownPlace;
@@ -79,7 +80,7 @@ int main() {
   static Device device(configuration, kIdentity);
   static BoardMechanics mechanics(board_registers, period_clock, kFullEffort);
   static BoardStorage storage(storage_memory);
-  (void)restore_configuration(device, storage);  // a bad one shows in the self-test's register
+  (void)restore_configuration(device, storage);  // an invalid one is reported in the self-test's register
 
   start_watchdog(kWatchdogTimeout_us);
   start_uart(uart0(), kSerialBitRate_Hz);
@@ -91,6 +92,6 @@ int main() {
     run_period(device, mechanics, serial_link, storage);
     kick_watchdog();
   }
-  return 1;  // the stack has reached its end: startup.cpp takes that as a fault
+  return 1;  // stack overflow: startup.cpp treats the return as a fault
 }
 }

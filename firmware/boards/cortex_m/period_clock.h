@@ -1,8 +1,8 @@
-// The control period's beat and the device's clock, both from SysTick.
+// Timer of the control period and the device's clock, both from SysTick.
 //
-// Thread: tick() in SysTick's handler; the rest the control period's, [rt]. Bound: a clock of microseconds in 64 bits
-// never wraps; ticks that passed while a period ran long are counted, never made up for. SysTick counts 24 bits: at
-// 25 MHz the longest period is 671 ms.
+// Thread: tick() in SysTick's handler; the rest the control period's, [rt]. Bound: a 64-bit microsecond clock never
+// wraps; ticks missed during a long period are counted and skipped. SysTick has 24 bits: at 25 MHz the longest period
+// is 671 ms.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace tactus::firmware::cortex_m {
 
 class PeriodClock {
  public:
-  // [setup] Starts the beat. False if the period does not fit the counter: then nothing runs.
+  // [setup] Starts the timer. False if the period does not fit the counter: the timer does not start.
   bool start(SysTickRegisters& timer, std::uint32_t clock_Hz, std::uint32_t period_us) noexcept {
     const std::uint64_t counts = std::uint64_t{clock_Hz} * period_us / 1'000'000;
     if (counts < 2 || counts - 1 > kSysTickMaxReload) return false;
@@ -27,7 +27,7 @@ class PeriodClock {
 
   void tick() noexcept { ticks_.store(ticks_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
 
-  // Is a new period due? If so it is taken, and those that were missed before it are counted.
+  // True if a new period is due; starts it, and counts the periods missed before it.
   bool take_tick() noexcept {
     const std::uint32_t ticks = ticks_.load(std::memory_order_acquire);
     const std::uint32_t passed = ticks - taken_;
@@ -41,12 +41,12 @@ class PeriodClock {
     return true;
   }
 
-  // Since start(), inside the period that was taken last; monotone also if the next tick comes meanwhile.
+  // Time since start(), within the present period; monotone also if the next tick occurs meanwhile.
   std::uint64_t now_us() const noexcept {
     const std::uint32_t elapsed = reload_ - timer_->current;
     const bool next_is_due = ticks_.load(std::memory_order_acquire) != taken_;
     const std::uint32_t counts_per_period = reload_ + 1;
-    // The product fits 32 bits only with the counts divided first; a 64-bit division would be a library call.
+    // The product would exceed 32 bits, and a 64-bit division would be a library call: use a float fraction.
     const float share = next_is_due ? 1.0f : static_cast<float>(elapsed) / static_cast<float>(counts_per_period);
     return period_start_us_ + static_cast<std::uint32_t>(share * static_cast<float>(period_us_));
   }

@@ -1,10 +1,11 @@
-// The device's end of a serial line: the DeviceLink of firmware/board.h over any port that moves bytes.
+// The device's end of a serial line: the DeviceLink of firmware/board.h over any port that transfers bytes.
 //
-// On the line: frames of protocol.h and service.h, stuffed as cobs.h says. At 1 kHz a period is a command of 42 bytes
-// one way and a state of 58 the other, with a service reply 76: 10 bits a byte, so 1 Mbit/s is the slowest line that
-// fits. Thread: received() and next_to_send() in the port's interrupt handler(s); the rest the control period's, [rt].
-// Bound: rings of 256 bytes. A byte that finds the receive ring full is dropped and counted, and its frame fails its
-// CRC; a frame that does not fit the send ring is dropped whole and counted: the state's sequence shows the gap.
+// The line carries frames of protocol.h and service.h, encoded as in cobs.h. At 1 kHz a period has a command of 42
+// bytes in one direction and a state of 58 in the other, 76 with a service reply, at 10 bits per byte: 1 Mbit/s is the
+// slowest sufficient rate. Thread: received() and next_to_send() in the port's interrupt handler(s); the rest the
+// control period's, [rt]. Bound: rings of 256 bytes. A byte that does not fit the receive ring is dropped and counted,
+// and its frame fails its CRC; a frame that does not fit the send ring is dropped whole and counted: the state's
+// sequence shows the gap.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 
 namespace tactus::firmware {
 
-// One producer, one consumer, either may be an interrupt handler.
+// One producer, one consumer; either may be an interrupt handler.
 template <std::size_t kSize>
 class ByteRing {
   static_assert((kSize & (kSize - 1)) == 0);
@@ -44,7 +45,7 @@ class ByteRing {
   std::atomic<std::uint32_t> begin_{0}, end_{0};
 };
 
-// transmit(): bytes wait in the link; the port's handler is to fetch them with next_to_send().
+// transmit(): notifies the port that bytes wait in the link; its handler must fetch them with next_to_send().
 template <class P>
 concept SerialPort = requires(P port) {
   { port.transmit() }
@@ -55,7 +56,7 @@ template <SerialPort Port>
 class SerialLink {
  public:
   static constexpr std::size_t kRingSize = 256;
-  static constexpr unsigned kWaitingCommands = 8;  // more than a ring holds; of more the newest
+  static constexpr unsigned kWaitingCommands = 8;  // more than fit a ring; beyond that the newest are kept
 
   explicit constexpr SerialLink(Port& port) noexcept : port_(port) {}
 
@@ -95,14 +96,14 @@ class SerialLink {
   std::uint32_t requests_refused() const noexcept { return requests_refused_; }                    // wraps
 
  private:
-  // What is there now, not what comes meanwhile: at most a ring full of bytes.
+  // Only the bytes present at the call, so at most one ring.
   void take_received() noexcept {
     std::byte b{};
     for (std::size_t left = incoming_.size(); left > 0 && incoming_.pop(b); --left)
       if (reader_.accept(b)) sort(reader_.frame());
   }
-  // What has the size of a request is judged here, anything else by the controller, which counts what it refuses; of
-  // what has not a command's size either, the last. A host asks one question at a time; of two the second is answered.
+  // A frame of a request's size is checked here, any other by the controller, which counts rejected ones; of frames
+  // that have no command's size either, only the last is kept. Of two waiting requests only the second gets a reply.
   void sort(std::span<const std::byte> frame) noexcept {
     if (frame.size() == kServiceFrameSize) {
       if (decode_service(frame, ServiceDirection::kRequest, request_) == DecodeError::kNone)

@@ -1,7 +1,7 @@
-// From reset to main(), and from anything unexpected to stop_after_fault(): the vector table and what stands in it.
+// Start-up: the vector table, from reset to main(), and from unexpected exceptions to stop_after_fault().
 //
-// Thread: before all others. The stack lies at the bottom of the memory, so that where nothing is mapped below it an
-// overflow is a fault, not a corrupted variable; it is painted, so that its high water can be read at any time.
+// Thread: before all others. The stack lies at the bottom of the memory: if nothing is mapped below it, an overflow is
+// a fault and not a corrupted variable. It is painted, so that its high-water mark can be read at any time.
 #include "firmware/boards/cortex_m/startup.h"
 
 #include "firmware/boards/cortex_m/cortex_m4.h"
@@ -16,7 +16,7 @@ extern void (*init_end[])();
 
 int main();
 
-// Floating point first: the compiler may use its registers from the first function on.
+// Enables the FPU first: the compiler may use its registers from the first function on.
 [[noreturn, gnu::used]] void start_program() {
   tactus::firmware::cortex_m::enable_fpu();
   std::uint32_t here;
@@ -33,7 +33,7 @@ int main();
 
 [[gnu::naked, gnu::used]] void on_reset() { asm volatile("b start_program"); }
 
-// The stack may be what is broken: begin a new one, and hand the old pointer on.
+// The stack may be corrupt: resets it to its top and passes the old pointer on.
 [[gnu::naked, gnu::used]] void on_fault() noexcept {
   asm volatile(
       "mrs r0, msp\n"
@@ -42,7 +42,7 @@ int main();
       "b stop_after_fault\n");
 }
 
-// What a program handles itself it defines under these names.
+// A program defines its own handlers under these names.
 [[gnu::weak, gnu::alias("on_fault")]] void on_systick() noexcept;
 [[gnu::weak, gnu::alias("on_fault")]] void on_uart0_receiver() noexcept;
 [[gnu::weak, gnu::alias("on_fault")]] void on_uart0_transmitter() noexcept;

@@ -1,6 +1,6 @@
-// What startup.cpp and the programs that it starts know of each other.
+// Interface between startup.cpp and the programs that it starts: fault handler and stack checks.
 //
-// Thread: see each. Units: 32-bit words. The symbols are the linker script's.
+// Thread: see each function. Units: 32-bit words. The symbols are defined in the linker script.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,19 @@ inline constexpr std::uint32_t kStackPaint = 0x5afe57acu;
 extern "C" {
 extern std::uint32_t stack_limit[], stack_top[];
 
-// [any] Every fault, NMI and interrupt that nobody expects ends here, on a stack of its own beginning; `frame`: where
-// the stack pointer was. Supplied by the program: makes the board safe and does not return.
+// [any] Called for every fault, NMI and unexpected interrupt, with the stack reset to its top; `frame`: the previous
+// stack pointer. Defined by the program: makes the board safe and does not return.
 [[noreturn]] void stop_after_fault(const std::uint32_t* frame);
 }
 
 namespace tactus::firmware::cortex_m {
 
-// [rt] Has the stack been used up to its last word?
+// [rt] False if the last word of the stack has been overwritten.
 inline bool stack_is_intact() noexcept {
   return *const_cast<const std::uint32_t volatile*>(stack_limit) == kStackPaint;
 }
 
-// [setup] The most bytes of the stack that were ever in use.
+// [setup] High-water mark of the stack, bytes.
 inline std::size_t stack_high_water() noexcept {
   const std::uint32_t* word = stack_limit;
   while (word < stack_top && *const_cast<const std::uint32_t volatile*>(word) == kStackPaint) ++word;

@@ -1,8 +1,8 @@
-// A helper thread of a Linux board's link: for system calls that block until the other end of the cable does something.
+// A helper thread of a Linux board's link, for system calls that block until the other end of the cable acts.
 //
-// Its body looks at stopping() after every call. stop() interrupts the call in which it is, by a real-time signal whose
-// handler does nothing, again and again until the body has returned. Small stack, so that locking memory stays cheap.
-// Thread: [setup], the owner's. Bound: stop() takes as long as the body between two of its blocking calls.
+// Its body checks stopping() after every call. stop() interrupts a blocking call by a real-time signal whose handler
+// does nothing, repeatedly until the body has returned. The stack is small, so that locking memory stays cheap.
+// Thread: [setup], the owner's. Bound: stop() takes as long as the body needs between two of its blocking calls.
 #pragma once
 
 #include <pthread.h>
@@ -21,8 +21,8 @@ class BoardThread {
   BoardThread(const BoardThread&) = delete;
   BoardThread& operator=(const BoardThread&) = delete;
 
-  // priority: SCHED_FIFO 1 to 99; 0: a normal thread. The error in one line, empty: none. A priority that is refused is
-  // none: realtime() says so.
+  // priority: SCHED_FIFO 1 to 99; 0: a normal thread. Returns the error in one line, empty: none. A refused priority is
+  // no error: the thread runs with normal priority and realtime() is false.
   std::string start(Body body, void* context, int priority);
   void request_stop() noexcept { stopping_.store(true, std::memory_order_release); }
   void stop() noexcept;

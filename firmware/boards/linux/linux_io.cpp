@@ -70,7 +70,7 @@ std::string LinuxMechanics::open_axis(Axis& axis, const AxisDescription& descrip
   if (error = axis.duty.open(description.pwm + "/duty_cycle", true); !error.empty()) return error;
   if (error = enable.open(description.pwm + "/enable", true); !error.empty()) return error;
   if (error = axis.direction.open(description.direction, true); !error.empty()) return error;
-  // Zero duty first: the kernel takes no period shorter than the duty.
+  // Zero duty first: the kernel accepts no period shorter than the duty.
   if (!axis.duty.write(0) || !period.write(pwm_period_ns_) || !enable.write(1) || !axis.direction.write(0))
     return description.pwm + ": takes no period of " + std::to_string(pwm_period_ns_) + " ns: " + std::strerror(errno);
   return "";
@@ -94,7 +94,7 @@ void LinuxMechanics::check(bool good) noexcept {
   ++failures_;
 }
 
-// The counter has fewer bits than 64: differences are right as long as it moves less than half its range in a period.
+// Extends the counter beyond its width: correct as long as it moves less than half its range per period.
 bool LinuxMechanics::read_count(Axis& axis, std::int32_t& count) noexcept {
   std::uint64_t raw = 0;
   if (!axis.count.read(raw)) return false;
@@ -119,7 +119,7 @@ void LinuxMechanics::sample(ControllerInputs& inputs) noexcept {
   inputs.time_us = static_cast<std::uint64_t>(now_ns() / 1000);
   for (unsigned i = 0; i < kAxes; ++i) {
     Axis& axis = axes_[i];
-    inputs.counts[i] = static_cast<std::int32_t>(axis.position);  // the last one, if it cannot be read now
+    inputs.counts[i] = static_cast<std::int32_t>(axis.position);  // the last value if the read below fails
     if (!axis.count.is_open() || read_count(axis, inputs.counts[i])) continue;
     inputs.encoder_errors = static_cast<std::uint8_t>(inputs.encoder_errors | 1u << i);
     check(false);
@@ -127,16 +127,16 @@ void LinuxMechanics::sample(ControllerInputs& inputs) noexcept {
   inputs.stop_line = is_active(stop_line_, false);
   const bool bus_good = is_active(motor_bus_, true);
   inputs.motor_bus_ok = bus_good && good_;
-  good_ = true;  // of what the next drive() and sample() do
+  good_ = true;  // the next drive() and sample() clear it on a failure
 }
 
 void LinuxMechanics::set_effort(Axis& axis, float effort) noexcept {
   const float wanted_ns = (effort < 0 ? -effort : effort) * axis.duty_ns_per_effort;
-  // Not a number fails the comparison: no duty.
+  // NaN fails the comparison below: zero duty.
   const float most_ns = static_cast<float>(pwm_period_ns_);
   const auto duty_ns = wanted_ns > 0 ? static_cast<std::uint64_t>(std::min(wanted_ns, most_ns)) : 0;
   const std::uint64_t direction = effort < 0 ? 1 : 0;
-  if (duty_ns == 0) return check(axis.duty.write(0));  // the direction stays
+  if (duty_ns == 0) return check(axis.duty.write(0));  // the direction is unchanged
   if (!axis.direction.is_written(direction)) {
     const bool at_rest = axis.duty.write(0);
     check(at_rest);

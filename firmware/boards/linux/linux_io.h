@@ -1,13 +1,13 @@
-// Mechanics of a Linux board through the kernel's own files: encoders from the counter subsystem, motors by sysfs PWM
-// with a direction line, e-stop, motor supply and motor short as lines that read or take 0 and 1 (a GPIO's value file).
+// Mechanics of a Linux board through the kernel's files: encoders from the counter subsystem, motors by sysfs PWM with
+// a direction line; e-stop, motor supply and motor short as lines with values 0 and 1 (a GPIO's value file).
 //
-// All files are opened at set-up and held; a period reads and writes them at offset 0, and writes only what changed.
-// Whatever fails in a period (a counter that cannot be read, a motor that takes no value) counts as a bad motor supply:
-// the controller brakes, and says so. A new direction is written at zero duty; the short is closed after the duties are
-// zero and opened before they are not.
-// Thread: open() [setup]; sample(), drive() [rt], the control period's. Bound: of a period, 8 reads and 19 writes of a
-// few bytes; how long one takes is the driver's: memory-mapped controllers need microseconds, expanders behind I2C
-// hundreds. Source: Linux Documentation/driver-api/generic-counter.rst, pwm.rst.
+// All files are opened at set-up and stay open; a period reads and writes them at offset 0, and writes only changed
+// values. Any failure in a period (a counter that cannot be read, a motor that accepts no value) counts as a bad motor
+// supply: the controller brakes and reports it. A new direction is written at zero duty; the motor short is closed
+// after the duties are zero and opened before they are not. Thread: open() [setup]; sample(), drive() [rt], the control
+// period's. Bound: per period 8 reads and 19 writes of a few bytes; their duration depends on the driver: microseconds
+// for memory-mapped controllers, hundreds of microseconds for I2C expanders. Source: Linux
+// Documentation/driver-api/generic-counter.rst, pwm.rst.
 #pragma once
 
 #include "firmware/board.h"
@@ -15,7 +15,7 @@
 
 namespace tactus::firmware {
 
-// A file of the kernel's that shows or takes one value.
+// A kernel file that contains one value.
 class ValueFile {
  public:
   ValueFile() = default;
@@ -23,22 +23,22 @@ class ValueFile {
   ValueFile(const ValueFile&) = delete;
   ValueFile& operator=(const ValueFile&) = delete;
 
-  std::string open(const std::string& path, bool writes);  // the error; empty: none
+  std::string open(const std::string& path, bool writes);  // returns the error; empty: none
   void close() noexcept;
   bool is_open() const noexcept { return file_ >= 0; }
-  bool read(std::uint64_t& value) const noexcept;  // decimal; a negative one in two's complement
-  bool write(std::uint64_t value) noexcept;        // nothing to do when it is the last one written
+  bool read(std::uint64_t& value) const noexcept;  // decimal; negative values in two's complement
+  bool write(std::uint64_t value) noexcept;        // does nothing if it is the last written value
   bool is_written(std::uint64_t value) const noexcept { return known_ && written_ == value; }
 
  private:
   int file_{-1};
   std::uint64_t written_{0};
-  bool known_{false};  // written_ is there
+  bool known_{false};  // written_ is valid
 };
 
 class LinuxMechanics {
  public:
-  // The error in one line; empty: none. Motors are at zero duty and shorted afterwards.
+  // Returns the error in one line; empty: none. Afterwards the motors are at zero duty and shorted.
   std::string open(const MechanicsDescription& description);
 
   void sample(ControllerInputs& inputs) noexcept;
@@ -49,7 +49,7 @@ class LinuxMechanics {
  private:
   struct Axis {
     ValueFile count, duty, direction;
-    unsigned unused_bits{32};  // of 64, above the counter's
+    unsigned unused_bits{32};  // 64 minus the counter's width
     std::uint64_t raw{0};
     std::uint32_t position{0};
     bool counted{false};

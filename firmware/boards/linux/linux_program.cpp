@@ -44,7 +44,7 @@ bool read_number(std::string_view text, Number least, Number most, Number& out) 
   return true;
 }
 
-// What is wrong with the value of an option; empty: nothing.
+// Sets one option. Returns what is wrong with its value; empty: nothing.
 std::string take_option(std::string_view name, std::string_view value, std::span<const BoardOption> board_options,
                         ProgramOptions& options) {
   for (const BoardOption& option : board_options) {
@@ -126,7 +126,7 @@ Pace::Pace(std::uint32_t period_us) noexcept
 void Pace::wait() noexcept {
   deadline_ns_ += period_ns_;
   const std::int64_t before_ns = now_ns();
-  if (before_ns >= deadline_ns_) {  // overrun: on to the first deadline that is still ahead
+  if (before_ns >= deadline_ns_) {  // overrun: skip to the next future deadline
     const std::int64_t missed = (before_ns - deadline_ns_) / period_ns_ + 1;
     deadline_ns_ += missed * period_ns_;
     counters_.skipped += static_cast<std::uint64_t>(missed);
@@ -134,7 +134,7 @@ void Pace::wait() noexcept {
   timespec until{};
   until.tv_sec = static_cast<time_t>(deadline_ns_ / kSecond_ns);
   until.tv_nsec = static_cast<long>(deadline_ns_ % kSecond_ns);
-  // A signal ends the sleep: the period runs early by less than itself, and the loop sees the stop.
+  // A signal ends the sleep: this period runs early, by less than one period, and then the loop checks the stop flag.
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
   const std::int64_t late_ns = now_ns() - deadline_ns_;
   if (late_ns > counters_.max_late_ns) counters_.max_late_ns = late_ns;

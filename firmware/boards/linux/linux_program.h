@@ -1,10 +1,9 @@
-// What the programs of all Linux boards share: their arguments, the real-time set-up, and the pace of the control
-// period.
+// Shared parts of the Linux boards' programs: arguments, real-time set-up, and timing of the control period.
 //
 // A board's main() parses, opens its mechanics and its link, and calls run_board(). Errors are one line that says what
-// to do; an empty string is none. Thread: parse_arguments, make_realtime, stop_on_signals [setup]; run_paced and
-// run_board on the control thread, [rt] from their first period: absolute deadlines of CLOCK_MONOTONIC, and a period
-// that comes too late is skipped and counted, never made up for in a burst.
+// to do; an empty string means no error. Thread: parse_arguments, make_realtime, stop_on_signals [setup]; run_paced and
+// run_board on the control thread, [rt] from their first period: absolute deadlines of CLOCK_MONOTONIC; missed periods
+// are skipped and counted, not caught up in a burst.
 #pragma once
 
 #include <atomic>
@@ -19,17 +18,17 @@ namespace tactus::firmware {
 
 struct ProgramOptions {
   std::string mechanics;          // --mechanics: see mechanics_file.h
-  std::string state;              // --state: where the configuration is kept; empty: nowhere
+  std::string state;              // --state: file of the saved configuration; empty: none
   std::uint32_t period_us{1000};  // --period-us, 50 to 1 000 000
   int priority{80};               // --priority, SCHED_FIFO 1 to 99; 0: a normal thread
   int cpu{-1};                    // --cpu; -1: any
-  std::uint64_t periods{0};       // --periods: ends after so many; 0: on SIGINT or SIGTERM
+  std::uint64_t periods{0};       // --periods: number of periods to run; 0: until SIGINT or SIGTERM
 };
 
-// An option of one kind of board: --name VALUE.
+// An option that only one kind of board has: --name VALUE.
 struct BoardOption {
   const char* name;     // without the dashes
-  const char* value;    // what the value is, in capitals
+  const char* value;    // placeholder of the value for --help, in capitals
   const char* meaning;  // for --help
   std::string* target;
 };
@@ -43,23 +42,23 @@ struct ParsedArguments {
 ParsedArguments parse_arguments(int argc, const char* const* argv, const char* purpose,
                                 std::span<const BoardOption> board_options, ProgramOptions& options);
 
-// Makes the calling thread a real-time one: memory locked, on its core, SCHED_FIFO. What was refused, each with its
-// cure, in one line; empty: all granted. The board runs all the same.
+// Makes the calling thread real-time: memory locked, pinned to its core, SCHED_FIFO. Returns in one line what was
+// refused and how to remedy it; empty: nothing. The board runs in either case.
 std::string make_realtime(int priority, int cpu);
 
-// SIGINT and SIGTERM set it.
+// Installs handlers; SIGINT and SIGTERM set the returned flag.
 const std::atomic<bool>& stop_on_signals();
 
 struct PaceCounters {
-  std::uint64_t periods{0};     // that ran
-  std::uint64_t skipped{0};     // deadlines that passed while a period ran or the thread did not wake
-  std::int64_t max_late_ns{0};  // the latest wake-up
+  std::uint64_t periods{0};     // executed periods
+  std::uint64_t skipped{0};     // deadlines missed during an overlong period or a late wake-up
+  std::int64_t max_late_ns{0};  // largest wake-up latency
 };
 
 // CLOCK_MONOTONIC.
 std::int64_t now_ns() noexcept;
 
-// The sleep of one period after another. Bound of a wait: one period.
+// Sleeps until the deadline of each period. Bound of a wait: one period.
 class Pace {
  public:
   explicit Pace(std::uint32_t period_us) noexcept;

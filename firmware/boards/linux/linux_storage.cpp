@@ -49,7 +49,8 @@ bool FileStorage::store(std::span<const std::byte> block) noexcept {
 
 void FileStorage::run() noexcept {
   for (;;) {
-    const std::uint32_t before = asked_.load(std::memory_order_acquire);  // before the looks: none is missed
+    const std::uint32_t before =
+        asked_.load(std::memory_order_acquire);  // read before the checks, so that no request is missed
     if (waits_.load(std::memory_order_acquire)) {
       if (!write_file()) failures_.fetch_add(1, std::memory_order_relaxed);
       waits_.store(false, std::memory_order_release);

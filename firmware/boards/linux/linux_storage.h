@@ -1,8 +1,8 @@
-// Where a Linux board keeps its configuration: one file, replaced as a whole, so that a power cut leaves the old one or
-// the new one.
+// Stores a Linux board's configuration in one file that is replaced as a whole: a power cut leaves the old or the new
+// one.
 //
-// Thread: open(), load(), close() [setup]; store() [rt], the control period's: one copy, then a thread of the storage's
-// own writes. Bound: one block at a time; while it is being written, store() refuses the next. Every error: one line.
+// Thread: open(), load(), close() [setup]; store() [rt], the control period's: it copies, then the storage's own thread
+// writes. Bound: one block at a time; while it is being written, store() refuses the next. Every error: one line.
 #pragma once
 
 #include <array>
@@ -24,9 +24,9 @@ class FileStorage {
   FileStorage(const FileStorage&) = delete;
   FileStorage& operator=(const FileStorage&) = delete;
 
-  // Empty: keeps nothing, store() refuses. The error; empty: none.
+  // Empty path: stores nothing, store() refuses. Returns the error; empty: none.
   std::string open(const std::string& path);
-  void close() noexcept;  // what was taken over is written first
+  void close() noexcept;  // writes an accepted block first
 
   std::size_t load(std::span<std::byte> room);
   bool store(std::span<const std::byte> block) noexcept;
@@ -37,11 +37,11 @@ class FileStorage {
   void run() noexcept;
   bool write_file() noexcept;
 
-  std::string path_, next_;  // next_: beside it, renamed over it
+  std::string path_, next_;  // next_: temporary file, renamed to path_
   std::array<std::byte, kConfigBlockSize> block_{};
   std::size_t size_{0};
-  std::atomic<bool> waits_{false};       // block_ is the thread's while it is true
-  std::atomic<std::uint32_t> asked_{0};  // the thread sleeps on it
+  std::atomic<bool> waits_{false};       // true: the thread owns block_
+  std::atomic<std::uint32_t> asked_{0};  // the thread waits for its change
   std::atomic<std::uint64_t> failures_{0};
   BoardThread thread_;
 };

@@ -1,10 +1,10 @@
-// Values from one thread to another, on a Linux board whose link has threads of its own: the newest state frame, and
-// the newest commands in their order.
+// Lock-free exchange between two threads of a Linux board's link: the newest state frame, and the newest commands in
+// order.
 //
-// Three slots: one is being written, one is being read, the third lies between with a mark that says whether anybody
-// has read it. Either side exchanges its own slot with the one between, in one atomic operation: nobody waits, nobody
-// sees half a value, the reader always gets the newest. Release hands a slot over, acquire takes one up, on both sides:
-// the writer gets a slot back that the reader has read to the end. (rt/base/latest_value.h is the same on the host,
+// Triple buffer: one slot is being written, one is being read, the third is between them, marked as read or unread.
+// Either side exchanges its own slot with the third in one atomic operation: no thread waits, no value is torn, the
+// reader always gets the newest. The exchange has acquire-release order on both sides, so the writer reuses a slot only
+// after the reader has finished with it. (rt/base/latest_value.h is the same on the host,
 // which firmware/ does not include; tests/tsan/latest_value_race.cpp runs both under the race detector.) Thread: the
 // writer's functions: one; take(): one other; [rt] both. Bound: one exchange and a copy, of one frame at most or, where
 // a command is written, of kCapacity frames.
@@ -25,16 +25,16 @@ template <class T>
 class ThreeSlots {
  public:
   T& writing() noexcept { return slots_[writing_].value; }
-  // Writer: is what was published last still unread? The reader may take it meanwhile.
+  // Writer: true if the last published value was unread. The reader may take it meanwhile.
   bool unread() const noexcept { return (between_.load(std::memory_order_relaxed) & kUnread) != 0; }
-  // True: a value that nobody had read was replaced.
+  // Returns true if an unread value was replaced.
   bool publish() noexcept {
     const std::uint8_t before =
         between_.exchange(static_cast<std::uint8_t>(writing_ | kUnread), std::memory_order_acq_rel);
     writing_ = before & kIndex;
     return (before & kUnread) != 0;
   }
-  // The value that was published since the last call, until the next; null: none.
+  // The newest value published since the last call, valid until the next call; null: none.
   const T* take() noexcept {
     if (!unread()) return nullptr;
     reading_ = between_.exchange(reading_, std::memory_order_acq_rel) & kIndex;
@@ -49,14 +49,14 @@ class ThreeSlots {
   };
   std::array<Slot, 3> slots_{};
   std::atomic<std::uint8_t> between_{1};
-  std::uint8_t writing_{0}, reading_{2};  // each its own side's
+  std::uint8_t writing_{0}, reading_{2};  // indices owned by the writer, the reader
 };
 
 struct BoxedFrame {
   std::size_t size{0};
   std::array<std::byte, kMaxFrameSize> bytes{};
 
-  // A longer frame than the wire has is cut.
+  // Truncates a frame longer than kMaxFrameSize.
   void put(std::span<const std::byte> frame) noexcept {
     size = std::min(frame.size(), bytes.size());
     std::copy_n(frame.begin(), size, bytes.begin());
@@ -66,13 +66,13 @@ struct BoxedFrame {
 // The newest frame.
 class Mailbox {
  public:
-  // True: a frame that nobody had read was replaced.
+  // Returns true if an unread frame was replaced.
   bool write(std::span<const std::byte> frame) noexcept {
     slots_.writing().put(frame);
     return slots_.publish();
   }
 
-  // The frame that came since the last call, into `out`, and its size; 0: none.
+  // Copies the newest frame since the last call into `out` and returns its size; 0: none.
   std::size_t take(std::span<std::byte, kMaxFrameSize> out) noexcept {
     const BoxedFrame* frame = slots_.take();
     if (frame == nullptr) return 0;
@@ -84,13 +84,13 @@ class Mailbox {
   ThreeSlots<BoxedFrame> slots_;
 };
 
-// The newest kCapacity frames that nobody has taken, oldest first. The writer publishes all that wait with each that
-// comes; where the reader took some meanwhile, it knows them by their number.
+// Queue of the newest kCapacity frames that have not been taken, oldest first. With each new frame the writer publishes
+// all waiting ones; the reader skips those that it has already taken by their numbers.
 class CommandQueue {
  public:
   static constexpr std::size_t kCapacity = 16;
 
-  // True: a frame that nobody had taken was there.
+  // Returns true if an untaken frame was waiting.
   bool write(std::span<const std::byte> frame) noexcept {
     const bool waits = slots_.unread();
     if (!waits) waiting_.count = 0;
@@ -105,7 +105,7 @@ class CommandQueue {
     return waits;
   }
 
-  // The oldest frame that waits, into `out`, and its size; 0: none.
+  // Copies the oldest waiting frame into `out` and returns its size; 0: none.
   std::size_t take(std::span<std::byte, kMaxFrameSize> out) noexcept {
     if (reading_ == nullptr || next_ == reading_->end) {
       const Frames* newer = slots_.take();
@@ -122,15 +122,15 @@ class CommandQueue {
 
  private:
   struct Frames {
-    std::uint64_t end{0};  // the number of the frame after the last
+    std::uint64_t end{0};  // number of the last frame plus one
     std::size_t count{0};
     std::array<BoxedFrame, kCapacity> frames{};
   };
 
   ThreeSlots<Frames> slots_;
-  Frames waiting_;                  // the writer's
-  const Frames* reading_{nullptr};  // the reader's
-  std::uint64_t next_{0};           // the reader's: the number of the frame to take next
+  Frames waiting_;                  // owned by the writer
+  const Frames* reading_{nullptr};  // owned by the reader
+  std::uint64_t next_{0};           // owned by the reader: number of the next frame to take
 };
 
 }  // namespace tactus::firmware

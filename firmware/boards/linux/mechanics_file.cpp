@@ -9,7 +9,7 @@
 namespace tactus::firmware {
 namespace {
 
-// An axis that is not described has no quantum of its own; the controller wants one all the same.
+// m or rad: quantum of an axis that is not described; the controller requires a positive one.
 constexpr float kQuantumOfNoAxis = 1e-5f;
 
 std::string_view trimmed(std::string_view text) {
@@ -18,7 +18,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-// Each sets its target, or says what is accepted.
+// Each of these functions sets its target, or returns what is accepted.
 template <class Number>
 std::string set_number(std::string_view text, double least, double most, Number& target) {
   double number = 0;
@@ -86,7 +86,7 @@ std::string set_key(std::string_view key, std::string_view value, MechanicsDescr
   return "";
 }
 
-// What the lines say together.
+// Checks the consistency of all lines together.
 std::string check(const MechanicsDescription& description) {
   bool any = false;
   for (unsigned i = 0; i < kAxes; ++i) {

@@ -1,8 +1,8 @@
-// The text file that says what is behind a Linux board: where the kernel shows each axis's counter and PWM, the lines,
-// and the limits that the controller starts with.
+// Reads the text file that describes the mechanics of a Linux board: kernel paths of each axis's counter and PWM, the
+// lines, and the controller's initial limits.
 //
-// Lines of `key = value`; # begins a comment; a key stands once. Axes 0 to 2 are prismatic (m, N), 3 to 5 rotary (rad,
-// N m); what is not given is not there. An axis without a PWM has no motor, one without a counter does not move.
+// Lines of `key = value`; # begins a comment; each key at most once. Axes 0 to 2 are prismatic (m, N), 3 to 5 rotary
+// (rad, N m); an omitted part does not exist. An axis without a PWM has no motor, one without a counter does not move.
 //   device_class = 1              of identity.h
 //   max_force_N = 10              norm of axes 0 to 2         max_torque_Nm = 1      norm of axes 3 to 5
 //   pwm_period_ns = 50000         of all motors
@@ -28,25 +28,25 @@
 namespace tactus::firmware {
 
 struct LineDescription {
-  std::string path;  // empty: not there
+  std::string path;  // empty: no such line
   char active{'1'};
 };
 
 struct AxisDescription {
-  std::string count, pwm, direction;  // paths; empty: not there
+  std::string count, pwm, direction;  // paths; empty: none
   unsigned count_bits{32};
   float full_effort{0};
 };
 
 struct MechanicsDescription {
   DeviceClass device_class{DeviceClass::kUnknown};
-  Config control;  // but for its period, which is the program's
+  Config control;  // except its period, which the program sets
   std::array<AxisDescription, kAxes> axes;
   LineDescription stop_line, motor_bus, brake_line;
-  std::uint32_t pwm_period_ns{50'000};  // 20 kHz: above hearing
+  std::uint32_t pwm_period_ns{50'000};  // 20 kHz: inaudible
 };
 
-// The error; empty: none. `name` is the file's, for the error.
+// Return the error; empty: none. `name`: the file's name, for the error.
 std::string parse_mechanics(std::string_view text, const std::string& name, MechanicsDescription& description);
 std::string read_mechanics(const std::string& path, MechanicsDescription& description);
 

@@ -6,7 +6,7 @@
 namespace tactus::firmware {
 namespace {
 
-constexpr unsigned kQueuedSends = 3 * (kStateFragments + 1);  // three periods: adapters report late what has left
+constexpr unsigned kQueuedSends = 3 * (kStateFragments + 1);  // three periods: adapters report sent frames late
 constexpr can_err_mask_t kErrors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_LOSTARB;
 
 }  // namespace
@@ -37,7 +37,7 @@ std::size_t CanDeviceLink::receive_command(std::span<std::byte, kMaxFrameSize> b
   return 0;
 }
 
-// False: there are no more frames in this period.
+// Reads the next batch of frames. False: no more frames in this period.
 bool CanDeviceLink::read_batch() noexcept {
   const bool last_was_full = batches_ == 0 || batch_size_ == CanSocket::kBatch;
   if (!last_was_full || batches_ == CanSocket::kQueuedFrames / CanSocket::kBatch) return false;
@@ -48,7 +48,7 @@ bool CanDeviceLink::read_batch() noexcept {
   batch_size_ = socket_.receive(error);
   if (error == ENETDOWN) {
     ++counters_.interface_down;
-    bus_off_ = false;  // the controller starts afresh with the interface
+    bus_off_ = false;  // the controller restarts with the interface
     bus_errors_.transmit = bus_errors_.receive = 0;
   }
   if (socket_.lost() != lost_before) {
@@ -132,7 +132,7 @@ void CanDeviceLink::send_state(std::span<const std::byte> frame) noexcept {
 bool CanDeviceLink::send_fragments(const StateFrame& frame) noexcept {
   std::array<CanFragment, kStateFragments + 1> fragments;
   const unsigned count = splitter_.split(frame, fragments);
-  // A set of which one part did not go is worth nothing: the rest stays.
+  // An incomplete set is useless: after a failure do not send the rest.
   for (unsigned i = 0; i < count; ++i)
     if (socket_.send(can_id(fragments[i].function, options_.node), fragments[i].data) != 0) return false;
   return true;
@@ -149,7 +149,7 @@ bool CanDeviceLink::receive_service(ServiceMessage& message) noexcept {
 void CanDeviceLink::reply_service(const ServiceMessage& message) noexcept {
   CanData content{};
   encode_service_content(message, content);
-  // An answer that does not go out is asked for again.
+  // If the reply is lost, the host repeats its request.
   if (!bus_off_) (void)socket_.send(can_id(CanFunction::kServiceReply, options_.node), content);
 }
 

@@ -1,11 +1,10 @@
 // The device's end of a CAN link on a Linux board: firmware::DeviceLink over SocketCAN, classic or FD.
 //
-// Thread: open() [setup]; the rest [rt], the control period's: no wait, no allocation. Bound: of frames
-// receive_command() reads at most CanSocket::kQueuedFrames until it says that there are no more; of service requests
-// kWaitingRequests wait, more are dropped and counted. Beyond the bounds, and when things fail: while the controller is
-// bus-off nothing is sent (state frames are counted as failed, the device's watchdog counts the missing commands as
-// ever); it goes on when the kernel reports the restart
-// (`ip link set can0 type can restart-ms 100` makes it by itself) or when any frame comes.
+// Thread: open() [setup]; the rest [rt], the control period's: no wait, no allocation. Bound: receive_command() reads
+// at most CanSocket::kQueuedFrames per period; up to kWaitingRequests service requests wait, more are dropped and
+// counted. On failures: while the controller is bus-off nothing is sent (state frames are counted as failed; the
+// device's watchdog counts the missing commands). Sending resumes when the kernel reports the restart (automatic with
+// `ip link set can0 type can restart-ms 100`) or when any frame arrives.
 #pragma once
 
 #include "firmware/board.h"
@@ -22,13 +21,13 @@ struct CanDeviceOptions {
 };
 
 struct CanDeviceCounters {
-  std::uint64_t commands{0};     // whole ones
-  std::uint64_t superseded{0};   // whole, beside another one of the same period
-  std::uint64_t incomplete{0};   // commands of which a fragment never came
-  std::uint64_t malformed{0};    // on our identifiers, no frames of ours
-  std::uint64_t lost{0};         // for want of room: by the kernel, by the controller (once each time), requests
-  std::uint64_t states{0};       // sent
-  std::uint64_t send_failed{0};  // states, whole or in part, that did not go out
+  std::uint64_t commands{0};     // complete commands
+  std::uint64_t superseded{0};   // complete commands beyond the first of a period
+  std::uint64_t incomplete{0};   // commands with a missing fragment
+  std::uint64_t malformed{0};    // frames on the device's identifiers without valid content
+  std::uint64_t lost{0};         // lost to a full queue: of the kernel, the controller (once each time), of requests
+  std::uint64_t states{0};       // sent states
+  std::uint64_t send_failed{0};  // states not sent, or only in part
   std::uint64_t bus_off{0}, error_passive{0}, arbitration_lost{0}, interface_down{0};
 };
 
@@ -49,7 +48,7 @@ class CanDeviceLink {
 
  private:
   bool read_batch() noexcept;
-  // The size of the command that the frame completes, in `command`; 0: none.
+  // If the frame completes a command, copies it into `command` and returns its size; else 0.
   std::size_t take(const CanReceived& frame, std::span<std::byte, kMaxFrameSize> command) noexcept;
   std::size_t take_command(const CanReceived& frame, std::span<std::byte, kMaxFrameSize> command) noexcept;
   void take_request(const CanReceived& frame) noexcept;
@@ -60,7 +59,7 @@ class CanDeviceLink {
   CanSocket socket_;
   StateSplitter splitter_;
   CommandAssembler assembler_;
-  unsigned batches_{0}, batch_size_{0}, next_in_batch_{0};  // of this period
+  unsigned batches_{0}, batch_size_{0}, next_in_batch_{0};  // in this period
   bool command_seen_{false}, lost_{false};                  // in this period
   std::array<ServiceMessage, kWaitingRequests> requests_{};
   std::size_t first_request_{0}, waiting_requests_{0};

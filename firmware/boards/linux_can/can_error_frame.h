@@ -1,8 +1,8 @@
-// What Linux' error frames say of the controller's error counters.
+// Reads the controller's error counters from Linux CAN error frames.
 //
-// Drivers send one when the controller's error state changes, not with every error: between two of them the counters
-// may have moved. Thread: [rt]; pure, bounded. Source: linux/can/error.h. A driver that gives no counters (no
-// CAN_ERR_CNT) leaves them as they were, but for the restart, after which they are zero.
+// Drivers send one when the controller's error state changes, not with every error, so the counters may change between
+// two of them. Thread: [rt]; pure, bounded. Source: linux/can/error.h. With a driver that reports no counters (no
+// CAN_ERR_CNT) they stay unchanged, except that a restart zeroes them.
 #pragma once
 
 #include <linux/can/error.h>

@@ -14,8 +14,8 @@ namespace tactus::firmware {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-// What the kernel books for one waiting frame (Linux 6.1, 64-bit); queues are set in bytes, and the kernel doubles the
-// number. Where it books more, fewer wait.
+// Bytes that the kernel accounts for one queued frame (Linux 6.1, 64-bit). Queue sizes are set in bytes, and the kernel
+// doubles the number. If it accounts more, fewer frames fit.
 constexpr int kBookedPerFrame = 768;
 
 std::int64_t now_ns(clockid_t clock) noexcept {
@@ -112,7 +112,7 @@ void CanSocket::note_control(msghdr& header, CanReceived& received, std::int64_t
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
       const std::int64_t arrival = stamp.tv_sec * kSecond_ns + stamp.tv_nsec + monotonic_from_real_ns;
-      // The wall clock may have been set between the stamp and now; then the stamp says nothing.
+      // If the wall clock was set between the stamp and now, the stamp is invalid.
       if (arrival <= now && arrival > now - kSecond_ns) received.arrival_ns = arrival;
     } else if (part->cmsg_type == SO_RXQ_OVFL) {
       std::memcpy(&lost_, CMSG_DATA(part), sizeof lost_);

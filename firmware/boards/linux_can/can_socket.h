@@ -1,4 +1,4 @@
-// A raw CAN socket that never waits, with the kernel's receive stamps: what both ends of a link stand on.
+// A non-blocking raw CAN socket with the kernel's receive time stamps; used by both ends of a link.
 //
 // Thread: open() [setup]; the rest [rt], one owner. Bound: receive() takes at most kBatch frames, send() one; each is
 // one system call that returns at once. wait() returns after `bound` at the latest. Beyond the bound: the kernel keeps
@@ -20,12 +20,12 @@ namespace tactus::firmware {
 struct CanSocketOptions {
   const char* interface { nullptr };
   std::span<const can_filter> filters;
-  can_err_mask_t errors{0};  // which error frames come
+  can_err_mask_t errors{0};  // error frames to receive
   bool fd{false};            // CAN FD frames as well; the interface must have that MTU
-  unsigned queued_sends{6};  // about so many frames may wait for the bus, at least 6: one that waited is old
+  unsigned queued_sends{6};  // approximate send queue, at least 6; kept short because a frame that waited is old
 };
 
-// Where opening stopped, and the error number there.
+// The step at which opening failed, and its error number.
 struct CanOpenError {
   enum class Step : std::uint8_t { kNone, kSocket, kName, kOption, kFd, kBind };
   Step step{Step::kNone};
@@ -35,11 +35,11 @@ struct CanOpenError {
 struct CanReceived {
   std::uint32_t id{0};  // 11 bits; of an error frame: its class bits
   bool error{false}, fd{false};
-  std::int64_t arrival_ns{0};  // CLOCK_MONOTONIC, stamped by the kernel as the driver handed the frame on
+  std::int64_t arrival_ns{0};  // CLOCK_MONOTONIC, from the kernel's stamp when the driver delivered the frame
   std::span<const std::byte> data;
 };
 
-// Only standard data frames with this identifier.
+// Filter for standard data frames with this identifier.
 constexpr can_filter exactly(std::uint32_t id) noexcept { return {id, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG}; }
 
 class CanSocket {
@@ -54,19 +54,19 @@ class CanSocket {
   [[nodiscard]] CanOpenError open(const CanSocketOptions& options) noexcept;
   void close() noexcept;
 
-  // How many came, 0 to kBatch; frame(i) until the next call. `error`: the error number if nothing could be read at
-  // all (ENETDOWN), 0 if there is merely nothing.
+  // Returns the number of received frames, 0 to kBatch; frame(i) is valid until the next call. `error`: the error
+  // number if reading failed (ENETDOWN), 0 if there was no frame.
   unsigned receive(int& error) noexcept;
   const CanReceived& frame(unsigned i) const noexcept { return received_[i]; }
 
-  // Waits until something can be read; false if nothing came within the bound.
+  // Waits until a frame can be read; false if none arrived within the bound.
   bool wait(std::chrono::nanoseconds bound) noexcept;
 
-  // 0, or the error number: ENOBUFS and EAGAIN when the bus does not take frames, ENETDOWN. More than 8 bytes go as
-  // CAN FD with the bit rate switched; their number is one that CAN FD has.
+  // Returns 0, or the error number: ENOBUFS and EAGAIN when the send queue is full, ENETDOWN. More than 8 bytes are
+  // sent as CAN FD with the bit rate switched; their number must be a valid CAN FD length.
   int send(std::uint32_t id, std::span<const std::byte> data) noexcept;
 
-  std::uint32_t lost() const noexcept { return lost_; }  // frames that the kernel dropped for want of room; wraps
+  std::uint32_t lost() const noexcept { return lost_; }  // frames that the kernel dropped on a full queue; wraps
   int descriptor() const noexcept { return socket_; }
 
  private:

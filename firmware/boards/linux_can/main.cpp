@@ -26,14 +26,14 @@ int fail(const std::string& error, int status = 3) {
   return status;
 }
 
-// 0: there is no such interface.
+// The interface's MTU, bytes; 0: no such interface.
 unsigned mtu_of(const std::string& interface) {
   std::ifstream file("/sys/class/net/" + interface + "/mtu");
   unsigned mtu = 0;
   return file >> mtu ? mtu : 0;
 }
 
-// The error; empty: none. The node stays 0 if it is not given.
+// Returns the error; empty: none. The node is 0 if it is not given.
 std::string choose(const BoardOptions& board, CanDeviceOptions& can) {
   can.interface = board.interface.c_str(), can.node = 0;
   const char* const end = board.node.data() + board.node.size();
@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
   }
   CanDeviceOptions can;
   if (const std::string wrong = choose(board, can); !wrong.empty()) return fail(wrong, 2);
-  // The socket would be opened, and no state ever leave.
+  // Otherwise the socket would open but no state could be sent.
   if (const unsigned mtu = mtu_of(board.interface); can.fd && mtu > 0 && mtu < CANFD_MTU)
     return fail(board.interface +
                 " takes no FD frames; set its FD bit rate ('dbitrate ... fd on'), or --format classic");

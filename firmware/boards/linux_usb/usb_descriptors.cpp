@@ -35,7 +35,7 @@ std::string interface_and_endpoints(std::uint8_t interval) {
   std::string blob;
   add8(blob, USB_DT_INTERFACE_SIZE);
   add8(blob, USB_DT_INTERFACE);
-  add8(blob, 0);  // the kernel puts the real number
+  add8(blob, 0);  // the kernel inserts the real number
   add8(blob, 0);  // no alternate setting
   add8(blob, 2);
   add8(blob, kUsbInterfaceClass);

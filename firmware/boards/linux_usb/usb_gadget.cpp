@@ -27,7 +27,7 @@ constexpr char kConfig[] = "/configs/c.1";
 
 std::string reason() { return std::strerror(errno); }
 
-// The error, or empty.
+// Returns the error; empty: none.
 std::string write_text(const std::string& path, std::string_view text) {
   const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0) return path + ": " + reason();
@@ -103,7 +103,7 @@ std::string UsbGadget::fill(const GadgetOptions& options) {
   text("/strings/0x409/manufacturer", options.manufacturer);
   text("/strings/0x409/product", options.product);
   folder(g + kConfig);
-  text("/configs/c.1/bmAttributes", "0xc0");  // the device has a supply of its own
+  text("/configs/c.1/bmAttributes", "0xc0");  // self-powered
   text("/configs/c.1/MaxPower", "2");
   folder(function);
   if (error.empty()) error = make_link(function, g + kConfig + ("/ffs." + name_));
@@ -123,7 +123,7 @@ std::string UsbGadget::create(const GadgetOptions& options) {
   if (std::string error = choose_udc(options.udc); !error.empty()) return error;
 
   name_ = options.name, mount_ = options.mount, gadget_ = std::string(kGadgets) + "/" + name_;
-  remove();  // what an earlier run left behind
+  remove();  // remains of an earlier run
   gadget_ = std::string(kGadgets) + "/" + name_;
   std::string error = make_folder(gadget_);
   if (error.empty()) error = fill(options);
@@ -147,7 +147,7 @@ void UsbGadget::unbind() noexcept {
   if (gadget_.empty()) return;
   const int file = open((gadget_ + "/UDC").c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0) return;
-  [[maybe_unused]] const ssize_t written = write(file, "\n", 1);  // ENODEV when it was not bound
+  [[maybe_unused]] const ssize_t written = write(file, "\n", 1);  // ENODEV if it was not bound
   close(file);
 }
 

@@ -43,7 +43,7 @@ std::string UsbGadgetLink::open(const GadgetOptions& options, int priority) {
   return error;
 }
 
-// The endpoints' files are there once the descriptors are written.
+// The endpoints' files exist only after the descriptors are written.
 std::string UsbGadgetLink::open_files(const std::string& mount) {
   const auto open_file = [&](const char* name, int& file) -> std::string {
     file = ::open((mount + "/" + name).c_str(), O_RDWR | O_CLOEXEC);
@@ -77,13 +77,13 @@ void UsbGadgetLink::close() noexcept {
   configured_.store(false, std::memory_order_relaxed);
 }
 
-// A transfer that ends because the host went away is no error of the link's; one while it is there is.
+// Counts a failed transfer, unless it ended because the host disconnected.
 void UsbGadgetLink::note_error(int error) noexcept {
   if (error != EINTR && error != ESHUTDOWN && configured()) count(transfer_errors_);
-  if (error != EINTR && error != ESHUTDOWN) sleep_us(1000);  // whatever it is, no busy loop at real-time priority
+  if (error != EINTR && error != ESHUTDOWN) sleep_us(1000);  // no busy loop at real-time priority, whatever the error
 }
 
-// FunctionFS halts an endpoint that is used the wrong way around.
+// FunctionFS halts an endpoint that is accessed in the wrong direction.
 void UsbGadgetLink::halt(bool states) noexcept {
   std::byte nothing{};
   [[maybe_unused]] const ssize_t halted = states ? read(state_file_, &nothing, 1) : write(command_file_, &nothing, 1);
@@ -92,7 +92,7 @@ void UsbGadgetLink::halt(bool states) noexcept {
 void UsbGadgetLink::read_commands() noexcept {
   std::array<std::byte, kUsbPacketSize> packet;
   while (!reader_.stopping()) {
-    const ssize_t size = read(command_file_, packet.data(), packet.size());  // until the host sends
+    const ssize_t size = read(command_file_, packet.data(), packet.size());  // blocks until the host sends
     if (size < 0) {
       note_error(errno);
       continue;
@@ -106,13 +106,13 @@ void UsbGadgetLink::read_commands() noexcept {
 void UsbGadgetLink::write_states() noexcept {
   std::array<std::byte, kMaxFrameSize> frame;
   for (;;) {
-    // Before the look at stopping(): close() says stop first and then changes the number, so one of the two shows it.
+    // Read before stopping(): close() first requests the stop and then changes the number, so the stop is not missed.
     const std::uint32_t before = states_written_.load(std::memory_order_acquire);
     if (writer_.stopping()) return;
     const std::size_t size = states_.take(frame);
     if (size == 0) {
       states_written_.wait(before, std::memory_order_acquire);
-    } else if (write(state_file_, frame.data(), size) < 0) {  // until the host fetches
+    } else if (write(state_file_, frame.data(), size) < 0) {  // blocks until the host fetches it
       note_error(errno);
     } else {
       count(states_sent_);
@@ -136,7 +136,7 @@ void UsbGadgetLink::answer_control() noexcept {
   while (!control_.stopping()) {
     usb_functionfs_event event{};
     if (read(control_file_, &event, sizeof event) != static_cast<ssize_t>(sizeof event)) {
-      // EIDRM: the host gave a request up for another one. The rest of what can happen here is worth a pause.
+      // EIDRM: the host replaced a request by another one. Pause on all other errors.
       if (errno != EIDRM && errno != EINTR) sleep_us(1000);
       continue;
     }
@@ -157,8 +157,7 @@ void UsbGadgetLink::answer_control() noexcept {
   }
 }
 
-// A request that is not ours, or that cannot be answered, is stalled: FunctionFS does that when the data go the wrong
-// way.
+// Stalls an unknown request, or one without a reply: FunctionFS stalls when the data go in the wrong direction.
 void UsbGadgetLink::handle_setup(const usb_ctrlrequest& setup) noexcept {
   const bool to_host = (setup.bRequestType & USB_DIR_IN) != 0;
   const bool good = to_host ? give_reply(setup) : take_request(setup);
@@ -173,12 +172,12 @@ bool UsbGadgetLink::take_request(const usb_ctrlrequest& setup) noexcept {
   if (setup.bRequest != kUsbWriteService || setup.bRequestType != kUsbRequestOut ||
       le16toh(setup.wLength) != kServiceFrameSize)
     return false;
-  // The last one is still with the control period: it has not run for 200 ms.
+  // The control period still owns the last request: it has not run for 200 ms.
   if (service_state_.load(std::memory_order_acquire) == Service::kAtPeriod) return false;
   std::array<std::byte, kServiceFrameSize> bytes;
   if (read(control_file_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) return true;
-  service_state_.store(Service::kFree, std::memory_order_relaxed);  // an answer that was never fetched is dropped
-  // Too late to stall this request: the read after it will be.
+  service_state_.store(Service::kFree, std::memory_order_relaxed);  // drops a reply that was never fetched
+  // Too late to stall this request; the read that follows will be stalled.
   if (decode_service(bytes, ServiceDirection::kRequest, service_) != DecodeError::kNone)
     return count(service_refused_), true;
   count(service_requests_);
@@ -192,7 +191,7 @@ void UsbGadgetLink::await_reply() noexcept {
     if (service_state_.load(std::memory_order_acquire) == Service::kReply) return;
     sleep_us(250);
   }
-  Service expected = Service::kRequest;  // taken back, unless the control period has just begun with it
+  Service expected = Service::kRequest;  // withdrawn, unless the control period has just taken it
   service_state_.compare_exchange_strong(expected, Service::kFree, std::memory_order_acq_rel);
   count(service_refused_);
 }
@@ -204,7 +203,7 @@ bool UsbGadgetLink::give_reply(const usb_ctrlrequest& setup) noexcept {
   if (service_state_.load(std::memory_order_acquire) != Service::kReply) return false;
   std::array<std::byte, kServiceFrameSize> bytes;
   encode_service(service_, ServiceDirection::kReply, bytes);
-  // Kept until the next request: a host whose read was disturbed may read again.
+  // Kept until the next request: a host whose read failed may read again.
   [[maybe_unused]] const ssize_t written = write(control_file_, bytes.data(), bytes.size());
   return true;
 }
