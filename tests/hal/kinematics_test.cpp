@@ -2,12 +2,13 @@
 
 #include <catch2/catch.hpp>
 #include <functional>
-#include <random>
 
 #include "hal/profiles.h"
+#include "tests/support/random.h"
 
 using namespace tactus;
 using namespace tactus::hal;
+using test::Random;
 
 namespace {
 
@@ -17,21 +18,18 @@ const CartesianStage kStage;
 const WristedArm kArm(kLinks);
 const PointArm kPoint(kLinks);
 
-struct Random {
-  std::mt19937_64 engine{7};
-  double in(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); }
-  Vec3d vector(double size) { return {in(-size, size), in(-size, size), in(-size, size)}; }
-  Vec3d direction() {
-    std::normal_distribution<double> gauss;
-    return normalized_or(Vec3d{gauss(engine), gauss(engine), gauss(engine)}, Vec3d{1, 0, 0});
-  }
-  AxisVector rates() { return {in(-1, 1), in(-1, 1), in(-1, 1), in(-9, 9), in(-9, 9), in(-9, 9)}; }
-  // Away from the singularities, whatever the kind: an arm's elbow within 70 degrees of its right angle.
-  AxisVector coordinates() {
-    return {in(-1, 1),    in(-0.6, 0.6), in(-0.6, 0.6), in(-kPi, kPi), in(-kPitchLimit_rad, kPitchLimit_rad),
-            in(-kPi, kPi)};
-  }
-};
+AxisVector random_rates(Random& random) {
+  AxisVector rates;
+  for (unsigned k = 0; k < kAxisCount; ++k) rates[k] = random.symmetric(k < 3 ? 1 : 9);
+  return rates;
+}
+// Away from the singularities, whatever the kind: an arm's elbow within 70 degrees of its right angle.
+AxisVector random_coordinates(Random& random) {
+  const AxisVector most{1, 0.6, 0.6, kPi, kPitchLimit_rad, kPi};
+  AxisVector coordinates;
+  for (unsigned k = 0; k < kAxisCount; ++k) coordinates[k] = random.symmetric(most[k]);
+  return coordinates;
+}
 
 double product(const AxisVector& a, const AxisVector& b) {
   double sum = 0;
@@ -56,11 +54,11 @@ void for_each_kind(const std::function<void(const Kinematics&, bool has_rotation
 
 TEST_CASE("axis efforts do the work of the wrench in every configuration") {
   for_each_kind([](const Kinematics& kinematics, bool) {
-    Random random;
+    Random random(7);
     for (int i = 0; i < 20000; ++i) {
-      AxisVector q = random.coordinates();
-      if (i % 4 == 0) q[1] = random.in(-kPi, kPi), q[2] = random.in(-kPi, kPi);  // singular ones as well
-      const AxisVector rate = random.rates();
+      AxisVector q = random_coordinates(random);
+      if (i % 4 == 0) q[1] = random(-kPi, kPi), q[2] = random(-kPi, kPi);  // singular ones as well
+      const AxisVector rate = random_rates(random);
       const Wrenchd wrench{random.vector(35), random.vector(3)};
       const Twistd twist = kinematics.twist_of(q, rate);
       const double power = dot(wrench.force, twist.linear) + dot(wrench.torque, twist.angular);
@@ -71,10 +69,10 @@ TEST_CASE("axis efforts do the work of the wrench in every configuration") {
 
 TEST_CASE("the Jacobian is the derivative of the pose") {
   for_each_kind([](const Kinematics& kinematics, bool) {
-    Random random;
+    Random random(7);
     const double dt = 1e-6;
     for (int i = 0; i < 2000; ++i) {
-      const AxisVector q = random.coordinates(), rate = random.rates();
+      const AxisVector q = random_coordinates(random), rate = random_rates(random);
       AxisVector before = q, after = q;
       for (unsigned k = 0; k < kAxisCount; ++k) before[k] -= 0.5 * dt * rate[k], after[k] += 0.5 * dt * rate[k];
       const Posed a = kinematics.pose_of(before), b = kinematics.pose_of(after);
@@ -87,11 +85,11 @@ TEST_CASE("the Jacobian is the derivative of the pose") {
 
 TEST_CASE("rates and wrenches come back from twists and efforts up to the pitch limit") {
   for_each_kind([](const Kinematics& kinematics, bool has_rotation) {
-    Random random;
+    Random random(7);
     for (int i = 0; i < 20000; ++i) {
-      AxisVector q = random.coordinates();
+      AxisVector q = random_coordinates(random);
       if (i % 10 == 0) q[4] = i % 20 == 0 ? kPitchLimit_rad : -kPitchLimit_rad;
-      const AxisVector rate = random.rates(), back = kinematics.rates_of(q, kinematics.twist_of(q, rate));
+      const AxisVector rate = random_rates(random), back = kinematics.rates_of(q, kinematics.twist_of(q, rate));
       for (unsigned k = 0; k < kAxisCount; ++k)
         REQUIRE(back[k] == Approx(k < 3 || has_rotation ? rate[k] : 0.0).margin(1e-12));
       const Wrenchd wrench{random.vector(35), random.vector(3)},
@@ -153,10 +151,10 @@ TEST_CASE("the singular wrist gives finite answers") {
 TEST_CASE("a stretched, a folded and an upright arm give answers bounded by what the header says") {
   // 1 m/s: the yaw turns at 1 / (0.1 forearm) at most, the others at 1 / (link x 0.17).
   const double arm_rate = 1.0 / (0.4 * kCosPitchLimit) + 1e-12, yaw_rate = 1.0 / (0.1 * 0.4) + 1e-12;
-  Random random;
+  Random random(7);
   for (int i = 0; i < 20000; ++i) {
-    AxisVector q = random.coordinates();
-    q[1] = random.in(-kPi, kPi);
+    AxisVector q = random_coordinates(random);
+    q[1] = random(-kPi, kPi);
     if (i % 3 == 0) q[2] = kPi / 2 - q[1];                           // stretched
     if (i % 3 == 1) q[2] = -kPi / 2 - q[1];                          // folded
     if (i % 3 == 2) q[1] = std::asin(-0.4 / 0.45 * std::cos(q[2]));  // the tool above the column
@@ -172,13 +170,13 @@ TEST_CASE("a stretched, a folded and an upright arm give answers bounded by what
 }
 
 TEST_CASE("a workspace as large as the links allow has exact inverses everywhere") {
-  Random random;
+  Random random(7);
   for (const ArmLinks links : {ArmLinks{0.45, 0.45}, ArmLinks{0.3, 0.5}, ArmLinks{0.5, 0.2}, ArmLinks{0.16, 0.16}}) {
     const PointArm arm(links);
     const double radius = largest_workspace_m(links);
     CHECK(radius > 0.3 * std::min(links.upper_m, links.forearm_m));
     for (int i = 0; i < 2000; ++i) {
-      const Vec3d place = random.direction() * (radius * (i % 2 == 0 ? 1.0 : std::cbrt(random.in(0, 1))));
+      const Vec3d place = random.direction() * (radius * (i % 2 == 0 ? 1.0 : std::cbrt(random(0, 1))));
       const AxisVector q = coordinates_of(arm, {place, {}});
       REQUIRE(norm(arm.pose_of(q).position - place) < 1e-13);
       const ArmAt at(q, links);
@@ -192,9 +190,9 @@ TEST_CASE("a workspace as large as the links allow has exact inverses everywhere
 
 TEST_CASE("the coordinates of a pose give the pose") {
   for_each_kind([](const Kinematics& kinematics, bool has_rotation) {
-    Random random;
+    Random random(7);
     for (int i = 0; i < 500; ++i) {
-      AxisVector q = random.coordinates();
+      AxisVector q = random_coordinates(random);
       for (unsigned k = 0; k < 3; ++k) q[k] *= 0.5;
       q[4] *= 0.95;
       const Posed pose = kinematics.pose_of(q), back = kinematics.pose_of(coordinates_of(kinematics, pose));
@@ -207,17 +205,17 @@ TEST_CASE("the coordinates of a pose give the pose") {
 TEST_CASE("what is said of a whole workspace holds at poses that nobody looked at") {
   for (const DeviceProfile& profile : all_profiles()) {
     CAPTURE(profile.name);
-    Random random;
+    Random random(7);
     const haptics::DeviceProperties& p = profile.properties;
     for (int i = 0; i < 20000; ++i) {
-      const Vec3d place = random.direction() * (p.workspace_radius_m * std::cbrt(random.in(0, 1)));
+      const Vec3d place = random.direction() * (p.workspace_radius_m * std::cbrt(random(0, 1)));
       AxisVector q = coordinates_of(profile.kinematics, {place, {}});
       for (unsigned k = 3; k < kAxisCount; ++k) q[k] = 0;
       const AxisVector rate = profile.kinematics.rates_of(
           q, {random.direction() * p.max_speed_m_per_s, random.direction() * p.max_angular_speed_rad_per_s});
       for (unsigned k = 0; k < kAxisCount; ++k) REQUIRE(std::abs(rate[k]) <= profile.bounds.rate[k]);
 
-      q[3] = random.in(-kPi, kPi), q[4] = random.in(-kPitchLimit_rad, kPitchLimit_rad), q[5] = random.in(-kPi, kPi);
+      q[3] = random(-kPi, kPi), q[4] = random(-kPitchLimit_rad, kPitchLimit_rad), q[5] = random(-kPi, kPi);
       const AxisVector effort =
           profile.kinematics.efforts_of(q, {random.direction() * p.max_force_N, random.direction() * p.max_torque_Nm});
       for (unsigned k = 0; k < kAxisCount; ++k) REQUIRE(std::abs(effort[k]) <= profile.bounds.effort[k]);
@@ -225,7 +223,7 @@ TEST_CASE("what is said of a whole workspace holds at poses that nobody looked a
 
       // Every axis off by half a count, one way or the other.
       AxisVector off{};
-      for (unsigned k = 0; k < kAxisCount; ++k) off[k] = random.in(0, 1) < 0.5 ? -0.5 : 0.5;
+      for (unsigned k = 0; k < kAxisCount; ++k) off[k] = random(0, 1) < 0.5 ? -0.5 : 0.5;
       for (unsigned k = 0; k < kAxisCount; ++k) off[k] *= profile.quantum[k];
       const Twistd wrong = profile.kinematics.twist_of(q, off);
       for (int k = 0; k < 3; ++k) {

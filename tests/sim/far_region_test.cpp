@@ -1,18 +1,16 @@
 // Fewer sub-steps where no sub-world is: what the far region keeps, and what it leaves alone.
-#include <catch2/catch.hpp>
-#include <memory>
-
-#include "sim/global_world.h"
+#include "tests/sim/global_world_bench.h"
 
 namespace {
 
 using namespace tactus;
 using namespace tactus::sim;
-using haptics::SubWorldReport;
-using haptics::WorldSnapshot;
 using physics::Shape;
+using Bench = test::GlobalWorldBench;
+using test::kGlobalStep_s;
 
-constexpr double kHalf_m = 0.05, kMass_kg = 0.2, kGravity = 9.81, kStep_s = 0.01;
+constexpr double kHalf_m = 0.05, kMass_kg = 0.2, kGravity = 9.81;
+constexpr BodyId kGround = 1;
 
 // The proxy floats above x = 0. Near sub-steps 40 in a step of 10 ms, far ones 10.
 Scene with_stacks(std::initializer_list<double> places, unsigned far_sub_steps_per_tick = 1) {
@@ -23,7 +21,7 @@ Scene with_stacks(std::initializer_list<double> places, unsigned far_sub_steps_p
   scene.proxy = 0;
   scene.bodies.push_back(physics::make_dynamic_body(0, Shape::sphere(0.02), 0.2, 0.5, {{0, 0, 0.33}, {}}));
   scene.bodies[0].gravity_scale = 0;
-  scene.bodies.push_back(physics::make_fixed_body(1, Shape::plane(), 0.5, {}));
+  scene.bodies.push_back(physics::make_fixed_body(kGround, Shape::plane(), 0.5, {}));
   for (const double x : places)
     for (int k = 0; k < 3; ++k)
       scene.bodies.push_back(physics::make_dynamic_body(static_cast<BodyId>(scene.bodies.size()),
@@ -32,28 +30,6 @@ Scene with_stacks(std::initializer_list<double> places, unsigned far_sub_steps_p
   return scene;
 }
 
-struct Bench {
-  Scene scene;
-  GlobalWorld world;
-  std::unique_ptr<WorldSnapshot> snapshot = std::make_unique<WorldSnapshot>();
-  std::unique_ptr<SubWorldReport> report = std::make_unique<SubWorldReport>();
-
-  explicit Bench(const Scene& s) : scene(s), world(scene, {}) { world.first_snapshot(*snapshot); }
-  void run(int steps) {
-    for (int i = 0; i < steps; ++i) report->cycle = snapshot->cycle, world.step(*report, *snapshot);
-  }
-  const physics::BodyMotion& motion(BodyId id) const {
-    return world.world().bodies()[static_cast<std::size_t>(world.world().slot_of(id))].motion;
-  }
-  double force_on_ground_N(BodyId id) const {
-    double sum_Ns = 0;
-    for (const auto& contact : world.world().contacts())
-      for (std::uint32_t i = 0; i < contact.count && contact.key == PairKey::of(id, 1, true); ++i)
-        sum_Ns += contact.points[i].total_normal_impulse;
-    return sum_Ns / kStep_s;
-  }
-};
-
 }  // namespace
 
 TEST_CASE("A far stack presses as hard and sinks as deep as one near the proxy: the stiffness is the same") {
@@ -61,7 +37,7 @@ TEST_CASE("A far stack presses as hard and sinks as deep as one near the proxy: 
   bench.run(200);
   CHECK(bench.snapshot->members.size() == 4);
   for (const BodyId lowest : {2u, 5u})
-    CHECK(bench.force_on_ground_N(lowest) == Approx(3 * kMass_kg * kGravity).epsilon(1e-3));
+    CHECK(bench.force_between_N(lowest, kGround) == Approx(3 * kMass_kg * kGravity).epsilon(1e-3));
   const auto sunk_m = [&](BodyId id) { return kHalf_m * (2 * ((id - 2) % 3) + 1) - bench.motion(id).pose.position.z; };
   CHECK(sunk_m(2) > 1e-5);
   for (BodyId k = 0; k < 3; ++k) CHECK(sunk_m(2 + k) == Approx(sunk_m(5 + k)).epsilon(0.02));
@@ -84,7 +60,7 @@ TEST_CASE("A far body falls by the far region's sub-steps, one near the proxy an
   Bench bench(scene);
   bench.run(1);
   const auto fallen_m = [](double sub_steps) {
-    const double h = kStep_s / sub_steps;
+    const double h = kGlobalStep_s / sub_steps;
     return kGravity * h * h * sub_steps * (sub_steps + 1) / 2;
   };
   CHECK(2 - bench.motion(7).pose.position.z == Approx(fallen_m(10)).epsilon(1e-6));
@@ -95,14 +71,12 @@ TEST_CASE("A stack that changes regions does not jolt") {
   Bench bench(with_stacks({0, 3}));
   bench.run(200);
   const auto before = bench.motion(7);
-  haptics::MemberMotion proxy;
-  proxy.id = 0, proxy.motion.pose.position = {3, 0, 0.33};
-  REQUIRE(bench.report->members.try_push(proxy));
+  bench.impose_proxy({3, 0, 0.33});
   for (int i = 0; i < 50; ++i) {
     bench.run(1);
     for (BodyId id = 2; id < 8; ++id) REQUIRE(std::abs(bench.motion(id).velocity.linear.z) < 1e-3);
   }
   CHECK(std::abs(bench.motion(7).pose.position.z - before.pose.position.z) < 5e-6);
-  CHECK(bench.force_on_ground_N(2) == Approx(3 * kMass_kg * kGravity).epsilon(1e-3));
-  CHECK(bench.force_on_ground_N(5) == Approx(3 * kMass_kg * kGravity).epsilon(1e-3));
+  CHECK(bench.force_between_N(2, kGround) == Approx(3 * kMass_kg * kGravity).epsilon(1e-3));
+  CHECK(bench.force_between_N(5, kGround) == Approx(3 * kMass_kg * kGravity).epsilon(1e-3));
 }

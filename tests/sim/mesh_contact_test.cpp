@@ -105,10 +105,10 @@ TEST_CASE("on a floor that is not quite flat what slides is lifted by no more th
   const std::uint32_t seed = GENERATE(1u, 2u, 3u, 4u);
   Random random(seed);
   constexpr double cell = 0.02, rough = 2e-5, speed = 0.1;  // slopes up to 2 rough / cell in each direction
-  MeshBench bench(height_field(
-                      60, cell, [&](double, double) { return random.uniform(-rough, rough); },
-                      [&] { return random.below(2) == 0; }),
-                  0.0);
+  MeshBench bench(
+      height_field(
+          60, cell, [&](double, double) { return random(-rough, rough); }, [&] { return random.below(2) == 0; }),
+      0.0);
   CHECK(bench.mesh().patches.size() > 1000);
   auto& body = bench.add(shape, 1.0, 0.0, {{-0.25, -0.25, rest_height(shape) + rough}, lying(shape)});
   bench.run(200);
@@ -132,7 +132,7 @@ TEST_CASE("on a floor that is not quite flat what slides is lifted by no more th
 TEST_CASE("an edge or corner pushes a ball only where no triangle at it is nearer, and the nearest always pushes") {
   Random random(17);
   const BuiltMesh made = built(height_field(
-      12, 0.05, [&](double, double) { return random.uniform(-0.03, 0.03); }, [&] { return random.below(2) == 0; }));
+      12, 0.05, [&](double, double) { return random(-0.03, 0.03); }, [&] { return random.below(2) == 0; }));
   const auto& mesh = made.mesh;
   // Brute force: the nearest of the face's foot, where it is inside, and the points of the edges.
   const auto nearest_on = [&](std::uint32_t t, const Vec3d& c) {
@@ -151,7 +151,7 @@ TEST_CASE("an edge or corner pushes a ball only where no triangle at it is neare
   };
   int rims = 0, faces = 0;
   for (int n = 0; n < 2000; ++n) {
-    const Vec3d c{random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25), random.uniform(0.0, 0.1)};
+    const Vec3d c{random(-0.25, 0.25), random(-0.25, 0.25), random(0.0, 0.1)};
     double least = 1e9;
     std::uint32_t first = 0;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
@@ -206,11 +206,11 @@ TEST_CASE("a ball on the edge of a mesh box is pushed as by the box itself") {
   Random random(5);
   int edges = 0, corners = 0;
   for (int n = 0; n < 3000; ++n) {
-    const Vec3d p = random.unit() * random.uniform(0.1, 0.25);
+    const Vec3d p = random.direction() * random(0.1, 0.25);
     const Vec3d nearest{std::clamp(p.x, -0.1, 0.1), std::clamp(p.y, -0.1, 0.1), std::clamp(p.z, -0.1, 0.1)};
     const double distance = norm(p - nearest);
     if (distance < 1e-3) continue;
-    const Shape ball = Shape::sphere(distance + random.uniform(-2e-4, 1e-3));
+    const Shape ball = Shape::sphere(distance + random(-2e-4, 1e-3));
     const auto expected = physics::test::touch(ball, {p, {}}, box, {}, 5e-4);
     REQUIRE(expected.count == 1);
     // The patches' manifolds: those that there are agree, and there is one at least; an edge has one owner.
@@ -339,9 +339,8 @@ TEST_CASE("odd triangles give finite motion: needles, doubles, no area, a corner
   Random random(11);
   for (int n = 0; n < 30; ++n) {
     MeshBench bench(made, 0.5, {});
-    auto& body =
-        bench.add(shape, 1.0, 0.5, {{random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 0.08}, random.rotation()});
-    body.motion.velocity = {random.vec(0.5), random.vec(3)};
+    auto& body = bench.add(shape, 1.0, 0.5, {{random(-0.2, 0.2), random(-0.2, 0.2), 0.08}, random.rotation()});
+    body.motion.velocity = {random.vector(0.5), random.vector(3)};
     for (int i = 0; i < 300; ++i) {
       bench.step();
       REQUIRE(is_finite(body.motion.pose));

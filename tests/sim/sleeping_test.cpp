@@ -1,9 +1,6 @@
 // The effect sleeping in the global world: who falls asleep, what wakes him, and that neither shows.
-#include <catch2/catch.hpp>
-#include <memory>
-
-#include "sim/global_world.h"
 #include "sim/loader/generators.h"
+#include "tests/sim/global_world_bench.h"
 
 namespace {
 
@@ -12,6 +9,7 @@ using namespace tactus::sim;
 using haptics::SubWorldReport;
 using haptics::WorldSnapshot;
 using physics::Shape;
+using Bench = test::GlobalWorldBench;
 
 constexpr double kHalf_m = 0.05, kMass_kg = 0.2, kGravity = 9.81;
 constexpr std::uint32_t kSlowSteps = 50;  // 0.5 s by steps of 10 ms
@@ -44,57 +42,6 @@ struct Builder {
     ball.gravity_scale = 0;
     ball.motion.velocity.linear = {0, 0, -speed_m_per_s};
     return add(ball);
-  }
-};
-
-struct Bench {
-  Scene scene;
-  GlobalWorld world;
-  std::unique_ptr<WorldSnapshot> snapshot = std::make_unique<WorldSnapshot>();
-  std::unique_ptr<SubWorldReport> report = std::make_unique<SubWorldReport>();
-
-  explicit Bench(const Scene& s, const GlobalOptions& options = {}) : scene(s), world(scene, options) {
-    REQUIRE(check_global_options(scene, options).ok());
-    world.first_snapshot(*snapshot);
-  }
-  void step() {
-    report->cycle = snapshot->cycle;
-    world.step(*report, *snapshot);
-  }
-  void run(int steps) {
-    for (int i = 0; i < steps; ++i) step();
-  }
-  // Until that many sleep; how long it took.
-  int run_until_asleep(std::uint32_t bodies, int at_most = 500) {
-    int steps = 0;
-    for (; world.statistics().asleep < bodies && steps < at_most; ++steps) step();
-    REQUIRE(world.statistics().asleep == bodies);
-    return steps;
-  }
-  const physics::BodyMotion& motion(BodyId id) const {
-    for (const auto& body : world.bodies())
-      if (body.id == id) return body.motion;
-    FAIL("no such body");
-    return world.bodies()[0].motion;
-  }
-  double energy_J() const { return world.kinetic_energy_J() + world.potential_energy_J(); }
-  double fastest() const {
-    double speed = 0;
-    for (const auto& body : world.bodies())
-      if (body.gravity_scale > 0) speed = std::max(speed, norm(body.motion.velocity.linear));
-    return speed;
-  }
-  double deepest_m() const {
-    double deepest = 0;
-    for (const auto& contact : world.world().contacts())
-      for (std::uint32_t i = 0; i < contact.count; ++i) deepest = std::max(deepest, -contact.points[i].separation);
-    return deepest;
-  }
-  // The proxy as its own world has it, for one report.
-  void impose_proxy(const Vec3d& at) {
-    haptics::MemberMotion proxy;
-    proxy.id = scene.proxy, proxy.motion.pose.position = at;
-    REQUIRE(report->members.try_push(proxy));
   }
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rt/physics/world.h"
+#include "tests/support/random.h"
 
 namespace tactus::test {
 
@@ -80,22 +81,5 @@ inline double cube_face_mass(double mass, double half, bool on_ground) {
   const double inverse = 1 / mass + 2 * half * half / inertia;  // the corner is off the axis by half in both directions
   return 4 / (on_ground ? inverse : 2 * inverse);
 }
-
-// Numbers that look random and are the same everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed * 2862933555777941757ull + 3037000493ull) {}
-  double operator()(double low, double high) {
-    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
-    return low + (high - low) * static_cast<double>(state_ >> 11) / 9007199254740992.0;
-  }
-  Vec3d vector(double size) {
-    const double x = (*this)(-size, size), y = (*this)(-size, size), z = (*this)(-size, size);
-    return {x, y, z};
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 }  // namespace tactus::test

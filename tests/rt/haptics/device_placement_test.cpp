@@ -2,24 +2,18 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <random>
+
+#include "tests/support/random.h"
 
 using namespace tactus;
 using namespace tactus::haptics;
+using test::Random;
 
 namespace {
 
-struct Random {
-  std::mt19937_64 engine{21};
-  double operator()(double scale = 1) { return std::uniform_real_distribution<double>(-scale, scale)(engine); }
-  Vec3d vec(double scale = 1) { return {(*this)(scale), (*this)(scale), (*this)(scale)}; }
-  Quatd quat() { return normalized(Quatd{(*this)(), (*this)(), (*this)(), (*this)()}); }
-  Posed pose() { return {vec(), quat()}; }
-};
-
 DevicePlacement random_placement(Random& random, bool has_rotation = true) {
   DevicePlacement placement{};
-  placement.config = {random.pose(), std::exp(random(3)), has_rotation};
+  placement.config = {random.pose(), std::exp(random.symmetric(3)), has_rotation};
   placement.clutch_to(random.pose(), random.pose());
   return placement;
 }
@@ -30,11 +24,11 @@ double apart(const Quatd& a, const Quatd& b) { return norm((a * conjugate(b)).ve
 }  // namespace
 
 TEST_CASE("the power at the hand is the power in the world") {
-  Random random;
+  Random random(21);
   for (int i = 0; i < 2000; ++i) {
     const DevicePlacement placement = random_placement(random, i % 4 != 0);
-    const Twistd tool{random.vec(), random.vec(10)};
-    const Wrenchd world{random.vec(30), random.vec(3)};
+    const Twistd tool{random.vector(), random.vector(10)};
+    const Wrenchd world{random.vector(30), random.vector(3)};
     const Twistd target = placement.target_twist(tool);
     const Wrenchd hand = placement.device_wrench(world);
     const double at_hand = dot(hand.force, tool.linear) + dot(hand.torque, tool.angular);
@@ -45,11 +39,11 @@ TEST_CASE("the power at the hand is the power in the world") {
 }
 
 TEST_CASE("the target's twist is the rate of the target's pose") {
-  Random random;
+  Random random(21);
   for (int i = 0; i < 500; ++i) {
     const DevicePlacement placement = random_placement(random);
     const Posed tool = random.pose();
-    const Twistd twist{random.vec(), random.vec()};
+    const Twistd twist{random.vector(), random.vector()};
     const double dt = 1e-6;
     const Posed later{tool.position + twist.linear * dt, quat_from_rotation_vector(twist.angular * dt) * tool.rotation};
     const Posed a = placement.world_from_target(tool), b = placement.world_from_target(later);
@@ -72,10 +66,10 @@ TEST_CASE("without a clutch the target is the scaled tool in the device's place"
 }
 
 TEST_CASE("a clutch puts the target where it is asked, from anywhere, again and again") {
-  Random random;
+  Random random(21);
   DevicePlacement placement{};
   for (int i = 0; i < 2000; ++i) {
-    placement.config = {random.pose(), std::exp(random(3)), true};
+    placement.config = {random.pose(), std::exp(random.symmetric(3)), true};
     const Posed wanted = random.pose(), tool = random.pose();
     placement.clutch_to(wanted, tool);
     const Posed target = placement.world_from_target(tool);
@@ -86,11 +80,11 @@ TEST_CASE("a clutch puts the target where it is asked, from anywhere, again and 
 }
 
 TEST_CASE("a clutch does not turn the axis about which the hand turns the target") {
-  Random random;
+  Random random(21);
   for (int i = 0; i < 200; ++i) {
     DevicePlacement placement{};
     placement.clutch_to(random.pose(), random.pose());
-    const Quatd tool = random.quat(), turn = quat_from_rotation_vector(random.vec(0.5));
+    const Quatd tool = random.rotation(), turn = quat_from_rotation_vector(random.vector(0.5));
     const Quatd before = placement.world_from_target({{}, tool}).rotation;
     const Quatd after = placement.world_from_target({{}, turn * tool}).rotation;
     REQUIRE(apart(after * conjugate(before), turn) < 1e-14);
@@ -98,13 +92,13 @@ TEST_CASE("a clutch does not turn the axis about which the hand turns the target
 }
 
 TEST_CASE("a three-degree-of-freedom device keeps the target's orientation and gets no torque") {
-  Random random;
+  Random random(21);
   const DevicePlacement start = random_placement(random, false);
   const Quatd held = start.world_from_target(random.pose()).rotation;
   for (int i = 0; i < 100; ++i) {
     CHECK(start.world_from_target(random.pose()).rotation == held);
-    CHECK(start.target_twist({random.vec(), random.vec()}).angular == Vec3d{});
-    CHECK(start.device_wrench({random.vec(), random.vec()}).torque == Vec3d{});
+    CHECK(start.target_twist({random.vector(), random.vector()}).angular == Vec3d{});
+    CHECK(start.device_wrench({random.vector(), random.vector()}).torque == Vec3d{});
   }
   DevicePlacement clutched = start;
   const Posed wanted = random.pose();

@@ -6,8 +6,11 @@
 #include <limits>
 #include <random>
 
+#include "tests/support/random.h"
+
 using namespace tactus;
 using namespace tactus::haptics;
+using test::Random;
 
 namespace {
 
@@ -23,19 +26,13 @@ ForceLimiter without_slew() {
   return limiter;
 }
 
-struct Random {
-  std::mt19937_64 engine{31};
-  double operator()(double scale = 1) { return std::uniform_real_distribution<double>(-scale, scale)(engine); }
-  Vec3d vec(double scale = 1) { return {(*this)(scale), (*this)(scale), (*this)(scale)}; }
-};
-
 }  // namespace
 
 TEST_CASE("a wrench within all limits goes through bit for bit") {
   ForceLimiter limiter = without_slew();
-  Random random;
+  Random random(31);
   for (int i = 0; i < 1000; ++i) {
-    const Wrenchd wanted{random.vec(5), random.vec(0.5)};
+    const Wrenchd wanted{random.vector(5), random.vector(0.5)};
     const ForceLimiter::Output out = limiter.limit(wanted, 1, Slew::kNormal);
     REQUIRE(out.wrench == wanted);
     REQUIRE(out.status == 0);
@@ -47,19 +44,19 @@ TEST_CASE("whatever comes in, what goes out is finite, within the peaks exactly,
   const double odd[] = {0,    -0.0,  1e308, -1.7e308, 5e-324, -2e-310, 1e-160,    1e160,
                         30.0, -10.0, 3.0,   1e-300,   29.999, 4.9,     kInfinity, kNaN};
   std::mt19937_64 pick(7);
-  Random random;
+  Random random(31);
   for (int run = 0; run < 100; ++run) {
     ForceLimiter limiter = make_limiter();
-    limiter.state.force.heat = 100.0 * std::abs(random());
+    limiter.state.force.heat = 100.0 * std::abs(random.symmetric());
     Wrenchd wanted, last;
     double last_fade = 1;
     const std::size_t kinds = run % 2 ? 14 : 16;  // every other run without infinity and NaN
     for (int tick = 0; tick < 500; ++tick) {
-      const auto number = [&] { return pick() % 3 == 0 ? odd[pick() % kinds] : random(100); };
+      const auto number = [&] { return pick() % 3 == 0 ? odd[pick() % kinds] : random.symmetric(100); };
       if (tick == 0 || pick() % 8 == 0) {  // held for some ticks, so that the slew lets it reach the limits
         wanted = {{number(), number(), number()}, {number(), number(), number()}};
       }
-      const double fade = pick() % 16 == 0 ? random(2) : last_fade;
+      const double fade = pick() % 16 == 0 ? random.symmetric(2) : last_fade;
       const Slew slew = pick() % 4 == 0 ? Slew::kSlow : Slew::kNormal;
       const ForceLimiter::Output out = limiter.limit(wanted, fade, slew);
       REQUIRE(is_finite(out.wrench));
@@ -77,11 +74,11 @@ TEST_CASE("whatever comes in, what goes out is finite, within the peaks exactly,
 }
 
 TEST_CASE("saturation keeps the direction, of force and torque apart, up to the largest numbers there are") {
-  Random random;
+  Random random(31);
   for (const double size : {31.0, 1e3, 1e155, 1e307}) {
     for (int i = 0; i < 200; ++i) {
       ForceLimiter limiter = without_slew();
-      const Vec3d direction = normalized_or(random.vec(), Vec3d{1, 0, 0});
+      const Vec3d direction = normalized_or(random.vector(), Vec3d{1, 0, 0});
       const ForceLimiter::Output out = limiter.limit({direction * size, {0.1, 0, 0}}, 1, Slew::kNormal);
       REQUIRE(norm(out.wrench.force) <= 30.0);
       REQUIRE(norm(out.wrench.force) == Approx(30.0).epsilon(1e-14));
@@ -171,14 +168,14 @@ TEST_CASE("three times the continuous force from cold is whole for tau ln(18/17)
 }
 
 TEST_CASE("the mean square over tau never passes the continuous rating's, and a force within it is never cut") {
-  Random random;
+  Random random(31);
   ForceLimiter limiter = make_limiter();
   limiter.config.thermal_time_s = 0.5;  // faster than any motor, so that the test sees many warm and cool times
   double mean_square = 0;
   bool was_warm = false;
   Vec3d wanted;
   for (int tick = 0; tick < 200'000; ++tick) {
-    if (tick % 50 == 0) wanted = random.vec((tick / 2000) % 2 ? 60 : 4);
+    if (tick % 50 == 0) wanted = random.vector((tick / 2000) % 2 ? 60 : 4);
     const ForceLimiter::Output out = limiter.limit({wanted, {}}, 1, Slew::kNormal);
     mean_square += (norm_squared(out.wrench.force) - mean_square) * (1e-3 / 0.5);
     REQUIRE(mean_square <= 100.0 * (1 + 1e-12));

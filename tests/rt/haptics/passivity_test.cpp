@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 #include <vector>
 
+#include "tests/support/bits.h"
+
 using namespace tactus;
 using namespace tactus::haptics;
+using test::same_bits;
 
 namespace {
 
@@ -35,8 +37,6 @@ struct Hand {
   }
   double kinetic_J() const { return 0.5 * kMass * norm_squared(v); }
 };
-
-bool same_bits(const Wrenchd& a, const Wrenchd& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 Vec3d random_direction(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u(-1, 1);

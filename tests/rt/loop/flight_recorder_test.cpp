@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rt/haptics/coupling/snapshot_bytes.h"
+#include "tests/support/bits.h"
 #include "tests/support/rt_guard.h"
 
 using namespace tactus;
@@ -136,7 +137,7 @@ TEST_CASE("what was recorded replays from any keyframe, byte by byte") {
       in.sink.report = report.get();
       TickOutput out;
       loop.tick(in, out);
-      REQUIRE(std::memcmp(&out, &tick.out, sizeof out) == 0);
+      REQUIRE(test::same_bits(out, tick.out));
     }
   }
 }
@@ -175,6 +176,6 @@ TEST_CASE("recording neither allocates nor locks, nor changes what the loop says
   CHECK(allocations == 0);
   CHECK(locks == 0);
   CHECK(full.recorder.dropped() > 0);
-  CHECK(std::memcmp(&recorded.out, &full.out, sizeof full.out) == 0);
+  CHECK(test::same_bits(recorded.out, full.out));
   CHECK(recorded.loop.state_hash() == full.loop.state_hash());
 }

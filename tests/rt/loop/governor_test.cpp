@@ -1,8 +1,8 @@
 #include "rt/loop/governor.h"
 
 #include <catch2/catch.hpp>
-#include <cstring>
 
+#include "tests/support/bits.h"
 #include "tests/support/physics_bench.h"
 
 using namespace tactus;
@@ -36,8 +36,6 @@ GovernorConfig make_config() {
 }
 
 double budget_of(const GovernorConfig& config) { return config.budget * config.period_ns; }
-
-bool same(const TickPlan& a, const TickPlan& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 }  // namespace
 
@@ -92,7 +90,7 @@ TEST_CASE("sub-steps fall with the counts, stay within their bounds, and are the
       if (plan.sub_steps > config.min_sub_steps) REQUIRE(plan.predicted_ns <= budget_of(config));
       if (plan.sub_steps < config.sub_steps)
         REQUIRE(predict_ns(config.cost, with_joiners(counts), plan.sub_steps + 1) > budget_of(config));
-      REQUIRE(same(plan, governor.plan(counts)));
+      REQUIRE(test::same_bits(plan, governor.plan(counts)));
       before = plan.sub_steps;
     }
     CHECK(before == config.min_sub_steps);
@@ -197,6 +195,6 @@ TEST_CASE("two governors that saw the same counts say the same") {
   for (int i = 0; i < 500; ++i) {
     const WorkCounts counts = heap(static_cast<std::uint32_t>(random(1, 300)));
     REQUIRE(first.member_budget(counts) == second.member_budget(counts));
-    REQUIRE(same(first.plan(counts), second.plan(counts)));
+    REQUIRE(test::same_bits(first.plan(counts), second.plan(counts)));
   }
 }

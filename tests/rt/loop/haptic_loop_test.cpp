@@ -14,6 +14,7 @@
 
 #include "rt/haptics/coupling_limits.h"
 #include "tests/rt/loop/haptic_loop_bench.h"
+#include "tests/support/bits.h"
 #include "tests/support/physics_bench.h"
 #include "tests/support/rt_guard.h"
 
@@ -374,8 +375,6 @@ std::vector<std::byte> saved(const HapticLoop& loop) {
   return bytes;
 }
 
-bool same_bytes(const TickOutput& a, const TickOutput& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
 }  // namespace
 
 TEST_CASE("whatever the device sends, what it is told is finite, within its limits, and nothing when it is idle") {
@@ -431,7 +430,7 @@ TEST_CASE("a loop restored at any tick says the same, byte by byte") {
       original.tick();
       copy->loop.tick(original.in, copy->out);
       CAPTURE(seed, t);
-      REQUIRE(same_bytes(original.out, copy->out));
+      REQUIRE(test::same_bits(original.out, copy->out));
       REQUIRE(saved(original.loop) == saved(copy->loop));
     }
   }
@@ -449,7 +448,7 @@ TEST_CASE("a loop restored under a force beyond one tick's slew goes on with it"
     bench.tick();
     TickOutput out;
     copy.tick(bench.in, out);
-    REQUIRE(same_bytes(bench.out, out));
+    REQUIRE(test::same_bits(bench.out, out));
     REQUIRE(norm(out.command.wrench.force) > 9);
   }
 }
@@ -465,7 +464,7 @@ TEST_CASE("a tick depends on its input and the state alone: gone back and done a
     REQUIRE(chaos.loop.restore(in));
     std::memset(static_cast<void*>(&chaos.out), 0xa5, sizeof chaos.out);  // written whole
     chaos.loop.tick(chaos.in, chaos.out);
-    REQUIRE(same_bytes(first, chaos.out));
+    REQUIRE(test::same_bits(first, chaos.out));
     REQUIRE(saved(chaos.loop) == after);
   }
 }

@@ -26,7 +26,7 @@ bool has_point(const Manifold& m, const Vec3d& from_a) {
 }
 
 Posed shaken(Random& random, const Posed& pose, double by_m, double by_rad) {
-  return {pose.position + random.vec(by_m), quat_from_rotation_vector(random.vec(by_rad)) * pose.rotation};
+  return {pose.position + random.vector(by_m), quat_from_rotation_vector(random.vector(by_rad)) * pose.rotation};
 }
 
 // The points that carry the load keep their names, and the normal stays, while both bodies tremble by a micrometre.
@@ -74,7 +74,7 @@ TEST_CASE("Each face of a box can be touched") {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       const auto a = Shape::box({0.1, 0.2, 0.3}), b = Shape::box({0.05, 0.06, 0.07});
-      Posed pose_b{random.vec(0.04), {}};
+      Posed pose_b{random.vector(0.04), {}};
       pose_b.position[axis] = sign * (a.half_extents[axis] + b.half_extents[axis] + 1e-3);
       const Posed world = random.pose(1.0);
       const auto m = touch(a, world, b, world * pose_b, 2e-3);
@@ -247,7 +247,7 @@ TEST_CASE("Pushing the boxes apart by the reported overlap leaves next to none")
   for (int n = 0; n < 2000; ++n) {
     const PosedBox a{Vec3d{0.05, 0.06, 0.07}, random.pose(0.01)};
     PosedBox b{Vec3d{0.04, 0.05, 0.08}, {a.pose.position, random.rotation()}};
-    const Vec3d direction = random.unit();
+    const Vec3d direction = random.direction();
     while (overlap(a, b)) b.pose.position += direction * 1e-3;  // now apart by less than a millimetre
     b.pose.position -= direction * 1e-3;
     const auto m = touch(Shape::box(a.half), a.pose, Shape::box(b.half), b.pose, 0.0);

@@ -42,9 +42,9 @@ std::uint32_t random_count(Random& random) {
 TestHull any_hull(Random& random) {
   switch (random.below(4)) {
     case 0:
-      return prism_hull(3 + random.below(12), random.uniform(0.02, 0.1), random.uniform(0.01, 0.1));
+      return prism_hull(3 + random.below(12), random(0.02, 0.1), random(0.01, 0.1));
     case 1:
-      return box_hull({random.uniform(0.01, 0.1), random.uniform(0.01, 0.1), random.uniform(0.01, 0.1)});
+      return box_hull({random(0.01, 0.1), random(0.01, 0.1), random(0.01, 0.1)});
     default:
       return random_hull(random, random_count(random), 0.1);
   }
@@ -58,14 +58,15 @@ Pair random_pair(Random& random, ShapeKind kind_a) {
   pair.a = kind_a == ShapeKind::kHull ? Shape::convex(pair.hulls[0], 0) : random_shape(random, kind_a);
   pair.b = Shape::convex(pair.hulls[1], 1);
   pair.pose_a = random.pose(0.5), pair.pose_b = random.pose(0.5);
-  const Vec3d direction = kind_a == ShapeKind::kPlane ? rotate(pair.pose_a.rotation, Vec3d{0, 0, 1}) : random.unit();
+  const Vec3d direction =
+      kind_a == ShapeKind::kPlane ? rotate(pair.pose_a.rotation, Vec3d{0, 0, 1}) : random.direction();
   double near = 0, far = 1.0;
   for (int i = 0; i < 12; ++i) {
     const double middle = 0.5 * (near + far);
     pair.pose_b.position = pair.pose_a.position + direction * middle;
     (gap(pair) > 0 ? far : near) = middle;
   }
-  pair.pose_b.position = pair.pose_a.position + direction * (far + random.uniform(-kMargin, 2 * kMargin));
+  pair.pose_b.position = pair.pose_a.position + direction * (far + random(-kMargin, 2 * kMargin));
   return pair;
 }
 
@@ -115,7 +116,7 @@ TEST_CASE("Where hulls overlap the depth is that of the best of all axes, within
   int overlaps = 0;
   for (int n = 0; n < 150; ++n) {
     Pair p = random_pair(random, n % 2 == 0 ? ShapeKind::kHull : ShapeKind::kBox);
-    p.pose_b.position += (p.pose_a.position - p.pose_b.position) * random.uniform(0, 0.2);
+    p.pose_b.position += (p.pose_a.position - p.pose_b.position) * random(0, 0.2);
     const Solid a = solid_of(p.a, p.pose_a, p.hulls), b = solid_of(p.b, p.pose_b, p.hulls);
     const double best = best_gap(a, b);
     if (best >= 0) continue;
@@ -203,7 +204,7 @@ TEST_CASE("A box given as a hull meets another as deep as the box does") {
   Random random(7);
   int overlaps = 0;
   for (int n = 0; n < 400; ++n) {
-    const Vec3d half_a = random.vec(0.1), half_b = random.vec(0.1);
+    const Vec3d half_a = random.vector(0.1), half_b = random.vector(0.1);
     const Shape a = Shape::box(abs(half_a) + Vec3d{0.005, 0.005, 0.005}),
                 b = Shape::box(abs(half_b) + Vec3d{0.005, 0.005, 0.005});
     const std::vector<Hull> hulls{box_hull(a.half_extents).hull, box_hull(b.half_extents).hull};
@@ -231,7 +232,7 @@ TEST_CASE("Noise below the solver's slop does not change what a manifold is made
     int changed = 0;
     for (int n = 0; n < 10; ++n) {
       Posed a = p.pose_a;
-      a.position += random.vec(1e-8);
+      a.position += random.vector(1e-8);
       const auto m = collide(p.a, a, p.b, p.pose_b, kMargin, cache, p.hulls);
       if (m.count != first.count || norm(m.normal - first.normal) > 1e-3) ++changed;
     }

@@ -87,7 +87,7 @@ TEST_CASE("The lowest corner of a box above a plane is always among the points")
   Random random(3);
   for (int n = 0; n < 2000; ++n) {
     const auto box = random_shape(random, ShapeKind::kBox);
-    const Posed plane = random.pose(1.0), above{{random.uniform(-1, 1), random.uniform(-1, 1), 0}, random.rotation()};
+    const Posed plane = random.pose(1.0), above{{random(-1, 1), random(-1, 1), 0}, random.rotation()};
     double lowest = 1e9;
     for (unsigned k = 0; k < 8; ++k) lowest = std::min(lowest, PosedBox{box.half_extents, above}.corner(k).z);
     Posed resting = above;

@@ -21,7 +21,8 @@ struct Pair {
 // a random step in or out.
 Pair random_pair(Random& random, ShapeKind kind_a, ShapeKind kind_b) {
   Pair pair{random_shape(random, kind_a), random_shape(random, kind_b), random.pose(0.5), random.pose(0.5)};
-  const Vec3d direction = kind_b == ShapeKind::kPlane ? -rotate(pair.pose_b.rotation, Vec3d{0, 0, 1}) : random.unit();
+  const Vec3d direction =
+      kind_b == ShapeKind::kPlane ? -rotate(pair.pose_b.rotation, Vec3d{0, 0, 1}) : random.direction();
   double near = 0, far = 1.0;
   const Vec3d start = pair.pose_a.position;
   for (int i = 0; i < 12; ++i) {
@@ -29,7 +30,7 @@ Pair random_pair(Random& random, ShapeKind kind_a, ShapeKind kind_b) {
     pair.pose_b.position = start + direction * middle;
     (reference_distance(pair.a, pair.pose_a, pair.b, pair.pose_b) > 0 ? far : near) = middle;
   }
-  pair.pose_b.position = start + direction * (far + random.uniform(-kMargin, 2 * kMargin));
+  pair.pose_b.position = start + direction * (far + random(-kMargin, 2 * kMargin));
   return pair;
 }
 
@@ -52,7 +53,9 @@ void for_random_pairs(std::uint32_t seed, int count, Check check) {
   }
 }
 
-Manifold touch(const Pair& p, double margin = kMargin) { return test::touch(p.a, p.pose_a, p.b, p.pose_b, margin); }
+Manifold touch(const Pair& p, double margin = kMargin) {
+  return physics::test::touch(p.a, p.pose_a, p.b, p.pose_b, margin);
+}
 
 double gap(const Pair& p) { return reference_distance(p.a, p.pose_a, p.b, p.pose_b); }
 
@@ -173,7 +176,7 @@ TEST_CASE("Deep overlap, equal centres and extreme sizes give finite unit normal
     const Shape a = extreme(kinds[random.below(4)]), b = extreme(kinds[random.below(4)]);
     Posed pose_a{{}, random.below(2) == 0 ? Quatd{} : random.rotation()}, pose_b = pose_a;
     if (random.below(2) == 0) pose_b.rotation = random.rotation();
-    if (random.below(2) == 0) pose_b.position = random.vec(random.log_uniform(1e-14, 1.0));
+    if (random.below(2) == 0) pose_b.position = random.vector(random.log_uniform(1e-14, 1.0));
     const Manifold m = touch({a, b, pose_a, pose_b}, 1e-3);
     REQUIRE(m.count <= 4);
     if (a.kind != ShapeKind::kPlane || b.kind != ShapeKind::kPlane)

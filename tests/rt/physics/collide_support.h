@@ -5,43 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <random>
 
 #include "rt/physics/collision/manifold.h"
+#include "tests/support/random.h"
 
 namespace tactus::physics::test {
 
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : engine_(seed) {}
-
-  double uniform(double low, double high) {  // own mapping: a library's distribution may differ from another's
-    const double unit = (static_cast<double>(engine_()) + 0.5) / 4294967296.0;
-    return low + (high - low) * unit;
-  }
-  // Uniform in the exponent.
-  double log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
-  Vec3d vec(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
-  Vec3d unit() {
-    while (true) {
-      const Vec3d v = vec(1.0);
-      const double n = norm(v);
-      if (n > 0.1 && n < 1.0) return v * (1.0 / n);
-    }
-  }
-  Quatd rotation() {
-    while (true) {
-      const Quatd q{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
-      const double n = norm(q);
-      if (n > 0.1 && n < 1.0) return normalized(q);
-    }
-  }
-  Posed pose(double size) { return {vec(size), rotation()}; }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(uniform(0.0, n)); }
-
- private:
-  std::mt19937 engine_;
-};
+using Random = tactus::test::RandomOf<tactus::test::MersenneTwister>;
 
 inline Quatd turn(const Vec3d& axis, double angle_rad) { return quat_from_rotation_vector(axis * angle_rad); }
 
@@ -188,9 +158,9 @@ inline double reference_distance(const Shape& a, const Posed& pose_a, const Shap
 inline Shape random_shape(Random& random, ShapeKind kind) {
   switch (kind) {
     case ShapeKind::kSphere:
-      return Shape::sphere(random.uniform(0.01, 0.1));
+      return Shape::sphere(random(0.01, 0.1));
     case ShapeKind::kCapsule:
-      return Shape::capsule(random.uniform(0.005, 0.05), random.uniform(0.01, 0.15));
+      return Shape::capsule(random(0.005, 0.05), random(0.01, 0.15));
     case ShapeKind::kBox:
       return Shape::box(
           {random.log_uniform(3e-4, 0.15), random.log_uniform(3e-3, 0.15), random.log_uniform(3e-3, 0.15)});

@@ -39,9 +39,9 @@ inline TestHull hull_around(const std::vector<Vec3d>& points) {
 // Points on an ellipsoid of half axes up to `size`.
 inline TestHull random_hull(Random& random, std::uint32_t vertices, double size) {
   while (true) {
-    const Vec3d axes{random.uniform(0.3, 1) * size, random.uniform(0.3, 1) * size, random.uniform(0.3, 1) * size};
+    const Vec3d axes{random(0.3, 1) * size, random(0.3, 1) * size, random(0.3, 1) * size};
     std::vector<Vec3d> points;
-    for (std::uint32_t i = 0; i < vertices; ++i) points.push_back(scale(axes, random.unit()));
+    for (std::uint32_t i = 0; i < vertices; ++i) points.push_back(scale(axes, random.direction()));
     TestHull made = hull_around(points);
     if (made.hull.topology.vertices == vertices && made.hull.least_width > 0.05 * size) return made;
   }

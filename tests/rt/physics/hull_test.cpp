@@ -79,7 +79,7 @@ TEST_CASE("Moments of random hulls agree with a count of random points inside") 
     Vec3d first;
     SymMat3d second;
     for (int k = 0; k < total; ++k) {
-      const Vec3d p{random.uniform(-h.x, h.x), random.uniform(-h.y, h.y), random.uniform(-h.z, h.z)};
+      const Vec3d p{random(-h.x, h.x), random(-h.y, h.y), random(-h.z, h.z)};
       if (!std::all_of(solid.faces.begin(), solid.faces.end(),
                        [&](const auto& face) { return dot(face.normal, p) <= face.offset; }))
         continue;

@@ -148,9 +148,9 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
   Random random(21);
   TriangleSoup soup;
   for (int n = 0; n < 3000; ++n) {
-    const Vec3d at = random.vec(1);
+    const Vec3d at = random.vector(1);
     const double size = random.log_uniform(1e-3, 0.2);
-    for (int k = 0; k < 3; ++k) soup.corners.push_back(at + random.vec(size));
+    for (int k = 0; k < 3; ++k) soup.corners.push_back(at + random.vector(size));
     const auto first = static_cast<std::uint32_t>(3 * n);
     soup.triangles.push_back({first, first + 1, first + 2});
   }
@@ -158,7 +158,7 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
   const Mesh& mesh = made.mesh;
   int whole = 0, cut = 0;
   for (int n = 0; n < 2000; ++n) {
-    const Vec3d at = random.vec(1.2), half = Vec3d{1, 1, 1} * random.log_uniform(1e-3, 0.6);
+    const Vec3d at = random.vector(1.2), half = Vec3d{1, 1, 1} * random.log_uniform(1e-3, 0.6);
     const physics::Aabb box{at - half, at + half};
     std::vector<std::uint32_t> expected;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)

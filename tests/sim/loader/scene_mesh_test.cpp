@@ -79,7 +79,7 @@ TEST_CASE("a scene keeps the triangles of its files: its source alone gives the 
   Random random(3);
   std::string obj;
   const TriangleSoup soup = height_field(
-      6, 37.123, [&](double, double) { return random.uniform(0, 5); }, [] { return true; });
+      6, 37.123, [&](double, double) { return random(0, 5); }, [] { return true; });
   for (const Vec3d& c : soup.corners) obj += fmt::format("v {} {} {}\n", c.x, c.y, c.z);
   for (const auto& t : soup.triangles) obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   folder.write("hills.obj", obj);
@@ -138,9 +138,8 @@ TEST_CASE("the triangles of a snapshot are those that the tree finds, and they s
     const Vec3d size = region.box.upper - region.box.lower;
     for (int n = 0; n < 50; ++n) {
       // Some inside the region, some across its rim: both ways must give the same.
-      const Vec3d at = region.box.lower + Vec3d{random.uniform(0, 1) * size.x, random.uniform(0, 1) * size.y,
-                                                random.uniform(0, 1) * size.z};
-      const Vec3d half = size * random.uniform(0.01, 0.4);
+      const Vec3d at = region.box.lower + Vec3d{random(0, 1) * size.x, random(0, 1) * size.y, random(0, 1) * size.z};
+      const Vec3d half = size * random(0.01, 0.4);
       const physics::Aabb box{at - half, at + half};
       physics::TriangleList from_list, from_tree;
       near.find(scene.meshes[0], region.body, 0, box, from_list);

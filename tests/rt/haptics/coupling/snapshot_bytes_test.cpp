@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/bits.h"
 #include "tests/support/physics_bench.h"
 
 using namespace tactus;
@@ -114,8 +115,7 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
       CHECK(back->renewed[i].motion == s->renewed[i].motion);
     }
     REQUIRE(back->outside.size() == counts.border);
-    for (std::uint32_t i = 0; i < counts.border; ++i)
-      CHECK(std::memcmp(&back->outside[i], &s->outside[i], sizeof(OutsideBody)) == 0);
+    for (std::uint32_t i = 0; i < counts.border; ++i) CHECK(test::same_bits(back->outside[i], s->outside[i]));
     REQUIRE(back->joiners.size() == counts.joiners);
     for (std::uint32_t i = 0; i < counts.joiners; ++i) {
       CHECK(back->joiners[i].id == s->joiners[i].id);

@@ -4,11 +4,11 @@
 
 #include <catch2/catch.hpp>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <vector>
 
 #include "rt/haptics/coupling/sub_world.h"
+#include "tests/support/bits.h"
 
 namespace tactus::test::sub_world_bench {
 
@@ -23,6 +23,7 @@ using haptics::WorldSnapshot;
 using physics::Body;
 using physics::BodyMotion;
 using physics::Shape;
+using test::same_bits;
 
 inline constexpr BodyId kProxy = 0, kGround = 50, kOutside = 90;
 inline constexpr double kTick_s = 1e-3, kMass = 0.5, kRadius = 0.05;
@@ -101,8 +102,6 @@ struct Bench {
   bool is_member(BodyId id) const { return sub_world.world().slot_of(id) >= 0; }
   const physics::BorderContact& border(std::uint32_t i) const { return sub_world.world().border_contacts()[i]; }
 };
-
-inline bool same_bits(const BodyMotion& a, const BodyMotion& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 inline void check_close(const Vec3d& a, const Vec3d& b, double within) {
   CAPTURE(a.x, a.y, a.z, b.x, b.y, b.z);

@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -214,7 +213,7 @@ TEST_CASE("a sub-world restored in the middle of a cycle goes on bit by bit") {
     original.tick(t), copy.tick(t);
     CAPTURE(t);
     REQUIRE(copy.sub_world.state_hash() == original.sub_world.state_hash());
-    REQUIRE(std::memcmp(&copy.last.on_device, &original.last.on_device, sizeof(Wrenchd)) == 0);
+    REQUIRE(same_bits(copy.last.on_device, original.last.on_device));
     REQUIRE(copy.last.status == original.last.status);
     REQUIRE(copy.sub_world.border_work_J() == original.sub_world.border_work_J());
     REQUIRE(copy.report->ticks == (t < 31 ? 0 : original.report->ticks));
