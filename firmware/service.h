@@ -30,7 +30,7 @@ enum class ServiceStatus : std::uint8_t {
   kOutOfRange = 3,  // the register does not accept the value, finite or not; nothing changed
   kWrongState = 4,  // not allowed in the device's present state (most writes need IDLE or BRAKE)
   kNoSuchOperation = 5,
-  kBusy = 6,  // homing or a self-test is in progress
+  kBusy = 6,  // homing or a save is in progress, or a change is not active yet
 };
 
 struct ServiceMessage {
