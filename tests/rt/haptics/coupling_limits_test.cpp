@@ -48,12 +48,26 @@ TEST_CASE("the default gains on the default device have the margins that the for
   CHECK(verdict.accepted);
   CHECK(verdict.translation.stiffness_limit == Approx(5.5 / 1.5e-3).epsilon(0.02));  // 3667 N/m, for little damping
   CHECK(verdict.translation.margin == Approx(11.0 / 6.0).epsilon(0.02));
-  CHECK(verdict.translation.stiffness_allowed == Approx(0.56 * verdict.translation.stiffness_limit));
   CHECK(verdict.translation.damping_limit ==
         Approx(0.5 * 1e-3 / 1e-5));  // 0.5 N a quantum and tick, the damper's own is 150
   CHECK(verdict.rotation.stiffness_limit == Approx(0.022 / 1.5e-3).epsilon(0.03));
   CHECK(verdict.rotation.damping_limit == Approx(0.003 * 8e-3 / 1e-4));  // 3 N mm a quantum in 8 ticks
   CHECK_FALSE(verdict.translation.passive);                              // B > b
+}
+
+TEST_CASE("the allowed stiffness is stable on a device that is not as described, where the limit itself is not") {
+  const DeviceProperties device;
+  const CouplingGains gains;
+  const AxisVerdict allowed = check_coupling(gains, device, 1e-3).translation;
+  const AxisLimits described{1e-3, 1e-3, device.mass_kg, device.damping_Ns_per_m, 0, 0};
+  AxisLimits light = described, heavy = described, undamped = described;
+  light.mass *= 0.6, heavy.mass *= 1.4, undamped.damping = 0;
+  for (const AxisLimits& actual : {described, light, heavy, undamped})
+    CHECK(is_stable(actual, allowed.stiffness_allowed, gains.damping_Ns_per_m, 1));
+  CHECK(is_stable(described, allowed.stiffness_allowed, gains.damping_Ns_per_m, 2));  // force a tick later
+  CHECK_FALSE(is_stable(described, allowed.stiffness_limit, gains.damping_Ns_per_m, 2));
+  CHECK_FALSE(is_stable(undamped, 0.99 * allowed.stiffness_limit, gains.damping_Ns_per_m, 1));
+  CHECK(allowed.stiffness_allowed > 0.5 * allowed.stiffness_limit);  // no more cautious than that
 }
 
 TEST_CASE("the uncoupled limit separates the stable from the unstable in a simulated device") {
@@ -147,10 +161,10 @@ TEST_CASE("the quantisation limit is the smaller of damping and dry friction, an
 TEST_CASE("gains are refused above the allowed share, above the damper limit, negative or not a number") {
   const DeviceProperties device;
   CouplingGains gains;
-  const double limit = check_coupling(gains, device, 1e-3).translation.stiffness_limit;
-  gains.stiffness_N_per_m = 0.559 * limit;
+  const double allowed = check_coupling(gains, device, 1e-3).translation.stiffness_allowed;
+  gains.stiffness_N_per_m = 0.999 * allowed;
   CHECK(check_coupling(gains, device, 1e-3).accepted);
-  gains.stiffness_N_per_m = 0.561 * limit;
+  gains.stiffness_N_per_m = 1.001 * allowed;
   CHECK_FALSE(check_coupling(gains, device, 1e-3).translation.accepted);
   gains = {};
   gains.damping_Ns_per_m = 50.1;

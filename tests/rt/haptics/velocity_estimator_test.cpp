@@ -98,11 +98,17 @@ TEST_CASE("the first pose and a reset start at rest, wherever the tool is") {
   CHECK(estimator.update({{-0.1, 0, 0}, {}}) == Twistd{});
 }
 
-TEST_CASE("the window follows the rate: 8 at 1 kHz, 16 at 4 kHz, never beyond the ring") {
-  CHECK(VelocityEstimator::Config::of({}, 1e-3).window == 8);
-  CHECK(VelocityEstimator::Config::of({}, 0.5e-3).window == 11);
-  CHECK(VelocityEstimator::Config::of({}, 0.25e-3).window == 16);
-  CHECK(VelocityEstimator::Config::of({}, 0.1e-3).window == kMaxVelocityWindow);
+TEST_CASE("the window grows with the root of the rate from 8 at 1 kHz: less delay and more noise, both by the root") {
+  for (double rate_Hz = 100; rate_Hz <= 10'000; rate_Hz += 100) {
+    CAPTURE(rate_Hz);
+    const double window = VelocityEstimator::Config::of({}, 1 / rate_Hz).window;
+    REQUIRE(window <= kMaxVelocityWindow);
+    if (window == kMaxVelocityWindow && rate_Hz > 4000) continue;
+    // Delay N T, noise quantum / (N T), relative to 8 ms and to a quantum in 8 ms: within the rounding of N.
+    const double delay = window / rate_Hz / 8e-3, rounding = 0.5 / rate_Hz / 8e-3;
+    REQUIRE(delay == Approx(std::sqrt(1000 / rate_Hz)).margin(1.001 * rounding));
+  }
+  CHECK(VelocityEstimator::Config::of({}, 1e-4).window == kMaxVelocityWindow);
 }
 
 TEST_CASE("a restored state goes on with the same bits") {

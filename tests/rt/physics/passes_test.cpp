@@ -27,24 +27,26 @@ TEST_CASE("At rest a step has one pass, and so has a tick, however fast") {
   CHECK(passes_of(tick.world, tick.settings) == 1);
 }
 
-TEST_CASE("A body moves by a quarter of its half thickness in a pass, and passes divide the sub-steps") {
+TEST_CASE(
+    "A step has the fewest passes that divide it and let no body move further than a quarter of its half thickness") {
   const double half = 0.02, allowed = 0.25 * half;
-  for (const auto& [moved, sub_steps, expected] : {std::tuple{0.9, 40u, 1u},
-                                                   {1.5, 40u, 2u},
-                                                   {4.5, 40u, 5u},
-                                                   {6.5, 40u, 8u},
-                                                   {300.0, 40u, 10u},
-                                                   {6.5, 10u, 10u},
-                                                   {2.5, 7u, 7u},
-                                                   {300.0, 25u, 5u},
-                                                   {300.0, 3u, 3u}}) {
-    auto bench = bench_of(0.01, sub_steps);
-    bench.add_box(0, {0.1, half, 0.1}, 1, 0.5, {}, {{moved * allowed / 0.01, 0, 0}, {}});
-    INFO(moved << " of what is allowed, " << sub_steps << " sub-steps");
-    CHECK(passes_of(bench.world, bench.settings) == expected);
-    const auto pass = settings_of_pass(bench.settings, expected);
-    CHECK(pass.dt / pass.sub_steps == Approx(bench.h()).epsilon(1e-12));
-  }
+  const std::uint32_t most = 10;  // one a millisecond
+  for (std::uint32_t sub_steps = 1; sub_steps <= 60; ++sub_steps)
+    for (const double moved : {0.9, 1.5, 2.5, 4.5, 6.5, 9.9, 300.0}) {
+      std::uint32_t fewest = 0, largest = 1;
+      for (std::uint32_t passes = 1; passes <= most; ++passes) {
+        if (sub_steps % passes != 0) continue;
+        largest = passes;
+        if (fewest == 0 && moved <= passes) fewest = passes;
+      }
+      auto bench = bench_of(0.01, sub_steps);
+      bench.add_box(0, {0.1, half, 0.1}, 1, 0.5, {}, {{moved * allowed / 0.01, 0, 0}, {}});
+      INFO(moved << " times the motion allowed, " << sub_steps << " sub-steps");
+      const std::uint32_t passes = passes_of(bench.world, bench.settings);
+      CHECK(passes == (fewest != 0 ? fewest : largest));
+      const auto pass = settings_of_pass(bench.settings, passes);
+      CHECK(pass.dt / pass.sub_steps == Approx(bench.h()).epsilon(1e-12));
+    }
 }
 
 TEST_CASE("A ball that rolls goes on by sqrt(2 slop r) in a pass, one that flies by a quarter of its radius") {
