@@ -1,6 +1,5 @@
 // The interface between the worlds, pinned: where nothing has to be cut, the sub-world is the whole world, bit by bit.
-#include <cstring>
-
+#include "tests/support/bits.h"
 #include "tests/system/session_bench.h"
 
 using namespace tactus;
@@ -27,8 +26,6 @@ Trace trace_of(sim::Scene scene, const session::RunOptions& options, std::uint64
   });
   return trace;
 }
-
-bool same_bits(const Vec3d& a, const Vec3d& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 }  // namespace
 

@@ -59,8 +59,8 @@ TEST_CASE("a hull as proxy feels what a box of its shape feels") {
 TEST_CASE("a run with a hull as proxy on a mesh replays with the same bits") {
   const TemporaryFile tape;
   session::RunOptions options = virtual_options();
-  options.coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect,
-                              haptics::CouplingScheme::kInterpolation, haptics::CouplingScheme::kPlanes);
+  const auto all = haptics::kCouplingSchemes;
+  options.coupling = GENERATE_COPY(from_range(all.begin(), all.end()));
   options.record = tape.path();
   std::ifstream file(TACTUS_SOURCE_DIR "/sim/scenes/terrain.toml");
   std::stringstream terrain;

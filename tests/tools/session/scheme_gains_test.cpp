@@ -4,21 +4,14 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "sim/loader/scene_load.h"
+#include "tests/system/session_bench.h"
 #include "tools/session/open_link.h"
-#include "tools/session/session.h"
 
 using namespace tactus;
 using namespace tactus::session;
 using haptics::CouplingScheme;
 
 namespace {
-
-sim::Scene scene_of(const std::string& name) {
-  auto scene = sim::load_scene(TACTUS_SOURCE_DIR "/sim/scenes/" + name);
-  REQUIRE(scene.ok());
-  return std::move(scene).value();
-}
 
 haptics::DeviceProperties device_of(const sim::Scene& scene) {
   const auto profile = find_description(scene.device.profile, {});
@@ -27,9 +20,8 @@ haptics::DeviceProperties device_of(const sim::Scene& scene) {
 }
 
 RunOptions options_of(CouplingScheme coupling) {
-  RunOptions options;
+  RunOptions options = test::virtual_options();
   options.coupling = coupling;
-  options.virtual_time = true;
   return options;
 }
 
@@ -38,9 +30,9 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 }  // namespace
 
 TEST_CASE("all couplings but interpolation use the scene's gains") {
-  const sim::Scene scene = scene_of("stack20.toml");
-  for (const auto coupling : {CouplingScheme::kSubWorld, CouplingScheme::kDirect, CouplingScheme::kStatic,
-                              CouplingScheme::kPlane, CouplingScheme::kPlanes, CouplingScheme::kLinearised}) {
+  const sim::Scene scene = test::scene_file("stack20.toml");
+  for (const auto coupling : haptics::kCouplingSchemes) {
+    if (coupling == CouplingScheme::kInterpolation) continue;
     RunOptions options = options_of(coupling);
     options.keep_gains = true;
     const SchemeGains found = gains_of(scene, options, device_of(scene));
@@ -52,7 +44,7 @@ TEST_CASE("all couplings but interpolation use the scene's gains") {
 }
 
 TEST_CASE("interpolation's stiffness is lowered to the allowed share of its limit, in both worlds, and said") {
-  const sim::Scene scene = scene_of(GENERATE("stack20.toml", "card_house.toml", "workshop.toml"));
+  const sim::Scene scene = test::scene_file(GENERATE("stack20.toml", "card_house.toml", "workshop.toml"));
   const auto device = device_of(scene);
   RunOptions options = options_of(CouplingScheme::kInterpolation);
   const SchemeGains found = gains_of(scene, options, device);
@@ -72,7 +64,7 @@ TEST_CASE("interpolation's stiffness is lowered to the allowed share of its limi
 
 TEST_CASE(
     "who keeps the gains is refused with the limit and what to do, and accepted with the stiffness that it names") {
-  sim::Scene scene = scene_of("stack20.toml");
+  sim::Scene scene = test::scene_file("stack20.toml");
   const auto device = device_of(scene);
   RunOptions options = options_of(CouplingScheme::kInterpolation);
   const SchemeGains found = gains_of(scene, options, device);
@@ -93,7 +85,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a machine that wakes late delays the force: interpolation bears less, and a tape says how late") {
-  const sim::Scene scene = scene_of("stack20.toml");
+  const sim::Scene scene = test::scene_file("stack20.toml");
   const auto device = device_of(scene);
   RunOptions options = options_of(CouplingScheme::kInterpolation);
   const double prompt = gains_of(scene, options, device).gains.stiffness_N_per_m;

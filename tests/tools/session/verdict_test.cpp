@@ -7,9 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "sim/loader/scene_load.h"
-#include "tools/session/session.h"
-#include "tools/session/virtual_run.h"
+#include "tests/system/session_bench.h"
 
 using namespace tactus;
 using namespace tactus::session;
@@ -210,18 +208,11 @@ struct Judged {
 };
 
 Judged run_text(const std::string& text, haptics::CouplingScheme coupling) {
-  auto scene = sim::parse_scene(text, "test");
-  INFO(scene.message());
-  REQUIRE(scene.ok());
-  RunOptions options;
-  options.virtual_time = true, options.coupling = coupling;
-  auto session = Session::create(std::move(scene).value(), options);
-  INFO(session.message());
-  REQUIRE(session.ok());
-  auto report = sim::report_on(session.value()->scene, session.value()->device->properties(), options.period_s());
-  auto summary = run_virtual(*session.value(), 500, {});
-  REQUIRE(summary.ok());
-  return {std::move(summary).value(), report};
+  RunOptions options = test::virtual_options();
+  options.coupling = coupling;
+  const auto session = test::make_session(test::scene_text(text), options);
+  auto report = sim::report_on(session->scene, session->device->properties(), options.period_s());
+  return {test::run(*session, 500), std::move(report)};
 }
 
 const Ruling& ruling_of(const Verdict& verdict, const std::string& rule) {
