@@ -226,7 +226,7 @@ TEST_CASE("the document's serial line is that of the code: rate, bits of a perio
 TEST_CASE("the document's section on CAN is what the CAN codec says of itself") {
   std::vector<std::string> said;
   for (const std::string& line : lines_of("can_codec.h")) {
-    if (line.rfind("//", 0) != 0 || line.rfind("// What that loads", 0) == 0) break;
+    if (line.rfind("//", 0) != 0 || line.rfind("// Bus load", 0) == 0) break;
     said.push_back(line.size() > 3 ? line.substr(3) : "");
   }
   std::string document;
