@@ -29,8 +29,8 @@ struct WorldLateness {
     WorldLateness late;
     if (ticks_in_cycle < ratio) return late;
     late.ticks = ticks_in_cycle - ratio + 1;
-    const auto share_of = [ratio](std::uint32_t ticks) noexcept {
-      return std::max(0.0, 1.0 - static_cast<double>(ticks) / ratio);
+    const auto share_of = [ratio](std::uint32_t late_ticks) noexcept {
+      return std::max(0.0, 1.0 - static_cast<double>(late_ticks) / ratio);
     };
     late.surface_share = share_of(late.ticks);
     const double before = share_of(late.ticks - 1);
