@@ -45,7 +45,7 @@ struct DeviceDescription {
   friend bool operator==(const DeviceDescription&, const DeviceDescription&) = default;
 };
 
-inline constexpr unsigned kMaxCanNode = 63, kMaxDeviceDelayTicks = 32;
+inline constexpr unsigned kMaxDeviceDelayTicks = 32;
 
 // Radius [m] of the largest workspace about an arm's rest pose in which its inverse kinematics is exact (arm.h).
 double largest_workspace_m(const ArmLinks& links) noexcept;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "firmware/can_codec.h"
 #include "sim/loader/scene_load_reader.h"
 
 namespace tactus::session {
@@ -143,7 +144,7 @@ class DeviceReader {
 
   void read_link() {
     sim::TableReader t = needed_table("link");
-    const Range delay{"a delay in ticks", 1, hal::kMaxDeviceDelayTicks}, node{"a CAN node", 1, hal::kMaxCanNode};
+    const Range delay{"a delay in ticks", 1, hal::kMaxDeviceDelayTicks}, node{"a CAN node", 1, firmware::kMaxCanNode};
     t.require("transport_delay_ticks", fmt::format("a whole number from 1 to {}", hal::kMaxDeviceDelayTicks).c_str());
     device_.transport_delay_ticks = t.count("transport_delay_ticks", device_.transport_delay_ticks, delay);
     device_.usb_serial = t.text("usb_serial", "", 64);

@@ -127,7 +127,7 @@ TEST_CASE("each mistake has its line, its key, what was found and what is accept
        "no prismatic axes", "counts_per_turn"},
       {"virtuose6d", "transport_delay_ticks = 1", "transport_delay_ticks = 0", "[link] transport_delay_ticks",
        "0 is not a delay", "from 1 to 32"},
-      {"virtuose6d", "[link]", "[link]\ncan_node = 64", "[link] can_node", "64 is not a CAN node", "from 1 to 63"},
+      {"virtuose6d", "[link]", "[link]\ncan_node = 128", "[link] can_node", "128 is not a CAN node", "from 1 to 127"},
       {"desk3d", "mass_kg = 0.2", "mass_kg = 0.2\ninertia_kg_m2 = 1e-3", "[mechanics] inertia_kg_m2",
        "neither senses nor turns", "leave it out"},
       {"desk3d", "\"point_arm\"", "\"stage\"", "[kinematics] upper_arm_m", "a stage has no links", "leave it out"},
