@@ -33,20 +33,30 @@ FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept {
 template <class T>
 inline constexpr T kMostTurnSquared = T(0.25);  // rad^2
 
+// The iteration, on one body or on several.
+template <class V>
+TACTUS_INLINE FreeRotation<V> iterate_freely(const Quat<V>& world_from_body, const Vec3<V>& angular_velocity,
+                                             const Vec3<V>& inertia, V h) noexcept {
+  using std::sqrt;
+  const V one(1), half_of(LaneOf<V>(0.5));
+  const Vec3<V> w0 = rotate_inverse(world_from_body, angular_velocity);
+  const Vec3<V> gain{h / inertia.x, h / inertia.y, h / inertia.z};
+  Vec3<V> w1 = w0, mid = w0;
+  for (int i = 0; i < 4; ++i) {
+    w1 = w0 - scale(gain, cross(mid, scale(inertia, mid)));
+    mid = half_of * (w0 + w1);
+  }
+  const Vec3<V> half = rotate(world_from_body, half_of * h * mid);
+  const V s = one / sqrt(one + half.x * half.x + half.y * half.y + half.z * half.z);
+  const Quat<V> change{s, half.x * s, half.y * s, half.z * s};
+  return {change, rotate(change, rotate(world_from_body, w1))};
+}
+
 template <class T>
 FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& angular_velocity, const Vec3<T>& inertia,
                               T h) noexcept {
   if (!(h * h * norm_squared(angular_velocity) < kMostTurnSquared<T>)) return rotate_steadily(angular_velocity, h);
-  const Vec3<T> w0 = rotate_inverse(world_from_body, angular_velocity);
-  const Vec3<T> gain{h / inertia.x, h / inertia.y, h / inertia.z};
-  Vec3<T> w1 = w0, mid = w0;
-  for (int i = 0; i < 4; ++i) {
-    w1 = w0 - scale(gain, cross(mid, scale(inertia, mid)));
-    mid = T(0.5) * (w0 + w1);
-  }
-  const Vec3<T> half = rotate(world_from_body, T(0.5) * h * mid);
-  const Quat<T> change = normalized(Quat<T>{T(1), half.x, half.y, half.z});
-  return {change, rotate(change, rotate(world_from_body, w1))};
+  return iterate_freely(world_from_body, angular_velocity, inertia, h);
 }
 
 namespace {
@@ -66,17 +76,41 @@ void move_one(SolverBody<T>& state, const Body& body, T h) noexcept {
   }
 }
 
+// The rotations and inertias of consecutive bodies, one in each lane.
+template <class V>
+TACTUS_INLINE void read_frames(const Body* bodies, Quat<V>& rotation, Vec3<V>& inertia) noexcept {
+  for (int lane = 0; lane < kLanes<V>; ++lane) {
+    const auto q = number_cast<LaneOf<V>>(bodies[lane].motion.pose.rotation);
+    const auto i = number_cast<LaneOf<V>>(bodies[lane].inertia);
+    rotation.w.set(lane, q.w), rotation.x.set(lane, q.x), rotation.y.set(lane, q.y), rotation.z.set(lane, q.z);
+    inertia.x.set(lane, i.x), inertia.y.set(lane, i.y), inertia.z.set(lane, i.z);
+  }
+}
+
 // Like move_one on each body, bit for bit. If one of them needs the general case, returns false and changes nothing.
 template <class V, class T>
-bool move_together(SolverBody<T>* motion, T h) noexcept {
+bool move_together(SolverBody<T>* motion, const Body* bodies, T h) noexcept {
   std::uint32_t slot[kLanes<V>];
   for (int lane = 0; lane < kLanes<V>; ++lane) slot[lane] = static_cast<std::uint32_t>(lane);
   BodyLanes<V> b = BodyLanes<V>::read_all(motion, slot);
   const Vec3<V> v = V(h) * b.w;
   const V angle_squared = norm_squared(v);
-  if (any(b.gyroscopic > V(0)) || any(V(kSmallAngleSquared<T>) <= angle_squared)) return false;
+  const auto freely = b.gyroscopic > V(0);
+  const V limit = select(freely, V(kMostTurnSquared<T>), V(kSmallAngleSquared<T>));
+  if (any(limit <= angle_squared)) return false;
+  Quat<V> change = small_rotation(v, angle_squared);
+  if (any(freely)) {
+    Quat<V> rotation;
+    Vec3<V> inertia;
+    read_frames(bodies, rotation, inertia);
+    const FreeRotation<V> turned = iterate_freely(b.delta_rotation * rotation, b.w, inertia, V(h));
+    change = {select(freely, turned.change.w, change.w), select(freely, turned.change.x, change.x),
+              select(freely, turned.change.y, change.y), select(freely, turned.change.z, change.z)};
+    b.w = {select(freely, turned.angular_velocity.x, b.w.x), select(freely, turned.angular_velocity.y, b.w.y),
+           select(freely, turned.angular_velocity.z, b.w.z)};
+  }
   b.delta_position += V(h) * b.v;
-  b.delta_rotation = small_rotation(v, angle_squared) * b.delta_rotation;
+  b.delta_rotation = change * b.delta_rotation;
   b.write_all(motion, slot);
   return true;
 }
@@ -88,7 +122,7 @@ void move_bodies(std::span<SolverBody<T>> motion, std::span<const Body> bodies, 
   constexpr std::size_t kTogether = kLanes<Register<T>>;
   std::size_t i = 0;
   for (; i + kTogether <= motion.size(); i += kTogether) {
-    if (move_together<Register<T>>(&motion[i], h)) continue;
+    if (move_together<Register<T>>(&motion[i], &bodies[i], h)) continue;
     for (std::size_t k = i; k < i + kTogether; ++k) move_one(motion[k], bodies[k], h);
   }
   for (; i < motion.size(); ++i) move_one(motion[i], bodies[i], h);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rt/physics/shapes/hull_view.h"
+
 namespace tactus::physics {
 namespace {
 
@@ -175,12 +177,17 @@ void World::begin_step(const StepSettings& settings) noexcept {
     double speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
     for (const auto& spring : springs_)
       if (spring.enabled && spring.slot == i) speed = std::max(speed, norm(spring.target_velocity.linear));
-    motion_bounds_[i] = {};
-    if (frozen_[i] == 0)
-      motion_bounds_[i].moved = speed * settings.dt, motion_bounds_[i].fallen = std::abs(body.gravity_scale) * fall;
-    measure_motion(last_poses_[i], body.motion.pose, kLargestGap, motion_bounds_[i]);
+    MotionBound& bound = motion_bounds_[i];
+    bound = {};
+    if (frozen_[i] == 0) {
+      bound.moved = speed * settings.dt, bound.fallen = std::abs(body.gravity_scale) * fall;
+      bound.advance = velocity.linear * settings.dt;
+      bound.rest = (speed - norm(velocity.linear)) * settings.dt;
+    }
+    measure_motion(last_poses_[i], body.motion.pose, kLargestGap, bound);
     frames_[i] = BodyFrame::of(body.motion.pose);
-    bounds_[i] = bounds_of(body.shape, body.motion.pose, growth_of(motion_bounds_[i], fall, settings));
+    const double growth = growth_of(motion_bounds_[i], fall, settings);
+    bounds_[i] = bounds_of(body.shape, body.motion.pose, growth, hulls_);
   };
   executor_.for_each_range(count, kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
     for (; i < end; ++i) measure(i);
@@ -273,7 +280,7 @@ void World::add_fixed_pairs(StageContext& context) noexcept {
 void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double margin, StepReport& report) noexcept {
   const Body &body = bodies_[slot], &fixed = fixed_bodies_[fixed_slot];
   const Mesh& mesh = meshes_[fixed.shape.index];
-  const Aabb box = bounds_of(body.shape, relative_pose(fixed.motion.pose, body.motion.pose), margin);
+  const Aabb box = bounds_of(body.shape, relative_pose(fixed.motion.pose, body.motion.pose), margin, hulls_);
   TriangleList near;
   near_triangles.find(mesh, body.id, fixed.shape.index, box, near);
   std::uint32_t left_out = near.left_out;

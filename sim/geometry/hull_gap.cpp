@@ -98,7 +98,7 @@ class HullSurface {
  public:
   HullSurface(const Hull& hull, const Posed& mesh_from_hull) {
     for (std::uint32_t f = 0; f < hull.topology.faces; ++f) {
-      const Vec3d normal = rotate(mesh_from_hull.rotation, hull.normals[f]);
+      const Vec3d normal = rotate(mesh_from_hull.rotation, hull.normal(f));
       planes_.push_back({normal, hull.offsets[f] + dot(normal, mesh_from_hull.position)});
     }
   }

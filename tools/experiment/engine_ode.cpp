@@ -36,7 +36,7 @@ class OdeHull {
     const physics::HullTopology& topology = hull.topology;
     for (std::uint32_t i = 0; i < topology.vertices; ++i) put(points_, hull.vertex(i));
     for (std::uint32_t f = 0; f < topology.faces; ++f) {
-      put(planes_, hull.normals[f]);
+      put(planes_, hull.normal(f));
       planes_.push_back(hull.offsets[f]);
       const auto loop = topology.loop(f);
       polygons_.push_back(static_cast<unsigned>(loop.size()));

@@ -33,14 +33,14 @@ void add_walls(BoxScene& scene, double width_m, double height_m) {
   }
 }
 
-constexpr std::uint32_t kHulls = 16, kHullVertices = 20;
+constexpr std::uint32_t kHulls = 16;
 
 // Random points on a sphere, all of them vertices; log-uniform sizes.
 void add_hulls(BoxScene& scene, const PileSpec& spec, Random& random) {
   for (std::uint32_t k = 0; k < kHulls; ++k) {
     const double edge = spec.smallest_edge_m * std::pow(spec.largest_edge_m / spec.smallest_edge_m, k / (kHulls - 1.0));
     std::vector<Vec3d> points;
-    while (points.size() < kHullVertices) {
+    while (points.size() < spec.hull_vertices) {
       const Vec3d p = random.vector(1);
       const double r = norm(p);
       if (r > 0.1 && r < 1) points.push_back((0.5 * edge / r) * p);
@@ -124,7 +124,21 @@ struct Named {
   std::uint32_t timed_steps;
 };
 
+PileSpec hulls(std::uint32_t vertices) {
+  return {.cubes = 1000, .step_s = 1e-2, .forms = {Form::kHull}, .hull_vertices = vertices};
+}
+
+PileSpec stirred(PileSpec spec) {
+  spec.stirred = true;
+  return spec;
+}
+
 const std::vector<Named>& named_scenes() {
+  static const PileSpec kShapes{.cubes = 1000,
+                                .step_s = 1e-2,
+                                .smallest_edge_m = 0.05,
+                                .largest_edge_m = 0.2,
+                                .forms = {Form::kSphere, Form::kCapsule, Form::kPlate, Form::kHull}};
   static const std::vector<Named> scenes{
       {"pile64", {.cubes = 64, .step_s = 1e-3}, 2000},
       {"pile64-stirred", {.cubes = 64, .step_s = 1e-3, .stirred = true}, 2000},
@@ -134,14 +148,14 @@ const std::vector<Named>& named_scenes() {
       {"pile5000-stirred", {.cubes = 5000, .step_s = 1e-2, .stirred = true}, 100},
       {"pile10000", {.cubes = 10000, .step_s = 1e-2}, 60},
       {"pile10000-stirred", {.cubes = 10000, .step_s = 1e-2, .stirred = true}, 60},
-      {"hulls1000", {.cubes = 1000, .step_s = 1e-2, .forms = {Form::kHull}}, 300},
-      {"shapes1000",
-       {.cubes = 1000,
-        .step_s = 1e-2,
-        .smallest_edge_m = 0.05,
-        .largest_edge_m = 0.2,
-        .forms = {Form::kSphere, Form::kCapsule, Form::kPlate, Form::kHull}},
-       300},
+      {"hulls1000", hulls(20), 300},
+      {"hulls1000-stirred", stirred(hulls(20)), 300},
+      {"hulls1000-8", hulls(8), 300},
+      {"hulls1000-8-stirred", stirred(hulls(8)), 300},
+      {"hulls1000-64", hulls(64), 100},
+      {"hulls1000-64-stirred", stirred(hulls(64)), 100},
+      {"shapes1000", kShapes, 300},
+      {"shapes1000-stirred", stirred(kShapes), 300},
       {"mixed10000", {.cubes = 10000, .step_s = 1e-2, .smallest_edge_m = 0.02, .largest_edge_m = 0.4}, 60},
   };
   return scenes;

@@ -54,6 +54,7 @@ struct PileSpec {
   bool stirred{false};
   double smallest_edge_m{0.1}, largest_edge_m{0.1};  // sizes are log-uniform
   std::vector<Form> forms{};                         // drawn for each body; empty: cubes
+  std::uint32_t hull_vertices{20};                   // of each hull, all on a sphere
   std::uint32_t layers{8};
   std::uint64_t seed{1};
 };

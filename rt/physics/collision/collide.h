@@ -6,6 +6,9 @@
 // pose is not finite: every test is written so that a NaN fails it.
 #pragma once
 
+#include <limits>
+
+#include "rt/base/wide.h"
 #include "rt/physics/body_frame.h"
 #include "rt/physics/collision/manifold.h"
 
@@ -80,6 +83,17 @@ inline void add_round_point(const PairView& pair, Manifold& manifold, const Vec3
 // Half of the capsule's axis in the world: its ends are at centre -+ half.
 inline Vec3d capsule_half_axis(const Shape& capsule, const Quatd& world_from_body) noexcept {
   return rotate(world_from_body, Vec3d{0.0, 0.0, capsule.half_length});
+}
+
+// Fills the gap of a pair that is apart: `gap`, a lower bound of its distance along one direction. The direction stays
+// as it is in the world, so that a rotation moves a surface point by at most the body's radius times the angle. Only
+// for kernels that find no point at any larger distance than the margin: then skipping the pair while its gap exceeds
+// the margin does not change a result.
+inline void report_gap(const PairView& pair, double gap, Manifold& manifold) noexcept {
+  const double radius = larger(bounding_radius(pair.a), bounding_radius(pair.b));
+  constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
+  manifold.gap = smaller(gap, kLargestGap) - rounding * (radius + norm(pair.b_from_a));
+  manifold.lever_arm = radius;
 }
 
 void collide_sphere_sphere(const PairView& pair, Manifold& manifold) noexcept;

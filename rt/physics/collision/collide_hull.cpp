@@ -9,6 +9,7 @@
 
 #include "rt/physics/collision/hull_clip.h"
 #include "rt/physics/collision/hull_closest.h"
+#include "rt/physics/collision/hull_distance.h"
 #include "rt/physics/collision/hull_pair.h"
 #include "rt/physics/shapes/segments.h"
 
@@ -37,30 +38,31 @@ struct Placed {
   Vec3d normal_to_b(const Vec3d& n) const noexcept { return rotate(rotation, on_a ? n : -n); }
 };
 
-// Tests the last step's axis before anything else is computed: most pairs that were separated still are.
-bool still_apart(const RelativeHulls& ab, const AxisCache& cache, double margin) noexcept {
+// Tests the last step's axis before anything else is computed; without one, asks for the distance.
+HullGap find_gap(const RelativeHulls& ab, const AxisCache& cache, double margin) noexcept {
   const HullTopology &a = *ab.ref.topology, &b = *ab.other.topology;
-  if (cache.axis == kHullFaceA && cache.a < a.faces) return ab.face_separation(cache.a) > margin;
+  const auto beyond = [margin](double separation) noexcept { return HullGap{separation > margin, separation}; };
+  if (cache.axis == kHullFaceA && cache.a < a.faces) return beyond(ab.face_separation(cache.a));
   if (cache.axis == kHullFaceB && cache.b < b.faces) {
-    const Vec3d n = ab.to_ref(ab.other.normals[cache.b]);
-    return -dot(n, ab.centre) - ab.ref.reach_along(-n) - ab.other.offsets[cache.b] > margin;
+    const Vec3d n = ab.to_ref(ab.other.normal(cache.b));
+    return beyond(-dot(n, ab.centre) - ab.ref.reach_along(-n) - ab.other.offsets[cache.b]);
   }
   if (cache.axis == kHullEdges && cache.a < a.edges && cache.b < b.edges) {
     const EdgeAxis axis = edge_axis(ab, cache.a, cache.b);
-    return axis.found && ab.separation_along(axis.normal) > margin;
+    return axis.found ? beyond(ab.separation_along(axis.normal)) : HullGap{};
   }
-  return false;
+  return gap_of(ab, margin);
 }
 
 // The incident face, clipped to the reference face.
 HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const Tangents<double>& along) noexcept {
-  const Vec3d& n = hulls.ref.normals[face];
+  const Vec3d& n = hulls.ref.normal(face);
   const Vec3d down = hulls.to_other(n);
   const HullTopology& topology = *hulls.other.topology;
   std::uint32_t incident = 0;
-  double lowest = dot(hulls.other.normals[0], down);
+  double lowest = dot(hulls.other.normal(0), down);
   for (std::uint32_t f = 1; f < topology.faces; ++f) {
-    const double cosine = dot(hulls.other.normals[f], down);
+    const double cosine = dot(hulls.other.normal(f), down);
     if (cosine < lowest) incident = f, lowest = cosine;
   }
   HullPolygon polygon;
@@ -89,7 +91,7 @@ HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const T
 void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const Placed& placed, std::uint32_t face,
                        double separation, double bound, Manifold& manifold) noexcept {
   constexpr int kRounds = 4;
-  const Vec3d& n_face = hulls.ref.normals[face];
+  const Vec3d& n_face = hulls.ref.normal(face);
   Vec3d on_other = hulls.other_vertex(hulls.other.support(hulls.to_other(-n_face))), on_ref;
   for (int round = 0; round < kRounds; ++round) {
     on_ref = closest_on_hull(hulls.ref, on_other);
@@ -111,7 +113,7 @@ void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const P
 void add_face_contact(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen, double bound,
                       Manifold& manifold) noexcept {
   const Placed placed(pair, chosen.on_a);
-  const Vec3d& n = hulls.ref.normals[chosen.face];
+  const Vec3d& n = hulls.ref.normal(chosen.face);
   const Tangents<double> along = tangents_of(n);
   HullPolygon polygon = clipped_face(hulls, chosen.face, along);
   double lowest = 0.0;
@@ -159,8 +161,8 @@ AxisCache cache_of(std::uint8_t axis, std::uint32_t a, std::uint32_t b) noexcept
 }
 
 // The face of both hulls with the largest separation (A's on a tie), or the last step's if it is about as good.
-ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const FaceAxis& best_a, const FaceAxis& best_b,
-                       const AxisCache& cached) noexcept {
+ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const FaceSearch& best_a,
+                       const FaceSearch& best_b, const AxisCache& cached) noexcept {
   const double best = std::max(best_a.separation, best_b.separation);
   const auto about_best = [best](double separation) noexcept {
     return !(best > separation + axis_preference(separation));
@@ -183,26 +185,18 @@ void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, M
   const double margin = pair.margin;
   const AxisCache cached = cache;
   const RelativeHulls ab = relative_hulls(pair, a, b);
-  if (still_apart(ab, cached, margin)) return;
-  const FaceAxis best_a = best_face(ab, margin, cached.axis == kHullFaceA ? cached.a : none);
-  if (!(best_a.separation <= margin)) {
-    cache = cache_of(kHullFaceA, best_a.face, 0);
-    return;
-  }
+  if (const HullGap gap = find_gap(ab, cached, margin); gap.apart) return report_gap(pair, gap.gap, manifold);
+  FaceSearch best_a, best_b;
+  find_best_face(ab, margin, cached.axis == kHullFaceA ? cached.a : none, best_a);
+  if (!(best_a.separation <= margin)) return report_gap(pair, best_a.separation, manifold);
   const RelativeHulls ba = ab.reversed();
-  const FaceAxis best_b = best_face(ba, margin, cached.axis == kHullFaceB ? cached.b : none);
-  if (!(best_b.separation <= margin)) {
-    cache = cache_of(kHullFaceB, 0, best_b.face);
-    return;
-  }
+  find_best_face(ba, margin, cached.axis == kHullFaceB ? cached.b : none, best_b);
+  if (!(best_b.separation <= margin)) return report_gap(pair, best_b.separation, manifold);
   const double best = std::max(best_a.separation, best_b.separation);
-  const EdgeAxis edges = best_edges(ab, margin, best, best_a.face, best_b.face);
-  if (edges.separation > margin) {
-    cache = cache_of(kHullEdges, edges.edge, edges.other_edge);
-    return;
-  }
+  const EdgeAxis edges = best_edges(ab, margin, best, best_a, best_b);
+  if (edges.separation > margin) return report_gap(pair, edges.separation, manifold);
   const ChosenFace face = choose_face(ab, ba, best_a, best_b, cached);
-  const Vec3d face_normal = face.on_a ? ab.ref.normals[face.face] : ab.to_ref(ba.ref.normals[face.face]);
+  const Vec3d face_normal = face.on_a ? ab.ref.normal(face.face) : ab.to_ref(ba.ref.normal(face.face));
   if (edges.found && edges.separation > face.separation + edge_preference(face.separation, face_normal, edges.normal,
                                                                           cached.axis == kHullEdges)) {
     cache = cache_of(kHullEdges, edges.edge, edges.other_edge);
@@ -223,13 +217,13 @@ void collide_plane_hull(const PairView& pair, const HullView& hull, Manifold& ma
   std::uint32_t face = kMaxHullFaces;
   double least = 2.0;
   for (std::uint32_t f = 0; f < hull.topology->faces; ++f) {
-    const double cosine = dot(up_in_hull, hull.normals[f]);
+    const double cosine = dot(up_in_hull, hull.normal(f));
     if (!(cosine < least)) continue;
     const auto loop = hull.topology->loop(f);
     if (std::find(loop.begin(), loop.end(), lowest) != loop.end()) face = f, least = cosine;
   }
   if (face == kMaxHullFaces) return;
-  const Tangents<double> along = tangents_of(hull.normals[face]);
+  const Tangents<double> along = tangents_of(hull.normal(face));
   HullPolygon polygon;
   for (const std::uint8_t i : hull.topology->loop(face)) {
     const Vec3d p = hull.vertex(i);

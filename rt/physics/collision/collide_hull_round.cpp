@@ -25,7 +25,7 @@ struct CapsuleHull {
 
   Vec3d at(double t) const noexcept { return centre + half * t; }
   double height(std::uint32_t face, double t) const noexcept {
-    return dot(hull.normals[face], at(t)) - hull.offsets[face];
+    return dot(hull.normal(face), at(t)) - hull.offsets[face];
   }
   void set_normal(Manifold& manifold, const Vec3d& outward) const noexcept {
     manifold.normal = -rotate(pair.world_from_b, outward);
@@ -72,7 +72,7 @@ Nearest nearest_outside(const CapsuleHull& c) noexcept {
 bool add_face_points(const CapsuleHull& c, Manifold& manifold, std::uint32_t face, double bound) noexcept {
   const LineRange range = range_above_face(c.hull, face, c.centre, c.half);
   if (range.empty()) return false;
-  const Vec3d& n = c.hull.normals[face];
+  const Vec3d& n = c.hull.normal(face);
   const double parameter[2] = {range.low, range.high};
   double separation[2] = {c.height(face, range.low) - c.radius, c.height(face, range.high) - c.radius};
   const int nearer = separation[1] < separation[0] ? 1 : 0;
@@ -121,8 +121,8 @@ void collide_outside(const CapsuleHull& c, Manifold& manifold, const Nearest& ne
   const double separation = distance - c.radius;
   std::uint32_t face = 0;
   for (std::uint32_t f = 1; f < c.hull.topology->faces; ++f)
-    if (dot(c.hull.normals[f], normal) > dot(c.hull.normals[face], normal)) face = f;
-  if (dot(c.hull.normals[face], normal) > kFaceCosine && add_face_points(c, manifold, face, separation)) return;
+    if (dot(c.hull.normal(f), normal) > dot(c.hull.normal(face), normal)) face = f;
+  if (dot(c.hull.normal(face), normal) > kFaceCosine && add_face_points(c, manifold, face, separation)) return;
   manifold = {};
   if (nearest.edge < kMaxHullEdges && add_edge_points(c, manifold, nearest.edge, normal, separation)) return;
   manifold = {};
@@ -147,7 +147,7 @@ void collide_inside(const CapsuleHull& c, Manifold& manifold, const LineRange& i
     const HullEdge& candidate = topology.edge[e];
     // An edge can be the support along a direction normal to the capsule only if its faces' normals are on different
     // sides of the plane normal to the axis.
-    if (!(dot(c.hull.normals[candidate.left], c.half) * dot(c.hull.normals[candidate.right], c.half) < 0.0)) continue;
+    if (!(dot(c.hull.normal(candidate.left), c.half) * dot(c.hull.normal(candidate.right), c.half) < 0.0)) continue;
     const Vec3d from = c.hull.vertex(candidate.from), along = c.hull.vertex(candidate.to) - from;
     const Vec3d w = cross(along, c.half);
     const double length = norm(w);
@@ -161,8 +161,8 @@ void collide_inside(const CapsuleHull& c, Manifold& manifold, const LineRange& i
     // No part is above the face: uses the middle of the part inside the hull.
     manifold = {};
     const double t = 0.5 * (inside.low + inside.high);
-    c.set_normal(manifold, c.hull.normals[face]);
-    return c.add(manifold, c.hull.normals[face], t, c.at(t), face_separation, kClosest);
+    c.set_normal(manifold, c.hull.normal(face));
+    return c.add(manifold, c.hull.normal(face), t, c.at(t), face_separation, kClosest);
   }
   const Vec3d from = c.hull.vertex(topology.edge[edge].from), to = c.hull.vertex(topology.edge[edge].to);
   const Vec3d half = 0.5 * (to - from), middle = 0.5 * (from + to);
@@ -178,7 +178,7 @@ void collide_sphere_hull(const PairView& pair, const HullView& hull, Manifold& m
   const Vec3d centre = rotate_inverse(pair.world_from_b, -pair.b_from_a);
   const HighestFace highest = highest_face(hull, centre);
   if (!(highest.height - radius <= pair.margin)) return;
-  Vec3d on_hull = closest_on_hull(hull, centre), normal = hull.normals[highest.face];
+  Vec3d on_hull = closest_on_hull(hull, centre), normal = hull.normal(highest.face);
   double distance = norm(centre - on_hull);
   if (distance > kNoDirection)
     normal = (centre - on_hull) * (1.0 / distance);
@@ -194,7 +194,7 @@ void collide_capsule_hull(const PairView& pair, const HullView& hull, Manifold& 
                       rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)), pair.a.radius};
   LineRange inside;
   for (std::uint32_t f = 0; f < hull.topology->faces; ++f) {
-    const double middle = dot(hull.normals[f], c.centre) - hull.offsets[f], slope = dot(hull.normals[f], c.half);
+    const double middle = dot(hull.normal(f), c.centre) - hull.offsets[f], slope = dot(hull.normal(f), c.half);
     if (!(middle - std::abs(slope) - c.radius <= pair.margin)) return;
     cut_range(inside, middle, slope);
   }

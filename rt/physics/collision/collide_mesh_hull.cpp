@@ -30,26 +30,27 @@ static_assert(kTriangleTopology.edges == 3 && kTriangleTopology.edge[1].from == 
 struct TriangleHull {
   static constexpr int kPadded = kLanes<Register<double>>;
   alignas(32) double x[kPadded], y[kPadded], z[kPadded];
-  Vec3d middle, normals[2];
-  double offsets[2], edge_reach[3];
+  alignas(32) double nx[kPadded], ny[kPadded], nz[kPadded], offsets[kPadded];  // of two faces
+  Vec3d middle;
+  double edge_reach[3];
 
   TriangleHull(const Mesh& mesh, std::uint32_t triangle) noexcept {
     const MeshTriangle& t = mesh.triangles[triangle];
     middle = (mesh.place(t, 0) + mesh.place(t, 1) + mesh.place(t, 2)) * (1.0 / 3.0);
-    normals[0] = mesh.normals[triangle], normals[1] = -normals[0];
     for (int i = 0; i < kPadded; ++i) {
       const Vec3d p = mesh.place(t, i < 3 ? i : 0) - middle;
       x[i] = p.x, y[i] = p.y, z[i] = p.z;
     }
-    for (int f = 0; f < 2; ++f) {
-      offsets[f] = dot(normals[f], corner(0));
-      for (int i = 1; i < 3; ++i) offsets[f] = larger(offsets[f], dot(normals[f], corner(i)));
+    for (int f = 0; f < kPadded; ++f) {
+      const Vec3d n = f == 1 ? -mesh.normals[triangle] : mesh.normals[triangle];
+      nx[f] = n.x, ny[f] = n.y, nz[f] = n.z;
+      offsets[f] = larger(larger(dot(n, corner(0)), dot(n, corner(1))), dot(n, corner(2)));
     }
     for (double& reach : edge_reach) reach = std::numeric_limits<double>::infinity();
   }
   Vec3d corner(int i) const noexcept { return {x[i], y[i], z[i]}; }
   HullView view() const noexcept {
-    return {&kTriangleTopology, x, y, z, kPadded, normals, offsets, edge_reach, 0.0, 0.0};
+    return {&kTriangleTopology, x, y, z, nx, ny, nz, offsets, kPadded, kPadded, edge_reach, edge_reach[0], 0.0, 0.0};
   }
 };
 
@@ -111,9 +112,9 @@ class HullOnPatch {
     const bool by_rim = rim_kind_ != Rim::kNone && rim_lowest_ + kFlatTolerance < lowest_of(face_points_);
     if (!by_rim) return add_points(manifold, face_points_, plane_.normal, plane_.offset, along_);
     if (rim_kind_ == Rim::kHullFace) {
-      const Vec3d n = to_mesh(hull_.normals[rim_face_]);
+      const Vec3d n = to_mesh(hull_.normal(rim_face_));
       const double offset = hull_.offsets[rim_face_] + dot(n, patch_.centre);
-      const Tangents<double> in_hull = tangents_of(hull_.normals[rim_face_]);
+      const Tangents<double> in_hull = tangents_of(hull_.normal(rim_face_));
       // rim_points_ are relative to the hull's origin; moves them to the mesh's.
       for (std::uint32_t i = 0; i < rim_points_.count; ++i) {
         rim_points_.points[i].u += dot(to_mesh(in_hull.t1), patch_.centre);
@@ -153,9 +154,9 @@ class HullOnPatch {
   void find_incident_face(const Vec3d& down) noexcept {
     const HullTopology& topology = *hull_.topology;
     std::uint32_t incident = 0;
-    double most = dot(hull_.normals[0], down);
+    double most = dot(hull_.normal(0), down);
     for (std::uint32_t f = 1; f < topology.faces; ++f)
-      if (const double cosine = dot(hull_.normals[f], down); cosine > most) incident = f, most = cosine;
+      if (const double cosine = dot(hull_.normal(f), down); cosine > most) incident = f, most = cosine;
     incident_cosine_ = most;
     for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
       const std::uint32_t vertex = topology.loop_vertices[k];
@@ -222,10 +223,12 @@ class HullOnPatch {
     const RelativeHulls ba = ab.reversed();
     const double by_face = ab.face_separation(0);
     if (!(by_face <= margin)) return Ruling::kAllowed;
-    const FaceAxis hull_face = best_face(ba, margin, kMaxHullFaces);
+    FaceSearch hull_face, of_triangle;
+    find_best_face(ba, margin, kMaxHullFaces, hull_face);
     if (!(hull_face.separation <= margin)) return Ruling::kAllowed;
     const double so_far = larger(by_face, hull_face.separation);
-    const EdgeAxis edges = best_edges(ab, margin, so_far, 0, hull_face.face);
+    ab.ref.heights(ab.centre, of_triangle.centre);
+    const EdgeAxis edges = best_edges(ab, margin, so_far, of_triangle, hull_face);
     if (edges.separation > margin) return Ruling::kAllowed;
     const auto preferred = [](double separation) noexcept { return separation + axis_preference(separation); };
     if (edges.found && edges.separation > preferred(so_far)) {
@@ -234,7 +237,7 @@ class HullOnPatch {
       return ruling;
     }
     if (!(hull_face.separation > preferred(by_face))) return Ruling::kFace;
-    const Ruling ruling = rule_support(triangle, shape, -to_mesh(hull_.normals[hull_face.face]));
+    const Ruling ruling = rule_support(triangle, shape, -to_mesh(hull_.normal(hull_face.face)));
     if (ruling == Ruling::kAllowed) note_hull_face(triangle, ba, hull_face.face);
     return ruling;
   }
@@ -257,7 +260,7 @@ class HullOnPatch {
   // Notes the part of the triangle below the hull's face; the points of triangles under the same face are collected.
   void note_hull_face(std::uint32_t triangle, const RelativeHulls& ba, std::uint32_t face) noexcept {
     const HullTopology& sides = *hull_.topology;
-    const Vec3d& n = hull_.normals[face];
+    const Vec3d& n = hull_.normal(face);
     const Tangents<double> along = tangents_of(n);
     HullPolygon polygon;
     for (std::uint32_t i = 0; i < 3; ++i) {

@@ -19,14 +19,22 @@ Vec3d across(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& offset) noex
   return dot(n, offset) < 0.0 ? -n : n;
 }
 
-// The range in which the two axes are side by side: opposite points, perpendicular to A's axis, at both ends of the
-// range.
+// The range in which the two axes are side by side: opposite points at both ends of the range, perpendicular to the
+// longer axis, so that the order of the two does not matter.
 struct SideBySide {
   bool found{false};
   Vec3d on_a[2], on_b[2];
 };
 
 SideBySide side_by_side(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& offset) noexcept {
+  if (dot(half_b, half_b) > dot(half_a, half_a)) {
+    SideBySide swapped = side_by_side(half_b, half_a, -offset);
+    for (int i = 0; i < 2; ++i) {
+      const Vec3d on_b = swapped.on_a[i] + offset;
+      swapped.on_a[i] = swapped.on_b[i] + offset, swapped.on_b[i] = on_b;
+    }
+    return swapped;
+  }
   const double aa = dot(half_a, half_a), ab = dot(half_a, half_b);
   if (!(aa > kNoDirection) || !(std::abs(ab) > 0.5 * norm(half_b) * std::sqrt(aa))) return {};
   // In units of A's half length along A: A covers [-1, 1], B covers centre -+ reach.

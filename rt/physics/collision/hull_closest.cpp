@@ -7,7 +7,7 @@ LineRange range_above_face(const HullView& hull, std::uint32_t face, const Vec3d
   const auto loop = hull.topology->loop(face);
   Vec3d from = hull.vertex(loop[loop.size() - 1]);
   for (const std::uint8_t i : loop) {
-    const Vec3d to = hull.vertex(i), outward = cross(to - from, hull.normals[face]);
+    const Vec3d to = hull.vertex(i), outward = cross(to - from, hull.normal(face));
     cut_range(range, dot(outward, centre - from), dot(outward, half));
     from = to;
   }
@@ -19,16 +19,16 @@ bool is_above_face(const HullView& hull, std::uint32_t face, const Vec3d& point)
   Vec3d from = hull.vertex(loop[loop.size() - 1]);
   for (const std::uint8_t i : loop) {
     const Vec3d to = hull.vertex(i);
-    if (dot(cross(to - from, hull.normals[face]), point - from) > 0.0) return false;
+    if (dot(cross(to - from, hull.normal(face)), point - from) > 0.0) return false;
     from = to;
   }
   return true;
 }
 
 HighestFace highest_face(const HullView& hull, const Vec3d& point) noexcept {
-  HighestFace best{0, dot(hull.normals[0], point) - hull.offsets[0]};
+  HighestFace best{0, dot(hull.normal(0), point) - hull.offsets[0]};
   for (std::uint32_t f = 1; f < hull.topology->faces; ++f) {
-    const double height = dot(hull.normals[f], point) - hull.offsets[f];
+    const double height = dot(hull.normal(f), point) - hull.offsets[f];
     if (height > best.height) best = {f, height};
   }
   return best;
@@ -38,10 +38,10 @@ Vec3d closest_on_hull(const HullView& hull, const Vec3d& point) noexcept {
   std::array<double, kMaxHullFaces> height;
   bool outside = false;
   for (std::uint32_t f = 0; f < hull.topology->faces; ++f) {
-    height[f] = dot(hull.normals[f], point) - hull.offsets[f];
+    height[f] = dot(hull.normal(f), point) - hull.offsets[f];
     if (!(height[f] > 0.0)) continue;
     outside = true;
-    if (is_above_face(hull, f, point)) return point - hull.normals[f] * height[f];
+    if (is_above_face(hull, f, point)) return point - hull.normal(f) * height[f];
   }
   if (!outside) return point;
   Vec3d best = point;

@@ -14,26 +14,30 @@ struct EdgeList {
 // the other hull at distances d0, d1 from the two planes bounds the separation along such an axis: by max(d0, d1) if
 // that is not positive, else by edge_reach times it; for a sphere about the point its radius is subtracted. Two points
 // are tested: the centre with the inscribed sphere, and the vertex that is deepest behind the best face.
-void list_edges(const RelativeHulls& hulls, double at_least, std::uint32_t face, EdgeList& list) noexcept {
+void list_edges(const RelativeHulls& hulls, double at_least, const FaceSearch& search, EdgeList& list) noexcept {
   const HullTopology& topology = *hulls.ref.topology;
-  const Vec3d deepest = hulls.other_vertex(hulls.other.support(hulls.to_other(-hulls.ref.normals[face])));
-  std::array<double, kMaxHullFaces> centre, vertex;
-  for (std::uint32_t f = 0; f < topology.faces; ++f) {
-    centre[f] = dot(hulls.ref.normals[f], hulls.centre) - hulls.ref.offsets[f];
-    vertex[f] = dot(hulls.ref.normals[f], deepest) - hulls.ref.offsets[f];
-  }
+  const Vec3d deepest = hulls.other_vertex(hulls.other.support(hulls.to_other(-hulls.ref.normal(search.face))));
   // The planes of merged faces are outside their vertices by up to the flatness.
   const double slack = hulls.ref.flatness;
-  for (std::uint32_t e = 0; e < topology.edges; ++e) {
-    const HullEdge& edge = topology.edge[e];
-    const double reach = hulls.ref.edge_reach[e];
-    const auto bound = [&](double d0, double d1) noexcept {
-      const double d = larger(d0, d1) + slack;
-      return d > 0.0 ? d * reach : d;
-    };
-    if (bound(centre[edge.left], centre[edge.right]) - hulls.other.inner_radius < at_least) continue;
-    if (bound(vertex[edge.left], vertex[edge.right]) < at_least) continue;
-    list.edge[list.count++] = static_cast<std::uint8_t>(e);
+  const auto bound = [slack](double d0, double d1, double reach) noexcept {
+    const double d = larger(d0, d1) + slack;
+    return d > 0.0 ? d * reach : d;
+  };
+  // An edge passes the first test only if the centre is high enough above one of its faces, with the largest reach of
+  // all edges. Few faces are, and only their edges are visited, each from its left face if that is high enough.
+  const double by_centre = at_least + hulls.other.inner_radius;
+  const double least = (by_centre > 0.0 ? by_centre / hulls.ref.largest_reach : by_centre) - slack;
+  for (std::uint32_t f = 0; f < topology.faces; ++f) {
+    if (search.centre.of[f] < least) continue;
+    for (std::uint32_t k = topology.loop_start[f]; k < topology.loop_start[f + 1]; ++k) {
+      const std::uint8_t e = topology.loop_edges[k];
+      const HullEdge& edge = topology.edge[e];
+      if (edge.left != f && !(search.centre.of[edge.left] < least)) continue;
+      const double reach = hulls.ref.edge_reach[e];
+      if (bound(search.centre.of[edge.left], search.centre.of[edge.right], reach) < by_centre) continue;
+      if (bound(hulls.ref.height(edge.left, deepest), hulls.ref.height(edge.right, deepest), reach) < at_least) continue;
+      list.edge[list.count++] = e;
+    }
   }
 }
 
@@ -53,25 +57,25 @@ struct OtherEdge {
 
 }  // namespace
 
-FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t first) noexcept {
+void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t first, FaceSearch& search) noexcept {
   // The inscribed sphere of the other hull bounds each separation from above; the face with the largest bound is tested
   // first.
   const std::uint32_t faces = hulls.ref.topology->faces;
-  std::array<double, kMaxHullFaces> bound;
-  std::uint32_t start = 0;
-  for (std::uint32_t f = 0; f < faces; ++f) {
-    bound[f] = dot(hulls.ref.normals[f], hulls.centre) - hulls.ref.offsets[f] - hulls.other.inner_radius;
-    if (bound[f] > bound[start]) start = f;
+  const double inner_radius = hulls.other.inner_radius;
+  hulls.ref.heights(hulls.centre, search.centre);
+  std::uint32_t start = first;
+  if (!(first < faces)) {
+    start = 0;
+    for (std::uint32_t f = 1; f < faces; ++f)
+      if (search.centre.of[f] > search.centre.of[start]) start = f;
   }
-  if (first < faces) start = first;
-  FaceAxis best{start, hulls.face_separation(start)};
+  search.face = start, search.separation = hulls.face_separation(start);
   for (std::uint32_t f = 0; f < faces; ++f) {
-    if (!(best.separation <= margin)) return best;  // also if a pose is not finite
-    if (f == start || bound[f] < best.separation) continue;
+    if (!(search.separation <= margin)) return;  // also if a pose is not finite
+    if (f == start || search.centre.of[f] - inner_radius < search.separation) continue;
     const double separation = hulls.face_separation(f);
-    if (separation > best.separation) best = {f, separation};
+    if (separation > search.separation) search.face = f, search.separation = separation;
   }
-  return best;
 }
 
 EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t e, std::uint32_t other_e) noexcept {
@@ -90,24 +94,24 @@ EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t e, std::uint32_t ot
 // Two edges make a face of the Minkowski difference if and only if their arcs on the Gauss sphere cross (Gregorius
 // 2013): the face normals of each edge are on different sides of the plane normal to the other edge, and both arcs are
 // on the same hemisphere.
-EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t best_face_of_ref,
-                    std::uint32_t best_face_of_other) noexcept {
+EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, const FaceSearch& of_ref,
+                    const FaceSearch& of_other) noexcept {
   EdgeAxis best;
   best.separation = at_least;
   EdgeList mine, others;
-  list_edges(hulls, at_least, best_face_of_ref, mine);
+  list_edges(hulls, at_least, of_ref, mine);
   if (mine.count == 0) return best;
-  list_edges(hulls.reversed(), at_least, best_face_of_other, others);
+  list_edges(hulls.reversed(), at_least, of_other, others);
   std::array<OtherEdge, kMaxHullEdges> other;
   for (std::uint32_t j = 0; j < others.count; ++j) {
     const HullEdge& edge = hulls.other.topology->edge[others.edge[j]];
     other[j].set(hulls.to_ref(hulls.other.vertex(edge.to) - hulls.other.vertex(edge.from)),
-                 hulls.to_ref(hulls.other.normals[edge.left]), hulls.to_ref(hulls.other.normals[edge.right]));
+                 hulls.to_ref(hulls.other.normal(edge.left)), hulls.to_ref(hulls.other.normal(edge.right)));
   }
   for (std::uint32_t i = 0; i < mine.count; ++i) {
     const HullEdge& edge = hulls.ref.topology->edge[mine.edge[i]];
     const Vec3d along = hulls.ref.vertex(edge.to) - hulls.ref.vertex(edge.from);
-    const Vec3d &left = hulls.ref.normals[edge.left], &right = hulls.ref.normals[edge.right];
+    const Vec3d &left = hulls.ref.normal(edge.left), &right = hulls.ref.normal(edge.right);
     for (std::uint32_t j = 0; j < others.count; ++j) {
       const double other_left = dot(other[j].left(), along), other_right = dot(other[j].right(), along);
       if (!(other_left * other_right < 0.0)) continue;

@@ -30,7 +30,7 @@ struct RelativeHulls {
   }
 
   double face_separation(std::uint32_t face) const noexcept {
-    const Vec3d& n = ref.normals[face];
+    const Vec3d& n = ref.normal(face);
     return dot(n, centre) - other.reach_along(to_other(-n)) - ref.offsets[face];
   }
   // Gap between the projections onto the unit vector n, which points from ref to the other.
@@ -44,13 +44,15 @@ inline RelativeHulls relative_hulls(const PairView& pair, const HullView& a, con
   return {a, b, {axes.x, axes.y, axes.z}, rotate_inverse(pair.world_from_a, pair.b_from_a)};
 }
 
-struct FaceAxis {
-  std::uint32_t face{0};
+// The search of faces, for one of the hulls; the search of edges goes on with it.
+struct FaceSearch {
+  std::uint32_t face{0};  // with the largest separation
   double separation{};
+  FaceHeights centre;  // of the other hull's centre above the faces
 };
-// The face of ref with the largest separation (`first` on a tie, or the face where the search starts), or the first one
-// found whose separation exceeds the margin. `first`: the face to test first, or any number >= faces.
-FaceAxis best_face(const RelativeHulls& hulls, double margin, std::uint32_t first) noexcept;
+// Finds the face of ref with the largest separation (`first` on a tie, or the face where the search starts), or the
+// first one found whose separation exceeds the margin. `first`: the face to test first, or any number >= faces.
+void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t first, FaceSearch& search) noexcept;
 
 struct EdgeAxis {
   bool found{false};
@@ -60,8 +62,8 @@ struct EdgeAxis {
 };
 // The pair of edges with the largest separation, if it exceeds `at_least`, or the first one found whose separation
 // exceeds the margin. Edges within 0.3 degrees of parallel are skipped: the face axes cover them.
-EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t best_face_of_ref,
-                    std::uint32_t best_face_of_other) noexcept;
+EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, const FaceSearch& of_ref,
+                    const FaceSearch& of_other) noexcept;
 
 // The axis of one pair of edges; `found` is false if they are parallel.
 EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t edge, std::uint32_t other_edge) noexcept;

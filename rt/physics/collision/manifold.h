@@ -33,9 +33,9 @@ inline constexpr double kLargestGap = 2e-2;
 struct Manifold {
   Vec3d normal;  // unit, from A to B
   std::uint32_t count{0};
-  // For boxes that are separated: the gap along one of the axes, reduced by rounding. While the centres move against
-  // each other by d [m] and the bodies rotate by t [rad] in all, the gap along that axis stays above
-  // gap - d - lever_arm t; while this exceeds the margin there is no contact point. 0: unknown.
+  // For boxes and hulls that are separated: the gap along one direction, reduced by rounding. While the centres move
+  // against each other by d [m] and the bodies rotate by t [rad] in all, the gap along that axis stays above gap - d -
+  // lever_arm t; while this exceeds the margin there is no contact point. 0: unknown.
   double gap{}, lever_arm{};  // m
   std::array<ManifoldPoint, kMaxManifoldPoints> points;
 };

@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <limits>
 
+#include "rt/base/wide.h"
 #include "rt/physics/body.h"
 #include "rt/physics/step.h"
 
 namespace tactus::physics {
 
 struct MotionBound {
-  double moved{}, fallen{};  // m, upper bounds in this step: by its velocity, by gravity
+  double moved{}, fallen{};  // m, upper bounds in this step: of its surface by its velocity, by gravity
+  Vec3d advance;             // m: part of `moved` by the centre's velocity; the rest has no known direction
+  double rest{};             // m: the rest of `moved`
   Vec3d shift;               // m, of the centre since the last step
   double turned{};           // rad since the last step, upper bound
   double slack{};            // m, rounding error of `shift`; infinite if the body was not in the last step
@@ -27,6 +30,21 @@ inline double moved_against(const MotionBound& a, const MotionBound& b, double l
 inline double fall_in_step(const StepSettings& settings) noexcept {
   return 0.5 * (1.0 + 1.0 / static_cast<double>(settings.sub_steps)) * norm(settings.gravity) * settings.dt *
          settings.dt;
+}
+
+// Upper bound of what a step may take from the distance of two bodies [m], if either keeps its velocity or stops:
+//   sup over unit n of max(a.n, 0) + max(-b.n, 0) = max(|a|, |b|, |a - b|)
+// for their advances a and b. Gravity counts once: two bodies fall together, or one of them is supported.
+inline double closing_of(const MotionBound& a, const MotionBound& b, const StepSettings& settings) noexcept {
+  const double advance = std::sqrt(
+      larger(norm_squared(a.advance - b.advance), larger(norm_squared(a.advance), norm_squared(b.advance))));
+  return std::min(advance + (a.rest + b.rest) + larger(a.fallen, b.fallen), settings.max_margin);
+}
+// The same along the unit vector n from A to B.
+inline double closing_along(const Vec3d& n, const MotionBound& a, const MotionBound& b,
+                            const StepSettings& settings) noexcept {
+  const double advance = larger(dot(a.advance, n), 0.0) + larger(-dot(b.advance, n), 0.0);
+  return std::min(advance + (a.rest + b.rest) + larger(a.fallen, b.fallen), settings.max_margin);
 }
 
 // Distance to a fixed body up to which narrow phase is needed [m].

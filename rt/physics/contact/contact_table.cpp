@@ -33,6 +33,19 @@ LastFeatures features_of(const Contact* last, const WarmStart* given) noexcept {
 // patches).
 inline constexpr double kPatchMargin = 5e-5;
 
+// Points are wanted up to this separation [m], if the step may take `closing` from it.
+double margin_for(bool with_patch, double closing, const StepSettings& settings) noexcept {
+  const double least = with_patch ? std::min(kPatchMargin, settings.min_margin) : settings.min_margin;
+  return std::max(least, closing + carry_over_margin(settings));
+}
+
+void drop_points_beyond(double margin, Manifold& manifold) noexcept {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < manifold.count; ++i)
+    if (manifold.points[i].separation <= margin) manifold.points[kept++] = manifold.points[i];
+  manifold.count = kept;
+}
+
 double separation_of(const Contact& contact) noexcept {
   double least = contact.points[0].separation;
   for (std::uint32_t i = 1; i < contact.count; ++i) least = std::min(least, contact.points[i].separation);
@@ -135,12 +148,8 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   Pair& pair = pairs_[index];
   const bool with_fixed = pair.key.with_fixed();
   const MotionBound& a = walk.scene.reach[pair.a];
-  // Gravity counts once: two bodies fall together, or one of them is supported.
   const MotionBound b = with_fixed ? MotionBound{} : walk.scene.reach[pair.b];
-  const double closing = std::min(a.moved + b.moved + std::max(a.fallen, b.fallen), walk.settings.max_margin);
-  const double least =
-      pair.patch.count > 0 ? std::min(kPatchMargin, walk.settings.min_margin) : walk.settings.min_margin;
-  const double margin = std::max(least, closing + carry_over_margin(walk.settings));
+  const double margin = margin_for(pair.patch.count > 0, closing_of(a, b, walk.settings), walk.settings);
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
@@ -164,7 +173,8 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
     const ContactReference& reference = walk.old_references[walk.old_seen];
     visit.moved = reference.moved + moved_against(a, b, reference.lever_arm);
     visit.search = kCarryOver;
-    if (may_carry_over(reference, visit.moved, closing)) return;
+    if (may_carry_over(reference, visit.moved, closing_along(walk.old[walk.old_seen].normal, a, b, walk.settings)))
+      return;
   }
   visit.search = walk.searches++;
   Search& search = searches_[visit.search];
@@ -225,13 +235,19 @@ Contact* ContactTable::place(Walk& walk) noexcept {
   return &beyond_[beyond_.size() - 1];
 }
 
-void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold& manifold) noexcept {
+void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& search, Manifold& manifold) noexcept {
   Pair& pair = pairs_[visit.pair];
+  const bool with_fixed = pair.key.with_fixed();
+  // The search was for what the bodies may close in any direction; now the direction is known.
+  const MotionBound still{};
+  const MotionBound& bound_b = with_fixed ? still : walk.scene.reach[pair.b];
+  const double closing = closing_along(manifold.normal, walk.scene.reach[pair.a], bound_b, walk.settings);
+  const double margin = std::min(search.margin, margin_for(pair.patch.count > 0, closing, walk.settings));
+  drop_points_beyond(margin, manifold);
   if (manifold.count == 0) {
     pair.gap = manifold.gap, pair.lever_arm = manifold.lever_arm;
     return;
   }
-  const bool with_fixed = pair.key.with_fixed();
   const Body& a = walk.scene.bodies[pair.a];
   const Body& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
   if (search.known) walk.replaced = walk.old[visit.old];
@@ -258,7 +274,7 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   reference.tolerance = 0.0;
   if (!(walk.settings.recycle_tolerance_m > 0.0) || !is_carried_over(a.shape, b.shape)) return;
   const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
-  keep_reference(contact, walk.scene.frames[pair.a], frame_b, search.margin,
+  keep_reference(contact, walk.scene.frames[pair.a], frame_b, margin,
                  tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
                  std::max(bounding_radius(a.shape), bounding_radius(b.shape)), reference);
 }
@@ -354,7 +370,7 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
       else if (Search& search = searches_[visit.search]; executor.shares())
         take_found(walk, visit, search, manifolds_[visit.search]);
       else
-        take_found(walk, visit, search, compare(scene, search));
+        take_found(walk, visit, search, manifolds_[visit.search] = compare(scene, search));
     }
   }
   if (walk.contacts != contacts_.begin()) contacts_.swap(last_), references_.swap(last_references_);

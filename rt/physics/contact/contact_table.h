@@ -111,7 +111,7 @@ class ContactTable {
   std::uint32_t comparisons_in(const Scene& scene, const Search& search) const noexcept;
   Manifold compare(const Scene& scene, Search& search) const noexcept;
   void keep(Walk& walk, const Visit& visit) noexcept;
-  void take_found(Walk& walk, const Visit& visit, const Search& search, const Manifold& manifold) noexcept;
+  void take_found(Walk& walk, const Visit& visit, const Search& search, Manifold& manifold) noexcept;
   Contact* place(Walk& walk) noexcept;
   void start_impulses(const Walk& walk, const Contact* last, const WarmStart* given, Contact& contact) const noexcept;
   void keep_deepest(StepReport& report) noexcept;

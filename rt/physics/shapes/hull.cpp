@@ -117,16 +117,20 @@ void add_planes(Hull& hull) noexcept {
       highest = std::max(highest, dot(n, hull.vertex(i)));
       lowest = std::min(lowest, dot(n, hull.vertex(i)));
     }
-    hull.normals[face] = n;
+    hull.nx[face] = n.x, hull.ny[face] = n.y, hull.nz[face] = n.z;
     hull.offsets[face] = highest;
     hull.inner_radius = face == 0 ? highest : std::min(hull.inner_radius, highest);
     hull.least_width = face == 0 ? highest - lowest : std::min(hull.least_width, highest - lowest);
     for (const std::uint8_t i : topology.loop(face))
       hull.flatness = std::max(hull.flatness, highest - dot(n, hull.vertex(i)));
   }
+  for (std::uint32_t face = topology.faces; face < kMaxHullFaces; ++face)
+    hull.nx[face] = hull.nx[0], hull.ny[face] = hull.ny[0], hull.nz[face] = hull.nz[0],
+    hull.offsets[face] = hull.offsets[0];
   for (std::uint32_t e = 0; e < topology.edges; ++e) {
-    const double cosine = dot(hull.normals[topology.edge[e].left], hull.normals[topology.edge[e].right]);
+    const double cosine = dot(hull.normal(topology.edge[e].left), hull.normal(topology.edge[e].right));
     hull.edge_reach[e] = 1 / std::sqrt(std::max(0.5 * (1 + cosine), 1e-12));
+    hull.largest_reach = std::max(hull.largest_reach, hull.edge_reach[e]);
   }
 }
 

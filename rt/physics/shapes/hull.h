@@ -15,7 +15,7 @@
 namespace tactus::physics {
 
 inline constexpr std::uint32_t kMaxHullVertices = 64;
-inline constexpr std::uint32_t kMaxHullFaces = 2 * kMaxHullVertices - 4;
+inline constexpr std::uint32_t kMaxHullFaces = 2 * kMaxHullVertices - 4;  // fills whole registers
 inline constexpr std::uint32_t kMaxHullEdges = 3 * kMaxHullVertices - 6;
 
 // A directed edge; seen from outside, `left` is the face to the left of the direction from -> to.
@@ -53,9 +53,11 @@ struct Hull {
   HullTopology topology;
   // m: coordinates of the vertices, padded to whole registers with copies of the first vertex.
   alignas(32) std::array<double, kMaxHullVertices> x{}, y{}, z{};
-  std::array<Vec3d, kMaxHullFaces> normals{};      // unit, outward
-  std::array<double, kMaxHullFaces> offsets{};     // m: the largest of n.v over all vertices
+  // Face planes n.p = offset: unit outward normals, and the largest of n.v over all vertices [m]; padded with copies of
+  // face 0.
+  alignas(32) std::array<double, kMaxHullFaces> nx{}, ny{}, nz{}, offsets{};
   std::array<double, kMaxHullEdges> edge_reach{};  // 1 / cos(half the angle between the normals of the edge's faces)
+  double largest_reach{};    // of edge_reach
   double inner_radius{};     // m: of the sphere about the origin that touches the nearest face plane
   double bounding_radius{};  // m: of the sphere about the origin that encloses all vertices
   double flatness{};         // m: greatest distance of a face's vertex below the face's plane
@@ -65,6 +67,7 @@ struct Hull {
   Vec3d inertia_per_kg{};    // m^2: principal moments per kg of a homogeneous body
 
   constexpr Vec3d vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
+  constexpr Vec3d normal(std::uint32_t face) const noexcept { return {nx[face], ny[face], nz[face]}; }
   friend constexpr bool operator==(const Hull&, const Hull&) noexcept = default;
 };
 

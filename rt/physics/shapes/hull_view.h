@@ -3,20 +3,39 @@
 #pragma once
 
 #include "rt/base/wide.h"
+#include "rt/physics/body_frame.h"
 #include "rt/physics/shapes/hull.h"
+#include "rt/physics/shapes/shape.h"
 
 namespace tactus::physics {
 
+// A number for each face, in the order of faces.
+struct FaceHeights {
+  alignas(32) double of[kMaxHullFaces];  // m
+};
+
 struct HullView {
   const HullTopology* topology;
-  const double *x, *y, *z;  // vertices, padded to whole registers and aligned to them
-  std::uint32_t padded;     // number of vertices including the padding
-  const Vec3d* normals;
-  const double* offsets;
+  const double *x, *y, *z;               // vertices, padded to whole registers and aligned to them
+  const double *nx, *ny, *nz, *offsets;  // face planes, likewise
+  std::uint32_t padded, padded_faces;    // number of vertices, of faces, including the padding
   const double* edge_reach;
-  double inner_radius, flatness;
+  double largest_reach, inner_radius, flatness;  // largest_reach: of edge_reach
 
   Vec3d vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
+  Vec3d normal(std::uint32_t face) const noexcept { return {nx[face], ny[face], nz[face]}; }
+  double height(std::uint32_t face, const Vec3d& p) const noexcept { return dot(normal(face), p) - offsets[face]; }
+
+  // height() of every face, padding included.
+  void heights(const Vec3d& p, FaceHeights& out) const noexcept {
+    using V = Register<double>;
+    const V px(p.x), py(p.y), pz(p.z);
+    for (std::uint32_t f = 0; f < padded_faces; f += kLanes<V>) {
+      V x_of, y_of, z_of, offset;
+      load(x_of, nx + f), load(y_of, ny + f), load(z_of, nz + f), load(offset, offsets + f);
+      store(px * x_of + py * y_of + pz * z_of - offset, out.of + f);
+    }
+  }
 
   // Support function: the largest d.v over the vertices.
   double reach_along(const Vec3d& d) const noexcept {
@@ -36,10 +55,28 @@ struct HullView {
 
   // Index of the first vertex with the largest d.v; 0 if that is NaN.
   std::uint32_t support(const Vec3d& d) const noexcept {
-    const double reach = reach_along(d);
-    for (std::uint32_t i = 0; i < topology->vertices; ++i)
-      if (d.x * x[i] + d.y * y[i] + d.z * z[i] == reach) return i;
-    return 0;
+    using V = Register<double>;
+    constexpr int lanes = kLanes<V>;
+    const V dx(d.x), dy(d.y), dz(d.z);
+    const auto at = [&](std::uint32_t i) noexcept {
+      V vx, vy, vz;
+      load(vx, x + i), load(vy, y + i), load(vz, z + i);
+      return dx * vx + dy * vy + dz * vz;
+    };
+    V best = at(0), block(0.0);  // block: of the lane's best vertex; the vertex is block + lane
+    for (std::uint32_t i = lanes; i < padded; i += lanes) {
+      const V reach = at(i);
+      block = select(reach > best, V(static_cast<double>(i)), block);
+      best = larger(best, reach);
+    }
+    std::uint32_t first = static_cast<std::uint32_t>(block[0]);
+    double reach = best[0];
+    for (int lane = 1; lane < lanes; ++lane) {
+      const std::uint32_t vertex = static_cast<std::uint32_t>(block[lane]) + static_cast<std::uint32_t>(lane);
+      if (!(best[lane] > reach) && !(best[lane] == reach && vertex < first)) continue;
+      reach = best[lane], first = vertex;
+    }
+    return first < topology->vertices ? first : 0;  // the padding repeats vertex 0
   }
 };
 
@@ -49,12 +86,53 @@ inline HullView view_of(const Hull& hull) noexcept {
           hull.x.data(),
           hull.y.data(),
           hull.z.data(),
-          (hull.topology.vertices + lanes - 1) / lanes * lanes,
-          hull.normals.data(),
+          hull.nx.data(),
+          hull.ny.data(),
+          hull.nz.data(),
           hull.offsets.data(),
+          (hull.topology.vertices + lanes - 1) / lanes * lanes,
+          (hull.topology.faces + lanes - 1) / lanes * lanes,
           hull.edge_reach.data(),
+          hull.largest_reach,
           hull.inner_radius,
           hull.flatness};
+}
+
+// The smallest and the largest d.v over the vertices.
+struct Extent {
+  double low, high;
+};
+inline Extent extent_along(const HullView& hull, const Vec3d& d) noexcept {
+  using V = Register<double>;
+  const V dx(d.x), dy(d.y), dz(d.z);
+  const auto at = [&](std::uint32_t i) noexcept {
+    V vx, vy, vz;
+    load(vx, hull.x + i), load(vy, hull.y + i), load(vz, hull.z + i);
+    return dx * vx + dy * vy + dz * vz;
+  };
+  V low = at(0), high = low;
+  for (std::uint32_t i = kLanes<V>; i < hull.padded; i += kLanes<V>) {
+    const V reach = at(i);
+    low = smaller(low, reach), high = larger(high, reach);
+  }
+  Extent extent{low[0], high[0]};
+  for (int lane = 1; lane < kLanes<V>; ++lane)
+    extent = {smaller(extent.low, low[lane]), larger(extent.high, high[lane])};
+  return extent;
+}
+
+// As bounds_of in shape.h, but of a hull the smallest box that encloses its vertices. `hulls`: the list to which hull
+// shapes refer.
+inline Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin, Hulls hulls) noexcept {
+  if (shape.kind != ShapeKind::kHull) return bounds_of(shape, world_from_body, margin);
+  const HullView hull = view_of(hulls[shape.index]);
+  const Axes axes = axes_of(world_from_body.rotation);
+  Aabb box{world_from_body.position, world_from_body.position};
+  for (int i = 0; i < 3; ++i) {
+    const Extent extent = extent_along(hull, {axes.x[i], axes.y[i], axes.z[i]});
+    box.lower[i] += extent.low - margin, box.upper[i] += extent.high + margin;
+  }
+  return box;
 }
 
 // Corner k of a box has bit i of k set if its coordinate i is positive. Face 2 i + s has its normal along axis i, in
@@ -73,21 +151,21 @@ static_assert(kBoxTopology.faces == 6 && kBoxTopology.edges == 12);
 
 // Storage for the view of a box as a hull; must outlive the view.
 struct BoxHull {
-  alignas(32) double x[8], y[8], z[8];
-  double offsets[6];
+  alignas(32) double x[8], y[8], z[8], offsets[8];
   double inner_radius;
 
   explicit BoxHull(const Vec3d& h) noexcept : inner_radius(smaller(h.x, smaller(h.y, h.z))) {
     for (unsigned k = 0; k < 8; ++k)
       x[k] = (k & 1u) != 0 ? h.x : -h.x, y[k] = (k & 2u) != 0 ? h.y : -h.y, z[k] = (k & 4u) != 0 ? h.z : -h.z;
-    for (int f = 0; f < 6; ++f) offsets[f] = h[f / 2];
+    for (int f = 0; f < 8; ++f) offsets[f] = h[f % 6 / 2];
   }
   HullView view() const noexcept {
-    static constexpr Vec3d normals[6] = {{-1.0, 0.0, 0.0}, {1.0, 0.0, 0.0},  {0.0, -1.0, 0.0},
-                                         {0.0, 1.0, 0.0},  {0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}};
+    alignas(32) static constexpr double nx[8] = {-1.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 1.0},
+                                        ny[8] = {0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 0.0},
+                                        nz[8] = {0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0};
     constexpr double k = 1.41421356237309504880;
     static constexpr double reach[12] = {k, k, k, k, k, k, k, k, k, k, k, k};
-    return {&kBoxTopology, x, y, z, 8, normals, offsets, reach, inner_radius, 0.0};
+    return {&kBoxTopology, x, y, z, nx, ny, nz, offsets, 8, 8, reach, k, inner_radius, 0.0};
   }
 };
 

@@ -219,7 +219,9 @@ TEST_CASE("A box given as a hull meets another as deep as the box does") {
     const Solid solid_a = solid_of(a, pose_a, hulls), solid_b = solid_of(b, pose_b, hulls);
     const double along_boxes = gap_along(solid_a, solid_b, as_boxes.normal),
                  along_hulls = gap_along(solid_a, solid_b, as_hulls.normal);
-    REQUIRE(along_hulls == Approx(along_boxes).margin(1.2 * preference(along_boxes)));
+    // Within 8 degrees of a face's normal, an axis of two edges is chosen over it at ten times the preference alone.
+    const double preferred = dot(as_boxes.normal, as_hulls.normal) > 0.99 ? 10.0 : 1.0;
+    REQUIRE(along_hulls == Approx(along_boxes).margin(1.2 * preferred * preference(along_boxes)));
   }
   REQUIRE(overlaps > 100);
 }

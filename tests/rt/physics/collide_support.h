@@ -11,7 +11,7 @@
 
 namespace tactus::physics::test {
 
-using Random = tactus::test::RandomOf<tactus::test::MersenneTwister>;
+using Random = tactus::test::Random;
 
 inline Quatd turn(const Vec3d& axis, double angle_rad) { return quat_from_rotation_vector(axis * angle_rad); }
 

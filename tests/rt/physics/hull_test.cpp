@@ -109,15 +109,15 @@ TEST_CASE("Every face has all vertices below it, and every edge its two faces") 
     REQUIRE(hull.topology.faces == 2 * vertices - 4);
     REQUIRE(hull.topology.edges == 3 * vertices - 6);
     for (std::uint32_t f = 0; f < hull.topology.faces; ++f) {
-      REQUIRE(norm(hull.normals[f]) == Approx(1).margin(1e-14));
-      for (std::uint32_t i = 0; i < vertices; ++i) REQUIRE(dot(hull.normals[f], hull.vertex(i)) <= hull.offsets[f]);
+      REQUIRE(norm(hull.normal(f)) == Approx(1).margin(1e-14));
+      for (std::uint32_t i = 0; i < vertices; ++i) REQUIRE(dot(hull.normal(f), hull.vertex(i)) <= hull.offsets[f]);
       for (const std::uint8_t i : hull.topology.loop(f))
-        REQUIRE(dot(hull.normals[f], hull.vertex(i)) == Approx(hull.offsets[f]).margin(1e-14));
+        REQUIRE(dot(hull.normal(f), hull.vertex(i)) == Approx(hull.offsets[f]).margin(1e-14));
     }
     for (std::uint32_t e = 0; e < hull.topology.edges; ++e) {
       const HullEdge& edge = hull.topology.edge[e];
       const Vec3d along = hull.vertex(edge.to) - hull.vertex(edge.from);
-      REQUIRE(dot(cross(hull.normals[edge.left], hull.normals[edge.right]), along) > 0);
+      REQUIRE(dot(cross(hull.normal(edge.left), hull.normal(edge.right)), along) > 0);
     }
   }
 }

@@ -83,7 +83,7 @@ TEST_CASE("Points on a ball are all vertices, and the vertices alone give the sa
     for (const Vec3d& p : points) {
       const Vec3d in_body = inverse(again.given_from_body) * p;
       for (std::uint32_t f = 0; f < t.faces; ++f)
-        REQUIRE(dot(again.hull.normals[f], in_body) <= again.hull.offsets[f] + 1e-6);
+        REQUIRE(dot(again.hull.normal(f), in_body) <= again.hull.offsets[f] + 1e-6);
     }
     if (count > 4) REQUIRE(again.vertices == shell);
   }
