@@ -22,6 +22,8 @@ template <class S>
 Solver<S>::Solver(const Capacities& capacities)
     : motion_(capacities.bodies),
       inverse_inertia_(capacities.bodies),
+      motion_in_double_(kIsWhole ? 0 : capacities.bodies),
+      inverse_inertia_in_double_(kIsWhole ? 0 : capacities.bodies),
       before_(capacities.bodies),
       pushed_(capacities.bodies),
       contacts_(capacities),
@@ -61,18 +63,46 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
   }
 }
 
-// Runs the stages of effects, which work in double; with narrower sweeps only gravity is applied.
 template <class S>
 void Solver<S>::run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept {
   if constexpr (kIsWhole) {
     context.motion = motion_.span(), context.inverse_inertia = inverse_inertia_.span();
     input.stages.run(phase, context);
-  } else if (phase == Phase::kForces && context.settings.gravity != Vec3d{}) {
-    const Vec3d change = context.h * context.settings.gravity;
-    for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
-      if (motion_[i].inverse_mass > S(0)) motion_[i].v += number_cast<S>(input.bodies[i].gravity_scale * change);
-    });
+  } else if (phase == Phase::kForces) {
+    apply_gravity(input, context);
+  } else if (input.stages.has(phase)) {
+    run_stages_in_double(input, phase, context);
   }
+}
+
+template <class S>
+void Solver<S>::apply_gravity(const SolverInput& input, const StageContext& context) noexcept {
+  if (context.settings.gravity == Vec3d{}) return;
+  const Vec3d change = context.h * context.settings.gravity;
+  for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
+    if (motion_[i].inverse_mass > S(0)) motion_[i].v += number_cast<S>(input.bodies[i].gravity_scale * change);
+  });
+}
+
+// A body that the stages leave alone keeps its bits: the cast to double and back is exact. Inertias are changed before
+// the first sub-step alone.
+template <class S>
+void Solver<S>::run_stages_in_double(const SolverInput& input, Phase phase, StageContext& context) noexcept {
+  const auto count = motion_.size();
+  motion_in_double_.resize(count);
+  for_each_body(input.executor, count,
+                [&](std::uint32_t i) noexcept { motion_in_double_[i] = number_cast<double>(motion_[i]); });
+  if (phase == Phase::kPrepare) {
+    inverse_inertia_in_double_.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i)
+      inverse_inertia_in_double_[i] = number_cast<double>(inverse_inertia_[i]);
+  }
+  context.motion = motion_in_double_.span(), context.inverse_inertia = inverse_inertia_in_double_.span();
+  input.stages.run(phase, context);
+  for_each_body(input.executor, count,
+                [&](std::uint32_t i) noexcept { motion_[i] = number_cast<S>(motion_in_double_[i]); });
+  if (phase == Phase::kPrepare)
+    for (std::uint32_t i = 0; i < count; ++i) inverse_inertia_[i] = number_cast<S>(inverse_inertia_in_double_[i]);
 }
 
 template <class S>

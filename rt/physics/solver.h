@@ -12,7 +12,8 @@
 // S, the number type of the sweeps, is double or narrower (SweepPrecision). Within a step, motion and contacts are
 // relative to the bodies' poses at its start, so positions far from the world's origin lose no precision. Only what a
 // step adds to poses and velocities has the precision of S. With S narrower than double the solver takes no border
-// contacts, and of the effects with stages only gravity.
+// contacts, and only the effects that Effects::suit_single_precision names: gravity is applied in S, a stage of scripted
+// motion gets a copy of the motion in double.
 #pragma once
 
 #include <array>
@@ -70,6 +71,8 @@ class Solver {
 
   void prepare(const SolverInput& input, StageContext& context) noexcept;
   void run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept;
+  void run_stages_in_double(const SolverInput& input, Phase phase, StageContext& context) noexcept;
+  void apply_gravity(const SolverInput& input, const StageContext& context) noexcept;
   void apply_wrenches(const SolverInput& input, double h) noexcept;
   void warm_start_without_gain(const SolverInput& input, StageContext& context) noexcept;
   void sweep_relax(const SolverInput& input, const SweepRule<S>& rule, StageContext& context, bool last) noexcept;
@@ -78,6 +81,9 @@ class Solver {
 
   BoundedVector<SolverBody<S>> motion_;
   BoundedVector<SymMat3<S>> inverse_inertia_;
+  // Copies for the stages of effects, if S is narrower than double.
+  BoundedVector<SolverBody<double>> motion_in_double_;
+  BoundedVector<SymMat3d> inverse_inertia_in_double_;
   BoundedVector<Twist<S>> before_;       // velocities before a warm start that may be scaled down
   BoundedVector<std::uint32_t> pushed_;  // slots of the bodies with a wrench
   ContactSolver<S> contacts_;

@@ -24,6 +24,17 @@ struct alignas(16 * sizeof(T)) SolverBody {
 };
 static_assert(sizeof(SolverBody<double>) == 128 && sizeof(SolverBody<float>) == 64);
 
+template <class To, class T>
+SolverBody<To> number_cast(const SolverBody<T>& body) noexcept {
+  return {number_cast<To>(body.v),
+          number_cast<To>(body.w),
+          number_cast<To>(body.delta_position),
+          number_cast<To>(body.delta_rotation),
+          static_cast<To>(body.inverse_mass),
+          static_cast<To>(body.gyroscopic),
+          To(0)};
+}
+
 // The dynamic bodies of one step, by slot. Fixed bodies have no entry: their rows leave that side out.
 template <class T>
 struct SolverBodies {

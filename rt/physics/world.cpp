@@ -55,7 +55,7 @@ World::World(const Capacities& capacities, Hulls hulls, Meshes meshes, const Eff
       effects_(effects, capacities),
       border_contacts_(capacities.border_contacts),
       border_ghosts_(capacities.border_contacts) {
-  if (precision == SweepPrecision::kSingle && effects_.only_gravity())
+  if (precision == SweepPrecision::kSingle && effects_.suit_single_precision())
     single_solver_.emplace(capacities);
   else
     solver_.emplace(capacities);

@@ -28,10 +28,12 @@ Effects::Effects(const EffectSetups& setups, const Capacities& capacities) {
   std::apply([&](auto&... object) { (open(object), ...); }, objects_);
 }
 
-bool Effects::only_gravity() const noexcept {
+bool Effects::suit_single_precision() const noexcept {
   std::uint32_t others = 0;
   for_each_object(objects_,
-                  [&]<class Object>(const Object&) noexcept { others += std::is_same_v<Object, Gravity> ? 0 : 1; });
+                  [&]<class Object>(const Object&) noexcept {
+                    others += std::is_same_v<Object, Gravity> || std::is_same_v<Object, ScriptedMotion> ? 0 : 1;
+                  });
   return others == 0;
 }
 

@@ -34,7 +34,8 @@ class Effects {
     return std::get<std::unique_ptr<Object>>(objects_).get();
   }
 
-  bool only_gravity() const noexcept;  // true also if no effect is used
+  // True if every effect in use can run with sweeps in single precision: gravity, and bodies that follow a script.
+  bool suit_single_precision() const noexcept;
 
   // Resets all effects to their initial state: no joint broken, times at 0.
   void reset() noexcept;

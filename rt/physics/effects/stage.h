@@ -73,6 +73,7 @@ class StageTable {
         {[](void* self, StageContext& context) noexcept { (static_cast<Object*>(self)->*kStage)(context); }, &object});
     TACTUS_CHECK(fits, phase, kMostStages);
   }
+  bool has(Phase phase) const noexcept { return !stages_[static_cast<std::uint32_t>(phase)].empty(); }
   void run(Phase phase, StageContext& context) const noexcept {
     for (const Stage& stage : stages_[static_cast<std::uint32_t>(phase)]) stage.run(stage.object, context);
   }
