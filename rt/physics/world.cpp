@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rt/physics/collision/mesh_reach.h"
 #include "rt/physics/shapes/hull_view.h"
 
 namespace tactus::physics {
@@ -221,7 +222,7 @@ void World::index_fixed_bodies() noexcept {
 void World::add_fixed_pair(const SlotPair& pair, const StepSettings& settings, StepReport& report) noexcept {
   const auto [f, i] = pair;
   if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
-    add_mesh_pairs(i, f, margin_to_fixed(motion_bounds_[i], settings), report);
+    add_mesh_pairs(i, f, settings, report);
   else
     contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
 }
@@ -277,10 +278,13 @@ void World::add_fixed_pairs(StageContext& context) noexcept {
 }
 
 // Adds one pair for each patch near the body, with the patch's triangles.
-void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double margin, StepReport& report) noexcept {
+void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const StepSettings& settings,
+                           StepReport& report) noexcept {
   const Body &body = bodies_[slot], &fixed = fixed_bodies_[fixed_slot];
   const Mesh& mesh = meshes_[fixed.shape.index];
-  const Aabb box = bounds_of(body.shape, relative_pose(fixed.motion.pose, body.motion.pose), margin, hulls_);
+  const Posed mesh_from_body = relative_pose(fixed.motion.pose, body.motion.pose);
+  const Aabb box = bounds_of(body.shape, mesh_from_body, margin_to_fixed(motion_bounds_[slot], settings), hulls_);
+  const MeshReach reach(mesh, body, mesh_from_body, motion_bounds_[slot], fixed.motion.pose.rotation, settings, hulls_);
   TriangleList near;
   near_triangles.find(mesh, body.id, fixed.shape.index, box, near);
   std::uint32_t left_out = near.left_out;
@@ -292,7 +296,7 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double 
     stretch = {mesh_triangles_.size(), 0};
   };
   for (const std::uint32_t triangle : near.triangles) {
-    if (!reaches_plane(mesh, box, triangle)) continue;
+    if (!reach.reaches(triangle)) continue;
     if (mesh.triangles[triangle].patch != patch) add_pair(), patch = mesh.triangles[triangle].patch;
     if (mesh_triangles_.try_push(triangle))
       ++stretch.count;

@@ -137,7 +137,8 @@ class World {
   void add_fixed_pair(const SlotPair& pair, const StepSettings& settings, StepReport& report) noexcept;
   void find_fixed_pairs(const StepSettings& settings, StepReport& report) noexcept;
   void add_fixed_pairs(StageContext& context) noexcept;
-  void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double margin, StepReport& report) noexcept;
+  void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const StepSettings& settings,
+                      StepReport& report) noexcept;
   void solve(std::span<const std::uint8_t> held, std::span<PoseSpring> springs, const StepSettings& settings,
              double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept;
   void solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,

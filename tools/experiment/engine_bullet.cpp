@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
+#include <BulletCollision/CollisionShapes/btTriangleShape.h>
 #include <btBulletDynamicsCommon.h>
 
 #include "tools/experiment/engine.h"
@@ -38,10 +40,12 @@ class BulletEngine final : public Engine {
         world_(&dispatcher_, &broad_phase_, &solver_, &configuration_),
         step_s_(static_cast<btScalar>(scene.step_s)),
         stirrer_(scene.stirrer),
+        gravity_m_per_s2_(scene.gravity_m_per_s2),
+        turning_(scene.turning),
         tuned_(options.tuned),
         has_hulls_(!scene.hulls.empty()),
         cubes_(scene.cubes.size()) {
-    world_.setGravity({0, 0, static_cast<btScalar>(-scene.gravity_m_per_s2)});
+    world_.setGravity(as_bullet(scene.gravity_at(0)));
     if (tuned_) world_.setForceUpdateAllAabbs(false);
     if (options.iterations > 0) world_.getSolverInfo().m_numIterations = static_cast<int>(options.iterations);
     const auto friction = static_cast<btScalar>(scene.friction);
@@ -53,6 +57,7 @@ class BulletEngine final : public Engine {
     for (const Wall& wall : scene.walls)
       add(box_in_bullet(wall.half_extents_m), 0, {0, 0, 0}, friction,
           btTransform(as_bullet(wall.rotation), as_bullet(wall.position)));
+    if (scene.terrain) add_terrain(*scene.terrain, friction);
     for (std::uint32_t i = 0; i < rods_of(scene); ++i) {
       btRigidBody& rod = *add(box_in_bullet(stirrer_->half_extents_m), 0, {0, 0, 0}, friction, rod_at(i, 0));
       rod.setCollisionFlags(rod.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
@@ -68,6 +73,7 @@ class BulletEngine final : public Engine {
   BulletEngine& operator=(const BulletEngine&) = delete;
 
   void step() override {
+    if (turning_) world_.setGravity(as_bullet(gravity_m_per_s2_ * turning_->direction(time_s_)));
     time_s_ += static_cast<double>(step_s_);
     // Bullet computes a kinematic body's velocity from its previous and its next pose.
     for (std::size_t i = 0; i < rods_.size(); ++i) rods_[i]->getMotionState()->setWorldTransform(rod_at(i, time_s_));
@@ -139,7 +145,31 @@ class BulletEngine final : public Engine {
     return hull;
   }
 
-  btRigidBody* add(std::unique_ptr<btConvexShape> shape, double mass_kg, const btVector3& inertia, btScalar friction,
+  // With Bullet's data on inner edges: without them boxes catch on the seams.
+  void add_terrain(const sim::BuiltMesh& terrain, btScalar friction) {
+    const physics::Mesh& mesh = terrain.mesh;
+    for (const auto& triangle : mesh.triangles)
+      triangles_.addTriangle(as_bullet(mesh.place(triangle, 0)), as_bullet(mesh.place(triangle, 1)),
+                             as_bullet(mesh.place(triangle, 2)));
+    auto shape = std::make_unique<btBvhTriangleMeshShape>(&triangles_, true);
+    if (tuned_) shape->setMargin(kTunedMargin_m);
+    btGenerateInternalEdgeInfo(shape.get(), &edges_);
+    btRigidBody* ground =
+        add(std::move(shape), 0, {0, 0, 0}, friction,
+            btTransform(as_bullet(terrain.given_from_body.rotation), as_bullet(terrain.given_from_body.position)));
+    ground->setCollisionFlags(ground->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+    gContactAddedCallback = [](btManifoldPoint& point, const btCollisionObjectWrapper* a, int part_a, int index_a,
+                               const btCollisionObjectWrapper* b, int part_b, int index_b) {
+      const bool first = a->getCollisionShape()->getShapeType() == TRIANGLE_SHAPE_PROXYTYPE;
+      if (first)
+        btAdjustInternalEdgeContacts(point, a, b, part_a, index_a);
+      else
+        btAdjustInternalEdgeContacts(point, b, a, part_b, index_b);
+      return false;
+    };
+  }
+
+  btRigidBody* add(std::unique_ptr<btCollisionShape> shape, double mass_kg, const btVector3& inertia, btScalar friction,
                    const btTransform& at) {
     motions_.push_back(std::make_unique<btDefaultMotionState>(at));
     btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass_kg), motions_.back().get(), shape.get(),
@@ -158,11 +188,15 @@ class BulletEngine final : public Engine {
   btDbvtBroadphase broad_phase_;
   btSequentialImpulseConstraintSolver solver_;
   btDiscreteDynamicsWorld world_;
-  std::vector<std::unique_ptr<btConvexShape>> shapes_;
+  btTriangleMesh triangles_;
+  btTriangleInfoMap edges_;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btDefaultMotionState>> motions_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   btScalar step_s_;
   std::optional<Stirrer> stirrer_;
+  double gravity_m_per_s2_;
+  std::optional<TurningGravity> turning_;
   bool tuned_, has_hulls_;
   std::size_t cubes_;
   std::vector<btRigidBody*> rods_;

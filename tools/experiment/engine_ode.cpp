@@ -58,12 +58,17 @@ class OdeHull {
 class OdeEngine final : public Engine {
  public:
   OdeEngine(const BoxScene& scene, const EngineOptions& options)
-      : step_s_(scene.step_s), friction_(scene.friction), stirrer_(scene.stirrer), tuned_(options.tuned) {
+      : step_s_(scene.step_s),
+        friction_(scene.friction),
+        stirrer_(scene.stirrer),
+        gravity_m_per_s2_(scene.gravity_m_per_s2),
+        turning_(scene.turning),
+        tuned_(options.tuned) {
     static const OdeLibrary library;
     world_ = dWorldCreate();
     space_ = tuned_ ? dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ) : dHashSpaceCreate(nullptr);
     joints_ = dJointGroupCreate(0);
-    dWorldSetGravity(world_, 0, 0, -scene.gravity_m_per_s2);
+    set_gravity(scene.gravity_at(0));
     dWorldSetAutoDisableFlag(world_, 0);
     if (tuned_) dWorldSetQuickStepNumIterations(world_, kTunedIterations);
     if (options.iterations > 0) dWorldSetQuickStepNumIterations(world_, static_cast<int>(options.iterations));
@@ -76,18 +81,21 @@ class OdeEngine final : public Engine {
       const dQuaternion q{wall.rotation.w, wall.rotation.x, wall.rotation.y, wall.rotation.z};
       dGeomSetQuaternion(box, q);
     }
+    if (scene.terrain) add_terrain(*scene.terrain);
     if (stirrer_) add_rods();
   }
 
   ~OdeEngine() override {
     dJointGroupDestroy(joints_);
     dSpaceDestroy(space_);
+    if (terrain_ != nullptr) dGeomTriMeshDataDestroy(terrain_);
     dWorldDestroy(world_);
   }
   OdeEngine(const OdeEngine&) = delete;
   OdeEngine& operator=(const OdeEngine&) = delete;
 
   void step() override {
+    if (turning_) set_gravity(gravity_m_per_s2_ * turning_->direction(time_s_));
     // ODE moves a kinematic body by its velocity.
     for (std::size_t i = 0; i < rods_.size(); ++i) {
       const Vec3d v = stirrer_->velocity_over(i, from_ode(dBodyGetPosition(rods_[i])), time_s_, step_s_).linear;
@@ -157,6 +165,22 @@ class OdeEngine final : public Engine {
     }
   }
 
+  void set_gravity(const Vec3d& g) { dWorldSetGravity(world_, g.x, g.y, g.z); }
+
+  void add_terrain(const sim::BuiltMesh& terrain) {
+    for (const Vec3d& corner : terrain.mesh.corners) corners_.insert(corners_.end(), {corner.x, corner.y, corner.z});
+    for (const auto& triangle : terrain.mesh.triangles)
+      indices_.insert(indices_.end(), triangle.corner.begin(), triangle.corner.end());
+    terrain_ = dGeomTriMeshDataCreate();
+    dGeomTriMeshDataBuildDouble(terrain_, corners_.data(), 3 * sizeof(double), static_cast<int>(corners_.size() / 3),
+                                indices_.data(), static_cast<int>(indices_.size()), 3 * sizeof(dTriIndex));
+    const dGeomID mesh = dCreateTriMesh(space_, terrain_, nullptr, nullptr, nullptr);
+    const Posed& at = terrain.given_from_body;
+    dGeomSetPosition(mesh, at.position.x, at.position.y, at.position.z);
+    const dQuaternion q{at.rotation.w, at.rotation.x, at.rotation.y, at.rotation.z};
+    dGeomSetQuaternion(mesh, q);
+  }
+
   void add_rods() {
     const Vec3d size = 2.0 * stirrer_->half_extents_m;
     for (std::size_t i = 0; i < stirrer_->centres_m.size(); ++i) {
@@ -192,6 +216,11 @@ class OdeEngine final : public Engine {
   dJointGroupID joints_{};
   double step_s_, friction_;
   std::optional<Stirrer> stirrer_;
+  double gravity_m_per_s2_;
+  std::optional<TurningGravity> turning_;
+  dTriMeshDataID terrain_{nullptr};  // refers to the two lists
+  std::vector<double> corners_;
+  std::vector<dTriIndex> indices_;
   bool tuned_;
   std::vector<OdeHull> hulls_;
   std::vector<dBodyID> cubes_, rods_;

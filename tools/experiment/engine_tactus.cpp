@@ -19,6 +19,7 @@ namespace {
 constexpr std::uint32_t kPairsPerBody = 16, kContactsPerBody = 8;  // as in the global world
 // With mixed sizes, a large body may have hundreds of small neighbours.
 constexpr std::uint32_t kPairsPerMixedBody = 48, kContactsPerMixedBody = 16;
+constexpr std::uint32_t kTrianglesPerBody = 64;  // of rough ground
 constexpr double kLongStep_s = 5e-3;
 constexpr double kMostHertz = 250,
                  kHertzPerSubStep = 0.125;  // an octave below the accuracy limit: a heap comes to rest soon
@@ -39,9 +40,12 @@ physics::SweepPrecision precision_of(const BoxScene& scene, const EngineOptions&
 physics::Capacities capacities_of(const BoxScene& scene) {
   const auto bodies = static_cast<std::uint32_t>(scene.cubes.size()) + rods_of(scene) + 1;
   const bool mixed = is_mixed(scene);
-  return {bodies, static_cast<std::uint32_t>(scene.walls.size()),
+  return {bodies,
+          static_cast<std::uint32_t>(scene.walls.size()) + 1,
           (mixed ? kPairsPerMixedBody : kPairsPerBody) * bodies + 256,
-          (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256, 0};
+          (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256,
+          0,
+          scene.terrain ? kTrianglesPerBody * bodies : 0};
 }
 
 physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {
@@ -49,7 +53,7 @@ physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {
   settings.dt = scene.step_s;
   settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 10 : 4;
   settings.contact_hertz = std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s);
-  settings.gravity = {0.0, 0.0, -scene.gravity_m_per_s2};
+  settings.gravity = scene.gravity_at(0);
   return settings;
 }
 
@@ -76,7 +80,11 @@ class TactusEngine final : public Engine {
         times_broad_phase_(options.time_broad_phase),
         scripts_(scripts_of(scene)),
         hulls_(scene.hulls),
-        world_(capacities_of(scene), hulls_, {}, effects_of(scripts_), precision_of(scene, options)),
+        gravity_m_per_s2_(scene.gravity_m_per_s2),
+        turning_(scene.turning),
+        terrain_(scene.terrain),
+        meshes_(terrain_ ? std::vector{terrain_->mesh} : std::vector<physics::Mesh>{}),
+        world_(capacities_of(scene), hulls_, meshes_, effects_of(scripts_), precision_of(scene, options)),
         pair_cache_(capacities_of(scene).bodies, capacities_of(scene).pairs),
         pool_(static_cast<std::uint32_t>(options.helpers.size()) + 1, options.helpers),
         stirrer_(scene.stirrer),
@@ -98,6 +106,9 @@ class TactusEngine final : public Engine {
     for (const Wall& wall : scene.walls)
       insert(physics::make_fixed_body(id++, physics::Shape::box(wall.half_extents_m), friction,
                                       {wall.position, wall.rotation}));
+    if (terrain_)
+      insert(physics::make_fixed_body(id++, physics::Shape::mesh(terrain_->mesh.half_extents, 0), friction,
+                                      terrain_->given_from_body));
   }
 
   void step() override {
@@ -106,6 +117,7 @@ class TactusEngine final : public Engine {
       auto& motion = rods[i].motion;
       motion.velocity = stirrer_->velocity_over(i, motion.pose.position, time_s_, step_s_);
     }
+    if (turning_) settings_.gravity = gravity_m_per_s2_ * turning_->direction(time_s_);
     world_.begin_step(settings_);
     const double start_us = times_broad_phase_ ? thread_time_us() : 0;
     const bool all = !is_global_ ? physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs())
@@ -173,6 +185,10 @@ class TactusEngine final : public Engine {
   double broad_phase_us_{0};
   std::vector<physics::KinematicScript> scripts_;
   std::vector<physics::Hull> hulls_;
+  double gravity_m_per_s2_;
+  std::optional<TurningGravity> turning_;
+  std::optional<sim::BuiltMesh> terrain_;
+  std::vector<physics::Mesh> meshes_;
   physics::World world_;
   sim::PairCache pair_cache_;
   sim::WorkerPool pool_;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "rt/physics/collision/collide_mesh.h"
 #include "rt/physics/overlap.h"
+#include "rt/physics/shapes/mesh_query.h"
 #include "tools/experiment/scene_shapes.h"
 
 namespace tactus::experiment {
@@ -12,6 +14,7 @@ using physics::Shape;
 
 OverlapJudge::OverlapJudge(const BoxScene& scene)
     : hulls_(scene.hulls),
+      terrain_(scene.terrain),
       bodies_(static_cast<std::uint32_t>(scene.cubes.size())),
       grid_(bodies_ + rods_of(scene)),
       pairs_(kMostPairs * (bodies_ + rods_of(scene))),
@@ -25,6 +28,21 @@ OverlapJudge::OverlapJudge(const BoxScene& scene)
   }
   poses_.reserve(shapes_.size());
   bounds_.reserve(shapes_.size());
+}
+
+void OverlapJudge::judge_terrain(std::uint32_t a) {
+  const physics::Mesh& mesh = terrain_->mesh;
+  const Posed& from_mesh = terrain_->given_from_body;
+  physics::TriangleList near;
+  physics::find_triangles(mesh, physics::bounds_of(shapes_[a], physics::relative_pose(from_mesh, poses_[a]), 0.0),
+                          near);
+  double depth = 0;
+  for (const std::uint32_t& triangle : near.triangles) {  // each is a patch of its own on rough ground
+    const auto manifold = physics::collide_patch(shapes_[a], poses_[a], from_mesh, mesh, {&triangle, 1}, 0.0, hulls_);
+    for (std::uint32_t i = 0; i < manifold.count; ++i) depth = std::max(depth, -manifold.points[i].separation);
+  }
+  depth_m_[a] = std::max(depth_m_[a], depth);
+  share_[a] = std::max(share_[a], depth / physics::thickness(shapes_[a]));
 }
 
 // `b`: kNoBody for a wall or a rod.
@@ -58,6 +76,7 @@ Overlaps OverlapJudge::judge(std::span<const Posed> bodies, std::span<const Pose
   }
   for (std::uint32_t i = 0; i < bodies_; ++i) {
     overlaps.complete = overlaps.complete && is_finite(poses_[i]);
+    if (terrain_) judge_terrain(i);
     for (std::size_t w = 0; w < wall_shapes_.size(); ++w) judge_pair(i, wall_shapes_[w], wall_poses_[w], kNoBody);
   }
   if (bodies_ == 0) return overlaps;

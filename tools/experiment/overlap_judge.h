@@ -29,6 +29,7 @@ class OverlapJudge {
   Overlaps judge(std::span<const Posed> bodies, std::span<const Posed> rods);
 
  private:
+  void judge_terrain(std::uint32_t a);
   void judge_pair(std::uint32_t a, const physics::Shape& shape_b, const Posed& pose_b, std::uint32_t b);
 
   static constexpr std::uint32_t kMostPairs = 64;
@@ -36,6 +37,7 @@ class OverlapJudge {
 
   std::vector<physics::Shape> shapes_;  // of the bodies, then of the rods
   std::vector<physics::Hull> hulls_;
+  std::optional<sim::BuiltMesh> terrain_;
   std::uint32_t bodies_;
   std::vector<physics::Shape> wall_shapes_;
   std::vector<Posed> wall_poses_;

@@ -118,10 +118,38 @@ double place_mixed(BoxScene& scene, const PileSpec& spec, Random& random) {
   return width;
 }
 
+// Boxes of 0.1 to 0.2 m on rough ground of 20,000 triangles, dropped on the inner part of it.
+BoxScene make_rolling_boxes(std::string name, std::uint32_t boxes) {
+  constexpr double kTilt_rad = 0.61, kTurn_rad_per_s = 2, kPitch_m = 0.25, kDrop_m = 0.5, kWallHeight_m = 4;
+  BoxScene scene;
+  scene.name = std::move(name);
+  const TerrainSpec spec;
+  Random random(1);
+  auto built = sim::build_mesh(sim::weld(make_terrain(spec, random)), physics::kFirstPatchId);
+  TACTUS_CHECK(built.ok(), spec.cells, boxes);
+  scene.terrain = std::move(built.value());
+  scene.turning = TurningGravity{kTilt_rad, kTurn_rad_per_s};
+  std::uint32_t columns = 1;
+  while (columns * columns < boxes) ++columns;
+  const double first = -0.5 * kPitch_m * (columns - 1);
+  for (std::uint32_t i = 0; i < boxes; ++i) {
+    const double edge = 0.1 * std::exp(std::log(2.0) * random.uniform());
+    scene.cubes.push_back(cube_at(
+        edge, {first + kPitch_m * (i % columns), first + kPitch_m * (i / columns), 2 * spec.wave_m + kDrop_m}, random));
+  }
+  const double half = 0.5 * spec.cells * spec.cell_m, t = kWallHalf_m;
+  for (const double side : {-1.0, 1.0}) {
+    scene.walls.push_back({{t, half + 2 * t, kWallHeight_m}, {side * (half + t), 0, 0}});
+    scene.walls.push_back({{half, t, kWallHeight_m}, {0, side * (half + t), 0}});
+  }
+  return scene;
+}
+
 struct Named {
   std::string_view name;
   PileSpec spec;
   std::uint32_t timed_steps;
+  bool terrain{false};
 };
 
 PileSpec hulls(std::uint32_t vertices) {
@@ -156,6 +184,7 @@ const std::vector<Named>& named_scenes() {
       {"hulls1000-64-stirred", stirred(hulls(64)), 100},
       {"shapes1000", kShapes, 300},
       {"shapes1000-stirred", stirred(kShapes), 300},
+      {"terrain1000", {.cubes = 1000}, 300, true},
       {"mixed10000", {.cubes = 10000, .step_s = 1e-2, .smallest_edge_m = 0.02, .largest_edge_m = 0.4}, 60},
   };
   return scenes;
@@ -202,7 +231,8 @@ const std::vector<std::string_view>& scene_names() {
 std::optional<BoxScene> make_scene(std::string_view name, bool quick) {
   for (const Named& named : named_scenes()) {
     if (named.name != name) continue;
-    BoxScene scene = make_pile(std::string(name), named.spec);
+    BoxScene scene = named.terrain ? make_rolling_boxes(std::string(name), named.spec.cubes)
+                                   : make_pile(std::string(name), named.spec);
     scene.timed_steps = quick ? named.timed_steps / 5 : named.timed_steps;
     if (quick) scene.settle_s = 1;
     return scene;

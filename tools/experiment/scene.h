@@ -14,6 +14,7 @@
 #include "rt/base/spatial.h"
 #include "rt/physics/shapes/hull.h"
 #include "tools/experiment/stirrer.h"
+#include "tools/experiment/terrain.h"
 
 namespace tactus::experiment {
 
@@ -44,6 +45,12 @@ struct BoxScene {
   std::vector<physics::Hull> hulls;
   std::vector<Wall> walls;  // the floor, then four sides: upright, or sloping like a bowl in a stirred scene
   std::optional<Stirrer> stirrer;
+  std::optional<sim::BuiltMesh> terrain;  // fixed; its pose in the world is the mesh's in the frame of the corners
+  std::optional<TurningGravity> turning;  // of gravity; empty: straight down
+
+  Vec3d gravity_at(double time_s) const noexcept {  // m/s^2
+    return gravity_m_per_s2 * (turning ? turning->direction(time_s) : Vec3d{0, 0, -1});
+  }
 };
 
 std::uint32_t rods_of(const BoxScene& scene) noexcept;

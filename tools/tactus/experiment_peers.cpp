@@ -110,7 +110,7 @@ void add_peers(CLI::App& experiment, int& exit_code) {
   peers
       ->add_option("--precision", options->precision,
                    "of tactus: double, or mixed, where contacts are solved in single precision;\ndefault: as in a run, "
-                   "mixed beyond 256 bodies; of stirred scenes double in place of mixed")
+                   "mixed beyond 256 bodies")
       ->check(CLI::IsMember({"double", "mixed"}));
   peers
       ->add_option(

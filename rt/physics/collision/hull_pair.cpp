@@ -35,7 +35,8 @@ void list_edges(const RelativeHulls& hulls, double at_least, const FaceSearch& s
       if (edge.left != f && !(search.centre.of[edge.left] < least)) continue;
       const double reach = hulls.ref.edge_reach[e];
       if (bound(search.centre.of[edge.left], search.centre.of[edge.right], reach) < by_centre) continue;
-      if (bound(hulls.ref.height(edge.left, deepest), hulls.ref.height(edge.right, deepest), reach) < at_least) continue;
+      if (bound(hulls.ref.height(edge.left, deepest), hulls.ref.height(edge.right, deepest), reach) < at_least)
+        continue;
       list.edge[list.count++] = e;
     }
   }

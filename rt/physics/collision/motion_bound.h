@@ -36,8 +36,8 @@ inline double fall_in_step(const StepSettings& settings) noexcept {
 //   sup over unit n of max(a.n, 0) + max(-b.n, 0) = max(|a|, |b|, |a - b|)
 // for their advances a and b. Gravity counts once: two bodies fall together, or one of them is supported.
 inline double closing_of(const MotionBound& a, const MotionBound& b, const StepSettings& settings) noexcept {
-  const double advance = std::sqrt(
-      larger(norm_squared(a.advance - b.advance), larger(norm_squared(a.advance), norm_squared(b.advance))));
+  const double advance =
+      std::sqrt(larger(norm_squared(a.advance - b.advance), larger(norm_squared(a.advance), norm_squared(b.advance))));
   return std::min(advance + (a.rest + b.rest) + larger(a.fallen, b.fallen), settings.max_margin);
 }
 // The same along the unit vector n from A to B.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rt/physics/collision/collide_mesh.h"
+#include "rt/physics/collision/mesh_reach.h"
 
 namespace tactus::physics {
 namespace {
@@ -28,15 +29,10 @@ LastFeatures features_of(const Contact* last, const WarmStart* given) noexcept {
   return features;
 }
 
-// A body may be near many patches of a mesh and touch few: patches that cannot be touched in this step are dropped at
-// this smaller margin [m]. On rolling ground a box as wide as two cells then has a third of the contacts (at 0.5 mm: 13
-// patches).
-inline constexpr double kPatchMargin = 5e-5;
-
 // Points are wanted up to this separation [m], if the step may take `closing` from it.
 double margin_for(bool with_patch, double closing, const StepSettings& settings) noexcept {
-  const double least = with_patch ? std::min(kPatchMargin, settings.min_margin) : settings.min_margin;
-  return std::max(least, closing + carry_over_margin(settings));
+  return with_patch ? patch_margin(closing, settings)
+                    : std::max(settings.min_margin, closing + carry_over_margin(settings));
 }
 
 void drop_points_beyond(double margin, Manifold& manifold) noexcept {

@@ -1,14 +1,14 @@
 // The contacts of a world from step to step: takes pairs, computes manifolds and carries impulses over.
 //
 // Per step: add_pair for every pair that may touch (any order), then build: sort by key, narrow phase, and the impulses
-// of the same pair and feature in the last step. Two shortcuts save most of the work when little moves. A pair of boxes
+// of the same pair and feature in the last step. Points are kept up to the separation that the step may close along the
+// contact's normal (motion_bound.h). Two shortcuts save most of the work when little moves. A pair of boxes or hulls
 // that was separated is not tested again until its bodies have moved against each other by the gap; that is exact, so
 // it never changes a result and is not part of the state. A contact of boxes or hulls whose bodies have hardly moved is
 // carried over (contact_reference.h); that is part of the state. Pairs without points leave no trace, so extra pairs do
-// not change the bits.
-// Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI. Bound:
-// `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties by lower
-// key); what did not fit is counted.
+// not change the bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI.
+// Bound: `Capacities::pairs` pairs (the lowest keys stay) and `Capacities::contacts` contacts (the deepest stay, ties
+// by lower key); what did not fit is counted.
 #pragma once
 
 #include <span>

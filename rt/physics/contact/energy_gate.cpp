@@ -17,7 +17,11 @@ void EnergyGate<T>::link(const SolverBodies<T>& bodies, std::uint32_t slot_a, st
 
 template <class T>
 bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given, T impact_m_per_s) noexcept {
-  // Whether there is an impact is mostly decided without the inertia of the other bodies, at a tenth of the work.
+  const bool has_impact = std::any_of(
+      given.begin(), given.end(), [&](const Twist<T>& change) noexcept { return is_impact(change, impact_m_per_s); });
+  if (!has_impact) return false;
+  // Whether an impact dominates its island is mostly decided without the inertia of the other bodies, at a tenth of the
+  // work.
   for (IslandChange& change : change_) change = {};
   const auto moves = [&](std::uint32_t i) noexcept { return bodies.motion[i].inverse_mass > T(0); };
   for (std::uint32_t i = 0; i < given.size(); ++i) {

@@ -31,13 +31,4 @@ constexpr Posed relative_pose(const Posed& world_from_a, const Posed& world_from
           conjugate(world_from_a.rotation) * world_from_b.rotation};
 }
 
-// False if the whole box (of a body, in the mesh's frame) is above the plane of the triangle's patch: no contact.
-inline bool reaches_plane(const Mesh& mesh, const Aabb& box, std::uint32_t triangle) noexcept {
-  const MeshPatch& patch = mesh.patches[mesh.triangles[triangle].patch];
-  const Vec3d& n = patch.normal;
-  const Vec3d lowest{n.x > 0.0 ? box.lower.x : box.upper.x, n.y > 0.0 ? box.lower.y : box.upper.y,
-                     n.z > 0.0 ? box.lower.z : box.upper.z};
-  return dot(n, lowest) <= patch.offset + 1e-5;  // the patch's corners are at most this far from its plane
-}
-
 }  // namespace tactus::physics
