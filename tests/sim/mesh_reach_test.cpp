@@ -1,0 +1,67 @@
+#include "rt/physics/collision/mesh_reach.h"
+
+#include <catch2/catch.hpp>
+
+#include "rt/physics/collision/collide_mesh.h"
+#include "sim/geometry/hull_builder.h"
+#include "tests/sim/geometry/mesh_support.h"
+#include "tests/support/random.h"
+
+using namespace tactus;
+using namespace tactus::sim;
+using namespace tactus::sim::test;
+using physics::Shape;
+using tactus::test::Random;
+
+namespace {
+
+// A body near rough ground that moves towards it, for a step.
+struct Case {
+  physics::Body body;
+  physics::MotionBound bound;
+};
+
+Case random_case(const std::vector<physics::Hull>& hulls, Random& random) {
+  const Shape shapes[] = {Shape::sphere(0.03), Shape::capsule(0.02, 0.04), Shape::box({0.05, 0.03, 0.02}),
+                          Shape::convex(hulls[0], 0)};
+  const Vec3d centre{random(-0.2, 0.2), random(-0.2, 0.2), random(0.0, 0.15)};
+  Case made{physics::make_dynamic_body(0, shapes[random.below(4)], 1.0, 0.5, {centre, random.rotation()}), {}};
+  made.bound.advance = random.vector(0.02);
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("A triangle that a body cannot reach has no contact with it, neither now nor where the step takes it") {
+  Random random(23);
+  const BuiltMesh made = built(height_field(
+      10, 0.05, [&](double, double) { return random(-0.02, 0.02); }, [&] { return random.below(2) == 0; }));
+  std::vector<Vec3d> points;
+  for (int k = 0; k < 20; ++k) points.push_back(0.05 * random.direction());
+  const std::vector<physics::Hull> hulls{build_hull(points).value().hull};
+  physics::StepSettings settings;
+  int reached = 0, dropped = 0;
+  for (int n = 0; n < 1500; ++n) {
+    const auto [body, bound] = random_case(hulls, random);
+    const Posed& now = body.motion.pose;
+    const physics::MeshReach reach(made.mesh, body, now, bound, {}, settings, hulls);
+    const Posed then{now.position + random.uniform() * bound.advance, now.rotation};
+    for (std::uint32_t t = 0; t < made.mesh.triangles.size(); ++t) {
+      if (reach.reaches(t)) {
+        ++reached;
+        continue;
+      }
+      ++dropped;
+      const std::uint32_t alone[] = {t};
+      INFO("case " << n << ", triangle " << t);
+      const auto touches = [&](const Posed& pose) {
+        const auto m = physics::collide_patch(body.shape, pose, {}, made.mesh, alone, 0.0, hulls);
+        return m.count > 0;
+      };
+      const auto& patch = made.mesh.patches[made.mesh.triangles[t].patch];
+      REQUIRE_FALSE(touches(now));
+      if (dot(patch.normal, now.position) > patch.offset) REQUIRE_FALSE(touches(then));
+    }
+  }
+  REQUIRE((reached > 1000 && dropped > 1000));
+}
