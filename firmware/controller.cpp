@@ -99,7 +99,8 @@ Controller::Controller(const Config& config) noexcept
 
 void Controller::configure(const Config& config) noexcept {
   const bool was_valid = config_valid_;
-  config_ = config, config_valid_ = is_valid(config);
+  config_ = config;
+  config_valid_ = is_valid(config);
   if (!was_valid && config_valid_) fault_ = Fault::kNone;
 }
 
@@ -115,7 +116,8 @@ ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<con
     const Event event = event_of(inputs, reception, supervision, overspeed);
     enter(next_state(state_, event), event, supervision.fault);
   } else {
-    state_ = State::kReset, fault_ = Fault::kBadConfiguration;
+    state_ = State::kReset;
+    fault_ = Fault::kBadConfiguration;
   }
 
   ControllerOutputs outputs;
@@ -168,7 +170,8 @@ Controller::Reception Controller::receive() noexcept {
   if (!heard.acceptable) return reception;
 
   const CommandFrame& frame = heard.newest;
-  newest_command_ = frame.sequence, sequence_known_ = true;
+  newest_command_ = frame.sequence;
+  sequence_known_ = true;
   missed_ = 0;
   if (frame.wanted == State::kIdle) idle_wanted_ = true;
   if (starts) {

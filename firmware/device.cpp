@@ -59,7 +59,8 @@ void Device::apply() noexcept {
   controller_.configure(accepted_.control);
   encoders_.configure(accepted_.encoders);
   thermal_.configure(accepted_.thermal);
-  gravity_ = accepted_.gravity, bus_ = accepted_.bus;
+  gravity_ = accepted_.gravity;
+  bus_ = accepted_.bus;
   carries_arm_ = gravity_.constant != AxisValues{} || gravity_.amplitude != decltype(gravity_.amplitude){};
   rooms_valid_ = is_valid(accepted_.encoders) && is_valid(accepted_.thermal);
   changed_ = false;

@@ -231,7 +231,8 @@ void GlobalWorld::reset(const Posed& world_from_proxy) {
   WorkerPool* const pool = pool_;
   *this = GlobalWorld(*scene_, options_);
   statistics.energy.reset();
-  statistics.awake = statistics_.awake, statistics.asleep = statistics_.asleep;
+  statistics.awake = statistics_.awake;
+  statistics.asleep = statistics_.asleep;
   ++statistics.resets;
   statistics_ = statistics;
   if (pool != nullptr) share_work(*pool);
@@ -392,7 +393,8 @@ void GlobalWorld::add_border_work() noexcept {
   if (!coupling_.border || !border_.has_budget) return;
   for (Device& device : devices_) {
     const double work_J = border_work_J(world_, velocity_before_, member_slots(device), pass_s_);
-    device.border_work_J += work_J, statistics_.border_work_J += work_J;
+    device.border_work_J += work_J;
+    statistics_.border_work_J += work_J;
   }
 }
 
@@ -441,7 +443,8 @@ void GlobalWorld::advance() noexcept {
     report = take_pass(pass, passes);
     look_at_overlaps(report.deepest_m);
     comparisons += report.comparisons;
-    report.capacity_bits |= bits, report.deepest_m = std::max(report.deepest_m, deepest_m);
+    report.capacity_bits |= bits;
+    report.deepest_m = std::max(report.deepest_m, deepest_m);
   }
   for (Device& device : devices_) device.held_by = {};
   const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
@@ -453,11 +456,15 @@ void GlobalWorld::advance() noexcept {
 
   auto& s = statistics_;
   ++s.steps;
-  s.awake = static_cast<std::uint32_t>(islands_.awake().size()), s.asleep = islands_.asleep();
+  s.awake = static_cast<std::uint32_t>(islands_.awake().size());
+  s.asleep = islands_.asleep();
   s.most_awake = std::max(s.most_awake, awake);
-  s.fell_asleep = islands_.fell_asleep(), s.woke_up = islands_.woke_up();
+  s.fell_asleep = islands_.fell_asleep();
+  s.woke_up = islands_.woke_up();
   s.stopped_energy_J = islands_.stopped_energy_J();
-  s.pairs = report.pairs, s.contacts = report.contacts, s.points = report.points;
+  s.pairs = report.pairs;
+  s.contacts = report.contacts;
+  s.points = report.points;
   s.comparisons = comparisons;
   s.most_pairs = std::max(s.most_pairs, report.pairs);
   s.most_contacts = std::max(s.most_contacts, report.contacts);

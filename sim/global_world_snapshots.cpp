@@ -18,7 +18,8 @@ void GlobalWorld::find_touches() noexcept {
   for (const auto& contact : world_.contacts()) {
     if (contact.b_fixed || !contact.touching()) continue;
     ContactEdge touch = contact_edge_of(contact, world_.bodies());
-    touch.a = place[touch.a], touch.b = place[touch.b];
+    touch.a = place[touch.a];
+    touch.b = place[touch.b];
     touches_.push_back(touch);
   }
   if (coupling_.border) add_approaching();
@@ -31,8 +32,10 @@ void GlobalWorld::add_approaching() noexcept {
   const auto place = islands_.awake();
   const std::size_t found = touches_.size();
   approach_.find(world_, hulls_, slots_of_all_members(), 2 * settings_.dt, touches_);
-  for (std::size_t i = found; i < touches_.size(); ++i)
-    touches_[i].a = place[touches_[i].a], touches_[i].b = place[touches_[i].b];
+  for (std::size_t i = found; i < touches_.size(); ++i) {
+    touches_[i].a = place[touches_[i].a];
+    touches_[i].b = place[touches_[i].b];
+  }
 }
 
 void GlobalWorld::add_joined() noexcept {
@@ -112,7 +115,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.warm_starts.clear();
   next.effects.clear();
   fill_joiners(device, next);
-  fill_near_triangles(bodies, world_.fixed_bodies(), meshes_, members, device.proxy, options_.reach, next);
+  fill_near_triangles({bodies, members, device.proxy}, world_.fixed_bodies(), meshes_, options_.reach, next);
   if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;

@@ -23,9 +23,12 @@ IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uin
       grid_(static_cast<std::uint32_t>(rule.enabled ? bodies_.size() : 0)),
       parents_(bodies_.size()) {
   for (std::uint32_t place = 0; place < bodies_.size(); ++place) awake_[place] = place;
-  stays_.reserve(bodies_.size()), apart_.reserve(bodies_.size());
+  stays_.reserve(bodies_.size());
+  apart_.reserve(bodies_.size());
   if (!rule.enabled) return;
-  marked_.reserve(bodies_.size()), woken_.reserve(bodies_.size()), merge_.reserve(bodies_.size());
+  marked_.reserve(bodies_.size());
+  woken_.reserve(bodies_.size());
+  merge_.reserve(bodies_.size());
   returning_.reserve(bodies_.size());
   sleeping_contacts_.reserve(max_parked_);
 }
@@ -63,18 +66,21 @@ bool IslandManager::wake_touched(World& world) noexcept {
 
 bool IslandManager::wake_marked(World& world) noexcept {
   if (marked_.empty()) return false;
-  woken_.clear(), returning_.clear();
+  woken_.clear();
+  returning_.clear();
   for (const std::uint32_t island : marked_) {
     is_marked_[island] = 0;
     for (std::uint32_t place = island; place != kNone; place = next_body_[place]) {
       woken_.push_back(place);
-      island_of_[place] = kAwake, slow_steps_[place] = 0;
+      island_of_[place] = kAwake;
+      slow_steps_[place] = 0;
       grid_.remove(place);
     }
     for (std::uint32_t at = first_parked_[island]; at != kNone;) {
       (void)world.add_warm_start(sleeping_contacts_[at].warm_start);  // if it does not fit, the contact starts cold
       const std::uint32_t next = sleeping_contacts_[at].next;
-      sleeping_contacts_[at].next = free_parked_, free_parked_ = at;
+      sleeping_contacts_[at].next = free_parked_;
+      free_parked_ = at;
       at = next;
     }
   }
@@ -168,7 +174,8 @@ void IslandManager::put_to_sleep(std::span<const std::uint8_t> held, std::span<c
   for (std::uint32_t slot = 0; slot < count; ++slot) {  // an island's lowest slot comes first
     const std::uint32_t root = islands.of(slot);
     if (stays_[root] != 0) continue;
-    apart_[slot] = 1, some = true;
+    apart_[slot] = 1;
+    some = true;
     put_body_to_sleep(slot, awake_[root], settings);
   }
   if (!some) return;

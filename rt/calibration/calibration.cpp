@@ -67,7 +67,8 @@ Woken time_after_sleeps() {
     MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + kSleep_ns);
     boxes_times.push_back((result.boxes = boxes.tick(kUsualSubSteps)).ns);
   }
-  result.lone.ns = percentile(lone_times, 0.9), result.boxes.ns = percentile(boxes_times, 0.9);
+  result.lone.ns = percentile(lone_times, 0.9);
+  result.boxes.ns = percentile(boxes_times, 0.9);
   result.spread = result.boxes.ns / percentile(boxes_times, 0.5);
   return result;
 }

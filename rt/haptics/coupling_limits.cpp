@@ -143,10 +143,12 @@ CouplingVerdict check_coupling(const CouplingGains& gains, const DevicePropertie
 CouplingGains suggest_gains(const DeviceProperties& device, double period_s, double late_s) noexcept {
   CouplingGains gains;
   const Gains linear = suggest(translation_of(device, period_s, late_s), kQuietForce_N);
-  gains.stiffness_N_per_m = linear.stiffness, gains.damping_Ns_per_m = linear.damping;
+  gains.stiffness_N_per_m = linear.stiffness;
+  gains.damping_Ns_per_m = linear.damping;
   if (!device.has_rotation) return gains;
   const Gains angular = suggest(rotation_of(device, period_s, late_s), kQuietTorque_Nm);
-  gains.stiffness_Nm_per_rad = angular.stiffness, gains.damping_Nms_per_rad = angular.damping;
+  gains.stiffness_Nm_per_rad = angular.stiffness;
+  gains.damping_Nms_per_rad = angular.damping;
   return gains;
 }
 

@@ -61,7 +61,8 @@ std::uint32_t passes_of(const World& world, const StepSettings& settings,
 
 StepSettings settings_of_pass(const StepSettings& settings, std::uint32_t passes) noexcept {
   StepSettings pass = settings;
-  pass.dt = settings.dt / static_cast<double>(passes), pass.sub_steps = settings.sub_steps / passes;
+  pass.dt = settings.dt / static_cast<double>(passes);
+  pass.sub_steps = settings.sub_steps / passes;
   return pass;
 }
 

@@ -31,14 +31,16 @@ template <class S>
 void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcept {
   const StepSettings& settings = context.settings;
   const auto count = static_cast<std::uint32_t>(input.bodies.size());
-  motion_.resize(count), inverse_inertia_.resize(count);
+  motion_.resize(count);
+  inverse_inertia_.resize(count);
   for_each_body(input.executor, count, [&](std::uint32_t i) noexcept {
     const Body& body = input.bodies[i];
     SolverBody<S>& state = motion_[i];
     state = {};
     inverse_inertia_[i] = {};
     if (input.frozen[i] != 0) return;  // infinite mass, at rest
-    state.v = number_cast<S>(body.motion.velocity.linear), state.w = number_cast<S>(body.motion.velocity.angular);
+    state.v = number_cast<S>(body.motion.velocity.linear);
+    state.w = number_cast<S>(body.motion.velocity.angular);
     state.inverse_mass = static_cast<S>(1.0 / body.mass);
     state.gyroscopic = settings.gyroscopic && is_anisotropic(body.inertia) ? S(1) : S(0);
     inverse_inertia_[i] = number_cast<S>(rotate_diagonal(
@@ -55,9 +57,14 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
   run_stages(input, Phase::kPrepare, context);
   contacts_.prepare(std::span<const Contact>(input.contacts), state(), input.executor);
   if constexpr (kIsWhole) {
-    border_.prepare(input.border, input.ghosts, input.border_mode, input.bodies, state(), context.h,
-                    input.impulse_scale, settings.friction, input.border_budget_J);
-    context.ghosts = border_.ghosts(), context.ghosts_may_supply = input.border_budget_J > 0.0;
+    border_.prepare(input.border, input.ghosts, input.bodies, state(),
+                    {.mode = input.border_mode,
+                     .h = context.h,
+                     .impulse_scale = input.impulse_scale,
+                     .friction = settings.friction,
+                     .budget_J = input.border_budget_J});
+    context.ghosts = border_.ghosts();
+    context.ghosts_may_supply = input.border_budget_J > 0.0;
   }
 }
 
@@ -65,7 +72,8 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
 template <class S>
 void Solver<S>::run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept {
   if constexpr (kIsWhole) {
-    context.motion = motion_.span(), context.inverse_inertia = inverse_inertia_.span();
+    context.motion = motion_.span();
+    context.inverse_inertia = inverse_inertia_.span();
     input.stages.run(phase, context);
   } else if (phase == Phase::kForces && context.settings.gravity != Vec3d{}) {
     const Vec3d change = context.h * context.settings.gravity;
@@ -137,7 +145,8 @@ void Solver<S>::store(const SolverInput& input, StageContext& context, std::uint
       else
         kept += number_cast<double>(now - number_cast<S>(kept));
     };
-    changed(motion.velocity.linear, state.v), changed(motion.velocity.angular, state.w);
+    changed(motion.velocity.linear, state.v);
+    changed(motion.velocity.angular, state.w);
   });
 }
 
@@ -147,7 +156,8 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
   const double h = settings.dt / static_cast<double>(settings.sub_steps);
   StageContext context{input.bodies, input.fixed_bodies, input.frozen, input.contacts, settings,
                        report,       input.executor};
-  context.h = h, context.rule = SweepRule<double>::of(settings, h);
+  context.h = h;
+  context.rule = SweepRule<double>::of(settings, h);
   const SweepRule<S> rule = SweepRule<S>::of(settings, static_cast<S>(h));
   const bool friction_when_biased =
       settings.friction && resolve(settings.friction_sweeps, settings.relax_sweeps) == FrictionSweeps::kEvery;

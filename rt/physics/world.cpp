@@ -100,7 +100,10 @@ bool World::insert(const Body& body) noexcept {
 bool World::remove(BodyId id) noexcept {
   const std::uint32_t slot = lower_slot(bodies_, id), fixed_slot = lower_slot(fixed_bodies_, id);
   if (holds(bodies_, slot, id)) {
-    bodies_.erase(slot), frozen_.erase(slot), wrenches_.erase(slot), last_poses_.erase(slot);
+    bodies_.erase(slot);
+    frozen_.erase(slot);
+    wrenches_.erase(slot);
+    last_poses_.erase(slot);
     contacts_.slot_removed(slot, false);
     for (auto& spring : springs_) {
       if (spring.enabled && spring.slot == slot) spring.enabled = false;
@@ -109,7 +112,9 @@ bool World::remove(BodyId id) noexcept {
     return true;
   }
   if (!holds(fixed_bodies_, fixed_slot, id)) return false;
-  fixed_bodies_.erase(fixed_slot), fixed_bounds_.erase(fixed_slot), fixed_frames_.erase(fixed_slot);
+  fixed_bodies_.erase(fixed_slot);
+  fixed_bounds_.erase(fixed_slot);
+  fixed_frames_.erase(fixed_slot);
   contacts_.slot_removed(fixed_slot, true);
   fixed_is_indexed_ = false;
   return true;
@@ -141,7 +146,8 @@ WarmStart World::warm_start_of(const Contact& contact, double sub_step_s) noexce
 
 void World::apply_wrench(std::uint32_t slot, const Wrenchd& wrench) noexcept {
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
-  wrenches_[slot].force += wrench.force, wrenches_[slot].torque += wrench.torque;
+  wrenches_[slot].force += wrench.force;
+  wrenches_[slot].torque += wrench.torque;
   wrench_applied_ = true;
 }
 
@@ -166,7 +172,9 @@ void World::begin_step(const StepSettings& settings) noexcept {
   contacts_.clear_pairs();
   index_fixed_bodies();
   const auto count = bodies_.size();
-  bounds_.resize(count), motion_bounds_.resize(count), frames_.resize(count);
+  bounds_.resize(count);
+  motion_bounds_.resize(count);
+  frames_.resize(count);
   const double fall = fall_in_step(settings);
   growth_to_fixed_ = growth_to_fixed(fall, settings);
   const auto measure = [&](std::uint32_t i) noexcept {
@@ -176,8 +184,10 @@ void World::begin_step(const StepSettings& settings) noexcept {
     for (const auto& spring : springs_)
       if (spring.enabled && spring.slot == i) speed = std::max(speed, norm(spring.target_velocity.linear));
     motion_bounds_[i] = {};
-    if (frozen_[i] == 0)
-      motion_bounds_[i].moved = speed * settings.dt, motion_bounds_[i].fallen = std::abs(body.gravity_scale) * fall;
+    if (frozen_[i] == 0) {
+      motion_bounds_[i].moved = speed * settings.dt;
+      motion_bounds_[i].fallen = std::abs(body.gravity_scale) * fall;
+    }
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap, motion_bounds_[i]);
     frames_[i] = BodyFrame::of(body.motion.pose);
     bounds_[i] = bounds_of(body.shape, body.motion.pose, growth_of(motion_bounds_[i], fall, settings));
@@ -286,7 +296,10 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, double 
   };
   for (const std::uint32_t triangle : near.triangles) {
     if (!reaches_plane(mesh, box, triangle)) continue;
-    if (mesh.triangles[triangle].patch != patch) add_pair(), patch = mesh.triangles[triangle].patch;
+    if (mesh.triangles[triangle].patch != patch) {
+      add_pair();
+      patch = mesh.triangles[triangle].patch;
+    }
     if (mesh_triangles_.try_push(triangle))
       ++stretch.count;
     else
@@ -302,8 +315,10 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
   TACTUS_CHECK(settings.sub_steps > 0 && settings.dt > 0.0, settings.sub_steps, settings.dt);
   TACTUS_CHECK(bounds_.size() == bodies_.size(), bounds_.size(), bodies_.size());
   StepReport report;
-  report.capacity_bits = refused_bits_, report.dropped = refused_;
-  refused_bits_ = 0, refused_ = 0;
+  report.capacity_bits = refused_bits_;
+  report.dropped = refused_;
+  refused_bits_ = 0;
+  refused_ = 0;
   const double h = settings.dt / static_cast<double>(settings.sub_steps);
   const double impulse_scale = last_sub_step_ > 0.0 && last_sub_step_ != h ? h / last_sub_step_ : 1.0;
   last_sub_step_ = h;

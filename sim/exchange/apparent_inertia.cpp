@@ -154,8 +154,10 @@ Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
-    friction += point.total_friction, pressed += point.total_normal_impulse;
-    slip += slip_of(contact, point, bodies), points += 1;
+    friction += point.total_friction;
+    pressed += point.total_normal_impulse;
+    slip += slip_of(contact, point, bodies);
+    points += 1;
   }
   const Vec3d stopping = points > 0 ? slip * (-mass_of_both / points) : Vec3d{};
   const double pull = dot(contact.normal, stopping);
@@ -170,9 +172,11 @@ Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
     const Vec3d r = a.motion.pose.position + point.from_a - centre;
-    if (sticks)
-      mass += stiffness, moment += stiffness * r, turning = turning + turning_at(stiffness, r);
-    else
+    if (sticks) {
+      mass += stiffness;
+      moment += stiffness * r;
+      turning = turning + turning_at(stiffness, r);
+    } else
       hold(sum, stiffness, contact.normal, cross(r, contact.normal));
   }
   return sticks ? inertia_of(mass, moment, turning) : sum;
@@ -184,32 +188,6 @@ bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
     return joint.low == joint.high || state.effort.lower != 0 || state.effort.upper != 0;
   if (joint.limited && (state.effort.lower != 0 || state.effort.upper != 0)) return true;
   return joint.driven && std::abs(state.effort.drive) < kSticks * joint.motor_effort;
-}
-
-// G of a joint between the bodies at these slots; slot_a is kNone for the world.
-Matrix6 stiffness_of_joint(const Joint& joint, const JointState& state, double added_inertia, std::uint32_t slot_a,
-                           std::uint32_t slot_b, std::span<const Body> bodies, const Vec3d& centre) noexcept {
-  const double stiffness = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
-  const double firm_turn = added_inertia / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
-  const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
-  const Posed at_b = bodies[slot_b].motion.pose * joint.b_from_joint;
-  const Vec3d r = at_b.position - centre;
-  const bool coordinate = holds_coordinate(joint, state);
-  Matrix6 sum{};
-  if (joint.kind == JointKind::kDistance) {
-    const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
-    if (coordinate) hold(sum, stiffness, n, cross(r, n));
-    return sum;
-  }
-  const bool slides = joint.kind == JointKind::kSlider && !coordinate;
-  const bool turns = joint.kind == JointKind::kHinge && !coordinate;
-  const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
-                         rotate(at_a.rotation, Vec3d{0, 0, 1})};
-  for (int k = 0; k < 3; ++k) {
-    if (k < 2 || !slides) hold(sum, stiffness, axes[k], cross(r, axes[k]));
-    if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
-  }
-  return sum;
 }
 
 // The inertia and momentum that a body (I, p) presents to its parent through a link of stiffness G. The body moves by
@@ -278,12 +256,15 @@ template <class F>
 void ApparentInertia::for_each_link(F&& f) const noexcept {
   std::uint32_t link = 0;
   for (const auto& contact : contacts_) f(link++, contact.slot_a, contact.b_fixed ? kNone : contact.slot_b);
-  for (const Held& held : joints_) f(link++, held.a, held.b);
+  for (const JointLink& joint : joints_) f(link++, joint.a, joint.b);
 }
 
 void ApparentInertia::index(const physics::World& world, double added_inertia, double step_s) noexcept {
-  added_inertia_ = added_inertia, step_s_ = step_s;
-  contacts_ = world.contacts(), bodies_ = world.bodies(), starts_ = world.last_poses();
+  added_inertia_ = added_inertia;
+  step_s_ = step_s;
+  contacts_ = world.contacts();
+  bodies_ = world.bodies();
+  starts_ = world.last_poses();
   find_joints(world);
   TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
                bodies_.size(), contacts_.size() + joints_.size());
@@ -296,14 +277,18 @@ void ApparentInertia::index(const physics::World& world, double added_inertia, d
   const auto count = [&](std::uint32_t slot) noexcept {
     if (slot != kNone) ++first_[slot + 1];
   };
-  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept { count(a), count(b); });
+  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept {
+    count(a);
+    count(b);
+  });
   for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
   // Filling advances each start to the start of the next slot; the copy shifts them back.
   const auto add_link = [&](std::uint32_t slot, const Link& link) noexcept {
     if (slot != kNone) links_[first_[slot]++] = link;
   };
   for_each_link([&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept {
-    add_link(a, {link, b}), add_link(b, {link, a});
+    add_link(a, {link, b});
+    add_link(b, {link, a});
   });
   std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
   first_[0] = 0;
@@ -313,10 +298,34 @@ std::span<const ApparentInertia::Link> ApparentInertia::links_of(std::uint32_t s
   return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
 }
 
+Matrix6 ApparentInertia::stiffness_of_joint(const JointLink& link, const Vec3d& centre) const noexcept {
+  const Joint& joint = *link.joint;
+  const double stiffness = added_inertia_ / (inverse_mass_of(bodies_, link.a) + inverse_mass_of(bodies_, link.b));
+  const double firm_turn = added_inertia_ / (inverse_inertia_of(bodies_, link.a) + inverse_inertia_of(bodies_, link.b));
+  const Posed at_a = link.a == kNone ? joint.a_from_joint : bodies_[link.a].motion.pose * joint.a_from_joint;
+  const Posed at_b = bodies_[link.b].motion.pose * joint.b_from_joint;
+  const Vec3d r = at_b.position - centre;
+  const bool coordinate = holds_coordinate(joint, *link.state);
+  Matrix6 sum{};
+  if (joint.kind == JointKind::kDistance) {
+    const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
+    if (coordinate) hold(sum, stiffness, n, cross(r, n));
+    return sum;
+  }
+  const bool slides = joint.kind == JointKind::kSlider && !coordinate;
+  const bool turns = joint.kind == JointKind::kHinge && !coordinate;
+  const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
+                         rotate(at_a.rotation, Vec3d{0, 0, 1})};
+  for (int k = 0; k < 3; ++k) {
+    if (k < 2 || !slides) hold(sum, stiffness, axes[k], cross(r, axes[k]));
+    if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
+  }
+  return sum;
+}
+
 Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
   if (link < contacts_.size()) return stiffness_of_contact(contacts_[link], added_inertia_, bodies_, centre);
-  const Held& held = joints_[link - contacts_.size()];
-  return stiffness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
+  return stiffness_of_joint(joints_[link - contacts_.size()], centre);
 }
 
 // Mean velocity over the last step; the present velocity for a body that was added since.
@@ -363,7 +372,8 @@ void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> 
     from.constraint_stiffness = constraint_stiffness_of(from.link, centre);
     Reached& to = reached_[from.parent];
     const Felt felt = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
-    add(to.inertia, felt.inertia), add(to.momentum, felt.momentum);
+    add(to.inertia, felt.inertia);
+    add(to.momentum, felt.momentum);
   }
 }
 

@@ -39,7 +39,8 @@ Approach::Approach(std::uint32_t max_bodies) {
 void Approach::find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
                     double horizon_s, std::vector<ContactEdge>& touches) noexcept {
   const std::span<const Body> bodies = world.bodies();
-  members_.clear(), others_.clear();
+  members_.clear();
+  others_.clear();
   const auto moving = [&](std::uint32_t slot) noexcept -> Moving {
     const double reach = reach_of(bodies[slot], horizon_s);
     return {slot, reach, physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, reach)};

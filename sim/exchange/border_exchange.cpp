@@ -184,7 +184,8 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
     body.id = id;
     body.centre = world.bodies()[slot].motion.pose.position;
     const OutsideAnswer answer = admittance_.find(slot, members);
-    body.velocity = answer.velocity, body.admittance = answer.admittance;
+    body.velocity = answer.velocity;
+    body.admittance = answer.admittance;
     Wrenchd load;
     for (; i < loads_.size() && loads_[i].outside == id; ++i) {
       load.force += loads_[i].force;

@@ -61,7 +61,10 @@ bool BufferChoice::weigh(std::span<const Body> bodies, const Extraction& extract
     const std::uint32_t group = groups.of(member);
     const double mass = bodies[member].mass;
     // Members ascend, so the group's lowest slot comes first and resets its entries.
-    if (group == member) lightest_[group] = std::numeric_limits<double>::infinity(), heaviest_[group] = 0;
+    if (group == member) {
+      lightest_[group] = std::numeric_limits<double>::infinity();
+      heaviest_[group] = 0;
+    }
     if (group == member) at_border_[group] = 0;
     if (!shares_[member].at_end()) lightest_[group] = std::min(lightest_[group], mass);
     heaviest_[group] = std::max(heaviest_[group], mass);

@@ -29,7 +29,10 @@ void ContactGraph::build(std::uint32_t bodies, std::span<const ContactEdge> touc
   touch_count_ = static_cast<std::uint32_t>(touches.size());
   std::copy(touches.begin(), touches.end(), touches_.begin());
   std::fill(first_.begin(), first_.begin() + bodies + 1, 0u);
-  for (const ContactEdge& touch : touches) ++first_[touch.a], ++first_[touch.b];
+  for (const ContactEdge& touch : touches) {
+    ++first_[touch.a];
+    ++first_[touch.b];
+  }
   // Ends of the bodies' links; filling backwards turns them into the starts and keeps the order.
   for (std::uint32_t slot = 1; slot < bodies; ++slot) first_[slot] += first_[slot - 1];
   first_[bodies] = 2 * touch_count_;

@@ -70,7 +70,8 @@ void count_contact(const physics::Manifold& manifold, const Body& a, const Body&
   for (std::uint32_t i = 0; i < manifold.count; ++i) {
     if (-manifold.points[i].separation <= start.deepest_m) continue;
     start.deepest_m = -manifold.points[i].separation;
-    start.deepest_a = a.id, start.deepest_b = b.id;
+    start.deepest_a = a.id;
+    start.deepest_b = b.id;
   }
 }
 
@@ -165,7 +166,10 @@ HandReport report_hand(const Scene& scene, const haptics::DeviceProperties& devi
   report.duration_s = path.back().time_s;
   const Vec3d middle = scene.device.world_from_device.position;
   const auto note = [](double value, double& most, std::size_t i, std::size_t& at) {
-    if (value > most) most = value, at = i;
+    if (value > most) {
+      most = value;
+      at = i;
+    }
   };
   for (std::size_t i = 0; i < path.size(); ++i) {
     note(norm(path[i].position_m - middle) / scene.device.motion_scale, report.farthest_m, i, report.farthest);

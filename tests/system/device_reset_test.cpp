@@ -28,7 +28,8 @@ class ResetLink {
   // The device's program starts again, after so many periods without one.
   void restart(unsigned periods) {
     device_.set_powered(false);
-    splitter_ = {}, commands_ = {};
+    splitter_ = {};
+    commands_ = {};
     off_ = periods;
     if (off_ == 0) device_.set_powered(true);
   }
@@ -121,7 +122,8 @@ struct ResetRun {
     hardware.device = std::make_unique<hal::AnyDevice>(std::make_unique<Device>(profile, kPeriod_ns, std::move(any)));
     hardware.identity = "a link in this process";
     session::RunOptions options;
-    options.device = "usb", options.priority = 0;
+    options.device = "usb";
+    options.priority = 0;
     auto made = session::Session::create(scene_text(kPressScene), options, std::move(hardware));
     INFO(made.message());
     REQUIRE(made.ok());

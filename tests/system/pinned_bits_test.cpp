@@ -61,9 +61,15 @@ std::string observed(const Row& row) {
   auto session = make_session(scene_file(row.scene), options);
   Fnv1a hash;
   run(*session, row.ticks, [&](const loop::TickOutput& out) {
-    hash.add(out.status), hash.add(out.members), hash.add(out.border);
+    hash.add(out.status);
+    hash.add(out.members);
+    hash.add(out.border);
     const auto& wrench = out.command.wrench;
-    for (const Vec3d& v : {wrench.force, wrench.torque}) hash.add(v.x), hash.add(v.y), hash.add(v.z);
+    for (const Vec3d& v : {wrench.force, wrench.torque}) {
+      hash.add(v.x);
+      hash.add(v.y);
+      hash.add(v.z);
+    }
     return true;
   });
   hash.add(session->loop->state_hash());

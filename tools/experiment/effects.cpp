@@ -30,7 +30,8 @@ class TickedWorld {
   explicit TickedWorld(const sim::Scene& scene)
       : world_(capacities_of(scene), scene.hulls, scene.meshes, sim::effect_setups(scene)),
         grid_(static_cast<std::uint32_t>(scene.bodies.size())) {
-    settings_.dt = kTick_s, settings_.sub_steps = scene.solver.sub_steps;
+    settings_.dt = kTick_s;
+    settings_.sub_steps = scene.solver.sub_steps;
     settings_.relax_sweeps = scene.solver.relax_sweeps;
     settings_.contact_hertz = scene.solver.contact_hertz;
     settings_.friction_sweeps = scene.solver.friction_sweeps;
@@ -205,7 +206,8 @@ double spread_of(const std::vector<double>& with_us, const std::vector<double>& 
       return median({begin, begin + size});
     };
     const double added_us = median_of(with_us) - median_of(without_us);
-    least = std::min(least, added_us), most = std::max(most, added_us);
+    least = std::min(least, added_us);
+    most = std::max(most, added_us);
   }
   return 0.5 * (most - least);
 }
@@ -227,7 +229,10 @@ std::vector<EffectTime> time_effects(const sim::Scene& scene) {
       world.tick();
       us.push_back(thread_time_us() - start);
     };
-    for (std::uint32_t i = 0; i < kTimedTicks; ++i) timed(with_it, with_us), timed(without_it, without_us);
+    for (std::uint32_t i = 0; i < kTimedTicks; ++i) {
+      timed(with_it, with_us);
+      timed(without_it, without_us);
+    }
     times.push_back({std::string(effect.name), median(with_us) - median(without_us), spread_of(with_us, without_us),
                      median(with_us)});
   }

@@ -42,7 +42,8 @@ bool QualityBook::is_outside(const Vec3d& centre) const noexcept {
 }
 
 void QualityBook::start(const Engine& engine) {
-  last_ = poses_of(engine.cubes()), last_rods_ = engine.rods();
+  last_ = poses_of(engine.cubes());
+  last_rods_ = engine.rods();
   runs_ += 1;
 }
 
@@ -58,14 +59,21 @@ void QualityBook::sample(const Engine& engine) {
   sum_.rod_travel_m += mean_distance(last_rods_, rods);
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (is_outside(bodies[i].position)) escaped_[i] = 1;
-  last_ = bodies, last_rods_ = rods;
+  last_ = bodies;
+  last_rods_ = rods;
   samples_ += 1;
 }
 
 Quality QualityBook::result() const {
   Quality quality = sum_;
-  if (samples_ > 0) quality.overlap_mean_m /= samples_, quality.overlap_mean_share /= samples_;
-  if (runs_ > 0) quality.travel_m /= runs_, quality.rod_travel_m /= runs_;
+  if (samples_ > 0) {
+    quality.overlap_mean_m /= samples_;
+    quality.overlap_mean_share /= samples_;
+  }
+  if (runs_ > 0) {
+    quality.travel_m /= runs_;
+    quality.rod_travel_m /= runs_;
+  }
   quality.escaped = static_cast<std::uint32_t>(std::count(escaped_.begin(), escaped_.end(), 1));
   return quality;
 }

@@ -87,8 +87,10 @@ std::string scaling_svg(const ScalingReport& report) {
   for (const ScalingRow& row : report.rows) {
     if (row.sweep != "bodies" || !(row.contact_points > 0) || !(row.median_us > 0)) continue;
     rows.push_back(&row);
-    few = std::min(few, row.contact_points), many = std::max(many, row.contact_points);
-    fast = std::min(fast, row.median_us), slow = std::max(slow, row.median_us);
+    few = std::min(few, row.contact_points);
+    many = std::max(many, row.contact_points);
+    fast = std::min(fast, row.median_us);
+    slow = std::max(slow, row.median_us);
   }
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" "

@@ -110,8 +110,14 @@ double place_mixed(BoxScene& scene, const PileSpec& spec, Random& random) {
   for (std::uint32_t i = 0; i < spec.cubes; ++i) {
     const double edge = spec.smallest_edge_m * std::exp(std::log(ratio) * random.uniform());
     const double room = edge * (1 + kGap);
-    if (x + room > width) x = 0, y += shelf;
-    if (y + shelf > width) y = 0, z += shelf;
+    if (x + room > width) {
+      x = 0;
+      y += shelf;
+    }
+    if (y + shelf > width) {
+      y = 0;
+      z += shelf;
+    }
     scene.cubes.push_back(cube_at(edge, {x + 0.5 * room - 0.5 * width, y + 0.5 * shelf - 0.5 * width, z}, random));
     x += room;
   }

@@ -23,7 +23,9 @@ void StateView::bind(const session::Session& session) {
     roles[body.id] = body.kind == physics::BodyKind::kFixed ? Role::kFixed : Role::kGlobal;
   }
   const physics::Capacities& capacities = session.loop->config().sub_world.capacities;
-  members.clear(), contacts.clear(), border.clear();
+  members.clear();
+  contacts.clear();
+  border.clear();
   members.reserve(scene.bodies.size());
   contacts.reserve(std::size_t{capacities.contacts} * physics::kMaxManifoldPoints);
   border.reserve(capacities.border_contacts);

@@ -32,7 +32,8 @@ Result<DeviceChoice> parse_device_choice(const std::string& text) {
   if (kind == "sim" && colon == std::string::npos) return choice;
   if (kind == "usb") {
     if (colon != std::string::npos && rest.empty()) return refused(text, "names no serial number after the colon");
-    choice.kind = DeviceKind::kUsb, choice.serial = rest;
+    choice.kind = DeviceKind::kUsb;
+    choice.serial = rest;
     return choice;
   }
   if (kind != "can") return refused(text, "is no device");

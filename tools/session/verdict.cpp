@@ -178,7 +178,10 @@ Ruling setup_of(const RunSummary& s) {
   std::string names;
   unsigned failed = 0;
   for (const auto& step : s.setup.steps)
-    if (!step.ok) ++failed, names += fmt::format("{}{}", names.empty() ? "" : ", ", step.name);
+    if (!step.ok) {
+      ++failed;
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", step.name);
+    }
   return {"set-up",
           "set-up steps that failed",
           "",
@@ -296,7 +299,10 @@ nlohmann::json to_json(const Verdict& verdict) {
                        {"degraded_above", finite_or_null(r.degraded_above)},
                        {"bad_above", finite_or_null(r.bad_above)},
                        {"whose", r.machine ? "machine" : "program"}};
-    if (r.level() != Level::kGood) one["found"] = r.found, one["cure"] = r.cure;
+    if (r.level() != Level::kGood) {
+      one["found"] = r.found;
+      one["cure"] = r.cure;
+    }
     list.push_back(one);
   }
   return list;

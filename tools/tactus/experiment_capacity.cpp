@@ -34,7 +34,10 @@ int run_capacity(const CapacityOptions& options) {
     request.couplings.push_back({.coupling = *sim::parse_coupling_scheme(word)});
   request.members = options.members;
   request.most_bodies = options.most;
-  if (options.quick) request.ticks = 200, request.runs = 3;
+  if (options.quick) {
+    request.ticks = 200;
+    request.runs = 3;
+  }
   const auto report = experiment::run_capacity(request, experiment::terminal_progress());
   if (!report.ok()) return complain("tactus experiment capacity: " + report.message(), kExitBadInput);
   const std::string json = experiment::capacity_json(report.value());

@@ -51,7 +51,8 @@ std::vector<std::string> distortions(int cpu, double rate_Hz) {
   std::vector<std::string> found;
   if (!system.ok()) return found;
   doctor::Request request;
-  request.cpu = cpu, request.rate_Hz = rate_Hz;
+  request.cpu = cpu;
+  request.rate_Hz = rate_Hz;
   for (const doctor::Finding& finding : doctor::examine(system.value(), request).findings)
     if (finding.distorts) found.push_back(finding.check + ": " + finding.found);
   return found;

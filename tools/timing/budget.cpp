@@ -123,7 +123,8 @@ Result<Budget> read_budget(const std::string& text, const std::string& name) {
   budget.priority = settings["priority"];
   budget.worst_us = j["computing_worst_us"];
   budget.margin = j["margin"];
-  budget.wake_p50_us = j["wake_p50_us"], budget.wake_p99_9_us = j["wake_p99_9_us"];
+  budget.wake_p50_us = j["wake_p50_us"];
+  budget.wake_p99_9_us = j["wake_p99_9_us"];
   budget.wake_worst_us = j["wake_worst_us"];
   budget.verdict = j["verdict"];
   return budget;

@@ -44,7 +44,10 @@ std::optional<InterruptCounts> parse_interrupts(const std::string& proc_interrup
   const std::string wanted = "CPU" + std::to_string(cpu);
   bool found = false;
   while (heads >> word) {
-    if (word == wanted) column = columns, found = true;
+    if (word == wanted) {
+      column = columns;
+      found = true;
+    }
     ++columns;
   }
   if (!found) return std::nullopt;

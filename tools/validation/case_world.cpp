@@ -130,7 +130,8 @@ CaseWorld::Springs CaseWorld::springs_J() const {
       }
       const double stiffness = omega * omega / inverse, before = std::min(0.0, gap),
                    after = std::min(0.0, gap + change);
-      springs.before += 0.5 * stiffness * before * before, springs.after += 0.5 * stiffness * after * after;
+      springs.before += 0.5 * stiffness * before * before;
+      springs.after += 0.5 * stiffness * after * after;
     }
   }
   return springs;

@@ -78,7 +78,8 @@ RandomWorld make_random_world(std::uint64_t seed) {
   world.held = random.chance(0.4);
   if (world.held) {
     world.bodies[0].gravity_scale = 0;
-    world.stiffness_N_per_m = random.logarithmic(10, 10'000), world.damping_Ns_per_m = random.uniform(0, 20);
+    world.stiffness_N_per_m = random.logarithmic(10, 10'000);
+    world.damping_Ns_per_m = random.uniform(0, 20);
     world.device_speed_m_per_s = random.vector(1);
   }
   return world;
@@ -94,13 +95,19 @@ RandomRun run_once(const RandomWorld& random) {
   unsigned moving = 0;
   for (const Body& body : random.bodies) {
     world.add(body);
-    if (body.kind == BodyKind::kDynamic) mass += body.mass, ++moving;
+    if (body.kind == BodyKind::kDynamic) {
+      mass += body.mass;
+      ++moving;
+    }
   }
   auto& spring = world.world.device_spring();
   if (random.held) {
-    spring.enabled = true, spring.slot = world.slot(random.bodies[0].id);
-    spring.stiffness_N_per_m = random.stiffness_N_per_m, spring.damping_Ns_per_m = random.damping_Ns_per_m;
-    spring.stiffness_Nm_per_rad = 5, spring.damping_Nms_per_rad = 0.02;
+    spring.enabled = true;
+    spring.slot = world.slot(random.bodies[0].id);
+    spring.stiffness_N_per_m = random.stiffness_N_per_m;
+    spring.damping_Ns_per_m = random.damping_Ns_per_m;
+    spring.stiffness_Nm_per_rad = 5;
+    spring.damping_Nms_per_rad = 0.02;
     spring.target = random.bodies[0].motion.pose;
   }
   weight_moment = mass * kGravity;
@@ -140,14 +147,23 @@ RandomWorld shrink(RandomWorld world, const std::function<bool(const RandomWorld
     for (std::size_t k = world.bodies.size(); k-- > (world.held ? 1u : 0u);) {
       RandomWorld less = world;
       less.bodies.erase(less.bodies.begin() + static_cast<std::ptrdiff_t>(k));
-      if (!less.bodies.empty() && fails(less)) world = std::move(less), shrunk = true;
+      if (!less.bodies.empty() && fails(less)) {
+        world = std::move(less);
+        shrunk = true;
+      }
     }
     RandomWorld shorter = world;
     shorter.ticks /= 2;
-    if (shorter.ticks > 0 && fails(shorter)) world = std::move(shorter), shrunk = true;
+    if (shorter.ticks > 0 && fails(shorter)) {
+      world = std::move(shorter);
+      shrunk = true;
+    }
     RandomWorld free = world;
     free.held = false;
-    if (world.held && fails(free)) world = std::move(free), shrunk = true;
+    if (world.held && fails(free)) {
+      world = std::move(free);
+      shrunk = true;
+    }
   }
   return world;
 }

@@ -56,7 +56,8 @@ sim::Scene make_scene(const Setting& setting, double stiffness, const std::vecto
     text += fmt::format("{{time_s = {}, position_m = [{}, {}, {}]}},\n", p.time_s, p.at.x, p.at.y, p.at.z);
   text += "]\n";
   sim::Scene scene = case_scene(text, setting, 1000);
-  scene.ratio = ratio, scene.members = members;
+  scene.ratio = ratio;
+  scene.members = members;
   return scene;
 }
 
@@ -108,9 +109,11 @@ Watched watch(sim::Scene scene, session::RunOptions options, std::uint64_t ticks
   TACTUS_CHECK(made.ok(), ticks, 0);
   Watched watched;
   watched.session = std::move(made).value();
-  watched.force.reserve(ticks), watched.status.reserve(ticks);
+  watched.force.reserve(ticks);
+  watched.status.reserve(ticks);
   const auto summary = session::run_virtual(*watched.session, ticks, [&](const loop::TickOutput& out) {
-    watched.force.push_back(out.command.wrench.force), watched.status.push_back(out.status);
+    watched.force.push_back(out.command.wrench.force);
+    watched.status.push_back(out.status);
     watched.finite = watched.finite && is_finite(out.command.wrench);
     watched.faulted = watched.faulted || out.fault != Fault::kNone;
     watched.most_energy_J =
@@ -129,8 +132,13 @@ void gate(const Watched& watched, Outcome& outcome) {
   outcome.gate("no fault", !watched.faulted);
   outcome.gate("nothing left out", watched.session->stats.capacity_bits == 0);
   Fnv1a hash;
-  hash.add(outcome.hash), hash.add(watched.session->loop->state_hash());
-  for (const Vec3d& f : watched.force) hash.add(f.x), hash.add(f.y), hash.add(f.z);
+  hash.add(outcome.hash);
+  hash.add(watched.session->loop->state_hash());
+  for (const Vec3d& f : watched.force) {
+    hash.add(f.x);
+    hash.add(f.y);
+    hash.add(f.z);
+  }
   outcome.hash = hash.value();
 }
 
@@ -191,7 +199,10 @@ Outcome late_world(const Setting& setting) {
     for (std::size_t k = 1500; k < watched.force.size(); ++k) {
       const bool late = (watched.status[k] & kWorldLate) != 0, was_late = (watched.status[k - 1] & kWorldLate) != 0;
       if (was_late && !late) back = std::max(back, norm(watched.force[k] - watched.force[k - 1]));
-      if (late) least = std::min(least, norm(watched.force[k])), rise = std::max(rise, norm(watched.force[k]) - least);
+      if (late) {
+        least = std::min(least, norm(watched.force[k]));
+        rise = std::max(rise, norm(watched.force[k]) - least);
+      }
     }
     const auto seen = [&](StatusBit bit) {
       return std::any_of(watched.status.begin(), watched.status.end(), [bit](auto s) { return (s & bit) != 0; });
@@ -238,8 +249,10 @@ Outcome begins_anew(const Setting& setting) {
     for (std::size_t k = 1500; k < watched.force.size(); ++k) {
       const bool resets = (watched.status[k] & kSceneReset) != 0, did = (watched.status[k - 1] & kSceneReset) != 0;
       if (did && !resets) back = std::max(back, norm(watched.force[k] - watched.force[k - 1]));
-      if (resets)
-        least = std::min(least, norm(watched.force[k])), rise = std::max(rise, norm(watched.force[k]) - least);
+      if (resets) {
+        least = std::min(least, norm(watched.force[k]));
+        rise = std::max(rise, norm(watched.force[k]) - least);
+      }
     }
     if (presses) outcome.holds("presses again", watched.mean(3800, 4000) > 1);
   }
@@ -264,7 +277,8 @@ Outcome stack_border(const Setting& setting) {
     direct.coupling = experiment::kDirectScheme.coupling;
     const Watched reference = watch(make_scene(setting, 1500, path, bodies, 8, layers + 1), direct, 12'000);
     const Watched cut = watch(make_scene(setting, 1500, path, bodies, 8, layers / 2), {}, 12'000);
-    gate(reference, outcome), gate(cut, outcome);
+    gate(reference, outcome);
+    gate(cut, outcome);
     outcome.holds("there is a border", cut.session->stats.border_max > 0);
     outcome.relative(fmt::format("force on {}, N", layers), cut.mean(11'000, 12'000), reference.mean(11'000, 12'000),
                      0.02);
@@ -382,7 +396,8 @@ path = [
   TACTUS_CHECK(loaded.ok(), 0, 0);
   sim::Scene scene = std::move(loaded).value();
   const auto settings = settings_of(setting, 250);
-  scene.solver.sub_steps = settings.sub_steps, scene.solver.relax_sweeps = settings.relax_sweeps;
+  scene.solver.sub_steps = settings.sub_steps;
+  scene.solver.relax_sweeps = settings.relax_sweeps;
   const Watched watched = watch(std::move(scene), {}, 1500);
   Outcome outcome;
   gate(watched, outcome);

@@ -25,7 +25,8 @@ Hold hold_between(const physics::World& world, BodyId proxy, std::uint32_t slot)
   double pressed = 0;
   for (std::uint32_t i = 0; i < contact->count; ++i) {
     const auto& point = contact->points[i];
-    friction += point.total_friction, pressed += point.total_normal_impulse;
+    friction += point.total_friction;
+    pressed += point.total_normal_impulse;
     arm += point.total_normal_impulse * (contact->slot_a == slot ? point.from_a : point.from_b);
   }
   if (!(norm(friction) < kHolds * contact->friction * pressed)) return {};

@@ -18,8 +18,11 @@ constexpr double kImpactShare = 0.1;
 template <class V>
 void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
   const auto scale = [&](V& x) noexcept { set_lane(x, lane, factor * lane_of(x, lane)); };
-  for (std::uint32_t i = 0; i < row.points; ++i)
-    scale(row.normal_impulse[i]), scale(row.tangent_impulse[0][i]), scale(row.tangent_impulse[1][i]);
+  for (std::uint32_t i = 0; i < row.points; ++i) {
+    scale(row.normal_impulse[i]);
+    scale(row.tangent_impulse[0][i]);
+    scale(row.tangent_impulse[1][i]);
+  }
 }
 
 }  // namespace
@@ -47,7 +50,8 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
     for (std::uint32_t r = row; r < row + rows; ++r) {
       const std::uint32_t left = count - (r - row) * kWidth;
       if (left < kWidth) rows_.all[r] = ContactRow<V>{};
-      rows_.all[r].used = std::min<std::uint32_t>(left, kWidth), rows_.all[r].points = 0;
+      rows_.all[r].used = std::min<std::uint32_t>(left, kWidth);
+      rows_.all[r].points = 0;
     }
     row += rows;
   }
@@ -59,7 +63,8 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
                                        const Executor& executor) noexcept {
   executor_ = executor;
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
-  before_.resize(count), accumulated_delta_v_.resize(count);
+  before_.resize(count);
+  accumulated_delta_v_.resize(count);
   for_each_body([&](std::uint32_t i) noexcept { accumulated_delta_v_[i] = {}; });
   gate_.begin_step();
   given_is_known_ = backwards_ = next_backwards_ = false;
@@ -68,13 +73,19 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   place_colours(colours_.fixed(), rows_.first_fixed, fixed_);
   singles_.first_fixed = colours_.moving().of[ContactColours::kLeftOver];
   singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
-  for (auto& row : singles_.all) row.used = 1, row.points = 0;
+  for (auto& row : singles_.all) {
+    row.used = 1;
+    row.points = 0;
+  }
 
   // Assigns each contact to the next lane of its colour; then the rows are filled in their order.
   Starts lane_of_moving, lane_of_fixed;
-  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour)
-    lane_of_moving[colour] = moving_[colour] * kWidth, lane_of_fixed[colour] = fixed_[colour] * kWidth;
-  lane_of_moving[ContactColours::kLeftOver] = 0, lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour) {
+    lane_of_moving[colour] = moving_[colour] * kWidth;
+    lane_of_fixed[colour] = fixed_[colour] * kWidth;
+  }
+  lane_of_moving[ContactColours::kLeftOver] = 0;
+  lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
   for (std::uint32_t k = 0; k < contacts.size(); ++k) {
     const std::uint8_t colour = colours_.of(k);
     if (colour == ContactColours::kNotSolved) continue;
@@ -88,8 +99,10 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
     for (std::uint32_t lane = 0; lane < row.used; ++lane)
       fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
     // Empty lanes read the bodies of the first lane and write nothing.
-    for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane)
-      row.a[lane] = row.a[0], row.b[lane] = row.b[0];
+    for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane) {
+      row.a[lane] = row.a[0];
+      row.b[lane] = row.b[0];
+    }
     complete(row);
   });
 }
@@ -149,7 +162,8 @@ template <class T, int kWidth>
 void ContactSolver<T, kWidth>::warm_start_freely(SolverBodies<T> bodies) noexcept {
   if (given_is_known_) {
     for_each_body([&](std::uint32_t i) noexcept {
-      bodies.motion[i].v += accumulated_delta_v_[i].linear, bodies.motion[i].w += accumulated_delta_v_[i].angular;
+      bodies.motion[i].v += accumulated_delta_v_[i].linear;
+      bodies.motion[i].w += accumulated_delta_v_[i].angular;
     });
     return;
   }
@@ -202,7 +216,10 @@ void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies, T impact_m
 template <class T, int kWidth>
 template <bool kBias, bool kFriction, bool kTotals>
 void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
-  if constexpr (kBias) backwards_ = next_backwards_, next_backwards_ = !next_backwards_;
+  if constexpr (kBias) {
+    backwards_ = next_backwards_;
+    next_backwards_ = !next_backwards_;
+  }
   backwards_ ? sweep_points<kBias, kFriction, kTotals, true>(bodies, rule)
              : sweep_points<kBias, kFriction, kTotals, false>(bodies, rule);
   backwards_ = !backwards_;
@@ -251,7 +268,10 @@ void ContactSolver<T, kWidth>::add_to_totals() noexcept {
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
-  for (Twist<T>& given : accumulated_delta_v_) given.linear *= factor, given.angular *= factor;
+  for (Twist<T>& given : accumulated_delta_v_) {
+    given.linear *= factor;
+    given.angular *= factor;
+  }
   for_each_row([factor](auto& row) {
     const auto f = std::remove_reference_t<decltype(row.friction)>(factor);
     for (std::uint32_t i = 0; i < row.points; ++i) {

@@ -87,8 +87,10 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
     }
   // Energy gained by the bodies: impulse times mean speed.
   double came = 0.0, went = 0.0;
-  for (const Strike& strike : strikes)
-    came += strike.impulse * strike.speed, went += strike.impulse * separating_speed(c, contact, strike.point);
+  for (const Strike& strike : strikes) {
+    came += strike.impulse * strike.speed;
+    went += strike.impulse * separating_speed(c, contact, strike.point);
+  }
   const double share = went > came ? 2.0 * came / (went + came) : 1.0;
   for (const Strike& strike : strikes) {
     if (share < 1.0) push_apart(c, contact, strike.point, (share - 1.0) * strike.impulse);

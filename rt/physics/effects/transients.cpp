@@ -71,7 +71,8 @@ void Transients::ring(StageContext& c) noexcept {
     const auto [s, cosine] = sin_cos(2.0 * std::numbers::pi * o.frequency_Hz * c.settings.dt);
     const double x = 0.5 * c.settings.dt / o.decay_s, fade = (1.0 - x) / (1.0 + x);
     const double sine_N = fade * (cosine * o.sine_N + s * o.cosine_N);
-    o.cosine_N = fade * (cosine * o.cosine_N - s * o.sine_N), o.sine_N = sine_N;
+    o.cosine_N = fade * (cosine * o.cosine_N - s * o.sine_N);
+    o.sine_N = sine_N;
     c.report.hand_wrench.force += o.sine_N * o.direction;
     if (amplitude_squared(o.sine_N, o.cosine_N) > kFaded_N * kFaded_N) state_.ringing[kept++] = o;
   }

@@ -27,7 +27,8 @@ double elliptic_k(double modulus_squared) {
   double a = 1, g = std::sqrt(1 - modulus_squared);
   for (int i = 0; i < 40; ++i) {
     const double mean = 0.5 * (a + g);
-    g = std::sqrt(a * g), a = mean;
+    g = std::sqrt(a * g);
+    a = mean;
   }
   return kPi / (2 * a);
 }

@@ -13,7 +13,8 @@ namespace {
 
 PhysicsBench bench_of(double step_s, std::uint32_t sub_steps) {
   PhysicsBench bench;
-  bench.settings.dt = step_s, bench.settings.sub_steps = sub_steps;
+  bench.settings.dt = step_s;
+  bench.settings.sub_steps = sub_steps;
   return bench;
 }
 

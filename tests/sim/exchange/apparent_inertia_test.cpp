@@ -15,7 +15,8 @@ constexpr double kRigid = 1e5;  // a2 of contacts that give way to nothing
 
 PhysicsBench make_bench() {
   PhysicsBench bench(physics::Capacities{64, 2, 256, 256, 0});
-  bench.settings.dt = 0.01, bench.settings.sub_steps = 10;
+  bench.settings.dt = 0.01;
+  bench.settings.sub_steps = 10;
   return bench;
 }
 
@@ -214,9 +215,12 @@ TEST_CASE("A door answers about its hinge alone, with its inertia there, and not
   const bool held = GENERATE(false, true);
   physics::Joint hinge;
   const double lever_arm = 0.3;
-  hinge.kind = physics::JointKind::kHinge, hinge.b = 0;
-  hinge.a_from_joint.position = {0, 0, 1}, hinge.b_from_joint.position = {-lever_arm, 0, 0};
-  hinge.driven = held, hinge.motor_effort = 10;
+  hinge.kind = physics::JointKind::kHinge;
+  hinge.b = 0;
+  hinge.a_from_joint.position = {0, 0, 1};
+  hinge.b_from_joint.position = {-lever_arm, 0, 0};
+  hinge.driven = held;
+  hinge.motor_effort = 10;
   const std::vector joints{hinge};
   EffectBench bench(setups_of(joints));
   bench.add_cube(0, {lever_arm, 0, 1});
@@ -232,7 +236,10 @@ TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
   physics::Joint joint;
   joint.kind = GENERATE(physics::JointKind::kFixed, physics::JointKind::kSlider, physics::JointKind::kDistance);
   const bool rod = joint.kind == physics::JointKind::kDistance;
-  joint.a = 0, joint.b = 1, joint.limited = rod, joint.low = joint.high = rod ? 0.5 : 0;
+  joint.a = 0;
+  joint.b = 1;
+  joint.limited = rod;
+  joint.low = joint.high = rod ? 0.5 : 0;
   if (!rod) joint.b_from_joint.position = {-0.5, 0, 0};
   const std::vector joints{joint};
   EffectBench bench(setups_of(joints));

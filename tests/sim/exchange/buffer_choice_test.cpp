@@ -26,14 +26,17 @@ struct Bench {
   // It presses on static geometry.
   void ground(std::uint32_t slot) {
     physics::Contact contact;
-    contact.slot_a = slot, contact.b_fixed = true, contact.count = 1;
+    contact.slot_a = slot;
+    contact.b_fixed = true;
+    contact.count = 1;
     contact.points[0].total_normal_impulse = 1;
     contacts.push_back(contact);
   }
   // The ghost of an outside body, with that inverse mass.
   void ghost(std::uint32_t slot, double w) {
     haptics::OutsideBody body;
-    body.id = slot, body.centre = bodies[slot].motion.pose.position;
+    body.id = slot;
+    body.centre = bodies[slot].motion.pose.position;
     body.admittance.linear = {w, w, w, 0, 0, 0};
     outside.push_back(body);
   }
@@ -68,7 +71,11 @@ using Slots = std::vector<std::uint32_t>;
 
 TEST_CASE("The buffer is who touches an outside body where masses are even, and never the proxy") {
   Bench b({0.01, 1, 1.5, 2, 1}, 4);
-  b.link(0, 1), b.link(1, 2), b.link(2, 3), b.link(3, 4), b.link(0, 4);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 3);
+  b.link(3, 4);
+  b.link(0, 4);
   CHECK(b.choose(0) == Slots{3});
 }
 
@@ -76,27 +83,41 @@ TEST_CASE("A group at the border whose masses are uneven is the buffer as a whol
   const double heavy = GENERATE(2.1, 10.0, 1000.0);
   const bool joined = GENERATE(false, true);
   Bench b({0.01, heavy, 1, 1, 1}, 4);
-  b.link(0, 1), b.link(1, 2, joined), b.link(2, 3, joined), b.link(3, 4);
+  b.link(0, 1);
+  b.link(1, 2, joined);
+  b.link(2, 3, joined);
+  b.link(3, 4);
   CHECK(b.choose(2) == Slots{1, 2, 3});
 }
 
 TEST_CASE("A group that touches nothing outside stays the sub-world's, however uneven") {
   Bench b({0.01, 1000, 1, 1, 1, 1}, 5);
-  b.link(0, 1), b.link(1, 2), b.link(0, 3), b.link(3, 4), b.link(4, 5);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(0, 3);
+  b.link(3, 4);
+  b.link(4, 5);
   CHECK(b.choose(0) == Slots{4});
 }
 
 TEST_CASE("The proxy links no groups: it touches each of them, and is lighter than any") {
   Bench b({0.01, 300, 1, 1, 1, 1, 1}, 5);
-  b.link(0, 1), b.link(1, 2), b.link(2, 5);  // uneven
-  b.link(0, 3), b.link(3, 4), b.link(4, 6);  // even
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 5);  // uneven
+  b.link(0, 3);
+  b.link(3, 4);
+  b.link(4, 6);  // even
   CHECK(b.choose(1) == Slots{1, 2, 4});
 }
 
 TEST_CASE("The mass of a member at the end of a group does not count where its sweep converges") {
   // 1: 2 kg; 2: 0.3 kg on the ground below it; 3: 0.2 kg upon it, with the outside body 4.
   Bench b({0.01, 2, 0.3, 0.2, 0.2}, 4);
-  b.link(0, 1), b.link(1, 2), b.link(1, 3), b.link(3, 4);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(1, 3);
+  b.link(3, 4);
   b.ground(2);
   const bool at_edge = GENERATE(false, true), under_light = GENERATE(false, true);
   // A sphere's inertia is 0.4 m r^2: 0.11 m aside the 2 kg weigh 0.5 kg, and the cube's ghost 0.2.
@@ -109,7 +130,10 @@ TEST_CASE("The mass of a member at the end of a group does not count where its s
 
 TEST_CASE("Light bodies in series count, whatever holds the last one") {
   Bench b({0.01, 10, 1, 1, 1}, 4);
-  b.link(0, 1), b.link(1, 2), b.link(2, 3), b.link(3, 4);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 3);
+  b.link(3, 4);
   b.ghost(4, 1e3);
   CHECK(b.choose(2) == Slots{1, 2, 3});
 }
@@ -117,7 +141,9 @@ TEST_CASE("Light bodies in series count, whatever holds the last one") {
 TEST_CASE("A joint holds as firmly as the ground") {
   const bool joined = GENERATE(false, true);
   Bench b({0.01, 3, 1, 1}, 3);
-  b.link(0, 1), b.link(1, 2), b.link(2, 3, joined);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 3, joined);
   b.ghost(3, 1);
   CHECK(b.choose(joined ? 1 : 0) == (joined ? Slots{1, 2} : Slots{2}));
 }

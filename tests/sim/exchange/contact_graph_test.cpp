@@ -20,7 +20,10 @@ std::vector<std::uint32_t> hops_by_relaxation(std::uint32_t bodies, const std::v
     changed = false;
     for (const ContactEdge& t : touches)
       for (const auto& [p, q] : {std::pair(t.a, t.b), std::pair(t.b, t.a)})
-        if (hops[p] != ContactGraph::kUnreached && hops[p] + 1 < hops[q]) hops[q] = hops[p] + 1, changed = true;
+        if (hops[p] != ContactGraph::kUnreached && hops[p] + 1 < hops[q]) {
+          hops[q] = hops[p] + 1;
+          changed = true;
+        }
   }
   return hops;
 }
@@ -87,7 +90,10 @@ TEST_CASE("A contact is represented by the mean of its points where the impulses
   const std::vector bodies{physics::make_dynamic_body(0, physics::Shape::sphere(1), 1.0, 0.5, {{10, 0, 0}, {}}),
                            physics::make_dynamic_body(1, physics::Shape::sphere(1), 1.0, 0.5, {{12, 0, 0}, {}})};
   physics::Contact contact;
-  contact.slot_a = 0, contact.slot_b = 1, contact.normal = {1, 0, 0}, contact.count = 2;
+  contact.slot_a = 0;
+  contact.slot_b = 1;
+  contact.normal = {1, 0, 0};
+  contact.count = 2;
   contact.points[0].from_a = {1, 0, 0};
   contact.points[1].from_a = {1, 4, 0};
   CHECK(sim::contact_edge_of(contact, bodies).point == Vec3d{11, 2, 0});

@@ -61,7 +61,11 @@ Slots range(std::uint32_t end) {
 
 TEST_CASE("The paper's reach is half of the two-cycle reach where nothing turns or comes to meet it") {
   ReachSettings s;
-  s.ratio = 8, s.tick_period_s = 1e-3, s.max_speed_m_per_s = 1, s.margin_m = 0, s.max_angular_speed_rad_per_s = 0;
+  s.ratio = 8;
+  s.tick_period_s = 1e-3;
+  s.max_speed_m_per_s = 1;
+  s.margin_m = 0;
+  s.max_angular_speed_rad_per_s = 0;
   CHECK(reach_of_proxy_m(s, 0.1) == Approx(0.016));
   s.max_angular_speed_rad_per_s = 10;
   CHECK(reach_of_proxy_m(s, 0.1) == Approx(0.032));
@@ -73,7 +77,9 @@ TEST_CASE("The paper's reach is half of the two-cycle reach where nothing turns 
 
 TEST_CASE("Bodies that intersect the boundary cube are members, others are not") {
   Bench bench(4);
-  bench.reach.max_speed_m_per_s = 1, bench.reach.max_angular_speed_rad_per_s = 0, bench.reach.margin_m = 0;
+  bench.reach.max_speed_m_per_s = 1;
+  bench.reach.max_angular_speed_rad_per_s = 0;
+  bench.reach.margin_m = 0;
   // Half side 0.1 + 2 x 10 ms x 1 m/s = 0.12; a ball's own radius is 0.1.
   bench.bodies[1].motion.pose.position = {0.2199, 0, 0};
   bench.bodies[2].motion.pose.position = {0, 0.2201, 0};
@@ -125,7 +131,12 @@ TEST_CASE("Best first leaves out what is behind a heavy body, breadth first does
   Bench bench(7);
   bench.options.cap = 5;
   bench.bodies[1].mass = 1000;
-  bench.link(0, 1), bench.link(1, 2), bench.link(2, 3), bench.link(0, 4), bench.link(4, 5), bench.link(5, 6);
+  bench.link(0, 1);
+  bench.link(1, 2);
+  bench.link(2, 3);
+  bench.link(0, 4);
+  bench.link(4, 5);
+  bench.link(5, 6);
   SECTION("best first") { CHECK(bench.choose() == Slots{0, 1, 4, 5, 6}); }
   SECTION("breadth first") {
     bench.options.order = CutOrder::kBreadthFirst;
@@ -150,7 +161,8 @@ TEST_CASE("The proxy is always a member and the cap holds, on any world") {
       for (std::uint32_t a = 0; a < 80; ++a)
         for (std::uint32_t b = a + 1; b < 80; ++b)
           if (uniform(0, 1) < 0.03) bench.link(a, b);
-      twin.bodies = bench.bodies, twin.touches = bench.touches;
+      twin.bodies = bench.bodies;
+      twin.touches = bench.touches;
       const std::uint32_t budget = cycle < 8 ? 256 : 20;
       const Slots members = bench.choose(budget);
       REQUIRE(has(members, 0));
@@ -217,7 +229,10 @@ TEST_CASE("A member gives way to a body of more than twice its influence, and no
   const auto members_with = [](double mass) {
     Bench bench(5);
     bench.options.cap = 4;
-    bench.link(0, 2), bench.link(2, 1), bench.link(0, 4), bench.link(4, 3);
+    bench.link(0, 2);
+    bench.link(2, 1);
+    bench.link(0, 4);
+    bench.link(4, 3);
     bench.bodies[2].mass = 3;  // influence of 1: 1/4
     bench.bodies[4].mass = 100;
     CHECK(bench.choose() == Slots{0, 1, 2, 4});
@@ -231,7 +246,8 @@ TEST_CASE("A member gives way to a body of more than twice its influence, and no
 TEST_CASE("A member that no longer qualifies stays four more cycles while there is room") {
   Bench bench(20);
   bench.options.cap = 10;
-  bench.link(0, 1), bench.link(1, 2);
+  bench.link(0, 1);
+  bench.link(1, 2);
   CHECK(bench.choose() == Slots{0, 1, 2});
   bench.touches.clear();
   for (int cycle = 0; cycle < 4; ++cycle) CHECK(bench.choose() == Slots{0, 1, 2});
@@ -248,7 +264,8 @@ TEST_CASE("A member that no longer qualifies stays four more cycles while there 
 TEST_CASE("One that no longer qualifies gives its place to one that does") {
   Bench bench(20);
   bench.options.cap = 3;
-  bench.link(0, 1), bench.link(1, 2);
+  bench.link(0, 1);
+  bench.link(1, 2);
   CHECK(bench.choose() == Slots{0, 1, 2});
   bench.touches.clear();
   bench.link(0, 7);

@@ -19,7 +19,9 @@ struct Bench {
   StepSettings settings;
 
   explicit Bench(bool on_cube, BodyId proxy) {
-    settings.dt = kStep_s, settings.sub_steps = 8, settings.gravity = {0, 0, -9.81};
+    settings.dt = kStep_s;
+    settings.sub_steps = 8;
+    settings.gravity = {0, 0, -9.81};
     REQUIRE(world.insert(make_fixed_body(50, Shape::plane(), 0.5, {})));
     const auto cube = Shape::box({0.05, 0.05, 0.05});
     if (on_cube) REQUIRE(world.insert(make_dynamic_body(1, cube, 1.0, 0.5, {{0, 0, 0.05}, {}})));

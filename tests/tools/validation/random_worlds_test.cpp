@@ -72,9 +72,10 @@ TEST_CASE("random worlds are what they promise: sizes, masses, frictions, coinci
     for (std::size_t k = 0; k < world.bodies.size(); ++k) {
       const auto& body = world.bodies[k];
       if (body.kind != physics::BodyKind::kDynamic) continue;
-      least_mass = std::min(least_mass, body.mass), most_mass = std::max(most_mass, body.mass);
+      least_mass = std::min(least_mass, body.mass);
+      most_mass = std::max(most_mass, body.mass);
       most_friction = std::max(most_friction, body.friction);
-      smallest = std::min(smallest, 2 * bounding_radius(body.shape)),
+      smallest = std::min(smallest, 2 * bounding_radius(body.shape));
       largest = std::max(largest, 2 * bounding_radius(body.shape));
       coincident += k > 0 && body.motion.pose == world.bodies[k - 1].motion.pose;
     }

@@ -129,8 +129,10 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   }
   const double period_us = 1e6 / point.rate_Hz;
   const std::vector<double> tick_us = minimum_by_step(times.ticks_us), step_us = minimum_by_step(times.steps_us);
-  point.tick_us_p50 = median(tick_us), point.tick_us_p99 = quantile(tick_us, 0.99);
-  point.step_us_p50 = median(step_us), point.step_us_p90 = quantile(step_us, 0.9);
+  point.tick_us_p50 = median(tick_us);
+  point.tick_us_p99 = quantile(tick_us, 0.99);
+  point.step_us_p50 = median(step_us);
+  point.step_us_p90 = quantile(step_us, 0.9);
   point.tick_load = point.tick_us_p99 / period_us;
   point.step_load = point.step_us_p90 / (point.scheme.ratio * period_us);
   return point;
@@ -158,7 +160,8 @@ Bracket find_capacity(unsigned least, unsigned most, const std::function<bool(un
 Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress) {
   settle_on_core();
   CapacityReport report;
-  report.members = request.members, report.runs = request.runs;
+  report.members = request.members;
+  report.runs = request.runs;
   // Each search counts as equal work: most of its time goes into its largest heaps.
   double work = 0, done = 0;
   for (const Scheme& scheme : request.couplings)
@@ -178,7 +181,9 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
               fmt::format("{} at {:g} Hz, ratio {}: {} bodies", sim::name_of(scheme.coupling), rate_Hz, ratio, bodies),
               done);
           CapacityPoint point;
-          point.scheme = scheme, point.rate_Hz = rate_Hz, point.bodies = bodies;
+          point.scheme = scheme;
+          point.rate_Hz = rate_Hz;
+          point.bodies = bodies;
           HeapTimes times;
           while (times.ticks_us.size() < request.runs) {
             const auto timed = time_heap(request, point, times);
@@ -193,7 +198,8 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
         };
         const Bracket bracket = find_capacity(kLeastBodies, request.most_bodies, fits);
         if (!failed.ok()) return failed;
-        row.bodies = bracket.fits, row.too_many = bracket.too_many;
+        row.bodies = bracket.fits;
+        row.too_many = bracket.too_many;
         if (scheme.direct()) direct_bodies = bracket.fits;
         if (direct_bodies > 0) row.quotient = static_cast<double>(row.bodies) / direct_bodies;
         report.rows.push_back(row);

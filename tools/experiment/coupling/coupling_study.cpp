@@ -47,9 +47,13 @@ struct RowSums {
 void append(std::vector<double>& to, const std::vector<double>& from) { to.insert(to.end(), from.begin(), from.end()); }
 
 void RowSums::add(const RowSums& other) {
-  hold.add(other.hold), moving.add(other.moving), energy.add(other.energy);
+  hold.add(other.hold);
+  moving.add(other.moving);
+  energy.add(other.energy);
   worst = std::max(worst, other.worst);
-  append(steps, other.steps), append(vibration, other.vibration), append(encoder_vibration, other.encoder_vibration);
+  append(steps, other.steps);
+  append(vibration, other.vibration);
+  append(encoder_vibration, other.encoder_vibration);
   spectrum.resize(std::max(spectrum.size(), other.spectrum.size()));
   for (std::size_t i = 0; i < other.spectrum.size(); ++i) spectrum[i] += other.spectrum[i];
   spectra += other.spectra;
@@ -259,8 +263,11 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
 Status SceneStudy::judge_poses() {
   scene_.coupling = own_gains_;
   WholeRunRequest whole;
-  whole.scenes = {scene_}, whole.schemes = request_.schemes, whole.members = {options(kDirectScheme).members};
-  whole.seconds = HandTimes::kEnd, whole.order = request_.order;
+  whole.scenes = {scene_};
+  whole.schemes = request_.schemes;
+  whole.members = {options(kDirectScheme).members};
+  whole.seconds = HandTimes::kEnd;
+  whole.order = request_.order;
   const auto rows = run_whole(whole, {});
   if (!rows.ok()) return rows.status();
   for (std::size_t i = 0; i < loops_.size(); ++i) {
@@ -308,7 +315,8 @@ void SceneStudy::add_to(StudyReport& report) const {
     row.speed_squared = sums.energy.speed_squared();
     row.force_error = sums.all().relative();
     row.by_seed = by_seed_[i];
-    row.force_error_hold = sums.hold.relative(), row.force_error_moving = sums.moving.relative();
+    row.force_error_hold = sums.hold.relative();
+    row.force_error_moving = sums.moving.relative();
     row.force_error_worst = sums.worst;
     row.sync_step_N = quantile(sums.steps, 0.95);
     row.hold_vibration_N = median(sums.vibration);

@@ -18,23 +18,31 @@ void EnergyBook::Sums::close() {
 }
 
 void EnergyBook::Sums::add(const Sums& other) {
-  lost += other.lost, won += other.won, all_reference += other.all_reference;
+  lost += other.lost;
+  won += other.won;
+  all_reference += other.all_reference;
 }
 
 void EnergyBook::add(const EnergySample& motion, const EnergySample& reference, double spring_J) {
   spring_J_ += spring_J;
   most_spring_J_ = std::max(most_spring_J_, spring_J);
-  kinetic_.now += motion.kinetic_J, kinetic_.reference += reference.kinetic_J;
-  speed_.now += motion.speed_squared, speed_.reference += reference.speed_squared;
+  kinetic_.now += motion.kinetic_J;
+  kinetic_.reference += reference.kinetic_J;
+  speed_.now += motion.speed_squared;
+  speed_.reference += reference.speed_squared;
   most_lost_J_ = std::max(most_lost_J_, reference.kinetic_J - motion.kinetic_J);
   most_won_J_ = std::max(most_won_J_, motion.kinetic_J - reference.kinetic_J);
   most_reference_J_ = std::max(most_reference_J_, reference.kinetic_J);
 }
 
-void EnergyBook::close_window() { kinetic_.close(), speed_.close(); }
+void EnergyBook::close_window() {
+  kinetic_.close();
+  speed_.close();
+}
 
 void EnergyBook::add(const EnergyBook& other) {
-  kinetic_.add(other.kinetic_), speed_.add(other.speed_);
+  kinetic_.add(other.kinetic_);
+  speed_.add(other.speed_);
   most_lost_J_ = std::max(most_lost_J_, other.most_lost_J_);
   most_won_J_ = std::max(most_won_J_, other.most_won_J_);
   most_reference_J_ = std::max(most_reference_J_, other.most_reference_J_);

@@ -128,7 +128,8 @@ class WholeRun {
       const Twistd& now = worlds.sub_world().proxy().velocity;
       const Vec3d mean = 0.5 * (before.linear + now.linear), turn = 0.5 * (before.angular + now.angular);
       const double work = -(dot(on_device_.force, mean) + dot(on_device_.torque, turn)) / kHapticRate_Hz;
-      work_J += work, work_size_J += std::abs(work);
+      work_J += work;
+      work_size_J += std::abs(work);
       before = now;
     }
     on_device_ = {};
@@ -193,7 +194,8 @@ void compare_poses(const Trace& run, const Trace& direct, WholeRunRow& row) {
     row.drift_m = row.pose_off_m - farthest(run.poses[at], direct.poses[at]);
   }
   const Standing standing = judge_standing(direct.poses.front(), direct.end, run.end);
-  row.standing = standing.standing, row.fallen = static_cast<unsigned>(standing.fell.size());
+  row.standing = standing.standing;
+  row.fallen = static_cast<unsigned>(standing.fell.size());
   row.pose_off_share = standing.most_off_share;
   row.stands = row.fallen == 0 && !run.lost;
 }
@@ -202,9 +204,12 @@ WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct)
   WholeRunRow row;
   compare_force(run, direct, row);
   compare_poses(run, direct, row);
-  row.deepest_m = run.deepest_m, row.direct_deepest_m = direct.deepest_m;
-  row.kinetic_J = run.kinetic_J, row.kinetic_over_work = run.kinetic_over_work;
-  row.energy_gain_J = run.gain_J, row.direct_energy_gain_J = direct.gain_J;
+  row.deepest_m = run.deepest_m;
+  row.direct_deepest_m = direct.deepest_m;
+  row.kinetic_J = run.kinetic_J;
+  row.kinetic_over_work = run.kinetic_over_work;
+  row.energy_gain_J = run.gain_J;
+  row.direct_energy_gain_J = direct.gain_J;
   row.energy_at_play_J = direct.work_J + whole.weight_J();
   row.direct_kinetic_J = direct.kinetic_J;
   row.border_work_J = run.border_work_J;
@@ -245,8 +250,10 @@ WholeRunRow floor_row(const sim::Scene& scene, const DirectRun& own, const hal::
   aside.bodies[aside.proxy].motion.pose.position.x += WholeRunRequest::kApart_m;
   const DirectRun apart(aside, own.gains(), profile, request);
   WholeRunRow row = row_of(own.whole(), apart.trace(), own.trace());
-  row.scene = scene.name, row.scheme = kDirectScheme;
-  row.seconds = request.seconds, row.apart_m = WholeRunRequest::kApart_m;
+  row.scene = scene.name;
+  row.scheme = kDirectScheme;
+  row.seconds = request.seconds;
+  row.apart_m = WholeRunRequest::kApart_m;
   row.members = static_cast<unsigned>(own.trace().end.size());
   row.gains = own.gains();
   return row;
@@ -306,11 +313,15 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
           const auto targets = closed ? std::span<const haptics::DeviceTarget>() : std::span(direct.trace().target);
           Trace run = direct.whole().run(scheme, members, targets);
           WholeRunRow row = row_of(direct.whole(), run, direct.trace());
-          row.scene = scene.name, row.scheme = scheme, row.seconds = request.seconds, row.closed_hand = closed;
+          row.scene = scene.name;
+          row.scheme = scheme;
+          row.seconds = request.seconds;
+          row.closed_hand = closed;
           row.members = members > 0 ? members : scene.members;
           row.gains = gains;
           if (request.keep_bodies) {
-            row.start = direct.trace().poses.front(), row.direct_end = direct.trace().end;
+            row.start = direct.trace().poses.front();
+            row.direct_end = direct.trace().end;
             row.end = std::move(run.end);
           }
           rows.push_back(std::move(row));

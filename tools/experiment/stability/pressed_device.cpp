@@ -55,7 +55,8 @@ hal::DeviceProfile stage_of(const hal::DeviceDescription& description, const Loo
 hal::HandModel pressing_hand() {
   hal::HandParameters hand;
   hand.stiffness_N_per_m = kHand_N_per_m;
-  hand.damping_Ns_per_m = 0, hand.mass_kg = 0;
+  hand.damping_Ns_per_m = 0;
+  hand.mass_kg = 0;
   const Vec3d pressed{0, 0, -kPress_N / kHand_N_per_m}, tapped{0, 0, -(kPress_N + kTap_N) / kHand_N_per_m};
   const hal::HandWaypoint path[] = {
       {kPressFrom_s, {}, {}}, {kPressed_s, pressed, {}}, {kTap_s, pressed, {}}, {kTapped_s, tapped, {}}};
@@ -68,7 +69,8 @@ haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, d
   config.scheme = kDirectScheme.coupling;
   config.proxy = kProxy;
   config.step.dt = 1 / timing.rate_Hz;
-  config.gains.stiffness_N_per_m = stiffness, config.gains.damping_Ns_per_m = damping;
+  config.gains.stiffness_N_per_m = stiffness;
+  config.gains.damping_Ns_per_m = damping;
   config.capacities = {.bodies = 1, .fixed_bodies = 1, .pairs = 4, .contacts = 4};
   const auto wall = physics::make_fixed_body(kWall, physics::Shape::plane(), 0.5, {});
   haptics::SubWorld world(config, {&wall, 1});
