@@ -30,7 +30,7 @@ Quatd rotation_to(const Vec3d& axis) {
 
 void EffectReader::read_joints(TableReader& root) {
   const auto nodes = root.array("joint", kMaxSceneJoints);
-  if (!nodes.empty()) needs(root, "joint", scene_.effects.joints, "joints");
+  if (!nodes.empty()) needs(root, "joint", &Effects::joints);
   unsigned number = 0;
   for (const TomlNode& node : nodes) {
     TableReader t(&node, fmt::format("[joint.{}]", ++number), diagnostics_);

@@ -36,9 +36,9 @@ std::string cube(const std::string& name, const std::string& at, const std::stri
       "[[body]]\nname = \"{}\"\nshape = \"box\"\nsize_m = [0.1, 0.1, 0.1]\nmass_kg = 1\nposition_m = {}\n{}", name, at,
       more);
 }
-template <class Room>
-const typename Room::Setup& setup_of(const physics::EffectSetups& setups) {
-  return std::get<typename Room::Setup>(setups);
+template <class Object>
+const typename Object::Setup& setup_of(const physics::EffectSetups& setups) {
+  return std::get<typename Object::Setup>(setups);
 }
 
 }  // namespace
