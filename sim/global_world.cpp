@@ -168,13 +168,13 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
 }
 
 void GlobalWorld::add_device(const Scene& scene, BodyId id) {
-  const std::int32_t found = islands_.place_of(id);
-  TACTUS_CHECK(found >= 0, id, scene.bodies.size());
-  const auto proxy = static_cast<std::uint32_t>(found);
+  const std::optional<BodyIndex> found = islands_.index_of(id);
+  TACTUS_CHECK(found.has_value(), id, scene.bodies.size());
+  const BodyIndex proxy = *found;
   devices_.push_back({id, proxy,
                       Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
                       islands_.bodies()[proxy].motion.pose});
-  devices_.back().buffer.assign(islands_.bodies().size(), 0);
+  devices_.back().buffer = BodyVector<std::uint8_t>(islands_.bodies().size());
 }
 
 std::uint32_t GlobalWorld::slot_of(const Device& device) const noexcept {
@@ -185,17 +185,16 @@ std::uint32_t GlobalWorld::slot_of(const Device& device) const noexcept {
 
 std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) noexcept {
   member_slots_.clear();
-  for (const std::uint32_t place : islands_.awake())
-    member_slots_.push_back(device.extraction.is_member(place) ? 1 : 0);
+  for (const BodyIndex body : islands_.awake()) member_slots_.push_back(device.extraction.is_member(body) ? 1 : 0);
   return member_slots_;
 }
 
 // By slot: 1 for members of any device's sub-world.
 std::span<const std::uint8_t> GlobalWorld::slots_of_all_members() noexcept {
   member_slots_.clear();
-  for (const std::uint32_t place : islands_.awake())
+  for (const BodyIndex body : islands_.awake())
     member_slots_.push_back(std::any_of(devices_.begin(), devices_.end(),
-                                        [place](const Device& device) { return device.extraction.is_member(place); }));
+                                        [body](const Device& device) { return device.extraction.is_member(body); }));
   return member_slots_;
 }
 
@@ -383,8 +382,8 @@ physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t pas
 void GlobalWorld::note_member_velocities() noexcept {
   velocity_before_.resize(world_.bodies().size());
   for (const Device& device : devices_)
-    for (const std::uint32_t place : device.extraction.members())
-      if (const std::int32_t slot = world_.slot_of(islands_.bodies()[place].id); slot >= 0)
+    for (const BodyIndex body : device.extraction.members())
+      if (const std::int32_t slot = world_.slot_of(islands_.bodies()[body].id); slot >= 0)
         velocity_before_[static_cast<std::size_t>(slot)] =
             world_.bodies()[static_cast<std::size_t>(slot)].motion.velocity;
 }
@@ -407,8 +406,8 @@ std::uint32_t GlobalWorld::passes_of_step() noexcept {
     if (device.has_border && !border_.ghosts) return 1;
   member_slots_.clear();
   if (devices_.size() == 1 && coupling_.imposes_motion)
-    for (const std::uint32_t place : islands_.awake())
-      member_slots_.push_back(devices_[0].extraction.is_member(place) && devices_[0].buffer[place] == 0 ? 1 : 0);
+    for (const BodyIndex body : islands_.awake())
+      member_slots_.push_back(devices_[0].extraction.is_member(body) && devices_[0].buffer[body] == 0 ? 1 : 0);
   return std::gcd(physics::passes_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
 }
 

@@ -103,7 +103,7 @@ class GlobalWorld {
 
   const physics::World& world() const noexcept { return world_; }  // the awake bodies
   // All moving bodies by id, sleeping ones included, as after the last step.
-  std::span<const physics::Body> bodies() const noexcept { return islands_.bodies(); }
+  std::span<const physics::Body> bodies() const noexcept { return islands_.bodies().span(); }
   bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
   const GlobalStatistics& statistics() const noexcept { return statistics_; }
@@ -117,18 +117,18 @@ class GlobalWorld {
   std::uint64_t state_hash() const noexcept { return islands_.state_hash(world_.state_hash()); }
 
  private:
-  // Members are indexed by place (island_manager.h); slots are the world's.
+  // Bodies go by their BodyIndex; slots are the world's.
   struct Device {
-    BodyId id;            // of the proxy
-    std::uint32_t proxy;  // place of the proxy
+    BodyId id;  // of the proxy
+    BodyIndex proxy;
     Extraction extraction;
-    Posed reported_proxy;                // the proxy's pose at t_n in the sub-world
-    Wrenchd held_by{};                   // N, N m: applied to the proxy over the next step
-    Wrenchd held_before{};               // N, N m: mean device wrench of the last cycle
-    haptics::DeviceTarget target{};      // the device's state as the next step begins; target of hold_proxy's spring
-    bool has_border{false};              // its last snapshot has border points
-    double border_work_J{0};             // of outside bodies on its members, in the last step
-    std::vector<std::uint8_t> buffer{};  // by place: 1 if in the buffer of its sub-world (border_buffer.h)
+    Posed reported_proxy;               // the proxy's pose at t_n in the sub-world
+    Wrenchd held_by{};                  // N, N m: applied to the proxy over the next step
+    Wrenchd held_before{};              // N, N m: mean device wrench of the last cycle
+    haptics::DeviceTarget target{};     // the device's state as the next step begins; target of hold_proxy's spring
+    bool has_border{false};             // its last snapshot has border points
+    double border_work_J{0};            // of outside bodies on its members, in the last step
+    BodyVector<std::uint8_t> buffer{};  // 1 if in the buffer of its sub-world (border_buffer.h)
   };
 
   std::uint32_t slot_of(const Device& device) const noexcept;
@@ -186,8 +186,8 @@ class GlobalWorld {
   std::vector<Device> devices_;
   std::vector<ContactEdge> touches_;
   std::vector<physics::Aabb> bounds_;
-  std::vector<std::uint8_t> free_;          // by place: 1 if member of no other device's sub-world
-  std::vector<std::uint8_t> held_;          // by place: 1 if member of a sub-world or kinematic: stays awake
+  BodyVector<std::uint8_t> free_;           // 1 if member of no other device's sub-world
+  BodyVector<std::uint8_t> held_;           // 1 if member of a sub-world or kinematic: stays awake
   std::vector<std::uint8_t> member_slots_;  // by slot: 1 if member of the sub-world in question
   std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the pass
   std::vector<physics::Aabb> regions_;      // by device: region in which nothing falls asleep

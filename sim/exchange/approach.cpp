@@ -37,7 +37,7 @@ Approach::Approach(std::uint32_t max_bodies) {
 }
 
 void Approach::find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
-                    double horizon_s, std::vector<ContactEdge>& touches) noexcept {
+                    std::span<const BodyIndex> awake, double horizon_s, std::vector<ContactEdge>& touches) noexcept {
   const std::span<const Body> bodies = world.bodies();
   members_.clear();
   others_.clear();
@@ -76,7 +76,7 @@ void Approach::find(const physics::World& world, physics::Hulls hulls, std::span
         const double closing = dot(velocity_at(body_a, point) - velocity_at(body_b, point), manifold.normal);
         if (!(manifold.points[i].separation < closing * horizon_s)) continue;
         if (touches.size() == touches.capacity()) return;
-        touches.push_back({a.slot, b.slot, point, manifold.normal, false});
+        touches.push_back({awake[a.slot], awake[b.slot], point, manifold.normal, false});
         break;
       }
     }

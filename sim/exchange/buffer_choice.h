@@ -47,7 +47,7 @@ class BufferChoice {
   // Constraints on members from outside their group, of the last step; all empty before the first one.
   struct Surroundings {
     std::span<const physics::Contact> contacts;     // of the world, with static geometry included
-    std::span<const std::uint32_t> places;          // by the world's slots: indices into `bodies`
+    std::span<const BodyIndex> awake;               // by slot
     std::span<const haptics::OutsideBody> outside;  // ghosts of the next cycle, ascending ids
   };
 
@@ -58,10 +58,10 @@ class BufferChoice {
         at_border_(max_bodies),
         shares_(max_bodies) {}
 
-  // Marks the buffer bodies, by slot, among the chosen members; never the proxy. Returns how many of them are in the
+  // Marks the buffer bodies among the chosen members; never the proxy. Returns how many of them are in the
   // buffer only because their group is uneven.
-  std::uint32_t choose(std::span<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
-                       std::uint32_t proxy, const Surroundings& around, std::span<std::uint8_t> in_buffer) noexcept;
+  std::uint32_t choose(BodySpan<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                       BodyIndex proxy, const Surroundings& around, BodySpan<std::uint8_t> in_buffer) noexcept;
 
  private:
   // Error factors of a sweep for a member, w / (w + W): `linked` against the last member linked to it, `other` the
@@ -75,18 +75,18 @@ class BufferChoice {
 
   // Finds the lightest and heaviest mass of every group; a member at_end does not count for the lightest. True if a
   // group at the border is uneven.
-  bool weigh(std::span<const physics::Body> bodies, const Extraction& extraction,
-             std::span<const std::uint8_t> in_buffer, physics::Islands& groups) noexcept;
-  void find_shares(std::span<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
-                   std::uint32_t proxy, const Surroundings& around) noexcept;
-  bool is_uneven(std::uint32_t group) const noexcept {
+  bool weigh(BodySpan<const physics::Body> bodies, const Extraction& extraction, BodySpan<const std::uint8_t> in_buffer,
+             physics::Islands& groups) noexcept;
+  void find_shares(BodySpan<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                   BodyIndex proxy, const Surroundings& around) noexcept;
+  bool is_uneven(BodyIndex group) const noexcept {
     return at_border_[group] != 0 && heaviest_[group] > kMostUneven * lightest_[group];
   }
 
-  std::vector<std::uint32_t> parent_;        // by slot: union-find parents of the groups
-  std::vector<double> lightest_, heaviest_;  // kg, by a group's lowest slot
-  std::vector<std::uint8_t> at_border_;      // by a group's lowest slot: 1 if a member touches an outside body
-  std::vector<Shares> shares_;               // by slot
+  std::vector<std::uint32_t> parent_;       // by number_of(body): union-find parents of the groups
+  BodyVector<double> lightest_, heaviest_;  // kg, of a group, at its lowest body
+  BodyVector<std::uint8_t> at_border_;      // same: 1 if a member touches an outside body
+  BodyVector<Shares> shares_;
 };
 
 }  // namespace tactus::sim

@@ -13,14 +13,14 @@
 
 namespace tactus::sim {
 
-// The members of a sub-world, by their indices in `bodies`; the proxy is one of them.
-struct Members {
-  std::span<const physics::Body> bodies;
-  std::span<const std::uint32_t> places;
-  std::uint32_t proxy;
+// The members of a sub-world; the proxy is one of them.
+struct SubWorldBodies {
+  BodySpan<const physics::Body> bodies;
+  std::span<const BodyIndex> members;
+  BodyIndex proxy;
 };
 
-void fill_near_triangles(const Members& members, std::span<const physics::Body> fixed_bodies, physics::Meshes meshes,
-                         const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept;
+void fill_near_triangles(const SubWorldBodies& sub_world, std::span<const physics::Body> fixed_bodies,
+                         physics::Meshes meshes, const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept;
 
 }  // namespace tactus::sim

@@ -37,7 +37,8 @@ void StateView::look(const sim::GlobalWorld& world) {
     roles[body.id] = world.is_asleep(body.id) ? Role::kAsleep : Role::kGlobal;
   }
   members.clear();
-  for (const std::uint32_t place : world.extraction().members()) members.push_back(world.bodies()[place].id);
+  for (const sim::BodyIndex member : world.extraction().members())
+    members.push_back(world.bodies()[number_of(member)].id);
   std::ranges::sort(members);
   for (const BodyNumber member : members) roles[member] = Role::kMember;
 }

@@ -2,10 +2,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/body_index.h"
+
 namespace {
 
 using namespace tactus;
 using namespace tactus::sim;
+using tactus::test::operator""_b;
 
 // Body 0 is the proxy. The first `members` bodies are members: no other is free.
 struct Bench {
@@ -21,7 +24,7 @@ struct Bench {
                                                   {{10.0 * double(i), 0, 0}, {}}));
   }
   void link(std::uint32_t a, std::uint32_t b, bool joined = false) {
-    touches.push_back({a, b, {5.0 * (a + b), 0, 0}, {1, 0, 0}, joined});
+    touches.push_back({BodyIndex{a}, BodyIndex{b}, {5.0 * (a + b), 0, 0}, {1, 0, 0}, joined});
   }
   // It presses on static geometry.
   void ground(std::uint32_t slot) {
@@ -46,26 +49,26 @@ struct Bench {
     ContactGraph graph(count, 100);
     ExtractionOptions options;
     options.cap = members;
-    Extraction extraction(options, {}, bodies, 0, 100);
+    const BodySpan<const physics::Body> all(bodies);
+    Extraction extraction(options, {}, all, 0_b, 100);
     graph.build(count, touches);
-    std::vector<std::uint8_t> free(count, 0);
-    std::fill_n(free.begin(), members, std::uint8_t{1});
-    const auto chosen = extraction.choose(bodies, graph, bodies[0].motion.pose, members, free);
+    BodyVector<std::uint8_t> free(count, 0);
+    for (const BodyIndex body : BodyIndices(members)) free[body] = 1;
+    const auto chosen = extraction.choose(all, graph, bodies[0].motion.pose, members, free);
     REQUIRE(chosen.size() == members);
-    for (std::uint32_t i = 0; i < members; ++i) REQUIRE(chosen[i] == i);
+    for (std::uint32_t i = 0; i < members; ++i) REQUIRE(chosen[i] == BodyIndex{i});
     BufferChoice choice(count);
-    std::vector<std::uint8_t> flags(count, 1);
-    std::vector<std::uint32_t> places;
-    for (std::uint32_t i = 0; i < count; ++i) places.push_back(i);
-    CHECK(choice.choose(bodies, extraction, graph, 0, {contacts, places, outside}, flags) == added);
+    BodyVector<std::uint8_t> flags(count, 1);
+    const auto awake = test::all_awake(count);
+    CHECK(choice.choose(all, extraction, graph, 0_b, {contacts, awake, outside}, flags) == added);
     std::vector<std::uint32_t> result;
-    for (std::uint32_t i = 0; i < count; ++i)
-      if (flags[i] != 0) result.push_back(i);
+    for (const BodyIndex body : flags.indices())
+      if (flags[body] != 0) result.push_back(number_of(body));
     return result;
   }
 };
 
-using Slots = std::vector<std::uint32_t>;
+using Chosen = std::vector<std::uint32_t>;  // numbers of bodies
 
 }  // namespace
 
@@ -76,7 +79,7 @@ TEST_CASE("The buffer is who touches an outside body where masses are even, and 
   b.link(2, 3);
   b.link(3, 4);
   b.link(0, 4);
-  CHECK(b.choose(0) == Slots{3});
+  CHECK(b.choose(0) == Chosen{3});
 }
 
 TEST_CASE("A group at the border whose masses are uneven is the buffer as a whole") {
@@ -87,7 +90,7 @@ TEST_CASE("A group at the border whose masses are uneven is the buffer as a whol
   b.link(1, 2, joined);
   b.link(2, 3, joined);
   b.link(3, 4);
-  CHECK(b.choose(2) == Slots{1, 2, 3});
+  CHECK(b.choose(2) == Chosen{1, 2, 3});
 }
 
 TEST_CASE("A group that touches nothing outside stays the sub-world's, however uneven") {
@@ -97,7 +100,7 @@ TEST_CASE("A group that touches nothing outside stays the sub-world's, however u
   b.link(0, 3);
   b.link(3, 4);
   b.link(4, 5);
-  CHECK(b.choose(0) == Slots{4});
+  CHECK(b.choose(0) == Chosen{4});
 }
 
 TEST_CASE("The proxy links no groups: it touches each of them, and is lighter than any") {
@@ -108,7 +111,7 @@ TEST_CASE("The proxy links no groups: it touches each of them, and is lighter th
   b.link(0, 3);
   b.link(3, 4);
   b.link(4, 6);  // even
-  CHECK(b.choose(1) == Slots{1, 2, 4});
+  CHECK(b.choose(1) == Chosen{1, 2, 4});
 }
 
 TEST_CASE("The mass of a member at the end of a group does not count where its sweep converges") {
@@ -125,7 +128,7 @@ TEST_CASE("The mass of a member at the end of a group does not count where its s
   b.ghost(4, under_light ? 1 / 0.2 : 0);
   for (std::uint32_t k = 2; at_edge && k <= 3; ++k) b.bodies[k].motion.pose.position.y = 0.11;
   const bool even = at_edge && under_light;
-  CHECK(b.choose(even ? 0 : 2) == (even ? Slots{3} : Slots{1, 2, 3}));
+  CHECK(b.choose(even ? 0 : 2) == (even ? Chosen{3} : Chosen{1, 2, 3}));
 }
 
 TEST_CASE("Light bodies in series count, whatever holds the last one") {
@@ -135,7 +138,7 @@ TEST_CASE("Light bodies in series count, whatever holds the last one") {
   b.link(2, 3);
   b.link(3, 4);
   b.ghost(4, 1e3);
-  CHECK(b.choose(2) == Slots{1, 2, 3});
+  CHECK(b.choose(2) == Chosen{1, 2, 3});
 }
 
 TEST_CASE("A joint holds as firmly as the ground") {
@@ -145,5 +148,5 @@ TEST_CASE("A joint holds as firmly as the ground") {
   b.link(1, 2);
   b.link(2, 3, joined);
   b.ghost(3, 1);
-  CHECK(b.choose(joined ? 1 : 0) == (joined ? Slots{1, 2} : Slots{2}));
+  CHECK(b.choose(joined ? 1 : 0) == (joined ? Chosen{1, 2} : Chosen{2}));
 }
