@@ -25,7 +25,7 @@ constexpr float kMaxPlausible = 1e6f;
 bool is_limit(float x) noexcept { return is_finite(x) && x >= 0.0f && x <= kMaxPlausible; }
 // N or N m: smaller efforts are set to zero, before and after each scaling. Their squares would underflow: they would
 // pass any norm limit, and would not count as part of the base.
-constexpr float kLeastEffort = 1e-15f;
+constexpr float kMinEffort = 1e-15f;
 
 float magnitude(float x) noexcept { return x < 0.0f ? -x : x; }
 void count_up(std::uint32_t& counter) noexcept { counter += counter != kSaturated ? 1u : 0u; }
@@ -248,7 +248,7 @@ AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValue
     }
     for (unsigned i = first; i < first + 3; ++i) {
       sum[i] = base[i] + extra[i] * scale;
-      if (magnitude(sum[i]) < kLeastEffort) sum[i] = 0.0f;
+      if (magnitude(sum[i]) < kMinEffort) sum[i] = 0.0f;
       norm_squared += sum[i] * sum[i];
     }
     if (norm_squared > max_norm * max_norm) {
@@ -260,7 +260,7 @@ AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValue
     for (unsigned i = first; i < first + 3; ++i) {
       const float limit = max_effort[i];
       sum[i] = sum[i] > limit ? limit : (sum[i] < -limit ? -limit : sum[i]);
-      if (magnitude(sum[i]) < kLeastEffort) sum[i] = 0.0f;
+      if (magnitude(sum[i]) < kMinEffort) sum[i] = 0.0f;
     }
   }
   return sum;

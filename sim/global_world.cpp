@@ -25,14 +25,14 @@ constexpr unsigned kPredictionSteps = 5;
 // it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 % at 16.
 constexpr double kWrenchExtrapolation = 0.9;
 // With more bodies awake, a step is taken in one pass.
-constexpr std::size_t kMostInPasses = 500;
+constexpr std::size_t kMaxInPasses = 500;
 
 // A packed cube has 26 neighbours, 13 pairs to each body, and touches 6, 3 contacts to each body: room for 1.2 and 2.7
 // times that.
 constexpr std::uint32_t kPairsPerBody = 16;
 constexpr std::uint32_t kContactsPerBody = 8;
-constexpr std::uint32_t kFewestPairs = 256;
-constexpr std::uint32_t kFewestContacts = 256;
+constexpr std::uint32_t kMinPairs = 256;
+constexpr std::uint32_t kMinContacts = 256;
 // On a mesh: patches near a body, and triangles near a body.
 constexpr std::uint32_t kPatchesPerBody = 16;
 constexpr std::uint32_t kTrianglesPerBody = 64;
@@ -45,8 +45,8 @@ std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
 physics::Capacities capacities_for(const Scene& scene) noexcept {
   const std::uint32_t bodies = count_bodies(scene, BodyKind::kDynamic);
   physics::Capacities capacities{bodies, count_bodies(scene, BodyKind::kFixed),
-                                 std::max(kFewestPairs, kPairsPerBody * bodies),
-                                 std::max(kFewestContacts, kContactsPerBody * bodies), 0};
+                                 std::max(kMinPairs, kPairsPerBody * bodies),
+                                 std::max(kMinContacts, kContactsPerBody * bodies), 0};
   if (scene.meshes.empty()) return capacities;
   capacities.pairs += kPatchesPerBody * bodies;
   capacities.mesh_triangles = kTrianglesPerBody * bodies + physics::kMaxBodyTriangles;
@@ -401,7 +401,7 @@ void GlobalWorld::add_border_work() noexcept {
 // last pass), and one for a large world, since every further pass costs as much again. The speed of inner members does
 // not count: the sub-world moves them.
 std::uint32_t GlobalWorld::passes_of_step() noexcept {
-  if (islands_.awake().size() > kMostInPasses) return 1;
+  if (islands_.awake().size() > kMaxInPasses) return 1;
   for (const Device& device : devices_)
     if (device.has_border && !border_.ghosts) return 1;
   member_slots_.clear();

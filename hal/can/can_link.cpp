@@ -142,7 +142,7 @@ ReceivedFrame CanLink::receive(std::span<std::byte, firmware::kMaxFrameSize> buf
   if (newest.size > 0 || options_.wait == nanoseconds::zero() || !connected_) return newest;
   // A state's fragments arrive one by one, so one wake may not be enough; the deadline applies to all of them together.
   const std::int64_t deadline = MonotonicClock::now_ns() + options_.wait.count();
-  for (unsigned wake = 0; wake < kMostWakes && newest.size == 0 && connected_; ++wake) {
+  for (unsigned wake = 0; wake < kMaxWakes && newest.size == 0 && connected_; ++wake) {
     const std::int64_t left = deadline - MonotonicClock::now_ns();
     if (left <= 0 || !socket().wait(nanoseconds(left))) break;
     drain(buffer, newest);
@@ -152,7 +152,7 @@ ReceivedFrame CanLink::receive(std::span<std::byte, firmware::kMaxFrameSize> buf
 
 void CanLink::drain(std::span<std::byte, firmware::kMaxFrameSize> buffer, ReceivedFrame& newest) noexcept {
   const std::uint32_t lost_before = socket().lost();
-  for (unsigned batch = 0; batch < kMostFrames / CanSocket::kBatch; ++batch) {
+  for (unsigned batch = 0; batch < kMaxFrames / CanSocket::kBatch; ++batch) {
     int error = 0;
     const unsigned count = socket().receive(error);
     if (error != 0) note_failure(error);

@@ -31,12 +31,12 @@ FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept {
 
 // Beyond this angle per sub-step the iteration below need not converge.
 template <class T>
-inline constexpr T kMostTurnSquared = T(0.25);  // rad^2
+inline constexpr T kMaxTurnSquared = T(0.25);  // rad^2
 
 template <class T>
 FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& angular_velocity, const Vec3<T>& inertia,
                               T h) noexcept {
-  if (!(h * h * norm_squared(angular_velocity) < kMostTurnSquared<T>)) return rotate_steadily(angular_velocity, h);
+  if (!(h * h * norm_squared(angular_velocity) < kMaxTurnSquared<T>)) return rotate_steadily(angular_velocity, h);
   const Vec3<T> w0 = rotate_inverse(world_from_body, angular_velocity);
   const Vec3<T> gain{h / inertia.x, h / inertia.y, h / inertia.z};
   Vec3<T> w1 = w0, mid = w0;

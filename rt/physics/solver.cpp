@@ -6,11 +6,11 @@ namespace tactus::physics {
 namespace {
 
 // Moving a body takes about 10 ns, handing work to another thread about 1 us.
-constexpr std::uint32_t kFewestBodies = 128;
+constexpr std::uint32_t kMinBodies = 128;
 
 template <class F>
 void for_each_body(const Executor& executor, std::size_t bodies, F&& f) noexcept {
-  executor.for_each_range(static_cast<std::uint32_t>(bodies), kFewestBodies,
+  executor.for_each_range(static_cast<std::uint32_t>(bodies), kMinBodies,
                           [&](std::uint32_t i, std::uint32_t end) noexcept {
                             for (; i < end; ++i) f(i);
                           });
@@ -190,7 +190,7 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
       warm_start_without_gain(input, context);
     }
     for (auto& spring : springs_) spring.save_angular_velocity();
-    input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
+    input.executor.for_each_range(motion_.size(), kMinBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies(motion_.span().subspan(begin, end - begin),
                   std::span<const Body>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });

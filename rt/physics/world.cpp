@@ -6,7 +6,7 @@ namespace tactus::physics {
 namespace {
 
 // Computing a body's bounds takes about 50 ns, handing work to another thread about 1 us.
-constexpr std::uint32_t kFewestBodies = 64;
+constexpr std::uint32_t kMinBodies = 64;
 
 std::uint32_t lower_slot(const BoundedVector<Body>& bodies, BodyId id) noexcept {
   const auto* at = std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId i) { return b.id < i; });
@@ -192,7 +192,7 @@ void World::begin_step(const StepSettings& settings) noexcept {
     frames_[i] = BodyFrame::of(body.motion.pose);
     bounds_[i] = bounds_of(body.shape, body.motion.pose, growth_of(motion_bounds_[i], fall, settings));
   };
-  executor_.for_each_range(count, kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+  executor_.for_each_range(count, kMinBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
     for (; i < end; ++i) measure(i);
   });
 }

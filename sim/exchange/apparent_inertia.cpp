@@ -235,7 +235,7 @@ ApparentInertia::ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_con
     : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
   joints_.reserve(max_joints);
   immovable_.reserve(max_bodies);
-  reached_.reserve(kMostBodies);
+  reached_.reserve(kMaxBodies);
 }
 
 // Unbroken joints whose bodies are both awake; A may be the world.
@@ -362,7 +362,7 @@ void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> 
         if (other != kNone)
           add(reached_[head].momentum,
               product(constraint_stiffness, at_point(off_mean(other), bodies_[other].motion.pose.position - centre)));
-      } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
+      } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMaxBodies &&
                  (link >= contacts_.size() || contacts_[link].touching())) {
         reach(other, head, link, centre);
       }

@@ -26,11 +26,11 @@
 // attached by the shortest; its contacts with static geometry count in any case. A contact constrains motion along its
 // normal, and in the tangent plane too if it sticks. A joint constrains the directions of its kind, and its coordinate
 // at a limit or with a motor that is not overcome, as stiffly as a contact. A kinematic body has infinite inertia.
-// Bodies beyond kMostBodies are left out: W is then too large, never too small. Twice as many change the force error of
+// Bodies beyond kMaxBodies are left out: W is then too large, never too small. Twice as many change the force error of
 // `experiment energy-loss` by 0.1 % of the force (2026-11-22).
 //
 // Thread: the global world's; construction [setup]; allocates nothing. Frame: world. Units: SI. Work: index linear in
-// contacts, find in kMostBodies. Source: the study of borders (Schur complement of the outside contact system);
+// contacts, find in kMaxBodies. Source: the study of borders (Schur complement of the outside contact system);
 // implicit integration of stiff contacts, Baraff and Witkin 1998; articulated-body inertia, Featherstone.
 #pragma once
 
@@ -54,7 +54,7 @@ struct OutsideAnswer {
 
 class ApparentInertia {
  public:
-  static constexpr std::uint32_t kMostBodies = 16;
+  static constexpr std::uint32_t kMaxBodies = 16;
 
   ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 

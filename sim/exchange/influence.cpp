@@ -116,7 +116,7 @@ void Influence::expand(const Label& label, const ContactGraph& graph, BodySpan<c
     const double coupled =
         std::abs(in.inverse_mass * dot(in.normal, out.normal) + dot(in.lever_arm, out.inertia_lever));
     const double scale = std::sqrt(in_inverse_mass * inverse_mass_[link.touch]);
-    push(label.value * std::clamp(scale > 0 ? coupled / scale : 0.0, kLeastTau, 1.0), link.body, link.touch, to);
+    push(label.value * std::clamp(scale > 0 ? coupled / scale : 0.0, kMinTau, 1.0), link.body, link.touch, to);
   }
 }
 

@@ -3,7 +3,7 @@
 // Two contacts c, c' of one body a are coupled by tau = |J_c M_a^-1 J_c'^T| / sqrt(A_cc A_c'c'), A_cc: the inverse
 // effective mass of contact c between its two bodies. tau is 1 where an impulse at one contact moves the other fully, 0
 // where they are decoupled. A heavy body has a small tau, so the search ends there. The influence of a body is the
-// largest product of tau over all paths from the proxy; a contact with the proxy has 1. tau is at least kLeastTau,
+// largest product of tau over all paths from the proxy; a contact with the proxy has 1. tau is at least kMinTau,
 // since friction couples contacts whose normals do not. Found by label setting over contacts (Dijkstra), largest first.
 // Thread: the global world's. Units: SI. Frame: world. Work: linear in the contacts visited, times contacts per body;
 // it stops when no remaining body can be among the best. Allocates nothing once its heap has grown.
@@ -23,7 +23,7 @@ struct Influenced {
 
 class Influence {
  public:
-  static constexpr double kLeastTau = 0.01;
+  static constexpr double kMinTau = 0.01;
   static constexpr double kNearDiscount = 0.5;  // influence of a body near the proxy without a contact
 
   Influence(std::uint32_t max_bodies, std::uint32_t max_touches);

@@ -151,7 +151,7 @@ void search(const std::vector<Piece>& pieces, const Surface& surface, double tol
     if (piece.most_m > gap.gap_m + tolerance_m) open.push(piece);
   };
   for (const Piece& piece : pieces) take(piece);
-  for (unsigned i = 0; i < kMostGapPieces && !open.empty(); ++i) {
+  for (unsigned i = 0; i < kMaxGapPieces && !open.empty(); ++i) {
     const Piece piece = open.top();
     open.pop();
     if (piece.most_m <= gap.gap_m + tolerance_m) return;  // the queue's largest bound

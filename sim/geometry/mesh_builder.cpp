@@ -15,7 +15,7 @@ using physics::kNoTriangle;
 using physics::MeshTriangle;
 
 // A triangle whose height over its longest edge is below this has no area: 1 nm, or a billionth of that edge.
-constexpr double kLeastHeight_m = 1e-9, kLeastHeightShare = 1e-9;
+constexpr double kMinHeight_m = 1e-9, kMinHeightShare = 1e-9;
 // A fold of less than 1 mrad is flat: a body that slides over it at 0.1 m/s is lifted at 0.1 mm/s.
 constexpr double kFlatSine = 1e-3;
 // Max. distance of a patch from the plane of its largest triangle: the solver's slop, which is not corrected anyway.
@@ -49,7 +49,7 @@ void take_triangles(const TriangleSoup& soup, const Vec3d& middle, MeshParts& me
     t.corner = given;
     const Vec3d area = area_vector(mesh, t);
     const double longest = longest_edge(mesh, t);
-    if (!(norm(area) > std::max(kLeastHeight_m, kLeastHeightShare * longest) * longest)) {
+    if (!(norm(area) > std::max(kMinHeight_m, kMinHeightShare * longest) * longest)) {
       ++account.without_area;
       continue;
     }

@@ -23,7 +23,7 @@ using physics::Body;
 using physics::BodyKind;
 using physics::ShapeKind;
 
-constexpr double kMostOverlapAtStart_m = 1e-4;
+constexpr double kMaxOverlapAtStart_m = 1e-4;
 constexpr double kTwoPi = 6.28318530717958647692;
 
 BodyCounts count_bodies(const Scene& scene) {
@@ -207,10 +207,10 @@ void find_problems(const Scene& scene, bool device_rotates, SceneReport& report)
     axis("translation", report.coupling.translation, "N/m", "stiffness_N_per_m", "damping_Ns_per_m");
     axis("rotation", report.coupling.rotation, "N m/rad", "stiffness_Nm_per_rad", "damping_Nms_per_rad");
   }
-  if (report.start.deepest_m > kMostOverlapAtStart_m)
+  if (report.start.deepest_m > kMaxOverlapAtStart_m)
     problem(fmt::format("{} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
                         body_label(scene, report.start.deepest_a), body_label(scene, report.start.deepest_b),
-                        report.start.deepest_m, kMostOverlapAtStart_m));
+                        report.start.deepest_m, kMaxOverlapAtStart_m));
   const HandReport& hand = report.hand;
   if (hand.farthest_m > hand.workspace_radius_m)
     problem(

@@ -131,7 +131,7 @@ TEST_CASE(
   CHECK(haptics::interpolation_stiffness_limit(device(), {0.1, 0, 10}, 5) == 0);
   CHECK(haptics::interpolation_stiffness_limit(device(), {0.1, 10, 10}, 1e4) == 0);
   AxisLimits late = device();
-  late.delay_s = 2 * haptics::kMostDelayTicks * kTick_s;
+  late.delay_s = 2 * haptics::kMaxDelayTicks * kTick_s;
   const double limit = haptics::interpolation_stiffness_limit(late, {0.1, 10, 10}, 1);
   CHECK(limit >= 0);
   CHECK(limit <= haptics::uncoupled_stiffness_limit(late, 1));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kPeriod_ns = 1'000'000;
 // Of a motor's limit, in a period: 0.2 s from nothing to all, and what the hand does meanwhile.
-constexpr double kMostRise = 0.01;
+constexpr double kMaxRise = 0.01;
 constexpr int kPatience = 40, kBack = 350;  // ticks from a reset to the re-arm, and from there until all force is back
 
 enum class Wire { kUsb, kUsbLate, kClassicCan };
@@ -147,7 +147,7 @@ struct ResetRun {
   }
   Fault fault() const { return run_output().fault; }
   const loop::TickOutput& run_output() const { return session->driver->output(); }
-  bool presses() const { return largest > 2 * kMostRise; }
+  bool presses() const { return largest > 2 * kMaxRise; }
 };
 
 }  // namespace
@@ -173,7 +173,7 @@ TEST_CASE("a device that is reset at any tick of a run gives its force back with
     r.ticks(kBack - 40 * reset, loop::kRearm);
     REQUIRE(r.fault() == Fault::kNone);
     CHECK(r.presses());
-    CHECK(r.rise <= kMostRise);
+    CHECK(r.rise <= kMaxRise);
   }
 }
 
@@ -189,6 +189,6 @@ TEST_CASE("a device that is reset while a run begins gives no step either") {
     CAPTURE(static_cast<int>(wire), at);
     CHECK(r.fault() == Fault::kNone);
     CHECK(r.presses());
-    CHECK(r.rise <= kMostRise);
+    CHECK(r.rise <= kMaxRise);
   }
 }

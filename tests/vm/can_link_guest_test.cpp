@@ -334,7 +334,7 @@ TEST_CASE("a babbling node costs a bounded number of frames a look, each one cou
     }
     const std::uint64_t before = host.link->counters().malformed;
     (void)host.receives();
-    CHECK(host.link->counters().malformed - before <= CanLink::kMostFrames + CanSocket::kBatch * CanLink::kMostWakes);
+    CHECK(host.link->counters().malformed - before <= CanLink::kMaxFrames + CanSocket::kBatch * CanLink::kMaxWakes);
   }
   REQUIRE(soon([&] {
     board.period();
@@ -365,7 +365,7 @@ TEST_CASE("a queue that ran over is empty after one look, its losses are counted
   for (int i = 0; i < 300; ++i) board.period();
   std::this_thread::sleep_for(500ms);
   REQUIRE(host.receives());
-  CHECK(host.link->counters().received <= CanLink::kMostFrames / 3);
+  CHECK(host.link->counters().received <= CanLink::kMaxFrames / 3);
   CHECK_FALSE(host.receives());
   for (int i = 0; i < 12; ++i) {
     board.period();

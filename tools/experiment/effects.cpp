@@ -20,7 +20,7 @@ namespace tactus::experiment {
 namespace {
 
 constexpr unsigned kSettleTicks = 200, kCountedTicks = 20;
-constexpr double kTick_s = 1e-3, kMostDifference = 1e-3;
+constexpr double kTick_s = 1e-3, kMaxDifference = 1e-3;
 constexpr std::uint32_t kTimedMost = 1000, kTimedTicks = 60;  // bodies; ticks with and without each effect
 constexpr std::uint32_t kTimedParts = 6;
 
@@ -99,7 +99,7 @@ constexpr const char* kProxy =
 }  // namespace
 
 bool EffectRow::good() const noexcept {
-  return std::abs(instructions[1] - instructions[0]) <= kMostDifference * instructions[0];
+  return std::abs(instructions[1] - instructions[0]) <= kMaxDifference * instructions[0];
 }
 
 std::vector<std::string> effect_names() {

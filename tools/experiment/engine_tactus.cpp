@@ -20,7 +20,7 @@ constexpr std::uint32_t kPairsPerBody = 16, kContactsPerBody = 8;  // as in the 
 // With mixed sizes, a large body may have hundreds of small neighbours.
 constexpr std::uint32_t kPairsPerMixedBody = 48, kContactsPerMixedBody = 16;
 constexpr double kLongStep_s = 5e-3;
-constexpr double kMostHertz = 250,
+constexpr double kMaxHertz = 250,
                  kHertzPerSubStep = 0.125;  // an octave below the accuracy limit: a heap comes to rest soon
 
 bool is_mixed(const BoxScene& scene) {
@@ -48,7 +48,7 @@ physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {
   physics::StepSettings settings;
   settings.dt = scene.step_s;
   settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 10 : 4;
-  settings.contact_hertz = std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s);
+  settings.contact_hertz = std::min(kMaxHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s);
   settings.gravity = {0.0, 0.0, -scene.gravity_m_per_s2};
   return settings;
 }

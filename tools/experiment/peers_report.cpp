@@ -44,7 +44,7 @@ std::string peers_table(const std::vector<PeersRow>& rows) {
              "/bullet, /best: to the median of Bullet at its\ndefaults, of the fastest peer that passes; - where one "
              "of the two fails a gate: overlap at most {:.0f} % of a body,\n{:.0f} % in the mean, nothing outside the "
              "box, stirred bodies travel {:.0f} % of the rods' path.\n\n",
-             kPercent * kMostOverlapShare, kPercent * kMostMeanOverlapShare, kPercent * kLeastTravelShare) +
+             kPercent * kMaxOverlapShare, kPercent * kMaxMeanOverlapShare, kPercent * kMinTravelShare) +
          notes;
 }
 

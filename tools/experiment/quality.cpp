@@ -82,15 +82,15 @@ std::string missed_gate(const Quality& quality) {
   if (!quality.complete) return "a pose is not finite, or more bodies meet than can be judged";
   if (quality.escaped > 0)
     return fmt::format("bodies that went through the floor or a wall or flew off: {}", quality.escaped);
-  if (!(quality.overlap_max_share <= kMostOverlapShare))
+  if (!(quality.overlap_max_share <= kMaxOverlapShare))
     return fmt::format("the deepest overlap is {:.0f} % of a body's thickness, {:.0f} % at most",
-                       100 * quality.overlap_max_share, 100 * kMostOverlapShare);
-  if (!(quality.overlap_mean_share <= kMostMeanOverlapShare))
+                       100 * quality.overlap_max_share, 100 * kMaxOverlapShare);
+  if (!(quality.overlap_mean_share <= kMaxMeanOverlapShare))
     return fmt::format("the mean overlap is {:.1f} % of a body's thickness, {:.0f} % at most",
-                       100 * quality.overlap_mean_share, 100 * kMostMeanOverlapShare);
-  if (quality.travel_m < kLeastTravelShare * quality.rod_travel_m)
+                       100 * quality.overlap_mean_share, 100 * kMaxMeanOverlapShare);
+  if (quality.travel_m < kMinTravelShare * quality.rod_travel_m)
     return fmt::format("what is stirred travels {:.3g} m while the rods travel {:.3g} m, {:.0f} % at least",
-                       quality.travel_m, quality.rod_travel_m, 100 * kLeastTravelShare);
+                       quality.travel_m, quality.rod_travel_m, 100 * kMinTravelShare);
   return {};
 }
 

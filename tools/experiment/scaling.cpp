@@ -101,8 +101,8 @@ std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores) {
     cases.push_back({"stirred", {.cubes = cubes, .step_s = 1e-2, .stirred = true}});
   }
   // Last, because they depend on the cores: the counted program runs on one core and identifies a case by its index.
-  constexpr std::size_t kMostThreads = 8;
-  for (std::uint32_t threads = 1; threads <= std::min(cores, kMostThreads); ++threads)
+  constexpr std::size_t kMaxThreads = 8;
+  for (std::uint32_t threads = 1; threads <= std::min(cores, kMaxThreads); ++threads)
     cases.push_back({.sweep = "threads", .pile = {.cubes = quick ? 1000u : 4000u, .step_s = 1e-2}, .threads = threads});
   for (ScalingCase& one : cases) {
     if (one.pile.cubes > 4000) one.timed_steps = 30;

@@ -18,7 +18,7 @@ namespace tactus::session {
 namespace {
 
 // Maximum number of refused re-arms listed in a summary.
-constexpr std::size_t kMostRefusals = 16;
+constexpr std::size_t kMaxRefusals = 16;
 
 int last_allowed_cpu() {
   cpu_set_t set;
@@ -80,7 +80,7 @@ void attend(const loop::PeriodicThread<RealtimeTick>& thread, const SharedWithRu
     if (const Status status = shared.gate.look(); !status.ok()) {
       const bool repeated = !refusals.empty() && refusals.back() == status.message();
       if (hooks.say && !repeated) hooks.say("not armed: " + status.message());
-      if (!repeated && refusals.size() < kMostRefusals) refusals.push_back(status.message());
+      if (!repeated && refusals.size() < kMaxRefusals) refusals.push_back(status.message());
     }
     if (hooks.show && !hooks.show(shared.live, elapsed.count())) return;
   }

@@ -227,7 +227,7 @@ std::string uneven_text(const RunSummary& s) {
   return fmt::format(
       "border at uneven masses\n  up to {} members in {} cycles were left to the global world: masses linked to them "
       "differ by more than {:g}\n",
-      s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMostUneven);
+      s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMaxUneven);
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ using experiment::ReferenceRun;
 constexpr double kFirstWindow_s = 0.3, kWindowEvery_s = 0.25;
 // Estimated work for the progress display, in trials: the reference, a real-time run, and the number of trials.
 constexpr double kReferenceWork = 6, kRealWork = 4, kTrials = 22;
-constexpr int kMostStepsBack = 3;
-constexpr double kMostCoreFactor = 4;
+constexpr int kMaxStepsBack = 3;
+constexpr double kMaxCoreFactor = 4;
 
 // Pins this thread to its current core for the object's lifetime; the destructor restores all cores, which a real-time
 // run needs.
@@ -155,7 +155,7 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
 // If a setting fails in the real-time run, takes the most accurate step back in the part that failed: the time of the
 // global world or of the tick.
 Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Bench& bench) {
-  const bool world_is_late = real.late_share > kMostMissed;
+  const bool world_is_late = real.late_share > kMaxMissed;
   std::vector<Trial> tried;
   for (const Notch& notch : notches_down(from.setting, limits))
     if ((notch.factor == "ratio") == world_is_late) tried.push_back(bench.measure(notch.setting));
@@ -196,7 +196,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
                                      request.scene.name, request.quick ? 3 : 6));
   report.windows = static_cast<unsigned>(bench.windows());
   const double in_a_row_us = bench.measure(written).tick_us_p99;
-  bench.core_factor = std::clamp(real_written.value().tick_us_p99 / std::max(1e-3, in_a_row_us), 1.0, kMostCoreFactor);
+  bench.core_factor = std::clamp(real_written.value().tick_us_p99 / std::max(1e-3, in_a_row_us), 1.0, kMaxCoreFactor);
   report.core_factor = bench.core_factor;
   const Measure measure = [&](const Setting& setting) {
     pace.say(fmt::format("{} sub-steps, {} relax sweeps, {} members, ratio {}", setting.sub_steps, setting.relax_sweeps,
@@ -210,12 +210,12 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
   report.fits = found.fits;
   pinned.reset();
 
-  for (int back = 0; back <= kMostStepsBack && !stop.load(std::memory_order_relaxed); ++back) {
+  for (int back = 0; back <= kMaxStepsBack && !stop.load(std::memory_order_relaxed); ++back) {
     pace.say("the choice, in real time", kReferenceWork + kTrials + kRealWork);
     const auto real = run_for_real(request, report.chosen.setting, stop);
     if (!real.ok()) return real.status();
     report.real = real.value();
-    if (report.real.holds() || back == kMostStepsBack) break;
+    if (report.real.holds() || back == kMaxStepsBack) break;
     report.chosen = step_back(report.chosen, report.real, report.limits, bench);
   }
   pinned.emplace();

@@ -13,7 +13,7 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kMostGain = 1e-3;  // of the largest energy in play
+constexpr double kMaxGain = 1e-3;  // of the largest energy in play
 
 double inverse_mass_at(const physics::Body& body, const Vec3d& arm, const Vec3d& n) {
   const Vec3d turned = rotate_inverse(body.motion.pose.rotation, cross(arm, n));
@@ -146,7 +146,7 @@ void CaseWorld::close(Outcome& outcome) const {
   outcome.hash = world.state_hash();
   outcome.gate("finite", finite_);
   outcome.gate(fmt::format("energy: {:.2g} J from nowhere, of {:.2g} J", gain_J_, largest_J_),
-               !energy_is_booked || gain_J_ <= kMostGain * largest_J_);
+               !energy_is_booked || gain_J_ <= kMaxGain * largest_J_);
   outcome.gate("no allocation", allocations_ == 0);
   outcome.gate("nothing left out", lost_ == 0);
 }

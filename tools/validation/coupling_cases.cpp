@@ -17,7 +17,7 @@ namespace tactus::hard_cases {
 namespace {
 
 constexpr BodyId kGround = 1000;
-constexpr unsigned kMostDelayTicks = 2;
+constexpr unsigned kMaxDelayTicks = 2;
 
 void couple(CaseWorld& world, BodyId proxy, double stiffness, double damping) {
   auto& spring = world.world.device_spring();
@@ -175,8 +175,8 @@ DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, bool contro
   gains.damping_Ns_per_m = loop.damping_Ns_per_m;
   haptics::Passivity passivity{haptics::Passivity::Config::of(device, gains, T), {}};
   double x = 0, v = 0.1, last = 0, work = 0;
-  std::array<Vec3d, kMostDelayTicks + 1> sent{};  // newest first
-  world.energy_is_booked = false;                 // the device's motion is prescribed and does not match its velocity
+  std::array<Vec3d, kMaxDelayTicks + 1> sent{};  // newest first
+  world.energy_is_booked = false;                // the device's motion is prescribed and does not match its velocity
   DeviceOnSpring result;
   auto& spring = world.world.device_spring();
   const int ticks = world.steps_in(seconds);
@@ -241,7 +241,7 @@ Outcome coupling_limit(const Setting& setting) {
   const double damping = 5;
   Outcome outcome;
   for (const bool held : {true, false})
-    for (unsigned delay_ticks = 0; delay_ticks <= kMostDelayTicks; ++delay_ticks) {
+    for (unsigned delay_ticks = 0; delay_ticks <= kMaxDelayTicks; ++delay_ticks) {
       const DeviceLoop loop{delay_ticks, held, damping};
       const std::string of = fmt::format("{}, delay {}", held ? "held" : "as it ships", delay_ticks);
       haptics::DeviceProperties device;

@@ -184,7 +184,7 @@ std::vector<BodyId> fallen_beside_both(const experiment::WholeRunRow& row, const
 bool worse(const RandomTrial& a, const RandomTrial& b) noexcept {
   const auto rank = [](const RandomTrial& trial) {
     const double off = trial.row.pose_off_share / experiment::StandingRule::kShareOfExtent;
-    return std::tuple(trial.still_falls(), trial.collapses(), std::max(off, trial.gain() / CollapseRule::kMostGain));
+    return std::tuple(trial.still_falls(), trial.collapses(), std::max(off, trial.gain() / CollapseRule::kMaxGain));
   };
   return rank(a) > rank(b);
 }

@@ -16,7 +16,7 @@ using physics::BodyKind;
 using physics::Shape;
 using physics::ShapeKind;
 
-constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMostFriction = 5;
+constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMaxFriction = 5;
 constexpr unsigned kTicksOneWay = 10;
 
 // Each draw is a separate statement: compilers evaluate the arguments of a call in different orders, and a seed must
@@ -61,7 +61,7 @@ RandomWorld make_random_world(std::uint64_t seed) {
     const double size = std::clamp(middle * random.logarithmic(1 / spread, spread), kSmallest_m, kLargest_m);
     const double weight = std::clamp(mass * random.logarithmic(1 / ratio, ratio), kLightest_kg, kHeaviest_kg);
     const Posed pose{random.vector(room) + Vec3d{0, 0, room}, quat_from_rotation_vector(random.vector(3))};
-    const double friction = random.chance(0.2) ? 0 : random.uniform(0, random.chance(0.5) ? 1 : kMostFriction);
+    const double friction = random.chance(0.2) ? 0 : random.uniform(0, random.chance(0.5) ? 1 : kMaxFriction);
     auto body = physics::make_dynamic_body(k, random_shape(random, size), weight, friction, pose);
     body.motion.velocity = {random.vector(random.chance(0.5) ? 10 : 0.1), random.vector(random.chance(0.5) ? 50 : 0)};
     if (k > 0 && random.chance(0.1)) body.motion.pose = world.bodies.back().motion.pose;  // coincident
@@ -71,7 +71,7 @@ RandomWorld make_random_world(std::uint64_t seed) {
     world.bodies.push_back(physics::make_fixed_body(count, Shape::plane(), random.uniform(0, 1), {}));
   if (random.chance(0.3)) {
     const Posed pose{random.vector(room), quat_from_rotation_vector(random.vector(3))};
-    const double friction = random.uniform(0, kMostFriction);
+    const double friction = random.uniform(0, kMaxFriction);
     world.bodies.push_back(
         physics::make_fixed_body(count + 1, Shape::box({0.5 * room, 0.5 * room, 0.5 * room}), friction, pose));
   }

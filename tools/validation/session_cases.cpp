@@ -18,8 +18,8 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kMostForce_N = 30;
-constexpr double kMostSlew_N = 5;  // a tick
+constexpr double kMaxForce_N = 30;
+constexpr double kMaxSlew_N = 5;  // a tick
 
 constexpr const char* kHead = R"(
 title = "Hard case"
@@ -128,7 +128,7 @@ Watched watch(sim::Scene scene, session::RunOptions options, std::uint64_t ticks
 // Adds the gates of a run (finite values, force within its limits) and its hash to the outcome.
 void gate(const Watched& watched, Outcome& outcome) {
   outcome.gate("finite", watched.finite);
-  outcome.gate("force within its limit", watched.largest() <= kMostForce_N * (1 + 1e-9));
+  outcome.gate("force within its limit", watched.largest() <= kMaxForce_N * (1 + 1e-9));
   outcome.gate("no fault", !watched.faulted);
   outcome.gate("nothing left out", watched.session->stats.capacity_bits == 0);
   Fnv1a hash;
@@ -167,7 +167,7 @@ Outcome bad_samples(const Setting& setting) {
     slowest = std::max(slowest, 1e-3 * static_cast<double>(last_off - at));
   }
   outcome.holds("presses, and does so in the end", held > 1 && watched.mean(5400, 5500) > 0.5 * held);
-  outcome.at_most("largest step of the force, N", watched.largest_step(), kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", watched.largest_step(), kMaxSlew_N * (1 + 1e-9));
   outcome.at_most("whole again after, s", slowest, 0.1);
   return outcome;
 }
@@ -213,7 +213,7 @@ Outcome late_world(const Setting& setting) {
                   seen(kWorldFade) == (ticks > 100));
     outcome.holds(fmt::format("presses again after {} late ticks", ticks), watched.mean(3800, 4000) > 1);
   }
-  outcome.at_most("largest step of the force, N", most, kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", most, kMaxSlew_N * (1 + 1e-9));
   outcome.at_most("step when the world is back, N", back, 0.1);
   outcome.at_most("rise of the force while the world is late, N", rise, 1e-12);  // rounding alone
   return outcome;
@@ -256,7 +256,7 @@ Outcome begins_anew(const Setting& setting) {
     }
     if (presses) outcome.holds("presses again", watched.mean(3800, 4000) > 1);
   }
-  outcome.at_most("largest step of the force, N", most, kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", most, kMaxSlew_N * (1 + 1e-9));
   outcome.at_most("step when the force comes back, N", back, 0.1);
   outcome.at_most("rise of the force while the scene begins anew, N", rise, 1e-3);
   outcome.at_most("off the scene's places, m", off, 1e-12);
@@ -403,7 +403,7 @@ path = [
   gate(watched, outcome);
   outcome.at_most("members", watched.session->stats.members_max, 64);
   outcome.holds("more hang together", watched.session->global->statistics().most_component > 64);
-  outcome.at_most("largest step of the force, N", watched.largest_step(), kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", watched.largest_step(), kMaxSlew_N * (1 + 1e-9));
   // The cubes may settle but not be ejected. Bound: the energy of all members falling by a cube's edge.
   outcome.at_most("kinetic energy of the members, J", watched.most_energy_J, 64 * 0.075 * kGravity * 0.05);
   return outcome;

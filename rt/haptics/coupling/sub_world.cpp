@@ -300,7 +300,7 @@ bool SubWorld::restore(ByteReader& in) noexcept {
 
 std::size_t SubWorld::save_size_bound() const noexcept {
   return world_.save_size_bound() + border_import_.save_size_bound() + sizeof(proxy_) + sizeof(state_) +
-         BorderBuffer::kMostBytes + PlaneCoupling::kMostBytes;
+         BorderBuffer::kMaxBytes + PlaneCoupling::kMaxBytes;
 }
 
 }  // namespace tactus::haptics

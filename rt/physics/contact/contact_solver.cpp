@@ -6,10 +6,10 @@ namespace tactus::physics {
 namespace {
 
 // A row takes a few tenths of a microsecond in a sweep, handing work to another thread about one.
-constexpr std::uint32_t kFewestRows = 8;
+constexpr std::uint32_t kMinRows = 8;
 // The loops over bodies do little work per body, but a body just solved by another thread is slow to read; so each
 // thread continues with the bodies of its own contacts.
-constexpr std::uint32_t kFewestBodies = 128;
+constexpr std::uint32_t kMinBodies = 128;
 
 // Impact: in one sub-step the impulses change a body's velocity by more than this share of the push speed. Below it the
 // excess energy is small, and the check would cost more than a sweep.
@@ -115,14 +115,14 @@ void ContactSolver<T, kWidth>::for_each_colour(const Starts& starts, F&& f) noex
   if (!executor_.shares()) return f(starts[0], starts[ContactColours::kColours]);
   for (std::uint32_t colour = 0; colour < ContactColours::kColours && starts[colour] < starts[colour + 1]; ++colour)
     executor_.for_each_range(
-        starts[colour + 1] - starts[colour], kFewestRows,
+        starts[colour + 1] - starts[colour], kMinRows,
         [&](std::uint32_t begin, std::uint32_t end) noexcept { f(starts[colour] + begin, starts[colour] + end); });
 }
 
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_row(F&& f) noexcept {
-  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+  executor_.for_each_range(rows_.all.size(), kMinRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
     for (; k < end; ++k) f(rows_.all[k]);
   });
   for (auto& row : singles_.all) f(row);
@@ -130,7 +130,7 @@ void ContactSolver<T, kWidth>::for_each_row(F&& f) noexcept {
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
-  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+  executor_.for_each_range(rows_.all.size(), kMinRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
     for (; k < end; ++k) f(rows_.all[k]);
   });
   for (const auto& row : singles_.all) f(row);
@@ -139,10 +139,9 @@ void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_body(F&& f) noexcept {
-  executor_.for_each_range(accumulated_delta_v_.size(), kFewestBodies,
-                           [&](std::uint32_t i, std::uint32_t end) noexcept {
-                             for (; i < end; ++i) f(i);
-                           });
+  executor_.for_each_range(accumulated_delta_v_.size(), kMinBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+    for (; i < end; ++i) f(i);
+  });
 }
 
 template <class T, int kWidth>

@@ -19,7 +19,7 @@ void Transients::register_stages(StageTable& table) noexcept {
 
 bool Transients::restore(ByteReader& in) noexcept {
   in.get(state_);
-  const bool good = in.ok() && state_.ringing.count <= kMostRinging && state_.touched.count <= kMostTouched;
+  const bool good = in.ok() && state_.ringing.count <= kMaxRinging && state_.touched.count <= kMaxTouched;
   if (!good) state_ = {};
   return good;
 }
@@ -50,7 +50,7 @@ void Transients::start(const Oscillation& oscillation) noexcept {
 }
 
 void Transients::ring(StageContext& c) noexcept {
-  FixedVector<BodyId, kMostTouched> touched{};
+  FixedVector<BodyId, kMaxTouched> touched{};
   for (const Touch& touch : touches_) {
     const Contact& contact = c.contacts[touch.contact];
     const auto points = std::span(contact.points).first(contact.count);
@@ -58,7 +58,7 @@ void Transients::ring(StageContext& c) noexcept {
       continue;
     (void)touched.try_push(touch.other);
     const auto before = state_.touched.span();
-    if (touch.speed < kLeastSpeed || std::find(before.begin(), before.end(), touch.other) != before.end()) continue;
+    if (touch.speed < kMinSpeed || std::find(before.begin(), before.end(), touch.other) != before.end()) continue;
     const Ringing& surface = setup_.by_id[touch.other];
     const bool proxy_is_a = c.bodies[contact.slot_a].id == setup_.proxy;
     start({proxy_is_a ? -contact.normal : contact.normal, 0.0, surface.strength_Ns_per_m * touch.speed,

@@ -95,7 +95,7 @@ TEST_CASE("A row longer than is followed counts as far as it is followed") {
   const PhysicsBench bench = pushed_row(45, 0);
   const auto w = answer_of(bench, 1, {1});
   const double counted = (w * Wrenchd{{1, 0, 0}, {}}).linear.x * kMass;
-  CHECK(counted == Approx(1.0 / ApparentInertia::kMostBodies).epsilon(0.01));
+  CHECK(counted == Approx(1.0 / ApparentInertia::kMaxBodies).epsilon(0.01));
 }
 
 TEST_CASE("An answer never gains energy: work of any wrench on its own answer is not negative") {

@@ -59,14 +59,14 @@ TEST_CASE("A heavy body stops the expansion") {
     CHECK(found[2] == Approx(1 / (heavy + 1)));
   }
   const auto wall = influence_by_body(row({1, 1e6, 1}), {row_touch(0), row_touch(1)});
-  CHECK(wall[2] == Approx(Influence::kLeastTau));  // friction may still couple it
+  CHECK(wall[2] == Approx(Influence::kMinTau));  // friction may still couple it
 }
 
 TEST_CASE("Contacts at right angles through a centre are coupled by friction only") {
   Bodies bodies = row({1, 1, 1});
   bodies[2].motion.pose.position = {0.2, 0.2, 0};
   const auto found = influence_by_body(bodies, {row_touch(0), {1_b, 2_b, {0.2, 0.1, 0}, {0, 1, 0}}});
-  CHECK(found[2] == Approx(Influence::kLeastTau));
+  CHECK(found[2] == Approx(Influence::kMinTau));
 }
 
 TEST_CASE("A lever arm couples contacts at right angles") {
@@ -146,7 +146,7 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
         const double tau =
             std::abs(coupling(touches[through], touches[t], at)) / std::sqrt(own(touches[through]) * own(touches[t]));
         CHECK(tau <= 1 + 1e-12);
-        self(self, value * std::clamp(tau, Influence::kLeastTau, 1.0), to, t, depth + 1);
+        self(self, value * std::clamp(tau, Influence::kMinTau, 1.0), to, t, depth + 1);
       }
     };
     for (std::uint32_t t = 0; t < touches.size(); ++t)

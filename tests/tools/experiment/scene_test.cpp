@@ -77,7 +77,7 @@ TEST_CASE("Every engine holds bodies of every form") {
       book.start(*engine);
       book.sample(*engine);
       CHECK(book.result().escaped == 0);
-      CHECK(book.result().overlap_max_share < kMostOverlapShare);
+      CHECK(book.result().overlap_max_share < kMaxOverlapShare);
       for (const CubeState& body : engine->cubes()) CHECK(body.position.z < 0.5);
     }
   }

@@ -100,7 +100,7 @@ class SlowClients {
 
 TEST_CASE("who is slow to ask keeps nobody from disarming, however many they are") {
   // One after the other they would take longer than whoever asks waits.
-  for (const int count : {8, 3 * static_cast<int>(kMostClients)}) {
+  for (const int count : {8, 3 * static_cast<int>(kMaxClients)}) {
     Bench bench;
     const SlowClients slow(bench.socket, count);
     CHECK(bench.ask("disarm")["ok"] == true);

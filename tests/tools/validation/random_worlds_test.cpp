@@ -15,7 +15,7 @@ constexpr std::uint64_t kSeeds = 8000, kLongSeeds = 100'000;
 
 // Of the hundred thousand: rows keep the inertia that a body had when the step began, so a rod or a plate that an
 // impact spins by a good part of a turn in a step is turned by a wrong one.
-constexpr double kMostSpun = 5e-4;
+constexpr double kMaxSpun = 5e-4;
 
 // What is left of a failing world, where the next person finds it.
 std::string written(const RandomWorld& world, const std::string& gate) {
@@ -50,7 +50,7 @@ TEST_CASE("random worlds: the last quarter of the seeds", "[no-asan]") { check_s
 TEST_CASE("random worlds: a few seeds") { check_seeds(kSeeds, kSeeds + 20); }
 
 TEST_CASE("random worlds: a hundred thousand seeds", "[.long]") {
-  check_seeds(kSeeds, kSeeds + kLongSeeds, static_cast<std::uint64_t>(kMostSpun * kLongSeeds));
+  check_seeds(kSeeds, kSeeds + kLongSeeds, static_cast<std::uint64_t>(kMaxSpun * kLongSeeds));
 }
 
 // More than half a radian in a sub-step is more than the gyroscopic term's iteration can follow.

@@ -16,10 +16,10 @@
 namespace tactus::experiment {
 namespace {
 
-constexpr unsigned kLeastBodies = 25;
-constexpr unsigned kLeastSteps = 40;
+constexpr unsigned kMinBodies = 25;
+constexpr unsigned kMinSteps = 40;
 // With five sub-steps in 10 ms, columns of eight cubes come to rest (3e-5 m/s), columns of twelve do not (1e-3 m/s).
-constexpr unsigned kMostLayers = 8;
+constexpr unsigned kMaxLayers = 8;
 // A heap above this multiple of its limit is not run again.
 constexpr double kHopeless = 2;
 constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
@@ -28,7 +28,7 @@ constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
 // A heap as wide as high, up to eight layers, in its box, under a proxy: of at least `least` bodies, enough to fill the
 // layer under the proxy. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
 Result<sim::Scene> make_heap(unsigned least, double rate_Hz) {
-  const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMostLayers);
+  const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMaxLayers);
   const unsigned bodies = (least + layers - 1) / layers * layers;
   const double top_m = kCube_m * layers + kProxyRadius_m + 5e-4;
   const auto sub_steps = std::max(1u, static_cast<unsigned>(std::lround(1 / (rate_Hz * kSubStep_s))));
@@ -115,7 +115,7 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   const auto rest = static_cast<unsigned>(std::lround(kSettle_s * point.rate_Hz));
   const auto settle = rest + static_cast<unsigned>(std::lround(kPress_s * point.rate_Hz));
   const unsigned timed =
-      point.scheme.direct() ? request.ticks : std::max(request.ticks, kLeastSteps * point.scheme.ratio);
+      point.scheme.direct() ? request.ticks : std::max(request.ticks, kMinSteps * point.scheme.ratio);
   std::vector<double>& ticks_us = times.ticks_us.emplace_back();
   std::vector<double>& steps_us = times.steps_us.emplace_back();
   for (unsigned k = 0; k < settle + timed; ++k) {
@@ -196,7 +196,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
           if (!point.fits()) row.breaks = point.step_load > 1 ? "global step" : "tick";
           return point.fits();
         };
-        const Bracket bracket = find_capacity(kLeastBodies, request.most_bodies, fits);
+        const Bracket bracket = find_capacity(kMinBodies, request.most_bodies, fits);
         if (!failed.ok()) return failed;
         row.bodies = bracket.fits;
         row.too_many = bracket.too_many;

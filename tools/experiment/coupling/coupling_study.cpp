@@ -333,7 +333,7 @@ void SceneStudy::add_to(StudyReport& report) const {
 
 bool is_stable(const HandInLoop& loop, const HandInLoop& direct) {
   return loop.peak_N <= 1.5 * direct.peak_N + 1.0 && loop.shake_N <= direct.shake_N + 0.2 &&
-         loop.hold_N >= 0.5 * direct.hold_N && loop.fallen == 0 && loop.energy_gain <= kMostEnergyGain;
+         loop.hold_N >= 0.5 * direct.hold_N && loop.fallen == 0 && loop.energy_gain <= kMaxEnergyGain;
 }
 
 Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progress& progress) {

@@ -23,7 +23,7 @@ using physics::Body;
 // Poses are compared at a multiple of every ratio that is accepted for this, so that each run is at a synchronisation.
 constexpr unsigned kCompareEvery = 16 * 5;
 // Work below this counts as 0: the energy at play is then the weight term alone.
-constexpr double kLeastWork_J = 1e-6;
+constexpr double kMinWork_J = 1e-6;
 // Beyond the force of any device: the run counts as lost and ends there.
 constexpr double kLostForce_N = 1e4;
 
@@ -113,7 +113,7 @@ class WholeRun {
         const double released = std::max(0.0, start_potential_J - potential);
         trace.kinetic_J = std::max(trace.kinetic_J, kinetic);
         trace.kinetic_over_work =
-            std::max(trace.kinetic_over_work, kinetic / std::max(kLeastWork_J, work_size_J + released));
+            std::max(trace.kinetic_over_work, kinetic / std::max(kMinWork_J, work_size_J + released));
         trace.gain_J = std::max(trace.gain_J, kinetic + potential - start_J - work_J);
         if (k % kCompareEvery == 0) trace.poses.push_back(bodies);
       }

@@ -12,8 +12,8 @@
 namespace tactus::experiment {
 namespace {
 
-constexpr double kLeastPart_s = 50e-6;
-constexpr unsigned kMostParts = 10, kMostDelayParts = 32;
+constexpr double kMinPart_s = 50e-6;
+constexpr unsigned kMaxParts = 10, kMaxDelayParts = 32;
 // The finest quantum that represents the workspace in 32-bit counts, so that the damper's force from quantisation is
 // far below the tap. With fifty times this quantum, a loop that is stable at 4 kHz keeps vibrating for the whole
 // observation.
@@ -35,7 +35,7 @@ std::int64_t part_ns(const LoopTiming& timing) {
 
 unsigned delay_parts(const LoopTiming& timing) {
   const long parts = std::lround(timing.delay_ticks * parts_of_tick(timing.rate_Hz));
-  return static_cast<unsigned>(std::clamp<long>(parts, 1, kMostDelayParts));
+  return static_cast<unsigned>(std::clamp<long>(parts, 1, kMaxDelayParts));
 }
 
 hal::DeviceProfile stage_of(const hal::DeviceDescription& description, const LoopTiming& timing) {
@@ -83,7 +83,7 @@ haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, d
 }  // namespace
 
 unsigned parts_of_tick(double rate_Hz) {
-  return static_cast<unsigned>(std::clamp(std::floor(1 / (rate_Hz * kLeastPart_s) + 1e-9), 1.0, double{kMostParts}));
+  return static_cast<unsigned>(std::clamp(std::floor(1 / (rate_Hz * kMinPart_s) + 1e-9), 1.0, double{kMaxParts}));
 }
 
 haptics::DeviceProperties device_in(const hal::DeviceDescription& description, const LoopTiming& timing) {

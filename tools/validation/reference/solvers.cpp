@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kLookEvery = 20;  // iterations between two evaluations of the residual
 // ADMM, on rows scaled to unit diagonal.
-constexpr double kProximal = 1e-9, kRelaxation = 1.6, kFirstPenalty = 0.1, kMostUnbalanced = 10;
+constexpr double kProximal = 1e-9, kRelaxation = 1.6, kFirstPenalty = 0.1, kMaxUnbalanced = 10;
 // Near the solution the iteration may stall: more than half of the residual is left after ten evaluations, because each
 // step changes lambda by only residual / penalty. Then the penalty is reduced. If the residual grows a hundredfold, the
 // reduction is undone.
@@ -173,10 +173,10 @@ Solution solve_admm(const ContactProblem& p, double residual, std::size_t most_i
     if (stalled) {
       penalty *= kLooser;
       renew();
-    } else if (primal > kMostUnbalanced * dual) {
+    } else if (primal > kMaxUnbalanced * dual) {
       penalty *= 3;
       renew();
-    } else if (dual > kMostUnbalanced * primal) {
+    } else if (dual > kMaxUnbalanced * primal) {
       penalty /= 3;
       renew();
     }

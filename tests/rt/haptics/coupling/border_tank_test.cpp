@@ -20,7 +20,7 @@ TEST_CASE("a border whose rows keep to the budget puts in no more than was there
     REQUIRE(tank.stored_J >= 0);
     REQUIRE(tank.owed_J >= 0);
     REQUIRE(tank.stored_J * tank.owed_J == 0);
-    REQUIRE(tank.stored_J <= BorderTank::kMostStored_J);
+    REQUIRE(tank.stored_J <= BorderTank::kMaxStored_J);
     REQUIRE(put_in <= 0.01 + came_in + 1e-12);
   }
 }
