@@ -290,7 +290,7 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   }
   wake_for(report);
   impose_motion(device, report);
-  keep_energy_book(report);
+  update_energy_balance(report);
   wake_near(device);
   if (coupling_.border) {
     haptics::read_effects(report.effects, true, world_);
@@ -421,7 +421,7 @@ void GlobalWorld::look_at_overlaps(double deepest_m) noexcept {
 
 // Books the energy at t_n, with the members' state as imposed. Call before impulses are returned: contacts have not yet
 // reacted to those.
-void GlobalWorld::keep_energy_book(const SubWorldReport& report) noexcept {
+void GlobalWorld::update_energy_balance(const SubWorldReport& report) noexcept {
   if (!statistics_.energy.due()) return;
   // Sleeping bodies do not move: their sum is recomputed only when their set changes.
   const std::uint64_t changes = islands_.fell_asleep() + islands_.woke_up();

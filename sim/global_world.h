@@ -20,7 +20,7 @@
 #include "rt/haptics/coupling_limits.h"
 #include "rt/physics/overlap.h"
 #include "sim/broad_phase/pair_cache.h"
-#include "sim/energy_book.h"
+#include "sim/energy_balance.h"
 #include "sim/exchange/approach.h"
 #include "sim/exchange/border_exchange.h"
 #include "sim/exchange/buffer_choice.h"
@@ -68,7 +68,7 @@ struct GlobalStatistics {
   double stopped_energy_J{0};         // kinetic energy of bodies when they fell asleep
   double deepest_m{0};                // deepest overlap
   physics::Overlap overlap;           // of all contacts so far, the deepest relative to its bodies' thickness
-  EnergyBook energy;
+  EnergyBalance energy;
   std::uint32_t broken_joints{0};  // at present
   std::uint32_t resets{0};         // scene resets
 };
@@ -148,7 +148,7 @@ class GlobalWorld {
   void sleep_from_start() noexcept;
   void take_target(Device& device, const haptics::SubWorldReport& report) noexcept;
   void hold_proxy(double elapsed_s) noexcept;
-  void keep_energy_book(const haptics::SubWorldReport& report) noexcept;
+  void update_energy_balance(const haptics::SubWorldReport& report) noexcept;
   void look_at_overlaps(double deepest_m) noexcept;
   void note_member_velocities() noexcept;
   void add_border_work() noexcept;

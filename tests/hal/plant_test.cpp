@@ -223,7 +223,7 @@ TEST_CASE("kinetic energy is the sum of the works, and friction only takes") {
       target.twist = {{angle(random), 0, 0}, {0, angle(random), 0}};
     }
     plant.step(kStep_s, e, i % 1000 > 900, target);
-    const EnergyBook& b = plant.energy();
+    const EnergyBalance& b = plant.energy();
     const double sum = b.motors + b.hand + b.viscous + b.coulomb + b.stops;
     REQUIRE(plant.kinetic_energy_J() == Approx(sum).margin(1e-9));
   }
@@ -273,7 +273,7 @@ TEST_CASE("an arm's stops end the motion outwards, leave that along them, and gi
     REQUIRE(std::abs(plant.coordinates()[4]) <= kPitchLimit_rad);
     REQUIRE(plant.energy().stops <= highest_stops);
     highest_stops = plant.energy().stops;
-    const EnergyBook& b = plant.energy();
+    const EnergyBalance& b = plant.energy();
     REQUIRE(plant.kinetic_energy_J() == Approx(b.motors + b.stops).margin(1e-9));
   }
   CHECK(highest_stops < -0.1);

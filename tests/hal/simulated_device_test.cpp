@@ -180,7 +180,7 @@ TEST_CASE("the energy books of a whole run balance") {
     rig.command.wrench.force = {std::sin(i * 0.01) * 5, 2, 0};
     rig.command.wrench.torque = {0, 0.05, 0};
     rig.tick();
-    const EnergyBook& b = rig.device.plant().energy();
+    const EnergyBalance& b = rig.device.plant().energy();
     REQUIRE(rig.device.plant().kinetic_energy_J() ==
             Approx(b.motors + b.hand + b.viscous + b.coulomb + b.stops).margin(1e-9));
   }

@@ -105,9 +105,9 @@ Ruling overlap_of(const RunSummary& s) {
 
 // An incomplete energy account is not judged.
 void add_energy(const RunSummary& s, std::vector<Ruling>& rulings) {
-  const sim::EnergyBook& book = s.global.energy;
-  if (!s.has_global || !book.complete) return;
-  const double in_play_J = book.in_play_J(), found_J = book.unexplained_J;
+  const sim::EnergyBalance& balance = s.global.energy;
+  if (!s.has_global || !balance.complete) return;
+  const double in_play_J = balance.in_play_J(), found_J = balance.unexplained_J;
   // If almost no energy is in play, every share is large; amounts below `least_J` count as 0.
   const auto share_above = [&](double least_J) { return found_J > least_J ? 100 * found_J / in_play_J : 0.0; };
   const double shown = std::min(1e6, share_above(kMinDegraded_J));
