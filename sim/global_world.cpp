@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "rt/haptics/coupling/snapshot_bytes.h"
-#include "rt/physics/passes.h"
+#include "rt/physics/macro_steps.h"
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
@@ -24,8 +24,8 @@ constexpr unsigned kPredictionSteps = 5;
 // a hand trembles. Measured on the pushed row of `experiment energy-loss`, 20 seeds, for 0.8, 0.9 and 1 (2026-11-23):
 // it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 % at 16.
 constexpr double kWrenchExtrapolation = 0.9;
-// With more bodies awake, a step is taken in one pass.
-constexpr std::size_t kMaxInPasses = 500;
+// With more bodies awake, a step is taken in one macro step.
+constexpr std::size_t kMaxBodiesInMacroSteps = 500;
 
 // A packed cube has 26 neighbours, 13 pairs to each body, and touches 6, 3 contacts to each body: room for 1.2 and 2.7
 // times that.
@@ -319,10 +319,10 @@ void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noex
   device.target = sane ? report.device : haptics::DeviceTarget{};
 }
 
-// Sets the coupling's spring and damper between each proxy and its device, for a pass that begins `elapsed_s` after the
-// start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy in the
-// global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a force
-// held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
+// Sets the coupling's spring and damper between each proxy and its device, for a macro step that begins `elapsed_s`
+// after the start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy
+// in the global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a
+// force held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
 // couplings hold a wrench (impose).
 void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
   if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
@@ -360,18 +360,18 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
   device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
 }
 
-physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t passes) noexcept {
-  const auto settings = physics::settings_of_pass(settings_, passes);
-  hold_proxy(pass * settings.dt);
-  const auto bounds_settings = physics::settings_of_pass(bounds_settings_, passes);
+physics::StepReport GlobalWorld::take_macro_step(std::uint32_t macro_step, std::uint32_t macro_steps) noexcept {
+  const auto settings = physics::settings_of_macro_step(settings_, macro_steps);
+  hold_proxy(macro_step * settings.dt);
+  const auto bounds_settings = physics::settings_of_macro_step(bounds_settings_, macro_steps);
   for (const Device& device : devices_)
     if (device.held_by != Wrenchd{}) world_.apply_wrench(slot_of(device), device.held_by);
   world_.begin_step(bounds_settings);
   while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings);  // a woken body may wake others
   if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
   physics::CoarseRegion far = coarse_region();
-  far.sub_steps = std::max(1u, far.sub_steps / passes);
-  pass_s_ = settings.dt;
+  far.sub_steps = std::max(1u, far.sub_steps / macro_steps);
+  macro_step_s_ = settings.dt;
   note_member_velocities();
   const auto report = world_.finish_step(settings, {}, far);
   add_border_work();
@@ -391,24 +391,24 @@ void GlobalWorld::note_member_velocities() noexcept {
 void GlobalWorld::add_border_work() noexcept {
   if (!coupling_.border || !border_.has_budget) return;
   for (Device& device : devices_) {
-    const double work_J = border_work_J(world_, velocity_before_, member_slots(device), pass_s_);
+    const double work_J = border_work_J(world_, velocity_before_, member_slots(device), macro_step_s_);
     device.border_work_J += work_J;
     statistics_.border_work_J += work_J;
   }
 }
 
-// Number of passes of the next step. One if a border exchanges the impulses of a whole step (ghosts use those of the
-// last pass), and one for a large world, since every further pass costs as much again. The speed of inner members does
-// not count: the sub-world moves them.
-std::uint32_t GlobalWorld::passes_of_step() noexcept {
-  if (islands_.awake().size() > kMaxInPasses) return 1;
+// Number of macro steps of the next step. One if a border exchanges the impulses of a whole step (ghosts use those of
+// the last macro step), and one for a large world, since every further macro step costs as much again. The speed of
+// inner members does not count: the sub-world moves them.
+std::uint32_t GlobalWorld::macro_steps_of_step() noexcept {
+  if (islands_.awake().size() > kMaxBodiesInMacroSteps) return 1;
   for (const Device& device : devices_)
     if (device.has_border && !border_.ghosts) return 1;
   member_slots_.clear();
   if (devices_.size() == 1 && coupling_.imposes_motion)
     for (const BodyIndex body : islands_.awake())
       member_slots_.push_back(devices_[0].extraction.is_member(body) && devices_[0].buffer[body] == 0 ? 1 : 0);
-  return std::gcd(physics::passes_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
+  return std::gcd(physics::macro_steps_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
 }
 
 // Updates the deepest relative overlap. An overlap that is no new maximum relative to the thinnest body cannot be one
@@ -432,14 +432,14 @@ void GlobalWorld::update_energy_balance(const SubWorldReport& report) noexcept {
 }
 
 void GlobalWorld::advance() noexcept {
-  const std::uint32_t passes = passes_of_step();
+  const std::uint32_t macro_steps = macro_steps_of_step();
   physics::StepReport report;
   std::uint32_t comparisons = 0;
   for (Device& device : devices_) device.border_work_J = 0;
-  for (std::uint32_t pass = 0; pass < passes; ++pass) {
+  for (std::uint32_t macro_step = 0; macro_step < macro_steps; ++macro_step) {
     const std::uint32_t bits = report.capacity_bits;
     const double deepest_m = report.deepest_m;
-    report = take_pass(pass, passes);
+    report = take_macro_step(macro_step, macro_steps);
     look_at_overlaps(report.deepest_m);
     comparisons += report.comparisons;
     report.capacity_bits |= bits;

@@ -142,8 +142,8 @@ class GlobalWorld {
   void mark_held() noexcept;
   void sleep() noexcept;
   physics::CoarseRegion coarse_region() noexcept;
-  std::uint32_t passes_of_step() noexcept;
-  physics::StepReport take_pass(std::uint32_t pass, std::uint32_t passes) noexcept;
+  std::uint32_t macro_steps_of_step() noexcept;
+  physics::StepReport take_macro_step(std::uint32_t macro_step, std::uint32_t macro_steps) noexcept;
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
   void take_target(Device& device, const haptics::SubWorldReport& report) noexcept;
@@ -170,9 +170,9 @@ class GlobalWorld {
   GlobalOptions options_;
   haptics::CouplingTraits coupling_;
   physics::BorderTraits border_;
-  WorkerPool* pool_{nullptr};                         // null: the work is not shared
-  bool stepped_{false};                               // at least one step since the scene's start or reset
-  double pass_s_{0};                                  // s: length of the last pass; the contacts' impulses are over it
+  WorkerPool* pool_{nullptr};  // null: the work is not shared
+  bool stepped_{false};        // at least one step since the scene's start or reset
+  double macro_step_s_{0};     // s: length of the last macro step; the contacts' impulses are over it
   physics::StepSettings settings_, bounds_settings_;  // bounds_settings_: with the sub-steps of the far region
   physics::World world_;
   physics::Hulls hulls_;
@@ -189,7 +189,7 @@ class GlobalWorld {
   BodyVector<std::uint8_t> free_;           // 1 if member of no other device's sub-world
   BodyVector<std::uint8_t> held_;           // 1 if member of a sub-world or kinematic: stays awake
   std::vector<std::uint8_t> member_slots_;  // by slot: 1 if member of the sub-world in question
-  std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the pass
+  std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the macro step
   std::vector<physics::Aabb> regions_;      // by device: region in which nothing falls asleep
   double thinnest_m_{0};                    // thickness of the thinnest body
   double asleep_J_{0};                      // cached potential energy of the sleeping bodies

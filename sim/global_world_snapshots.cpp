@@ -112,7 +112,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
     if (border_.ghosts) choose_buffer(device, next);
   }
   if (coupling_.proxy_planes > 0 && stepped_)
-    fill_proxy_planes(world_, device.id, pass_s_, coupling_.proxy_planes, next.border);
+    fill_proxy_planes(world_, device.id, macro_step_s_, coupling_.proxy_planes, next.border);
   device.has_border = !next.border.empty();
   count(device, next);
 }
@@ -132,15 +132,15 @@ void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
     if (device.buffer[member] != 0) (void)next.buffer.try_push(bodies[member].id);
 }
 
-// Fills the border from the last pass.
+// Fills the border from the last macro step.
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
   next.border_work_J = device.border_work_J;
   const auto members = member_slots(device);
-  next.dropped +=
-      border_exchange_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
+  next.dropped += border_exchange_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, macro_step_s_,
+                                        next.border);
   if (!border_.ghosts) return;
   next.dropped +=
-      border_exchange_.fill_outside(world_, members, pass_s_, sub_step_s(), next.border.span(), next.outside);
+      border_exchange_.fill_outside(world_, members, macro_step_s_, sub_step_s(), next.border.span(), next.outside);
 }
 
 // Copies whole bodies, bit by bit. Frozen members (static coupling) are sent every time, except the proxy, whose state

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "rt/physics/passes.h"
+#include "rt/physics/macro_steps.h"
 
 namespace tactus::physics {
 

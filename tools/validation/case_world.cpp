@@ -50,21 +50,22 @@ void CaseWorld::run(double seconds) {
 // Same sequence as a step of the global world.
 void CaseWorld::step() {
   const bool whole = world.device_spring().enabled || !world.border_contacts().empty();
-  const std::uint32_t passes = whole ? 1 : physics::passes_of(world, settings);
-  for (std::uint32_t k = 0; k < passes; ++k) take_pass(physics::settings_of_pass(settings, passes));
+  const std::uint32_t macro_steps = whole ? 1 : physics::macro_steps_of(world, settings);
+  for (std::uint32_t k = 0; k < macro_steps; ++k)
+    take_macro_step(physics::settings_of_macro_step(settings, macro_steps));
 }
 
-void CaseWorld::take_pass(const physics::StepSettings& pass) {
+void CaseWorld::take_macro_step(const physics::StepSettings& macro_step) {
   const double before_J = stored_J(0);
   for (const Held& held : held_) world.apply_wrench(slot(held.id), held.wrench);
   const std::uint64_t allocations = experiment::allocation_count();
-  world.begin_step(pass);
+  world.begin_step(macro_step);
   if (!find_pairs_brute_force(world.bounds(), world.dynamic_pairs())) lost_ |= physics::kPairsFull;
-  report = world.finish_step(pass, cut);
+  report = world.finish_step(macro_step, cut);
   allocations_ += experiment::allocation_count() - allocations;
   lost_ |= report.capacity_bits;
-  pass_s_ = pass.dt;
-  book(stored_J(pass.dt) - before_J - work_of_step_J());
+  macro_step_s_ = macro_step.dt;
+  book(stored_J(macro_step.dt) - before_J - work_of_step_J());
 }
 
 // Kinetic and potential energy, and the energy of the device's spring with its target extrapolated by `ahead_s`.
@@ -183,7 +184,7 @@ double CaseWorld::carried_by_fixed() const {
   for (const auto& contact : world.contacts())
     for (std::uint32_t i = 0; contact.b_fixed && i < contact.count; ++i)
       impulse += contact.points[i].total_normal_impulse;
-  return impulse / pass_s_;
+  return impulse / macro_step_s_;
 }
 
 double CaseWorld::carried_between(BodyId a, BodyId b) const {
@@ -194,7 +195,7 @@ double CaseWorld::carried_between(BodyId a, BodyId b) const {
     if (std::min(first, second) != std::min(a, b) || std::max(first, second) != std::max(a, b)) continue;
     for (std::uint32_t i = 0; i < contact.count; ++i) impulse += contact.points[i].total_normal_impulse;
   }
-  return impulse / pass_s_;
+  return impulse / macro_step_s_;
 }
 
 double CaseWorld::overlap_under(double load_N, double mass_kg) const {
