@@ -10,7 +10,6 @@
 #include "tools/doctor/examine.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
-#include "tools/tactus/experiments.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/report.h"
 #include "tools/timing/trace.h"

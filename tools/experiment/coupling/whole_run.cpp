@@ -332,45 +332,4 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
   return rows;
 }
 
-std::string whole_table(std::span<const WholeRunRow> rows) {
-  std::string text = fmt::format(
-      "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n",
-      "scene", "coupling", "border", "ratio", "members", "K N/m", "hand", "force err%", "by quarter %", "off mm",
-      "most mm", "of size%", "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
-  for (const WholeRunRow& r : rows) {
-    std::string quarters;
-    for (const double q : r.force_error_quarter) quarters += fmt::format(" {:>6.2f}", 100 * q);
-    text += fmt::format(
-        "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
-        "{:>9.3f} "
-        "{:>9.3f} {:>7}\n",
-        r.scene, (r.apart_m > 0 ? "1 um apart" : sim::name_of(r.scheme.coupling)), name_of_border(r.scheme),
-        r.scheme.ratio, r.members, r.gains.stiffness_N_per_m, r.closed_hand ? "closed" : "direct", 100 * r.force_error,
-        quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m, 100 * r.pose_off_share, 1e3 * r.drift_m,
-        1e3 * r.deepest_m, r.kinetic_over_work, 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
-        r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
-  }
-  return text;
-}
-
-std::string whole_csv(std::span<const WholeRunRow> rows) {
-  std::string text =
-      "scene,coupling,border,ratio [1],members [1],stiffness [N/m],seconds [s],started_apart [m],hand,force_error "
-      "[1],force_error_q1 "
-      "[1],force_error_q2 "
-      "[1],"
-      "force_error_q3 [1],force_error_q4 [1],force_rms [N],pose_off [m],pose_off_most [m],pose_off_share [1],drift [m],"
-      "deepest [m],direct_deepest [m],kinetic [J],kinetic_over_work [1],energy_gain [J],direct_energy_gain [J],"
-      "energy_at_play [J],border_work [J],fallen [1],stands\n";
-  for (const WholeRunRow& r : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                        r.scene, sim::name_of(r.scheme.coupling), name_of_border(r.scheme), r.scheme.ratio, r.members,
-                        r.gains.stiffness_N_per_m, r.seconds, r.apart_m, r.closed_hand ? "closed" : "direct",
-                        r.force_error, r.force_error_quarter[0], r.force_error_quarter[1], r.force_error_quarter[2],
-                        r.force_error_quarter[3], r.force_rms_N, r.pose_off_m, r.pose_off_most_m, r.pose_off_share,
-                        r.drift_m, r.deepest_m, r.direct_deepest_m, r.kinetic_J, r.kinetic_over_work, r.energy_gain_J,
-                        r.direct_energy_gain_J, r.energy_at_play_J, r.border_work_J, r.fallen, r.stands);
-  return text;
-}
-
 }  // namespace tactus::experiment
