@@ -146,8 +146,7 @@ WarmStart World::warm_start_of(const Contact& contact, double sub_step_s) noexce
 
 void World::apply_wrench(std::uint32_t slot, const Wrenchd& wrench) noexcept {
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
-  wrenches_[slot].force += wrench.force;
-  wrenches_[slot].torque += wrench.torque;
+  wrenches_[slot] += wrench;
   wrench_applied_ = true;
 }
 

@@ -22,8 +22,7 @@ Wrenchd World::momentum() const noexcept {
     const Quatd& q = body.motion.pose.rotation;
     const Vec3d linear = body.mass * body.motion.velocity.linear;
     const Vec3d spin = rotate(q, scale(body.inertia, rotate_inverse(q, body.motion.velocity.angular)));
-    sum.force += linear;
-    sum.torque += cross(body.motion.pose.position, linear) + spin;
+    sum += Wrenchd{linear, cross(body.motion.pose.position, linear) + spin};
   }
   return sum;
 }

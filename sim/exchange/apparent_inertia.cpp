@@ -336,7 +336,7 @@ Twistd ApparentInertia::mean_velocity(std::uint32_t slot) const noexcept {
 
 Twistd ApparentInertia::off_mean(std::uint32_t slot) const noexcept {
   const Twistd &now = bodies_[slot].motion.velocity, mean = mean_velocity(slot);
-  return {now.linear - mean.linear, now.angular - mean.angular};
+  return now - mean;
 }
 
 void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
@@ -383,7 +383,7 @@ OutsideAnswer ApparentInertia::find(std::uint32_t slot, std::span<const std::uin
   const Vector6& p = reached_[0].momentum;
   const physics::Admittance w = invert(reached_[0].inertia);
   const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
-  return {{mean.linear + kept.linear, mean.angular + kept.angular}, w};
+  return {mean + kept, w};
 }
 
 }  // namespace tactus::sim

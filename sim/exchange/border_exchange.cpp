@@ -188,8 +188,7 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
     body.admittance = answer.admittance;
     Wrenchd load;
     for (; i < loads_.size() && loads_[i].outside == id; ++i) {
-      load.force += loads_[i].force;
-      load.torque += loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force);
+      load += Wrenchd{loads_[i].force, loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force)};
     }
     const Twistd under_load = body.admittance * load;
     body.drive = {

@@ -181,7 +181,7 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   add_cycle_impulse(impulse);
   const double rate = -1.0 / settings.dt;
   const Wrenchd& felt = result.report.hand_wrench;  // of effects that act on the hand only
-  if (target.engaged) result.on_device = {impulse.force * rate + felt.force, impulse.torque * rate + felt.torque};
+  if (target.engaged) result.on_device = impulse * rate + felt;
   if (spring.enabled) {
     proxy_ = world_.bodies()[spring.slot].motion;
     // Work of the mean wrench over the displacement of the tick.
@@ -251,10 +251,7 @@ void SubWorld::feel_proxy(const DeviceTarget& target, SubWorldStep& result) noex
   result.on_device = {-on_proxy.force, -on_proxy.torque};
 }
 
-void SubWorld::add_cycle_impulse(const Wrenchd& impulse) noexcept {
-  state_.cycle_impulse.force += impulse.force;
-  state_.cycle_impulse.torque += impulse.torque;
-}
+void SubWorld::add_cycle_impulse(const Wrenchd& impulse) noexcept { state_.cycle_impulse += impulse; }
 
 bool SubWorld::proxy_touches() const noexcept {
   for (const auto& contact : world_.contacts()) {

@@ -23,7 +23,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   }
   if (state_.ticks_in_cycle > 0) {
     const double rate = 1.0 / (config_.step.dt * state_.ticks_in_cycle);
-    report.mean_device_wrench = {state_.cycle_impulse.force * rate, state_.cycle_impulse.torque * rate};
+    report.mean_device_wrench = state_.cycle_impulse * rate;
   }
   for (const auto& body : world_.bodies()) {
     if (coupling_.members_frozen && body.id != config_.proxy) continue;

@@ -156,10 +156,7 @@ void BorderSolver::apply_impulse(const Row& row, SolverBody<double>& body, const
   if (row.ghost == kNoGhost) return;
   Twistd& ghost = ghosts_[row.ghost].velocity;
   const double by[3] = {normal, tangent1, tangent2};
-  for (int i = 0; i < 3; ++i) {
-    ghost.linear += by[i] * row.ghost_answer[i].linear;
-    ghost.angular += by[i] * row.ghost_answer[i].angular;
-  }
+  for (int i = 0; i < 3; ++i) ghost += by[i] * row.ghost_answer[i];
 }
 
 // Solves the normal row by the rules of an inner contact: while separated, it lets the gap close; overlapping, it
@@ -191,8 +188,7 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
 void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept {
   may_supply_ = budget_J_ > 0.0;
   for (GhostState& ghost : ghosts_) {
-    ghost.velocity.linear += h_ * ghost.drive.linear;
-    ghost.velocity.angular += h_ * ghost.drive.angular;
+    ghost.velocity += h_ * ghost.drive;
     ghost.before = ghost.velocity;
   }
   for (Row& row : rows_) {
@@ -367,8 +363,7 @@ void BorderSolver::end_sub_step(SolverBodies<double> bodies) noexcept {
     row.end_gap = row.gap + dot(row.n, row.end_offset);
     const Vec3d on_ghost = -(row.normal_impulse * row.n + tangential);
     Wrenchd& sum = ghosts_[row.ghost].impulse;
-    sum.force += on_ghost;
-    sum.torque += cross(row.ghost_r, on_ghost);
+    sum += Wrenchd{on_ghost, cross(row.ghost_r, on_ghost)};
   }
 }
 
@@ -405,8 +400,7 @@ void BorderSolver::store(std::span<BorderContact> contacts, std::span<BorderGhos
     const GhostState& from = ghosts_[g];
     ghosts[g].velocity = from.velocity;
     ghosts[g].centre += from.moved;
-    ghosts[g].total_impulse.force += from.impulse.force;
-    ghosts[g].total_impulse.torque += from.impulse.torque;
+    ghosts[g].total_impulse += from.impulse;
   }
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     const Row& row = rows_[k];

@@ -45,8 +45,7 @@ bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given,
     held_back = true;
     bodies.motion[i].v -= (T(1) - share) * given[i].linear;
     bodies.motion[i].w -= (T(1) - share) * given[i].angular;
-    given[i].linear *= share;
-    given[i].angular *= share;
+    given[i] *= share;
   }
   return held_back;
 }

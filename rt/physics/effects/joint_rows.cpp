@@ -91,8 +91,7 @@ void Joints::push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d&
   const Vec3d turning = cross(r, p) + m;
   if (side.ghost != nullptr) {
     const Twistd change = side.ghost->admittance * Wrenchd{p, turning};
-    side.ghost->velocity.linear += change.linear;
-    side.ghost->velocity.angular += change.angular;
+    side.ghost->velocity += change;
     side.body.v += change.linear;
     side.body.w += change.angular;
     return;

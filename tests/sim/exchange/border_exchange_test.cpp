@@ -53,8 +53,7 @@ Twistd member_answer(const haptics::OutsideBody& body, std::span<const haptics::
   Wrenchd load;
   for (const auto& point : border) {
     const Vec3d force = -(point.impulse_rate_N * point.normal + point.friction_N);
-    load.force += force;
-    load.torque += cross(point.outside_point - body.centre, force);
+    load += Wrenchd{force, cross(point.outside_point - body.centre, force)};
   }
   return body.admittance * load;
 }

@@ -19,11 +19,8 @@ std::vector<WindowPlace> window_places(bool quick) {
 
 Wrenchd ReferenceRun::mean_on_proxy(std::size_t tick, unsigned ticks) const {
   Wrenchd sum;
-  for (std::size_t k = tick - ticks; k < tick; ++k) {
-    sum.force -= on_device[k].force;
-    sum.torque -= on_device[k].torque;
-  }
-  return {sum.force * (1.0 / ticks), sum.torque * (1.0 / ticks)};
+  for (std::size_t k = tick - ticks; k < tick; ++k) sum -= on_device[k];
+  return sum * (1.0 / ticks);
 }
 
 ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size_t ticks,

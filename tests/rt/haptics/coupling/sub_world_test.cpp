@@ -145,8 +145,7 @@ TEST_CASE("the mean device wrench of a cycle is the momentum that the proxy got 
     Wrenchd felt;
     for (std::uint32_t i = 0; i < ticks; ++i) {
       bench.step(1, target);
-      felt.force += bench.last.on_device.force;
-      felt.torque += bench.last.on_device.torque;
+      felt += bench.last.on_device;
     }
     const Twistd after = bench.motion(kProxy).velocity;
     bench.next({kProxy});
