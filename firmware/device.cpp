@@ -100,7 +100,7 @@ void Device::log_fault(State before, Fault fault_before, const Encoders::Reading
   const bool braked = before != State::kBrake && controller_.state() == State::kBrake && fault != Fault::kNone;
   if (!braked && (fault != Fault::kBadConfiguration || fault == fault_before)) return;
 
-  FaultEntry entry{fault, before, kNoAxis, time_us_, 0.0f};
+  FaultEntry entry{.fault = fault, .state_before = before, .axis = kNoAxis, .time_us = time_us_, .value = 0.0f};
   switch (fault) {
     case Fault::kOverspeed:
       entry.axis = fastest_axis(controller_.speed(), controller_.config().max_speed);

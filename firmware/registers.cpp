@@ -53,10 +53,32 @@ constexpr Register stored(std::uint16_t n, std::uint8_t count, const Field& fiel
 }
 constexpr Register shown(std::uint16_t n, std::uint8_t count, RegisterType type, const char* name,
                          const char* unit) noexcept {
-  return {n, count, type, Access::kRead, kNever, Section::kNone, 4, 0, 0, 0, name, unit};
+  return {.number = n,
+          .count = count,
+          .type = type,
+          .access = Access::kRead,
+          .states = kNever,
+          .section = Section::kNone,
+          .width = 4,
+          .offset = 0,
+          .low = 0,
+          .high = 0,
+          .name = name,
+          .unit = unit};
 }
 constexpr Register command(std::uint16_t n, std::uint8_t states, std::uint32_t high, const char* name) noexcept {
-  return {n, 1, RegisterType::kU32, Access::kCommand, states, Section::kNone, 4, 0, 0, high, name, ""};
+  return {.number = n,
+          .count = 1,
+          .type = RegisterType::kU32,
+          .access = Access::kCommand,
+          .states = states,
+          .section = Section::kNone,
+          .width = 4,
+          .offset = 0,
+          .low = 0,
+          .high = high,
+          .name = name,
+          .unit = ""};
 }
 
 constexpr Field control(std::size_t offset, std::uint8_t width = 4) noexcept {

@@ -44,9 +44,11 @@ std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
 
 physics::Capacities capacities_for(const Scene& scene) noexcept {
   const std::uint32_t bodies = count_bodies(scene, BodyKind::kDynamic);
-  physics::Capacities capacities{bodies, count_bodies(scene, BodyKind::kFixed),
-                                 std::max(kMinPairs, kPairsPerBody * bodies),
-                                 std::max(kMinContacts, kContactsPerBody * bodies), 0};
+  physics::Capacities capacities{.bodies = bodies,
+                                 .fixed_bodies = count_bodies(scene, BodyKind::kFixed),
+                                 .pairs = std::max(kMinPairs, kPairsPerBody * bodies),
+                                 .contacts = std::max(kMinContacts, kContactsPerBody * bodies),
+                                 .border_contacts = 0};
   if (scene.meshes.empty()) return capacities;
   capacities.pairs += kPatchesPerBody * bodies;
   capacities.mesh_triangles = kTrianglesPerBody * bodies + physics::kMaxBodyTriangles;
@@ -171,9 +173,11 @@ void GlobalWorld::add_device(const Scene& scene, BodyId id) {
   const std::optional<BodyIndex> found = islands_.index_of(id);
   TACTUS_CHECK(found.has_value(), id, scene.bodies.size());
   const BodyIndex proxy = *found;
-  devices_.push_back({id, proxy,
-                      Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
-                      islands_.bodies()[proxy].motion.pose});
+  devices_.push_back(
+      {.id = id,
+       .proxy = proxy,
+       .extraction = Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
+       .reported_proxy = islands_.bodies()[proxy].motion.pose});
   devices_.back().buffer = BodyVector<std::uint8_t>(islands_.bodies().size());
 }
 

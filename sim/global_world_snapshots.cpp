@@ -35,8 +35,11 @@ void GlobalWorld::add_joined() noexcept {
   joints->for_each_link(bodies, [&](std::uint32_t a, std::uint32_t b, std::uint32_t joint) noexcept {
     const Posed &at_a = bodies[a].motion.pose, &at_b = bodies[b].motion.pose;
     if (touches_.size() < touches_.capacity())
-      touches_.push_back({awake[a], awake[b], at_b * joints->joints()[joint].b_from_joint.position,
-                          normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1}), true});
+      touches_.push_back({.a = awake[a],
+                          .b = awake[b],
+                          .point = at_b * joints->joints()[joint].b_from_joint.position,
+                          .normal = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1}),
+                          .joined = true});
   });
   const auto states = joints->states();
   statistics_.broken_joints = static_cast<std::uint32_t>(

@@ -67,9 +67,15 @@ Vec3d limit_port(const ForceLimiter::Config& config, const ForceLimiter::PortCon
 ForceLimiter::Config ForceLimiter::Config::of(const DeviceProperties& device, double period_s) noexcept {
   Config config;
   config.period_s = period_s;
-  config.force = {device.max_force_N, device.continuous_force_N, 5000.0, 200.0};
+  config.force = {.max = device.max_force_N,
+                  .continuous = device.continuous_force_N,
+                  .slew_per_s = 5000.0,
+                  .slow_slew_per_s = 200.0};
   const double ratio = device.max_force_N > 0 ? device.max_torque_Nm / device.max_force_N : 0.0;
-  config.torque = {device.max_torque_Nm, device.continuous_torque_Nm, 5000.0 * ratio, 200.0 * ratio};
+  config.torque = {.max = device.max_torque_Nm,
+                   .continuous = device.continuous_torque_Nm,
+                   .slew_per_s = 5000.0 * ratio,
+                   .slow_slew_per_s = 200.0 * ratio};
   return config;
 }
 

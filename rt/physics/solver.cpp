@@ -154,8 +154,13 @@ template <class S>
 void Solver<S>::step(const SolverInput& input, const StepSettings& settings, const CutPredicate& cut,
                      StepReport& report) noexcept {
   const double h = settings.dt / static_cast<double>(settings.sub_steps);
-  StageContext context{input.bodies, input.fixed_bodies, input.frozen, input.contacts, settings,
-                       report,       input.executor};
+  StageContext context{.bodies = input.bodies,
+                       .fixed_bodies = input.fixed_bodies,
+                       .held = input.frozen,
+                       .contacts = input.contacts,
+                       .settings = settings,
+                       .report = report,
+                       .executor = input.executor};
   context.h = h;
   context.rule = SweepRule<double>::of(settings, h);
   const SweepRule<S> rule = SweepRule<S>::of(settings, static_cast<S>(h));

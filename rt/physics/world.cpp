@@ -322,7 +322,13 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
   const double impulse_scale = last_sub_step_ > 0.0 && last_sub_step_ != h ? h / last_sub_step_ : 1.0;
   last_sub_step_ = h;
 
-  StageContext context{bodies_.span(), fixed_bodies_.span(), frozen_.span(), {}, settings, report, executor_};
+  StageContext context{.bodies = bodies_.span(),
+                       .fixed_bodies = fixed_bodies_.span(),
+                       .held = frozen_.span(),
+                       .contacts = {},
+                       .settings = settings,
+                       .report = report,
+                       .executor = executor_};
   add_pairs(context);
   add_fixed_pairs(context);
   contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), motion_bounds_.span(),
@@ -348,19 +354,19 @@ void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> spri
                   double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept {
   const std::span<const Wrenchd> wrenches =
       wrench_applied_ ? std::span<const Wrenchd>(wrenches_.span()) : std::span<const Wrenchd>();
-  const SolverInput input{bodies_.span(),
-                          held,
-                          wrenches,
-                          contacts_.contacts(),
-                          springs,
-                          border_contacts_.span(),
-                          border_ghosts_.span(),
-                          border_mode,
-                          border_budget_J,
-                          impulse_scale,
-                          effects_.stages(),
-                          fixed_bodies_.span(),
-                          executor_};
+  const SolverInput input{.bodies = bodies_.span(),
+                          .frozen = held,
+                          .wrenches = wrenches,
+                          .contacts = contacts_.contacts(),
+                          .springs = springs,
+                          .border = border_contacts_.span(),
+                          .ghosts = border_ghosts_.span(),
+                          .border_mode = border_mode,
+                          .border_budget_J = border_budget_J,
+                          .impulse_scale = impulse_scale,
+                          .stages = effects_.stages(),
+                          .fixed_bodies = fixed_bodies_.span(),
+                          .executor = executor_};
   if (solver_) return solver_->step(input, settings, cut, report);
   TACTUS_CHECK(border_contacts_.empty(), bodies_.size(), border_contacts_.size());
   single_solver_->step(input, settings, cut, report);

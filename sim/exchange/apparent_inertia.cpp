@@ -344,7 +344,12 @@ void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint3
   found_[slot] = search_;
   const Vec3d d = bodies_[slot].motion.pose.position - centre;
   const Matrix6 inertia = inertia_of(bodies_[slot], d);
-  reached_.push_back({slot, parent, link, inertia, {}, product(inertia, at_point(off_mean(slot), d))});
+  reached_.push_back({.slot = slot,
+                      .parent = parent,
+                      .link = link,
+                      .inertia = inertia,
+                      .constraint_stiffness = {},
+                      .momentum = product(inertia, at_point(off_mean(slot), d))});
 }
 
 // Collects the bodies connected to the queried one, then eliminates them from the far end inwards, each into its

@@ -76,7 +76,8 @@ void Approach::find(const physics::World& world, physics::Hulls hulls, std::span
         const double closing = dot(velocity_at(body_a, point) - velocity_at(body_b, point), manifold.normal);
         if (!(manifold.points[i].separation < closing * horizon_s)) continue;
         if (touches.size() == touches.capacity()) return;
-        touches.push_back({awake[a.slot], awake[b.slot], point, manifold.normal, false});
+        touches.push_back(
+            {.a = awake[a.slot], .b = awake[b.slot], .point = point, .normal = manifold.normal, .joined = false});
         break;
       }
     }

@@ -207,7 +207,10 @@ void BorderExchange::collect_loads(const physics::World& world, std::span<const 
     loads_.push_back(
         {point.outside, -(point.impulse_rate_N * point.normal + point.friction_N), point.outside_point, {}});
   for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
-    loads_.push_back({world.bodies()[joint.outside].id, -joint.on_member.force, joint.point, -joint.on_member.torque});
+    loads_.push_back({.outside = world.bodies()[joint.outside].id,
+                      .force = -joint.on_member.force,
+                      .point = joint.point,
+                      .torque = -joint.on_member.torque});
   });
   std::sort(loads_.begin(), loads_.end(), [](const Load& p, const Load& q) { return p.outside < q.outside; });
 }

@@ -13,8 +13,11 @@ ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const phy
     plain += point.from_a;
   }
   const Vec3d from_a = weight > 0 ? weighted * (1 / weight) : plain * (1.0 / std::max(1u, contact.count));
-  return {awake[contact.slot_a], awake[contact.slot_b], bodies[contact.slot_a].motion.pose.position + from_a,
-          contact.normal, false};
+  return {.a = awake[contact.slot_a],
+          .b = awake[contact.slot_b],
+          .point = bodies[contact.slot_a].motion.pose.position + from_a,
+          .normal = contact.normal,
+          .joined = false};
 }
 
 ContactGraph::ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches)

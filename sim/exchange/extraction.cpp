@@ -52,7 +52,7 @@ bool Extraction::available(BodyIndex index, BodySpan<const std::uint8_t> free) c
 void Extraction::add(Priority priority, double score, BodyIndex index) noexcept {
   listed_[index] = 1;
   if (priority <= Priority::kLinked) cycles_out_[index] = 0;
-  candidates_.push_back({priority, was_member_[index] != 0, score, index});
+  candidates_.push_back({.priority = priority, .current = was_member_[index] != 0, .score = score, .index = index});
 }
 
 void Extraction::add_close(std::span<const CloseBody> close, BodySpan<const std::uint8_t> free) noexcept {

@@ -35,7 +35,10 @@ bool Influence::ByValue::operator()(const Label& a, const Label& b) const noexce
 
 Influence::Side Influence::side_of(const ContactEdge& touch, const physics::Body& body) noexcept {
   const Vec3d lever_arm = cross(touch.point - body.motion.pose.position, touch.normal);
-  return {inverse_mass_of(body), touch.normal, lever_arm, inverse_inertia_times(body, lever_arm)};
+  return {.inverse_mass = inverse_mass_of(body),
+          .normal = touch.normal,
+          .lever_arm = lever_arm,
+          .inertia_lever = inverse_inertia_times(body, lever_arm)};
 }
 
 double Influence::inverse_effective_mass(const Side& a, const Side& b) noexcept {
@@ -100,7 +103,10 @@ void Influence::expand(const Label& label, const ContactGraph& graph, BodySpan<c
   if (label.touch == kNear) {
     // The expected contact: along the line of centres, so without a moment on either body.
     const Vec3d apart = bodies[label.index].motion.pose.position - bodies[proxy].motion.pose.position;
-    in = {inverse_mass_of(bodies[label.index]), normalized_or(apart, Vec3d{0, 0, 1}), {}, {}};
+    in = {.inverse_mass = inverse_mass_of(bodies[label.index]),
+          .normal = normalized_or(apart, Vec3d{0, 0, 1}),
+          .lever_arm = {},
+          .inertia_lever = {}};
     in_inverse_mass = in.inverse_mass + inverse_mass_of(bodies[proxy]);
   } else {
     const std::uint32_t side = touches[label.touch].b == label.index ? 1 : 0;

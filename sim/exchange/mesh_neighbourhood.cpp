@@ -16,7 +16,8 @@ bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh& mesh
   auto& triangles = next.near_triangles;
   if (triangles.capacity() - triangles.size() < found.triangles.size()) return false;
   const std::uint32_t first = triangles.size(), count = found.triangles.size();
-  if (!next.near_regions.try_push({body, mesh_index, first, count, box})) return false;
+  if (!next.near_regions.try_push({.body = body, .mesh = mesh_index, .first = first, .count = count, .box = box}))
+    return false;
   for (const std::uint32_t triangle : found.triangles) (void)triangles.try_push(triangle);
   return true;
 }

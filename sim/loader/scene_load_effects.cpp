@@ -150,8 +150,10 @@ void EffectReader::read_body(TableReader& table, Body& body) {
 
 void EffectReader::read_script(TableReader& table, Body& body) {
   auto& keys = scene_.effect_data.path_keys;
-  physics::KinematicScript script{body.id, static_cast<std::uint32_t>(keys.size()), 0,
-                                  table.flag("repeat_path", false)};
+  physics::KinematicScript script{.id = body.id,
+                                  .first_key = static_cast<std::uint32_t>(keys.size()),
+                                  .keys = 0,
+                                  .repeat = table.flag("repeat_path", false)};
   unsigned number = 0;
   for (const TomlNode& node : table.array("path", kMaxPathKeys)) {
     TableReader t(&node, table.name_of(fmt::format("path.{}", ++number)), diagnostics_);

@@ -49,7 +49,11 @@ class TickedWorld {
  private:
   static physics::Capacities capacities_of(const sim::Scene& scene) {
     const auto bodies = static_cast<std::uint32_t>(scene.bodies.size());
-    physics::Capacities capacities{bodies, bodies, 16 * bodies + 256, 10 * bodies + 64, 0};
+    physics::Capacities capacities{.bodies = bodies,
+                                   .fixed_bodies = bodies,
+                                   .pairs = 16 * bodies + 256,
+                                   .contacts = 10 * bodies + 64,
+                                   .border_contacts = 0};
     if (!scene.meshes.empty()) {
       capacities.pairs += 16 * bodies;
       capacities.mesh_triangles = 64 * bodies + physics::kMaxBodyTriangles;
@@ -233,8 +237,10 @@ std::vector<EffectTime> time_effects(const sim::Scene& scene) {
       timed(with_it, with_us);
       timed(without_it, without_us);
     }
-    times.push_back({std::string(effect.name), median(with_us) - median(without_us), spread_of(with_us, without_us),
-                     median(with_us)});
+    times.push_back({.effect = std::string(effect.name),
+                     .added_us = median(with_us) - median(without_us),
+                     .spread_us = spread_of(with_us, without_us),
+                     .tick_us = median(with_us)});
   }
   return times;
 }

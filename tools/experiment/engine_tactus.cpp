@@ -39,9 +39,11 @@ physics::SweepPrecision precision_of(const BoxScene& scene, const EngineOptions&
 physics::Capacities capacities_of(const BoxScene& scene) {
   const auto bodies = static_cast<std::uint32_t>(scene.cubes.size()) + rods_of(scene) + 1;
   const bool mixed = is_mixed(scene);
-  return {bodies, static_cast<std::uint32_t>(scene.walls.size()),
-          (mixed ? kPairsPerMixedBody : kPairsPerBody) * bodies + 256,
-          (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256, 0};
+  return {.bodies = bodies,
+          .fixed_bodies = static_cast<std::uint32_t>(scene.walls.size()),
+          .pairs = (mixed ? kPairsPerMixedBody : kPairsPerBody) * bodies + 256,
+          .contacts = (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256,
+          .border_contacts = 0};
 }
 
 physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {

@@ -83,7 +83,10 @@ void add_bowl(BoxScene& scene, double floor_width_m, double height_m) {
 
 Cube cube_at(double edge_m, const Vec3d& at, Random& random) {
   const Vec3d shift = random.vector(kJitter * edge_m);
-  return {edge_m, kDensity * edge_m * edge_m * edge_m, at + shift, quat_from_rotation_vector(random.vector(kTilt_rad))};
+  return {.edge_m = edge_m,
+          .mass_kg = kDensity * edge_m * edge_m * edge_m,
+          .position = at + shift,
+          .rotation = quat_from_rotation_vector(random.vector(kTilt_rad))};
 }
 
 // Equal cubes on a square grid, layer upon layer. Returns the width of the box that holds them.

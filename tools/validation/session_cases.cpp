@@ -174,7 +174,12 @@ Outcome bad_samples(const Setting& setting) {
 
 Outcome stiff_wall(const Setting& setting) {
   const haptics::DeviceProperties device;
-  const haptics::AxisLimits axis{1e-3, device.delay_s, device.mass_kg, device.damping_Ns_per_m, 0, 0};
+  const haptics::AxisLimits axis{.period_s = 1e-3,
+                                 .delay_s = device.delay_s,
+                                 .mass = device.mass_kg,
+                                 .damping = device.damping_Ns_per_m,
+                                 .coulomb_friction = 0,
+                                 .quantum = 0};
   const double allowed = haptics::kAllowedStiffnessShare * haptics::uncoupled_stiffness_limit(axis, 5);
   const sim::Scene scene =
       make_scene(setting, 0.999 * allowed, {{0, {0, 0, 0.02}}, {0.5, {0, 0, 0.002}}, {0.6, {0, 0, 0.002}}}, "");

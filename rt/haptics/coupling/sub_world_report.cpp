@@ -54,14 +54,14 @@ void SubWorld::report_border(SubWorldReport& report) const noexcept {
     const std::int32_t slot = world_.slot_of(contact.member);
     if (slot < 0) continue;
     const Posed& pose = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose;
-    const BorderReturn entry{contact.member,
-                             contact.outside,
-                             contact.feature,
-                             0,
-                             pose * contact.member_anchor,
-                             contact.normal,
-                             contact.total_tangent_impulse,
-                             contact.total_normal_impulse};
+    const BorderReturn entry{.member = contact.member,
+                             .outside = contact.outside,
+                             .feature = contact.feature,
+                             .padding = 0,
+                             .point = pose * contact.member_anchor,
+                             .normal = contact.normal,
+                             .tangent_impulse = contact.total_tangent_impulse,
+                             .normal_impulse_Ns = contact.total_normal_impulse};
     if (!report.border.try_push(entry)) return;
   }
 }

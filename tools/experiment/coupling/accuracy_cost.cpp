@@ -138,8 +138,16 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
   for (const Change& change : changes_of(settings[0], moving_bodies(written.value()))) {
     const auto at = std::find(settings.begin(), settings.end(), change.setting) - settings.begin();
     const CostPoint& to = report.points[first + static_cast<std::size_t>(at)];
-    report.notches.push_back({one.name, change.factor, change.from, change.to, base.force_error, to.force_error,
-                              base.tick_us_p50, to.tick_us_p50, base.global_us_per_tick, to.global_us_per_tick});
+    report.notches.push_back({.scene = one.name,
+                              .factor = change.factor,
+                              .from = change.from,
+                              .to = change.to,
+                              .error_before = base.force_error,
+                              .error_after = to.force_error,
+                              .tick_us_before = base.tick_us_p50,
+                              .tick_us_after = to.tick_us_p50,
+                              .global_us_before = base.global_us_per_tick,
+                              .global_us_after = to.global_us_per_tick});
   }
   report.points[first].is_default = true;
   return Status::good();

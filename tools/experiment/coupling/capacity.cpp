@@ -173,7 +173,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
     for (Scheme scheme : request.couplings) {
       for (const unsigned ratio : scheme.direct() ? std::vector<unsigned>{1} : request.ratios) {
         scheme.ratio = ratio;
-        CapacityRow row{scheme, rate_Hz, 0, 0, {}, 0};
+        CapacityRow row{.scheme = scheme, .rate_Hz = rate_Hz, .bodies = 0, .too_many = 0, .breaks = {}, .quotient = 0};
         Status failed = Status::good();
         const auto fits = [&](unsigned bodies) {
           if (!failed.ok()) return false;

@@ -61,7 +61,11 @@ void RowSums::add(const RowSums& other) {
 
 SeedFigures figures_of(const RowSums& sums) {
   const Deviation energy = sums.energy.kinetic();
-  return {sums.all().relative(), energy.loss, energy.gain, quantile(sums.steps, 0.95), median(sums.vibration)};
+  return {.force_error = sums.all().relative(),
+          .loss = energy.loss,
+          .gain = energy.gain,
+          .sync_step_N = quantile(sums.steps, 0.95),
+          .hold_vibration_N = median(sums.vibration)};
 }
 
 // Schemes with the same gains, and the scene with these gains.
@@ -94,7 +98,10 @@ class SceneStudy {
   CoupledWorlds worlds(const Scheme& scheme) const { return {scene_, options(scheme), profile_.properties}; }
   ScriptedArm arm() const {
     const auto config = session::loop_config(scene_, options(kDirectScheme), profile_.properties);
-    return {profile_, session::make_hand(scene_), config.placement, config.period_s};
+    return {.force_error = profile_,
+            .loss = session::make_hand(scene_),
+            .gain = config.placement,
+            .sync_step_N = config.period_s};
   }
   void measure_apart(const ReferenceRun& reference, const Window& window);
   void measure_scheme(std::size_t index, const ReferenceRun& reference, const Window& window,

@@ -30,7 +30,14 @@ MapRow measure(const MapRequest& request, const char* factor, const LoopTiming& 
     gains.damping_Ns_per_m = damping;
     return haptics::check_coupling(gains, device, period_s, late_s).translation;
   };
-  MapRow row{factor, timing, device.delay_s, damping_share * judge(0).damping_limit, 0, 0, 0, 0};
+  MapRow row{.factor = factor,
+             .timing = timing,
+             .delay_s = device.delay_s,
+             .damping_Ns_per_m = damping_share * judge(0).damping_limit,
+             .measured_N_per_m = 0,
+             .formula_N_per_m = 0,
+             .line_N_per_m = 0,
+             .allowed_N_per_m = 0};
   const haptics::AxisVerdict verdict = judge(row.damping_Ns_per_m);
   row.formula_N_per_m = verdict.stiffness_limit;
   row.allowed_N_per_m = verdict.stiffness_allowed;
