@@ -267,7 +267,7 @@ void ContactSolver<T, kWidth>::add_to_totals() noexcept {
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
-  for (Twist<T>& given : accumulated_delta_v_) { given *= factor; }
+  for (Twist<T>& given : accumulated_delta_v_) given *= factor;
   for_each_row([factor](auto& row) {
     const auto f = std::remove_reference_t<decltype(row.friction)>(factor);
     for (std::uint32_t i = 0; i < row.points; ++i) {
