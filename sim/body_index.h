@@ -1,10 +1,10 @@
 // The index of a moving body of the scene: its rank by id among all of them, awake or asleep.
 //
-// A world has another index, the slot: the rank among the bodies that are in it, so among the awake ones. It changes
-// when a body falls asleep, and an index of the one kind never means the same body as that number of the other. So this
-// one is a type of its own: no integer, slot or id converts to it, nor it to them, and what it selects is a BodySpan or
-// BodyVector, which takes nothing else. Slots stay plain integers: in the engine they are loop counters and lanes.
-// IslandManager::awake() leads from slots to body indices. Costs no instruction. Thread: [any].
+// A world has another index, the slot (rt/physics/slot_index.h): the rank among the bodies that are in it, so among the
+// awake ones. It changes when a body falls asleep, and an index of the one kind never means the same body as that
+// number of the other. So each is a type of its own: neither converts to the other, to an id or to an integer, and what
+// a BodyIndex selects is a BodySpan or BodyVector, which takes nothing else. IslandManager::awake() leads from slots to
+// body indices. Costs no instruction. Thread: [any].
 #pragma once
 
 #include <algorithm>

@@ -181,10 +181,10 @@ void GlobalWorld::add_device(const Scene& scene, BodyId id) {
   devices_.back().buffer = BodyVector<std::uint8_t>(islands_.bodies().size());
 }
 
-std::uint32_t GlobalWorld::slot_of(const Device& device) const noexcept {
-  const std::int32_t slot = world_.slot_of(device.id);
-  TACTUS_CHECK(slot >= 0, device.id, world_.bodies().size());  // a proxy never sleeps
-  return static_cast<std::uint32_t>(slot);
+physics::SlotIndex GlobalWorld::slot_of(const Device& device) const noexcept {
+  const std::optional<physics::SlotIndex> slot = world_.slot_of(device.id);
+  TACTUS_CHECK(slot.has_value(), device.id, world_.bodies().size());  // a proxy never sleeps
+  return *slot;
 }
 
 std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) noexcept {
@@ -210,11 +210,10 @@ void GlobalWorld::share_work(WorkerPool& pool) {
 
 void GlobalWorld::set_state(std::span<const Body> bodies, std::span<const physics::WarmStart> contacts) noexcept {
   for (const auto& body : bodies)
-    if (const std::int32_t slot = world_.slot_of(body.id); slot >= 0)
-      world_.bodies()[static_cast<std::uint32_t>(slot)].motion = body.motion;
+    if (Body* awake = world_.find(body.id)) awake->motion = body.motion;
   for (const auto& contact : contacts) world_.add_warm_start(contact);
   islands_.follow(world_);
-  for (Device& device : devices_) device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+  for (Device& device : devices_) device.reported_proxy = world_.body(slot_of(device)).motion.pose;
 }
 
 void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noexcept {
@@ -240,7 +239,7 @@ void GlobalWorld::reset(const Posed& world_from_proxy) {
   statistics_ = statistics;
   if (pool != nullptr) share_work(*pool);
   Device& device = devices_[0];
-  world_.bodies()[slot_of(device)].motion = {world_from_proxy, {}};
+  world_.body(slot_of(device)).motion = {world_from_proxy, {}};
   islands_.follow(world_);
   device.reported_proxy = world_from_proxy;
   wake_near(device);
@@ -288,7 +287,7 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   Device& device = devices_[device_index];
   if (!coupling_.imposes_motion) {
     take_target(device, report);
-    device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+    device.reported_proxy = world_.body(slot_of(device)).motion.pose;
     wake_near(device);
     return;
   }
@@ -335,9 +334,9 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
     if (ahead.engaged)
       ahead.pose = {ahead.pose.position + elapsed_s * ahead.velocity.linear,
                     quat_from_rotation_vector(elapsed_s * ahead.velocity.angular) * ahead.pose.rotation};
-    const std::uint32_t slot = slot_of(devices_[d]);
+    const physics::SlotIndex slot = slot_of(devices_[d]);
     physics::PoseSpring spring;
-    haptics::aim_spring(options_.gains, ahead, slot, world_.bodies()[slot].motion.pose, spring);
+    haptics::aim_spring(options_.gains, ahead, slot, world_.body(slot).motion.pose, spring);
     world_.device_spring(d) = spring;
   }
 }
@@ -347,21 +346,19 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
 void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) noexcept {
   double before = 0, after = 0;
   for (const auto& member : report.members) {
-    const std::int32_t found = world_.slot_of(member.id);
-    if (found < 0) continue;
-    const auto slot = static_cast<std::uint32_t>(found);
+    Body* const body = world_.find(member.id);
+    if (body == nullptr) continue;
     if (member.in_buffer != 0 || (coupling_.members_frozen && member.id != device.id)) continue;
     if (!is_finite(member.motion.pose) || !is_finite(member.motion.velocity)) {
       ++statistics_.rejected_states;
       continue;
     }
-    Body& body = world_.bodies()[slot];
-    before += energy_of(body, settings_.gravity);
-    body.motion = member.motion;
-    after += energy_of(body, settings_.gravity);
+    before += energy_of(*body, settings_.gravity);
+    body->motion = member.motion;
+    after += energy_of(*body, settings_.gravity);
   }
   statistics_.imposed_energy_J += after - before;
-  device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+  device.reported_proxy = world_.body(slot_of(device)).motion.pose;
 }
 
 physics::StepReport GlobalWorld::take_macro_step(std::uint32_t macro_step, std::uint32_t macro_steps) noexcept {
@@ -387,9 +384,8 @@ void GlobalWorld::note_member_velocities() noexcept {
   velocity_before_.resize(world_.bodies().size());
   for (const Device& device : devices_)
     for (const BodyIndex body : device.extraction.members())
-      if (const std::int32_t slot = world_.slot_of(islands_.bodies()[body].id); slot >= 0)
-        velocity_before_[static_cast<std::size_t>(slot)] =
-            world_.bodies()[static_cast<std::size_t>(slot)].motion.velocity;
+      if (const auto slot = world_.slot_of(islands_.bodies()[body].id))
+        velocity_before_[number_of(*slot)] = world_.body(*slot).motion.velocity;
 }
 
 void GlobalWorld::add_border_work() noexcept {

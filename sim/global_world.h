@@ -131,7 +131,7 @@ class GlobalWorld {
     BodyVector<std::uint8_t> buffer{};  // 1 if in the buffer of its sub-world (border_buffer.h)
   };
 
-  std::uint32_t slot_of(const Device& device) const noexcept;
+  physics::SlotIndex slot_of(const Device& device) const noexcept;
   std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
   std::span<const std::uint8_t> slots_of_all_members() noexcept;
   void add_device(const Scene& scene, BodyId proxy);

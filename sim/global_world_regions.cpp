@@ -24,7 +24,7 @@ void GlobalWorld::wake_for(const SubWorldReport& report) noexcept {
 // Wakes the bodies in the device's boundary cube, which may become members at the end of the next step.
 void GlobalWorld::wake_near(const Device& device) noexcept {
   if (islands_.asleep() == 0) return;
-  (void)islands_.wake_in(device.extraction.region(world_.bodies()[slot_of(device)], device.reported_proxy), world_);
+  (void)islands_.wake_in(device.extraction.region(world_.body(slot_of(device)), device.reported_proxy), world_);
 }
 
 // Updates held_ and regions_: the members of each sub-world, and the region from which it may take more.

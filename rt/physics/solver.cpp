@@ -51,7 +51,7 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
     if (input.wrenches[i] != Wrenchd{}) static_cast<void>(pushed_.try_push(i));
   for (std::uint32_t i = 0; i < kMaxSprings; ++i) {
     const PoseSpring spring = i < input.springs.size() ? input.springs[i] : PoseSpring{};
-    const Posed start = spring.enabled ? input.bodies[spring.slot].motion.pose : Posed{};
+    const Posed start = spring.enabled ? input.bodies[number_of(spring.slot)].motion.pose : Posed{};
     springs_[i].prepare(spring, start, motion_.span(), inverse_inertia_.span(), static_cast<S>(context.h));
   }
   run_stages(input, Phase::kPrepare, context);

@@ -8,8 +8,8 @@ void SpringSolver<S>::prepare(const PoseSpring& spring, const Posed& start, std:
   body_ = nullptr;
   impulse_ = {};
   if (!spring.enabled) return;
-  body_ = &motion[spring.slot];
-  inverse_inertia_ = &inverse_inertia[spring.slot];
+  body_ = &motion[number_of(spring.slot)];
+  inverse_inertia_ = &inverse_inertia[number_of(spring.slot)];
   h_ = h;
   error_ = number_cast<S>(start.position - spring.target.position);
   start_rotation_ = number_cast<S>(start.rotation);

@@ -93,7 +93,7 @@ bool World::insert(const Body& body) noexcept {
   static_cast<void>(last_poses_.try_insert(slot, unknown_pose()));
   contacts_.slot_inserted(slot, false);
   for (auto& spring : springs_)
-    if (spring.enabled && spring.slot >= slot) ++spring.slot;
+    if (spring.enabled && number_of(spring.slot) >= slot) spring.slot = SlotIndex{number_of(spring.slot) + 1};
   return true;
 }
 
@@ -106,8 +106,8 @@ bool World::remove(BodyId id) noexcept {
     last_poses_.erase(slot);
     contacts_.slot_removed(slot, false);
     for (auto& spring : springs_) {
-      if (spring.enabled && spring.slot == slot) spring.enabled = false;
-      if (spring.enabled && spring.slot > slot) --spring.slot;
+      if (spring.enabled && number_of(spring.slot) == slot) spring.enabled = false;
+      if (spring.enabled && number_of(spring.slot) > slot) spring.slot = SlotIndex{number_of(spring.slot) - 1};
     }
     return true;
   }
@@ -120,10 +120,17 @@ bool World::remove(BodyId id) noexcept {
   return true;
 }
 
-std::int32_t World::slot_of(BodyId id) const noexcept {
+std::optional<SlotIndex> World::slot_of(BodyId id) const noexcept {
   const std::uint32_t slot = lower_slot(bodies_, id);
-  return holds(bodies_, slot, id) ? static_cast<std::int32_t>(slot) : -1;
+  return holds(bodies_, slot, id) ? std::optional(SlotIndex{slot}) : std::nullopt;
 }
+
+Body* World::find(BodyId id) noexcept {
+  const std::uint32_t slot = lower_slot(bodies_, id);
+  return holds(bodies_, slot, id) ? &bodies_[slot] : nullptr;
+}
+
+const Body* World::find(BodyId id) const noexcept { return const_cast<World*>(this)->find(id); }
 
 bool World::add_border_contact(const BorderContact& contact) noexcept {
   return border_contacts_.try_push(contact) || refuse(kBorderContactsFull);
@@ -144,13 +151,15 @@ WarmStart World::warm_start_of(const Contact& contact, double sub_step_s) noexce
   return out;
 }
 
-void World::apply_wrench(std::uint32_t slot, const Wrenchd& wrench) noexcept {
+void World::apply_wrench(SlotIndex index, const Wrenchd& wrench) noexcept {
+  const std::uint32_t slot = number_of(index);
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
   wrenches_[slot] += wrench;
   wrench_applied_ = true;
 }
 
-void World::apply_impulse(std::uint32_t slot, const Wrenchd& impulse) noexcept {
+void World::apply_impulse(SlotIndex index, const Wrenchd& impulse) noexcept {
+  const std::uint32_t slot = number_of(index);
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
   if (frozen_[slot] != 0) return;
   Body& body = bodies_[slot];
@@ -161,7 +170,8 @@ void World::apply_impulse(std::uint32_t slot, const Wrenchd& impulse) noexcept {
       rotate(q, Vec3d{torque.x / body.inertia.x, torque.y / body.inertia.y, torque.z / body.inertia.z});
 }
 
-void World::set_frozen(std::uint32_t slot, bool frozen) noexcept {
+void World::set_frozen(SlotIndex index, bool frozen) noexcept {
+  const std::uint32_t slot = number_of(index);
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
   frozen_[slot] = frozen ? 1 : 0;
 }
@@ -181,7 +191,7 @@ void World::begin_step(const StepSettings& settings) noexcept {
     const Twistd& velocity = body.motion.velocity;
     double speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
     for (const auto& spring : springs_)
-      if (spring.enabled && spring.slot == i) speed = std::max(speed, norm(spring.target_velocity.linear));
+      if (spring.enabled && number_of(spring.slot) == i) speed = std::max(speed, norm(spring.target_velocity.linear));
     motion_bounds_[i] = {};
     if (frozen_[i] == 0) {
       motion_bounds_[i].moved = speed * settings.dt;

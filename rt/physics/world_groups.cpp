@@ -62,11 +62,11 @@ void World::follow_moves() noexcept {
   contacts_.slots_moved(moved_to_.span());
   for (auto& spring : springs_) {
     if (!spring.enabled) continue;
-    const std::uint32_t to = moved_to_[spring.slot];
+    const std::uint32_t to = moved_to_[number_of(spring.slot)];
     if (to == kNoSlot)
       spring.enabled = false;
     else
-      spring.slot = to;
+      spring.slot = SlotIndex{to};
   }
 }
 

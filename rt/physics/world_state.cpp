@@ -106,7 +106,7 @@ bool World::is_consistent() const noexcept {
   for (const WarmStart& w : contacts_.warm_starts())
     if (w.count > kMaxManifoldPoints) return false;
   for (const auto& spring : springs_)
-    if (spring.enabled && spring.slot >= bodies_.size()) return false;
+    if (spring.enabled && number_of(spring.slot) >= bodies_.size()) return false;
   return !traits_of(border_mode).name.empty();
 }
 

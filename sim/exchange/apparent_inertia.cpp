@@ -245,10 +245,10 @@ void ApparentInertia::find_joints(const physics::World& world) noexcept {
   if (effect == nullptr) return;
   for (std::size_t k = 0; k < effect->joints().size(); ++k) {
     const Joint& joint = effect->joints()[k];
-    const std::int32_t a = joint.a == kNoBody ? -1 : world.slot_of(joint.a), b = world.slot_of(joint.b);
-    if (effect->states()[k].broken != 0 || b < 0 || (joint.a != kNoBody && a < 0)) continue;
+    const auto a = joint.a == kNoBody ? std::nullopt : world.slot_of(joint.a), b = world.slot_of(joint.b);
+    if (effect->states()[k].broken != 0 || !b || (joint.a != kNoBody && !a)) continue;
     joints_.push_back(
-        {a < 0 ? kNone : static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), &joint, &effect->states()[k]});
+        {.a = a ? number_of(*a) : kNone, .b = number_of(*b), .joint = &joint, .state = &effect->states()[k]});
   }
 }
 
@@ -271,8 +271,7 @@ void ApparentInertia::index(const physics::World& world, double added_inertia, d
   immovable_.assign(bodies_.size(), 0);
   if (const auto* kinematics = world.effects().find<physics::ScriptedMotion>())
     for (const auto& script : kinematics->scripts())
-      if (const std::int32_t slot = world.slot_of(script.id); slot >= 0)
-        immovable_[static_cast<std::uint32_t>(slot)] = 1;
+      if (const auto slot = world.slot_of(script.id)) immovable_[number_of(*slot)] = 1;
   std::fill(first_.begin(), first_.end(), 0u);
   const auto count = [&](std::uint32_t slot) noexcept {
     if (slot != kNone) ++first_[slot + 1];

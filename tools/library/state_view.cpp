@@ -92,13 +92,13 @@ void StateView::list_border(const session::Session& session) {
   const physics::World& world = session.loop->sub_world().world();
   const double per_s = 1.0 / session.options.period_s();
   for (const physics::BorderContact& contact : world.border_contacts()) {
-    const std::int32_t slot = world.slot_of(contact.member);
-    if (slot < 0) continue;
+    const physics::Body* inner = world.find(contact.member);
+    if (inner == nullptr) continue;
     roles[contact.member] = Role::kBorder;
     if (contact.outside < roles.size() && roles[contact.outside] == Role::kGlobal)
       roles[contact.outside] = Role::kOutside;
     if (!(contact.step_normal_impulse > 0) || border.size() == border.capacity()) continue;
-    const Posed& member = world.bodies()[static_cast<std::size_t>(slot)].motion.pose;
+    const Posed& member = inner->motion.pose;
     border.push_back({contact.member, contact.outside, to_public(member * contact.member_anchor),
                       to_public(contact.normal), contact.step_normal_impulse * per_s,
                       to_public(contact.step_tangent_impulse * per_s)});

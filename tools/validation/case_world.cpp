@@ -73,7 +73,7 @@ double CaseWorld::stored_J(double ahead_s) {
   const double energy = world.kinetic_energy() + world.potential_energy(settings.gravity);
   const auto& spring = world.device_spring();
   if (!spring.enabled) return energy;
-  const Posed& pose = world.bodies()[spring.slot].motion.pose;
+  const Posed& pose = world.body(spring.slot).motion.pose;
   const Vec3d stretch = pose.position - spring.target.position - ahead_s * spring.target_velocity.linear;
   const Quatd target = quat_from_rotation_vector(ahead_s * spring.target_velocity.angular) * spring.target.rotation;
   const Quatd turn = pose.rotation * conjugate(target);
@@ -86,7 +86,7 @@ double CaseWorld::stored_J(double ahead_s) {
 double CaseWorld::work_of_step_J() {
   double work = 0;
   for (const Held& held : held_) {
-    const Posed &start = world.last_poses()[slot(held.id)], &end = body(held.id).motion.pose;
+    const Posed &start = world.last_poses()[number_of(slot(held.id))], &end = body(held.id).motion.pose;
     work += dot(held.wrench.force, end.position - start.position) +
             dot(held.wrench.torque, small_rotation_vector(end.rotation * conjugate(start.rotation)));
   }

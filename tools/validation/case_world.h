@@ -38,9 +38,9 @@ class CaseWorld {
   // Enters the gates and the hash of the state.
   void close(Outcome& outcome) const;
 
-  physics::Body& body(BodyId id) { return world.bodies()[slot(id)]; }
-  const physics::Body& body(BodyId id) const { return world.bodies()[slot(id)]; }
-  std::uint32_t slot(BodyId id) const { return static_cast<std::uint32_t>(world.slot_of(id)); }
+  physics::Body& body(BodyId id) { return world.body(slot(id)); }
+  const physics::Body& body(BodyId id) const { return world.body(slot(id)); }
+  physics::SlotIndex slot(BodyId id) const { return *world.slot_of(id); }
   const Vec3d& position(BodyId id) const { return body(id).motion.pose.position; }
   Twistd& velocity(BodyId id) { return body(id).motion.velocity; }
   double fastest() const;  // m/s, of the centres of mass

@@ -348,8 +348,8 @@ Outcome tap_on_sleepers(const Setting& setting) {
         const auto& members = s.loop->sub_world().world();
         const bool contact = (out.status & kProxyContact) != 0;
         if (contact && touched == 0) touched = out.tick;
-        if (touched != 0 && answered == 0 && members.slot_of(hit) >= 0 &&
-            members.bodies()[static_cast<std::size_t>(members.slot_of(hit))].motion.velocity != Twistd{})
+        if (touched != 0 && answered == 0 && members.find(hit) != nullptr &&
+            members.find(hit)->motion.velocity != Twistd{})
           answered = out.tick;
       });
   Outcome outcome;

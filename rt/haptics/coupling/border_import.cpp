@@ -67,9 +67,9 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
   if (traits.ghosts) renew_ghosts(snapshot, ghosts);
   std::uint32_t hint = 0;
   for (const BorderPoint& point : snapshot.border) {
-    const std::int32_t slot = world.slot_of(point.member);
-    if (slot < 0) continue;
-    BorderContact contact = contact_at(point, world.bodies()[static_cast<std::uint32_t>(slot)].motion.pose);
+    const physics::Body* member = world.find(point.member);
+    if (member == nullptr) continue;
+    BorderContact contact = contact_at(point, member->motion.pose);
     warm_start(replaced_.span(), hint, contact);
     if (traits.ghosts) contact.ghost = physics::find_ghost(ghosts.span(), point.outside);
     // The world counts what does not fit, and the next step reports it.

@@ -43,8 +43,8 @@ inline Wrenchd coupling_wrench(const CouplingGains& gains, const DeviceTarget& d
 
 // Sets the spring that the world solves implicitly: from the body in `slot` to the device or, when the device is not
 // engaged, a damper that brings the body to rest where it is.
-inline void aim_spring(const CouplingGains& gains, const DeviceTarget& device, std::uint32_t slot, const Posed& body,
-                       physics::PoseSpring& spring) noexcept {
+inline void aim_spring(const CouplingGains& gains, const DeviceTarget& device, physics::SlotIndex slot,
+                       const Posed& body, physics::PoseSpring& spring) noexcept {
   spring.enabled = true;
   spring.slot = slot;
   spring.stiffness_N_per_m = device.engaged ? gains.stiffness_N_per_m : 0.0;

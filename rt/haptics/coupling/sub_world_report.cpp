@@ -51,9 +51,9 @@ void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& rep
 
 void SubWorld::report_border(SubWorldReport& report) const noexcept {
   for (const auto& contact : world_.border_contacts()) {
-    const std::int32_t slot = world_.slot_of(contact.member);
-    if (slot < 0) continue;
-    const Posed& pose = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose;
+    const physics::Body* member = world_.find(contact.member);
+    if (member == nullptr) continue;
+    const Posed& pose = member->motion.pose;
     const BorderReturn entry{.member = contact.member,
                              .outside = contact.outside,
                              .feature = contact.feature,

@@ -39,7 +39,7 @@ struct EffectBench {
   void run(int steps) {
     for (int i = 0; i < steps; ++i) step();
   }
-  BodyMotion& motion(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))].motion; }
+  BodyMotion& motion(BodyId id) { return world.find(id)->motion; }
 };
 
 template <class Room>

@@ -82,9 +82,7 @@ struct Bench {
       border_J += report.border_joints_J;
     }
   }
-  const BodyMotion& motion(BodyId id) const {
-    return world.bodies()[static_cast<std::size_t>(world.slot_of(id))].motion;
-  }
+  const BodyMotion& motion(BodyId id) const { return world.find(id)->motion; }
 };
 
 }  // namespace

@@ -61,7 +61,7 @@ struct JointBench {
   void run_seconds(double seconds) {
     for (long i = std::lround(seconds / settings.dt); i > 0; --i) step();
   }
-  BodyMotion& motion(BodyId id) { return world->bodies()[static_cast<std::size_t>(world->slot_of(id))].motion; }
+  BodyMotion& motion(BodyId id) { return world->find(id)->motion; }
   const Joints& room() const { return *world->effects().find<Joints>(); }
   const JointState& state(std::size_t joint = 0) const { return room().states()[joint]; }
 };

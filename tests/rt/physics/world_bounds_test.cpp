@@ -27,7 +27,7 @@ TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of 
     const double gap = 0.999 * std::max(closing, bench.settings.min_margin);
     const Vec3d below{0, 0, 1 - 2 * half - gap};
     if (n % 5 < 3) bench.add_box(2, {half, half, half}, 0.2, 0.5, {below, {}});
-    if (n % 5 == 0) bench.world.set_frozen(1, true);
+    if (n % 5 == 0) bench.world.set_frozen(SlotIndex{1}, true);
     if (n % 5 == 1) bench.body(2).gravity_scale = 0;
     if (n % 5 == 2) bench.velocity(2).linear.z = speed;
     if (n % 5 == 3) bench.world.insert(make_fixed_body(2, Shape::box({half, half, half}), 0.5, {below, {}}));

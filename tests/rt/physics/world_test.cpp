@@ -86,7 +86,7 @@ TEST_CASE("Bodies inserted in any order have the slots of their ids and give the
     PhysicsBench bench;
     insert_all(bench, shuffled);
     for (std::uint32_t slot = 0; slot < bench.world.bodies().size(); ++slot)
-      CHECK(bench.world.slot_of(bench.world.bodies()[slot].id) == static_cast<std::int32_t>(slot));
+      CHECK(bench.world.slot_of(bench.world.bodies()[slot].id) == SlotIndex{slot});
     bench.run(100);
     CHECK(bench.world.state_hash() == reference.world.state_hash());
   }
@@ -149,8 +149,8 @@ TEST_CASE("An id that is there already is refused, whatever its kind") {
   CHECK_FALSE(bench.world.insert(sphere(4)));
   CHECK_FALSE(bench.world.insert(make_fixed_body(5, Shape::plane(), 0.5, {})));
   CHECK(bench.world.bodies().size() == 1);
-  CHECK(bench.world.slot_of(4) == -1);  // fixed bodies have no dynamic slot
-  CHECK(bench.world.slot_of(6) == -1);
+  CHECK_FALSE(bench.world.slot_of(4));  // fixed bodies have no dynamic slot
+  CHECK_FALSE(bench.world.slot_of(6));
 }
 
 TEST_CASE("Each capacity that runs out sets its bit, counts and is kept") {
@@ -247,8 +247,16 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
   auto bench = make();
   bench->run(80);
   // Everything that a step depends on is set.
-  bench->world.set_frozen(3, true);
-  bench->world.device_spring() = {true, 2, 500, 2, 1, 0.01, {{0, 0, 0.1}, {}}, {{0.1, 0, 0}, {}}, {}};
+  bench->world.set_frozen(SlotIndex{3}, true);
+  bench->world.device_spring() = {.enabled = true,
+                                  .slot = SlotIndex{2},
+                                  .stiffness_N_per_m = 500,
+                                  .damping_Ns_per_m = 2,
+                                  .stiffness_Nm_per_rad = 1,
+                                  .damping_Nms_per_rad = 0.01,
+                                  .target = {{0, 0, 0.1}, {}},
+                                  .target_velocity = {{0.1, 0, 0}, {}},
+                                  .step_impulse = {}};
   bench->world.border_mode = BorderMode::kReplay;
   BorderContact border;
   border.member = 10;
@@ -258,7 +266,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
   border.friction = 0.5;
   REQUIRE(bench->world.add_border_contact(border));
   bench->run(20);
-  bench->world.apply_wrench(1, {{1, 0, 0}, {0, 0, 0.1}});
+  bench->world.apply_wrench(SlotIndex{1}, {{1, 0, 0}, {0, 0, 0.1}});
   REQUIRE_FALSE(bench->world.contacts().empty());
   REQUIRE(bench->world.add_warm_start(World::warm_start_of(bench->world.contacts()[0], bench->h())));
 
@@ -400,15 +408,15 @@ TEST_CASE("A frozen body stays as it is, bears any load and goes on with its vel
   PhysicsBench bench;
   bench.add_sphere(1, 0.05, 0.2, 0.5, {0, 0, 0}, {0, 0, 1});
   bench.add_sphere(2, 0.05, 50, 0.5, {0, 0, 0.1001});
-  bench.world.set_frozen(0, true);
+  bench.world.set_frozen(SlotIndex{0}, true);
   const BodyMotion before = bench.body(1).motion;
   bench.run(500);
   CHECK(bench.body(1).motion == before);
   // To the other it is infinitely heavy and at rest.
   CHECK(0.1 - bench.position(2).z == Approx(bench.overlap_under(50 * tactus::test::kGravity, 50)).epsilon(0.01));
-  bench.world.apply_impulse(0, {{1, 0, 0}, {}});
+  bench.world.apply_impulse(SlotIndex{0}, {{1, 0, 0}, {}});
   CHECK(bench.body(1).motion == before);
-  bench.world.set_frozen(0, false);
+  bench.world.set_frozen(SlotIndex{0}, false);
   bench.position(2).x = 10;
   bench.step();
   CHECK(bench.velocity(1).linear.z == Approx(1 - tactus::test::kGravity * bench.settings.dt));

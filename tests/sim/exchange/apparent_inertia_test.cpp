@@ -38,7 +38,7 @@ PhysicsBench pushed_row(std::uint32_t count, double friction) {
   for (std::uint32_t k = 0; k < count; ++k)
     bench.add_box(k, {kHalf, kHalf, kHalf}, kMass, friction, {{2 * kHalf * k, 0, 0}, {}});
   for (int step = 0; step < 20; ++step) {
-    bench.world.apply_wrench(0, {{2, 0, 0}, {}});
+    bench.world.apply_wrench(physics::SlotIndex{0}, {{2, 0, 0}, {}});
     bench.step();
   }
   return bench;

@@ -46,7 +46,7 @@ TEST_CASE("A cube at rest has a plane at each foot, which together carry its wei
   REQUIRE(planes.size() == 4);
   double force = 0;
   const double top = on_cube ? 0.1 : 0;
-  const Posed& pose = bench.world.bodies()[static_cast<std::size_t>(bench.world.slot_of(proxy))].motion.pose;
+  const Posed& pose = bench.world.find(proxy)->motion.pose;
   for (const auto& plane : planes) {
     CHECK(plane.member == proxy);
     CHECK(plane.outside == (on_cube ? 1u : 50u));

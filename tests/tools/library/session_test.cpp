@@ -97,9 +97,9 @@ TEST_CASE("bodies are where both worlds have them, members by the sub-world and 
   std::size_t members = 0;
   for (const auto& body : inner->global->bodies()) {
     const auto& world = inner->loop->sub_world().world();
-    const std::int32_t slot = world.slot_of(body.id);
-    members += slot >= 0 ? 1 : 0;
-    const auto& motion = slot >= 0 ? world.bodies()[static_cast<std::size_t>(slot)].motion : body.motion;
+    const physics::Body* member = world.find(body.id);
+    members += member != nullptr ? 1 : 0;
+    const auto& motion = member != nullptr ? member->motion : body.motion;
     CAPTURE(body.id);
     CHECK(bodies[body.id].position_m ==
           Vector3{motion.pose.position.x, motion.pose.position.y, motion.pose.position.z});

@@ -102,11 +102,11 @@ struct Bench {
     for (std::uint32_t i = 0; i < ticks; ++i) last = sub_world.step(target, sub_steps, {});
   }
   BodyMotion motion(BodyId id) const {
-    const std::int32_t slot = sub_world.world().slot_of(id);
-    REQUIRE(slot >= 0);
-    return sub_world.world().bodies()[static_cast<std::size_t>(slot)].motion;
+    const physics::Body* member = sub_world.world().find(id);
+    REQUIRE(member != nullptr);
+    return member->motion;
   }
-  bool is_member(BodyId id) const { return sub_world.world().slot_of(id) >= 0; }
+  bool is_member(BodyId id) const { return sub_world.world().find(id) != nullptr; }
   const physics::BorderContact& border(std::uint32_t i) const { return sub_world.world().border_contacts()[i]; }
 };
 
