@@ -98,10 +98,7 @@ class SceneStudy {
   CoupledWorlds worlds(const Scheme& scheme) const { return {scene_, options(scheme), profile_.properties}; }
   ScriptedArm arm() const {
     const auto config = session::loop_config(scene_, options(kDirectScheme), profile_.properties);
-    return {.force_error = profile_,
-            .loss = session::make_hand(scene_),
-            .gain = config.placement,
-            .sync_step_N = config.period_s};
+    return {profile_, session::make_hand(scene_), config.placement, config.period_s};
   }
   void measure_apart(const ReferenceRun& reference, const Window& window);
   void measure_scheme(std::size_t index, const ReferenceRun& reference, const Window& window,
