@@ -3,7 +3,7 @@
 // A board supplies mechanics (encoders, motors, the e-stop line) and a link to the host; Device, between them, is the
 // same on all boards. The board's timer calls `run_period` once per control period. New hardware needs one class for
 // each of the two concepts. Thread: the control period's, [rt]: nothing here waits, allocates or throws; the two
-// classes may not either. Bound: per period at most one service request and kMostCommands commands.
+// classes may not either. Bound: per period at most one service request and kMaxCommands commands.
 #pragma once
 
 #include <concepts>
@@ -13,7 +13,7 @@
 namespace tactus::firmware {
 
 // Most command frames read in one period; further frames wait for the next.
-inline constexpr unsigned kMostCommands = 128;
+inline constexpr unsigned kMaxCommands = 128;
 
 // Encoders and motors. sample() fills counts, time, buttons, e-stop and supply; drive() applies the outputs until the
 // next call.
@@ -75,7 +75,7 @@ void run_period(Device& device, M& mechanics, L& link, S& storage) noexcept {
   ControllerInputs inputs;
   mechanics.sample(inputs);
   std::array<std::byte, kMaxFrameSize> buffer;
-  for (unsigned i = 0; i < kMostCommands; ++i) {
+  for (unsigned i = 0; i < kMaxCommands; ++i) {
     const std::size_t size = link.receive_command(buffer);
     if (size == 0) break;
     device.hear(std::span<const std::byte>(buffer).first(size));

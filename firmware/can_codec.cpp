@@ -99,7 +99,8 @@ unsigned StateSplitter::split(const StateFrame& frame, std::array<CanFragment, k
                                    field(frame.sequence, 44, 4) | rest[i]);
 
   if (status_sent_ && frame.buttons == buttons_ && frame.sequence % kStatusPeriods != 0) return kStateFragments;
-  status_sent_ = true, buttons_ = frame.buttons;
+  status_sent_ = true;
+  buttons_ = frame.buttons;
   out[kStateFragments] =
       fragment(CanFunction::kStatus, field(frame.sequence, 0, 16) | field(frame.time_us, 16, 32) |
                                          field(frame.buttons, 48, 8) | field(frame.missed_commands, 56, 8));
@@ -119,7 +120,8 @@ bool FragmentSet::add(unsigned index, unsigned count, std::uint8_t key, const Ca
   const unsigned bit = 1u << index;
   if (present_ != 0 && (key != key_ || (present_ & bit) != 0)) forget();
   if (present_ == 0) looks_ = 0;
-  key_ = key, present_ |= bit;
+  key_ = key;
+  present_ |= bit;
   words_[index] = get<std::uint64_t>(data, 0);
   if (present_ != (1u << count) - 1u) return false;
   present_ = 0;
@@ -222,7 +224,8 @@ void StateAssembler::continue_sequence_and_time(StateFrame& frame) noexcept {
   const std::int32_t off = static_cast<std::int32_t>(continued(expected_low, quanta_low, 8, state_gap_) - expected_low);
   frame.time_us = (expected_quanta + static_cast<std::uint64_t>(std::int64_t{off})) << kTimeShift;
   // Also backwards: a stream that is sent again keeps its old sequence and time, whatever its length.
-  sequence_ = frame.sequence, time_us_ = frame.time_us;
+  sequence_ = frame.sequence;
+  time_us_ = frame.time_us;
   state_gap_ = false;
   silent_looks_ = 0;
 }

@@ -24,7 +24,8 @@ void ConfigWriter::begin() noexcept {
   put<std::uint32_t>(out, 0, kBlockMagic);
   put<std::uint16_t>(out, 4, kBlockVersion);
   put<std::uint16_t>(out, 6, entry_count());
-  size_ = kConfigBlockHead, row_ = 0;
+  size_ = kConfigBlockHead;
+  row_ = 0;
   crc_ = crc32c_continued(0, block());
 }
 

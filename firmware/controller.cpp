@@ -25,7 +25,7 @@ constexpr float kMaxPlausible = 1e6f;
 bool is_limit(float x) noexcept { return is_finite(x) && x >= 0.0f && x <= kMaxPlausible; }
 // N or N m: smaller efforts are set to zero, before and after each scaling. Their squares would underflow: they would
 // pass any norm limit, and would not count as part of the base.
-constexpr float kLeastEffort = 1e-15f;
+constexpr float kMinEffort = 1e-15f;
 
 float magnitude(float x) noexcept { return x < 0.0f ? -x : x; }
 void count_up(std::uint32_t& counter) noexcept { counter += counter != kSaturated ? 1u : 0u; }
@@ -99,7 +99,8 @@ Controller::Controller(const Config& config) noexcept
 
 void Controller::configure(const Config& config) noexcept {
   const bool was_valid = config_valid_;
-  config_ = config, config_valid_ = is_valid(config);
+  config_ = config;
+  config_valid_ = is_valid(config);
   if (!was_valid && config_valid_) fault_ = Fault::kNone;
 }
 
@@ -115,7 +116,8 @@ ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<con
     const Event event = event_of(inputs, reception, supervision, overspeed);
     enter(next_state(state_, event), event, supervision.fault);
   } else {
-    state_ = State::kReset, fault_ = Fault::kBadConfiguration;
+    state_ = State::kReset;
+    fault_ = Fault::kBadConfiguration;
   }
 
   ControllerOutputs outputs;
@@ -168,7 +170,8 @@ Controller::Reception Controller::receive() noexcept {
   if (!heard.acceptable) return reception;
 
   const CommandFrame& frame = heard.newest;
-  newest_command_ = frame.sequence, sequence_known_ = true;
+  newest_command_ = frame.sequence;
+  sequence_known_ = true;
   missed_ = 0;
   if (frame.wanted == State::kIdle) idle_wanted_ = true;
   if (starts) {
@@ -245,7 +248,7 @@ AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValue
     }
     for (unsigned i = first; i < first + 3; ++i) {
       sum[i] = base[i] + extra[i] * scale;
-      if (magnitude(sum[i]) < kLeastEffort) sum[i] = 0.0f;
+      if (magnitude(sum[i]) < kMinEffort) sum[i] = 0.0f;
       norm_squared += sum[i] * sum[i];
     }
     if (norm_squared > max_norm * max_norm) {
@@ -257,7 +260,7 @@ AxisValues Controller::add_within_limits(const AxisValues& base, const AxisValue
     for (unsigned i = first; i < first + 3; ++i) {
       const float limit = max_effort[i];
       sum[i] = sum[i] > limit ? limit : (sum[i] < -limit ? -limit : sum[i]);
-      if (magnitude(sum[i]) < kLeastEffort) sum[i] = 0.0f;
+      if (magnitude(sum[i]) < kMinEffort) sum[i] = 0.0f;
     }
   }
   return sum;

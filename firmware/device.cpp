@@ -59,7 +59,8 @@ void Device::apply() noexcept {
   controller_.configure(accepted_.control);
   encoders_.configure(accepted_.encoders);
   thermal_.configure(accepted_.thermal);
-  gravity_ = accepted_.gravity, bus_ = accepted_.bus;
+  gravity_ = accepted_.gravity;
+  bus_ = accepted_.bus;
   carries_arm_ = gravity_.constant != AxisValues{} || gravity_.amplitude != decltype(gravity_.amplitude){};
   rooms_valid_ = is_valid(accepted_.encoders) && is_valid(accepted_.thermal);
   changed_ = false;
@@ -99,7 +100,7 @@ void Device::log_fault(State before, Fault fault_before, const Encoders::Reading
   const bool braked = before != State::kBrake && controller_.state() == State::kBrake && fault != Fault::kNone;
   if (!braked && (fault != Fault::kBadConfiguration || fault == fault_before)) return;
 
-  FaultEntry entry{fault, before, kNoAxis, time_us_, 0.0f};
+  FaultEntry entry{.fault = fault, .state_before = before, .axis = kNoAxis, .time_us = time_us_, .value = 0.0f};
   switch (fault) {
     case Fault::kOverspeed:
       entry.axis = fastest_axis(controller_.speed(), controller_.config().max_speed);

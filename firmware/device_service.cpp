@@ -68,7 +68,8 @@ ServiceStatus Device::execute(const Register& row, std::uint32_t argument) noexc
       return ServiceStatus::kGood;
     case number::kFactory:
       if (homing) return ServiceStatus::kBusy;
-      accepted_ = factory_, changed_ = true;
+      accepted_ = factory_;
+      changed_ = true;
       return ServiceStatus::kGood;
     case number::kHome:
       if (changed_) return ServiceStatus::kBusy;

@@ -50,7 +50,9 @@ class AxisSpeed {
       for (unsigned i = 0; i < kAxes; ++i)
         speed[i] = static_cast<float>(count_difference(counts[i], counts_[i])) * quantum[i] / elapsed_s;
     }
-    counts_ = counts, time_us_ = time_us, known_ = true;
+    counts_ = counts;
+    time_us_ = time_us;
+    known_ = true;
     return speed;
   }
 

@@ -32,23 +32,33 @@ bool is_valid(const EncoderConfig& config) noexcept {
 
 void Encoders::configure(const EncoderConfig& config) noexcept {
   if (config == config_) return;
-  config_ = config, offset_ = config.offset;
-  homing_ = false, homed_axes_ = 0, referenced_ = 0, meaning_changed_ = true;
+  config_ = config;
+  offset_ = config.offset;
+  homing_ = false;
+  homed_axes_ = 0;
+  referenced_ = 0;
+  meaning_changed_ = true;
 }
 
 bool Encoders::order(HomingOrder order) noexcept {
   switch (order) {
     case HomingOrder::kForget:
-      homing_ = false, homed_axes_ = 0, referenced_ = 0;
+      homing_ = false;
+      homed_axes_ = 0;
+      referenced_ = 0;
       return true;
     case HomingOrder::kByIndex:
       if (config_.index_axes == 0) return false;
-      homing_ = true, homed_axes_ = kAllAxes & ~config_.index_axes, referenced_ = 0;
+      homing_ = true;
+      homed_axes_ = kAllAxes & ~config_.index_axes;
+      referenced_ = 0;
       return true;
     case HomingOrder::kInCradle:
       for (unsigned i = 0; i < kAxes; ++i)
         set_offset(i, wrapped(std::int64_t{config_.cradle_position[i]} - std::int64_t{config_.direction[i]} * raw_[i]));
-      homing_ = false, homed_axes_ = kAllAxes, referenced_ = 0;
+      homing_ = false;
+      homed_axes_ = kAllAxes;
+      referenced_ = 0;
       return true;
   }
   return false;
@@ -68,11 +78,13 @@ Encoders::Reading Encoders::update(const ControllerInputs& inputs) noexcept {
   for (unsigned i = 0; i < kAxes; ++i) {
     if ((reading.fault_axes & bit(i)) == 0) continue;
     errors_[i] += errors_[i] != 0xffffffffu ? 1u : 0u;
-    homed_axes_ &= ~bit(i), referenced_ &= ~bit(i);
+    homed_axes_ &= ~bit(i);
+    referenced_ &= ~bit(i);
   }
   if (homing_ && homed_axes_ == kAllAxes) homing_ = false;
 
-  reading.meaning_changed = meaning_changed_, meaning_changed_ = false;
+  reading.meaning_changed = meaning_changed_;
+  meaning_changed_ = false;
   for (unsigned i = 0; i < kAxes; ++i) {
     reading.before[i] = count_of_raw(i, raw_[i]);
     reading.counts[i] = count_of_raw(i, inputs.counts[i]);
@@ -84,7 +96,8 @@ Encoders::Reading Encoders::update(const ControllerInputs& inputs) noexcept {
 // Compares with the first pulse, not the last, so that a slowly growing error (a count per turn) is detected too.
 bool Encoders::index_fits(unsigned axis, std::int32_t latched) noexcept {
   if ((referenced_ & bit(axis)) == 0) {
-    reference_[axis] = latched, referenced_ |= bit(axis);
+    reference_[axis] = latched;
+    referenced_ |= bit(axis);
     return true;
   }
   std::int64_t off = count_difference(latched, reference_[axis]);

@@ -16,39 +16,69 @@ constexpr std::uint8_t kCalm = state_bit(State::kReset) | state_bit(State::kIdle
 constexpr std::uint8_t kStarted = state_bit(State::kIdle) | state_bit(State::kBrake);
 constexpr float kMaxPlausible = 1e6f;  // equal to the limit in controller.cpp
 
+// Where a value is stored in the configuration.
 struct Field {
   Section section;
   std::size_t offset;
   std::uint8_t width;
 };
 
-constexpr std::uint32_t bits(float x) noexcept { return std::bit_cast<std::uint32_t>(x); }
-constexpr std::uint32_t bits(std::int32_t x) noexcept { return static_cast<std::uint32_t>(x); }
+// What a value may be, as the bits of its type.
+struct Range {
+  RegisterType type;
+  std::uint32_t low, high;
+};
+constexpr Range real(float low, float high) noexcept {
+  return {RegisterType::kF32, std::bit_cast<std::uint32_t>(low), std::bit_cast<std::uint32_t>(high)};
+}
+constexpr Range whole(std::uint32_t low, std::uint32_t high) noexcept { return {RegisterType::kU32, low, high}; }
+constexpr Range signed_whole(std::int32_t low, std::int32_t high) noexcept {
+  return {RegisterType::kI32, static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high)};
+}
 
-constexpr Register config_row(std::uint16_t n, std::uint8_t count, RegisterType type, Field field, std::uint32_t low,
-                              std::uint32_t high, const char* name, const char* unit) noexcept {
-  return {n,     count,         type,        Access::kReadWrite,
-          kCalm, field.section, field.width, static_cast<std::uint16_t>(field.offset),
-          low,   high,          name,        unit};
-}
-constexpr Register real(std::uint16_t n, std::uint8_t count, Field field, float low, float high, const char* name,
-                        const char* unit) noexcept {
-  return config_row(n, count, RegisterType::kF32, field, bits(low), bits(high), name, unit);
-}
-constexpr Register whole(std::uint16_t n, std::uint8_t count, Field field, std::uint32_t low, std::uint32_t high,
-                         const char* name, const char* unit) noexcept {
-  return config_row(n, count, RegisterType::kU32, field, low, high, name, unit);
-}
-constexpr Register signed_whole(std::uint16_t n, std::uint8_t count, Field field, std::int32_t low, std::int32_t high,
-                                const char* name, const char* unit) noexcept {
-  return config_row(n, count, RegisterType::kI32, field, bits(low), bits(high), name, unit);
+constexpr Register stored(std::uint16_t n, std::uint8_t count, const Field& field, const Range& range, const char* name,
+                          const char* unit) noexcept {
+  return {.number = n,
+          .count = count,
+          .type = range.type,
+          .access = Access::kReadWrite,
+          .states = kCalm,
+          .section = field.section,
+          .width = field.width,
+          .offset = static_cast<std::uint16_t>(field.offset),
+          .low = range.low,
+          .high = range.high,
+          .name = name,
+          .unit = unit};
 }
 constexpr Register shown(std::uint16_t n, std::uint8_t count, RegisterType type, const char* name,
                          const char* unit) noexcept {
-  return {n, count, type, Access::kRead, kNever, Section::kNone, 4, 0, 0, 0, name, unit};
+  return {.number = n,
+          .count = count,
+          .type = type,
+          .access = Access::kRead,
+          .states = kNever,
+          .section = Section::kNone,
+          .width = 4,
+          .offset = 0,
+          .low = 0,
+          .high = 0,
+          .name = name,
+          .unit = unit};
 }
 constexpr Register command(std::uint16_t n, std::uint8_t states, std::uint32_t high, const char* name) noexcept {
-  return {n, 1, RegisterType::kU32, Access::kCommand, states, Section::kNone, 4, 0, 0, high, name, ""};
+  return {.number = n,
+          .count = 1,
+          .type = RegisterType::kU32,
+          .access = Access::kCommand,
+          .states = states,
+          .section = Section::kNone,
+          .width = 4,
+          .offset = 0,
+          .low = 0,
+          .high = high,
+          .name = name,
+          .unit = ""};
 }
 
 constexpr Field control(std::size_t offset, std::uint8_t width = 4) noexcept {
@@ -71,36 +101,36 @@ constexpr Register kRegisters[] = {
     shown(kAxisCount, 1, U, "axis_count", ""),
     shown(kSerial, kSerialWords, U, "serial", ""),
 
-    real(kQuantum, kAxes, control(offsetof(Config, quantum)), 1e-9f, 1.0f, "quantum", "m or rad per count"),
-    real(kMaxEffort, kAxes, control(offsetof(Config, max_effort)), 0, kMaxPlausible, "max_effort", "N or N m"),
-    real(kMaxSpeed, kAxes, control(offsetof(Config, max_speed)), 1e-6f, kMaxPlausible, "max_speed", "m/s or rad/s"),
-    real(kMaxForce, 1, control(offsetof(Config, max_force_N)), 0, kMaxPlausible, "max_force", "N"),
-    real(kMaxTorque, 1, control(offsetof(Config, max_torque_Nm)), 0, kMaxPlausible, "max_torque", "N m"),
+    stored(kQuantum, kAxes, control(offsetof(Config, quantum)), real(1e-9f, 1.0f), "quantum", "m or rad per count"),
+    stored(kMaxEffort, kAxes, control(offsetof(Config, max_effort)), real(0, kMaxPlausible), "max_effort", "N or N m"),
+    stored(kMaxSpeed, kAxes, control(offsetof(Config, max_speed)), real(1e-6f, kMaxPlausible), "max_speed", "m/s or rad/s"),
+    stored(kMaxForce, 1, control(offsetof(Config, max_force_N)), real(0, kMaxPlausible), "max_force", "N"),
+    stored(kMaxTorque, 1, control(offsetof(Config, max_torque_Nm)), real(0, kMaxPlausible), "max_torque", "N m"),
     shown(kPeriod, 1, U, "period", "us"),
-    whole(kFadeFrames, 1, control(offsetof(Config, fade_frames), 1), 1, 254, "fade_frames", "periods"),
-    whole(kBrakeFrames, 1, control(offsetof(Config, brake_frames), 1), 2, 255, "brake_frames", "periods"),
+    stored(kFadeFrames, 1, control(offsetof(Config, fade_frames), 1), whole(1, 254), "fade_frames", "periods"),
+    stored(kBrakeFrames, 1, control(offsetof(Config, brake_frames), 1), whole(2, 255), "brake_frames", "periods"),
 
-    signed_whole(kDirection, kAxes, encoders(offsetof(EncoderConfig, direction)), -1, 1, "direction", ""),
-    signed_whole(kOffset, kAxes, encoders(offsetof(EncoderConfig, offset)), kLowest, kHighest, "offset", "counts"),
-    whole(kIndexDistance, kAxes, encoders(offsetof(EncoderConfig, index_distance)), 0, kMaxCount, "index_distance", "counts"),
-    signed_whole(kIndexPosition, kAxes, encoders(offsetof(EncoderConfig, index_position)), kLowest, kHighest, "index_position", "counts"),
-    signed_whole(kCradlePosition, kAxes, encoders(offsetof(EncoderConfig, cradle_position)), kLowest, kHighest, "cradle_position", "counts"),
-    whole(kIndexAxes, 1, encoders(offsetof(EncoderConfig, index_axes)), 0, kAllAxes, "index_axes", "bits"),
-    whole(kIndexTolerance, 1, encoders(offsetof(EncoderConfig, index_tolerance)), 0, kMaxCount, "index_tolerance", "counts"),
-    whole(kHomingDemanded, 1, encoders(offsetof(EncoderConfig, homing_demanded)), 0, 1, "homing_demanded", ""),
-    real(kSpeedCorner, 1, encoders(offsetof(EncoderConfig, speed_corner_Hz)), 0, 1e5f, "speed_corner", "Hz"),
+    stored(kDirection, kAxes, encoders(offsetof(EncoderConfig, direction)), signed_whole(-1, 1), "direction", ""),
+    stored(kOffset, kAxes, encoders(offsetof(EncoderConfig, offset)), signed_whole(kLowest, kHighest), "offset", "counts"),
+    stored(kIndexDistance, kAxes, encoders(offsetof(EncoderConfig, index_distance)), whole(0, kMaxCount), "index_distance", "counts"),
+    stored(kIndexPosition, kAxes, encoders(offsetof(EncoderConfig, index_position)), signed_whole(kLowest, kHighest), "index_position", "counts"),
+    stored(kCradlePosition, kAxes, encoders(offsetof(EncoderConfig, cradle_position)), signed_whole(kLowest, kHighest), "cradle_position", "counts"),
+    stored(kIndexAxes, 1, encoders(offsetof(EncoderConfig, index_axes)), whole(0, kAllAxes), "index_axes", "bits"),
+    stored(kIndexTolerance, 1, encoders(offsetof(EncoderConfig, index_tolerance)), whole(0, kMaxCount), "index_tolerance", "counts"),
+    stored(kHomingDemanded, 1, encoders(offsetof(EncoderConfig, homing_demanded)), whole(0, 1), "homing_demanded", ""),
+    stored(kSpeedCorner, 1, encoders(offsetof(EncoderConfig, speed_corner_Hz)), real(0, 1e5f), "speed_corner", "Hz"),
 
-    real(kThermalGain, kAxes, thermal(offsetof(ThermalConfig, gain_K_per_effort2)), 0, kMaxPlausible, "thermal_gain", "K/N^2 or K/(N m)^2"),
-    real(kThermalTime, kAxes, thermal(offsetof(ThermalConfig, time_constant_s)), 0, kMaxPlausible, "thermal_time", "s"),
-    real(kThermalWarning, kAxes, thermal(offsetof(ThermalConfig, warning_K)), 0, 1000, "thermal_warning", "K"),
-    real(kThermalLimit, kAxes, thermal(offsetof(ThermalConfig, limit_K)), 0, 1000, "thermal_limit", "K"),
+    stored(kThermalGain, kAxes, thermal(offsetof(ThermalConfig, gain_K_per_effort2)), real(0, kMaxPlausible), "thermal_gain", "K/N^2 or K/(N m)^2"),
+    stored(kThermalTime, kAxes, thermal(offsetof(ThermalConfig, time_constant_s)), real(0, kMaxPlausible), "thermal_time", "s"),
+    stored(kThermalWarning, kAxes, thermal(offsetof(ThermalConfig, warning_K)), real(0, 1000), "thermal_warning", "K"),
+    stored(kThermalLimit, kAxes, thermal(offsetof(ThermalConfig, limit_K)), real(0, 1000), "thermal_limit", "K"),
 
-    real(kGravityConstant, kAxes, gravity(offsetof(GravityConfig, constant)), -kMaxPlausible, kMaxPlausible, "gravity_constant", "N or N m"),
-    real(kGravityAmplitude, kAxes * kGravityTerms, gravity(offsetof(GravityConfig, amplitude)), -kMaxPlausible, kMaxPlausible, "gravity_amplitude", "N or N m"),
-    whole(kGravityCombination, kAxes * kGravityTerms, gravity(offsetof(GravityConfig, combination)), 0, kMaxCombination, "gravity_combination", "bits"),
-    whole(kGravityInIdle, 1, gravity(offsetof(GravityConfig, in_idle)), 0, 1, "gravity_in_idle", ""),
+    stored(kGravityConstant, kAxes, gravity(offsetof(GravityConfig, constant)), real(-kMaxPlausible, kMaxPlausible), "gravity_constant", "N or N m"),
+    stored(kGravityAmplitude, kAxes * kGravityTerms, gravity(offsetof(GravityConfig, amplitude)), real(-kMaxPlausible, kMaxPlausible), "gravity_amplitude", "N or N m"),
+    stored(kGravityCombination, kAxes * kGravityTerms, gravity(offsetof(GravityConfig, combination)), whole(0, kMaxCombination), "gravity_combination", "bits"),
+    stored(kGravityInIdle, 1, gravity(offsetof(GravityConfig, in_idle)), whole(0, 1), "gravity_in_idle", ""),
 
-    whole(kCanNodeId, 1, bus(offsetof(BusConfig, can_node_id)), 1, 127, "can_node_id", ""),
+    stored(kCanNodeId, 1, bus(offsetof(BusConfig, can_node_id)), whole(1, 127), "can_node_id", ""),
 
     shown(kState, 1, U, "state", ""),
     shown(kFault, 1, U, "fault", ""),
@@ -221,7 +251,8 @@ bool has_same_fields(const Register& row, const ConfigView& a, const ConfigView&
   std::uint32_t differ = 0;
   for (unsigned i = 0; i < row.count; ++i) {
     std::uint32_t x, y;
-    std::memcpy(&x, in_a + 4 * i, 4), std::memcpy(&y, in_b + 4 * i, 4);
+    std::memcpy(&x, in_a + 4 * i, 4);
+    std::memcpy(&y, in_b + 4 * i, 4);
     differ |= x ^ y;
   }
   return differ == 0;

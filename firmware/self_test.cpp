@@ -40,7 +40,8 @@ void SelfTest::step(const ConfigView& accepted, const ConfigView& in_force, bool
   }
   if (so_far_ != built_fingerprint()) note(SelfTestBit::kTables);
   if (!is_watchdog_good(*in_force.control)) note(SelfTestBit::kWatchdog);
-  failed_ = found_, ++passes_;
+  failed_ = found_;
+  ++passes_;
   start();
 }
 

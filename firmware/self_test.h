@@ -27,7 +27,11 @@ class SelfTest {
   explicit SelfTest(std::span<const Register> table = all_registers()) noexcept : table_(table) {}
 
   // Restarts the pass.
-  void start() noexcept { row_ = 0, so_far_ = 0, found_ = 0; }
+  void start() noexcept {
+    row_ = 0;
+    so_far_ = 0;
+    found_ = 0;
+  }
 
   // `accepted`: the configuration as written; `in_force`: the modules' active copies.
   void step(const ConfigView& accepted, const ConfigView& in_force, bool encoders_good, bool motor_bus_good) noexcept;

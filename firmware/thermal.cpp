@@ -44,7 +44,8 @@ void ThermalModel::update(const AxisValues& effort, const AxisValues& measured_r
 }
 
 void ThermalModel::judge() noexcept {
-  warm_ = false, hot_axis_ = kAxes;
+  warm_ = false;
+  hot_axis_ = kAxes;
   for (unsigned i = kAxes; i-- > 0;) {
     effort_share_[i] = 1.0f;
     const float limit = config_.limit_K[i], warning = config_.warning_K[i];

@@ -22,7 +22,9 @@ class PuckLibrary {
   Millimetres position() const noexcept { return position_mm_; }
   void set_force(double x_N, double y_N, double z_N) noexcept { force_N_ = {x_N, y_N, z_N}; }
   void force(double& x_N, double& y_N, double& z_N) const noexcept {
-    x_N = force_N_.x, y_N = force_N_.y, z_N = force_N_.z;
+    x_N = force_N_.x;
+    y_N = force_N_.y;
+    z_N = force_N_.z;
   }
 
   // Simulation only: a real device needs no such call.
@@ -44,11 +46,14 @@ class ExampleDevice {
   // [setup] Measured figures of the device; every guarantee of the program depends on them.
   ExampleDevice() noexcept {
     properties_.has_rotation = false;
-    properties_.workspace_radius_m = 0.1, properties_.max_speed_m_per_s = 1.0;
-    properties_.max_force_N = 4.0, properties_.continuous_force_N = 2.0;
+    properties_.workspace_radius_m = 0.1;
+    properties_.max_speed_m_per_s = 1.0;
+    properties_.max_force_N = 4.0;
+    properties_.continuous_force_N = 2.0;
     properties_.max_torque_Nm = properties_.continuous_torque_Nm = 0.0;
     properties_.position_quantum_m = 1e-5;
-    properties_.mass_kg = 0.1, properties_.damping_Ns_per_m = 1.0;
+    properties_.mass_kg = 0.1;
+    properties_.damping_Ns_per_m = 1.0;
     properties_.delay_s = kPeriod_s;
   }
 
@@ -71,13 +76,16 @@ class ExampleDevice {
   void write(const haptics::DeviceCommand& command) noexcept {
     using haptics::DeviceState;
     const bool rearms = command.rearm != 0 && command_.rearm == 0;  // rising edge only, so a stuck flag has no effect
-    command_ = command, missed_ = 0;
+    command_ = command;
+    missed_ = 0;
     if (!is_finite(command.wrench)) return brake(kForceNotFinite);
     if (command.wanted == DeviceState::kBrake) return brake(kNoFault);
     if (state_ != DeviceState::kBrake)
       state_ = command.wanted == DeviceState::kForce ? DeviceState::kForce : DeviceState::kIdle;
-    else if (rearms)
-      state_ = DeviceState::kIdle, fault_ = kNoFault;
+    else if (rearms) {
+      state_ = DeviceState::kIdle;
+      fault_ = kNoFault;
+    }
   }
 
   // N, device frame: the force on the mechanism, for the test.

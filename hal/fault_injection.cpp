@@ -105,7 +105,8 @@ Result<InjectedFault> parse_fault(std::string_view whole) {
     for (const KindRule& r : kRules) known += (known.empty() ? "" : ", ") + std::string(r.word);
     return complain(whole, "unknown kind \"" + std::string(word) + "\"; accepted of the device: " + known);
   }
-  fault.kind = rule->kind, fault.direction = rule->usual_direction;
+  fault.kind = rule->kind;
+  fault.direction = rule->usual_direction;
 
   if (skip(rest, '/')) {
     const std::string_view direction = take_until(rest, "@+:");

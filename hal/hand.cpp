@@ -29,14 +29,17 @@ HandModel::HandModel(const HandParameters& parameters, std::span<const HandWaypo
   const auto pose_of = [](const HandWaypoint& w) {
     return Posed{w.position_m, quat_from_rotation_vector(w.rotation_vector_rad)};
   };
-  first_.pose = pose_of(path.front()), last_.pose = pose_of(path.back());
-  start_s_ = path.front().time_s, end_s_ = path.back().time_s;
+  first_.pose = pose_of(path.front());
+  last_.pose = pose_of(path.back());
+  start_s_ = path.front().time_s;
+  end_s_ = path.back().time_s;
   segments_.reserve(path.size());
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     const HandWaypoint &from = path[i], &to = path[i + 1];
     Segment segment = Segment::between(pose_of(from), pose_of(to), from.time_s, to.time_s - from.time_s);
     segment.motion = parameters.motion;
-    segment.start_velocity = from.velocity_m_per_s, segment.end_velocity = to.velocity_m_per_s;
+    segment.start_velocity = from.velocity_m_per_s;
+    segment.end_velocity = to.velocity_m_per_s;
     segment.start_turn_rate = from.angular_velocity_rad_per_s;
     segment.end_turn_rate = rate_of_rotation_vector(segment.turn, to.angular_velocity_rad_per_s);
     segments_.push_back(segment);

@@ -21,7 +21,7 @@
 namespace tactus::hal {
 
 // Largest accepted ratio of an effort limit to what the description needs: a looser limit does not guard this device.
-inline constexpr double kMostSpareEffort = 1.5;
+inline constexpr double kMaxSpareEffort = 1.5;
 // Relative: registers are floats, possibly typed by hand.
 inline constexpr double kQuantumTolerance = 1e-5, kLimitTolerance = 1e-3;
 
@@ -67,7 +67,7 @@ class IdentityCheck {
     if (!(std::abs(quantum - described) <= kQuantumTolerance * described))
       fail(named("quantum"), quantum, described, kCorrect);
     const double effort = real(number(firmware::number::kMaxEffort)), needed = profile_.bounds.effort[axis];
-    if (!(effort >= needed * (1.0 - kLimitTolerance) && effort <= kMostSpareEffort * needed))
+    if (!(effort >= needed * (1.0 - kLimitTolerance) && effort <= kMaxSpareEffort * needed))
       fail(named("effort limit"), effort, static_cast<double>(expected.max_effort[axis]), kCorrect);
     const double speed = real(number(firmware::number::kMaxSpeed)), fastest = profile_.bounds.rate[axis];
     if (!(speed >= fastest * (1.0 - kLimitTolerance)))
@@ -77,7 +77,7 @@ class IdentityCheck {
   // N, or N m where the axes are rotary. `expected` is kFirmwareMargin times what the description needs.
   void check_norm(std::uint16_t number, const char* what, float expected) {
     const double told = real(number), described = static_cast<double>(expected), needed = described / kFirmwareMargin;
-    if (!(told >= needed * (1.0 - kLimitTolerance) && told <= kMostSpareEffort * needed))
+    if (!(told >= needed * (1.0 - kLimitTolerance) && told <= kMaxSpareEffort * needed))
       fail(what, told, described, kCorrect);
   }
 

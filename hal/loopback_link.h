@@ -47,7 +47,10 @@ class LoopbackLink {
     if (dropped_states_ > 0) --dropped_states_;
     if (!arrives) return {};
     std::copy(wire_.state.begin(), wire_.state.end(), buffer.begin());
-    if (corrupted_states_ > 0) --corrupted_states_, buffer[17] ^= std::byte{0x10};
+    if (corrupted_states_ > 0) {
+      --corrupted_states_;
+      buffer[17] ^= std::byte{0x10};
+    }
     ++counters_.received;
     const std::int64_t virtual_ns = static_cast<std::int64_t>(periods_) * period_ns_;
     return {wire_.state.size(), stamp_ == Stamp::kClock ? MonotonicClock::now_ns() : virtual_ns, 0};
@@ -65,7 +68,10 @@ class LoopbackLink {
     }
     if (wire_.command_size > 0) ++counters_.send_superseded;
     std::copy(frame.begin(), frame.end(), wire_.command.begin());
-    if (corrupted_commands_ > 0) --corrupted_commands_, wire_.command[13] ^= std::byte{0x10};
+    if (corrupted_commands_ > 0) {
+      --corrupted_commands_;
+      wire_.command[13] ^= std::byte{0x10};
+    }
     wire_.command_size = frame.size();
     return true;
   }
@@ -81,14 +87,23 @@ class LoopbackLink {
 
   // --- Faults
   void set_plugged(bool plugged) noexcept {
-    if (plugged_ && !plugged) ++counters_.disconnects, wire_.command_size = 0;
+    if (plugged_ && !plugged) {
+      ++counters_.disconnects;
+      wire_.command_size = 0;
+    }
     plugged_ = plugged;
   }
   // Off: the device's program ends and the mechanics stop. On: the program restarts, motors shorted, and refuses FORCE
   // until it has received an IDLE command.
   void set_powered(bool powered) noexcept {
-    if (powered && !powered_) device_ = firmware::Device(config_), wire_.command_size = 0;
-    if (powered_ && !powered) ++counters_.disconnects, mechanics_.drive({});
+    if (powered && !powered_) {
+      device_ = firmware::Device(config_);
+      wire_.command_size = 0;
+    }
+    if (powered_ && !powered) {
+      ++counters_.disconnects;
+      mechanics_.drive({});
+    }
     powered_ = powered;
   }
   void set_stop_line(bool active) noexcept { mechanics_.stop_line = active; }
@@ -131,7 +146,9 @@ class LoopbackLink {
       if (samples > 0) advance();
       inputs.counts = counts();
       inputs.time_us = samples++ * static_cast<std::uint64_t>(period_ns) / 1000;
-      inputs.buttons = buttons, inputs.stop_line = stop_line, inputs.motor_bus_ok = motor_bus_ok;
+      inputs.buttons = buttons;
+      inputs.stop_line = stop_line;
+      inputs.motor_bus_ok = motor_bus_ok;
     }
 
     firmware::AxisCounts counts() const noexcept {

@@ -13,7 +13,7 @@
 namespace tactus::hal {
 
 // J: the work that each source has done on device and hand together since the start; dissipation is negative.
-struct EnergyBook {
+struct EnergyBalance {
   double motors{0}, hand{0}, viscous{0}, coulomb{0}, stops{0};
 };
 
@@ -32,7 +32,7 @@ class Plant {
   const Twistd& twist() const noexcept { return twist_; }
   const Wrenchd& hand_wrench() const noexcept { return hand_wrench_; }    // on the tool, last sub-step
   const Wrenchd& motor_wrench() const noexcept { return motor_wrench_; }  // on the tool, last sub-step
-  const EnergyBook& energy() const noexcept { return energy_; }
+  const EnergyBalance& energy() const noexcept { return energy_; }
   double kinetic_energy_J() const noexcept;
 
  private:
@@ -51,7 +51,7 @@ class Plant {
   AxisVector coordinates_{};
   Twistd twist_;
   Wrenchd hand_wrench_, motor_wrench_;
-  EnergyBook energy_;
+  EnergyBalance energy_;
 };
 
 }  // namespace tactus::hal

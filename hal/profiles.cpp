@@ -23,13 +23,20 @@ DeviceDescription make_virtuose6d() {
   d.kind = KinematicsKind::kWristedArm;
   d.links = {.upper_m = 0.45, .forearm_m = 0.45};
   d.workspace_radius_m = 0.225;
-  d.max_speed_m_per_s = 1.0, d.max_angular_speed_rad_per_s = 10.0;
-  d.peak_force_N = 35.0, d.peak_torque_Nm = 3.0;
-  d.continuous_force_N = 10.0, d.continuous_torque_Nm = 1.0;
-  d.mass_kg = 0.3, d.inertia_kg_m2 = 1e-3;
-  d.damping_Ns_per_m = 0.5, d.damping_Nms_per_rad = 2e-3;
-  d.coulomb_friction_N = 0.2, d.coulomb_friction_Nm = 5e-3;
-  d.brake_damping_Ns_per_m = 20.0, d.brake_damping_Nms_per_rad = 0.05;
+  d.max_speed_m_per_s = 1.0;
+  d.max_angular_speed_rad_per_s = 10.0;
+  d.peak_force_N = 35.0;
+  d.peak_torque_Nm = 3.0;
+  d.continuous_force_N = 10.0;
+  d.continuous_torque_Nm = 1.0;
+  d.mass_kg = 0.3;
+  d.inertia_kg_m2 = 1e-3;
+  d.damping_Ns_per_m = 0.5;
+  d.damping_Nms_per_rad = 2e-3;
+  d.coulomb_friction_N = 0.2;
+  d.coulomb_friction_Nm = 5e-3;
+  d.brake_damping_Ns_per_m = 20.0;
+  d.brake_damping_Nms_per_rad = 0.05;
   d.counts_per_turn = {262144, 262144, 262144, 65536, 65536, 65536};
   return d;
 }
@@ -43,8 +50,11 @@ DeviceDescription make_desk3d() {
   d.links = {.upper_m = 0.16, .forearm_m = 0.16};
   d.workspace_radius_m = 0.08;
   d.max_speed_m_per_s = 1.0;
-  d.peak_force_N = 8.0, d.continuous_force_N = 3.0;
-  d.mass_kg = 0.2, d.damping_Ns_per_m = 0.5, d.coulomb_friction_N = 0.1;
+  d.peak_force_N = 8.0;
+  d.continuous_force_N = 3.0;
+  d.mass_kg = 0.2;
+  d.damping_Ns_per_m = 0.5;
+  d.coulomb_friction_N = 0.1;
   d.brake_damping_Ns_per_m = 10.0;
   d.counts_per_turn = {50000, 50000, 50000, 0, 0, 0};
   return d;
@@ -84,8 +94,11 @@ const BuiltIn& built_in() noexcept {
 
 DeviceProfile make_profile(const DeviceDescription& d) {
   DeviceProfile p;
-  p.description = d, p.name = d.name, p.transport_delay_ticks = d.transport_delay_ticks;
-  p.kinematics = kinematics_of(d), p.quantum = quantum_of(d);
+  p.description = d;
+  p.name = d.name;
+  p.transport_delay_ticks = d.transport_delay_ticks;
+  p.kinematics = kinematics_of(d);
+  p.quantum = quantum_of(d);
   p.bounds = bounds_over(
       p.kinematics, p.quantum,
       {d.workspace_radius_m, d.peak_force_N, d.peak_torque_Nm, d.max_speed_m_per_s, d.max_angular_speed_rad_per_s});

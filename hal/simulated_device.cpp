@@ -64,7 +64,8 @@ void SimulatedDevice::write(const haptics::DeviceCommand& command) noexcept {
   std::array<std::byte, firmware::kCommandFrameSize> bytes{};
   codec_.encode(sent, bytes);
   if (fault(FaultKind::kDuplicated, FaultDirection::kCommand) != nullptr && command_sent_) bytes = last_command_;
-  last_command_ = bytes, command_sent_ = true;
+  last_command_ = bytes;
+  command_sent_ = true;
   if (fault(FaultKind::kLost, FaultDirection::kCommand) != nullptr) return;
   if (const auto* f = fault(FaultKind::kCorrupted, FaultDirection::kCommand))
     flip_bits(bytes, static_cast<unsigned>(f->amount));
@@ -85,7 +86,8 @@ HandTarget SimulatedDevice::target_at(std::uint64_t tick, unsigned sub_step) con
 
 void SimulatedDevice::return_hand() noexcept {
   return_from_ = hand_target().pose;
-  hand_since_ = now_, hand_returns_ = true;
+  hand_since_ = now_;
+  hand_returns_ = true;
 }
 
 bool SimulatedDevice::hand_is_back() const noexcept {
@@ -93,7 +95,9 @@ bool SimulatedDevice::hand_is_back() const noexcept {
 }
 
 void SimulatedDevice::start_path(double into_s) noexcept {
-  hand_since_ = now_, path_from_s_ = into_s, hand_returns_ = false;
+  hand_since_ = now_;
+  path_from_s_ = into_s;
+  hand_returns_ = false;
 }
 
 const InjectedFault* SimulatedDevice::fault(FaultKind kind, FaultDirection direction) const noexcept {
@@ -139,7 +143,8 @@ void SimulatedDevice::send_state(const StateBytes& fresh) noexcept {
   StateBytes bytes = fresh;
   distort(bytes);
   if (fault(FaultKind::kDuplicated, FaultDirection::kState) != nullptr && state_sent_) bytes = last_state_;
-  last_state_ = bytes, state_sent_ = true;
+  last_state_ = bytes;
+  state_sent_ = true;
   if (fault(FaultKind::kLost, FaultDirection::kState) != nullptr) return;
   if (const auto* f = fault(FaultKind::kCorrupted, FaultDirection::kState))
     flip_bits(bytes, static_cast<unsigned>(f->amount));
@@ -163,7 +168,8 @@ void SimulatedDevice::distort(StateBytes& bytes) noexcept {
 void SimulatedDevice::receive_state(haptics::DeviceInput& input) noexcept {
   using haptics::ReadStatus;
   if (fault(FaultKind::kUnplugged, FaultDirection::kState) != nullptr) {
-    state_link_.clear(), command_link_.clear();
+    state_link_.clear();
+    command_link_.clear();
     input.status = ReadStatus::kDisconnected;
   } else if (const auto arrived = state_link_.arriving(now_); arrived.empty()) {
     input.status = ReadStatus::kMissing;

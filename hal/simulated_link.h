@@ -27,7 +27,9 @@ class SimulatedLink {
     Slot& slot = slots_[arrival_tick % slots_.size()];
     const bool taken = slot.size > 0 && slot.arrival_tick == arrival_tick;
     if (taken && slot.sent_tick > sent_tick) return;
-    slot.sent_tick = sent_tick, slot.arrival_tick = arrival_tick, slot.size = bytes.size();
+    slot.sent_tick = sent_tick;
+    slot.arrival_tick = arrival_tick;
+    slot.size = bytes.size();
     std::copy(bytes.begin(), bytes.end(), slot.bytes.begin());
   }
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "rt/haptics/coupling/snapshot_bytes.h"
-#include "rt/physics/passes.h"
+#include "rt/physics/macro_steps.h"
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
@@ -24,15 +24,15 @@ constexpr unsigned kPredictionSteps = 5;
 // a hand trembles. Measured on the pushed row of `experiment energy-loss`, 20 seeds, for 0.8, 0.9 and 1 (2026-11-23):
 // it loses 0.2, 0.35 and 0.5 % of its energy at ratio 8, and gains 2.1, 1.2, 1.1 % at 16.
 constexpr double kWrenchExtrapolation = 0.9;
-// With more bodies awake, a step is taken in one pass.
-constexpr std::size_t kMostInPasses = 500;
+// With more bodies awake, a step is taken in one macro step.
+constexpr std::size_t kMaxBodiesInMacroSteps = 500;
 
 // A packed cube has 26 neighbours, 13 pairs to each body, and touches 6, 3 contacts to each body: room for 1.2 and 2.7
 // times that.
 constexpr std::uint32_t kPairsPerBody = 16;
 constexpr std::uint32_t kContactsPerBody = 8;
-constexpr std::uint32_t kFewestPairs = 256;
-constexpr std::uint32_t kFewestContacts = 256;
+constexpr std::uint32_t kMinPairs = 256;
+constexpr std::uint32_t kMinContacts = 256;
 // On a mesh: patches near a body, and triangles near a body.
 constexpr std::uint32_t kPatchesPerBody = 16;
 constexpr std::uint32_t kTrianglesPerBody = 64;
@@ -44,9 +44,11 @@ std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
 
 physics::Capacities capacities_for(const Scene& scene) noexcept {
   const std::uint32_t bodies = count_bodies(scene, BodyKind::kDynamic);
-  physics::Capacities capacities{bodies, count_bodies(scene, BodyKind::kFixed),
-                                 std::max(kFewestPairs, kPairsPerBody * bodies),
-                                 std::max(kFewestContacts, kContactsPerBody * bodies), 0};
+  physics::Capacities capacities{.bodies = bodies,
+                                 .fixed_bodies = count_bodies(scene, BodyKind::kFixed),
+                                 .pairs = std::max(kMinPairs, kPairsPerBody * bodies),
+                                 .contacts = std::max(kMinContacts, kContactsPerBody * bodies),
+                                 .border_contacts = 0};
   if (scene.meshes.empty()) return capacities;
   capacities.pairs += kPatchesPerBody * bodies;
   capacities.mesh_triangles = kTrianglesPerBody * bodies + physics::kMaxBodyTriangles;
@@ -168,34 +170,35 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
 }
 
 void GlobalWorld::add_device(const Scene& scene, BodyId id) {
-  const std::int32_t found = islands_.place_of(id);
-  TACTUS_CHECK(found >= 0, id, scene.bodies.size());
-  const auto proxy = static_cast<std::uint32_t>(found);
-  devices_.push_back({id, proxy,
-                      Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
-                      islands_.bodies()[proxy].motion.pose});
-  devices_.back().buffer.assign(islands_.bodies().size(), 0);
+  const std::optional<BodyIndex> found = islands_.index_of(id);
+  TACTUS_CHECK(found.has_value(), id, scene.bodies.size());
+  const BodyIndex proxy = *found;
+  devices_.push_back(
+      {.id = id,
+       .proxy = proxy,
+       .extraction = Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
+       .reported_proxy = islands_.bodies()[proxy].motion.pose});
+  devices_.back().buffer = BodyVector<std::uint8_t>(islands_.bodies().size());
 }
 
-std::uint32_t GlobalWorld::slot_of(const Device& device) const noexcept {
-  const std::int32_t slot = world_.slot_of(device.id);
-  TACTUS_CHECK(slot >= 0, device.id, world_.bodies().size());  // a proxy never sleeps
-  return static_cast<std::uint32_t>(slot);
+physics::SlotIndex GlobalWorld::slot_of(const Device& device) const noexcept {
+  const std::optional<physics::SlotIndex> slot = world_.slot_of(device.id);
+  TACTUS_CHECK(slot.has_value(), device.id, world_.bodies().size());  // a proxy never sleeps
+  return *slot;
 }
 
 std::span<const std::uint8_t> GlobalWorld::member_slots(const Device& device) noexcept {
   member_slots_.clear();
-  for (const std::uint32_t place : islands_.awake())
-    member_slots_.push_back(device.extraction.is_member(place) ? 1 : 0);
+  for (const BodyIndex body : islands_.awake()) member_slots_.push_back(device.extraction.is_member(body) ? 1 : 0);
   return member_slots_;
 }
 
 // By slot: 1 for members of any device's sub-world.
 std::span<const std::uint8_t> GlobalWorld::slots_of_all_members() noexcept {
   member_slots_.clear();
-  for (const std::uint32_t place : islands_.awake())
+  for (const BodyIndex body : islands_.awake())
     member_slots_.push_back(std::any_of(devices_.begin(), devices_.end(),
-                                        [place](const Device& device) { return device.extraction.is_member(place); }));
+                                        [body](const Device& device) { return device.extraction.is_member(body); }));
   return member_slots_;
 }
 
@@ -207,11 +210,10 @@ void GlobalWorld::share_work(WorkerPool& pool) {
 
 void GlobalWorld::set_state(std::span<const Body> bodies, std::span<const physics::WarmStart> contacts) noexcept {
   for (const auto& body : bodies)
-    if (const std::int32_t slot = world_.slot_of(body.id); slot >= 0)
-      world_.bodies()[static_cast<std::uint32_t>(slot)].motion = body.motion;
+    if (Body* awake = world_.find(body.id)) awake->motion = body.motion;
   for (const auto& contact : contacts) world_.add_warm_start(contact);
   islands_.follow(world_);
-  for (Device& device : devices_) device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+  for (Device& device : devices_) device.reported_proxy = world_.body(slot_of(device)).motion.pose;
 }
 
 void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noexcept {
@@ -231,12 +233,13 @@ void GlobalWorld::reset(const Posed& world_from_proxy) {
   WorkerPool* const pool = pool_;
   *this = GlobalWorld(*scene_, options_);
   statistics.energy.reset();
-  statistics.awake = statistics_.awake, statistics.asleep = statistics_.asleep;
+  statistics.awake = statistics_.awake;
+  statistics.asleep = statistics_.asleep;
   ++statistics.resets;
   statistics_ = statistics;
   if (pool != nullptr) share_work(*pool);
   Device& device = devices_[0];
-  world_.bodies()[slot_of(device)].motion = {world_from_proxy, {}};
+  world_.body(slot_of(device)).motion = {world_from_proxy, {}};
   islands_.follow(world_);
   device.reported_proxy = world_from_proxy;
   wake_near(device);
@@ -284,13 +287,13 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   Device& device = devices_[device_index];
   if (!coupling_.imposes_motion) {
     take_target(device, report);
-    device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+    device.reported_proxy = world_.body(slot_of(device)).motion.pose;
     wake_near(device);
     return;
   }
   wake_for(report);
   impose_motion(device, report);
-  keep_energy_book(report);
+  update_energy_balance(report);
   wake_near(device);
   if (coupling_.border) {
     haptics::read_effects(report.effects, true, world_);
@@ -319,10 +322,10 @@ void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noex
   device.target = sane ? report.device : haptics::DeviceTarget{};
 }
 
-// Sets the coupling's spring and damper between each proxy and its device, for a pass that begins `elapsed_s` after the
-// start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy in the
-// global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a force
-// held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
+// Sets the coupling's spring and damper between each proxy and its device, for a macro step that begins `elapsed_s`
+// after the start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy
+// in the global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a
+// force held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
 // couplings hold a wrench (impose).
 void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
   if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
@@ -331,9 +334,9 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
     if (ahead.engaged)
       ahead.pose = {ahead.pose.position + elapsed_s * ahead.velocity.linear,
                     quat_from_rotation_vector(elapsed_s * ahead.velocity.angular) * ahead.pose.rotation};
-    const std::uint32_t slot = slot_of(devices_[d]);
+    const physics::SlotIndex slot = slot_of(devices_[d]);
     physics::PoseSpring spring;
-    haptics::aim_spring(options_.gains, ahead, slot, world_.bodies()[slot].motion.pose, spring);
+    haptics::aim_spring(options_.gains, ahead, slot, world_.body(slot).motion.pose, spring);
     world_.device_spring(d) = spring;
   }
 }
@@ -343,35 +346,33 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
 void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) noexcept {
   double before = 0, after = 0;
   for (const auto& member : report.members) {
-    const std::int32_t found = world_.slot_of(member.id);
-    if (found < 0) continue;
-    const auto slot = static_cast<std::uint32_t>(found);
+    Body* const body = world_.find(member.id);
+    if (body == nullptr) continue;
     if (member.in_buffer != 0 || (coupling_.members_frozen && member.id != device.id)) continue;
     if (!is_finite(member.motion.pose) || !is_finite(member.motion.velocity)) {
       ++statistics_.rejected_states;
       continue;
     }
-    Body& body = world_.bodies()[slot];
-    before += energy_of(body, settings_.gravity);
-    body.motion = member.motion;
-    after += energy_of(body, settings_.gravity);
+    before += energy_of(*body, settings_.gravity);
+    body->motion = member.motion;
+    after += energy_of(*body, settings_.gravity);
   }
   statistics_.imposed_energy_J += after - before;
-  device.reported_proxy = world_.bodies()[slot_of(device)].motion.pose;
+  device.reported_proxy = world_.body(slot_of(device)).motion.pose;
 }
 
-physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t passes) noexcept {
-  const auto settings = physics::settings_of_pass(settings_, passes);
-  hold_proxy(pass * settings.dt);
-  const auto bounds_settings = physics::settings_of_pass(bounds_settings_, passes);
+physics::StepReport GlobalWorld::take_macro_step(std::uint32_t macro_step, std::uint32_t macro_steps) noexcept {
+  const auto settings = physics::settings_of_macro_step(settings_, macro_steps);
+  hold_proxy(macro_step * settings.dt);
+  const auto bounds_settings = physics::settings_of_macro_step(bounds_settings_, macro_steps);
   for (const Device& device : devices_)
     if (device.held_by != Wrenchd{}) world_.apply_wrench(slot_of(device), device.held_by);
   world_.begin_step(bounds_settings);
   while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings);  // a woken body may wake others
   if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
   physics::CoarseRegion far = coarse_region();
-  far.sub_steps = std::max(1u, far.sub_steps / passes);
-  pass_s_ = settings.dt;
+  far.sub_steps = std::max(1u, far.sub_steps / macro_steps);
+  macro_step_s_ = settings.dt;
   note_member_velocities();
   const auto report = world_.finish_step(settings, {}, far);
   add_border_work();
@@ -382,32 +383,32 @@ physics::StepReport GlobalWorld::take_pass(std::uint32_t pass, std::uint32_t pas
 void GlobalWorld::note_member_velocities() noexcept {
   velocity_before_.resize(world_.bodies().size());
   for (const Device& device : devices_)
-    for (const std::uint32_t place : device.extraction.members())
-      if (const std::int32_t slot = world_.slot_of(islands_.bodies()[place].id); slot >= 0)
-        velocity_before_[static_cast<std::size_t>(slot)] =
-            world_.bodies()[static_cast<std::size_t>(slot)].motion.velocity;
+    for (const BodyIndex body : device.extraction.members())
+      if (const auto slot = world_.slot_of(islands_.bodies()[body].id))
+        velocity_before_[number_of(*slot)] = world_.body(*slot).motion.velocity;
 }
 
 void GlobalWorld::add_border_work() noexcept {
   if (!coupling_.border || !border_.has_budget) return;
   for (Device& device : devices_) {
-    const double work_J = border_work_J(world_, velocity_before_, member_slots(device), pass_s_);
-    device.border_work_J += work_J, statistics_.border_work_J += work_J;
+    const double work_J = border_work_J(world_, velocity_before_, member_slots(device), macro_step_s_);
+    device.border_work_J += work_J;
+    statistics_.border_work_J += work_J;
   }
 }
 
-// Number of passes of the next step. One if a border exchanges the impulses of a whole step (ghosts use those of the
-// last pass), and one for a large world, since every further pass costs as much again. The speed of inner members does
-// not count: the sub-world moves them.
-std::uint32_t GlobalWorld::passes_of_step() noexcept {
-  if (islands_.awake().size() > kMostInPasses) return 1;
+// Number of macro steps of the next step. One if a border exchanges the impulses of a whole step (ghosts use those of
+// the last macro step), and one for a large world, since every further macro step costs as much again. The speed of
+// inner members does not count: the sub-world moves them.
+std::uint32_t GlobalWorld::macro_steps_of_step() noexcept {
+  if (islands_.awake().size() > kMaxBodiesInMacroSteps) return 1;
   for (const Device& device : devices_)
     if (device.has_border && !border_.ghosts) return 1;
   member_slots_.clear();
   if (devices_.size() == 1 && coupling_.imposes_motion)
-    for (const std::uint32_t place : islands_.awake())
-      member_slots_.push_back(devices_[0].extraction.is_member(place) && devices_[0].buffer[place] == 0 ? 1 : 0);
-  return std::gcd(physics::passes_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
+    for (const BodyIndex body : islands_.awake())
+      member_slots_.push_back(devices_[0].extraction.is_member(body) && devices_[0].buffer[body] == 0 ? 1 : 0);
+  return std::gcd(physics::macro_steps_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
 }
 
 // Updates the deepest relative overlap. An overlap that is no new maximum relative to the thinnest body cannot be one
@@ -420,7 +421,7 @@ void GlobalWorld::look_at_overlaps(double deepest_m) noexcept {
 
 // Books the energy at t_n, with the members' state as imposed. Call before impulses are returned: contacts have not yet
 // reacted to those.
-void GlobalWorld::keep_energy_book(const SubWorldReport& report) noexcept {
+void GlobalWorld::update_energy_balance(const SubWorldReport& report) noexcept {
   if (!statistics_.energy.due()) return;
   // Sleeping bodies do not move: their sum is recomputed only when their set changes.
   const std::uint64_t changes = islands_.fell_asleep() + islands_.woke_up();
@@ -431,17 +432,18 @@ void GlobalWorld::keep_energy_book(const SubWorldReport& report) noexcept {
 }
 
 void GlobalWorld::advance() noexcept {
-  const std::uint32_t passes = passes_of_step();
+  const std::uint32_t macro_steps = macro_steps_of_step();
   physics::StepReport report;
   std::uint32_t comparisons = 0;
   for (Device& device : devices_) device.border_work_J = 0;
-  for (std::uint32_t pass = 0; pass < passes; ++pass) {
+  for (std::uint32_t macro_step = 0; macro_step < macro_steps; ++macro_step) {
     const std::uint32_t bits = report.capacity_bits;
     const double deepest_m = report.deepest_m;
-    report = take_pass(pass, passes);
+    report = take_macro_step(macro_step, macro_steps);
     look_at_overlaps(report.deepest_m);
     comparisons += report.comparisons;
-    report.capacity_bits |= bits, report.deepest_m = std::max(report.deepest_m, deepest_m);
+    report.capacity_bits |= bits;
+    report.deepest_m = std::max(report.deepest_m, deepest_m);
   }
   for (Device& device : devices_) device.held_by = {};
   const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
@@ -453,11 +455,15 @@ void GlobalWorld::advance() noexcept {
 
   auto& s = statistics_;
   ++s.steps;
-  s.awake = static_cast<std::uint32_t>(islands_.awake().size()), s.asleep = islands_.asleep();
+  s.awake = static_cast<std::uint32_t>(islands_.awake().size());
+  s.asleep = islands_.asleep();
   s.most_awake = std::max(s.most_awake, awake);
-  s.fell_asleep = islands_.fell_asleep(), s.woke_up = islands_.woke_up();
+  s.fell_asleep = islands_.fell_asleep();
+  s.woke_up = islands_.woke_up();
   s.stopped_energy_J = islands_.stopped_energy_J();
-  s.pairs = report.pairs, s.contacts = report.contacts, s.points = report.points;
+  s.pairs = report.pairs;
+  s.contacts = report.contacts;
+  s.points = report.points;
   s.comparisons = comparisons;
   s.most_pairs = std::max(s.most_pairs, report.pairs);
   s.most_contacts = std::max(s.most_contacts, report.contacts);

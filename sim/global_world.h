@@ -20,7 +20,7 @@
 #include "rt/haptics/coupling_limits.h"
 #include "rt/physics/overlap.h"
 #include "sim/broad_phase/pair_cache.h"
-#include "sim/energy_book.h"
+#include "sim/energy_balance.h"
 #include "sim/exchange/approach.h"
 #include "sim/exchange/border_exchange.h"
 #include "sim/exchange/buffer_choice.h"
@@ -68,7 +68,7 @@ struct GlobalStatistics {
   double stopped_energy_J{0};         // kinetic energy of bodies when they fell asleep
   double deepest_m{0};                // deepest overlap
   physics::Overlap overlap;           // of all contacts so far, the deepest relative to its bodies' thickness
-  EnergyBook energy;
+  EnergyBalance energy;
   std::uint32_t broken_joints{0};  // at present
   std::uint32_t resets{0};         // scene resets
 };
@@ -103,7 +103,7 @@ class GlobalWorld {
 
   const physics::World& world() const noexcept { return world_; }  // the awake bodies
   // All moving bodies by id, sleeping ones included, as after the last step.
-  std::span<const physics::Body> bodies() const noexcept { return islands_.bodies(); }
+  std::span<const physics::Body> bodies() const noexcept { return islands_.bodies().span(); }
   bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
   const GlobalStatistics& statistics() const noexcept { return statistics_; }
@@ -117,21 +117,21 @@ class GlobalWorld {
   std::uint64_t state_hash() const noexcept { return islands_.state_hash(world_.state_hash()); }
 
  private:
-  // Members are indexed by place (island_manager.h); slots are the world's.
+  // Bodies go by their BodyIndex; slots are the world's.
   struct Device {
-    BodyId id;            // of the proxy
-    std::uint32_t proxy;  // place of the proxy
+    BodyId id;  // of the proxy
+    BodyIndex proxy;
     Extraction extraction;
-    Posed reported_proxy;                // the proxy's pose at t_n in the sub-world
-    Wrenchd held_by{};                   // N, N m: applied to the proxy over the next step
-    Wrenchd held_before{};               // N, N m: mean device wrench of the last cycle
-    haptics::DeviceTarget target{};      // the device's state as the next step begins; target of hold_proxy's spring
-    bool has_border{false};              // its last snapshot has border points
-    double border_work_J{0};             // of outside bodies on its members, in the last step
-    std::vector<std::uint8_t> buffer{};  // by place: 1 if in the buffer of its sub-world (border_buffer.h)
+    Posed reported_proxy;               // the proxy's pose at t_n in the sub-world
+    Wrenchd held_by{};                  // N, N m: applied to the proxy over the next step
+    Wrenchd held_before{};              // N, N m: mean device wrench of the last cycle
+    haptics::DeviceTarget target{};     // the device's state as the next step begins; target of hold_proxy's spring
+    bool has_border{false};             // its last snapshot has border points
+    double border_work_J{0};            // of outside bodies on its members, in the last step
+    BodyVector<std::uint8_t> buffer{};  // 1 if in the buffer of its sub-world (border_buffer.h)
   };
 
-  std::uint32_t slot_of(const Device& device) const noexcept;
+  physics::SlotIndex slot_of(const Device& device) const noexcept;
   std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
   std::span<const std::uint8_t> slots_of_all_members() noexcept;
   void add_device(const Scene& scene, BodyId proxy);
@@ -142,13 +142,13 @@ class GlobalWorld {
   void mark_held() noexcept;
   void sleep() noexcept;
   physics::CoarseRegion coarse_region() noexcept;
-  std::uint32_t passes_of_step() noexcept;
-  physics::StepReport take_pass(std::uint32_t pass, std::uint32_t passes) noexcept;
+  std::uint32_t macro_steps_of_step() noexcept;
+  physics::StepReport take_macro_step(std::uint32_t macro_step, std::uint32_t macro_steps) noexcept;
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
   void take_target(Device& device, const haptics::SubWorldReport& report) noexcept;
   void hold_proxy(double elapsed_s) noexcept;
-  void keep_energy_book(const haptics::SubWorldReport& report) noexcept;
+  void update_energy_balance(const haptics::SubWorldReport& report) noexcept;
   void look_at_overlaps(double deepest_m) noexcept;
   void note_member_velocities() noexcept;
   void add_border_work() noexcept;
@@ -170,9 +170,9 @@ class GlobalWorld {
   GlobalOptions options_;
   haptics::CouplingTraits coupling_;
   physics::BorderTraits border_;
-  WorkerPool* pool_{nullptr};                         // null: the work is not shared
-  bool stepped_{false};                               // at least one step since the scene's start or reset
-  double pass_s_{0};                                  // s: length of the last pass; the contacts' impulses are over it
+  WorkerPool* pool_{nullptr};  // null: the work is not shared
+  bool stepped_{false};        // at least one step since the scene's start or reset
+  double macro_step_s_{0};     // s: length of the last macro step; the contacts' impulses are over it
   physics::StepSettings settings_, bounds_settings_;  // bounds_settings_: with the sub-steps of the far region
   physics::World world_;
   physics::Hulls hulls_;
@@ -186,10 +186,10 @@ class GlobalWorld {
   std::vector<Device> devices_;
   std::vector<ContactEdge> touches_;
   std::vector<physics::Aabb> bounds_;
-  std::vector<std::uint8_t> free_;          // by place: 1 if member of no other device's sub-world
-  std::vector<std::uint8_t> held_;          // by place: 1 if member of a sub-world or kinematic: stays awake
+  BodyVector<std::uint8_t> free_;           // 1 if member of no other device's sub-world
+  BodyVector<std::uint8_t> held_;           // 1 if member of a sub-world or kinematic: stays awake
   std::vector<std::uint8_t> member_slots_;  // by slot: 1 if member of the sub-world in question
-  std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the pass
+  std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the macro step
   std::vector<physics::Aabb> regions_;      // by device: region in which nothing falls asleep
   double thinnest_m_{0};                    // thickness of the thinnest body
   double asleep_J_{0};                      // cached potential energy of the sleeping bodies

@@ -7,16 +7,15 @@ namespace tactus::sim {
 using haptics::SubWorldReport;
 
 bool GlobalWorld::is_asleep(BodyId id) const noexcept {
-  const std::int32_t place = islands_.place_of(id);
-  return place >= 0 && islands_.is_asleep(static_cast<std::uint32_t>(place));
+  const std::optional<BodyIndex> body = islands_.index_of(id);
+  return body && islands_.is_asleep(*body);
 }
 
 // Wakes the bodies named in the report that have fallen asleep since it was written.
 void GlobalWorld::wake_for(const SubWorldReport& report) noexcept {
   if (islands_.asleep() == 0) return;
   const auto wake = [this](BodyId id) noexcept {
-    const std::int32_t place = islands_.place_of(id);
-    if (place >= 0) (void)islands_.wake(static_cast<std::uint32_t>(place), world_);
+    if (const std::optional<BodyIndex> body = islands_.index_of(id)) (void)islands_.wake(*body, world_);
   };
   for (const auto& member : report.members) wake(member.id);
   for (const auto& entry : report.border) wake(entry.outside);
@@ -25,20 +24,19 @@ void GlobalWorld::wake_for(const SubWorldReport& report) noexcept {
 // Wakes the bodies in the device's boundary cube, which may become members at the end of the next step.
 void GlobalWorld::wake_near(const Device& device) noexcept {
   if (islands_.asleep() == 0) return;
-  (void)islands_.wake_in(device.extraction.region(world_.bodies()[slot_of(device)], device.reported_proxy), world_);
+  (void)islands_.wake_in(device.extraction.region(world_.body(slot_of(device)), device.reported_proxy), world_);
 }
 
 // Updates held_ and regions_: the members of each sub-world, and the region from which it may take more.
 void GlobalWorld::mark_held() noexcept {
-  std::fill(held_.begin(), held_.end(), std::uint8_t{0});
+  held_.fill(0);
   if (const auto* kinematics = world_.effects().find<physics::ScriptedMotion>())  // may start to move at any time
     for (const auto& script : kinematics->scripts())
-      if (const std::int32_t place = islands_.place_of(script.id); place >= 0)
-        held_[static_cast<std::size_t>(place)] = 1;
+      if (const std::optional<BodyIndex> body = islands_.index_of(script.id)) held_[*body] = 1;
   for (std::size_t d = 0; d < devices_.size(); ++d) {
     const Device& device = devices_[d];
     held_[device.proxy] = 1;
-    for (const std::uint32_t place : device.extraction.members()) held_[place] = 1;
+    for (const BodyIndex member : device.extraction.members()) held_[member] = 1;
     regions_[d] = device.extraction.region(islands_.bodies()[device.proxy], device.reported_proxy);
   }
 }

@@ -14,13 +14,9 @@ using physics::Body;
 
 void GlobalWorld::find_touches() noexcept {
   touches_.clear();
-  const auto place = islands_.awake();
-  for (const auto& contact : world_.contacts()) {
-    if (contact.b_fixed || !contact.touching()) continue;
-    ContactEdge touch = contact_edge_of(contact, world_.bodies());
-    touch.a = place[touch.a], touch.b = place[touch.b];
-    touches_.push_back(touch);
-  }
+  for (const auto& contact : world_.contacts())
+    if (!contact.b_fixed && contact.touching())
+      touches_.push_back(contact_edge_of(contact, world_.bodies(), islands_.awake()));
   if (coupling_.border) add_approaching();
   add_joined();
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
@@ -28,23 +24,22 @@ void GlobalWorld::find_touches() noexcept {
 
 // Adds edges to bodies that a member will touch before the next choice of members has reached the sub-world.
 void GlobalWorld::add_approaching() noexcept {
-  const auto place = islands_.awake();
-  const std::size_t found = touches_.size();
-  approach_.find(world_, hulls_, slots_of_all_members(), 2 * settings_.dt, touches_);
-  for (std::size_t i = found; i < touches_.size(); ++i)
-    touches_[i].a = place[touches_[i].a], touches_[i].b = place[touches_[i].b];
+  approach_.find(world_, hulls_, slots_of_all_members(), islands_.awake(), 2 * settings_.dt, touches_);
 }
 
 void GlobalWorld::add_joined() noexcept {
   const auto* joints = world_.effects().find<physics::Joints>();
   if (joints == nullptr) return;
-  const auto place = islands_.awake();
+  const auto awake = islands_.awake();
   const auto bodies = std::as_const(world_).bodies();
   joints->for_each_link(bodies, [&](std::uint32_t a, std::uint32_t b, std::uint32_t joint) noexcept {
     const Posed &at_a = bodies[a].motion.pose, &at_b = bodies[b].motion.pose;
     if (touches_.size() < touches_.capacity())
-      touches_.push_back({place[a], place[b], at_b * joints->joints()[joint].b_from_joint.position,
-                          normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1}), true});
+      touches_.push_back({.a = awake[a],
+                          .b = awake[b],
+                          .point = at_b * joints->joints()[joint].b_from_joint.position,
+                          .normal = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1}),
+                          .joined = true});
   });
   const auto states = joints->states();
   statistics_.broken_joints = static_cast<std::uint32_t>(
@@ -54,7 +49,7 @@ void GlobalWorld::add_joined() noexcept {
 // Before the first step there are no contact impulses: bodies within touch_tolerance_m count as touching.
 void GlobalWorld::find_touches_at_rest() noexcept {
   const std::span<const Body> bodies = world_.bodies();
-  const auto place = islands_.awake();
+  const auto awake = islands_.awake();
   for (std::size_t slot = 0; slot < bodies.size(); ++slot)
     bounds_[slot] = physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, options_.touch_tolerance_m);
   auto& pairs = world_.dynamic_pairs();
@@ -76,7 +71,7 @@ void GlobalWorld::find_touches_at_rest() noexcept {
     Vec3d from_a;
     for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;
     touches_.push_back(
-        {place[a], place[b], bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal, false});
+        {awake[a], awake[b], bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal, false});
   }
   pairs.clear();
   add_joined();
@@ -86,11 +81,11 @@ void GlobalWorld::find_touches_at_rest() noexcept {
 void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
                                 WorldSnapshot& next) noexcept {
   Device& device = devices_[device_index];
-  std::fill(free_.begin(), free_.end(), std::uint8_t{1});
+  free_.fill(1);
   for (const Device& other : devices_) {
     if (&other == &device) continue;
     free_[other.proxy] = 0;
-    for (const std::uint32_t place : other.extraction.members()) free_[place] = 0;
+    for (const BodyIndex member : other.extraction.members()) free_[member] = 0;
   }
   if (coupling_.proxy_alone()) budget = 1;
   const auto bodies = islands_.bodies();
@@ -104,7 +99,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.dropped = 0;
   next.proxy = bodies[device.proxy].motion;
   next.members.clear();
-  for (const std::uint32_t place : members) TACTUS_CHECK(next.members.try_push(bodies[place].id), place, 0);
+  for (const BodyIndex member : members) TACTUS_CHECK(next.members.try_push(bodies[member].id), number_of(member), 0);
   next.buffer.clear();
   next.renewed.clear();
   next.border.clear();
@@ -112,7 +107,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.warm_starts.clear();
   next.effects.clear();
   fill_joiners(device, next);
-  fill_near_triangles(bodies, world_.fixed_bodies(), meshes_, members, device.proxy, options_.reach, next);
+  fill_near_triangles({bodies, members, device.proxy}, world_.fixed_bodies(), meshes_, options_.reach, next);
   if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
@@ -120,7 +115,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
     if (border_.ghosts) choose_buffer(device, next);
   }
   if (coupling_.proxy_planes > 0 && stepped_)
-    fill_proxy_planes(world_, device.id, pass_s_, coupling_.proxy_planes, next.border);
+    fill_proxy_planes(world_, device.id, macro_step_s_, coupling_.proxy_planes, next.border);
   device.has_border = !next.border.empty();
   count(device, next);
 }
@@ -128,27 +123,27 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
 // Sends the global state of the last cycle's buffer bodies, then chooses the next buffer.
 void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
   const auto bodies = islands_.bodies();
-  for (const std::uint32_t place : device.extraction.members())
-    if (device.buffer[place] != 0)
-      (void)next.renewed.try_push({bodies[place].id, 0, bodies[place].motion});  // fits: at most one per member
+  for (const BodyIndex member : device.extraction.members())
+    if (device.buffer[member] != 0)
+      (void)next.renewed.try_push({bodies[member].id, 0, bodies[member].motion});  // fits: at most one per member
   const BufferChoice::Surroundings around{world_.contacts(), islands_.awake(), next.outside.span()};
   const std::uint32_t uneven =
       buffer_choice_.choose(bodies, device.extraction, graph_, device.proxy, around, device.buffer);
   statistics_.most_uneven_members = std::max(statistics_.most_uneven_members, uneven);
   if (uneven > 0) ++statistics_.uneven_cycles;
-  for (const std::uint32_t place : device.extraction.members())
-    if (device.buffer[place] != 0) (void)next.buffer.try_push(bodies[place].id);
+  for (const BodyIndex member : device.extraction.members())
+    if (device.buffer[member] != 0) (void)next.buffer.try_push(bodies[member].id);
 }
 
-// Fills the border from the last pass.
+// Fills the border from the last macro step.
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
   next.border_work_J = device.border_work_J;
   const auto members = member_slots(device);
-  next.dropped +=
-      border_exchange_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, pass_s_, next.border);
+  next.dropped += border_exchange_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, macro_step_s_,
+                                        next.border);
   if (!border_.ghosts) return;
   next.dropped +=
-      border_exchange_.fill_outside(world_, members, pass_s_, sub_step_s(), next.border.span(), next.outside);
+      border_exchange_.fill_outside(world_, members, macro_step_s_, sub_step_s(), next.border.span(), next.outside);
 }
 
 // Copies whole bodies, bit by bit. Frozen members (static coupling) are sent every time, except the proxy, whose state
@@ -156,17 +151,17 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
 void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexcept {
   next.joiners.clear();
   const bool renew = coupling_.members_frozen;
-  for (const std::uint32_t place : device.extraction.members())
-    if (device.extraction.is_joiner(place) || (renew && place != device.proxy))
-      TACTUS_CHECK(next.joiners.try_push(islands_.bodies()[place]), place, 0);
+  for (const BodyIndex member : device.extraction.members())
+    if (device.extraction.is_joiner(member) || (renew && member != device.proxy))
+      TACTUS_CHECK(next.joiners.try_push(islands_.bodies()[member]), number_of(member), 0);
 }
 
 // Sends warm starts of joiners' contacts with members and static geometry, so that they continue in the sub-world.
 void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
   const auto& e = device.extraction;
-  const auto place = islands_.awake();
+  const auto awake = islands_.awake();
   for (const auto& contact : world_.contacts()) {
-    const std::uint32_t a = place[contact.slot_a], b = contact.b_fixed ? a : place[contact.slot_b];
+    const BodyIndex a = awake[contact.slot_a], b = contact.b_fixed ? a : awake[contact.slot_b];
     const bool joins = e.is_member(a) && e.is_member(b) && (e.is_joiner(a) || e.is_joiner(b));
     if (joins && !next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
   }

@@ -42,10 +42,12 @@ void WorkerPool::share(void* self, std::uint32_t count, std::uint32_t grain, phy
   auto& pool = *static_cast<WorkerPool*>(self);
   const std::uint32_t ranges = std::min(pool.threads(), count / grain);
   const auto start = [&](std::uint64_t k) { return static_cast<std::uint32_t>(k * count / ranges); };
-  pool.work_ = work, pool.context_ = context;
+  pool.work_ = work;
+  pool.context_ = context;
   for (std::uint32_t k = 1; k < ranges; ++k) {
     Worker& worker = pool.workers_[k - 1];
-    worker.begin = start(k), worker.end = start(k + 1);
+    worker.begin = start(k);
+    worker.end = start(k + 1);
     worker.state.store(kOpen, std::memory_order_release);
     worker.state.notify_one();
   }

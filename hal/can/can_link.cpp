@@ -61,7 +61,10 @@ Result<Heard> listen(const CanOptions& options, bool fd) {
     for (unsigned i = 0; i < count; ++i) {
       const std::uint32_t node = socket.frame(i).id & firmware::kMaxCanNode;
       heard.nodes.set(node);
-      if (node == options.node) heard.ours = true, heard.ours_fd = socket.frame(i).fd;
+      if (node == options.node) {
+        heard.ours = true;
+        heard.ours_fd = socket.frame(i).fd;
+      }
     }
   }
   return heard;
@@ -139,7 +142,7 @@ ReceivedFrame CanLink::receive(std::span<std::byte, firmware::kMaxFrameSize> buf
   if (newest.size > 0 || options_.wait == nanoseconds::zero() || !connected_) return newest;
   // A state's fragments arrive one by one, so one wake may not be enough; the deadline applies to all of them together.
   const std::int64_t deadline = MonotonicClock::now_ns() + options_.wait.count();
-  for (unsigned wake = 0; wake < kMostWakes && newest.size == 0 && connected_; ++wake) {
+  for (unsigned wake = 0; wake < kMaxWakes && newest.size == 0 && connected_; ++wake) {
     const std::int64_t left = deadline - MonotonicClock::now_ns();
     if (left <= 0 || !socket().wait(nanoseconds(left))) break;
     drain(buffer, newest);
@@ -149,7 +152,7 @@ ReceivedFrame CanLink::receive(std::span<std::byte, firmware::kMaxFrameSize> buf
 
 void CanLink::drain(std::span<std::byte, firmware::kMaxFrameSize> buffer, ReceivedFrame& newest) noexcept {
   const std::uint32_t lost_before = socket().lost();
-  for (unsigned batch = 0; batch < kMostFrames / CanSocket::kBatch; ++batch) {
+  for (unsigned batch = 0; batch < kMaxFrames / CanSocket::kBatch; ++batch) {
     int error = 0;
     const unsigned count = socket().receive(error);
     if (error != 0) note_failure(error);
@@ -157,7 +160,10 @@ void CanLink::drain(std::span<std::byte, firmware::kMaxFrameSize> buffer, Receiv
       const CanReceived& frame = socket().frame(i);
       if (!take(frame, buffer)) continue;
       ++counters_.received;
-      if (newest.size > 0) ++newest.superseded, ++counters_.superseded;
+      if (newest.size > 0) {
+        ++newest.superseded;
+        ++counters_.superseded;
+      }
       newest.size = firmware::kStateFrameSize;
       newest.arrival_ns = frame.arrival_ns;
       connected_ = true;
@@ -189,17 +195,26 @@ bool CanLink::take(const CanReceived& frame, std::span<std::byte, firmware::kMax
 
 void CanLink::take_error(const CanReceived& frame) noexcept {
   ++counters_.errors;
-  if ((frame.id & CAN_ERR_BUSOFF) != 0) ++errors_.bus_off, disconnect();
+  if ((frame.id & CAN_ERR_BUSOFF) != 0) {
+    ++errors_.bus_off;
+    disconnect();
+  }
   if ((frame.id & CAN_ERR_RESTARTED) != 0) ++errors_.restarted;
   if ((frame.id & CAN_ERR_LOSTARB) != 0) ++errors_.arbitration_lost;
   if ((frame.id & (CAN_ERR_PROT | CAN_ERR_ACK | CAN_ERR_BUSERROR)) != 0) ++errors_.protocol;
   if (frame.data.size() < CAN_ERR_DLC) return;
   const auto at = [&](std::size_t i) { return std::to_integer<std::uint8_t>(frame.data[i]); };
-  if ((frame.id & CAN_ERR_CNT) != 0) errors_.tx_errors = at(6), errors_.rx_errors = at(7);
+  if ((frame.id & CAN_ERR_CNT) != 0) {
+    errors_.tx_errors = at(6);
+    errors_.rx_errors = at(7);
+  }
   if ((frame.id & CAN_ERR_CRTL) == 0) return;
   if ((at(1) & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) != 0) ++errors_.error_warning;
   if ((at(1) & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) ++errors_.error_passive;
-  if ((at(1) & CAN_ERR_CRTL_RX_OVERFLOW) != 0) ++errors_.controller_full, assembler_.forget();
+  if ((at(1) & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
+    ++errors_.controller_full;
+    assembler_.forget();
+  }
 }
 
 void CanLink::note_failure(int error) noexcept {

@@ -3,8 +3,8 @@
 // Thread: open(), start(), call() [setup] and normal threads; the rest [rt], by the haptic thread alone. call() uses a
 // socket of its own. A thread of normal priority rebinds the socket when the interface disappears and returns (an
 // adapter that is unplugged); the haptic thread picks the new socket up with one atomic read.
-// Bound: receive() reads at most kMostFrames frames and waits at most Options::wait for the rest of an incomplete
-// state, in at most kMostWakes pieces; a babbling node costs at most those frames (the kernel filters identifiers of
+// Bound: receive() reads at most kMaxFrames frames and waits at most Options::wait for the rest of an incomplete
+// state, in at most kMaxWakes pieces; a babbling node costs at most those frames (the kernel filters identifiers of
 // other nodes). send() is one or two system calls that return at once.
 // Beyond the bounds and on failures: frames that the kernel drops because its queue is full are counted; it drops the
 // newest, and the next receive() sees what comes after. Interface down, gone, or bus-off: disconnected, counted, and
@@ -50,7 +50,7 @@ struct CanBusErrors {
 
 class CanLink {
  public:
-  static constexpr unsigned kMostFrames = firmware::CanSocket::kQueuedFrames, kMostWakes = 4;
+  static constexpr unsigned kMaxFrames = firmware::CanSocket::kQueuedFrames, kMaxWakes = 4;
 
   // Errors, one line each: those of check_can_interface, and no device heard under this node id.
   static Result<std::unique_ptr<CanLink>> open(const CanOptions& options);

@@ -106,7 +106,9 @@ Status GpioLines::request_output(const GpioLine& line, const char* purpose, Outp
 }
 
 GpioLines::~GpioLines() {
-  set(enable_, false), set(probe_, false), set(heartbeat_, false);
+  set(enable_, false);
+  set(probe_, false);
+  set(heartbeat_, false);
   if (chip_ != nullptr) gpiod_chip_close(chip_of(chip_));  // releases its lines
 }
 

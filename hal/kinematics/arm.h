@@ -36,10 +36,13 @@ struct ArmAt {
 
   ArmAt(const AxisVector& q, const ArmLinks& arm) noexcept : links(arm) {
     const auto yaw = sin_cos(q[0]), lean = sin_cos(q[1]), rise = sin_cos(q[2]);
-    outwards = {yaw.cos, yaw.sin, 0}, tangent = {-yaw.sin, yaw.cos, 0};
+    outwards = {yaw.cos, yaw.sin, 0};
+    tangent = {-yaw.sin, yaw.cos, 0};
     const Vec3d up{0, 0, 1};
-    upper = outwards * lean.sin + up * lean.cos, upper_turn = outwards * lean.cos - up * lean.sin;
-    forearm = outwards * rise.cos + up * rise.sin, forearm_turn = up * rise.cos - outwards * rise.sin;
+    upper = outwards * lean.sin + up * lean.cos;
+    upper_turn = outwards * lean.cos - up * lean.sin;
+    forearm = outwards * rise.cos + up * rise.sin;
+    forearm_turn = up * rise.cos - outwards * rise.sin;
     reach = links.upper_m * lean.sin + links.forearm_m * rise.cos;
     height_m = links.upper_m * lean.cos + links.forearm_m * rise.sin;
     bounded_reach = away_from_zero(reach, 0.1 * links.forearm_m);

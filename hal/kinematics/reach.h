@@ -97,7 +97,10 @@ void widen_drives(const K& kinematics, const AxisVector& q, const ToolLimits& li
     const Twistd column = kinematics.twist_of(q, unit_axis(axis));
     const double effort = limits.force_N * norm(column.linear) + limits.torque_Nm * norm(column.angular);
     bounds.effort[axis] = std::max(bounds.effort[axis], effort);
-    if (axis < 3) linear[axis] = column.linear, angular[axis] = column.angular;
+    if (axis < 3) {
+      linear[axis] = column.linear;
+      angular[axis] = column.angular;
+    }
     // The wrench of a unit effort on one axis is that axis's row of the inverse Jacobian.
     const Wrenchd row = kinematics.wrench_of(q, unit_axis(axis));
     const double rate = limits.speed_m_per_s * norm(row.force) + limits.angular_speed_rad_per_s * norm(row.torque);
@@ -120,11 +123,13 @@ ReachBounds bounds_over(const K& kinematics, const AxisVector& quantum, const To
     detail::widen_drives(kinematics, q, limits, bounds);
     for (unsigned turn = 0; turn < detail::kWristYaws; ++turn)
       for (const double pitch : {-kPitchLimit_rad, 0.0, kPitchLimit_rad}) {
-        q[3] = turn * kHalfTurn_rad / detail::kWristYaws, q[kPitchAxis] = pitch;
+        q[3] = turn * kHalfTurn_rad / detail::kWristYaws;
+        q[kPitchAxis] = pitch;
         detail::widen_quanta(kinematics, q, quantum, bounds);
       }
   }
-  bounds.position_quantum_m *= kSpreadMargin, bounds.rotation_quantum_rad *= kSpreadMargin;
+  bounds.position_quantum_m *= kSpreadMargin;
+  bounds.rotation_quantum_rad *= kSpreadMargin;
   bounds.arm_effort_norm *= kSpreadMargin;
   for (double& effort : bounds.effort) effort *= kSpreadMargin;
   for (double& rate : bounds.rate) rate *= kSpreadMargin;

@@ -231,7 +231,8 @@ Status UsbConnection::find(const UsbSelection& selection) {
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Candidate& candidate = candidates[i];
     if (chosen.ok() && chosen.value() == i) {
-      handle_ = candidate.handle, info_ = candidate.info;
+      handle_ = candidate.handle;
+      info_ = candidate.info;
       interface_ = candidate.interface.number;
       state_endpoint_ = candidate.interface.state_endpoint;
       command_endpoint_ = candidate.interface.command_endpoint;

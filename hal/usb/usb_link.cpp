@@ -58,7 +58,10 @@ ReceivedFrame UsbLink::receive(std::span<std::byte, firmware::kMaxFrameSize> buf
 }
 
 bool UsbLink::send(std::span<const std::byte> frame) noexcept {
-  if (!connected() || frame.empty() || frame.size() > firmware::kMaxFrameSize) return count(send_failed_), false;
+  if (!connected() || frame.empty() || frame.size() > firmware::kMaxFrameSize) {
+    count(send_failed_);
+    return false;
+  }
   Command& command = commands_.writing();
   command.size = static_cast<std::uint32_t>(frame.size());
   std::copy(frame.begin(), frame.end(), command.bytes.begin());
@@ -81,10 +84,14 @@ LinkCounters UsbLink::total() const noexcept {
 
 LinkCounters UsbLink::counters() const noexcept {
   LinkCounters now = total();
-  now.received -= before_start_.received, now.superseded -= before_start_.superseded;
-  now.malformed -= before_start_.malformed, now.sent -= before_start_.sent;
-  now.send_superseded -= before_start_.send_superseded, now.send_failed -= before_start_.send_failed;
-  now.errors -= before_start_.errors, now.disconnects -= before_start_.disconnects;
+  now.received -= before_start_.received;
+  now.superseded -= before_start_.superseded;
+  now.malformed -= before_start_.malformed;
+  now.sent -= before_start_.sent;
+  now.send_superseded -= before_start_.send_superseded;
+  now.send_failed -= before_start_.send_failed;
+  now.errors -= before_start_.errors;
+  now.disconnects -= before_start_.disconnects;
   return now;
 }
 

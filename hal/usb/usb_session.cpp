@@ -8,9 +8,9 @@ namespace tactus::hal {
 namespace {
 
 // Consecutive failed transfers after which the connection is ended and reopened: a cable being unplugged causes some.
-constexpr unsigned kMostFailures = 20;
+constexpr unsigned kMaxFailures = 20;
 // The same for consecutive halts of the state endpoint.
-constexpr unsigned kMostHalts = 5;
+constexpr unsigned kMaxHalts = 5;
 
 }  // namespace
 
@@ -69,7 +69,7 @@ void UsbLink::Session::clear_halts() noexcept {
   if (gone_ || ending_) return;
   if (commands_halted_ && clear(connection_->command_endpoint())) commands_halted_ = false;
   if (!states_halted_ || states_in_flight_ > 0 || gone_) return;
-  if (++halts_in_a_row_ > kMostHalts) return lose();
+  if (++halts_in_a_row_ > kMaxHalts) return lose();
   if (!clear(connection_->state_endpoint())) return;
   states_halted_ = false;
   (void)begin();
@@ -85,7 +85,7 @@ void UsbLink::Session::note_failure(const libusb_transfer& transfer) noexcept {
   if (transfer.status == LIBUSB_TRANSFER_NO_DEVICE) return lose();
   count(link_.errors_);
   if (transfer.status != LIBUSB_TRANSFER_STALL) {
-    if (++failures_in_a_row_ >= kMostFailures) lose();
+    if (++failures_in_a_row_ >= kMaxFailures) lose();
   } else if (&transfer == command_.usb) {
     commands_halted_ = true;
   } else if (!states_halted_) {

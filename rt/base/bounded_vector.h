@@ -49,7 +49,9 @@ class BoundedVector {
     size_ = size;
   }
   void swap(BoundedVector& other) noexcept {
-    std::swap(data_, other.data_), std::swap(size_, other.size_), std::swap(capacity_, other.capacity_);
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
   }
 
   T& operator[](std::uint32_t i) noexcept { return data_[i]; }

@@ -20,15 +20,21 @@ struct Vec3 {
   constexpr T& operator[](int i) noexcept { return i == 0 ? x : (i == 1 ? y : z); }
   constexpr const T& operator[](int i) const noexcept { return i == 0 ? x : (i == 1 ? y : z); }
   constexpr Vec3& operator+=(const Vec3& o) noexcept {
-    x += o.x, y += o.y, z += o.z;
+    x += o.x;
+    y += o.y;
+    z += o.z;
     return *this;
   }
   constexpr Vec3& operator-=(const Vec3& o) noexcept {
-    x -= o.x, y -= o.y, z -= o.z;
+    x -= o.x;
+    y -= o.y;
+    z -= o.z;
     return *this;
   }
   constexpr Vec3& operator*=(T s) noexcept {
-    x *= s, y *= s, z *= s;
+    x *= s;
+    y *= s;
+    z *= s;
     return *this;
   }
   friend constexpr Vec3 operator+(Vec3 a, const Vec3& b) noexcept { return a += b; }

@@ -45,9 +45,18 @@ class [[nodiscard]] Result {
   const std::string& message() const noexcept { return status_.message(); }
   const Status& status() const noexcept { return status_; }
 
-  T& value() & noexcept { return check(), *value_; }
-  const T& value() const& noexcept { return check(), *value_; }
-  T&& value() && noexcept { return check(), *std::move(value_); }
+  T& value() & noexcept {
+    check();
+    return *value_;
+  }
+  const T& value() const& noexcept {
+    check();
+    return *value_;
+  }
+  T&& value() && noexcept {
+    check();
+    return *std::move(value_);
+  }
 
  private:
   void check() const noexcept { TACTUS_CHECK(value_.has_value(), 0, 0); }

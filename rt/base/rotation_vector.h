@@ -32,7 +32,8 @@ inline Vec3d angular_velocity_of(const Vec3d& r, const Vec3d& rate) noexcept {
   double a = 0.5 - square / 24, b = 1.0 / 6 - square / 120;
   if (angle > 1e-3) {
     const auto x = sin_cos(angle);
-    a = (1 - x.cos) / square, b = (angle - x.sin) / (square * angle);
+    a = (1 - x.cos) / square;
+    b = (angle - x.sin) / (square * angle);
   }
   const Vec3d once = cross(r, rate);
   return rate + a * once + b * cross(r, once);

@@ -28,6 +28,26 @@ template <class T>
 struct Twist {
   Vec3<T> linear;   // m/s, of the body's centre of mass
   Vec3<T> angular;  // rad/s
+
+  constexpr Twist& operator+=(const Twist& o) noexcept {
+    linear += o.linear;
+    angular += o.angular;
+    return *this;
+  }
+  constexpr Twist& operator-=(const Twist& o) noexcept {
+    linear -= o.linear;
+    angular -= o.angular;
+    return *this;
+  }
+  constexpr Twist& operator*=(T s) noexcept {
+    linear *= s;
+    angular *= s;
+    return *this;
+  }
+  friend constexpr Twist operator+(Twist a, const Twist& b) noexcept { return a += b; }
+  friend constexpr Twist operator-(Twist a, const Twist& b) noexcept { return a -= b; }
+  friend constexpr Twist operator*(Twist a, T s) noexcept { return a *= s; }
+  friend constexpr Twist operator*(T s, Twist a) noexcept { return a *= s; }
   friend constexpr bool operator==(const Twist&, const Twist&) noexcept = default;
 };
 
@@ -35,6 +55,26 @@ template <class T>
 struct Wrench {
   Vec3<T> force;   // N
   Vec3<T> torque;  // N m, about the body's centre of mass
+
+  constexpr Wrench& operator+=(const Wrench& o) noexcept {
+    force += o.force;
+    torque += o.torque;
+    return *this;
+  }
+  constexpr Wrench& operator-=(const Wrench& o) noexcept {
+    force -= o.force;
+    torque -= o.torque;
+    return *this;
+  }
+  constexpr Wrench& operator*=(T s) noexcept {
+    force *= s;
+    torque *= s;
+    return *this;
+  }
+  friend constexpr Wrench operator+(Wrench a, const Wrench& b) noexcept { return a += b; }
+  friend constexpr Wrench operator-(Wrench a, const Wrench& b) noexcept { return a -= b; }
+  friend constexpr Wrench operator*(Wrench a, T s) noexcept { return a *= s; }
+  friend constexpr Wrench operator*(T s, Wrench a) noexcept { return a *= s; }
   friend constexpr bool operator==(const Wrench&, const Wrench&) noexcept = default;
 };
 

@@ -42,9 +42,18 @@ struct Wide {
   TACTUS_INLINE friend Wide operator*(Wide a, Wide b) noexcept { return of(a.v * b.v); }
   TACTUS_INLINE friend Wide operator/(Wide a, Wide b) noexcept { return of(a.v / b.v); }
   TACTUS_INLINE friend Wide operator-(Wide a) noexcept { return of(-a.v); }
-  TACTUS_INLINE Wide& operator+=(Wide o) noexcept { return v += o.v, *this; }
-  TACTUS_INLINE Wide& operator-=(Wide o) noexcept { return v -= o.v, *this; }
-  TACTUS_INLINE Wide& operator*=(Wide o) noexcept { return v *= o.v, *this; }
+  TACTUS_INLINE Wide& operator+=(Wide o) noexcept {
+    v += o.v;
+    return *this;
+  }
+  TACTUS_INLINE Wide& operator-=(Wide o) noexcept {
+    v -= o.v;
+    return *this;
+  }
+  TACTUS_INLINE Wide& operator*=(Wide o) noexcept {
+    v *= o.v;
+    return *this;
+  }
   TACTUS_INLINE friend Mask operator<(Wide a, Wide b) noexcept { return a.v < b.v; }
   TACTUS_INLINE friend Mask operator>(Wide a, Wide b) noexcept { return a.v > b.v; }
   TACTUS_INLINE friend Mask operator<=(Wide a, Wide b) noexcept { return a.v <= b.v; }
@@ -139,8 +148,10 @@ TACTUS_INLINE void transpose(Wide<double, 4> (&m)[4]) noexcept {
              b = __builtin_shufflevector(m[0].v, m[1].v, 1, 5, 3, 7);
   const auto c = __builtin_shufflevector(m[2].v, m[3].v, 0, 4, 2, 6),
              d = __builtin_shufflevector(m[2].v, m[3].v, 1, 5, 3, 7);
-  m[0].v = __builtin_shufflevector(a, c, 0, 1, 4, 5), m[1].v = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-  m[2].v = __builtin_shufflevector(a, c, 2, 3, 6, 7), m[3].v = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+  m[0].v = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  m[1].v = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  m[2].v = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  m[3].v = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
 TACTUS_INLINE void transpose(Wide<float, 8> (&m)[8]) noexcept {

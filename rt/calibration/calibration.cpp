@@ -12,7 +12,7 @@ namespace {
 // Few and many sub-steps: their difference must exceed the noise.
 constexpr std::uint32_t kFew = 1, kMany = 6;
 // Warm-up rounds without measurement (caches, branch predictors), minimum and maximum of measured rounds.
-constexpr std::uint32_t kWarmRounds = 3, kFewestRounds = 9, kMostRounds = 151;
+constexpr std::uint32_t kWarmRounds = 3, kMinRounds = 9, kMaxRounds = 151;
 constexpr std::int64_t kTimeForRounds_ns = 200'000'000;
 
 // Ticks after a sleep, like those of a loop at 1 kHz that finishes early.
@@ -67,7 +67,8 @@ Woken time_after_sleeps() {
     MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + kSleep_ns);
     boxes_times.push_back((result.boxes = boxes.tick(kUsualSubSteps)).ns);
   }
-  result.lone.ns = percentile(lone_times, 0.9), result.boxes.ns = percentile(boxes_times, 0.9);
+  result.lone.ns = percentile(lone_times, 0.9);
+  result.boxes.ns = percentile(boxes_times, 0.9);
   result.spread = result.boxes.ns / percentile(boxes_times, 0.5);
   return result;
 }
@@ -84,8 +85,8 @@ CalibrationTimes time_synthetic_worlds() {
   CalibrationTimes result{};
   std::array<std::vector<double>, kCalibrationRuns> times;
   const std::int64_t until_ns = MonotonicClock::now_ns() + kTimeForRounds_ns;
-  for (std::uint32_t i = 0; i < kMostRounds; ++i) {
-    if (i >= kFewestRounds && MonotonicClock::now_ns() > until_ns) break;
+  for (std::uint32_t i = 0; i < kMaxRounds; ++i) {
+    if (i >= kMinRounds && MonotonicClock::now_ns() > until_ns) break;
     result = round();
     for (std::uint32_t run = 0; run < kCalibrationRuns; ++run) times[run].push_back(result[run].ns);
   }

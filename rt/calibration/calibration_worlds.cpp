@@ -46,7 +46,9 @@ physics::Body make_body(SyntheticWorld kind, std::uint32_t i) {
 // Each body stands on two points of outside bodies, one outside body per point.
 haptics::BorderPoint make_border_point(std::uint32_t i) {
   haptics::BorderPoint point;
-  point.member = i % kCalibrationBodies, point.outside = kCalibrationBodies + i, point.feature = i;
+  point.member = i % kCalibrationBodies;
+  point.outside = kCalibrationBodies + i;
+  point.feature = i;
   point.normal = {0, 0, 1};
   point.member_anchor = {i < kCalibrationBodies ? kHalf_m : -kHalf_m, 0, -kHalf_m};
   point.friction = 0.5;
@@ -58,7 +60,8 @@ haptics::BorderPoint make_border_point(std::uint32_t i) {
 // The outside body of the point: as heavy as the members, at rest, without load.
 haptics::OutsideBody make_outside(const haptics::BorderPoint& point) {
   haptics::OutsideBody body;
-  body.id = point.outside, body.centre = point.outside_point - Vec3d{0, 0, kHalf_m};
+  body.id = point.outside;
+  body.centre = point.outside_point - Vec3d{0, 0, kHalf_m};
   body.admittance.linear = SymMat3d::identity(1);
   body.admittance.angular = SymMat3d::identity(600);
   return body;

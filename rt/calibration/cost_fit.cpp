@@ -46,7 +46,10 @@ CostModel fit_costs(const CalibrationTimes& times) noexcept {
       const auto unexplained_ns = [&](const TimedWork& w) { return w.ns - predict_ns(cost, w.counts, w.sub_steps); };
       const auto units = [&](const TimedWork& w) { return units_of(w.counts, w.sub_steps).*rule.cost; };
       double ns = unexplained_ns(at(rule.run)), count = units(at(rule.run));
-      if (rule.less) ns -= unexplained_ns(at(*rule.less)), count -= units(at(*rule.less));
+      if (rule.less) {
+        ns -= unexplained_ns(at(*rule.less));
+        count -= units(at(*rule.less));
+      }
       if (count > 0) cost.*rule.cost = std::max(0.0, cost.*rule.cost + ns / count);
     }
   }

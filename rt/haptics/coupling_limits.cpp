@@ -75,23 +75,23 @@ Gains suggest(const AxisLimits& axis, double quiet) noexcept {
 }  // namespace
 
 AxisLimits translation_of(const DeviceProperties& device, double period_s, double late_s) noexcept {
-  return {period_s,
-          device.delay_s + 0.5 * late_s,
-          device.mass_kg,
-          device.damping_Ns_per_m,
-          device.coulomb_friction_N,
-          device.position_quantum_m,
-          0};
+  return {.period_s = period_s,
+          .delay_s = device.delay_s + 0.5 * late_s,
+          .mass = device.mass_kg,
+          .damping = device.damping_Ns_per_m,
+          .coulomb_friction = device.coulomb_friction_N,
+          .quantum = device.position_quantum_m,
+          .lead_s = 0};
 }
 
 AxisLimits rotation_of(const DeviceProperties& device, double period_s, double late_s) noexcept {
-  return {period_s,
-          device.delay_s + 0.5 * late_s,
-          device.inertia_kg_m2,
-          device.damping_Nms_per_rad,
-          device.coulomb_friction_Nm,
-          device.rotation_quantum_rad,
-          0};
+  return {.period_s = period_s,
+          .delay_s = device.delay_s + 0.5 * late_s,
+          .mass = device.inertia_kg_m2,
+          .damping = device.damping_Nms_per_rad,
+          .coulomb_friction = device.coulomb_friction_Nm,
+          .quantum = device.rotation_quantum_rad,
+          .lead_s = 0};
 }
 
 // On the boundary the damping grows with the angle up to the angle where the stiffness is back at 0. Without the
@@ -143,10 +143,12 @@ CouplingVerdict check_coupling(const CouplingGains& gains, const DevicePropertie
 CouplingGains suggest_gains(const DeviceProperties& device, double period_s, double late_s) noexcept {
   CouplingGains gains;
   const Gains linear = suggest(translation_of(device, period_s, late_s), kQuietForce_N);
-  gains.stiffness_N_per_m = linear.stiffness, gains.damping_Ns_per_m = linear.damping;
+  gains.stiffness_N_per_m = linear.stiffness;
+  gains.damping_Ns_per_m = linear.damping;
   if (!device.has_rotation) return gains;
   const Gains angular = suggest(rotation_of(device, period_s, late_s), kQuietTorque_Nm);
-  gains.stiffness_Nm_per_rad = angular.stiffness, gains.damping_Nms_per_rad = angular.damping;
+  gains.stiffness_Nm_per_rad = angular.stiffness;
+  gains.damping_Nms_per_rad = angular.damping;
   return gains;
 }
 

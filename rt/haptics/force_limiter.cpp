@@ -39,13 +39,19 @@ double limit_now(const ForceLimiter::PortConfig& config, const ForceLimiter::Por
   return std::sqrt(continuous2 + (peak2 - continuous2) * cool);
 }
 
+// What a tick asks of both ports.
+struct Request {
+  double fade, fade_ratio;  // fade_ratio: to the last tick's fade if it falls, else 1
+  Slew slew;
+};
+
 Vec3d limit_port(const ForceLimiter::Config& config, const ForceLimiter::PortConfig& port_config,
-                 ForceLimiter::Port& port, const Vec3d& wanted, double fade, double fade_ratio, Slew slew,
+                 ForceLimiter::Port& port, const Vec3d& wanted, const Request& request,
                  std::uint32_t& status) noexcept {
   bool saturated = false, slewed = false, rounded = false;
-  const Vec3d target = clamp_length(wanted, limit_now(port_config, port), saturated) * fade;
-  const Vec3d from = port.last * fade_ratio;
-  const double rate = slew == Slew::kSlow ? port_config.slow_slew_per_s : port_config.slew_per_s;
+  const Vec3d target = clamp_length(wanted, limit_now(port_config, port), saturated) * request.fade;
+  const Vec3d from = port.last * request.fade_ratio;
+  const double rate = request.slew == Slew::kSlow ? port_config.slow_slew_per_s : port_config.slew_per_s;
   const Vec3d step = clamp_length(target - from, rate * config.period_s, slewed);
   const Vec3d moved = slewed ? from + step : target;
   const Vec3d out = clamp_length(moved, port_config.max, rounded);
@@ -61,24 +67,30 @@ Vec3d limit_port(const ForceLimiter::Config& config, const ForceLimiter::PortCon
 ForceLimiter::Config ForceLimiter::Config::of(const DeviceProperties& device, double period_s) noexcept {
   Config config;
   config.period_s = period_s;
-  config.force = {device.max_force_N, device.continuous_force_N, 5000.0, 200.0};
+  config.force = {.max = device.max_force_N,
+                  .continuous = device.continuous_force_N,
+                  .slew_per_s = 5000.0,
+                  .slow_slew_per_s = 200.0};
   const double ratio = device.max_force_N > 0 ? device.max_torque_Nm / device.max_force_N : 0.0;
-  config.torque = {device.max_torque_Nm, device.continuous_torque_Nm, 5000.0 * ratio, 200.0 * ratio};
+  config.torque = {.max = device.max_torque_Nm,
+                   .continuous = device.continuous_torque_Nm,
+                   .slew_per_s = 5000.0 * ratio,
+                   .slow_slew_per_s = 200.0 * ratio};
   return config;
 }
 
 ForceLimiter::Output ForceLimiter::limit(const Wrenchd& wanted, double fade, Slew slew) noexcept {
-  const double faded = fade >= 1.0 ? 1.0 : (fade > 0.0 ? fade : 0.0);
-  const double ratio = faded < state.last_fade ? faded / state.last_fade : 1.0;
-  state.last_fade = faded;
+  const double now = fade >= 1.0 ? 1.0 : (fade > 0.0 ? fade : 0.0);
+  const Request request{.fade = now, .fade_ratio = now < state.last_fade ? now / state.last_fade : 1.0, .slew = slew};
+  state.last_fade = now;
   Output out;
   if (!is_finite(wanted)) {
     out.fault = Fault::kOutputNotFinite;
     state.force.last = state.torque.last = {};
     return out;
   }
-  out.wrench.force = limit_port(config, config.force, state.force, wanted.force, faded, ratio, slew, out.status);
-  out.wrench.torque = limit_port(config, config.torque, state.torque, wanted.torque, faded, ratio, slew, out.status);
+  out.wrench.force = limit_port(config, config.force, state.force, wanted.force, request, out.status);
+  out.wrench.torque = limit_port(config, config.torque, state.torque, wanted.torque, request, out.status);
   return out;
 }
 

@@ -27,15 +27,15 @@ enum : std::uint32_t {
   kFeltX,  // in G(n): where the interpolated proxy ends the cycle
   kQueue
 };
-constexpr std::uint32_t kMostStates = kQueue + kMostDelayTicks + 2;
-using State = std::array<double, kMostStates>;
-using Matrix = std::array<State, kMostStates>;  // by rows
+constexpr std::uint32_t kMaxStates = kQueue + kMaxDelayTicks + 2;
+using State = std::array<double, kMaxStates>;
+using Matrix = std::array<State, kMaxStates>;  // by rows
 
 class Loop {
  public:
   Loop(const AxisLimits& axis, const InterpolatedProxy& proxy, double stiffness, double damping) noexcept
       : axis_(axis), proxy_(proxy), stiffness_(stiffness), damping_(damping) {
-    const double ticks = std::min(axis.delay_s / axis.period_s, 1.0 * kMostDelayTicks);
+    const double ticks = std::min(axis.delay_s / axis.period_s, 1.0 * kMaxDelayTicks);
     delay_ticks_ = static_cast<std::uint32_t>(ticks);
     delay_rest_s_ = (ticks - delay_ticks_) * axis.period_s;
     states_ = kQueue + delay_ticks_ + 2;

@@ -11,15 +11,15 @@
 // carries the difference of two positions, on which a delay has little effect at low frequencies. Not modelled, as in
 // coupling_limits.h: the hand, dry friction. Nor the coupling of rotation and translation by contacts off the centre.
 // kAllowedStiffnessShare of the limit is allowed, as for every coupling. Thread: [any], pure; takes some 10 ms at a
-// ratio of 10: for set-up. Units: SI; for rotation N m/rad and so on. Bound: a delay above kMostDelayTicks is treated
-// as kMostDelayTicks.
+// ratio of 10: for set-up. Units: SI; for rotation N m/rad and so on. Bound: a delay above kMaxDelayTicks is treated
+// as kMaxDelayTicks.
 #pragma once
 
 #include "rt/haptics/coupling_limits.h"
 
 namespace tactus::haptics {
 
-inline constexpr std::uint32_t kMostDelayTicks = 32;
+inline constexpr std::uint32_t kMaxDelayTicks = 32;
 
 // The proxy in the global world, in the device's units: its mass at the hand is motion_scale^2 times that in the world.
 struct InterpolatedProxy {

@@ -74,9 +74,8 @@ Vec3d due_damping(Passivity::Port& port, const Passivity::PortConfig& config, co
 }
 
 Vec3d control_port(Passivity::Port& port, const Passivity::PortConfig& port_config, const Passivity::Config& config,
-                   std::uint32_t newest, const Vec3d& wanted, const Vec3d& velocity, double stored_J) noexcept {
+                   std::uint32_t newest, const Vec3d& wanted, const Vec3d& velocity) noexcept {
   const Flight flight(port, newest, config.felt_late_ticks);
-  port.stored_J = stored_J;
   observe(port, port_config, flight, config.period_s, velocity);
   port.damping = due_damping(port, port_config, flight, config.period_s, velocity);
   return port.alpha > 0 ? wanted + port.damping : wanted;  // unchanged, including the sign of a zero
@@ -103,10 +102,10 @@ Wrenchd Passivity::control(const Wrenchd& wanted, const Twistd& tool_velocity, c
     state.translation.damping = state.rotation.damping = {};
     return wanted;
   }
-  return {control_port(state.translation, config.translation, config, state.newest, wanted.force, tool_velocity.linear,
-                       stored.translation_J),
-          control_port(state.rotation, config.rotation, config, state.newest, wanted.torque, tool_velocity.angular,
-                       stored.rotation_J)};
+  state.translation.stored_J = stored.translation_J;
+  state.rotation.stored_J = stored.rotation_J;
+  return {control_port(state.translation, config.translation, config, state.newest, wanted.force, tool_velocity.linear),
+          control_port(state.rotation, config.rotation, config, state.newest, wanted.torque, tool_velocity.angular)};
 }
 
 void Passivity::book(const Wrenchd& sent) noexcept {

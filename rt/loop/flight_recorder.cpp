@@ -29,7 +29,12 @@ void FlightRecorder::after_tick(const TickInput& in, const TickOutput& out) noex
     TACTUS_CHECK(bytes.ok(), bytes.size(), scratch_.size());
     if (!ring_.try_push(kSnapshotRecord, scratch_.span().first(bytes.size()))) until_keyframe_ = 0;
   }
-  const TickRecord record{in.device, in.operator_bits, in.sub_steps, in.snapshot != nullptr ? 1u : 0u, 0, out};
+  const TickRecord record{.device = in.device,
+                          .operator_bits = in.operator_bits,
+                          .sub_steps = in.sub_steps,
+                          .adopts = in.snapshot != nullptr ? 1u : 0u,
+                          .padding = 0,
+                          .out = out};
   if (!ring_.try_push(kTickRecord, std::span<const TickRecord, 1>(&record, 1))) until_keyframe_ = 0;
 }
 

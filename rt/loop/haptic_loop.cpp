@@ -103,7 +103,10 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
     out.status |= kSceneReset;
     reset_scene((operator_bits & kHoldReset) != 0);
   }
-  if ((operator_bits & kEnd) != 0 && state_.ending == 0) state_.ending = 1, state_.ending_left_s = kEndFade_s;
+  if ((operator_bits & kEnd) != 0 && state_.ending == 0) {
+    state_.ending = 1;
+    state_.ending_left_s = kEndFade_s;
+  }
   if (state_.ending != 0) {
     state_.ending_left_s = std::max(0.0, state_.ending_left_s - config_.period_s);
     if (state_.ending_left_s == 0) state_.armed = state_.engaged = 0;
@@ -142,7 +145,8 @@ void HapticLoop::engage() noexcept {
                         norm(small_rotation_vector(target.rotation * conjugate(proxy.rotation))) <= near_rad;
   if (!in_place) placement_.clutch_to(proxy, input_.device_from_tool);
   state_.engaged = 1;
-  state_.recovered = 0, state_.ramp_s = kRecovery_s;
+  state_.recovered = 0;
+  state_.ramp_s = kRecovery_s;
   watch_.begin(state_.tick + 1);
 }
 
@@ -174,13 +178,18 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   out.proxy = sub_world_.proxy();
   out.members = sub_world_.members();
   out.border = sub_world_.border_contacts();
-  out.pairs = report.pairs, out.contacts = report.contacts, out.points = report.points;
-  out.capacity_bits = report.capacity_bits, out.dropped = report.dropped;
-  out.cut_sweep = report.cut_sweep, out.deepest_m = report.deepest_m;
+  out.pairs = report.pairs;
+  out.contacts = report.contacts;
+  out.points = report.points;
+  out.capacity_bits = report.capacity_bits;
+  out.dropped = report.dropped;
+  out.cut_sweep = report.cut_sweep;
+  out.deepest_m = report.deepest_m;
   if (report.deepest_m > kSharesFrom * config_.thinnest_m && config_.thinnest_m > 0)
     out.deepest_share = physics::deepest_overlap(sub_world_.world()).share;
   out.border_work_J = sub_world_.border_work_J();
-  out.buffer_gain_J = sub_world_.buffer_gain_J(), out.border_tank_J = sub_world_.border_tank_J();
+  out.buffer_gain_J = sub_world_.buffer_gain_J();
+  out.border_tank_J = sub_world_.border_tank_J();
   report_ = report;
   const double recovered = recovered_share(stepped.force_scale, (stepped.status & kWorldFade) != 0);
   double fading = state_.reset == Reset::kFading ? std::max(0.0, state_.reset_left_s / kResetFade_s) : 1.0;
@@ -249,7 +258,8 @@ bool HapticLoop::wants_snapshot() const noexcept {
 WorkCounts HapticLoop::counts() const noexcept {
   WorkCounts counts;
   counts.bodies = sub_world_.members();
-  counts.pairs = report_.pairs, counts.searched = report_.comparisons;
+  counts.pairs = report_.pairs;
+  counts.searched = report_.comparisons;
   counts.contacts = report_.contacts + kContactsPerJoint * report_.joints;
   counts.points = report_.points + kContactsPerJoint * kPointsPerContact * report_.joints;
   counts.border = sub_world_.border_contacts();

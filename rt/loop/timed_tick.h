@@ -56,6 +56,8 @@ class TimedTick {
             TickProbe* probe = nullptr) noexcept
       : driver_(driver), lines_(lines), probe_(probe), period_ns_(period_ns) {}
 
+  std::int64_t period_ns() const noexcept { return period_ns_; }
+
   // Cuts every tick at this sweep, in addition to the deadline's cut: for tests of cuts.
   void cut_at(std::uint32_t sweep) noexcept { cut_sweep_ = sweep; }
 

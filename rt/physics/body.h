@@ -33,11 +33,25 @@ struct Body {
 // A homogeneous dynamic body at rest.
 inline Body make_dynamic_body(BodyId id, const Shape& shape, double mass, double friction,
                               const Posed& world_from_body) noexcept {
-  return {id, BodyKind::kDynamic, shape, mass, inertia_of(shape, mass), friction, 1.0, {world_from_body, {}}};
+  return {.id = id,
+          .kind = BodyKind::kDynamic,
+          .shape = shape,
+          .mass = mass,
+          .inertia = inertia_of(shape, mass),
+          .friction = friction,
+          .gravity_scale = 1.0,
+          .motion = {world_from_body, {}}};
 }
 
 inline Body make_fixed_body(BodyId id, const Shape& shape, double friction, const Posed& world_from_body) noexcept {
-  return {id, BodyKind::kFixed, shape, 0.0, {}, friction, 0.0, {world_from_body, {}}};
+  return {.id = id,
+          .kind = BodyKind::kFixed,
+          .shape = shape,
+          .mass = 0.0,
+          .inertia = {},
+          .friction = friction,
+          .gravity_scale = 0.0,
+          .motion = {world_from_body, {}}};
 }
 
 // Kinetic energy of a dynamic body [J].

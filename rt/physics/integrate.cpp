@@ -31,7 +31,7 @@ FreeRotation<T> rotate_steadily(const Vec3<T>& angular_velocity, T h) noexcept {
 
 // Beyond this angle per sub-step the iteration below need not converge.
 template <class T>
-inline constexpr T kMostTurnSquared = T(0.25);  // rad^2
+inline constexpr T kMaxTurnSquared = T(0.25);  // rad^2
 
 // The iteration, on one body or on several.
 template <class V>
@@ -55,7 +55,7 @@ TACTUS_INLINE FreeRotation<V> iterate_freely(const Quat<V>& world_from_body, con
 template <class T>
 FreeRotation<T> rotate_freely(const Quat<T>& world_from_body, const Vec3<T>& angular_velocity, const Vec3<T>& inertia,
                               T h) noexcept {
-  if (!(h * h * norm_squared(angular_velocity) < kMostTurnSquared<T>)) return rotate_steadily(angular_velocity, h);
+  if (!(h * h * norm_squared(angular_velocity) < kMaxTurnSquared<T>)) return rotate_steadily(angular_velocity, h);
   return iterate_freely(world_from_body, angular_velocity, inertia, h);
 }
 
@@ -81,9 +81,14 @@ template <class V>
 TACTUS_INLINE void read_frames(const Body* bodies, Quat<V>& rotation, Vec3<V>& inertia) noexcept {
   for (int lane = 0; lane < kLanes<V>; ++lane) {
     const auto q = number_cast<LaneOf<V>>(bodies[lane].motion.pose.rotation);
+    rotation.w.set(lane, q.w);
+    rotation.x.set(lane, q.x);
+    rotation.y.set(lane, q.y);
+    rotation.z.set(lane, q.z);
     const auto i = number_cast<LaneOf<V>>(bodies[lane].inertia);
-    rotation.w.set(lane, q.w), rotation.x.set(lane, q.x), rotation.y.set(lane, q.y), rotation.z.set(lane, q.z);
-    inertia.x.set(lane, i.x), inertia.y.set(lane, i.y), inertia.z.set(lane, i.z);
+    inertia.x.set(lane, i.x);
+    inertia.y.set(lane, i.y);
+    inertia.z.set(lane, i.z);
   }
 }
 
@@ -96,7 +101,7 @@ bool move_together(SolverBody<T>* motion, const Body* bodies, T h) noexcept {
   const Vec3<V> v = V(h) * b.w;
   const V angle_squared = norm_squared(v);
   const auto freely = b.gyroscopic > V(0);
-  const V limit = select(freely, V(kMostTurnSquared<T>), V(kSmallAngleSquared<T>));
+  const V limit = select(freely, V(kMaxTurnSquared<T>), V(kSmallAngleSquared<T>));
   if (any(limit <= angle_squared)) return false;
   Quat<V> change = small_rotation(v, angle_squared);
   if (any(freely)) {

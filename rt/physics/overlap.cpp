@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "rt/physics/passes.h"
+#include "rt/physics/macro_steps.h"
 
 namespace tactus::physics {
 
@@ -27,7 +27,7 @@ Overlap deepest_overlap(const World& world) noexcept {
     const Body& a = world.bodies()[contact.slot_a];
     const Body& b = contact.b_fixed ? world.fixed_bodies()[contact.slot_b] : world.bodies()[contact.slot_b];
     const double share = depth / std::min(thickness(a.shape), thickness(b.shape));
-    if (share > most.share) most = {share, depth, a.id, b.id};
+    if (share > most.share) most = {.share = share, .depth = depth, .a = a.id, .b = b.id};
   }
   return most;
 }

@@ -11,12 +11,13 @@
 #include <cstdint>
 
 #include "rt/base/spatial.h"
+#include "rt/physics/slot_index.h"
 
 namespace tactus::physics {
 
 struct PoseSpring {
   bool enabled{false};
-  std::uint32_t slot{0};  // of the body, in the world
+  SlotIndex slot{};  // of the body, in the world
   double stiffness_N_per_m{}, damping_Ns_per_m{};
   double stiffness_Nm_per_rad{}, damping_Nms_per_rad{};
   Posed target;            // where the target is at the start of the step

@@ -6,11 +6,11 @@ namespace tactus::physics {
 namespace {
 
 // Moving a body takes about 10 ns, handing work to another thread about 1 us.
-constexpr std::uint32_t kFewestBodies = 128;
+constexpr std::uint32_t kMinBodies = 128;
 
 template <class F>
 void for_each_body(const Executor& executor, std::size_t bodies, F&& f) noexcept {
-  executor.for_each_range(static_cast<std::uint32_t>(bodies), kFewestBodies,
+  executor.for_each_range(static_cast<std::uint32_t>(bodies), kMinBodies,
                           [&](std::uint32_t i, std::uint32_t end) noexcept {
                             for (; i < end; ++i) f(i);
                           });
@@ -33,14 +33,16 @@ template <class S>
 void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcept {
   const StepSettings& settings = context.settings;
   const auto count = static_cast<std::uint32_t>(input.bodies.size());
-  motion_.resize(count), inverse_inertia_.resize(count);
+  motion_.resize(count);
+  inverse_inertia_.resize(count);
   for_each_body(input.executor, count, [&](std::uint32_t i) noexcept {
     const Body& body = input.bodies[i];
     SolverBody<S>& state = motion_[i];
     state = {};
     inverse_inertia_[i] = {};
     if (input.frozen[i] != 0) return;  // infinite mass, at rest
-    state.v = number_cast<S>(body.motion.velocity.linear), state.w = number_cast<S>(body.motion.velocity.angular);
+    state.v = number_cast<S>(body.motion.velocity.linear);
+    state.w = number_cast<S>(body.motion.velocity.angular);
     state.inverse_mass = static_cast<S>(1.0 / body.mass);
     state.gyroscopic = settings.gyroscopic && is_anisotropic(body.inertia) ? S(1) : S(0);
     inverse_inertia_[i] = number_cast<S>(rotate_diagonal(
@@ -51,22 +53,28 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
     if (input.wrenches[i] != Wrenchd{}) static_cast<void>(pushed_.try_push(i));
   for (std::uint32_t i = 0; i < kMaxSprings; ++i) {
     const PoseSpring spring = i < input.springs.size() ? input.springs[i] : PoseSpring{};
-    const Posed start = spring.enabled ? input.bodies[spring.slot].motion.pose : Posed{};
+    const Posed start = spring.enabled ? input.bodies[number_of(spring.slot)].motion.pose : Posed{};
     springs_[i].prepare(spring, start, motion_.span(), inverse_inertia_.span(), static_cast<S>(context.h));
   }
   run_stages(input, Phase::kPrepare, context);
   contacts_.prepare(std::span<const Contact>(input.contacts), state(), input.executor);
   if constexpr (kIsWhole) {
-    border_.prepare(input.border, input.ghosts, input.border_mode, input.bodies, state(), context.h,
-                    input.impulse_scale, settings.friction, input.border_budget_J);
-    context.ghosts = border_.ghosts(), context.ghosts_may_supply = input.border_budget_J > 0.0;
+    border_.prepare(input.border, input.ghosts, input.bodies, state(),
+                    {.mode = input.border_mode,
+                     .h = context.h,
+                     .impulse_scale = input.impulse_scale,
+                     .friction = settings.friction,
+                     .budget_J = input.border_budget_J});
+    context.ghosts = border_.ghosts();
+    context.ghosts_may_supply = input.border_budget_J > 0.0;
   }
 }
 
 template <class S>
 void Solver<S>::run_stages(const SolverInput& input, Phase phase, StageContext& context) noexcept {
   if constexpr (kIsWhole) {
-    context.motion = motion_.span(), context.inverse_inertia = inverse_inertia_.span();
+    context.motion = motion_.span();
+    context.inverse_inertia = inverse_inertia_.span();
     input.stages.run(phase, context);
   } else if (phase == Phase::kForces) {
     apply_gravity(input, context);
@@ -94,10 +102,10 @@ void Solver<S>::run_stages_in_double(const SolverInput& input, Phase phase, Stag
                 [&](std::uint32_t i) noexcept { motion_in_double_[i] = number_cast<double>(motion_[i]); });
   if (phase == Phase::kPrepare) {
     inverse_inertia_in_double_.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i)
-      inverse_inertia_in_double_[i] = number_cast<double>(inverse_inertia_[i]);
+    for (std::uint32_t i = 0; i < count; ++i) inverse_inertia_in_double_[i] = number_cast<double>(inverse_inertia_[i]);
   }
-  context.motion = motion_in_double_.span(), context.inverse_inertia = inverse_inertia_in_double_.span();
+  context.motion = motion_in_double_.span();
+  context.inverse_inertia = inverse_inertia_in_double_.span();
   input.stages.run(phase, context);
   for_each_body(input.executor, count,
                 [&](std::uint32_t i) noexcept { motion_[i] = number_cast<S>(motion_in_double_[i]); });
@@ -167,7 +175,8 @@ void Solver<S>::store(const SolverInput& input, StageContext& context, std::uint
       else
         kept += number_cast<double>(now - number_cast<S>(kept));
     };
-    changed(motion.velocity.linear, state.v), changed(motion.velocity.angular, state.w);
+    changed(motion.velocity.linear, state.v);
+    changed(motion.velocity.angular, state.w);
   });
 }
 
@@ -175,9 +184,15 @@ template <class S>
 void Solver<S>::step(const SolverInput& input, const StepSettings& settings, const CutPredicate& cut,
                      StepReport& report) noexcept {
   const double h = settings.dt / static_cast<double>(settings.sub_steps);
-  StageContext context{input.bodies, input.fixed_bodies, input.frozen, input.contacts, settings,
-                       report,       input.executor};
-  context.h = h, context.rule = SweepRule<double>::of(settings, h);
+  StageContext context{.bodies = input.bodies,
+                       .fixed_bodies = input.fixed_bodies,
+                       .held = input.frozen,
+                       .contacts = input.contacts,
+                       .settings = settings,
+                       .report = report,
+                       .executor = input.executor};
+  context.h = h;
+  context.rule = SweepRule<double>::of(settings, h);
   const SweepRule<S> rule = SweepRule<S>::of(settings, static_cast<S>(h));
   const bool friction_when_biased =
       settings.friction && resolve(settings.friction_sweeps, settings.relax_sweeps) == FrictionSweeps::kEvery;
@@ -210,7 +225,7 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
       warm_start_without_gain(input, context);
     }
     for (auto& spring : springs_) spring.save_angular_velocity();
-    input.executor.for_each_range(motion_.size(), kFewestBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
+    input.executor.for_each_range(motion_.size(), kMinBodies, [&](std::uint32_t begin, std::uint32_t end) noexcept {
       move_bodies(motion_.span().subspan(begin, end - begin),
                   std::span<const Body>(input.bodies.subspan(begin, end - begin)), static_cast<S>(h));
     });

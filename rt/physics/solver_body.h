@@ -83,7 +83,8 @@ void clamp_to_disk(T& x, T& y, T radius) noexcept {
   using std::sqrt;
   const T length_squared = x * x + y * y;
   const T s = select(length_squared > radius * radius, radius / sqrt(length_squared), T(1));
-  x *= s, y *= s;
+  x *= s;
+  y *= s;
 }
 
 }  // namespace tactus::physics

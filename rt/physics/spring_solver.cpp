@@ -8,10 +8,12 @@ void SpringSolver<S>::prepare(const PoseSpring& spring, const Posed& start, std:
   body_ = nullptr;
   impulse_ = {};
   if (!spring.enabled) return;
-  body_ = &motion[spring.slot], inverse_inertia_ = &inverse_inertia[spring.slot];
+  body_ = &motion[number_of(spring.slot)];
+  inverse_inertia_ = &inverse_inertia[number_of(spring.slot)];
   h_ = h;
   error_ = number_cast<S>(start.position - spring.target.position);
-  start_rotation_ = number_cast<S>(start.rotation), target_rotation_ = number_cast<S>(spring.target.rotation);
+  start_rotation_ = number_cast<S>(start.rotation);
+  target_rotation_ = number_cast<S>(spring.target.rotation);
   target_velocity_ = {number_cast<S>(spring.target_velocity.linear), number_cast<S>(spring.target_velocity.angular)};
   stiffness_N_per_m_ = static_cast<S>(spring.stiffness_N_per_m);
   stiffness_Nm_per_rad_ = static_cast<S>(spring.stiffness_Nm_per_rad);
@@ -19,7 +21,8 @@ void SpringSolver<S>::prepare(const PoseSpring& spring, const Posed& start, std:
   angular_gain_ = h * (static_cast<S>(spring.damping_Nms_per_rad) + h * stiffness_Nm_per_rad_);
   own_ = held_ = {body_->inverse_mass, *inverse_inertia_};
   if (own_.inverse_mass == S(0)) return;
-  mass_ = S(1) / own_.inverse_mass, inertia_ = inverse(own_.inverse_inertia);
+  mass_ = S(1) / own_.inverse_mass;
+  inertia_ = inverse(own_.inverse_inertia);
   if (linear_gain_ > S(0)) held_.inverse_mass = S(1) / (mass_ + linear_gain_);
   if (angular_gain_ > S(0)) held_.inverse_inertia = inverse(inertia_ + SymMat3<S>::identity(angular_gain_));
   give(held_);

@@ -34,7 +34,8 @@ class SpringSolver {
     SymMat3<S> inverse_inertia;
   };
   void give(const Mobility& mobility) noexcept {
-    body_->inverse_mass = mobility.inverse_mass, *inverse_inertia_ = mobility.inverse_inertia;
+    body_->inverse_mass = mobility.inverse_mass;
+    *inverse_inertia_ = mobility.inverse_inertia;
   }
 
   SolverBody<S>* body_{nullptr};

@@ -9,7 +9,7 @@ namespace tactus::physics {
 namespace {
 
 // Computing a body's bounds takes about 50 ns, handing work to another thread about 1 us.
-constexpr std::uint32_t kFewestBodies = 64;
+constexpr std::uint32_t kMinBodies = 64;
 
 std::uint32_t lower_slot(const BoundedVector<Body>& bodies, BodyId id) noexcept {
   const auto* at = std::lower_bound(bodies.begin(), bodies.end(), id, [](const Body& b, BodyId i) { return b.id < i; });
@@ -96,32 +96,44 @@ bool World::insert(const Body& body) noexcept {
   static_cast<void>(last_poses_.try_insert(slot, unknown_pose()));
   contacts_.slot_inserted(slot, false);
   for (auto& spring : springs_)
-    if (spring.enabled && spring.slot >= slot) ++spring.slot;
+    if (spring.enabled && number_of(spring.slot) >= slot) spring.slot = SlotIndex{number_of(spring.slot) + 1};
   return true;
 }
 
 bool World::remove(BodyId id) noexcept {
   const std::uint32_t slot = lower_slot(bodies_, id), fixed_slot = lower_slot(fixed_bodies_, id);
   if (holds(bodies_, slot, id)) {
-    bodies_.erase(slot), frozen_.erase(slot), wrenches_.erase(slot), last_poses_.erase(slot);
+    bodies_.erase(slot);
+    frozen_.erase(slot);
+    wrenches_.erase(slot);
+    last_poses_.erase(slot);
     contacts_.slot_removed(slot, false);
     for (auto& spring : springs_) {
-      if (spring.enabled && spring.slot == slot) spring.enabled = false;
-      if (spring.enabled && spring.slot > slot) --spring.slot;
+      if (spring.enabled && number_of(spring.slot) == slot) spring.enabled = false;
+      if (spring.enabled && number_of(spring.slot) > slot) spring.slot = SlotIndex{number_of(spring.slot) - 1};
     }
     return true;
   }
   if (!holds(fixed_bodies_, fixed_slot, id)) return false;
-  fixed_bodies_.erase(fixed_slot), fixed_bounds_.erase(fixed_slot), fixed_frames_.erase(fixed_slot);
+  fixed_bodies_.erase(fixed_slot);
+  fixed_bounds_.erase(fixed_slot);
+  fixed_frames_.erase(fixed_slot);
   contacts_.slot_removed(fixed_slot, true);
   fixed_is_indexed_ = false;
   return true;
 }
 
-std::int32_t World::slot_of(BodyId id) const noexcept {
+std::optional<SlotIndex> World::slot_of(BodyId id) const noexcept {
   const std::uint32_t slot = lower_slot(bodies_, id);
-  return holds(bodies_, slot, id) ? static_cast<std::int32_t>(slot) : -1;
+  return holds(bodies_, slot, id) ? std::optional(SlotIndex{slot}) : std::nullopt;
 }
+
+Body* World::find(BodyId id) noexcept {
+  const std::uint32_t slot = lower_slot(bodies_, id);
+  return holds(bodies_, slot, id) ? &bodies_[slot] : nullptr;
+}
+
+const Body* World::find(BodyId id) const noexcept { return const_cast<World*>(this)->find(id); }
 
 bool World::add_border_contact(const BorderContact& contact) noexcept {
   return border_contacts_.try_push(contact) || refuse(kBorderContactsFull);
@@ -142,13 +154,15 @@ WarmStart World::warm_start_of(const Contact& contact, double sub_step_s) noexce
   return out;
 }
 
-void World::apply_wrench(std::uint32_t slot, const Wrenchd& wrench) noexcept {
+void World::apply_wrench(SlotIndex index, const Wrenchd& wrench) noexcept {
+  const std::uint32_t slot = number_of(index);
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
-  wrenches_[slot].force += wrench.force, wrenches_[slot].torque += wrench.torque;
+  wrenches_[slot] += wrench;
   wrench_applied_ = true;
 }
 
-void World::apply_impulse(std::uint32_t slot, const Wrenchd& impulse) noexcept {
+void World::apply_impulse(SlotIndex index, const Wrenchd& impulse) noexcept {
+  const std::uint32_t slot = number_of(index);
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
   if (frozen_[slot] != 0) return;
   Body& body = bodies_[slot];
@@ -159,7 +173,8 @@ void World::apply_impulse(std::uint32_t slot, const Wrenchd& impulse) noexcept {
       rotate(q, Vec3d{torque.x / body.inertia.x, torque.y / body.inertia.y, torque.z / body.inertia.z});
 }
 
-void World::set_frozen(std::uint32_t slot, bool frozen) noexcept {
+void World::set_frozen(SlotIndex index, bool frozen) noexcept {
+  const std::uint32_t slot = number_of(index);
   TACTUS_CHECK(slot < bodies_.size(), slot, bodies_.size());
   frozen_[slot] = frozen ? 1 : 0;
 }
@@ -169,7 +184,9 @@ void World::begin_step(const StepSettings& settings) noexcept {
   contacts_.clear_pairs();
   index_fixed_bodies();
   const auto count = bodies_.size();
-  bounds_.resize(count), motion_bounds_.resize(count), frames_.resize(count);
+  bounds_.resize(count);
+  motion_bounds_.resize(count);
+  frames_.resize(count);
   const double fall = fall_in_step(settings);
   growth_to_fixed_ = growth_to_fixed(fall, settings);
   const auto measure = [&](std::uint32_t i) noexcept {
@@ -177,11 +194,12 @@ void World::begin_step(const StepSettings& settings) noexcept {
     const Twistd& velocity = body.motion.velocity;
     double speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
     for (const auto& spring : springs_)
-      if (spring.enabled && spring.slot == i) speed = std::max(speed, norm(spring.target_velocity.linear));
+      if (spring.enabled && number_of(spring.slot) == i) speed = std::max(speed, norm(spring.target_velocity.linear));
     MotionBound& bound = motion_bounds_[i];
     bound = {};
     if (frozen_[i] == 0) {
-      bound.moved = speed * settings.dt, bound.fallen = std::abs(body.gravity_scale) * fall;
+      bound.moved = speed * settings.dt;
+      bound.fallen = std::abs(body.gravity_scale) * fall;
       bound.advance = velocity.linear * settings.dt;
       bound.rest = (speed - norm(velocity.linear)) * settings.dt;
     }
@@ -190,7 +208,7 @@ void World::begin_step(const StepSettings& settings) noexcept {
     const double growth = growth_of(motion_bounds_[i], fall, settings);
     bounds_[i] = bounds_of(body.shape, body.motion.pose, growth, hulls_);
   };
-  executor_.for_each_range(count, kFewestBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+  executor_.for_each_range(count, kMinBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
     for (; i < end; ++i) measure(i);
   });
 }
@@ -297,7 +315,10 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const S
   };
   for (const std::uint32_t triangle : near.triangles) {
     if (!reach.reaches(triangle)) continue;
-    if (mesh.triangles[triangle].patch != patch) add_pair(), patch = mesh.triangles[triangle].patch;
+    if (mesh.triangles[triangle].patch != patch) {
+      add_pair();
+      patch = mesh.triangles[triangle].patch;
+    }
     if (mesh_triangles_.try_push(triangle))
       ++stretch.count;
     else
@@ -313,13 +334,21 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
   TACTUS_CHECK(settings.sub_steps > 0 && settings.dt > 0.0, settings.sub_steps, settings.dt);
   TACTUS_CHECK(bounds_.size() == bodies_.size(), bounds_.size(), bodies_.size());
   StepReport report;
-  report.capacity_bits = refused_bits_, report.dropped = refused_;
-  refused_bits_ = 0, refused_ = 0;
+  report.capacity_bits = refused_bits_;
+  report.dropped = refused_;
+  refused_bits_ = 0;
+  refused_ = 0;
   const double h = settings.dt / static_cast<double>(settings.sub_steps);
   const double impulse_scale = last_sub_step_ > 0.0 && last_sub_step_ != h ? h / last_sub_step_ : 1.0;
   last_sub_step_ = h;
 
-  StageContext context{bodies_.span(), fixed_bodies_.span(), frozen_.span(), {}, settings, report, executor_};
+  StageContext context{.bodies = bodies_.span(),
+                       .fixed_bodies = fixed_bodies_.span(),
+                       .held = frozen_.span(),
+                       .contacts = {},
+                       .settings = settings,
+                       .report = report,
+                       .executor = executor_};
   add_pairs(context);
   add_fixed_pairs(context);
   contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), motion_bounds_.span(),
@@ -345,19 +374,19 @@ void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> spri
                   double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept {
   const std::span<const Wrenchd> wrenches =
       wrench_applied_ ? std::span<const Wrenchd>(wrenches_.span()) : std::span<const Wrenchd>();
-  const SolverInput input{bodies_.span(),
-                          held,
-                          wrenches,
-                          contacts_.contacts(),
-                          springs,
-                          border_contacts_.span(),
-                          border_ghosts_.span(),
-                          border_mode,
-                          border_budget_J,
-                          impulse_scale,
-                          effects_.stages(),
-                          fixed_bodies_.span(),
-                          executor_};
+  const SolverInput input{.bodies = bodies_.span(),
+                          .frozen = held,
+                          .wrenches = wrenches,
+                          .contacts = contacts_.contacts(),
+                          .springs = springs,
+                          .border = border_contacts_.span(),
+                          .ghosts = border_ghosts_.span(),
+                          .border_mode = border_mode,
+                          .border_budget_J = border_budget_J,
+                          .impulse_scale = impulse_scale,
+                          .stages = effects_.stages(),
+                          .fixed_bodies = fixed_bodies_.span(),
+                          .executor = executor_};
   if (solver_) return solver_->step(input, settings, cut, report);
   TACTUS_CHECK(border_contacts_.empty(), bodies_.size(), border_contacts_.size());
   single_solver_->step(input, settings, cut, report);

@@ -26,6 +26,7 @@
 #include "rt/physics/contact/warm_start.h"
 #include "rt/physics/effects/effects.h"
 #include "rt/physics/pose_spring.h"
+#include "rt/physics/slot_index.h"
 #include "rt/physics/solver.h"
 #include "rt/physics/step.h"
 #include "rt/physics/sweep_precision.h"
@@ -55,11 +56,16 @@ class World {
   bool insert(std::span<const Body> bodies) noexcept;
   // Removes all dynamic bodies whose flag (by slot) is set, and their contacts.
   void remove(std::span<const std::uint8_t> leaving) noexcept;
-  // The slot of a dynamic body, or -1.
-  std::int32_t slot_of(BodyId id) const noexcept;
+  // The slot of a dynamic body; empty if the world does not have it.
+  std::optional<SlotIndex> slot_of(BodyId id) const noexcept;
+  // A dynamic body by id; null if the world does not have it.
+  Body* find(BodyId id) noexcept;
+  const Body* find(BodyId id) const noexcept;
 
   std::span<Body> bodies() noexcept { return bodies_.span(); }  // dynamic, by id
   std::span<const Body> bodies() const noexcept { return bodies_.span(); }
+  Body& body(SlotIndex slot) noexcept { return bodies_[number_of(slot)]; }
+  const Body& body(SlotIndex slot) const noexcept { return bodies_[number_of(slot)]; }
   std::span<const Body> fixed_bodies() const noexcept { return fixed_bodies_.span(); }  // by id
   // Poses at the start of the last step, by slot; unknown_pose() for bodies inserted since.
   std::span<const Posed> last_poses() const noexcept { return last_poses_.span(); }
@@ -104,13 +110,13 @@ class World {
   double border_budget_J{std::numeric_limits<double>::max()};  // set before each step; see BorderSolver
 
   // Applies a wrench to a dynamic body over the next step, then clears it. N, N m about its centre, world.
-  void apply_wrench(std::uint32_t slot, const Wrenchd& wrench) noexcept;
+  void apply_wrench(SlotIndex slot, const Wrenchd& wrench) noexcept;
   // Changes the velocity at once. N s, N m s about its centre, world.
-  void apply_impulse(std::uint32_t slot, const Wrenchd& impulse) noexcept;
+  void apply_impulse(SlotIndex slot, const Wrenchd& impulse) noexcept;
 
   // Freezes a body: while set it neither moves nor takes impulses, and it keeps its pose and the velocity with which it
   // continues afterwards (the static coupling). To other bodies it is at rest and infinitely heavy.
-  void set_frozen(std::uint32_t slot, bool frozen) noexcept;
+  void set_frozen(SlotIndex slot, bool frozen) noexcept;
 
   // The effects: their state, and its transfer to and from another world.
   Effects& effects() noexcept { return effects_; }

@@ -243,11 +243,15 @@ std::uint64_t TapeReader::skip_damage(std::span<const std::uint32_t> kinds) {
       if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end() || !is_whole_record(at, file_size, may_read))
         continue;
       std::fseek(file_, static_cast<long>(at), SEEK_SET);
-      offset_ = at, ended_ = false, damage_ = Status::good();
+      offset_ = at;
+      ended_ = false;
+      damage_ = Status::good();
       return at - damaged;
     }
   }
-  offset_ = file_size, ended_ = true, damage_ = Status::good();
+  offset_ = file_size;
+  ended_ = true;
+  damage_ = Status::good();
   return file_size - damaged;
 }
 

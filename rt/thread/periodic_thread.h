@@ -51,7 +51,10 @@ class PeriodicThread {
 
   void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
   // Returns after the last tick; also valid after the tick has ended the loop.
-  void stop() noexcept { request_stop(), thread_.join(); }
+  void stop() noexcept {
+    request_stop();
+    thread_.join();
+  }
   // False before start() and once the loop has ended, by stop or by the tick.
   bool running() const noexcept { return thread_.running(); }
 

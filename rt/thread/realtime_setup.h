@@ -57,7 +57,10 @@ class CpuAwake {
   ~CpuAwake() { release(); }
   CpuAwake(CpuAwake&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
   CpuAwake& operator=(CpuAwake&& other) noexcept {
-    if (this != &other) release(), file_ = std::exchange(other.file_, -1);
+    if (this != &other) {
+      release();
+      file_ = std::exchange(other.file_, -1);
+    }
     return *this;
   }
 

@@ -33,7 +33,8 @@ void BoxGrid::insert(std::uint32_t body, const physics::Aabb& box) noexcept {
   entries_[body] = {box, cell, level, bucket, head_[bucket], kNone, true};
   if (head_[bucket] != kNone) entries_[head_[bucket]].before = body;
   head_[bucket] = body;
-  ++population_[level], ++size_;
+  ++population_[level];
+  ++size_;
 }
 
 void BoxGrid::remove(std::uint32_t body) noexcept {
@@ -42,7 +43,8 @@ void BoxGrid::remove(std::uint32_t body) noexcept {
   (entry.before != kNone ? entries_[entry.before].next : head_[entry.bucket]) = entry.next;
   if (entry.next != kNone) entries_[entry.next].before = entry.before;
   entry.inside = false;
-  --population_[entry.level], --size_;
+  --population_[entry.level];
+  --size_;
 }
 
 void BoxGrid::clear() noexcept {

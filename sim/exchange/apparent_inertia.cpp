@@ -154,8 +154,10 @@ Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
-    friction += point.total_friction, pressed += point.total_normal_impulse;
-    slip += slip_of(contact, point, bodies), points += 1;
+    friction += point.total_friction;
+    pressed += point.total_normal_impulse;
+    slip += slip_of(contact, point, bodies);
+    points += 1;
   }
   const Vec3d stopping = points > 0 ? slip * (-mass_of_both / points) : Vec3d{};
   const double pull = dot(contact.normal, stopping);
@@ -170,9 +172,11 @@ Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::
     const auto& point = contact.points[i];
     if (!(point.total_normal_impulse > 0)) continue;
     const Vec3d r = a.motion.pose.position + point.from_a - centre;
-    if (sticks)
-      mass += stiffness, moment += stiffness * r, turning = turning + turning_at(stiffness, r);
-    else
+    if (sticks) {
+      mass += stiffness;
+      moment += stiffness * r;
+      turning = turning + turning_at(stiffness, r);
+    } else
       hold(sum, stiffness, contact.normal, cross(r, contact.normal));
   }
   return sticks ? inertia_of(mass, moment, turning) : sum;
@@ -184,32 +188,6 @@ bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
     return joint.low == joint.high || state.effort.lower != 0 || state.effort.upper != 0;
   if (joint.limited && (state.effort.lower != 0 || state.effort.upper != 0)) return true;
   return joint.driven && std::abs(state.effort.drive) < kSticks * joint.motor_effort;
-}
-
-// G of a joint between the bodies at these slots; slot_a is kNone for the world.
-Matrix6 stiffness_of_joint(const Joint& joint, const JointState& state, double added_inertia, std::uint32_t slot_a,
-                           std::uint32_t slot_b, std::span<const Body> bodies, const Vec3d& centre) noexcept {
-  const double stiffness = added_inertia / (inverse_mass_of(bodies, slot_a) + inverse_mass_of(bodies, slot_b));
-  const double firm_turn = added_inertia / (inverse_inertia_of(bodies, slot_a) + inverse_inertia_of(bodies, slot_b));
-  const Posed at_a = slot_a == kNone ? joint.a_from_joint : bodies[slot_a].motion.pose * joint.a_from_joint;
-  const Posed at_b = bodies[slot_b].motion.pose * joint.b_from_joint;
-  const Vec3d r = at_b.position - centre;
-  const bool coordinate = holds_coordinate(joint, state);
-  Matrix6 sum{};
-  if (joint.kind == JointKind::kDistance) {
-    const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
-    if (coordinate) hold(sum, stiffness, n, cross(r, n));
-    return sum;
-  }
-  const bool slides = joint.kind == JointKind::kSlider && !coordinate;
-  const bool turns = joint.kind == JointKind::kHinge && !coordinate;
-  const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
-                         rotate(at_a.rotation, Vec3d{0, 0, 1})};
-  for (int k = 0; k < 3; ++k) {
-    if (k < 2 || !slides) hold(sum, stiffness, axes[k], cross(r, axes[k]));
-    if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
-  }
-  return sum;
 }
 
 // The inertia and momentum that a body (I, p) presents to its parent through a link of stiffness G. The body moves by
@@ -257,7 +235,7 @@ ApparentInertia::ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_con
     : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
   joints_.reserve(max_joints);
   immovable_.reserve(max_bodies);
-  reached_.reserve(kMostBodies);
+  reached_.reserve(kMaxBodies);
 }
 
 // Unbroken joints whose bodies are both awake; A may be the world.
@@ -267,10 +245,10 @@ void ApparentInertia::find_joints(const physics::World& world) noexcept {
   if (effect == nullptr) return;
   for (std::size_t k = 0; k < effect->joints().size(); ++k) {
     const Joint& joint = effect->joints()[k];
-    const std::int32_t a = joint.a == kNoBody ? -1 : world.slot_of(joint.a), b = world.slot_of(joint.b);
-    if (effect->states()[k].broken != 0 || b < 0 || (joint.a != kNoBody && a < 0)) continue;
+    const auto a = joint.a == kNoBody ? std::nullopt : world.slot_of(joint.a), b = world.slot_of(joint.b);
+    if (effect->states()[k].broken != 0 || !b || (joint.a != kNoBody && !a)) continue;
     joints_.push_back(
-        {a < 0 ? kNone : static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), &joint, &effect->states()[k]});
+        {.a = a ? number_of(*a) : kNone, .b = number_of(*b), .joint = &joint, .state = &effect->states()[k]});
   }
 }
 
@@ -278,32 +256,38 @@ template <class F>
 void ApparentInertia::for_each_link(F&& f) const noexcept {
   std::uint32_t link = 0;
   for (const auto& contact : contacts_) f(link++, contact.slot_a, contact.b_fixed ? kNone : contact.slot_b);
-  for (const Held& held : joints_) f(link++, held.a, held.b);
+  for (const JointLink& joint : joints_) f(link++, joint.a, joint.b);
 }
 
 void ApparentInertia::index(const physics::World& world, double added_inertia, double step_s) noexcept {
-  added_inertia_ = added_inertia, step_s_ = step_s;
-  contacts_ = world.contacts(), bodies_ = world.bodies(), starts_ = world.last_poses();
+  added_inertia_ = added_inertia;
+  step_s_ = step_s;
+  contacts_ = world.contacts();
+  bodies_ = world.bodies();
+  starts_ = world.last_poses();
   find_joints(world);
   TACTUS_CHECK(bodies_.size() < first_.size() && 2 * (contacts_.size() + joints_.size()) <= links_.size(),
                bodies_.size(), contacts_.size() + joints_.size());
   immovable_.assign(bodies_.size(), 0);
   if (const auto* kinematics = world.effects().find<physics::ScriptedMotion>())
     for (const auto& script : kinematics->scripts())
-      if (const std::int32_t slot = world.slot_of(script.id); slot >= 0)
-        immovable_[static_cast<std::uint32_t>(slot)] = 1;
+      if (const auto slot = world.slot_of(script.id)) immovable_[number_of(*slot)] = 1;
   std::fill(first_.begin(), first_.end(), 0u);
   const auto count = [&](std::uint32_t slot) noexcept {
     if (slot != kNone) ++first_[slot + 1];
   };
-  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept { count(a), count(b); });
+  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept {
+    count(a);
+    count(b);
+  });
   for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
   // Filling advances each start to the start of the next slot; the copy shifts them back.
   const auto add_link = [&](std::uint32_t slot, const Link& link) noexcept {
     if (slot != kNone) links_[first_[slot]++] = link;
   };
   for_each_link([&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept {
-    add_link(a, {link, b}), add_link(b, {link, a});
+    add_link(a, {link, b});
+    add_link(b, {link, a});
   });
   std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
   first_[0] = 0;
@@ -313,10 +297,34 @@ std::span<const ApparentInertia::Link> ApparentInertia::links_of(std::uint32_t s
   return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
 }
 
+Matrix6 ApparentInertia::stiffness_of_joint(const JointLink& link, const Vec3d& centre) const noexcept {
+  const Joint& joint = *link.joint;
+  const double stiffness = added_inertia_ / (inverse_mass_of(bodies_, link.a) + inverse_mass_of(bodies_, link.b));
+  const double firm_turn = added_inertia_ / (inverse_inertia_of(bodies_, link.a) + inverse_inertia_of(bodies_, link.b));
+  const Posed at_a = link.a == kNone ? joint.a_from_joint : bodies_[link.a].motion.pose * joint.a_from_joint;
+  const Posed at_b = bodies_[link.b].motion.pose * joint.b_from_joint;
+  const Vec3d r = at_b.position - centre;
+  const bool coordinate = holds_coordinate(joint, *link.state);
+  Matrix6 sum{};
+  if (joint.kind == JointKind::kDistance) {
+    const Vec3d n = normalized_or(at_b.position - at_a.position, Vec3d{0, 0, 1});
+    if (coordinate) hold(sum, stiffness, n, cross(r, n));
+    return sum;
+  }
+  const bool slides = joint.kind == JointKind::kSlider && !coordinate;
+  const bool turns = joint.kind == JointKind::kHinge && !coordinate;
+  const Vec3d axes[3] = {rotate(at_a.rotation, Vec3d{1, 0, 0}), rotate(at_a.rotation, Vec3d{0, 1, 0}),
+                         rotate(at_a.rotation, Vec3d{0, 0, 1})};
+  for (int k = 0; k < 3; ++k) {
+    if (k < 2 || !slides) hold(sum, stiffness, axes[k], cross(r, axes[k]));
+    if (joint.kind != JointKind::kBall && (k < 2 || !turns)) hold(sum, firm_turn, {}, axes[k]);
+  }
+  return sum;
+}
+
 Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept {
   if (link < contacts_.size()) return stiffness_of_contact(contacts_[link], added_inertia_, bodies_, centre);
-  const Held& held = joints_[link - contacts_.size()];
-  return stiffness_of_joint(*held.joint, *held.state, added_inertia_, held.a, held.b, bodies_, centre);
+  return stiffness_of_joint(joints_[link - contacts_.size()], centre);
 }
 
 // Mean velocity over the last step; the present velocity for a body that was added since.
@@ -327,7 +335,7 @@ Twistd ApparentInertia::mean_velocity(std::uint32_t slot) const noexcept {
 
 Twistd ApparentInertia::off_mean(std::uint32_t slot) const noexcept {
   const Twistd &now = bodies_[slot].motion.velocity, mean = mean_velocity(slot);
-  return {now.linear - mean.linear, now.angular - mean.angular};
+  return now - mean;
 }
 
 void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
@@ -335,7 +343,12 @@ void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint3
   found_[slot] = search_;
   const Vec3d d = bodies_[slot].motion.pose.position - centre;
   const Matrix6 inertia = inertia_of(bodies_[slot], d);
-  reached_.push_back({slot, parent, link, inertia, {}, product(inertia, at_point(off_mean(slot), d))});
+  reached_.push_back({.slot = slot,
+                      .parent = parent,
+                      .link = link,
+                      .inertia = inertia,
+                      .constraint_stiffness = {},
+                      .momentum = product(inertia, at_point(off_mean(slot), d))});
 }
 
 // Collects the bodies connected to the queried one, then eliminates them from the far end inwards, each into its
@@ -353,7 +366,7 @@ void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> 
         if (other != kNone)
           add(reached_[head].momentum,
               product(constraint_stiffness, at_point(off_mean(other), bodies_[other].motion.pose.position - centre)));
-      } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMostBodies &&
+      } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMaxBodies &&
                  (link >= contacts_.size() || contacts_[link].touching())) {
         reach(other, head, link, centre);
       }
@@ -363,7 +376,8 @@ void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> 
     from.constraint_stiffness = constraint_stiffness_of(from.link, centre);
     Reached& to = reached_[from.parent];
     const Felt felt = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
-    add(to.inertia, felt.inertia), add(to.momentum, felt.momentum);
+    add(to.inertia, felt.inertia);
+    add(to.momentum, felt.momentum);
   }
 }
 
@@ -373,7 +387,7 @@ OutsideAnswer ApparentInertia::find(std::uint32_t slot, std::span<const std::uin
   const Vector6& p = reached_[0].momentum;
   const physics::Admittance w = invert(reached_[0].inertia);
   const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
-  return {{mean.linear + kept.linear, mean.angular + kept.angular}, w};
+  return {mean + kept, w};
 }
 
 }  // namespace tactus::sim

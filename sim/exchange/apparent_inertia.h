@@ -26,11 +26,11 @@
 // attached by the shortest; its contacts with static geometry count in any case. A contact constrains motion along its
 // normal, and in the tangent plane too if it sticks. A joint constrains the directions of its kind, and its coordinate
 // at a limit or with a motor that is not overcome, as stiffly as a contact. A kinematic body has infinite inertia.
-// Bodies beyond kMostBodies are left out: W is then too large, never too small. Twice as many change the force error of
+// Bodies beyond kMaxBodies are left out: W is then too large, never too small. Twice as many change the force error of
 // `experiment energy-loss` by 0.1 % of the force (2026-11-22).
 //
 // Thread: the global world's; construction [setup]; allocates nothing. Frame: world. Units: SI. Work: index linear in
-// contacts, find in kMostBodies. Source: the study of borders (Schur complement of the outside contact system);
+// contacts, find in kMaxBodies. Source: the study of borders (Schur complement of the outside contact system);
 // implicit integration of stiff contacts, Baraff and Witkin 1998; articulated-body inertia, Featherstone.
 #pragma once
 
@@ -54,7 +54,7 @@ struct OutsideAnswer {
 
 class ApparentInertia {
  public:
-  static constexpr std::uint32_t kMostBodies = 16;
+  static constexpr std::uint32_t kMaxBodies = 16;
 
   ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
@@ -72,7 +72,7 @@ class ApparentInertia {
   std::span<const Link> links_of(std::uint32_t slot) const noexcept;
 
  private:
-  struct Held {  // an unbroken joint and the slots of its bodies; A may be physics::kNoSlot: the world
+  struct JointLink {  // an unbroken joint and the slots of its bodies; A may be physics::kNoSlot: the world
     std::uint32_t a, b;
     const physics::Joint* joint;
     const physics::JointState* state;
@@ -90,6 +90,8 @@ class ApparentInertia {
   // Calls f(link, slot_a, slot_b) for contacts, then joints; a slot is physics::kNoSlot where that side is static.
   template <class F>
   void for_each_link(F&& f) const noexcept;
+  // G of a link.
+  Matrix6 stiffness_of_joint(const JointLink& link, const Vec3d& centre) const noexcept;
   Matrix6 constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
   Twistd mean_velocity(std::uint32_t slot) const noexcept;
   Twistd off_mean(std::uint32_t slot) const noexcept;  // present velocity minus the mean of the last step
@@ -98,7 +100,7 @@ class ApparentInertia {
   std::span<const physics::Contact> contacts_;
   std::span<const physics::Body> bodies_;
   std::span<const Posed> starts_;  // by slot: pose at the start of the last step
-  std::vector<Held> joints_;
+  std::vector<JointLink> joints_;
   std::vector<std::uint8_t> immovable_;  // by slot: 1 if kinematic
   std::vector<std::uint32_t> first_;     // by slot: its first link
   std::vector<Link> links_;

@@ -13,7 +13,7 @@ using physics::Body;
 
 // Pairs that cannot close by more than this are skipped: the contacts find them, with a margin as wide
 // (StepSettings::min_margin).
-constexpr double kLeastReach_m = 5e-4;
+constexpr double kMinReach_m = 5e-4;
 
 double reach_of(const Body& body, double horizon_s) noexcept {
   const Twistd& v = body.motion.velocity;
@@ -37,9 +37,10 @@ Approach::Approach(std::uint32_t max_bodies) {
 }
 
 void Approach::find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
-                    double horizon_s, std::vector<ContactEdge>& touches) noexcept {
+                    std::span<const BodyIndex> awake, double horizon_s, std::vector<ContactEdge>& touches) noexcept {
   const std::span<const Body> bodies = world.bodies();
-  members_.clear(), others_.clear();
+  members_.clear();
+  others_.clear();
   const auto moving = [&](std::uint32_t slot) noexcept -> Moving {
     const double reach = reach_of(bodies[slot], horizon_s);
     return {slot, reach, physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, reach)};
@@ -57,13 +58,13 @@ void Approach::find(const physics::World& world, physics::Hulls hulls, std::span
     if (members[slot] != 0) continue;
     const double radius = physics::bounding_radius(bodies[slot].shape), reach = reach_of(bodies[slot], horizon_s);
     const Vec3d& at = bodies[slot].motion.pose.position;
-    if (farthest + reach <= kLeastReach_m || !all.grown(radius + reach).overlaps({at, at})) continue;
+    if (farthest + reach <= kMinReach_m || !all.grown(radius + reach).overlaps({at, at})) continue;
     others_.push_back(moving(slot));
   }
   for (const Moving& member : members_)
     for (const Moving& other : others_) {
       const double margin = member.reach_m + other.reach_m;
-      if (margin <= kLeastReach_m || !member.box.overlaps(other.box)) continue;
+      if (margin <= kMinReach_m || !member.box.overlaps(other.box)) continue;
       const Moving &a = member.slot < other.slot ? member : other, &b = member.slot < other.slot ? other : member;
       const Body &body_a = bodies[a.slot], &body_b = bodies[b.slot];
       if (touches_now(world, body_a.id, body_b.id)) continue;
@@ -75,7 +76,8 @@ void Approach::find(const physics::World& world, physics::Hulls hulls, std::span
         const double closing = dot(velocity_at(body_a, point) - velocity_at(body_b, point), manifold.normal);
         if (!(manifold.points[i].separation < closing * horizon_s)) continue;
         if (touches.size() == touches.capacity()) return;
-        touches.push_back({a.slot, b.slot, point, manifold.normal, false});
+        touches.push_back(
+            {.a = awake[a.slot], .b = awake[b.slot], .point = point, .normal = manifold.normal, .joined = false});
         break;
       }
     }

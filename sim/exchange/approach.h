@@ -19,9 +19,9 @@ class Approach {
  public:
   explicit Approach(std::uint32_t max_bodies);
 
-  // Appends edges, by slot, to `touches`, up to its capacity. `members`, by slot: 1 for a member.
-  void find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members, double horizon_s,
-            std::vector<ContactEdge>& touches) noexcept;
+  // Appends edges to `touches`, up to its capacity. By slot of the world: `members`, 1 for a member; `awake`.
+  void find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
+            std::span<const BodyIndex> awake, double horizon_s, std::vector<ContactEdge>& touches) noexcept;
 
  private:
   struct Moving {

@@ -18,8 +18,9 @@ double own_inverse_mass(const Body& body, const Quatd& rotation, const Vec3d& r,
          turn.z * turn.z / body.inertia.z;
 }
 
-void give(Body& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& point, physics::World& world,
+void give(physics::SlotIndex slot, const Vec3d& impulse, const Vec3d& point, physics::World& world,
           ImpulseReturn& result) noexcept {
+  const Body& body = world.body(slot);
   const double before = kinetic_energy(body);
   world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
   result.impulse_Ns += impulse;
@@ -28,14 +29,15 @@ void give(Body& body, std::uint32_t slot, const Vec3d& impulse, const Vec3d& poi
 }
 
 // Reverses the friction impulses that the global step applied to the outside body at this pair.
-void take_back(const Contact& contact, std::uint32_t outside, physics::World& world, ImpulseReturn& result) noexcept {
-  Body& body = world.bodies()[outside];
-  const bool outside_is_b = contact.slot_b == outside;
+void take_back(const Contact& contact, physics::SlotIndex outside, physics::World& world,
+               ImpulseReturn& result) noexcept {
+  const Body& body = world.body(outside);
+  const bool outside_is_b = contact.slot_b == number_of(outside);
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
     const Vec3d on_outside = outside_is_b ? point.total_friction : -point.total_friction;
     const Vec3d arm = outside_is_b ? point.from_b : point.from_a;
-    give(body, outside, -on_outside, body.motion.pose.position + arm, world, result);
+    give(outside, -on_outside, body.motion.pose.position + arm, world, result);
   }
 }
 
@@ -179,16 +181,16 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
   std::uint32_t left_out = 0;
   for (std::size_t i = 0; i < loads_.size();) {
     const BodyId id = loads_[i].outside;
-    const auto slot = static_cast<std::uint32_t>(world.slot_of(id));
+    const std::uint32_t slot = number_of(*world.slot_of(id));
     OutsideBody body;
     body.id = id;
     body.centre = world.bodies()[slot].motion.pose.position;
     const OutsideAnswer answer = admittance_.find(slot, members);
-    body.velocity = answer.velocity, body.admittance = answer.admittance;
+    body.velocity = answer.velocity;
+    body.admittance = answer.admittance;
     Wrenchd load;
     for (; i < loads_.size() && loads_[i].outside == id; ++i) {
-      load.force += loads_[i].force;
-      load.torque += loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force);
+      load += Wrenchd{loads_[i].force, loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force)};
     }
     const Twistd under_load = body.admittance * load;
     body.drive = {
@@ -207,7 +209,10 @@ void BorderExchange::collect_loads(const physics::World& world, std::span<const 
     loads_.push_back(
         {point.outside, -(point.impulse_rate_N * point.normal + point.friction_N), point.outside_point, {}});
   for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
-    loads_.push_back({world.bodies()[joint.outside].id, -joint.on_member.force, joint.point, -joint.on_member.torque});
+    loads_.push_back({.outside = world.bodies()[joint.outside].id,
+                      .force = -joint.on_member.force,
+                      .point = joint.point,
+                      .torque = -joint.on_member.torque});
   });
   std::sort(loads_.begin(), loads_.end(), [](const Load& p, const Load& q) { return p.outside < q.outside; });
 }
@@ -219,10 +224,9 @@ ImpulseReturn return_impulses(std::span<const BorderReturn> returns, std::span<c
   if (returned == Return::kNothing) return result;
   for (std::size_t i = 0; i < returns.size(); ++i) {
     const BorderReturn& entry = returns[i];
-    const std::int32_t found = world.slot_of(entry.outside);
-    if (found < 0 || !is_finite(entry.tangent_impulse) || !is_finite(entry.point)) continue;
-    const auto outside = static_cast<std::uint32_t>(found);
-    if (members[outside] != 0) {
+    const std::optional<physics::SlotIndex> outside = world.slot_of(entry.outside);
+    if (!outside || !is_finite(entry.tangent_impulse) || !is_finite(entry.point)) continue;
+    if (members[number_of(*outside)] != 0) {
       ++result.skipped;
       continue;
     }
@@ -231,9 +235,9 @@ ImpulseReturn return_impulses(std::span<const BorderReturn> returns, std::span<c
         i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
     if (returned == Return::kChange && first_of_pair) {
       const Contact* contact = physics::find_contact(world.contacts(), entry.member, entry.outside);
-      if (contact != nullptr) take_back(*contact, outside, world, result);
+      if (contact != nullptr) take_back(*contact, *outside, world, result);
     }
-    give(world.bodies()[outside], outside, -entry.tangent_impulse, entry.point, world, result);
+    give(*outside, -entry.tangent_impulse, entry.point, world, result);
   }
   return result;
 }

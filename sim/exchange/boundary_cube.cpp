@@ -15,11 +15,12 @@ double reach_of_body_m(const ReachSettings& s, const Twistd& velocity, double bo
   return 2 * s.ratio * s.tick_period_s * (norm(velocity.linear) + norm(velocity.angular) * body_radius_m);
 }
 
-BoundaryCube::BoundaryCube(const ReachSettings& settings, std::span<const physics::Body> bodies, std::uint32_t proxy)
+BoundaryCube::BoundaryCube(const ReachSettings& settings, BodySpan<const physics::Body> bodies, BodyIndex proxy)
     : settings_(settings),
       proxy_(proxy),
-      proxy_reach_m_(reach_of_proxy_m(settings, physics::bounding_radius(bodies[proxy].shape))) {
-  for (const auto& body : bodies) radius_m_.push_back(physics::bounding_radius(body.shape));
+      proxy_reach_m_(reach_of_proxy_m(settings, physics::bounding_radius(bodies[proxy].shape))),
+      radius_m_(bodies.size()) {
+  for (const BodyIndex body : bodies.indices()) radius_m_[body] = physics::bounding_radius(bodies[body].shape);
   close_.reserve(bodies.size());
 }
 
@@ -37,8 +38,8 @@ physics::Aabb BoundaryCube::region(const physics::Body& proxy, const Posed& worl
   return {world_from_proxy.position - side, world_from_proxy.position + side};
 }
 
-std::span<const CloseBody> BoundaryCube::find(std::span<const physics::Body> bodies, const Posed& world_from_proxy,
-                                              std::span<const std::uint32_t> among) noexcept {
+std::span<const CloseBody> BoundaryCube::find(BodySpan<const physics::Body> bodies, const Posed& world_from_proxy,
+                                              std::span<const BodyIndex> among) noexcept {
   const physics::Aabb proxy = physics::bounds_of(bodies[proxy_].shape, world_from_proxy, 0.0);
   const physics::Aabb cube = region(bodies[proxy_], world_from_proxy);
   const Vec3d centre = world_from_proxy.position;
@@ -47,20 +48,20 @@ std::span<const CloseBody> BoundaryCube::find(std::span<const physics::Body> bod
   close_.clear();
   const std::size_t count = among.empty() ? bodies.size() : among.size();
   for (std::size_t k = 0; k < count; ++k) {
-    const std::uint32_t slot = among.empty() ? static_cast<std::uint32_t>(k) : among[k];
-    if (slot == proxy_) continue;
-    const auto& body = bodies[slot];
+    const BodyIndex index = among.empty() ? BodyIndex{static_cast<std::uint32_t>(k)} : among[k];
+    if (index == proxy_) continue;
+    const auto& body = bodies[index];
     const Vec3d away = abs(body.motion.pose.position - centre);
-    const double own_reach = reach_of_body_m(settings_, body.motion.velocity, radius_m_[slot]);
-    if (std::max(away.x, std::max(away.y, away.z)) > half_side + own_reach + radius_m_[slot]) continue;
+    const double own_reach = reach_of_body_m(settings_, body.motion.velocity, radius_m_[index]);
+    if (std::max(away.x, std::max(away.y, away.z)) > half_side + own_reach + radius_m_[index]) continue;
     const physics::Aabb box = physics::bounds_of(body.shape, body.motion.pose, own_reach);
     if (!box.overlaps(cube)) continue;
     const Vec3d below = proxy.lower - box.upper, above = box.lower - proxy.upper;
     const Vec3d gap{std::max(below.x, above.x), std::max(below.y, above.y), std::max(below.z, above.z)};
-    close_.push_back({slot, std::max(gap.x, std::max(gap.y, gap.z))});
+    close_.push_back({index, std::max(gap.x, std::max(gap.y, gap.z))});
   }
   std::sort(close_.begin(), close_.end(), [](const CloseBody& a, const CloseBody& b) {
-    return a.gap_m != b.gap_m ? a.gap_m < b.gap_m : a.slot < b.slot;
+    return a.gap_m != b.gap_m ? a.gap_m < b.gap_m : a.index < b.index;
   });
   return close_;
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rt/physics/body.h"
+#include "sim/body_index.h"
 
 namespace tactus::sim {
 
@@ -35,30 +36,30 @@ double reach_of_proxy_m(const ReachSettings& settings, double proxy_radius_m) no
 double reach_of_body_m(const ReachSettings& settings, const Twistd& velocity, double body_radius_m) noexcept;
 
 struct CloseBody {
-  std::uint32_t slot{0};
+  BodyIndex index{};
   double gap_m{0};  // between the boxes of proxy and body, minus the body's reach; negative: they may overlap
 };
 
 class BoundaryCube {
  public:
-  // [setup] `bodies` by slot, for the whole run.
-  BoundaryCube(const ReachSettings& settings, std::span<const physics::Body> bodies, std::uint32_t proxy);
+  // [setup] `bodies`: all, for the whole run.
+  BoundaryCube(const ReachSettings& settings, BodySpan<const physics::Body> bodies, BodyIndex proxy);
 
   // The cube of side c_size + 2 p_max centred on the proxy at `world_from_proxy`.
   physics::Aabb region(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept;
 
-  // All bodies but the proxy whose grown boxes intersect region(), nearest first, ties by slot. Valid until the next
-  // call. `among`: slots to test; empty: all.
-  std::span<const CloseBody> find(std::span<const physics::Body> bodies, const Posed& world_from_proxy,
-                                  std::span<const std::uint32_t> among = {}) noexcept;
+  // All bodies but the proxy whose grown boxes intersect region(), nearest first, ties by index. Valid until the next
+  // call. `among`: bodies to test; empty: all.
+  std::span<const CloseBody> find(BodySpan<const physics::Body> bodies, const Posed& world_from_proxy,
+                                  std::span<const BodyIndex> among = {}) noexcept;
 
  private:
   double half_side_m(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept;
 
   ReachSettings settings_;
-  std::uint32_t proxy_;
+  BodyIndex proxy_;
   double proxy_reach_m_;
-  std::vector<double> radius_m_;  // by slot
+  BodyVector<double> radius_m_;
   std::vector<CloseBody> close_;
 };
 

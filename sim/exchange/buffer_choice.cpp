@@ -30,38 +30,41 @@ double inverse_mass_at(std::span<const haptics::OutsideBody> outside, BodyId id,
 
 }  // namespace
 
-std::uint32_t BufferChoice::choose(std::span<const Body> bodies, const Extraction& extraction,
-                                   const ContactGraph& graph, std::uint32_t proxy, const Surroundings& around,
-                                   std::span<std::uint8_t> in_buffer) noexcept {
+std::uint32_t BufferChoice::choose(BodySpan<const Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                                   BodyIndex proxy, const Surroundings& around,
+                                   BodySpan<std::uint8_t> in_buffer) noexcept {
   std::fill(in_buffer.begin(), in_buffer.end(), std::uint8_t{0});
   physics::Islands groups(std::span<std::uint32_t>(parent_).first(bodies.size()));
   for (const ContactEdge& touch : graph.touches()) {
     const bool a = extraction.is_member(touch.a), b = extraction.is_member(touch.b);
     if (a != b) in_buffer[a ? touch.a : touch.b] = 1;
-    if (a && b && touch.a != proxy && touch.b != proxy) groups.link(touch.a, touch.b);
+    if (a && b && touch.a != proxy && touch.b != proxy) groups.link(number_of(touch.a), number_of(touch.b));
   }
   in_buffer[proxy] = 0;
-  for (const std::uint32_t member : extraction.members()) shares_[member] = {};
+  for (const BodyIndex member : extraction.members()) shares_[member] = {};
   if (!weigh(bodies, extraction, in_buffer, groups)) return 0;
   find_shares(bodies, extraction, graph, proxy, around);
   if (!weigh(bodies, extraction, in_buffer, groups)) return 0;
   std::uint32_t added = 0;
-  for (const std::uint32_t member : extraction.members()) {
-    if (member == proxy || in_buffer[member] != 0 || !is_uneven(groups.of(member))) continue;
+  for (const BodyIndex member : extraction.members()) {
+    if (member == proxy || in_buffer[member] != 0 || !is_uneven(BodyIndex{groups.of(number_of(member))})) continue;
     in_buffer[member] = 1;
     ++added;
   }
   return added;
 }
 
-bool BufferChoice::weigh(std::span<const Body> bodies, const Extraction& extraction,
-                         std::span<const std::uint8_t> in_buffer, physics::Islands& groups) noexcept {
+bool BufferChoice::weigh(BodySpan<const Body> bodies, const Extraction& extraction,
+                         BodySpan<const std::uint8_t> in_buffer, physics::Islands& groups) noexcept {
   bool any = false;
-  for (const std::uint32_t member : extraction.members()) {
-    const std::uint32_t group = groups.of(member);
+  for (const BodyIndex member : extraction.members()) {
+    const BodyIndex group{groups.of(number_of(member))};
     const double mass = bodies[member].mass;
-    // Members ascend, so the group's lowest slot comes first and resets its entries.
-    if (group == member) lightest_[group] = std::numeric_limits<double>::infinity(), heaviest_[group] = 0;
+    // Members ascend, so the group's lowest body comes first and resets its entries.
+    if (group == member) {
+      lightest_[group] = std::numeric_limits<double>::infinity();
+      heaviest_[group] = 0;
+    }
     if (group == member) at_border_[group] = 0;
     if (!shares_[member].at_end()) lightest_[group] = std::min(lightest_[group], mass);
     heaviest_[group] = std::max(heaviest_[group], mass);
@@ -71,11 +74,11 @@ bool BufferChoice::weigh(std::span<const Body> bodies, const Extraction& extract
   return any;
 }
 
-void BufferChoice::find_shares(std::span<const Body> bodies, const Extraction& extraction, const ContactGraph& graph,
-                               std::uint32_t proxy, const Surroundings& around) noexcept {
+void BufferChoice::find_shares(BodySpan<const Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                               BodyIndex proxy, const Surroundings& around) noexcept {
   for (const auto& contact : around.contacts)
-    if (contact.b_fixed && contact.touching()) shares_[around.places[contact.slot_a]].other = 1;
-  const auto add = [&](const ContactEdge& touch, std::uint32_t of, std::uint32_t by) noexcept {
+    if (contact.b_fixed && contact.touching()) shares_[around.awake[contact.slot_a]].other = 1;
+  const auto add = [&](const ContactEdge& touch, BodyIndex of, BodyIndex by) noexcept {
     const double own = inverse_mass_at(bodies[of], touch);
     Shares& shares = shares_[of];
     if (!extraction.is_member(by)) {

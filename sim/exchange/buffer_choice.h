@@ -21,7 +21,7 @@
 // (1000 Hz) 2.2, 2.1, 2.3 % instead of 2.6, 2.8, 2.8 %. The limit on the product may be from 0.6, below which the leg
 // counts, to below 0.75, where the stack of R = 3 that is measured below would stay in the sub-world.
 //
-// The proxy is always imposed, since the device holds it. Measured range of kMostUneven (stack of five cubes at
+// The proxy is always imposed, since the device holds it. Measured range of kMaxUneven (stack of five cubes at
 // 1000 Hz, 0.25 / sub-step, the uppermost R times as heavy, 3 to 5 members, ratios 2, 8 and 16, 8 s; force error
 // without the rule, with it): R = 1: 0.1 %, not needed; 3: 3.8 %, 0.6 %; 10: 15 %, 10 mm off, 1.2 %; 30: 15 %, 1.4 %;
 // 100: 42 %, 2.2 %; 300: falls, 7 %; 1000: falls, 44 %. The last two equal those of a sub-world with the proxy alone (7
@@ -42,12 +42,12 @@ namespace tactus::sim {
 
 class BufferChoice {
  public:
-  static constexpr double kMostUneven = 2;  // max heaviest over lightest mass of a group whose members may be imposed
+  static constexpr double kMaxUneven = 2;  // max heaviest over lightest mass of a group whose members may be imposed
 
   // Constraints on members from outside their group, of the last step; all empty before the first one.
   struct Surroundings {
     std::span<const physics::Contact> contacts;     // of the world, with static geometry included
-    std::span<const std::uint32_t> places;          // by the world's slots: indices into `bodies`
+    std::span<const BodyIndex> awake;               // by slot
     std::span<const haptics::OutsideBody> outside;  // ghosts of the next cycle, ascending ids
   };
 
@@ -58,35 +58,35 @@ class BufferChoice {
         at_border_(max_bodies),
         shares_(max_bodies) {}
 
-  // Marks the buffer bodies, by slot, among the chosen members; never the proxy. Returns how many of them are in the
+  // Marks the buffer bodies among the chosen members; never the proxy. Returns how many of them are in the
   // buffer only because their group is uneven.
-  std::uint32_t choose(std::span<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
-                       std::uint32_t proxy, const Surroundings& around, std::span<std::uint8_t> in_buffer) noexcept;
+  std::uint32_t choose(BodySpan<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                       BodyIndex proxy, const Surroundings& around, BodySpan<std::uint8_t> in_buffer) noexcept;
 
  private:
   // Error factors of a sweep for a member, w / (w + W): `linked` against the last member linked to it, `other` the
   // largest against anything that is not a member.
   struct Shares {
-    static constexpr double kMostLeft = kMostUneven / (1 + kMostUneven);
+    static constexpr double kMaxLeft = kMaxUneven / (1 + kMaxUneven);
     double linked{0}, other{0};
     std::uint32_t links{0};  // to members other than the proxy
-    bool at_end() const noexcept { return links == 1 && linked * other <= kMostLeft; }
+    bool at_end() const noexcept { return links == 1 && linked * other <= kMaxLeft; }
   };
 
   // Finds the lightest and heaviest mass of every group; a member at_end does not count for the lightest. True if a
   // group at the border is uneven.
-  bool weigh(std::span<const physics::Body> bodies, const Extraction& extraction,
-             std::span<const std::uint8_t> in_buffer, physics::Islands& groups) noexcept;
-  void find_shares(std::span<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
-                   std::uint32_t proxy, const Surroundings& around) noexcept;
-  bool is_uneven(std::uint32_t group) const noexcept {
-    return at_border_[group] != 0 && heaviest_[group] > kMostUneven * lightest_[group];
+  bool weigh(BodySpan<const physics::Body> bodies, const Extraction& extraction, BodySpan<const std::uint8_t> in_buffer,
+             physics::Islands& groups) noexcept;
+  void find_shares(BodySpan<const physics::Body> bodies, const Extraction& extraction, const ContactGraph& graph,
+                   BodyIndex proxy, const Surroundings& around) noexcept;
+  bool is_uneven(BodyIndex group) const noexcept {
+    return at_border_[group] != 0 && heaviest_[group] > kMaxUneven * lightest_[group];
   }
 
-  std::vector<std::uint32_t> parent_;        // by slot: union-find parents of the groups
-  std::vector<double> lightest_, heaviest_;  // kg, by a group's lowest slot
-  std::vector<std::uint8_t> at_border_;      // by a group's lowest slot: 1 if a member touches an outside body
-  std::vector<Shares> shares_;               // by slot
+  std::vector<std::uint32_t> parent_;       // by number_of(body): union-find parents of the groups
+  BodyVector<double> lightest_, heaviest_;  // kg, of a group, at its lowest body
+  BodyVector<std::uint8_t> at_border_;      // same: 1 if a member touches an outside body
+  BodyVector<Shares> shares_;
 };
 
 }  // namespace tactus::sim

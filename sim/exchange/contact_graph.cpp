@@ -2,7 +2,8 @@
 
 namespace tactus::sim {
 
-ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const physics::Body> bodies) noexcept {
+ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const physics::Body> bodies,
+                            std::span<const BodyIndex> awake) noexcept {
   Vec3d weighted, plain;
   double weight = 0;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
@@ -12,7 +13,11 @@ ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const phy
     plain += point.from_a;
   }
   const Vec3d from_a = weight > 0 ? weighted * (1 / weight) : plain * (1.0 / std::max(1u, contact.count));
-  return {contact.slot_a, contact.slot_b, bodies[contact.slot_a].motion.pose.position + from_a, contact.normal, false};
+  return {.a = awake[contact.slot_a],
+          .b = awake[contact.slot_b],
+          .point = bodies[contact.slot_a].motion.pose.position + from_a,
+          .normal = contact.normal,
+          .joined = false};
 }
 
 ContactGraph::ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches)
@@ -29,39 +34,43 @@ void ContactGraph::build(std::uint32_t bodies, std::span<const ContactEdge> touc
   touch_count_ = static_cast<std::uint32_t>(touches.size());
   std::copy(touches.begin(), touches.end(), touches_.begin());
   std::fill(first_.begin(), first_.begin() + bodies + 1, 0u);
-  for (const ContactEdge& touch : touches) ++first_[touch.a], ++first_[touch.b];
+  for (const ContactEdge& touch : touches) {
+    ++first_[number_of(touch.a)];
+    ++first_[number_of(touch.b)];
+  }
   // Ends of the bodies' links; filling backwards turns them into the starts and keeps the order.
-  for (std::uint32_t slot = 1; slot < bodies; ++slot) first_[slot] += first_[slot - 1];
+  for (std::uint32_t i = 1; i < bodies; ++i) first_[i] += first_[i - 1];
   first_[bodies] = 2 * touch_count_;
   for (std::uint32_t t = touch_count_; t-- > 0;) {
-    links_[--first_[touches_[t].a]] = {touches_[t].b, t};
-    links_[--first_[touches_[t].b]] = {touches_[t].a, t};
+    links_[--first_[number_of(touches_[t].a)]] = {touches_[t].b, t};
+    links_[--first_[number_of(touches_[t].b)]] = {touches_[t].a, t};
   }
-  std::fill(hops_.begin(), hops_.end(), kUnreached);
+  hops_.fill(kUnreached);
   visited_count_ = 0;
 }
 
-std::span<const ContactGraph::Link> ContactGraph::links(std::uint32_t slot) const noexcept {
-  return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
+std::span<const ContactGraph::Link> ContactGraph::links(BodyIndex body) const noexcept {
+  const std::uint32_t i = number_of(body);
+  return {links_.data() + first_[i], first_[i + 1] - first_[i]};
 }
 
-std::uint32_t ContactGraph::find_component(std::uint32_t from, std::span<const std::uint32_t> seeds) noexcept {
-  for (const std::uint32_t slot : visited()) hops_[slot] = kUnreached;
+std::uint32_t ContactGraph::find_component(BodyIndex from, std::span<const BodyIndex> seeds) noexcept {
+  for (const BodyIndex body : visited()) hops_[body] = kUnreached;
   visited_count_ = 0;
   visit(from, 0);
   for (std::uint32_t head = 0; head < visited_count_; ++head) {
-    const std::uint32_t slot = queue_[head];
-    for (const Link& link : links(slot)) visit(link.body, hops_[slot] + 1);
+    const BodyIndex body = queue_[head];
+    for (const Link& link : links(body)) visit(link.body, hops_[body] + 1);
     if (head == 0)
-      for (const std::uint32_t seed : seeds) visit(seed, 1);
+      for (const BodyIndex seed : seeds) visit(seed, 1);
   }
   return visited_count_;
 }
 
-void ContactGraph::visit(std::uint32_t slot, std::uint32_t hops) noexcept {
-  if (hops_[slot] != kUnreached) return;
-  hops_[slot] = hops;
-  queue_[visited_count_++] = slot;
+void ContactGraph::visit(BodyIndex body, std::uint32_t hops) noexcept {
+  if (hops_[body] != kUnreached) return;
+  hops_[body] = hops;
+  queue_[visited_count_++] = body;
 }
 
 }  // namespace tactus::sim

@@ -7,7 +7,7 @@
 // bodies join or leave per cycle, so that the tick that imports them stays short; only bodies in the cube and joined
 // bodies may exceed max_joins. So the sub-world grows over several cycles, as in the paper.
 // Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never exceeded; bodies left out are
-// counted. Ties by slot, which is by body id. Source: the paper, section 2; influence in sim/exchange/influence.h.
+// counted. Ties by index, which is by body id. Source: the paper, section 2; influence in sim/exchange/influence.h.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"
@@ -40,27 +40,27 @@ struct ExtractionStatistics {
 
 class Extraction {
  public:
-  Extraction(const ExtractionOptions& options, const ReachSettings& reach, std::span<const physics::Body> bodies,
-             std::uint32_t proxy, std::uint32_t max_touches);
+  Extraction(const ExtractionOptions& options, const ReachSettings& reach, BodySpan<const physics::Body> bodies,
+             BodyIndex proxy, std::uint32_t max_touches);
 
-  // Chooses the next members: slots, ascending. `world_from_proxy`: centre of the cube. `budget` may lower the cap.
-  // `free`, by slot: 1 for bodies of no other sub-world (empty: all). `awake`: the slots to test for the cube (empty:
+  // Chooses the next members, ascending. `world_from_proxy`: centre of the cube. `budget` may lower the cap.
+  // `free`: 1 for bodies of no other sub-world (empty: all). `awake`: the bodies to test for the cube (empty:
   // all). The first call is not limited by max_joins. Valid until the next call.
-  std::span<const std::uint32_t> choose(std::span<const physics::Body> bodies, ContactGraph& graph,
-                                        const Posed& world_from_proxy, std::uint32_t budget,
-                                        std::span<const std::uint8_t> free = {},
-                                        std::span<const std::uint32_t> awake = {}) noexcept;
+  std::span<const BodyIndex> choose(BodySpan<const physics::Body> bodies, ContactGraph& graph,
+                                    const Posed& world_from_proxy, std::uint32_t budget,
+                                    BodySpan<const std::uint8_t> free = {},
+                                    std::span<const BodyIndex> awake = {}) noexcept;
   // The boundary cube: bodies in it are chosen without a contact.
   physics::Aabb region(const physics::Body& proxy, const Posed& world_from_proxy) const noexcept {
     return cube_.region(proxy, world_from_proxy);
   }
 
-  bool is_member(std::uint32_t slot) const noexcept { return member_[slot] != 0; }
-  bool was_member(std::uint32_t slot) const noexcept { return was_member_[slot] != 0; }  // before the last choice
+  bool is_member(BodyIndex index) const noexcept { return member_[index] != 0; }
+  bool was_member(BodyIndex index) const noexcept { return was_member_[index] != 0; }  // before the last choice
   // A member of the last choice that was not a member before it.
-  bool is_joiner(std::uint32_t slot) const noexcept { return member_[slot] != 0 && was_member_[slot] == 0; }
-  std::span<const std::uint32_t> members() const noexcept { return chosen_; }
-  std::span<const std::uint8_t> member_flags() const noexcept { return member_; }  // by slot, 1: member
+  bool is_joiner(BodyIndex index) const noexcept { return member_[index] != 0 && was_member_[index] == 0; }
+  std::span<const BodyIndex> members() const noexcept { return chosen_; }
+  BodySpan<const std::uint8_t> member_flags() const noexcept { return member_; }  // 1: member
   const ExtractionStatistics& statistics() const noexcept { return statistics_; }
 
  private:
@@ -70,30 +70,29 @@ class Extraction {
     Priority priority{};
     bool current{false};  // a member before this choice
     double score{0};      // higher is chosen first
-    std::uint32_t slot{0};
+    BodyIndex index{};
   };
 
-  bool available(std::uint32_t slot, std::span<const std::uint8_t> free) const noexcept;
-  void add(Priority priority, double score, std::uint32_t slot) noexcept;
-  void add_close(std::span<const CloseBody> close, std::span<const std::uint8_t> free) noexcept;
-  void add_linked(std::span<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
-                  std::span<const std::uint8_t> free) noexcept;
+  bool available(BodyIndex index, BodySpan<const std::uint8_t> free) const noexcept;
+  void add(Priority priority, double score, BodyIndex index) noexcept;
+  void add_close(std::span<const CloseBody> close, BodySpan<const std::uint8_t> free) noexcept;
+  void add_linked(BodySpan<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
+                  BodySpan<const std::uint8_t> free) noexcept;
   void add_former() noexcept;
-  void take(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept;
-  void bring_joined(std::uint32_t cap, const ContactGraph& graph, std::span<const std::uint8_t> free) noexcept;
+  void take(std::uint32_t cap, const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept;
+  void bring_joined(std::uint32_t cap, const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept;
   void take_all(std::uint32_t bodies) noexcept;
   void count_left_out(std::uint32_t cap, const ContactGraph& graph) noexcept;
 
   ExtractionOptions options_;
-  std::uint32_t proxy_;
+  BodyIndex proxy_;
   BoundaryCube cube_;
   Influence influence_;
   bool first_{true};
-  // By slot.
-  std::vector<std::uint8_t> member_, was_member_, listed_;
-  std::vector<std::uint32_t> cycles_out_;  // cycles since it last qualified
+  BodyVector<std::uint8_t> member_, was_member_, listed_;
+  BodyVector<std::uint32_t> cycles_out_;  // cycles since it last qualified
   std::vector<Candidate> candidates_;
-  std::vector<std::uint32_t> chosen_, near_;
+  std::vector<BodyIndex> chosen_, near_;
   ExtractionStatistics statistics_;
 };
 

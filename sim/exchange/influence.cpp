@@ -27,15 +27,18 @@ Influence::Influence(std::uint32_t max_bodies, std::uint32_t max_touches)
   result_.reserve(max_bodies);
 }
 
-// Order of a max-heap: true if `a` comes after `b`. Ties by slot, then by contact.
+// Order of a max-heap: true if `a` comes after `b`. Ties by index, then by contact.
 bool Influence::ByValue::operator()(const Label& a, const Label& b) const noexcept {
   if (a.value != b.value) return a.value < b.value;
-  return a.slot != b.slot ? a.slot > b.slot : a.touch > b.touch;
+  return a.index != b.index ? a.index > b.index : a.touch > b.touch;
 }
 
 Influence::Side Influence::side_of(const ContactEdge& touch, const physics::Body& body) noexcept {
   const Vec3d lever_arm = cross(touch.point - body.motion.pose.position, touch.normal);
-  return {inverse_mass_of(body), touch.normal, lever_arm, inverse_inertia_times(body, lever_arm)};
+  return {.inverse_mass = inverse_mass_of(body),
+          .normal = touch.normal,
+          .lever_arm = lever_arm,
+          .inertia_lever = inverse_inertia_times(body, lever_arm)};
 }
 
 double Influence::inverse_effective_mass(const Side& a, const Side& b) noexcept {
@@ -43,7 +46,7 @@ double Influence::inverse_effective_mass(const Side& a, const Side& b) noexcept 
 }
 
 void Influence::prepare(std::uint32_t touch, std::span<const ContactEdge> touches,
-                        std::span<const physics::Body> bodies) noexcept {
+                        BodySpan<const physics::Body> bodies) noexcept {
   if (prepared_[touch] == search_) return;
   prepared_[touch] = search_;
   sides_[touch] = {side_of(touches[touch], bodies[touches[touch].a]),
@@ -52,15 +55,15 @@ void Influence::prepare(std::uint32_t touch, std::span<const ContactEdge> touche
   best_[touch] = {-1, -1};
 }
 
-void Influence::push(double value, std::uint32_t slot, std::uint32_t touch, std::uint32_t side) noexcept {
+void Influence::push(double value, BodyIndex index, std::uint32_t touch, std::uint32_t side) noexcept {
   if (value <= best_[touch][side]) return;
   best_[touch][side] = value;
-  heap_.push_back({value, slot, touch});
+  heap_.push_back({value, index, touch});
   std::push_heap(heap_.begin(), heap_.end(), ByValue{});
 }
 
-std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span<const physics::Body> bodies,
-                                            std::uint32_t proxy, std::span<const std::uint32_t> near,
+std::span<const Influenced> Influence::find(const ContactGraph& graph, BodySpan<const physics::Body> bodies,
+                                            BodyIndex proxy, std::span<const BodyIndex> near,
                                             std::uint32_t enough) noexcept {
   ++search_;
   result_.clear();
@@ -70,8 +73,8 @@ std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span
     prepare(link.touch, graph.touches(), bodies);
     push(1.0, link.body, link.touch, graph.touches()[link.touch].b == link.body ? 1 : 0);
   }
-  for (const std::uint32_t slot : near) {
-    heap_.push_back({kNearDiscount, slot, kNear});
+  for (const BodyIndex index : near) {
+    heap_.push_back({kNearDiscount, index, kNear});
     std::push_heap(heap_.begin(), heap_.end(), ByValue{});
   }
 
@@ -81,9 +84,9 @@ std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span
     const Label label = heap_.back();
     heap_.pop_back();
     if (label.value < floor) break;
-    if (found_[label.slot] != search_) {
-      found_[label.slot] = search_;
-      result_.push_back({label.slot, label.value});
+    if (found_[label.index] != search_) {
+      found_[label.index] = search_;
+      result_.push_back({label.index, label.value});
       if (result_.size() == enough) floor = 0.5 * label.value;
     }
     expand(label, graph, bodies, proxy);
@@ -92,23 +95,26 @@ std::span<const Influenced> Influence::find(const ContactGraph& graph, std::span
 }
 
 // Extends a path from a body through its other contacts.
-void Influence::expand(const Label& label, const ContactGraph& graph, std::span<const physics::Body> bodies,
-                       std::uint32_t proxy) noexcept {
+void Influence::expand(const Label& label, const ContactGraph& graph, BodySpan<const physics::Body> bodies,
+                       BodyIndex proxy) noexcept {
   const auto touches = graph.touches();
   Side in;
   double in_inverse_mass = 0;
   if (label.touch == kNear) {
     // The expected contact: along the line of centres, so without a moment on either body.
-    const Vec3d apart = bodies[label.slot].motion.pose.position - bodies[proxy].motion.pose.position;
-    in = {inverse_mass_of(bodies[label.slot]), normalized_or(apart, Vec3d{0, 0, 1}), {}, {}};
+    const Vec3d apart = bodies[label.index].motion.pose.position - bodies[proxy].motion.pose.position;
+    in = {.inverse_mass = inverse_mass_of(bodies[label.index]),
+          .normal = normalized_or(apart, Vec3d{0, 0, 1}),
+          .lever_arm = {},
+          .inertia_lever = {}};
     in_inverse_mass = in.inverse_mass + inverse_mass_of(bodies[proxy]);
   } else {
-    const std::uint32_t side = touches[label.touch].b == label.slot ? 1 : 0;
+    const std::uint32_t side = touches[label.touch].b == label.index ? 1 : 0;
     if (label.value < best_[label.touch][side]) return;  // a better path was found since
     in = sides_[label.touch][side];
     in_inverse_mass = inverse_mass_[label.touch];
   }
-  for (const auto& link : graph.links(label.slot)) {
+  for (const auto& link : graph.links(label.index)) {
     if (link.touch == label.touch || link.body == proxy) continue;
     prepare(link.touch, touches, bodies);
     const std::uint32_t to = touches[link.touch].b == link.body ? 1 : 0;
@@ -116,7 +122,7 @@ void Influence::expand(const Label& label, const ContactGraph& graph, std::span<
     const double coupled =
         std::abs(in.inverse_mass * dot(in.normal, out.normal) + dot(in.lever_arm, out.inertia_lever));
     const double scale = std::sqrt(in_inverse_mass * inverse_mass_[link.touch]);
-    push(label.value * std::clamp(scale > 0 ? coupled / scale : 0.0, kLeastTau, 1.0), link.body, link.touch, to);
+    push(label.value * std::clamp(scale > 0 ? coupled / scale : 0.0, kMinTau, 1.0), link.body, link.touch, to);
   }
 }
 

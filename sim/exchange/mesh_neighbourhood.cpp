@@ -16,23 +16,25 @@ bool add_region(BodyId body, std::uint32_t mesh_index, const physics::Mesh& mesh
   auto& triangles = next.near_triangles;
   if (triangles.capacity() - triangles.size() < found.triangles.size()) return false;
   const std::uint32_t first = triangles.size(), count = found.triangles.size();
-  if (!next.near_regions.try_push({body, mesh_index, first, count, box})) return false;
+  if (!next.near_regions.try_push({.body = body, .mesh = mesh_index, .first = first, .count = count, .box = box}))
+    return false;
   for (const std::uint32_t triangle : found.triangles) (void)triangles.try_push(triangle);
   return true;
 }
 
 }  // namespace
 
-void fill_near_triangles(std::span<const physics::Body> bodies, std::span<const physics::Body> fixed_bodies,
-                         physics::Meshes meshes, std::span<const std::uint32_t> members, std::uint32_t proxy,
-                         const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept {
-  next.near_regions.clear(), next.near_triangles.clear();
+void fill_near_triangles(const SubWorldBodies& sub_world, std::span<const physics::Body> fixed_bodies,
+                         physics::Meshes meshes, const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept {
+  next.near_regions.clear();
+  next.near_triangles.clear();
   if (meshes.empty()) return;
-  for (const std::uint32_t place : members) {
-    const physics::Body& body = bodies[place];
+  for (const BodyIndex index : sub_world.members) {
+    const physics::Body& body = sub_world.bodies[index];
     const double radius_m = bounding_radius(body.shape);
-    const double moves_m = kSlack_m + (place == proxy ? reach_of_proxy_m(reach, radius_m)
-                                                      : reach_of_body_m(reach, body.motion.velocity, radius_m));
+    const double moves_m =
+        kSlack_m + (index == sub_world.proxy ? reach_of_proxy_m(reach, radius_m)
+                                             : reach_of_body_m(reach, body.motion.velocity, radius_m));
     for (const auto& fixed : fixed_bodies) {  // by id, hence in the order of the meshes
       if (fixed.shape.kind != physics::ShapeKind::kMesh) continue;
       const Posed pose = physics::relative_pose(fixed.motion.pose, body.motion.pose);

@@ -13,9 +13,14 @@
 
 namespace tactus::sim {
 
-// `members` and `proxy`: indices into `bodies`.
-void fill_near_triangles(std::span<const physics::Body> bodies, std::span<const physics::Body> fixed_bodies,
-                         physics::Meshes meshes, std::span<const std::uint32_t> members, std::uint32_t proxy,
-                         const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept;
+// The members of a sub-world; the proxy is one of them.
+struct SubWorldBodies {
+  BodySpan<const physics::Body> bodies;
+  std::span<const BodyIndex> members;
+  BodyIndex proxy;
+};
+
+void fill_near_triangles(const SubWorldBodies& sub_world, std::span<const physics::Body> fixed_bodies,
+                         physics::Meshes meshes, const ReachSettings& reach, haptics::WorldSnapshot& next) noexcept;
 
 }  // namespace tactus::sim

@@ -103,12 +103,12 @@ void make_canonical(std::span<const Vec3d> points, Surface& surface) {
 Status flat(double width) {
   return Status::error(
       fmt::format("the points lie in a plane, or nearly: {:.3g} m thick; accepted: a solid at least {:g} m thick",
-                  width, kLeastHullWidth_m));
+                  width, kMinHullWidth_m));
 }
 
 Result<Surface> find_surface(std::span<const Vec3d> points) {
   const Extent extent = extent_of(points);
-  if (extent.size < kLeastHullWidth_m) return flat(extent.size);
+  if (extent.size < kMinHullWidth_m) return flat(extent.size);
   std::vector<double> coordinates;
   coordinates.reserve(3 * points.size());
   for (const Vec3d& p : points) coordinates.insert(coordinates.end(), {p.x, p.y, p.z});
@@ -138,7 +138,7 @@ Result<BuiltHull> finish(std::vector<Vec3d> vertices, const Surface& surface) {
   if (fault != HullFault::kNone)
     return Status::error(
         "the points are too close to each other to make a closed hull; accepted: points further apart");
-  if (built.hull.least_width < kLeastHullWidth_m) return flat(built.hull.least_width);
+  if (built.hull.least_width < kMinHullWidth_m) return flat(built.hull.least_width);
   built.vertices = std::move(vertices);
   return built;
 }

@@ -1,7 +1,7 @@
 // Builds the convex hull of points for the real-time side. Thread: [setup]. Units: m. Frame: see physics/hull.h.
 //
 // The same points give the same hull: its vertices are in the order of the points, its faces in that of their vertices.
-// Bound: a hull has at most kMaxHullVertices vertices, and is at least kLeastHullWidth_m wide in every direction.
+// Bound: a hull has at most kMaxHullVertices vertices, and is at least kMinHullWidth_m wide in every direction.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace tactus::sim {
 
-inline constexpr double kLeastHullWidth_m = 1e-4;
+inline constexpr double kMinHullWidth_m = 1e-4;
 
 struct BuiltHull {
   physics::Hull hull;

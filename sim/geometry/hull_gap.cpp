@@ -136,7 +136,10 @@ void search(const std::vector<Piece>& pieces, const Surface& surface, double tol
   const auto take = [&](Piece piece) {
     const Vec3d middle = (piece.corner[0] + piece.corner[1] + piece.corner[2]) * (1.0 / 3);
     const auto look = [&](const Vec3d& p) {
-      if (const double d = surface.distance(p); d > gap.gap_m) gap.gap_m = d, gap.at_m = p;
+      if (const double d = surface.distance(p); d > gap.gap_m) {
+        gap.gap_m = d;
+        gap.at_m = p;
+      }
     };
     double radius_m = 0;
     for (const Vec3d& corner : piece.corner) {
@@ -148,7 +151,7 @@ void search(const std::vector<Piece>& pieces, const Surface& surface, double tol
     if (piece.most_m > gap.gap_m + tolerance_m) open.push(piece);
   };
   for (const Piece& piece : pieces) take(piece);
-  for (unsigned i = 0; i < kMostGapPieces && !open.empty(); ++i) {
+  for (unsigned i = 0; i < kMaxGapPieces && !open.empty(); ++i) {
     const Piece piece = open.top();
     open.pop();
     if (piece.most_m <= gap.gap_m + tolerance_m) return;  // the queue's largest bound

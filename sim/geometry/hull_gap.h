@@ -4,14 +4,14 @@
 // The gap is the Hausdorff distance of the two surfaces: the largest distance of a point on one to the other. From mesh
 // to hull it is, for example, the depth of a cup; from hull to mesh, the gap between two parts. Found by bisection of
 // triangles, largest upper bound first, until no remaining triangle can exceed the result by more than 1/200 of the
-// mesh's diagonal. Bound: kMostGapPieces triangles each way; beyond, the gap is a lower bound.
+// mesh's diagonal. Bound: kMaxGapPieces triangles each way; beyond, the gap is a lower bound.
 #pragma once
 
 #include "sim/geometry/mesh_builder.h"
 
 namespace tactus::sim {
 
-inline constexpr unsigned kMostGapPieces = 40'000;
+inline constexpr unsigned kMaxGapPieces = 40'000;
 inline constexpr double kSmallestGap_m = 1e-4;  // smaller gaps are not reported
 
 struct HullGap {

@@ -15,7 +15,7 @@ using physics::kNoTriangle;
 using physics::MeshTriangle;
 
 // A triangle whose height over its longest edge is below this has no area: 1 nm, or a billionth of that edge.
-constexpr double kLeastHeight_m = 1e-9, kLeastHeightShare = 1e-9;
+constexpr double kMinHeight_m = 1e-9, kMinHeightShare = 1e-9;
 // A fold of less than 1 mrad is flat: a body that slides over it at 0.1 m/s is lifted at 0.1 mm/s.
 constexpr double kFlatSine = 1e-3;
 // Max. distance of a patch from the plane of its largest triangle: the solver's slop, which is not corrected anyway.
@@ -49,7 +49,7 @@ void take_triangles(const TriangleSoup& soup, const Vec3d& middle, MeshParts& me
     t.corner = given;
     const Vec3d area = area_vector(mesh, t);
     const double longest = longest_edge(mesh, t);
-    if (!(norm(area) > std::max(kLeastHeight_m, kLeastHeightShare * longest) * longest)) {
+    if (!(norm(area) > std::max(kMinHeight_m, kMinHeightShare * longest) * longest)) {
       ++account.without_area;
       continue;
     }
@@ -85,7 +85,8 @@ void join_neighbours(MeshParts& mesh, MeshAccount& account) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::array<std::vector<Half>, 2>> edges;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     MeshTriangle& t = mesh.triangles[i];
-    t.neighbour.fill(kNoTriangle), t.edge.fill(EdgeKind::kBoundary);
+    t.neighbour.fill(kNoTriangle);
+    t.edge.fill(EdgeKind::kBoundary);
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t from = t.corner[k], to = t.corner[(k + 1) % 3];
       edges[std::minmax(from, to)][from < to ? 0 : 1].push_back({i, k});
@@ -102,7 +103,11 @@ void join_neighbours(MeshParts& mesh, MeshAccount& account) {
       for (std::size_t i = 0; i < there.size(); ++i)
         for (std::size_t j = 0; j < back.size(); ++j) {
           const double cosine = dot(mesh.normals[there[i].triangle], mesh.normals[back[j].triangle]);
-          if (cosine > flattest) flattest = cosine, best_there = i, best_back = j;
+          if (cosine > flattest) {
+            flattest = cosine;
+            best_there = i;
+            best_back = j;
+          }
         }
       const Half s = there[best_there], t = back[best_back];
       mesh.triangles[s.triangle].neighbour[s.k] = t.triangle;
@@ -196,7 +201,10 @@ void sort_by_patch(MeshParts& mesh) {
   std::vector<physics::MeshPatch> patches;
   for (MeshTriangle& t : mesh.triangles) {
     std::uint32_t& at = place_of_patch[t.patch];
-    if (at == kNoTriangle) at = static_cast<std::uint32_t>(patches.size()), patches.push_back(mesh.patches[t.patch]);
+    if (at == kNoTriangle) {
+      at = static_cast<std::uint32_t>(patches.size());
+      patches.push_back(mesh.patches[t.patch]);
+    }
     t.patch = at;
   }
   std::iota(order.begin(), order.end(), 0u);
@@ -206,11 +214,14 @@ void sort_by_patch(MeshParts& mesh) {
   std::vector<MeshTriangle> triangles;
   std::vector<Vec3d> normals;
   for (const std::uint32_t i : order) {
-    triangles.push_back(mesh.triangles[i]), normals.push_back(mesh.normals[i]);
+    triangles.push_back(mesh.triangles[i]);
+    normals.push_back(mesh.normals[i]);
     for (std::uint32_t& n : triangles.back().neighbour)
       if (n != kNoTriangle) n = place[n];
   }
-  mesh.triangles = std::move(triangles), mesh.normals = std::move(normals), mesh.patches = std::move(patches);
+  mesh.triangles = std::move(triangles);
+  mesh.normals = std::move(normals);
+  mesh.patches = std::move(patches);
 }
 
 // Lists the triangles around each corner, and marks triangles with a corner on a convex or boundary edge as exposed.
@@ -278,7 +289,8 @@ Result<BuiltMesh> build_mesh(const TriangleSoup& soup, BodyId first_patch_id) {
     for (int i = 0; i < 3; ++i) mesh.half_extents[i] = std::max(mesh.half_extents[i], std::abs(corner[i]));
   mesh.first_patch_id = first_patch_id;
   build_tree(mesh);
-  built.parts = parts, built.mesh = parts->view();
+  built.parts = parts;
+  built.mesh = parts->view();
   built.account.corners = static_cast<unsigned>(mesh.corners.size());
   built.account.triangles = static_cast<unsigned>(mesh.triangles.size());
   built.account.patches = static_cast<unsigned>(mesh.patches.size());

@@ -63,7 +63,8 @@ class TreeBuilder {
 }  // namespace
 
 void build_tree(MeshParts& mesh) {
-  mesh.nodes.clear(), mesh.order.clear();
+  mesh.nodes.clear();
+  mesh.order.clear();
   if (mesh.triangles.empty()) return;
   TreeBuilder(mesh).add(0, static_cast<std::uint32_t>(mesh.triangles.size()));
 }

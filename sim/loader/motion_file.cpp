@@ -106,9 +106,9 @@ std::string judge_motion_row(const MotionRow* before, const MotionRow& row) {
   if (row[0] > kMaxMotion_s)
     return fmt::format("is {:g} s after the first; accepted: at most {:g} s", row[0], kMaxMotion_s);
   const Quatd turn = normalized(rotation) * conjugate(normalized(rotation_of(*before)));
-  if (const double angle = norm(rotation_vector_of(turn)); angle > kMostTurnBetweenRows_rad)
+  if (const double angle = norm(rotation_vector_of(turn)); angle > kMaxTurnBetweenRows_rad)
     return fmt::format("turns by {:.3g} rad from the row before; accepted: at most {:g} rad between two rows", angle,
-                       kMostTurnBetweenRows_rad);
+                       kMaxTurnBetweenRows_rad);
   return {};
 }
 

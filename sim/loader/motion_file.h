@@ -21,7 +21,7 @@ namespace tactus::sim {
 inline constexpr std::size_t kMaxMotionRows = 20'000;
 inline constexpr std::size_t kMotionRowWidth = 8;
 inline constexpr double kMaxMotion_s = 3600, kFarthestMotion_m = 1e4;
-inline constexpr double kMostTurnBetweenRows_rad = 1.5;  // beyond, the direction of rotation is ambiguous
+inline constexpr double kMaxTurnBetweenRows_rad = 1.5;  // beyond, the direction of rotation is ambiguous
 
 // Time [s], position [m], rotation (w, x, y, z), as in the file; the time is shifted to start at 0.
 using MotionRow = std::array<double, kMotionRowWidth>;

@@ -31,7 +31,10 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
     const bool same_stem = stem.size() >= 3 && stem.size() < word.size() && candidate.starts_with(stem) &&
                            (candidate.size() == stem.size() || candidate[stem.size()] == '_');
     const std::size_t distance = begins ? 1 : row.back() + (same_stem ? 0 : kOtherStem);
-    if (distance < best_distance) best = candidate, best_distance = distance;
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
   }
   return best;
 }

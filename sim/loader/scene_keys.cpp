@@ -360,7 +360,10 @@ std::vector<SceneTable> scene_language() {
     SceneKey key{f.asked, some_of(f.with, variants_of_table), "", f.asked.fallback};
     if (const Meaning* meaning = meaning_of(f.asked)) {
       key.meaning = meaning->text;
-      if (!meaning->fallback.empty()) key.fallback = meaning->fallback, key.asked.required = false;
+      if (!meaning->fallback.empty()) {
+        key.fallback = meaning->fallback;
+        key.asked.required = false;
+      }
     }
     if (key.asked.required) key.fallback.clear();
     table->keys.push_back(std::move(key));

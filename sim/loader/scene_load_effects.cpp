@@ -57,10 +57,11 @@ T& entry_of(std::vector<T>& by_id, BodyId id) {
 }  // namespace
 
 // Adds a mistake if the key is present and its effect is not declared.
-bool EffectReader::needs(TableReader& table, const char* key, bool declared, const char* effect) {
-  if (!table.has(key) || declared) return true;
-  table.mistake(key, fmt::format("set, but the effect {} is not declared", effect),
-                fmt::format("\"{}\" among the effects, or no {}", effect, key));
+bool EffectReader::needs(TableReader& table, const char* key, bool Effects::*effect) {
+  if (!table.has(key) || scene_.effects.*effect) return true;
+  const std::string_view name = find_effect(effect)->name;
+  table.mistake(key, fmt::format("set, but the effect {} is not declared", name),
+                fmt::format("\"{}\" among the effects, or no {}", name, key));
   return false;
 }
 
@@ -84,11 +85,11 @@ void EffectReader::read_list(TableReader& root) {
 }
 
 void EffectReader::read_tables(TableReader& root) {
-  needs(root, "damping", scene_.effects.damping, "damping");
+  needs(root, "damping", &Effects::damping);
   TableReader damping(root.table("damping"), "[damping]", diagnostics_);
   scene_.effect_data.damping = {damping.number("linear_per_s", 0, kRate), damping.number("angular_per_s", 0, kRate)};
   damping.finish();
-  needs(root, "drag", scene_.effects.drag, "drag");
+  needs(root, "drag", &Effects::drag);
   TableReader drag(root.table("drag"), "[drag]", diagnostics_);
   density_kg_per_m3_ = drag.number("fluid_density_kg_per_m3", 0, {"a density", 0, 1e5});
   drag_coefficient_ = drag.number("coefficient", 0.5, {"a drag coefficient", 0, 100});
@@ -97,14 +98,14 @@ void EffectReader::read_tables(TableReader& root) {
 }
 
 EffectReader::Surface EffectReader::read_surface(TableReader& table) {
-  needs(table, "restitution", scene_.effects.restitution, "restitution");
-  needs(table, "contact_radius_m", scene_.effects.torsional, "torsional");
-  needs(table, "rolling_friction_m", scene_.effects.rolling, "rolling");
+  needs(table, "restitution", &Effects::restitution);
+  needs(table, "contact_radius_m", &Effects::torsional);
+  needs(table, "rolling_friction_m", &Effects::rolling);
   Surface surface;
   surface.restitution = table.number("restitution", 0, {"a coefficient of restitution", 0, 1});
   surface.patch.radius_m = table.number("contact_radius_m", 0, {"a radius", 0, 10});
   surface.patch.rolling_m = table.number("rolling_friction_m", 0, {"a length", 0, 10});
-  needs(table, "attraction_weight", scene_.effects.attraction, "attraction");
+  needs(table, "attraction_weight", &Effects::attraction);
   surface.attraction_weight = table.number("attraction_weight", 0, {"a weight", -1e3, 1e3});
   read_feel(table, surface);
   return surface;
@@ -112,14 +113,14 @@ EffectReader::Surface EffectReader::read_surface(TableReader& table) {
 
 // Keys of effects on the hand only: texture and transients.
 void EffectReader::read_feel(TableReader& table, Surface& surface) {
-  needs(table, "texture_height_m", scene_.effects.texture, "texture");
+  needs(table, "texture_height_m", &Effects::texture);
   surface.grain.height_m = table.number("texture_height_m", 0, {"a height", 0, 0.01});
   surface.grain.wavelength_m = table.number("texture_wavelength_m", 0.002, {"a length", 1e-4, 1});
   const double slope = 2 * kPi * surface.grain.height_m / surface.grain.wavelength_m;
   if (slope > kSteepestGrain)
     table.mistake("texture_height_m", fmt::format("the grain's slope is {:.3g}", slope),
                   fmt::format("at most texture_wavelength_m / {:.3g}: a slope of 1", 2 * kPi / kSteepestGrain));
-  needs(table, "transient_strength_Ns_per_m", scene_.effects.transients, "transients");
+  needs(table, "transient_strength_Ns_per_m", &Effects::transients);
   surface.ringing.strength_Ns_per_m =
       table.number("transient_strength_Ns_per_m", 0, {"newtons for a metre per second", 0, 1e3});
   surface.ringing.frequency_Hz = table.number("transient_frequency_Hz", 150, {"a frequency", 10, 400});
@@ -139,7 +140,7 @@ void EffectReader::read_body(TableReader& table, Body& body) {
   const std::string name = table.text("name", "", 100);
   if (!name.empty() && !ids_.emplace(name, body.id).second)
     table.mistake("name", fmt::format("\"{}\" is another body's name", name), "a name of its own");
-  needs(table, "kinematic", scene_.effects.kinematic, "kinematic");
+  needs(table, "kinematic", &Effects::kinematic);
   if (table.flag("kinematic", false) && body.kind == BodyKind::kDynamic) return read_script(table, body);
   if (table.has("kinematic") && body.kind == BodyKind::kFixed && table.flag("kinematic", false))
     table.mistake("kinematic", "a fixed body does not move", "false, or no fixed");
@@ -149,8 +150,10 @@ void EffectReader::read_body(TableReader& table, Body& body) {
 
 void EffectReader::read_script(TableReader& table, Body& body) {
   auto& keys = scene_.effect_data.path_keys;
-  physics::KinematicScript script{body.id, static_cast<std::uint32_t>(keys.size()), 0,
-                                  table.flag("repeat_path", false)};
+  physics::KinematicScript script{.id = body.id,
+                                  .first_key = static_cast<std::uint32_t>(keys.size()),
+                                  .keys = 0,
+                                  .repeat = table.flag("repeat_path", false)};
   unsigned number = 0;
   for (const TomlNode& node : table.array("path", kMaxPathKeys)) {
     TableReader t(&node, table.name_of(fmt::format("path.{}", ++number)), diagnostics_);
@@ -181,7 +184,7 @@ void EffectReader::read_script(TableReader& table, Body& body) {
 
 void EffectReader::read_attraction(TableReader& root) {
   const auto nodes = root.array("attraction", physics::kMaxAttractionSources);
-  if (!nodes.empty()) needs(root, "attraction", scene_.effects.attraction, "attraction");
+  if (!nodes.empty()) needs(root, "attraction", &Effects::attraction);
   unsigned number = 0;
   for (const TomlNode& node : nodes) {
     TableReader t(&node, fmt::format("[attraction.{}]", ++number), diagnostics_);

@@ -40,7 +40,7 @@ class EffectReader {
   void finish(TableReader& root);
 
  private:
-  bool needs(TableReader& table, const char* key, bool declared, const char* effect);
+  bool needs(TableReader& table, const char* key, bool Effects::*effect);
   void read_feel(TableReader& table, Surface& surface);
   void read_script(TableReader& table, physics::Body& body);
   void read_joint(TableReader& table);

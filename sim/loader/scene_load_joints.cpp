@@ -30,7 +30,7 @@ Quatd rotation_to(const Vec3d& axis) {
 
 void EffectReader::read_joints(TableReader& root) {
   const auto nodes = root.array("joint", kMaxSceneJoints);
-  if (!nodes.empty()) needs(root, "joint", scene_.effects.joints, "joints");
+  if (!nodes.empty()) needs(root, "joint", &Effects::joints);
   unsigned number = 0;
   for (const TomlNode& node : nodes) {
     TableReader t(&node, fmt::format("[joint.{}]", ++number), diagnostics_);
@@ -102,7 +102,8 @@ void EffectReader::read_joint(TableReader& t) {
 void EffectReader::read_limits(TableReader& t, Joint& joint, double at_start) {
   const auto between = [&](const char* low, const char* high, const Range& range) {
     joint.limited = t.has(low) || t.has(high);
-    joint.low = t.number(low, range.low, range), joint.high = t.number(high, range.high, range);
+    joint.low = t.number(low, range.low, range);
+    joint.high = t.number(high, range.high, range);
     if (joint.low > joint.high)
       t.mistake(high, fmt::format("{} is below {}", joint.high, joint.low), fmt::format("at least {}", low));
   };

@@ -107,7 +107,8 @@ std::optional<MeshOfBody> MeshReader::add(TableReader& body, const std::string& 
                  fmt::format("corners within {:g} m: is file_unit_m right?", kFarthest_m));
     return std::nullopt;
   }
-  corners_ += given.soup.corners.size(), triangles_ += given.soup.triangles.size();
+  corners_ += given.soup.corners.size();
+  triangles_ += given.soup.triangles.size();
   if (corners_ > kMaxMeshCorners || triangles_ > kMaxMeshTriangles) {
     body.mistake("file", fmt::format("makes {} triangles with {} corners in all meshes", triangles_, corners_),
                  fmt::format("at most {} and {} in a scene: a coarser mesh", kMaxMeshTriangles, kMaxMeshCorners));
@@ -120,7 +121,8 @@ std::optional<MeshOfBody> MeshReader::add(TableReader& body, const std::string& 
     return std::nullopt;
   }
   MeshAccount& account = built.value().account;
-  account.file = file, account.welded = given.welded;
+  account.file = file;
+  account.welded = given.welded;
   account.body = static_cast<BodyId>(scene_.bodies.size());
   next_patch_ += account.patches;
   scene_.mesh_accounts.push_back(account);

@@ -60,7 +60,8 @@ const TomlNode* TableReader::find(const char* key) {
 
 void TableReader::note(const char* key, AskedKey question) {
   auto& asked = *diagnostics_.asked;
-  question.table = table_name(where_), question.key = key;
+  question.table = table_name(where_);
+  question.key = key;
   const auto same = [&](const AskedKey& a) { return a.table == question.table && a.key == question.key; };
   const auto found = std::find_if(asked.begin(), asked.end(), same);
   if (found == asked.end()) return asked.push_back(std::move(question));

@@ -50,7 +50,10 @@ bool too_many_dots(std::string_view text, SceneDiagnostics& diagnostics) {
   unsigned line = 1;
   std::size_t dots = 0;
   for (const char c : text) {
-    if (c == '\n') ++line, dots = 0;
+    if (c == '\n') {
+      ++line;
+      dots = 0;
+    }
     if (c == '.' && ++dots > kMaxDotsPerLine) {
       diagnostics.add({line, 1, "the file", fmt::format("the line has more than {} dots", kMaxDotsPerLine),
                        "shorter lines: break long arrays"});
@@ -129,22 +132,27 @@ class Converter {
   explicit Converter(SceneDiagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
   bool convert(const toml::node& from, TomlNode& to, unsigned depth) {
-    to.line = from.source().begin.line, to.column = from.source().begin.column;
+    to.line = from.source().begin.line;
+    to.column = from.source().begin.column;
     if (++values_ > kMaxValues) return refuse(to, fmt::format("more than {} values", kMaxValues));
     if (depth > kMaxDepth) return refuse(to, fmt::format("tables and arrays more than {} deep", kMaxDepth));
     switch (from.type()) {
       case toml::node_type::boolean:
-        to.kind = TomlKind::kBoolean, to.boolean = from.as_boolean()->get();
+        to.kind = TomlKind::kBoolean;
+        to.boolean = from.as_boolean()->get();
         return true;
       case toml::node_type::integer:
-        to.kind = TomlKind::kInteger, to.integer = from.as_integer()->get();
+        to.kind = TomlKind::kInteger;
+        to.integer = from.as_integer()->get();
         to.number = static_cast<double>(to.integer);
         return true;
       case toml::node_type::floating_point:
-        to.kind = TomlKind::kNumber, to.number = from.as_floating_point()->get();
+        to.kind = TomlKind::kNumber;
+        to.number = from.as_floating_point()->get();
         return true;
       case toml::node_type::string:
-        to.kind = TomlKind::kText, to.text = from.as_string()->get();
+        to.kind = TomlKind::kText;
+        to.text = from.as_string()->get();
         return true;
       case toml::node_type::array:
         return convert_array(*from.as_array(), to, depth);
@@ -172,7 +180,8 @@ class Converter {
     for (auto&& [key, value] : from) {
       TomlNode& item = to.items[i++];
       item.key = std::string(key.str());
-      item.key_line = key.source().begin.line, item.key_column = key.source().begin.column;
+      item.key_line = key.source().begin.line;
+      item.key_column = key.source().begin.column;
       if (!convert(value, item, depth + 1)) return false;
     }
     return true;

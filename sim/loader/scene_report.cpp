@@ -23,7 +23,7 @@ using physics::Body;
 using physics::BodyKind;
 using physics::ShapeKind;
 
-constexpr double kMostOverlapAtStart_m = 1e-4;
+constexpr double kMaxOverlapAtStart_m = 1e-4;
 constexpr double kTwoPi = 6.28318530717958647692;
 
 BodyCounts count_bodies(const Scene& scene) {
@@ -70,7 +70,8 @@ void count_contact(const physics::Manifold& manifold, const Body& a, const Body&
   for (std::uint32_t i = 0; i < manifold.count; ++i) {
     if (-manifold.points[i].separation <= start.deepest_m) continue;
     start.deepest_m = -manifold.points[i].separation;
-    start.deepest_a = a.id, start.deepest_b = b.id;
+    start.deepest_a = a.id;
+    start.deepest_b = b.id;
   }
 }
 
@@ -165,7 +166,10 @@ HandReport report_hand(const Scene& scene, const haptics::DeviceProperties& devi
   report.duration_s = path.back().time_s;
   const Vec3d middle = scene.device.world_from_device.position;
   const auto note = [](double value, double& most, std::size_t i, std::size_t& at) {
-    if (value > most) most = value, at = i;
+    if (value > most) {
+      most = value;
+      at = i;
+    }
   };
   for (std::size_t i = 0; i < path.size(); ++i) {
     note(norm(path[i].position_m - middle) / scene.device.motion_scale, report.farthest_m, i, report.farthest);
@@ -203,10 +207,10 @@ void find_problems(const Scene& scene, bool device_rotates, SceneReport& report)
     axis("translation", report.coupling.translation, "N/m", "stiffness_N_per_m", "damping_Ns_per_m");
     axis("rotation", report.coupling.rotation, "N m/rad", "stiffness_Nm_per_rad", "damping_Nms_per_rad");
   }
-  if (report.start.deepest_m > kMostOverlapAtStart_m)
+  if (report.start.deepest_m > kMaxOverlapAtStart_m)
     problem(fmt::format("{} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
                         body_label(scene, report.start.deepest_a), body_label(scene, report.start.deepest_b),
-                        report.start.deepest_m, kMostOverlapAtStart_m));
+                        report.start.deepest_m, kMaxOverlapAtStart_m));
   const HandReport& hand = report.hand;
   if (hand.farthest_m > hand.workspace_radius_m)
     problem(

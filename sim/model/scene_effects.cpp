@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <type_traits>
 
 #include "rt/physics/integrate.h"
 
@@ -51,47 +52,172 @@ bool has_grain(const Scene& scene) { return !scene.effect_data.grain.empty(); }
 bool rings(const Scene& scene) { return !scene.effect_data.ringing.empty(); }
 bool resists_rolling(const Scene& scene) { return has_patch<&physics::ContactPatch::rolling_m>(scene); }
 
-// One line for each effect.
+// One row for each effect, in the order of Effects.
 constexpr EffectInfo kEffects[] = {
-    {"gravity", &Effects::gravity, pulls, "no body falls, or gravity_m_per_s2 is zero",
-     "one addition a body and sub-step"},
-    {"friction", &Effects::friction, has_friction, "every coefficient is zero",
-     "two rows more at every contact point, in every relax sweep"},
-    {"gyroscopic", &Effects::gyroscopic, tumbles, "every body is a sphere, a cube or fixed",
-     "a small system of equations a body that is no sphere and no cube, every sub-step"},
-    {"sleeping", &Effects::sleeping, sleeps, "",
-     "a look at every body that is awake, once a global step; what sleeps costs nothing"},
-    {"damping", &Effects::damping, damps, "both rates in [damping] are zero", "two products a body and sub-step"},
-    {"drag", &Effects::drag, drags, "the fluid has no density, or no body a drag coefficient",
-     "a root and a division a body and sub-step"},
-    {"kinematic", &Effects::kinematic, is_scripted, "no body is kinematic",
-     "a look at its path a kinematic body and sub-step"},
-    {"joints", &Effects::joints, is_joined, "there is no [[joint]]",
-     "about as much as two contacts a joint: its rows in every sweep, its masses every sub-step"},
-    {"torsional", &Effects::torsional, resists_spin, "no body has friction and a contact_radius_m",
-     "three rows more in every sweep, at contacts of one point"},
-    {"rolling", &Effects::rolling, resists_rolling, "no body has a rolling_friction_m",
-     "three rows more in every sweep, at contacts of one point"},
-    {"restitution", &Effects::restitution, bounces, "every restitution is zero",
-     "a look at every point of contacts that may bounce, every sub-step; a pass over those that do"},
-    {"attraction", &Effects::attraction, attracts, "there is no [[attraction]], or no body has an attraction_weight",
-     "a root and a division a body, source and sub-step"},
-    {"ccd", &Effects::ccd, may_meet, "there is nothing that the proxy could meet",
-     "a comparison; where the proxy is faster than 10 m/s, a look at what it may reach, every sub-step"},
-    {"texture", &Effects::texture, has_grain, "no body has a texture_height_m",
-     "a look at every contact; three sines a point of the proxy's on a grained surface"},
-    {"transients", &Effects::transients, rings, "no body has a transient_strength_Ns_per_m",
-     "a look at every contact; a sine and a cosine for each impact that still rings"},
+    {.name = "gravity",
+     .declared = &Effects::gravity,
+     .used = pulls,
+     .unused = "no body falls, or gravity_m_per_s2 is zero",
+     .cost = "one addition a body and sub-step"},
+    {.name = "friction",
+     .declared = &Effects::friction,
+     .used = has_friction,
+     .unused = "every coefficient is zero",
+     .cost = "two rows more at every contact point, in every relax sweep"},
+    {.name = "gyroscopic",
+     .declared = &Effects::gyroscopic,
+     .used = tumbles,
+     .unused = "every body is a sphere, a cube or fixed",
+     .cost = "a small system of equations a body that is no sphere and no cube, every sub-step"},
+    {.name = "sleeping",
+     .declared = &Effects::sleeping,
+     .used = sleeps,
+     .unused = "",
+     .cost = "a look at every body that is awake, once a global step; what sleeps costs nothing"},
+    {.name = "damping",
+     .declared = &Effects::damping,
+     .used = damps,
+     .unused = "both rates in [damping] are zero",
+     .cost = "two products a body and sub-step"},
+    {.name = "drag",
+     .declared = &Effects::drag,
+     .used = drags,
+     .unused = "the fluid has no density, or no body a drag coefficient",
+     .cost = "a root and a division a body and sub-step"},
+    {.name = "kinematic",
+     .declared = &Effects::kinematic,
+     .used = is_scripted,
+     .unused = "no body is kinematic",
+     .cost = "a look at its path a kinematic body and sub-step"},
+    {.name = "joints",
+     .declared = &Effects::joints,
+     .used = is_joined,
+     .unused = "there is no [[joint]]",
+     .cost = "about as much as two contacts a joint: its rows in every sweep, its masses every sub-step"},
+    {.name = "torsional",
+     .declared = &Effects::torsional,
+     .used = resists_spin,
+     .unused = "no body has friction and a contact_radius_m",
+     .cost = "three rows more in every sweep, at contacts of one point"},
+    {.name = "rolling",
+     .declared = &Effects::rolling,
+     .used = resists_rolling,
+     .unused = "no body has a rolling_friction_m",
+     .cost = "three rows more in every sweep, at contacts of one point"},
+    {.name = "restitution",
+     .declared = &Effects::restitution,
+     .used = bounces,
+     .unused = "every restitution is zero",
+     .cost = "a look at every point of contacts that may bounce, every sub-step; a pass over those that do"},
+    {.name = "attraction",
+     .declared = &Effects::attraction,
+     .used = attracts,
+     .unused = "there is no [[attraction]], or no body has an attraction_weight",
+     .cost = "a root and a division a body, source and sub-step"},
+    {.name = "ccd",
+     .declared = &Effects::ccd,
+     .used = may_meet,
+     .unused = "there is nothing that the proxy could meet",
+     .cost = "a comparison; where the proxy is faster than 10 m/s, a look at what it may reach, every sub-step",
+     .hand_only = true},
+    {.name = "texture",
+     .declared = &Effects::texture,
+     .used = has_grain,
+     .unused = "no body has a texture_height_m",
+     .cost = "a look at every contact; three sines a point of the proxy's on a grained surface",
+     .hand_only = true},
+    {.name = "transients",
+     .declared = &Effects::transients,
+     .used = rings,
+     .unused = "no body has a transient_strength_Ns_per_m",
+     .cost = "a look at every contact; a sine and a cosine for each impact that still rings",
+     .hand_only = true},
+};
+static_assert(std::size(kEffects) == sizeof(Effects), "an effect without a row");
+
+// Is the effect in use in this world?
+struct InUse {
+  const Scene& scene;
+  bool global;  // the global world
+
+  bool operator()(bool Effects::*declared) const {
+    const EffectInfo& effect = *find_effect(declared);
+    return is_in_use(scene, effect) && !(global && effect.hand_only);
+  }
 };
 
-template <class T>
-std::span<const T> if_in_use(const Scene& scene, std::string_view effect, const std::vector<T>& list) {
-  return is_in_use(scene, *find_effect(effect)) ? std::span<const T>(list) : std::span<const T>();
+// The set-up of an effect object, by its class: the default if no effect that needs the object is in use. An object in
+// rt/physics/effects/effect_list.h without one does not compile.
+template <class Object>
+typename Object::Setup setup_of(const Scene& scene, const InUse& in_use) = delete;
+
+template <>
+physics::Gravity::Setup setup_of<physics::Gravity>(const Scene&, const InUse& in_use) {
+  return {.on = in_use(&Effects::gravity)};
+}
+template <>
+physics::Damping::Setup setup_of<physics::Damping>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::damping)) return {};
+  return scene.effect_data.damping;
+}
+template <>
+physics::Drag::Setup setup_of<physics::Drag>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::drag)) return {};
+  return {.per_m = scene.effect_data.drag_per_m, .flow = scene.effect_data.flow_m_per_s};
+}
+template <>
+physics::Attraction::Setup setup_of<physics::Attraction>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::attraction)) return {};
+  return {.sources = scene.effect_data.attraction, .weight_by_id = scene.effect_data.attraction_weight};
+}
+template <>
+physics::ScriptedMotion::Setup setup_of<physics::ScriptedMotion>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::kinematic)) return {};
+  return {.scripts = scene.effect_data.scripts, .keys = scene.effect_data.path_keys};
+}
+template <>
+physics::Joints::Setup setup_of<physics::Joints>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::joints)) return {};
+  return {.joints = scene.effect_data.joints};
+}
+template <>
+physics::ContactTorque::Setup setup_of<physics::ContactTorque>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::torsional) && !in_use(&Effects::rolling)) return {};
+  return {.by_id = scene.effect_data.patches};
+}
+template <>
+physics::Restitution::Setup setup_of<physics::Restitution>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::restitution)) return {};
+  return {.by_id = scene.effect_data.restitution};
+}
+template <>
+physics::ContinuousCollision::Setup setup_of<physics::ContinuousCollision>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::ccd)) return {};
+  return {.proxy = scene.proxy, .hulls = scene.hulls};
+}
+template <>
+physics::Texture::Setup setup_of<physics::Texture>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::texture)) return {};
+  return {.proxy = scene.proxy, .by_id = scene.effect_data.grain};
+}
+template <>
+physics::Transients::Setup setup_of<physics::Transients>(const Scene& scene, const InUse& in_use) {
+  if (!in_use(&Effects::transients)) return {};
+  return {.proxy = scene.proxy, .by_id = scene.effect_data.ringing};
+}
+
+template <class... Object>
+physics::EffectSetups setups_of(std::type_identity<std::tuple<Object...>>, const Scene& scene, const InUse& in_use) {
+  return {setup_of<Object>(scene, in_use)...};
 }
 
 }  // namespace
 
 std::span<const EffectInfo> known_effects() noexcept { return kEffects; }
+
+const EffectInfo* find_effect(bool Effects::*declared) noexcept {
+  return std::find_if(std::begin(kEffects), std::end(kEffects), [&](const auto& e) { return e.declared == declared; });
+}
 
 const EffectInfo* find_effect(std::string_view name) noexcept {
   const auto* found =
@@ -110,37 +236,17 @@ bool is_in_use(const Scene& scene, const EffectInfo& effect) {
 }
 
 physics::EffectSetups effect_setups(const Scene& scene) {
-  const EffectData& data = scene.effect_data;
-  physics::EffectSetups setups;
-  std::get<physics::Gravity::Setup>(setups).on = is_in_use(scene, *find_effect("gravity"));
-  if (scene.effects.damping) std::get<physics::Damping::Setup>(setups) = data.damping;
-  std::get<physics::Drag::Setup>(setups) = {if_in_use(scene, "drag", data.drag_per_m), data.flow_m_per_s};
-  std::get<physics::ScriptedMotion::Setup>(setups) = {if_in_use(scene, "kinematic", data.scripts), data.path_keys};
-  std::get<physics::Joints::Setup>(setups) = {if_in_use(scene, "joints", data.joints)};
-  std::get<physics::Restitution::Setup>(setups) = {if_in_use(scene, "restitution", data.restitution)};
-  if (is_in_use(scene, *find_effect("torsional")) || is_in_use(scene, *find_effect("rolling")))
-    std::get<physics::ContactTorque::Setup>(setups) = {data.patches};
-  if (is_in_use(scene, *find_effect("attraction")))
-    std::get<physics::Attraction::Setup>(setups) = {data.attraction, data.attraction_weight};
-  if (is_in_use(scene, *find_effect("ccd")))
-    std::get<physics::ContinuousCollision::Setup>(setups) = {scene.proxy, scene.hulls};
-  std::get<physics::Texture::Setup>(setups) = {scene.proxy, if_in_use(scene, "texture", data.grain)};
-  std::get<physics::Transients::Setup>(setups) = {scene.proxy, if_in_use(scene, "transients", data.ringing)};
-  return setups;
+  return setups_of(std::type_identity<physics::EffectObjects>(), scene, {scene, false});
 }
 
 physics::EffectSetups global_effect_setups(const Scene& scene) {
-  physics::EffectSetups setups = effect_setups(scene);
-  std::get<physics::ContinuousCollision::Setup>(setups) = {};
-  std::get<physics::Texture::Setup>(setups) = {};
-  std::get<physics::Transients::Setup>(setups) = {};
-  return setups;
+  return setups_of(std::type_identity<physics::EffectObjects>(), scene, {scene, true});
 }
 
 void choose_effects(const Scene& scene, physics::StepSettings& settings) {
   settings.gravity = scene.effects.gravity ? scene.gravity_m_per_s2 : Vec3d{};
-  settings.friction = is_in_use(scene, *find_effect("friction"));
-  settings.gyroscopic = is_in_use(scene, *find_effect("gyroscopic"));
+  settings.friction = is_in_use(scene, *find_effect(&Effects::friction));
+  settings.gyroscopic = is_in_use(scene, *find_effect(&Effects::gyroscopic));
 }
 
 }  // namespace tactus::sim

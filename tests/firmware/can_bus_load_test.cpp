@@ -21,7 +21,8 @@ TEST_CASE("no classic frame is longer than the bound, and the bound is the known
       while (count-- > 0) bits.push_back((value >> count & 1u) != 0);
     };
     put_bits(random() % 2 == 0 ? 0x078 : random(), 11);
-    put_bits(0, 3), put_bits(8, 4);
+    put_bits(0, 3);
+    put_bits(8, 4);
     put_bits(random() % 2 == 0 ? 0x3c3c3c3c3c3c3c3cull : random(), 64);
     std::uint32_t crc = 0;
     for (const bool bit : bits) {
@@ -33,8 +34,13 @@ TEST_CASE("no classic frame is longer than the bound, and the bound is the known
     unsigned run = 0;
     bool level = true;
     for (const bool bit : bits) {
-      run = bit == level ? run + 1 : 1, level = bit;
-      if (run == 5) ++stuffed, level = !level, run = 1;
+      run = bit == level ? run + 1 : 1;
+      level = bit;
+      if (run == 5) {
+        ++stuffed;
+        level = !level;
+        run = 1;
+      }
     }
     longest =
         std::max(longest, static_cast<std::uint32_t>(bits.size()) + stuffed + 10 + 3);  // delimiters, ACK, end; gap

@@ -37,7 +37,8 @@ struct RunningDevice {
     for (auto& count : frame.counts)
       count = static_cast<std::int32_t>(random() % (2 * kMaxCanCount + 1)) - kMaxCanCount;
     frame.state = static_cast<State>(random() % 4);
-    frame.fault = static_cast<std::uint16_t>(random() % 64), frame.limits = static_cast<std::uint16_t>(random());
+    frame.fault = static_cast<std::uint16_t>(random() % 64);
+    frame.limits = static_cast<std::uint16_t>(random());
     frame.missed_commands = static_cast<std::uint8_t>(random() % 15);
     if (random() % 37 == 0) frame.buttons = static_cast<std::uint8_t>(random());
     return frame;
@@ -53,7 +54,9 @@ bool deliver(StateAssembler& assembler, const Fragments& fragments, unsigned cou
 
 CommandFrame command_of(std::uint32_t sequence, const std::array<float, kAxes>& effort) {
   CommandFrame command;
-  command.wanted = State::kForce, command.sequence = sequence, command.effort = effort;
+  command.wanted = State::kForce;
+  command.sequence = sequence;
+  command.effort = effort;
   return command;
 }
 
@@ -75,8 +78,14 @@ TEST_CASE("identifiers: function above node, commands win the bus over states an
 
 TEST_CASE("the bits of the fragments lie where the table says") {
   StateFrame s;
-  s.state = State::kBrake, s.fault = 0x2a, s.limits = 0xbeef, s.buttons = 0x5a, s.missed_commands = 9;
-  s.sequence = 0x12345670, s.echoed_sequence = 0xabcdef91, s.time_us = 0x1122334455667788ull;
+  s.state = State::kBrake;
+  s.fault = 0x2a;
+  s.limits = 0xbeef;
+  s.buttons = 0x5a;
+  s.missed_commands = 9;
+  s.sequence = 0x12345670;
+  s.echoed_sequence = 0xabcdef91;
+  s.time_us = 0x1122334455667788ull;
   s.counts = {1, -1, 0x12345, -0x12345, kMaxCanCount, -kMaxCanCount};
   Fragments out;
   StateSplitter splitter;
@@ -123,7 +132,10 @@ TEST_CASE("a running device's states arrive as they were, the time to its quantu
       if (period == 0) continue;  // the first status comes behind the first state
       REQUIRE((out.sequence & 0xffffu) == (sent.sequence & 0xffffu));
       // What the first status could not tell is a constant: the upper halves.
-      if (period == 1) ahead = sent.sequence - out.sequence, ahead_quanta = (sent.time_us >> 3) - (out.time_us >> 3);
+      if (period == 1) {
+        ahead = sent.sequence - out.sequence;
+        ahead_quanta = (sent.time_us >> 3) - (out.time_us >> 3);
+      }
       REQUIRE(sent.sequence - out.sequence == ahead);
       REQUIRE((sent.time_us >> 3) - (out.time_us >> 3) == ahead_quanta);
     }
@@ -176,7 +188,8 @@ TEST_CASE("lost fragments cost their own period and are counted, never mixed wit
     REQUIRE((out.counts == sent.counts && out.limits == sent.limits && out.fault == sent.fault));
     REQUIRE(static_cast<std::int32_t>(out.sequence - newest) > 0);
     REQUIRE(out.time_us > newest_time);
-    newest = out.sequence, newest_time = out.time_us;
+    newest = out.sequence;
+    newest_time = out.time_us;
   }
   for (unsigned i = 0; i < FragmentSet::kMaxLooks; ++i) assembler.look();
   CHECK(damaged > 1000);
@@ -189,9 +202,11 @@ TEST_CASE("a fragment that waits too long is given up before its key comes aroun
   StateAssembler assembler(kPeriod_us);
   StateFrame frame, out;
   Fragments first, later;
-  frame.sequence = 3, frame.counts.fill(1);
+  frame.sequence = 3;
+  frame.counts.fill(1);
   splitter.split(frame, first);
-  frame.sequence = 3 + 16, frame.counts.fill(2);  // the same low four bits
+  frame.sequence = 3 + 16;
+  frame.counts.fill(2);  // the same low four bits
   splitter.split(frame, later);
   CHECK_FALSE(assembler.accept(first[0].function, first[0].data, out));
   for (unsigned i = 0; i < 15; ++i) assembler.look();  // one before the period of the other
@@ -241,9 +256,11 @@ TEST_CASE("sequence and time go on upwards over any gap and any restart of the d
     const std::uint32_t silent = StateAssembler::kGapLooks + static_cast<std::uint32_t>(random() % 5000);
     for (std::uint32_t i = 0; i < silent; ++i) assembler.look();
     if (restarts) {
-      device = RunningDevice(random(), 0, 0), splitter = StateSplitter();
+      device = RunningDevice(random(), 0, 0);
+      splitter = StateSplitter();
     } else {
-      device.frame.sequence += silent, device.nominal_us += std::uint64_t{silent} * kPeriod_us;
+      device.frame.sequence += silent;
+      device.nominal_us += std::uint64_t{silent} * kPeriod_us;
     }
     for (unsigned i = 0; i < 25; ++i) {
       assembler.look();
@@ -342,8 +359,10 @@ TEST_CASE("the echo is rebuilt from what was sent, and stands still while the de
   std::uint32_t sent = 0xffff'ff80u;
   for (unsigned i = 0; i < 2000; ++i) {
     assembler.sent(++sent);
-    ++frame.sequence, frame.time_us += kPeriod_us;
-    frame.echoed_sequence = sent - static_cast<std::uint32_t>(random() % 15), frame.missed_commands = 2;
+    ++frame.sequence;
+    frame.time_us += kPeriod_us;
+    frame.echoed_sequence = sent - static_cast<std::uint32_t>(random() % 15);
+    frame.missed_commands = 2;
     assembler.look();
     REQUIRE(deliver(assembler, fragments, splitter.split(frame, fragments), out));
     REQUIRE(out.echoed_sequence == frame.echoed_sequence);
@@ -352,7 +371,8 @@ TEST_CASE("the echo is rebuilt from what was sent, and stands still while the de
   frame.missed_commands = 15;
   for (unsigned i = 0; i < 1000; ++i) {
     assembler.sent(++sent);
-    ++frame.sequence, frame.time_us += kPeriod_us;
+    ++frame.sequence;
+    frame.time_us += kPeriod_us;
     assembler.look();
     REQUIRE(deliver(assembler, fragments, splitter.split(frame, fragments), out));
     REQUIRE(out.echoed_sequence == last);
@@ -365,7 +385,8 @@ TEST_CASE("missed commands beyond fifteen come with the status") {
   StateFrame frame, out;
   Fragments fragments;
   for (unsigned missed = 0; missed < 400; ++missed) {
-    ++frame.sequence, frame.time_us += kPeriod_us;
+    ++frame.sequence;
+    frame.time_us += kPeriod_us;
     frame.missed_commands = static_cast<std::uint8_t>(missed < 255 ? missed : 255);
     assembler.look();
     REQUIRE(deliver(assembler, fragments, splitter.split(frame, fragments), out));
@@ -419,10 +440,16 @@ TEST_CASE("any fragments whatever give frames that encode, within their ranges")
   for (unsigned i = 0; i < 200000; ++i) {
     CanData data;
     for (auto& b : data) b = static_cast<std::byte>(random());
-    if (random() % 8 != 0) data[5] = std::byte{0}, data[6] = std::byte{0x50};  // often one key
+    if (random() % 8 != 0) {  // often one key
+      data[5] = std::byte{0};
+      data[6] = std::byte{0x50};
+    }
     StateFrame state;
     CommandFrame command;
-    if (random() % 4 == 0) states.look(), commands.look();
+    if (random() % 4 == 0) {
+      states.look();
+      commands.look();
+    }
     if (states.accept(static_cast<CanFunction>(3 + random() % 4), data, state)) {
       ++whole_states;
       for (const auto count : state.counts) REQUIRE((count >= -kMaxCanCount - 1 && count <= kMaxCanCount));

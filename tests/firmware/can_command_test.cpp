@@ -13,7 +13,9 @@ namespace {
 
 CommandFrame command_of(std::uint32_t sequence, const std::array<float, kAxes>& effort) {
   CommandFrame command;
-  command.wanted = State::kForce, command.sequence = sequence, command.effort = effort;
+  command.wanted = State::kForce;
+  command.sequence = sequence;
+  command.effort = effort;
   return command;
 }
 
@@ -67,7 +69,8 @@ TEST_CASE("commands arrive with state, re-arm and a sequence that goes on over t
   std::uint32_t offset = 0;
   for (std::uint32_t i = 0; i < 10000; ++i) {
     CommandFrame command = command_of(77 + i, {});
-    command.wanted = static_cast<State>(1 + random() % 3), command.rearm = random() % 2 == 0;
+    command.wanted = static_cast<State>(1 + random() % 3);
+    command.rearm = random() % 2 == 0;
     assembler.look();
     bool whole = false;
     for (const CanFragment& fragment : split_command(command))

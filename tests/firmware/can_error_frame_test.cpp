@@ -10,7 +10,8 @@ namespace {
 // A kernel's error frame always has eight bytes; the counters are the last two.
 std::array<std::byte, 8> counters(unsigned transmit, unsigned receive) {
   std::array<std::byte, 8> data{};
-  data[6] = static_cast<std::byte>(transmit), data[7] = static_cast<std::byte>(receive);
+  data[6] = static_cast<std::byte>(transmit);
+  data[7] = static_cast<std::byte>(receive);
   return data;
 }
 

@@ -44,8 +44,10 @@ TEST_CASE("every register that is written is in the block, once, and the block h
 
 TEST_CASE("a block gives back each value that went in") {
   DeviceConfig config = bench_config();
-  config.control.fade_frames = 4, config.encoders.offset[3] = -123456;
-  config.thermal.time_constant_s[2] = 33, config.gravity.combination[23] = kMaxCombination;
+  config.control.fade_frames = 4;
+  config.encoders.offset[3] = -123456;
+  config.thermal.time_constant_s[2] = 33;
+  config.gravity.combination[23] = kMaxCombination;
   config.bus.can_node_id = 77;
   DeviceConfig read = bench_config();
   REQUIRE(read_config_block(block_of(config), read));
@@ -65,7 +67,9 @@ TEST_CASE("a block is as long as it says") {
 
 TEST_CASE("numbers that are not known, or not written by hosts, are passed over") {
   auto block = block_of(bench_config());
-  append(block, 0x7abc, 1), append(block, number::kState, 1), append(block, number::kSave, 1);
+  append(block, 0x7abc, 1);
+  append(block, number::kState, 1);
+  append(block, number::kSave, 1);
   DeviceConfig read = bench_config();
   CHECK(read_config_block(block, read));
 }

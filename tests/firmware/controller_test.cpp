@@ -1,195 +1,11 @@
 #include "firmware/controller.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
-#include <optional>
 #include <random>
 
+#include "tests/firmware/controller_bench.h"
+
 using namespace tactus::firmware;
-
-namespace {
-
-constexpr float kMotor = 10.0f, kForceNorm = 12.0f, kMotorTorque = 1.0f, kTorqueNorm = 1.2f;
-const float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
-
-Config configuration() {
-  Config c;
-  c.quantum = {1e-5f, 1e-5f, 1e-5f, 1e-4f, 1e-4f, 1e-4f};
-  c.max_effort = {kMotor, kMotor, kMotor, kMotorTorque, kMotorTorque, kMotorTorque};
-  c.max_speed = {2, 2, 2, 20, 20, 20};
-  c.max_force_N = kForceNorm, c.max_torque_Nm = kTorqueNorm;
-  return c;
-}
-
-// A controller on a bench: one call, one control period.
-struct Bench {
-  Controller controller;
-  ControllerInputs inputs;
-  Supervision supervision;
-  StateFrame frame;  // the last one sent
-  ControllerOutputs outputs;
-  std::uint32_t sequence{0};
-
-  explicit Bench(const Config& config = configuration()) : controller(config) {}
-
-  void step(std::span<const std::byte> bytes) {
-    inputs.time_us += 1000;
-    outputs = controller.step(inputs, bytes, supervision);
-    REQUIRE(decode_state(outputs.state_frame, frame) == DecodeError::kNone);
-  }
-  void nothing(int periods = 1) {
-    for (int i = 0; i < periods; ++i) step({});
-  }
-  void send(const CommandFrame& command) {
-    std::array<std::byte, kCommandFrameSize> bytes{};
-    encode_command(command, bytes);
-    step(bytes);
-  }
-  void command(State wanted, std::array<float, kAxes> effort = {}, bool rearm = false) {
-    send({wanted, rearm, ++sequence, effort});
-  }
-  State state() const { return controller.state(); }
-  float norm_of_effort() const {
-    float sum = 0;
-    for (const float e : outputs.effort) sum += e * e;
-    return std::sqrt(sum);
-  }
-};
-
-// A bench in the wanted state, with the host heard of (its next command is obeyed).
-Bench bench_in(State state) {
-  Bench b;
-  if (state == State::kReset) {
-    b.inputs.motor_bus_ok = false;
-    b.command(State::kIdle);
-    b.inputs.motor_bus_ok = true;
-    return b;
-  }
-  b.command(State::kIdle);
-  b.command(State::kIdle);
-  if (state == State::kForce) b.command(State::kForce, {1, 2, 3, 0.1f, 0.2f, 0.3f});
-  if (state == State::kBrake) b.command(State::kBrake);
-  return b;
-}
-
-void inflict(Bench& b, Event event) {
-  switch (event) {
-    case Event::kStopLine:
-      b.inputs.stop_line = true, b.command(State::kForce);
-      break;
-    case Event::kMotorBus:
-      b.inputs.motor_bus_ok = false, b.command(State::kForce);
-      break;
-    case Event::kOverspeed:
-      b.inputs.counts[1] += 201, b.command(State::kForce);
-      break;  // 2.01 m/s
-    case Event::kSupervision:
-      b.supervision.fault = Fault::kEncoder, b.command(State::kForce);
-      break;
-    case Event::kEffortNotFinite:
-      b.command(State::kForce, {kNan});
-      break;
-    case Event::kCommandsLost:
-      b.nothing(10);
-      break;
-    case Event::kWantBrake:
-      b.command(State::kBrake);
-      break;
-    case Event::kRearm:
-      b.command(State::kForce, {}, true);
-      break;
-    case Event::kWantForce:
-      b.command(State::kForce);
-      break;
-    case Event::kWantIdle:
-      b.command(State::kIdle);
-      break;
-    case Event::kNothing:
-      b.nothing();
-      break;
-  }
-}
-
-// The rules in words, not the table.
-State expected(State state, Event event) {
-  const bool stops = event == Event::kStopLine || event == Event::kSupervision || event == Event::kEffortNotFinite ||
-                     event == Event::kWantBrake;
-  const bool stops_when_up = event == Event::kMotorBus || event == Event::kOverspeed;
-  if (state == State::kBrake) return event == Event::kRearm ? State::kIdle : State::kBrake;
-  if (stops) return State::kBrake;
-  if (state == State::kReset) return stops_when_up ? State::kReset : State::kIdle;
-  if (stops_when_up) return State::kBrake;
-  if (state == State::kIdle) return event == Event::kWantForce ? State::kForce : State::kIdle;
-  if (event == Event::kCommandsLost) return State::kBrake;
-  return event == Event::kWantIdle ? State::kIdle : State::kForce;
-}
-
-Fault expected_fault(Event event) {
-  switch (event) {
-    case Event::kStopLine:
-      return Fault::kEmergencyStop;
-    case Event::kMotorBus:
-      return Fault::kMotorBus;
-    case Event::kOverspeed:
-      return Fault::kOverspeed;
-    case Event::kSupervision:
-      return Fault::kEncoder;
-    case Event::kEffortNotFinite:
-      return Fault::kEffortNotFinite;
-    case Event::kCommandsLost:
-      return Fault::kCommandsLost;
-    default:
-      return Fault::kNone;
-  }
-}
-
-}  // namespace
-
-TEST_CASE("every state answers every event as the rules say") {
-  for (unsigned s = 0; s < kStates; ++s)
-    for (unsigned e = 0; e < kEvents; ++e) {
-      const auto state = static_cast<State>(s);
-      const auto event = static_cast<Event>(e);
-      CAPTURE(s, e);
-      CHECK(next_state(state, event) == expected(state, event));
-      Bench b = bench_in(state);
-      REQUIRE(b.state() == state);
-      inflict(b, event);
-      // Ten silent periods are nine calm ones and the loss: RESET is long left by then.
-      CHECK(b.state() == expected(state, event));
-      if (b.state() == State::kBrake && state != State::kBrake) CHECK(b.controller.fault() == expected_fault(event));
-      if (b.state() != State::kForce) CHECK(b.norm_of_effort() == 0.0f);
-      CHECK(b.outputs.brake == (b.state() == State::kBrake || b.state() == State::kReset));
-      CHECK(b.frame.state == b.state());
-      CHECK(b.frame.fault == static_cast<std::uint16_t>(b.controller.fault()));
-    }
-}
-
-TEST_CASE("FORCE ends in the period in which it is no longer allowed, with a command or without") {
-  for (const bool commanded : {false, true}) {
-    Bench b = bench_in(State::kForce);
-    b.supervision.force_allowed = false;
-    if (commanded)
-      b.command(State::kForce, {1, 0, 0, 0, 0, 0});
-    else
-      b.nothing();
-    CHECK(b.state() == State::kIdle);
-    CHECK(b.norm_of_effort() == 0.0f);
-    CHECK(b.controller.fault() == Fault::kNone);
-  }
-}
-
-TEST_CASE("the more urgent of two events wins") {
-  Bench b = bench_in(State::kBrake);
-  b.inputs.stop_line = true;
-  b.command(State::kForce, {}, true);
-  CHECK(b.state() == State::kBrake);  // no re-arm under an active e-stop
-  b = bench_in(State::kForce);
-  b.inputs.stop_line = true;
-  b.command(State::kForce, {kNan});
-  CHECK(b.controller.fault() == Fault::kEmergencyStop);
-}
 
 TEST_CASE("three missed commands fade the effort and exactly ten brake") {
   for (unsigned missed = 0; missed <= 12; ++missed) {
@@ -217,9 +33,12 @@ TEST_CASE("a command before the tenth miss ends the fade at once") {
 
 TEST_CASE("the thresholds are the configuration's") {
   Config c = configuration();
-  c.fade_frames = 1, c.brake_frames = 4;
+  c.fade_frames = 1;
+  c.brake_frames = 4;
   Bench b(c);
-  b.command(State::kIdle), b.command(State::kIdle), b.command(State::kForce, {8, 0, 0, 0, 0, 0});
+  b.command(State::kIdle);
+  b.command(State::kIdle);
+  b.command(State::kForce, {8, 0, 0, 0, 0, 0});
   b.nothing();
   CHECK(b.outputs.effort[0] == Approx(8.0f * 3.0f / 4.0f));
   b.nothing(2);
@@ -243,7 +62,10 @@ TEST_CASE("only frames that are new, whole and finite feed the watchdog") {
     return b.frame.missed_commands;
   };
   CHECK(missed_after([](Bench& b) { b.command(State::kForce); }) == 0);
-  CHECK(missed_after([](Bench& b) { b.sequence += 1000, b.command(State::kForce); }) == 0);        // frames were lost
+  CHECK(missed_after([](Bench& b) {  // frames were lost
+          b.sequence += 1000;
+          b.command(State::kForce);
+        }) == 0);
   CHECK(missed_after([](Bench& b) { b.send({State::kForce, false, b.sequence, {}}); }) == 1);      // duplicate
   CHECK(missed_after([](Bench& b) { b.send({State::kForce, false, b.sequence - 1, {}}); }) == 1);  // late
   CHECK(missed_after([](Bench& b) { b.send({State::kForce, false, b.sequence - 1000, {}}); }) == 1);
@@ -331,7 +153,8 @@ TEST_CASE("a re-arm flag that is stuck does not defeat the latch") {
   b.nothing(20);  // nor over a silence
   for (int i = 0; i < 20; ++i) b.command(State::kForce, {}, true);
   CHECK(b.state() == State::kBrake);
-  b.command(State::kForce, {}, false), b.command(State::kForce, {}, true);
+  b.command(State::kForce, {}, false);
+  b.command(State::kForce, {}, true);
   CHECK(b.state() == State::kIdle);
 }
 
@@ -429,7 +252,8 @@ TEST_CASE("an axis without a motor gets no effort") {
   Config c = configuration();
   c.max_effort[3] = c.max_effort[4] = c.max_effort[5] = 0.0f;
   Bench b(c);
-  b.command(State::kIdle), b.command(State::kForce);
+  b.command(State::kIdle);
+  b.command(State::kForce);
   b.command(State::kForce, {1, 0, 0, 0.5f, 0.5f, -0.5f});
   CHECK(b.outputs.effort == std::array<float, kAxes>{1, 0, 0, 0, 0, 0});
 }
@@ -439,9 +263,11 @@ TEST_CASE("overspeed brakes above the limit of the axis, not at it") {
     for (const int direction : {-1, 1}) {
       Bench b = bench_in(State::kForce);
       const std::int32_t at_limit = 199;  // of 200 quanta per period: 2 m/s, 20 rad/s
-      b.inputs.counts[axis] += direction * at_limit, b.command(State::kForce);
+      b.inputs.counts[axis] += direction * at_limit;
+      b.command(State::kForce);
       CHECK(b.state() == State::kForce);
-      b.inputs.counts[axis] += direction * 201, b.command(State::kForce);
+      b.inputs.counts[axis] += direction * 201;
+      b.command(State::kForce);
       CHECK(b.state() == State::kBrake);
       CHECK(b.controller.fault() == Fault::kOverspeed);
     }

@@ -34,7 +34,8 @@ struct Bench {
   MotorStage stage() const { return static_cast<MotorStage>(registers.motor_stage); }
   void drive(const AxisValues& effort, bool brake = false) {
     ControllerOutputs outputs;
-    outputs.effort = effort, outputs.brake = brake;
+    outputs.effort = effort;
+    outputs.brake = brake;
     mechanics.drive(outputs);
   }
 };

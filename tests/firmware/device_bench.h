@@ -34,9 +34,14 @@ struct DeviceBench {
     step(bytes);
   }
   void start_force(const AxisValues& effort = {}) {
-    command(State::kIdle), command(State::kIdle), command(State::kForce, effort);
+    command(State::kIdle);
+    command(State::kIdle);
+    command(State::kForce, effort);
   }
-  void rearm() { command(State::kIdle), command(State::kIdle, {}, true); }
+  void rearm() {
+    command(State::kIdle);
+    command(State::kIdle, {}, true);
+  }
 
   State state() const { return device.controller().state(); }
   Fault fault() const { return device.controller().fault(); }

@@ -105,7 +105,8 @@ TEST_CASE("in FORCE nothing is written") {
 
 TEST_CASE("a device with a bad configuration can be mended register by register") {
   DeviceConfig config = bench_config();
-  config.control.quantum[2] = 0, config.control.max_speed[4] = 0;
+  config.control.quantum[2] = 0;
+  config.control.max_speed[4] = 0;
   DeviceBench b(config);
   b.nothing(3);
   CHECK(b.state() == State::kReset);
@@ -122,7 +123,8 @@ TEST_CASE("a device with a bad configuration can be mended register by register"
 
 TEST_CASE("rooms whose configuration makes no sense keep the device in BRAKE until it does") {
   DeviceConfig config = bench_config();
-  config.encoders.direction[3] = 0, config.thermal.limit_K[1] = 50;
+  config.encoders.direction[3] = 0;
+  config.thermal.limit_K[1] = 50;
   DeviceBench b(config);
   b.nothing();
   CHECK(b.state() == State::kBrake);
@@ -131,7 +133,8 @@ TEST_CASE("rooms whose configuration makes no sense keep the device in BRAKE unt
   b.rearm();
   CHECK(b.state() == State::kBrake);
   REQUIRE(b.write(number::kThermalLimit + 1, 0.0f) == ServiceStatus::kGood);
-  b.command(State::kIdle), b.rearm();
+  b.command(State::kIdle);
+  b.rearm();
   CHECK(b.state() == State::kIdle);
 }
 
@@ -156,7 +159,10 @@ TEST_CASE("what was saved is what a restored device runs with, and every broken 
   CHECK(b.write(number::kMaxForce, 4.0f) == ServiceStatus::kBusy);
   CHECK(b.read(number::kSaveState) == 1);
   int periods = 0;
-  while (b.device.block_to_store().empty() && periods < 1000) b.nothing(), ++periods;
+  while (b.device.block_to_store().empty() && periods < 1000) {
+    b.nothing();
+    ++periods;
+  }
   REQUIRE(periods < 1000);
   const auto block = b.device.block_to_store();
   std::vector<std::byte> kept(block.begin(), block.end());
@@ -223,7 +229,9 @@ TEST_CASE("a BRAKE that the host asks for is not logged, lost commands are") {
   b.start_force();
   b.command(State::kBrake);
   CHECK(b.device.fault_log().total() == 0);
-  b.rearm(), b.command(State::kForce), b.nothing(10);
+  b.rearm();
+  b.command(State::kForce);
+  b.nothing(10);
   REQUIRE(b.device.fault_log().total() == 1);
   CHECK(b.device.fault_log().entry(0).fault == Fault::kCommandsLost);
   CHECK(b.device.fault_log().entry(0).value == 10.0f);

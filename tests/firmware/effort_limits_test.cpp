@@ -17,7 +17,8 @@ TEST_CASE("limits of any size hold, with the arm's weight, warm motors and a fad
     Config config;
     config.quantum.fill(1e-5f);
     config.max_speed.fill(2.0f);
-    config.max_force_N = std::abs(any_size()), config.max_torque_Nm = std::abs(any_size());
+    config.max_force_N = std::abs(any_size());
+    config.max_torque_Nm = std::abs(any_size());
     for (float& effort : config.max_effort) effort = std::abs(any_size());
     Controller controller(config);
     ControllerInputs inputs;

@@ -10,7 +10,8 @@ TEST_CASE("the log keeps the last sixteen faults, newest first, and counts all")
   CHECK(log.entry(0).fault == Fault::kNone);
   for (unsigned n = 1; n <= 50; ++n) {
     FaultEntry entry;
-    entry.fault = Fault::kOverspeed, entry.time_us = n;
+    entry.fault = Fault::kOverspeed;
+    entry.time_us = n;
     log.record(entry);
     REQUIRE(log.total() == n);
     REQUIRE(log.size() == (n < 16 ? n : 16));

@@ -92,7 +92,8 @@ TEST_CASE("every term is its amplitude times the function of its own sum of angl
         }
         const bool cosine = random() % 2 == 0;
         const unsigned term = kGravityTerms * axis + k;
-        config.amplitude[term] = amplitude(random), config.combination[term] = make_combination(factors, cosine);
+        config.amplitude[term] = amplitude(random);
+        config.combination[term] = make_combination(factors, cosine);
         expected[axis] += static_cast<double>(config.amplitude[term]) * (cosine ? std::cos(sum) : std::sin(sum));
       }
     }
@@ -157,7 +158,8 @@ TEST_CASE("a support beyond the motors is cut like a command") {
   Controller controller(bench_config().control);
   ControllerInputs inputs;
   Supervision s;
-  s.support = {300, 0, 0, 0, 0, 30}, s.support_in_idle = true;
+  s.support = {300, 0, 0, 0, 0, 30};
+  s.support_in_idle = true;
   controller.step(inputs, {}, s);
   const auto outputs = controller.step(inputs, {}, s);
   CHECK(outputs.effort == AxisValues{10, 0, 0, 0, 0, 1});

@@ -16,7 +16,8 @@ EncoderConfig indexed() {
   c.direction = {1, -1, 1, -1, 1, 1};
   c.index_distance.fill(kDistance);
   c.index_position = {100, 200, 300, -400, -500, -600};
-  c.index_axes = kAllAxes, c.index_tolerance = 2;
+  c.index_axes = kAllAxes;
+  c.index_tolerance = 2;
   return c;
 }
 
@@ -92,7 +93,8 @@ TEST_CASE("by index the offset becomes the one that puts the pulse where pulses 
     REQUIRE(encoders.order(HomingOrder::kByIndex));
     REQUIRE(encoders.state() == HomingState::kHoming);
     for (unsigned k = 0; k < kAxes; ++k) {
-      inputs.index_edges = static_cast<std::uint8_t>(1u << k), inputs.index_counts = raw;
+      inputs.index_edges = static_cast<std::uint8_t>(1u << k);
+      inputs.index_counts = raw;
       inputs.counts = raw;
       const auto reading = encoders.update(inputs);
       REQUIRE(reading.counts[k] == c.direction[k] * raw[k] + truth[k]);
@@ -105,13 +107,15 @@ TEST_CASE("by index the offset becomes the one that puts the pulse where pulses 
 
 TEST_CASE("an axis with one pulse in its range is homed by it, however far off the estimate was") {
   EncoderConfig c;
-  c.index_axes = 1, c.index_position[0] = 5000;
+  c.index_axes = 1;
+  c.index_position[0] = 5000;
   Encoders encoders;
   encoders.configure(c);
   REQUIRE(encoders.order(HomingOrder::kByIndex));
   CHECK(encoders.homed_axes() == (kAllAxes & ~1u));  // the others keep what they have
   ControllerInputs inputs = inputs_at({-900010, 0, 0, 0, 0, 0});
-  inputs.index_edges = 1, inputs.index_counts[0] = -900000;
+  inputs.index_edges = 1;
+  inputs.index_counts[0] = -900000;
   CHECK(encoders.update(inputs).counts[0] == 4990);
   CHECK(encoders.state() == HomingState::kHomed);
 }
@@ -121,7 +125,8 @@ TEST_CASE("the first pulse of an axis is the one that counts") {
   encoders.configure(indexed());
   REQUIRE(encoders.order(HomingOrder::kByIndex));
   ControllerInputs inputs;
-  inputs.index_edges = 1, inputs.index_counts[0] = 40;
+  inputs.index_edges = 1;
+  inputs.index_counts[0] = 40;
   const std::int32_t count = encoders.update(inputs).counts[0];
   inputs.index_counts[0] = 42;  // within the tolerance, from the other side
   CHECK(encoders.update(inputs).counts[0] == count);
@@ -142,7 +147,8 @@ TEST_CASE("pulses whole distances apart are good, any other distance is a fault 
       encoders.configure(indexed());
       REQUIRE(encoders.order(HomingOrder::kInCradle));
       ControllerInputs inputs;
-      inputs.index_edges = 1, inputs.index_counts[0] = 777;
+      inputs.index_edges = 1;
+      inputs.index_counts[0] = 777;
       REQUIRE(encoders.update(inputs).fault_axes == 0);
       inputs.index_counts[0] = 777 + turns * kDistance + off;
       const bool good = std::abs(off) <= 2;
@@ -200,7 +206,8 @@ TEST_CASE("a device that demands homing refuses FORCE, says why, and gives it on
 
 TEST_CASE("homing by index leaves the motors free, refuses FORCE until the last axis is through, and shows how far") {
   DeviceBench b = demanding_bench();
-  b.command(State::kIdle), b.command(State::kIdle);
+  b.command(State::kIdle);
+  b.command(State::kIdle);
   REQUIRE(b.execute(number::kHome, 1) == ServiceStatus::kGood);
   CHECK(b.read(number::kHomingState) == 1);
   for (unsigned k = 0; k < kAxes; ++k) {
@@ -209,7 +216,8 @@ TEST_CASE("homing by index leaves the motors free, refuses FORCE until the last 
     CHECK_FALSE(b.outputs.brake);
     CHECK(b.limited(Limit::kHoming));
     CHECK(b.write(number::kMaxForce, 1.0f) == ServiceStatus::kBusy);
-    b.inputs.index_edges = static_cast<std::uint8_t>(1u << k), b.inputs.index_counts[k] = 50;
+    b.inputs.index_edges = static_cast<std::uint8_t>(1u << k);
+    b.inputs.index_counts[k] = 50;
     b.command(State::kIdle);
     CHECK(b.read(number::kHomedAxes) == (2u << k) - 1);
   }
@@ -222,7 +230,8 @@ TEST_CASE("a homing that nobody demanded refuses FORCE as well, while it lasts")
   DeviceConfig config = bench_config();
   config.encoders = indexed();
   DeviceBench b(config);
-  b.command(State::kIdle), b.command(State::kIdle);
+  b.command(State::kIdle);
+  b.command(State::kIdle);
   REQUIRE(b.execute(number::kHome, 1) == ServiceStatus::kGood);
   b.command(State::kForce);
   CHECK(b.state() == State::kIdle);
@@ -235,7 +244,8 @@ TEST_CASE("a homing that nobody demanded refuses FORCE as well, while it lasts")
 
 TEST_CASE("a homing may be given up") {
   DeviceBench b = demanding_bench();
-  b.command(State::kIdle), b.command(State::kIdle);
+  b.command(State::kIdle);
+  b.command(State::kIdle);
   REQUIRE(b.execute(number::kHome, 1) == ServiceStatus::kGood);
   REQUIRE(b.execute(number::kHome, 0) == ServiceStatus::kGood);
   b.command(State::kForce);
@@ -248,7 +258,8 @@ TEST_CASE("a count that gets a new meaning is no overspeed, a real one in the sa
   for (const bool too_fast : {false, true}) {
     DeviceBench b = demanding_bench();
     b.inputs.counts = {500000, -500000, 1, 2, 3, 4};
-    b.command(State::kIdle), b.command(State::kIdle);
+    b.command(State::kIdle);
+    b.command(State::kIdle);
     REQUIRE(b.execute(number::kHome, 2) == ServiceStatus::kGood);
     if (too_fast) b.inputs.counts[1] += 300;  // 3 m/s, of 2
     b.command(State::kIdle);
@@ -259,14 +270,16 @@ TEST_CASE("a count that gets a new meaning is no overspeed, a real one in the sa
 
 TEST_CASE("after an encoder fault a device that demands homing has to be homed again") {
   DeviceBench b = demanding_bench();
-  b.command(State::kIdle), b.command(State::kIdle);
+  b.command(State::kIdle);
+  b.command(State::kIdle);
   REQUIRE(b.execute(number::kHome, 2) == ServiceStatus::kGood);
   b.command(State::kForce);
   REQUIRE(b.state() == State::kForce);
   b.inputs.encoder_errors = 1;
   b.command(State::kForce);
   b.inputs.encoder_errors = 0;
-  b.rearm(), b.command(State::kForce);
+  b.rearm();
+  b.command(State::kForce);
   CHECK(b.state() == State::kIdle);
   CHECK(b.limited(Limit::kNotHomed));
   CHECK(b.read(number::kHomedAxes) == 62);
@@ -277,7 +290,8 @@ TEST_CASE("after an encoder fault a device that demands homing has to be homed a
 
 TEST_CASE("a new encoder configuration takes the homing away, any other write leaves it") {
   DeviceBench b = demanding_bench();
-  b.command(State::kIdle), b.command(State::kIdle);
+  b.command(State::kIdle);
+  b.command(State::kIdle);
   REQUIRE(b.execute(number::kHome, 2) == ServiceStatus::kGood);
   REQUIRE(b.write(number::kMaxForce, 5.0f) == ServiceStatus::kGood);
   b.command(State::kIdle);

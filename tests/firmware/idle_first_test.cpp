@@ -23,7 +23,10 @@ TEST_CASE("a device that has just started gives no force before a command wanted
 TEST_CASE("a command that wants IDLE, be it the one that starts the sequence, lets the next one have FORCE") {
   const bool starts = GENERATE(true, false);
   DeviceBench b;
-  if (!starts) b.command(State::kForce, {9}), b.command(State::kForce, {9});
+  if (!starts) {
+    b.command(State::kForce, {9});
+    b.command(State::kForce, {9});
+  }
   b.command(State::kIdle, {9});
   CHECK(b.state() == State::kIdle);
   CHECK_FALSE(b.limited(Limit::kIdleFirst));
@@ -33,7 +36,10 @@ TEST_CASE("a command that wants IDLE, be it the one that starts the sequence, le
   // Once is enough: from here on the latch decides.
   b.nothing(20);
   REQUIRE(b.state() == State::kBrake);
-  b.command(State::kForce), b.command(State::kForce), b.command(State::kForce, {}, true), b.command(State::kForce, {9});
+  b.command(State::kForce);
+  b.command(State::kForce);
+  b.command(State::kForce, {}, true);
+  b.command(State::kForce, {9});
   CHECK(b.state() == State::kForce);
 }
 
@@ -54,12 +60,15 @@ TEST_CASE("an IDLE that is stale or broken does not count") {
 
 TEST_CASE("a device that braked before its first IDLE goes by the re-arm that wants IDLE to FORCE") {
   DeviceBench b;
-  b.command(State::kForce, {9}), b.command(State::kBrake);
+  b.command(State::kForce, {9});
+  b.command(State::kBrake);
   REQUIRE(b.state() == State::kBrake);
   b.command(State::kForce, {9}, true);
   CHECK(b.state() == State::kIdle);
   b.command(State::kForce, {9});
   CHECK(b.state() == State::kIdle);
-  b.command(State::kBrake), b.command(State::kIdle, {}, true), b.command(State::kForce, {9});
+  b.command(State::kBrake);
+  b.command(State::kIdle, {}, true);
+  b.command(State::kForce, {9});
   CHECK(b.state() == State::kForce);
 }

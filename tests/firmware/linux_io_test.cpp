@@ -27,7 +27,9 @@ class FakeBoard {
       set("direction" + std::string(axis), "0\n");
       for (const char* file : {"period", "duty_cycle", "enable"}) set("pwm" + std::string(axis) + "/" + file, "0\n");
     }
-    set("stop", "0\n"), set("bus", "1\n"), set("brake", "0\n");
+    set("stop", "0\n");
+    set("bus", "1\n");
+    set("brake", "0\n");
     description_.pwm_period_ns = 50'000;
     description_.stop_line.path = path("stop");
     description_.motor_bus.path = path("bus");
@@ -65,7 +67,8 @@ ControllerInputs sample(LinuxMechanics& mechanics) {
 ControllerOutputs efforts(float axis0, float axis3) {
   ControllerOutputs outputs;
   outputs.brake = false;
-  outputs.effort[0] = axis0, outputs.effort[3] = axis3;
+  outputs.effort[0] = axis0;
+  outputs.effort[3] = axis3;
   return outputs;
 }
 
@@ -86,12 +89,14 @@ TEST_CASE("Linux board: counts, e-stop and supply are what the files say", "[fir
   FakeBoard board;
   LinuxMechanics mechanics;
   REQUIRE(mechanics.open(board.description()) == "");
-  board.set("count0", "1234\n"), board.set("count3", "-56\n");
+  board.set("count0", "1234\n");
+  board.set("count3", "-56\n");
   ControllerInputs inputs = sample(mechanics);
   CHECK(inputs.counts == AxisCounts{1234, 0, 0, -56, 0, 0});
   CHECK_FALSE(inputs.stop_line);
   CHECK(inputs.motor_bus_ok);
-  board.set("stop", "1\n"), board.set("bus", "0\n");
+  board.set("stop", "1\n");
+  board.set("bus", "0\n");
   inputs = sample(mechanics);
   CHECK(inputs.stop_line);
   CHECK_FALSE(inputs.motor_bus_ok);

@@ -132,7 +132,8 @@ TEST_CASE("command queue: frames come once and in order, of more than it holds t
     CHECK(queue.take(out) == 0);
   }
   // One that comes while others are being taken waits behind them.
-  queue.write(block_of(10, 1)), queue.write(block_of(11, 2));
+  queue.write(block_of(10, 1));
+  queue.write(block_of(11, 2));
   CHECK(queue.take(out) == 10);
   queue.write(block_of(12, 3));
   CHECK(queue.take(out) == 11);

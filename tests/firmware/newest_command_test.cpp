@@ -62,7 +62,8 @@ TEST_CASE("of the commands of one period the newest by sequence acts, whatever c
     CHECK(link.queue.empty());
   }
   // Two good ones out of order: the newer counts.
-  link.command(start + 42, 2.0f), link.command(start + 41, 3.0f);
+  link.command(start + 42, 2.0f);
+  link.command(start + 41, 3.0f);
   run_period(device, mechanics, link);
   CHECK(link.state.echoed_sequence == start + 42);
   CHECK(mechanics.driven.effort[0] == 2.0f);

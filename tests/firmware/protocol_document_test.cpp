@@ -175,7 +175,8 @@ TEST_CASE("the document's example bytes decode as it says") {
       for (unsigned value = 0; hex >> std::hex >> value;) bytes.push_back(static_cast<std::byte>(value));
     }
     CHECK(describe(kind, bytes) == lines[i]);
-    ++examples, ++kinds[kind];
+    ++examples;
+    ++kinds[kind];
   }
   CHECK(examples >= 8);
   CHECK(kinds.size() == 4);

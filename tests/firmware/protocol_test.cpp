@@ -13,9 +13,12 @@ namespace {
 StateFrame random_state(std::mt19937_64& random) {
   StateFrame f;
   f.state = static_cast<State>(random() % 4);
-  f.buttons = static_cast<std::uint8_t>(random()), f.missed_commands = static_cast<std::uint8_t>(random());
-  f.fault = static_cast<std::uint16_t>(random()), f.limits = static_cast<std::uint16_t>(random());
-  f.sequence = static_cast<std::uint32_t>(random()), f.echoed_sequence = static_cast<std::uint32_t>(random());
+  f.buttons = static_cast<std::uint8_t>(random());
+  f.missed_commands = static_cast<std::uint8_t>(random());
+  f.fault = static_cast<std::uint16_t>(random());
+  f.limits = static_cast<std::uint16_t>(random());
+  f.sequence = static_cast<std::uint32_t>(random());
+  f.echoed_sequence = static_cast<std::uint32_t>(random());
   f.time_us = random();
   for (auto& c : f.counts) c = static_cast<std::int32_t>(random());
   return f;
@@ -98,9 +101,15 @@ TEST_CASE("a decoded frame is the frame that was encoded") {
 
 TEST_CASE("the bytes lie where the layout says, little end first") {
   StateFrame s;
-  s.state = State::kForce, s.sequence = 0x04030201u, s.time_us = 0x1817161514131211ull, s.buttons = 0x51;
+  s.state = State::kForce;
+  s.sequence = 0x04030201u;
+  s.time_us = 0x1817161514131211ull;
+  s.buttons = 0x51;
   s.counts = {0x24232221, -1, 0, 0, 0, 0x34333231};
-  s.echoed_sequence = 0x44434241u, s.fault = 0x4645, s.limits = 0x4847, s.missed_commands = 0x52;
+  s.echoed_sequence = 0x44434241u;
+  s.fault = 0x4645;
+  s.limits = 0x4847;
+  s.missed_commands = 0x52;
   const auto b = bytes_of(s);
   const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(b[i]); };
   CHECK((at(0) == 0x74 && at(1) == 1 && at(2) == 1 && at(3) == 2));
@@ -109,7 +118,10 @@ TEST_CASE("the bytes lie where the layout says, little end first") {
   CHECK((at(16) == 0x21 && at(19) == 0x24 && at(20) == 0xff && at(36) == 0x31));
   CHECK((at(40) == 0x41 && at(44) == 0x45 && at(45) == 0x46 && at(46) == 0x47 && at(48) == 0x51 && at(49) == 0x52));
   CommandFrame c;
-  c.wanted = State::kForce, c.rearm = true, c.sequence = 0x04030201u, c.effort[0] = 1.0f;  // 0x3f800000
+  c.wanted = State::kForce;
+  c.rearm = true;
+  c.sequence = 0x04030201u;
+  c.effort[0] = 1.0f;  // 0x3f800000
   const auto d = bytes_of(c);
   const auto command_at = [&](std::size_t i) { return std::to_integer<unsigned>(d[i]); };
   CHECK((command_at(2) == 2 && command_at(3) == 2 && command_at(4) == 1 && command_at(8) == 1));
@@ -160,12 +172,14 @@ TEST_CASE("each way of being wrong has its own number") {
   CommandFrame c;
   const auto changed = [&](std::size_t offset, unsigned value) {
     auto b = good;
-    b[offset] = static_cast<std::byte>(value), seal(b);
+    b[offset] = static_cast<std::byte>(value);
+    seal(b);
     return decode_state(b, s);
   };
   const auto changed_command = [&](std::size_t offset, unsigned value) {
     auto b = good_command;
-    b[offset] = static_cast<std::byte>(value), seal(b);
+    b[offset] = static_cast<std::byte>(value);
+    seal(b);
     return decode_command(b, c);
   };
   CHECK(decode_state({}, s) == DecodeError::kWrongSize);
@@ -196,7 +210,10 @@ TEST_CASE("random bytes of any length are refused and change nothing") {
   for (int i = 0; i < 100000; ++i) {
     std::array<std::byte, 80> noise{};
     for (auto& b : noise) b = static_cast<std::byte>(random());
-    if (i % 2 == 0) noise[0] = std::byte{kMagic}, noise[1] = std::byte{kProtocolVersion};
+    if (i % 2 == 0) {
+      noise[0] = std::byte{kMagic};
+      noise[1] = std::byte{kProtocolVersion};
+    }
     const std::size_t size = i % 3 == 0 ? kStateFrameSize : i % 3 == 1 ? kCommandFrameSize : random() % 81;
     StateFrame s;
     CommandFrame c;

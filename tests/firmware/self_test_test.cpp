@@ -95,7 +95,10 @@ TEST_CASE("a bit that flips in the configuration in force brakes the device with
   b.start_force({1, 0, 0, 0, 0, 0});
   const_cast<Config&>(b.device.controller().config()).max_force_N = 1000.0f;  // cosmic
   std::uint32_t periods = 0;
-  while (b.state() == State::kForce && periods < 500) b.command(State::kForce), ++periods;
+  while (b.state() == State::kForce && periods < 500) {
+    b.command(State::kForce);
+    ++periods;
+  }
   CHECK(periods <= b.device.self_test().periods_per_pass() + 1);
   CHECK(b.fault() == Fault::kSelfTest);
   CHECK(b.device.fault_log().entry(0).fault == Fault::kSelfTest);

@@ -132,11 +132,13 @@ TEST_CASE("lines that are no frames are counted, empty ones are not") {
   CHECK(read_all(reader, bytes({5, 1, 2, 0})).empty());  // cut short
   CHECK(reader.malformed() == 1);
   Bytes longer(kMaxFrameSize + 2, std::byte{1});
-  longer.front() = static_cast<std::byte>(longer.size()), longer.push_back(std::byte{0});
+  longer.front() = static_cast<std::byte>(longer.size());
+  longer.push_back(std::byte{0});
   CHECK(read_all(reader, longer).empty());
   CHECK(reader.malformed() == 2);
   Bytes longest(kMaxFrameSize + 1, std::byte{1});
-  longest.front() = static_cast<std::byte>(longest.size()), longest.push_back(std::byte{0});
+  longest.front() = static_cast<std::byte>(longest.size());
+  longest.push_back(std::byte{0});
   CHECK(read_all(reader, longest).size() == 1);
   CHECK(reader.malformed() == 2);
 }
@@ -169,7 +171,9 @@ TEST_CASE("a frame whose bytes come over several periods is handed out when it i
 TEST_CASE("a request and a command on one line do not disturb each other") {
   Bench b;
   const ServiceMessage asked{Operation::kRead, ServiceStatus::kGood, 9, 0x123, 0};
-  b.receive_command(1), b.receive(request(asked)), b.receive_command(2);
+  b.receive_command(1);
+  b.receive(request(asked));
+  b.receive_command(2);
   ServiceMessage message;
   REQUIRE(b.link.receive_service(message));
   CHECK(message == asked);
@@ -197,7 +201,8 @@ TEST_CASE("states and replies leave stuffed, in order, and the port is told") {
   const ServiceMessage reply{Operation::kRead, ServiceStatus::kReadOnly, 4, 5, 6};
   std::array<std::byte, kServiceFrameSize> reply_frame{};
   encode_service(reply, ServiceDirection::kReply, reply_frame);
-  b.link.send_state(state), b.link.reply_service(reply);
+  b.link.send_state(state);
+  b.link.reply_service(reply);
   CHECK(b.port.calls == 2);
   Bytes expected = stuffed(state);
   const Bytes second = stuffed(reply_frame);

@@ -9,8 +9,10 @@ namespace {
 
 ServiceMessage random_message(std::mt19937_64& random) {
   ServiceMessage m;
-  m.operation = static_cast<Operation>(random() % 16), m.status = static_cast<ServiceStatus>(random() % 16);
-  m.tag = static_cast<std::uint8_t>(random()), m.address = static_cast<std::uint16_t>(random());
+  m.operation = static_cast<Operation>(random() % 16);
+  m.status = static_cast<ServiceStatus>(random() % 16);
+  m.tag = static_cast<std::uint8_t>(random());
+  m.address = static_cast<std::uint16_t>(random());
   m.value = static_cast<std::uint32_t>(random());
   return m;
 }

@@ -21,7 +21,10 @@ TEST_CASE("a step in speed comes through as a first-order filter of its corner s
 TEST_CASE("a ramp lags by the stated latency of the filter") {
   SpeedFilter filter;
   float ramp = 0;
-  for (int k = 0; k < 2000; ++k) ramp = 0.001f * static_cast<float>(k), filter.update({ramp}, 50.0f, 1000);
+  for (int k = 0; k < 2000; ++k) {
+    ramp = 0.001f * static_cast<float>(k);
+    filter.update({ramp}, 50.0f, 1000);
+  }
   const double lag_s = static_cast<double>(ramp - filter.speed()[0]);  // the ramp rises by 1 per second
   CHECK(lag_s == Approx(1.0 / (2 * 3.14159265358979 * 50.0)).epsilon(0.01));
 }

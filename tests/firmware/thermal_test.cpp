@@ -11,14 +11,17 @@ namespace {
 
 ThermalConfig motor(float gain, float time_constant_s, float warning_K, float limit_K) {
   ThermalConfig c;
-  c.gain_K_per_effort2.fill(gain), c.time_constant_s.fill(time_constant_s);
-  c.warning_K.fill(warning_K), c.limit_K.fill(limit_K);
+  c.gain_K_per_effort2.fill(gain);
+  c.time_constant_s.fill(time_constant_s);
+  c.warning_K.fill(warning_K);
+  c.limit_K.fill(limit_K);
   return c;
 }
 
 void run(ThermalModel& model, float effort, int periods, float measured_K = 0) {
   AxisValues efforts, measured;
-  efforts.fill(effort), measured.fill(measured_K);
+  efforts.fill(effort);
+  measured.fill(measured_K);
   for (int i = 0; i < periods; ++i) model.update(efforts, measured, 1000);
 }
 
@@ -42,8 +45,12 @@ TEST_CASE("a constant effort warms a winding as a first-order system does, sign 
 
 TEST_CASE("it is the mean square of the effort that warms, and no effort cools back to ambient") {
   ThermalModel steady, pulsed;
-  steady.configure(motor(1, 5, 500, 600)), pulsed.configure(motor(1, 5, 500, 600));
-  for (int i = 0; i < 6400; ++i) run(steady, 2.0f, 1), run(pulsed, i % 4 == 0 ? 4.0f : 0.0f, 1);
+  steady.configure(motor(1, 5, 500, 600));
+  pulsed.configure(motor(1, 5, 500, 600));
+  for (int i = 0; i < 6400; ++i) {
+    run(steady, 2.0f, 1);
+    run(pulsed, i % 4 == 0 ? 4.0f : 0.0f, 1);
+  }
   CHECK(pulsed.rise_K()[3] == Approx(steady.rise_K()[3]));
   run(steady, 0, 64000);
   CHECK(steady.rise_K()[0] < 1e-4f);
@@ -108,7 +115,10 @@ TEST_CASE("a winding that a sensor finds at its limit brakes, and may be re-arme
   b.start_force({1, 0, 0, 0, 0, 0});
   b.inputs.measured_rise_K[4] = 95;
   int periods = 0;
-  while (b.state() == State::kForce && periods < 1000) b.command(State::kForce), ++periods;
+  while (b.state() == State::kForce && periods < 1000) {
+    b.command(State::kForce);
+    ++periods;
+  }
   CHECK(periods <= static_cast<int>(kThermalPeriods) + 1);
   CHECK(b.fault() == Fault::kOverheated);
   CHECK(b.device.fault_log().entry(0).axis == 4);

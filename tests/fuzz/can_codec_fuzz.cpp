@@ -17,7 +17,9 @@ constexpr float kMaxEffort = 30.0f;
 
 Config configuration() {
   Config config;
-  config.quantum.fill(1e-5f), config.max_effort.fill(kMaxEffort), config.max_speed.fill(2.0f);
+  config.quantum.fill(1e-5f);
+  config.max_effort.fill(kMaxEffort);
+  config.max_speed.fill(2.0f);
   config.max_force_N = config.max_torque_Nm = 35.0f;
   return config;
 }
@@ -79,8 +81,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     at += length;
     const auto function = static_cast<CanFunction>(how & 0xfu);
     const auto frame = std::span<const std::byte>(bytes).first(length);
-    if ((how & 0x10u) != 0) states.look(), commands.look();
-    if ((how & 0x20u) != 0) states.forget(), commands.forget();
+    if ((how & 0x10u) != 0) {
+      states.look();
+      commands.look();
+    }
+    if ((how & 0x20u) != 0) {
+      states.forget();
+      commands.forget();
+    }
     if (states.accept(function, frame, state)) check(state);
     if (commands.accept(function, frame, command)) device.step(command);
     (void)unpad_fd(frame, kFdStateSize, kStateFrameSize);

@@ -17,14 +17,19 @@ constexpr float kMaxEffort = 30.0f;
 
 Config configuration() {
   Config config;
-  config.quantum.fill(1e-5f), config.max_effort.fill(kMaxEffort), config.max_speed.fill(2.0f);
+  config.quantum.fill(1e-5f);
+  config.max_effort.fill(kMaxEffort);
+  config.max_speed.fill(2.0f);
   config.max_force_N = config.max_torque_Nm = 35.0f;
   return config;
 }
 
 void seal(std::span<std::byte, kCommandFrameSize> frame) {
-  frame[0] = std::byte{kMagic}, frame[1] = std::byte{kProtocolVersion}, frame[2] = std::byte{2};
-  frame[3] &= std::byte{3}, frame[8] &= std::byte{1};
+  frame[0] = std::byte{kMagic};
+  frame[1] = std::byte{kProtocolVersion};
+  frame[2] = std::byte{2};
+  frame[3] &= std::byte{3};
+  frame[8] &= std::byte{1};
   std::fill(frame.begin() + 9, frame.begin() + 12, std::byte{0});
   const std::uint32_t crc = crc32c(frame.first(kCommandFrameSize - 4));
   for (std::size_t i = 0; i < 4; ++i) frame[kCommandFrameSize - 4 + i] = static_cast<std::byte>(crc >> (8 * i));

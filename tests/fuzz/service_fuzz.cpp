@@ -22,12 +22,19 @@ void require(bool holds) {
 
 DeviceConfig configuration() {
   DeviceConfig config;
-  config.control.quantum.fill(1e-5f), config.control.max_effort.fill(30.0f), config.control.max_speed.fill(2.0f);
+  config.control.quantum.fill(1e-5f);
+  config.control.max_effort.fill(30.0f);
+  config.control.max_speed.fill(2.0f);
   config.control.max_force_N = config.control.max_torque_Nm = 35.0f;
-  config.gravity.amplitude.fill(2.0f), config.gravity.combination.fill(0x1012345u), config.gravity.in_idle = 1;
-  config.encoders.index_axes = kAllAxes, config.encoders.index_distance.fill(1000);
-  config.thermal.gain_K_per_effort2.fill(1), config.thermal.time_constant_s.fill(1);
-  config.thermal.warning_K.fill(50), config.thermal.limit_K.fill(100);
+  config.gravity.amplitude.fill(2.0f);
+  config.gravity.combination.fill(0x1012345u);
+  config.gravity.in_idle = 1;
+  config.encoders.index_axes = kAllAxes;
+  config.encoders.index_distance.fill(1000);
+  config.thermal.gain_K_per_effort2.fill(1);
+  config.thermal.time_constant_s.fill(1);
+  config.thermal.warning_K.fill(50);
+  config.thermal.limit_K.fill(100);
   return config;
 }
 
@@ -53,7 +60,10 @@ class Bytes {
 void ask(Device& device, Bytes& bytes, unsigned what) {
   auto raw = bytes.take<std::array<std::byte, kServiceFrameSize>>();
   if ((what & 2u) != 0) {
-    raw[0] = std::byte{kMagic}, raw[1] = std::byte{kProtocolVersion}, raw[2] = std::byte{3}, raw[3] = std::byte{0};
+    raw[0] = std::byte{kMagic};
+    raw[1] = std::byte{kProtocolVersion};
+    raw[2] = std::byte{3};
+    raw[3] = std::byte{0};
     const auto rows = all_registers();
     const auto& row = rows[std::to_integer<std::size_t>(raw[6]) % rows.size()];
     const unsigned number = row.number + std::to_integer<unsigned>(raw[7]) % row.count;
@@ -122,13 +132,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     inputs.index_edges = inputs.encoder_errors = 0;
     if ((what & 16u) != 0) {
       for (auto& count : inputs.counts) count += bytes.take<std::int16_t>();
-      inputs.index_edges = bytes.take<std::uint8_t>(), inputs.encoder_errors = bytes.take<std::uint8_t>();
+      inputs.index_edges = bytes.take<std::uint8_t>();
+      inputs.encoder_errors = bytes.take<std::uint8_t>();
       for (auto& count : inputs.index_counts) count = bytes.take<std::int32_t>();
     }
     if ((what & 32u) != 0)
       for (auto& rise : inputs.measured_rise_K) rise = bytes.take<float>();  // a broken sensor: NaN as well
     const auto lines = (what & 64u) != 0 ? bytes.take<std::uint8_t>() : std::uint8_t{0};
-    inputs.stop_line = (lines & 1u) != 0, inputs.motor_bus_ok = (lines & 2u) == 0;
+    inputs.stop_line = (lines & 1u) != 0;
+    inputs.motor_bus_ok = (lines & 2u) == 0;
 
     const ControllerOutputs outputs = device.step(inputs, std::span<const std::byte>(frame).first(length));
     check(device, inputs, outputs);

@@ -13,8 +13,11 @@ namespace {
 
 CanInterface good() {
   CanInterface interface;
-  interface.name = "can0", interface.is_can = interface.up = true;
-  interface.controller = CanInterface::Controller::kActive, interface.bit_per_s = 1'000'000, interface.restart_ms = 100;
+  interface.name = "can0";
+  interface.is_can = interface.up = true;
+  interface.controller = CanInterface::Controller::kActive;
+  interface.bit_per_s = 1'000'000;
+  interface.restart_ms = 100;
   return interface;
 }
 
@@ -26,7 +29,8 @@ TEST_CASE("an interface that is up at 1 Mbit/s carries classic frames, and FD fr
   CHECK_THAT(check_can_interface(interface, true).message(), Contains("fd on"));
   interface.fd = true;
   CHECK(check_can_interface(interface, true).ok());
-  interface.is_virtual = true, interface.fd = false;
+  interface.is_virtual = true;
+  interface.fd = false;
   CHECK_THAT(check_can_interface(interface, true).message(), Contains("mtu 72"));
 }
 
@@ -35,12 +39,14 @@ TEST_CASE("an interface that is no CAN, down, or bus-off for good is refused wit
   interface.is_can = false;
   CHECK_THAT(check_can_interface(interface, false).message(), Contains("can0 is no CAN interface"));
 
-  interface = good(), interface.up = false;
+  interface = good();
+  interface.up = false;
   CHECK_THAT(check_can_interface(interface, false).message(), Contains("ip link set can0 up") && !Contains("bitrate"));
   interface.bit_per_s = 0;
   CHECK_THAT(check_can_interface(interface, false).message(), Contains("ip link set can0 up type can bitrate 1000000"));
 
-  interface = good(), interface.controller = CanInterface::Controller::kBusOff;
+  interface = good();
+  interface.controller = CanInterface::Controller::kBusOff;
   CHECK(check_can_interface(interface, false).ok());  // it restarts by itself
   interface.restart_ms = 0;
   CHECK_THAT(check_can_interface(interface, false).message(), Contains("bus-off") && Contains("restart-ms 100"));
@@ -55,7 +61,9 @@ TEST_CASE("a bit rate is refused from the period on that its frames do not fit i
   CHECK_FALSE(check_can_rate(interface, false, 1ms).ok());
   CHECK(check_can_rate(interface, false, 1377us).ok());
   // FD: 66 slow bits and 1198 fast ones.
-  interface.bit_per_s = 1'000'000, interface.data_bit_per_s = 5'000'000, interface.fd = true;
+  interface.bit_per_s = 1'000'000;
+  interface.data_bit_per_s = 5'000'000;
+  interface.fd = true;
   CHECK(check_can_rate(interface, true, 305600ns).ok());
   CHECK_FALSE(check_can_rate(interface, true, 305599ns).ok());
   interface.data_bit_per_s = 0;  // FD frames without a faster part

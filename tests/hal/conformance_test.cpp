@@ -33,15 +33,18 @@ haptics::DeviceCommand command_of(const std::string& line) {
   command.wanted = name == "IDLE"    ? haptics::DeviceState::kIdle
                    : name == "FORCE" ? haptics::DeviceState::kForce
                                      : haptics::DeviceState::kBrake;
-  command.rearm = rearm, command.sequence = sequence;
+  command.rearm = rearm;
+  command.sequence = sequence;
   return command;
 }
 
 std::string says(const haptics::DeviceSample& s) {
   firmware::StateFrame frame;
   frame.state = static_cast<firmware::State>(s.state);
-  frame.sequence = static_cast<std::uint32_t>(s.sequence), frame.time_us = s.device_time_ns / 1000;
-  frame.fault = static_cast<std::uint16_t>(s.device_fault), frame.limits = static_cast<std::uint16_t>(s.limits);
+  frame.sequence = static_cast<std::uint32_t>(s.sequence);
+  frame.time_us = s.device_time_ns / 1000;
+  frame.fault = static_cast<std::uint16_t>(s.device_fault);
+  frame.limits = static_cast<std::uint16_t>(s.limits);
   frame.buttons = static_cast<std::uint8_t>(s.buttons);
   frame.missed_commands = static_cast<std::uint8_t>(s.missed_commands);
   frame.echoed_sequence = static_cast<std::uint32_t>(s.echoed_sequence);

@@ -77,9 +77,12 @@ struct Host {
   }
   void rearm() {
     command.wanted = DeviceState::kForce;
-    command.rearm = 0, ticks(2);
-    command.rearm = 1, ticks(2);
-    command.rearm = 0, ticks(patience());
+    command.rearm = 0;
+    ticks(2);
+    command.rearm = 1;
+    ticks(2);
+    command.rearm = 0;
+    ticks(patience());
   }
   double some_force_N() const { return 0.5 * device.properties().continuous_force_N; }
 };
@@ -125,7 +128,8 @@ TEMPLATE_TEST_CASE("A device: sequence and device time rise with every new sampl
       REQUIRE(host.input.sample.sequence > sequence);
       REQUIRE(host.input.sample.device_time_ns > time_ns);
     }
-    sequence = host.input.sample.sequence, time_ns = host.input.sample.device_time_ns;
+    sequence = host.input.sample.sequence;
+    time_ns = host.input.sample.device_time_ns;
     REQUIRE(norm(host.input.sample.device_from_tool.rotation) == Approx(1.0).epsilon(1e-6));
   }
   CHECK(fresh > 900);
@@ -161,7 +165,8 @@ TEMPLATE_TEST_CASE("A device: a brake holds until it is re-armed, by a flag that
   CHECK(host.state_after(DeviceState::kForce) == DeviceState::kBrake);
   host.rearm();
   CHECK(host.input.sample.state == DeviceState::kForce);
-  host.command.rearm = 1, host.ticks(host.patience());  // stuck from here on
+  host.command.rearm = 1;
+  host.ticks(host.patience());  // stuck from here on
   CHECK(host.state_after(DeviceState::kBrake) == DeviceState::kBrake);
   CHECK(host.state_after(DeviceState::kForce) == DeviceState::kBrake);
 }

@@ -50,14 +50,18 @@ TEST_CASE("a device behind the type-erased holder is the device itself: same sam
   CHECK_FALSE(held.link_report().has_value());
   for (std::uint64_t tick = 1; tick <= 50; ++tick) {
     DeviceInput a, b;
-    bare.read(a), held.read(b);
+    bare.read(a);
+    held.read(b);
     CHECK(a.status == b.status);
     CHECK(a.sample.sequence == b.sample.sequence);
     CHECK(a.sample.state == b.sample.state);
     CHECK(a.sample.device_from_tool.position.x == b.sample.device_from_tool.position.x);
     DeviceCommand command;
-    command.sequence = tick, command.wanted = DeviceState::kForce, command.wrench.force.x = 1;
-    bare.write(command), held.write(command);
+    command.sequence = tick;
+    command.wanted = DeviceState::kForce;
+    command.wrench.force.x = 1;
+    bare.write(command);
+    held.write(command);
   }
   CHECK(held.as<SimulatedDevice>()->controller().state() == firmware::State::kForce);
 }

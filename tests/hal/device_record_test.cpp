@@ -33,7 +33,8 @@ std::string difference(std::uint16_t address, std::uint32_t value) {
   const auto began_with = DeviceRecord::read(link, kPatience);
   REQUIRE(began_with.ok());
   REQUIRE(began_with.value().compare(link, kPatience).ok());
-  link.changed = address, link.value = value;
+  link.changed = address;
+  link.value = value;
   return began_with.value().compare(link, kPatience).message();
 }
 std::string difference(std::uint16_t address, float value) {

@@ -63,7 +63,8 @@ TEST_CASE("wild counts, replayed sequences, lies about its state, and silence: n
       const Hostilities found =
           play(profile,
                script_of(seed, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 33, 65, 65, 3, 5, 129, 8, 17, 0, 7, 135, 16}, 2000));
-      most_N = std::max(most_N, found.most_force_N), faults += found.faults;
+      most_N = std::max(most_N, found.most_force_N);
+      faults += found.faults;
     }
     CHECK(most_N > 0.0);
     CHECK(faults > 100);

@@ -33,7 +33,8 @@ static_assert(FrameLink<SpoiltLink>);
 
 std::string verdict(std::string_view profile, std::uint16_t address, std::uint32_t value) {
   SpoiltLink link(*find_profile(profile));
-  link.spoilt = address, link.value = value;
+  link.spoilt = address;
+  link.value = value;
   return check_identity(*find_profile(profile), 1000, link).message();
 }
 std::string verdict(std::string_view profile, std::uint16_t address, double value) {
@@ -102,8 +103,10 @@ TEST_CASE("every difference that matters is told, with both figures and what to 
 TEST_CASE("a device that does not answer, or does not know a register, is told so in one line") {
   const DeviceProfile& profile = *find_profile("virtuose6d");
   SpoiltLink link(profile);
-  link.spoilt = number::kMaxEffort + 2, link.silent = true;
+  link.spoilt = number::kMaxEffort + 2;
+  link.silent = true;
   CHECK(check_identity(profile, 1000, link).message() == "link: no answer in time; is the device on?");
-  link.silent = false, link.refuses = true;
+  link.silent = false;
+  link.refuses = true;
   CHECK_THAT(check_identity(profile, 1000, link).message(), Contains("register 0x0112 is not there"));
 }

@@ -57,7 +57,10 @@ TEST_CASE("axis efforts do the work of the wrench in every configuration") {
     Random random(7);
     for (int i = 0; i < 20000; ++i) {
       AxisVector q = random_coordinates(random);
-      if (i % 4 == 0) q[1] = random(-kPi, kPi), q[2] = random(-kPi, kPi);  // singular ones as well
+      if (i % 4 == 0) {  // singular ones as well
+        q[1] = random(-kPi, kPi);
+        q[2] = random(-kPi, kPi);
+      }
       const AxisVector rate = random_rates(random);
       const Wrenchd wrench{random.vector(35), random.vector(3)};
       const Twistd twist = kinematics.twist_of(q, rate);
@@ -74,7 +77,10 @@ TEST_CASE("the Jacobian is the derivative of the pose") {
     for (int i = 0; i < 2000; ++i) {
       const AxisVector q = random_coordinates(random), rate = random_rates(random);
       AxisVector before = q, after = q;
-      for (unsigned k = 0; k < kAxisCount; ++k) before[k] -= 0.5 * dt * rate[k], after[k] += 0.5 * dt * rate[k];
+      for (unsigned k = 0; k < kAxisCount; ++k) {
+        before[k] -= 0.5 * dt * rate[k];
+        after[k] += 0.5 * dt * rate[k];
+      }
       const Posed a = kinematics.pose_of(before), b = kinematics.pose_of(after);
       const Twistd twist = kinematics.twist_of(q, rate);
       check_close((b.position - a.position) * (1.0 / dt), twist.linear, 1e-8);
@@ -215,7 +221,9 @@ TEST_CASE("what is said of a whole workspace holds at poses that nobody looked a
           q, {random.direction() * p.max_speed_m_per_s, random.direction() * p.max_angular_speed_rad_per_s});
       for (unsigned k = 0; k < kAxisCount; ++k) REQUIRE(std::abs(rate[k]) <= profile.bounds.rate[k]);
 
-      q[3] = random(-kPi, kPi), q[4] = random(-kPitchLimit_rad, kPitchLimit_rad), q[5] = random(-kPi, kPi);
+      q[3] = random(-kPi, kPi);
+      q[4] = random(-kPitchLimit_rad, kPitchLimit_rad);
+      q[5] = random(-kPi, kPi);
       const AxisVector effort =
           profile.kinematics.efforts_of(q, {random.direction() * p.max_force_N, random.direction() * p.max_torque_Nm});
       for (unsigned k = 0; k < kAxisCount; ++k) REQUIRE(std::abs(effort[k]) <= profile.bounds.effort[k]);

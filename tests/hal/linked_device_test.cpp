@@ -49,7 +49,9 @@ static_assert(haptics::HapticDevice<Device>);
 
 firmware::StateFrame state(std::uint32_t sequence) {
   firmware::StateFrame frame;
-  frame.state = firmware::State::kIdle, frame.sequence = sequence, frame.time_us = 1000ull * sequence;
+  frame.state = firmware::State::kIdle;
+  frame.sequence = sequence;
+  frame.time_us = 1000ull * sequence;
   return frame;
 }
 
@@ -126,7 +128,9 @@ TEST_CASE("a device on a link neither allocates nor locks", "[no-asan][no-tsan]"
   const test::RtGuard guard;
   for (std::uint32_t i = 1; i < 1000; ++i) {
     link.arrives(state(i), i);
-    device.read(input), device.write({i, {{1, 2, 3}, {}}, haptics::DeviceState::kForce, 0}), device.read(input);
+    device.read(input);
+    device.write({i, {{1, 2, 3}, {}}, haptics::DeviceState::kForce, 0});
+    device.read(input);
   }
   CHECK(guard.allocations() == 0);
   CHECK(guard.frees() == 0);

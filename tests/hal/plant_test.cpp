@@ -13,7 +13,9 @@ constexpr double kStep_s = 2.5e-4;
 
 PlantParameters free_mass() {
   PlantParameters p;
-  p.mass_kg = 0.3, p.inertia_kg_m2 = 1e-3, p.stop_radius_m = 1e6;
+  p.mass_kg = 0.3;
+  p.inertia_kg_m2 = 1e-3;
+  p.stop_radius_m = 1e6;
   p.max_effort = {100, 100, 100, 100, 100, 100};
   return p;
 }
@@ -49,7 +51,8 @@ TEST_CASE("a free mass under a constant force has v = F t / m and x = F t^2 / 2 
 
 TEST_CASE("the hand's mass is carried along") {
   HandParameters hand = no_hand();
-  hand.mass_kg = 0.5, hand.inertia_kg_m2 = 3e-3;
+  hand.mass_kg = 0.5;
+  hand.inertia_kg_m2 = 3e-3;
   Plant plant(free_mass(), hand, {});
   run(plant, 0.5, {3, 0, 0, 0, 0, 0.001});
   CHECK(plant.twist().linear.x == Approx(3.0 * 0.5 / 0.8).epsilon(1e-12));
@@ -58,7 +61,8 @@ TEST_CASE("the hand's mass is carried along") {
 
 TEST_CASE("a damped mass approaches F / b along its exponential") {
   PlantParameters p = free_mass();
-  p.damping_Ns_per_m = 2.0, p.damping_Nms_per_rad = 0.01;
+  p.damping_Ns_per_m = 2.0;
+  p.damping_Nms_per_rad = 0.01;
   Plant plant(p, no_hand(), {});
   run(plant, 0.15, {3, 0, 0, 0, 0, 0.02});  // one time constant m / b; 1.5 of the inertia's
   CHECK(plant.twist().linear.x == Approx(1.5 * (1.0 - std::exp(-1.0))).epsilon(1e-3));
@@ -70,7 +74,8 @@ TEST_CASE("a damped mass approaches F / b along its exponential") {
 
 TEST_CASE("shorted motors brake: no effort, and their damping on top") {
   PlantParameters p = free_mass();
-  p.damping_Ns_per_m = 0.5, p.brake_damping_Ns_per_m = 2.5;
+  p.damping_Ns_per_m = 0.5;
+  p.brake_damping_Ns_per_m = 2.5;
   Plant plant(p, no_hand(), {});
   run(plant, 0.1, {3, 0, 0, 0, 0, 0});
   const double speed = plant.twist().linear.x;
@@ -95,7 +100,8 @@ TEST_CASE("Coulomb friction holds up to its force, exactly, and slips beyond it"
 
 TEST_CASE("a mass that slides stops after m v / f and then stays, without a tremor") {
   PlantParameters p = free_mass();
-  p.coulomb_force_N = 0.5, p.coulomb_torque_Nm = 0.002;
+  p.coulomb_force_N = 0.5;
+  p.coulomb_torque_Nm = 0.002;
   Plant plant(p, no_hand(), {});
   run(plant, 0.2, {2.0, 0, 0, 0, 0, 0.01});
   const double speed = 1.5 * 0.2 / 0.3, start = plant.pose().position.x;
@@ -129,7 +135,8 @@ TEST_CASE("a tool that the hand holds sags by F / k") {
 
 TEST_CASE("a hand far stiffer than the sub-step can follow still does not shake the tool") {
   HandParameters hand;
-  hand.stiffness_N_per_m = 1e9, hand.stiffness_Nm_per_rad = 1e6;
+  hand.stiffness_N_per_m = 1e9;
+  hand.stiffness_Nm_per_rad = 1e6;
   Plant plant(free_mass(), hand, {});
   HandTarget target;
   target.pose = {{0.1, 0, 0}, quat_from_rotation_vector(Vec3d{0.2, 0.1, 0})};
@@ -141,7 +148,10 @@ TEST_CASE("a hand far stiffer than the sub-step can follow still does not shake 
 
 TEST_CASE("the hand brings the tool to its way points, to within what friction holds") {
   PlantParameters p = free_mass();
-  p.damping_Ns_per_m = 0.5, p.coulomb_force_N = 0.2, p.damping_Nms_per_rad = 2e-3, p.coulomb_torque_Nm = 5e-3;
+  p.damping_Ns_per_m = 0.5;
+  p.coulomb_force_N = 0.2;
+  p.damping_Nms_per_rad = 2e-3;
+  p.coulomb_torque_Nm = 5e-3;
   const std::vector<HandWaypoint> path{{0, {}, {}}, {1, {0.1, -0.05, 0.02}, {0.4, -0.7, 0.9}}};
   const HandModel hand({}, path);
   Plant plant(p, hand.parameters(), {});
@@ -193,8 +203,12 @@ TEST_CASE("stops end the motion outwards, leave that along them, and give no ene
 
 TEST_CASE("kinetic energy is the sum of the works, and friction only takes") {
   PlantParameters p = free_mass();
-  p.stop_radius_m = 0.08, p.damping_Ns_per_m = 0.5, p.coulomb_force_N = 0.3, p.damping_Nms_per_rad = 2e-3;
-  p.coulomb_torque_Nm = 5e-3, p.brake_damping_Ns_per_m = 20;
+  p.stop_radius_m = 0.08;
+  p.damping_Ns_per_m = 0.5;
+  p.coulomb_force_N = 0.3;
+  p.damping_Nms_per_rad = 2e-3;
+  p.coulomb_torque_Nm = 5e-3;
+  p.brake_damping_Ns_per_m = 20;
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> effort(-12.0, 12.0), place(-0.1, 0.1), angle(-1.0, 1.0);
   Plant plant(p, {}, {});
@@ -209,7 +223,7 @@ TEST_CASE("kinetic energy is the sum of the works, and friction only takes") {
       target.twist = {{angle(random), 0, 0}, {0, angle(random), 0}};
     }
     plant.step(kStep_s, e, i % 1000 > 900, target);
-    const EnergyBook& b = plant.energy();
+    const EnergyBalance& b = plant.energy();
     const double sum = b.motors + b.hand + b.viscous + b.coulomb + b.stops;
     REQUIRE(plant.kinetic_energy_J() == Approx(sum).margin(1e-9));
   }
@@ -237,7 +251,8 @@ TEST_CASE("an arm's tool moves as the forces say, not as its joints bend") {
 TEST_CASE("an arm's efforts act on the tool by the transposed Jacobian, its amplifiers saturate axis by axis") {
   const PointArm arm({0.2, 0.1});
   PlantParameters p = free_mass();
-  p.has_rotation = false, p.max_effort = {0.05, 0.1, 0.02, 0, 0, 0};
+  p.has_rotation = false;
+  p.max_effort = {0.05, 0.1, 0.02, 0, 0, 0};
   Plant plant(p, no_hand(), {}, arm);
   plant.step(kStep_s, {9, -9, 9, 9, 9, 9}, false, {});
   // At rest axis 0 drives y over 0.1 m, axis 1 x over 0.2 m, axis 2 z over 0.1 m.
@@ -258,7 +273,7 @@ TEST_CASE("an arm's stops end the motion outwards, leave that along them, and gi
     REQUIRE(std::abs(plant.coordinates()[4]) <= kPitchLimit_rad);
     REQUIRE(plant.energy().stops <= highest_stops);
     highest_stops = plant.energy().stops;
-    const EnergyBook& b = plant.energy();
+    const EnergyBalance& b = plant.energy();
     REQUIRE(plant.kinetic_energy_J() == Approx(b.motors + b.stops).margin(1e-9));
   }
   CHECK(highest_stops < -0.1);

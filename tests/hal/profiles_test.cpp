@@ -96,7 +96,8 @@ TEST_CASE("the built-in encoders give about 10 and 20 micrometres at the centre"
 TEST_CASE("a stage's profile has the quanta and the limits of its axes") {
   DeviceDescription d = find_profile("virtuose6d")->description;
   d.kind = KinematicsKind::kStage;
-  d.counts_per_m = {1e5, 1e5, 1e5, 0, 0, 0}, d.counts_per_turn = {0, 0, 0, 62832, 62832, 62832};
+  d.counts_per_m = {1e5, 1e5, 1e5, 0, 0, 0};
+  d.counts_per_turn = {0, 0, 0, 62832, 62832, 62832};
   const DeviceProfile p = make_profile(d);
   CHECK(p.quantum[0] == Approx(1e-5));
   CHECK(p.quantum[3] == Approx(2 * 3.14159265358979 / 62832));
@@ -134,6 +135,8 @@ TEST_CASE("figures of a description that cannot hold together are found, with wh
   CHECK(key([](DeviceDescription& d) { d.continuous_force_N = 36; }) == "continuous_force_N");
   CHECK(key([](DeviceDescription& d) { d.continuous_torque_Nm = 4; }) == "continuous_torque_Nm");
   CHECK(key([](DeviceDescription& d) { d.kind = KinematicsKind::kPointArm; }) == "peak_torque_Nm");
-  CHECK(mistake([](DeviceDescription& d) { d.kind = KinematicsKind::kStage, d.workspace_radius_m = 2; }).key ==
-        nullptr);
+  CHECK(mistake([](DeviceDescription& d) {
+          d.kind = KinematicsKind::kStage;
+          d.workspace_radius_m = 2;
+        }).key == nullptr);
 }

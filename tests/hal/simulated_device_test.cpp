@@ -180,7 +180,7 @@ TEST_CASE("the energy books of a whole run balance") {
     rig.command.wrench.force = {std::sin(i * 0.01) * 5, 2, 0};
     rig.command.wrench.torque = {0, 0.05, 0};
     rig.tick();
-    const EnergyBook& b = rig.device.plant().energy();
+    const EnergyBalance& b = rig.device.plant().energy();
     REQUIRE(rig.device.plant().kinetic_energy_J() ==
             Approx(b.motors + b.hand + b.viscous + b.coulomb + b.stops).margin(1e-9));
   }
@@ -209,7 +209,8 @@ TEST_CASE("lost frames are missing, and the ones after are there") {
 TEST_CASE("lost commands are missed one by one and brake at the tenth") {
   Rig nine("lost/command@100+9"), ten("lost/command@100+10");
   for (std::uint64_t t = 0; t <= 112; ++t) {
-    nine.tick(), ten.tick();
+    nine.tick();
+    ten.tick();
     // The command written in tick t is seen in t + 1: tick 100's is missed in 101.
     const std::uint64_t missed = t < 101 ? 0 : std::min<std::uint64_t>(t - 100, 10);
     if (t > 1 && t <= 109) CHECK(nine.device.controller().missed_commands() == missed);
@@ -342,8 +343,10 @@ TEST_CASE("an unplugged device is gone at once, brakes by itself, and is back wh
   CHECK(rig.sampled_at() == 150);
   CHECK(rig.input.sample.state == DeviceState::kBrake);
   rig.ticks(5);
-  rig.command.rearm = 1, rig.tick();
-  rig.command.rearm = 0, rig.ticks(6);
+  rig.command.rearm = 1;
+  rig.tick();
+  rig.command.rearm = 0;
+  rig.ticks(6);
   CHECK(rig.input.sample.state == DeviceState::kForce);
   CHECK(rig.pushes(2.0));
 }
@@ -396,7 +399,8 @@ TEST_CASE("two devices with the same arguments and commands give the same bits",
   Rig a(faults, 2), b(faults, 2);
   for (int i = 0; i < 2000; ++i) {
     a.command.wrench = b.command.wrench = {{std::sin(0.01 * i), 1, 2}, {0.1, 0.2, -0.1}};
-    a.tick(), b.tick();
+    a.tick();
+    b.tick();
     REQUIRE(a.input.status == b.input.status);
     REQUIRE(a.input.sample.sequence == b.input.sample.sequence);
     REQUIRE(a.input.sample.device_from_tool == b.input.sample.device_from_tool);
@@ -411,7 +415,11 @@ TEST_CASE("reading and writing neither allocate nor lock", "[no-asan][no-tsan]")
   rig.tick();
   TACTUS_NEEDS(test::RtGuard::available(), "counting allocations needs a build without a sanitizer");
   const test::RtGuard guard;
-  for (int i = 0; i < 5000; ++i) rig.device.read(rig.input), ++rig.command.sequence, rig.device.write(rig.command);
+  for (int i = 0; i < 5000; ++i) {
+    rig.device.read(rig.input);
+    ++rig.command.sequence;
+    rig.device.write(rig.command);
+  }
   CHECK(guard.allocations() == 0);
   CHECK(guard.frees() == 0);
   CHECK(guard.locks() == 0);

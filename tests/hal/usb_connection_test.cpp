@@ -19,7 +19,8 @@ TEST_CASE("USB: a device is described by serial, port and speed, and by what is 
   UsbDeviceInfo info{
       .serial = "A1", .port = "1-2.4", .speed = "high", .release = 0x0100, .protocol_version = 1, .problem = {}};
   CHECK(describe(info) == "serial A1, port 1-2.4, high speed");
-  info.serial.clear(), info.problem = "no permission";
+  info.serial.clear();
+  info.problem = "no permission";
   CHECK(describe(info) == "serial unknown, port 1-2.4, high speed (no permission)");
 }
 

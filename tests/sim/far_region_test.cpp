@@ -46,7 +46,9 @@ TEST_CASE("A far stack presses as hard and sinks as deep as one near the proxy: 
 TEST_CASE("What is near the proxy does not notice how the far region is stepped, bit by bit") {
   Bench alone(with_stacks({0})), beside(with_stacks({0, 3})), as_often(with_stacks({0, 3}, 4));
   for (int i = 0; i < 50; ++i) {
-    alone.run(1), beside.run(1), as_often.run(1);
+    alone.run(1);
+    beside.run(1);
+    as_often.run(1);
     for (BodyId id = 2; id < 5; ++id) REQUIRE(alone.motion(id) == beside.motion(id));
   }
   CHECK_FALSE(beside.motion(5) == as_often.motion(5));

@@ -41,7 +41,9 @@ Scene floating(unsigned balls) {
 
 GlobalOptions slow_device() {
   GlobalOptions options;
-  options.reach.max_speed_m_per_s = 1e-3, options.reach.max_angular_speed_rad_per_s = 0, options.reach.margin_m = 0;
+  options.reach.max_speed_m_per_s = 1e-3;
+  options.reach.max_angular_speed_rad_per_s = 0;
+  options.reach.margin_m = 0;
   return options;
 }
 
@@ -193,7 +195,8 @@ TEST_CASE("A joiner comes whole, bit by bit, with the impulses of its contacts")
   REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{2});
   // It overlaps by less than the slop: it touches, and nothing pushes.
   auto member = motion(2, bench.body(1).motion.pose.position + Vec3d{0, 0, kSide_m - 5e-6}, {});
-  member.motion.pose.rotation = {}, member.motion.velocity = {};
+  member.motion.pose.rotation = {};
+  member.motion.velocity = {};
   REQUIRE(bench.report->members.try_push(member));
   bench.step();
   REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{0, 1, 2});
@@ -251,7 +254,9 @@ TEST_CASE("Friction of the sub-world reaches the outside body, in replay as it i
   options.border_mode = physics::BorderMode::kReplay;
   Bench bench(floating(3), options);
   haptics::BorderReturn entry;
-  entry.member = 0, entry.outside = 1, entry.point = bench.body(1).motion.pose.position;
+  entry.member = 0;
+  entry.outside = 1;
+  entry.point = bench.body(1).motion.pose.position;
   entry.tangent_impulse = {0, 0.3, -0.1};
   REQUIRE(bench.report->border.try_push(entry));
   bench.step();

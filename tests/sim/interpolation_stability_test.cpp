@@ -35,7 +35,8 @@ bool dies_out(double proxy_kg, unsigned ratio, double stiffness, double damping)
   config.scheme = CouplingScheme::kInterpolation;
   config.ratio = ratio;
   config.step.dt = kTick_s;
-  config.gains.stiffness_N_per_m = stiffness, config.gains.damping_Ns_per_m = damping;
+  config.gains.stiffness_N_per_m = stiffness;
+  config.gains.damping_Ns_per_m = damping;
   config.capacities = {.bodies = 1, .fixed_bodies = 1, .pairs = 1, .contacts = 1, .border_contacts = 1};
   haptics::SubWorld sub_world(config, {});
   const auto snapshot = std::make_unique<haptics::WorldSnapshot>();
@@ -69,7 +70,10 @@ bool dies_out(double proxy_kg, unsigned ratio, double stiffness, double damping)
 // By halves: up to where the matrix of a cycle is stable with just this mass.
 double boundary(const InterpolatedProxy& proxy, double damping) {
   double stable = 1, unstable = 1;
-  while (haptics::interpolation_is_stable(device(), proxy, unstable, damping)) stable = unstable, unstable *= 1.1;
+  while (haptics::interpolation_is_stable(device(), proxy, unstable, damping)) {
+    stable = unstable;
+    unstable *= 1.1;
+  }
   for (int i = 0; i < 20; ++i) {
     const double between = 0.5 * (stable + unstable);
     (haptics::interpolation_is_stable(device(), proxy, between, damping) ? stable : unstable) = between;
@@ -127,7 +131,7 @@ TEST_CASE(
   CHECK(haptics::interpolation_stiffness_limit(device(), {0.1, 0, 10}, 5) == 0);
   CHECK(haptics::interpolation_stiffness_limit(device(), {0.1, 10, 10}, 1e4) == 0);
   AxisLimits late = device();
-  late.delay_s = 2 * haptics::kMostDelayTicks * kTick_s;
+  late.delay_s = 2 * haptics::kMaxDelayTicks * kTick_s;
   const double limit = haptics::interpolation_stiffness_limit(late, {0.1, 10, 10}, 1);
   CHECK(limit >= 0);
   CHECK(limit <= haptics::uncoupled_stiffness_limit(late, 1));

@@ -45,7 +45,7 @@ TEST_CASE("A triangle that a body cannot reach has no contact with it, neither n
     const auto [body, bound] = random_case(hulls, random);
     const Posed& now = body.motion.pose;
     const physics::MeshReach reach(made.mesh, body, now, bound, {}, settings, hulls);
-    const Posed then{now.position + random.uniform() * bound.advance, now.rotation};
+    const Posed then{now.position + random(0, 1) * bound.advance, now.rotation};
     for (std::uint32_t t = 0; t < made.mesh.triangles.size(); ++t) {
       if (reach.reaches(t)) {
         ++reached;

@@ -49,7 +49,9 @@ struct Builder {
 Builder heap() {
   Builder builder;
   PileSpec spec;
-  spec.count = 96, spec.layers = 4, spec.friction = 0.5;
+  spec.count = 96;
+  spec.layers = 4;
+  spec.friction = 0.5;
   for (auto body : make_pile(spec)) builder.add(body);
   return builder;
 }
@@ -83,7 +85,8 @@ TEST_CASE("Until somebody falls asleep the effect changes no bit, and not declar
   std::uint32_t steps = 0;
   for (; with.world.statistics().fell_asleep == 0 && steps < 500; ++steps) {
     REQUIRE(with.world.state_hash() == without.world.state_hash());
-    with.step(), without.step();
+    with.step();
+    without.step();
   }
   CHECK(steps >= kSlowSteps);
   CHECK(steps < 500);
@@ -130,7 +133,8 @@ TEST_CASE("A heap that a feather wakes does not jolt: speeds, energy and overlap
   CHECK(deepest == Approx(overlap_m).epsilon(0.1));
   for (int i = 0; i < 200; ++i) {
     bench.step();
-    fastest = std::max(fastest, bench.fastest()), highest_J = std::max(highest_J, bench.energy_J());
+    fastest = std::max(fastest, bench.fastest());
+    highest_J = std::max(highest_J, bench.energy_J());
     if (bench.world.statistics().asleep == 0) deepest = std::max(deepest, bench.deepest_m());
   }
   CAPTURE(fastest, deepest, overlap_m, highest_J - energy_J);
@@ -182,7 +186,8 @@ TEST_CASE("Whatever hangs together with a member never sleeps") {
   builder.scene.bodies[0].gravity_scale = 1;
   GlobalOptions options;
   options.extraction.cap = 2;
-  options.reach.max_speed_m_per_s = 0.01, options.reach.max_angular_speed_rad_per_s = 0;
+  options.reach.max_speed_m_per_s = 0.01;
+  options.reach.max_angular_speed_rad_per_s = 0;
   Bench bench(builder.scene, options);
   bench.run_until_asleep(5);
   bench.run(200);
@@ -199,7 +204,9 @@ TEST_CASE("An impulse handed back to a sleeping body wakes it and is not lost") 
   Bench bench(builder.scene, options);
   bench.run_until_asleep(1);
   haptics::BorderReturn entry;
-  entry.member = 0, entry.outside = first, entry.point = bench.motion(first).pose.position;
+  entry.member = 0;
+  entry.outside = first;
+  entry.point = bench.motion(first).pose.position;
   entry.tangent_impulse = {-0.4, 0, 0};
   REQUIRE(bench.report->border.try_push(entry));
   bench.step();
@@ -248,7 +255,8 @@ TEST_CASE("Falling asleep and waking up give the same bits twice") {
   builder.add_feather({0.01, 0.01, 0.5}, 0.1);
   Bench one(builder.scene), two(builder.scene);
   for (int i = 0; i < 500; ++i) {
-    one.step(), two.step();
+    one.step();
+    two.step();
     REQUIRE(one.world.state_hash() == two.world.state_hash());
   }
   CHECK(one.world.statistics().woke_up >= 100);

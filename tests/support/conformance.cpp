@@ -83,7 +83,10 @@ std::string ConformanceDevice::answer(const std::string& line) {
 
 void ConformanceDevice::restart() {
   device_.emplace(bench_config(), make_identity(DeviceClass::kUnknown, "T0042"));
-  inputs_ = {}, outputs_ = {}, splitter_ = {}, commands_ = {};
+  inputs_ = {};
+  outputs_ = {};
+  splitter_ = {};
+  commands_ = {};
   states_.emplace(1000);
 }
 
@@ -99,7 +102,9 @@ void ConformanceDevice::split(const std::string& what, const std::vector<std::by
   StateFrame state;
   if (what == "split-command" && decode_command(bytes, command) == DecodeError::kNone) {
     const auto pair = split_command(command);
-    out[0] = pair[0], out[1] = pair[1], count = kCommandFragments;
+    out[0] = pair[0];
+    out[1] = pair[1];
+    count = kCommandFragments;
   } else if (what == "split-state" && decode_state(bytes, state) == DecodeError::kNone) {
     count = splitter_.split(state, out);
   }

@@ -79,7 +79,8 @@ class HostileSession {
   // At most `ticks`, until the script ends or something is violated.
   Hostilities run(std::uint64_t ticks) {
     while (found_.violated == nullptr && found_.ticks < ticks && !script_.empty()) tick();
-    found_.fresh = device_.counters().fresh, found_.corrupt = device_.counters().corrupt;
+    found_.fresh = device_.counters().fresh;
+    found_.corrupt = device_.counters().corrupt;
     return found_;
   }
 
@@ -105,7 +106,8 @@ class HostileSession {
     device_.read(in_.device);
     loop_.tick(in_, out_);
     device_.write(out_.command);
-    ++found_.ticks, found_.faults += out_.fault != before && out_.fault != Fault::kNone ? 1 : 0;
+    ++found_.ticks;
+    found_.faults += out_.fault != before && out_.fault != Fault::kNone ? 1 : 0;
     judge();
   }
 
@@ -118,18 +120,24 @@ class HostileSession {
       }
       return;
     }
-    ++frame_.sequence, frame_.time_us += 1000;
-    if ((what & 4u) != 0) frame_.sequence = script_.word(), frame_.time_us = script_.word();
+    ++frame_.sequence;
+    frame_.time_us += 1000;
+    if ((what & 4u) != 0) {
+      frame_.sequence = script_.word();
+      frame_.time_us = script_.word();
+    }
     for (std::int32_t& count : frame_.counts) {
       const int step = static_cast<std::int8_t>(script_.byte()) / 4;
       count = (what & 2u) != 0 ? static_cast<std::int32_t>(script_.word()) : firmware::count_difference(count, step);
     }
     if ((what & 128u) != 0) {
       frame_.state = static_cast<firmware::State>(script_.byte() & 3u);
-      frame_.fault = script_.byte(), frame_.limits = script_.byte();
+      frame_.fault = script_.byte();
+      frame_.limits = script_.byte();
     } else {  // does as it is told
       frame_.state = static_cast<firmware::State>(out_.command.wanted);
-      frame_.fault = 0, frame_.limits = 0;
+      frame_.fault = 0;
+      frame_.limits = 0;
     }
     firmware::encode_state(frame_, std::span(link_.bytes).first<firmware::kStateFrameSize>());
     link_.next = {firmware::kStateFrameSize, 1, 0};

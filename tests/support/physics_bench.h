@@ -34,10 +34,10 @@ struct PhysicsBench {
   }
   void run_seconds(double seconds) { run(static_cast<int>(std::lround(seconds / settings.dt))); }
 
-  physics::Body& body(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))]; }
+  physics::Body& body(BodyId id) { return *world.find(id); }
   Vec3d& position(BodyId id) { return body(id).motion.pose.position; }
   Twistd& velocity(BodyId id) { return body(id).motion.velocity; }
-  std::uint32_t slot(BodyId id) { return static_cast<std::uint32_t>(world.slot_of(id)); }
+  physics::SlotIndex slot(BodyId id) { return *world.slot_of(id); }
   double h() const { return settings.dt / static_cast<double>(settings.sub_steps); }
 
   // The ground z = 0, tilted so that downhill is +x.

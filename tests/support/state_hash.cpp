@@ -9,7 +9,10 @@
 
 int main(int count, char** words) {
   using namespace tactus;
-  const auto fail = [](const std::string& why) { return std::fprintf(stderr, "state_hash: %s\n", why.c_str()), 2; };
+  const auto fail = [](const std::string& why) {
+    std::fprintf(stderr, "state_hash: %s\n", why.c_str());
+    return 2;
+  };
   if (count != 3) return fail("usage: state_hash SCENE TICKS");
   auto scene = sim::load_scene(words[1]);
   if (!scene.ok()) return fail(scene.message());

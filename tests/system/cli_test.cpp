@@ -213,7 +213,8 @@ TEST_CASE("the name of a file that is no UTF-8 does no harm to --json") {
     CHECK(output.exit_code == (command.starts_with("config") ? 2 : 0));
     CHECK(nlohmann::json::parse(output.out, nullptr, /*allow_exceptions=*/false).is_object());
   }
-  std::filesystem::remove(scene), std::filesystem::remove(tape);
+  std::filesystem::remove(scene);
+  std::filesystem::remove(tape);
 }
 
 TEST_CASE("a service that is told to stop ends well, where a run with a latched fault does not") {

@@ -35,7 +35,10 @@ class Controller {
     while (exchange("state\n").find("ticks") == std::string::npos && is_running()) usleep(10'000);
   }
   ~Controller() {
-    if (is_running()) kill(process_, SIGKILL), waitpid(process_, &status_, 0);
+    if (is_running()) {
+      kill(process_, SIGKILL);
+      waitpid(process_, &status_, 0);
+    }
     std::filesystem::remove_all(folder_);
   }
 

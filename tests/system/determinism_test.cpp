@@ -183,7 +183,10 @@ TEST_CASE("a replay says what a damaged record took, and goes on at the next key
     for (loop::TickRecord tick; in.value()->next(record) == loop::TapeRead::kRecord;) {
       if (record.kind != loop::kTickRecord) continue;
       std::memcpy(&tick, record.payload.data(), sizeof tick);
-      if (tick.out.tick == 300) damaged_at = record.offset, size = 12 + record.payload.size();
+      if (tick.out.tick == 300) {
+        damaged_at = record.offset;
+        size = 12 + record.payload.size();
+      }
     }
   }
   REQUIRE(damaged_at > 0);

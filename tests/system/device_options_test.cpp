@@ -47,12 +47,15 @@ TEST_CASE("a device option that names nothing is one line that says what is acce
 
 TEST_CASE("what a real device cannot do is refused before anything is opened") {
   session::RunOptions options;
-  options.device = "usb", options.virtual_time = true;
+  options.device = "usb";
+  options.virtual_time = true;
   CHECK_THAT(check_options(options).message(), Contains("--virtual-time") && Contains("accepted: "));
-  options.virtual_time = false, options.inject = "stall@5+5,lost@100";
+  options.virtual_time = false;
+  options.inject = "stall@5+5,lost@100";
   CHECK_THAT(check_options(options).message(), Contains("--inject") && Contains("usb") && Contains("accepted: "));
   options = {};
-  options.virtual_time = true, options.gpio = "chip=gpiochip0,estop=0";
+  options.virtual_time = true;
+  options.gpio = "chip=gpiochip0,estop=0";
   CHECK_THAT(check_options(options).message(), Contains("--gpio") && Contains("accepted: "));
   options = {};
   options.gpio = "estop=0";
@@ -68,8 +71,11 @@ TEST_CASE("a tape brings back every property of the device, to the bit") {
   options.scene = "here/x.toml";
   haptics::DeviceProperties device;
   device.has_rotation = false;
-  device.max_force_N = 12.1, device.delay_s = 1.0 / 3.0, device.coulomb_friction_Nm = 4.9e-324;
-  device.workspace_radius_m = 0.1 + 0.2, device.inertia_kg_m2 = 1e-3 / 7;
+  device.max_force_N = 12.1;
+  device.delay_s = 1.0 / 3.0;
+  device.coulomb_friction_Nm = 4.9e-324;
+  device.workspace_radius_m = 0.1 + 0.2;
+  device.inertia_kg_m2 = 1e-3 / 7;
   const auto tape = session::from_tape_text(session::to_tape_text(options, device, "a scene", "title = \"x\""));
   INFO(tape.message());
   REQUIRE(tape.ok());

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kPeriod_ns = 1'000'000;
 // Of a motor's limit, in a period: 0.2 s from nothing to all, and what the hand does meanwhile.
-constexpr double kMostRise = 0.01;
+constexpr double kMaxRise = 0.01;
 constexpr int kPatience = 40, kBack = 350;  // ticks from a reset to the re-arm, and from there until all force is back
 
 enum class Wire { kUsb, kUsbLate, kClassicCan };
@@ -28,7 +28,8 @@ class ResetLink {
   // The device's program starts again, after so many periods without one.
   void restart(unsigned periods) {
     device_.set_powered(false);
-    splitter_ = {}, commands_ = {};
+    splitter_ = {};
+    commands_ = {};
     off_ = periods;
     if (off_ == 0) device_.set_powered(true);
   }
@@ -121,7 +122,8 @@ struct ResetRun {
     hardware.device = std::make_unique<hal::AnyDevice>(std::make_unique<Device>(profile, kPeriod_ns, std::move(any)));
     hardware.identity = "a link in this process";
     session::RunOptions options;
-    options.device = "usb", options.priority = 0;
+    options.device = "usb";
+    options.priority = 0;
     auto made = session::Session::create(scene_text(kPressScene), options, std::move(hardware));
     INFO(made.message());
     REQUIRE(made.ok());
@@ -145,7 +147,7 @@ struct ResetRun {
   }
   Fault fault() const { return run_output().fault; }
   const loop::TickOutput& run_output() const { return session->driver->output(); }
-  bool presses() const { return largest > 2 * kMostRise; }
+  bool presses() const { return largest > 2 * kMaxRise; }
 };
 
 }  // namespace
@@ -171,7 +173,7 @@ TEST_CASE("a device that is reset at any tick of a run gives its force back with
     r.ticks(kBack - 40 * reset, loop::kRearm);
     REQUIRE(r.fault() == Fault::kNone);
     CHECK(r.presses());
-    CHECK(r.rise <= kMostRise);
+    CHECK(r.rise <= kMaxRise);
   }
 }
 
@@ -187,6 +189,6 @@ TEST_CASE("a device that is reset while a run begins gives no step either") {
     CAPTURE(static_cast<int>(wire), at);
     CHECK(r.fault() == Fault::kNone);
     CHECK(r.presses());
-    CHECK(r.rise <= kMostRise);
+    CHECK(r.rise <= kMaxRise);
   }
 }

@@ -45,7 +45,10 @@ Observed observe(const std::string& script, bool rearm) {
     const bool sign = (out.status & (kFrameMissing | kInputRejected)) != 0 || out.fault != Fault::kNone;
     if (out.tick >= kFaultTick && sign && o.first_sign == 0) o.first_sign = out.tick;
     if (o.first_sign != 0 && size == 0 && o.zero_from == 0) o.zero_from = out.tick;
-    if (out.fault != Fault::kNone && o.latched_at == 0) o.latched_at = out.tick, o.fault = out.fault;
+    if (out.fault != Fault::kNone && o.latched_at == 0) {
+      o.latched_at = out.tick;
+      o.fault = out.fault;
+    }
     if (o.latched_at != 0 && out.fault == Fault::kNone && o.cleared_at == 0) o.cleared_at = out.tick;
     if (out.fault != Fault::kNone && out.tick > o.latched_at + 10 && size > 0) ++o.nonzero_while_latched;
     o.force_at_end_N = size;

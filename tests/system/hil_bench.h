@@ -35,7 +35,10 @@ class TamperedLink {
     }
     if (tampering_.repeat_state && tampering_.repeat_state(n)) std::copy(last_.begin(), last_.end(), bytes.begin());
     std::copy(bytes.begin(), bytes.end(), last_.begin());
-    if (tampering_.lose_state && tampering_.lose_state(n)) return ++lost_, hal::ReceivedFrame{};
+    if (tampering_.lose_state && tampering_.lose_state(n)) {
+      ++lost_;
+      return hal::ReceivedFrame{};
+    }
     return frame;
   }
   bool send(std::span<const std::byte> frame) noexcept { return bench.send(frame); }

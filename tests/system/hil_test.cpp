@@ -12,7 +12,8 @@ using hil::Verdict;
 TEST_CASE("hil: a good device passes every check that applies to it") {
   const char* profile = GENERATE("virtuose6d", "desk3d");
   hil::HilOptions options;
-  options.force_N = 2, options.soak_frames = 3000;
+  options.force_N = 2;
+  options.soak_frames = 3000;
   HilBench bench({}, options, profile);
   const hil::SuiteReport report = run_suite(bench.bench, {{}, true}, {});
   CHECK(report.checks.size() == hil::all_checks().size());
@@ -130,7 +131,10 @@ TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
   }
   SECTION("an e-stop that is told and does not brake") {
     HilBench bench({.alter_state = [](std::uint64_t, firmware::StateFrame& f) {
-      if (f.state == State::kBrake) f.state = State::kForce, f.fault = 0;
+      if (f.state == State::kBrake) {
+        f.state = State::kForce;
+        f.fault = 0;
+      }
     }});
     const auto finding = bench.check("e-stop");
     CHECK(finding.verdict == Verdict::kBad);
@@ -149,7 +153,10 @@ TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
   }
   SECTION("an e-stop that is forgotten when it is released") {
     HilBench bench({.alter_state = [&](std::uint64_t, firmware::StateFrame& f) {
-      if (f.fault == 2 && (f.limits & stop_line) == 0) f.state = State::kIdle, f.fault = 0;
+      if (f.fault == 2 && (f.limits & stop_line) == 0) {
+        f.state = State::kIdle;
+        f.fault = 0;
+      }
     }});
     CHECK_THAT(bench.check("e-stop").reason, Contains("re-arm"));
   }
@@ -192,7 +199,8 @@ TEST_CASE("hil: a check that leaves the device in BRAKE for good is bad, whateve
 
 TEST_CASE("hil: on the loop's own thread every period is a record") {
   hil::HilOptions options;
-  options.quiet_s = 0.3, options.judge_timing = false;
+  options.quiet_s = 0.3;
+  options.judge_timing = false;
   options.setup = {.priority = 0, .lock_memory = false, .hold_cpu_awake = false};
   const auto& profile = *hal::find_profile("desk3d");
   hal::AnyLink link(std::make_unique<hil::SimulatedBench>(profile, kHilPeriod_ns));

@@ -35,7 +35,9 @@ struct LinkedRun {
     hardware.device = std::make_unique<hal::AnyDevice>(std::make_unique<Device>(profile, kPeriod_ns, std::move(link)));
     hardware.identity = "a link in this process";
     session::RunOptions options;
-    options.device = "usb", options.priority = 0, options.duration_s = 2;
+    options.device = "usb";
+    options.priority = 0;
+    options.duration_s = 2;
     auto made = session::Session::create(scene_text(kPressScene), options, std::move(hardware));
     INFO(made.message());
     REQUIRE(made.ok());

@@ -24,7 +24,7 @@ constexpr bool kSanitized = __has_feature(address_sanitizer);
 constexpr bool kSanitized = false;
 #endif
 // Bodies x ticks of a run that a build with a sanitizer still does: it takes ten times as long.
-constexpr std::uint64_t kMostSanitized = 100'000;
+constexpr std::uint64_t kMaxSanitized = 100'000;
 
 struct Row {
   std::string scene, coupling, border;
@@ -61,9 +61,15 @@ std::string observed(const Row& row) {
   auto session = make_session(scene_file(row.scene), options);
   Fnv1a hash;
   run(*session, row.ticks, [&](const loop::TickOutput& out) {
-    hash.add(out.status), hash.add(out.members), hash.add(out.border);
+    hash.add(out.status);
+    hash.add(out.members);
+    hash.add(out.border);
     const auto& wrench = out.command.wrench;
-    for (const Vec3d& v : {wrench.force, wrench.torque}) hash.add(v.x), hash.add(v.y), hash.add(v.z);
+    for (const Vec3d& v : {wrench.force, wrench.torque}) {
+      hash.add(v.x);
+      hash.add(v.y);
+      hash.add(v.z);
+    }
     return true;
   });
   hash.add(session->loop->state_hash());
@@ -86,7 +92,7 @@ void check_scenes(std::size_t part, std::size_t parts) {
     if (first != part) continue;
     const std::uint64_t bodies = scene_file(scene).bodies.size();
     for (const Row& row : rows) {
-      if (kSanitized && bodies * row.ticks > kMostSanitized) continue;
+      if (kSanitized && bodies * row.ticks > kMaxSanitized) continue;
       std::ostringstream line;
       line << row.scene << ' ' << row.coupling << ' ' << row.border << ' ' << row.members << ' ' << row.ticks << ' ';
       const std::string hash = observed(row);

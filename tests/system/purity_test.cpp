@@ -31,7 +31,9 @@ TEST_CASE("a hundred thousand ticks of the haptic thread allocate nothing, lock 
       timed_tick({}, [&]() noexcept { return session->operator_bits(); });
       session->count_tick();
       if (tick >= kWarmUp) {
-        allocations += guard.allocations(), frees += guard.frees(), locks += guard.locks();
+        allocations += guard.allocations();
+        frees += guard.frees();
+        locks += guard.locks();
         faults += guard.minor_faults() + guard.major_faults();
       }
     }

@@ -65,7 +65,8 @@ TEST_CASE("trials are equal: after a reset the hand goes its path anew, with the
   double apart_N = 0, most_N = 0, most_first_N = 0;
   for (std::size_t tick = 0; tick < 1400; ++tick) {
     apart_N = std::max(apart_N, std::abs(forces_N[2][tick] - forces_N[1][tick]));
-    most_first_N = std::max(most_first_N, forces_N[0][tick]), most_N = std::max(most_N, forces_N[1][tick]);
+    most_first_N = std::max(most_first_N, forces_N[0][tick]);
+    most_N = std::max(most_N, forces_N[1][tick]);
   }
   CHECK(most_N > 1.5);
   CHECK(apart_N < 1e-3 * most_N);

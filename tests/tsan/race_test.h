@@ -15,7 +15,9 @@ class Delays {
   explicit Delays(std::uint64_t seed) : state_(seed) {}
 
   std::uint64_t random() {
-    state_ ^= state_ >> 12, state_ ^= state_ << 25, state_ ^= state_ >> 27;
+    state_ ^= state_ >> 12;
+    state_ ^= state_ << 25;
+    state_ ^= state_ >> 27;
     return state_ * 0x2545f4914f6cdd1dull >> 16;
   }
   void maybe_wait() {

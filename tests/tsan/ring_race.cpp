@@ -68,7 +68,8 @@ void consume(Ring& ring, const std::atomic<bool>& done) {
     const auto number = static_cast<std::uint32_t>(next);
     require(record.size == size_of(number) % kMaxPayload, "size", next);
     for (std::uint32_t i = 0; i < record.size; ++i) require(payload[i] == byte_of(number, i), "payload torn", next);
-    ++next, ++records;
+    ++next;
+    ++records;
     delays.maybe_wait();
   }
   require(lost <= ring.dropped(), "gaps told are drops", lost);

@@ -46,7 +46,9 @@ void run(const std::string& command) {
 
 firmware::Config configuration() {
   firmware::Config config;
-  config.quantum.fill(1e-5f), config.max_effort.fill(30.0f), config.max_speed.fill(10.0f);
+  config.quantum.fill(1e-5f);
+  config.max_effort.fill(30.0f);
+  config.max_speed.fill(10.0f);
   config.max_force_N = config.max_torque_Nm = 35.0f;
   return config;
 }
@@ -106,7 +108,9 @@ struct Host {
 
   bool sends(firmware::State wanted, bool rearm = false) {
     firmware::CommandFrame command;
-    command.wanted = wanted, command.rearm = rearm, command.sequence = ++sequence;
+    command.wanted = wanted;
+    command.rearm = rearm;
+    command.sequence = ++sequence;
     command.effort = {1.0f, -2.0f, 0.5f, 0.25f, 0.0f, -0.125f};
     std::array<std::byte, firmware::kCommandFrameSize> bytes;
     firmware::encode_command(command, bytes);
@@ -149,7 +153,8 @@ struct Node {
   bool send(const can_frame& frame) const { return write(socket, &frame, sizeof frame) == sizeof frame; }
   void error(std::uint32_t what) const {
     can_frame frame{};
-    frame.can_id = CAN_ERR_FLAG | what, frame.can_dlc = CAN_ERR_DLC;
+    frame.can_id = CAN_ERR_FLAG | what;
+    frame.can_dlc = CAN_ERR_DLC;
     REQUIRE(send(frame));
   }
 };
@@ -216,8 +221,14 @@ TEST_CASE("bus-off disconnects the host and silences the device until the restar
   REQUIRE(board.device.controller().state() == firmware::State::kForce);
   const Node bus("vcan0");
   bus.error(CAN_ERR_BUSOFF);
-  REQUIRE(soon([&] { return (void)host.receives(), !host.link->connected(); }));
-  REQUIRE(soon([&] { return board.period(), board.link.bus_off(); }));
+  REQUIRE(soon([&] {
+    (void)host.receives();
+    return !host.link->connected();
+  }));
+  REQUIRE(soon([&] {
+    board.period();
+    return board.link.bus_off();
+  }));
   const std::uint64_t states = board.link.counters().states;
   for (int i = 0; i < 12; ++i) board.period();
   CHECK(board.link.counters().states == states);
@@ -226,8 +237,14 @@ TEST_CASE("bus-off disconnects the host and silences the device until the restar
   CHECK(host.link->counters().disconnects == 1);
 
   bus.error(CAN_ERR_RESTARTED);
-  REQUIRE(soon([&] { return board.period(), !board.link.bus_off(); }));
-  REQUIRE(soon([&] { return board.period(), host.receives(); }));
+  REQUIRE(soon([&] {
+    board.period();
+    return !board.link.bus_off();
+  }));
+  REQUIRE(soon([&] {
+    board.period();
+    return host.receives();
+  }));
   CHECK(host.link->connected());
   CHECK(host.link->bus_errors().restarted == 1);
 }
@@ -239,10 +256,16 @@ TEST_CASE("error frames of other kinds are counted and disconnect nobody") {
   const Node bus("vcan0");
   bus.error(CAN_ERR_LOSTARB);
   can_frame passive{};
-  passive.can_id = CAN_ERR_FLAG | CAN_ERR_CRTL | CAN_ERR_CNT, passive.can_dlc = CAN_ERR_DLC;
-  passive.data[1] = CAN_ERR_CRTL_TX_PASSIVE, passive.data[6] = 130, passive.data[7] = 7;
+  passive.can_id = CAN_ERR_FLAG | CAN_ERR_CRTL | CAN_ERR_CNT;
+  passive.can_dlc = CAN_ERR_DLC;
+  passive.data[1] = CAN_ERR_CRTL_TX_PASSIVE;
+  passive.data[6] = 130;
+  passive.data[7] = 7;
   REQUIRE(bus.send(passive));
-  REQUIRE(soon([&] { return (void)host.receives(), host.link->counters().errors == 2; }));
+  REQUIRE(soon([&] {
+    (void)host.receives();
+    return host.link->counters().errors == 2;
+  }));
   const hal::CanBusErrors errors = host.link->bus_errors();
   CHECK((errors.arbitration_lost == 1 && errors.error_passive == 1));
   CHECK((errors.tx_errors == 130 && errors.rx_errors == 7));
@@ -257,12 +280,18 @@ TEST_CASE("an interface that goes down and comes up again is connected again by 
   REQUIRE(host.link->start().ok());
   exchange(board, host, firmware::State::kIdle);
   run("/bin/ip link set " + name + " down");
-  REQUIRE(soon([&] { return (void)host.receives(), !host.link->connected(); }));
+  REQUIRE(soon([&] {
+    (void)host.receives();
+    return !host.link->connected();
+  }));
   CHECK_FALSE(host.sends(firmware::State::kIdle));
   CHECK(host.link->counters().disconnects == 1);
   CHECK(host.link->counters().send_failed == 1);
   run("/bin/ip link set " + name + " up");
-  REQUIRE(soon([&] { return board.period(), host.receives(); }));
+  REQUIRE(soon([&] {
+    board.period();
+    return host.receives();
+  }));
   CHECK(host.link->connected());
   exchange(board, host, firmware::State::kIdle);
 }
@@ -273,10 +302,16 @@ TEST_CASE("an adapter that is pulled out and put back is bound again") {
   Host host{opened(*board, {.interface = "vcan7"}), {}};
   REQUIRE(host.link->start().ok());
   run("/bin/ip link del vcan7");
-  REQUIRE(soon([&] { return (void)host.receives(), !host.link->connected(); }));
+  REQUIRE(soon([&] {
+    (void)host.receives();
+    return !host.link->connected();
+  }));
   run("/bin/ip link add vcan7 type vcan && /bin/ip link set vcan7 up");
   board = std::make_unique<Board>("vcan7", false);
-  REQUIRE(soon([&] { return board->period(), host.receives(); }));
+  REQUIRE(soon([&] {
+    board->period();
+    return host.receives();
+  }));
   CHECK(host.link->connected());
   exchange(*board, host, firmware::State::kIdle);
   run("/bin/ip link del vcan7");
@@ -299,9 +334,12 @@ TEST_CASE("a babbling node costs a bounded number of frames a look, each one cou
     }
     const std::uint64_t before = host.link->counters().malformed;
     (void)host.receives();
-    CHECK(host.link->counters().malformed - before <= CanLink::kMostFrames + CanSocket::kBatch * CanLink::kMostWakes);
+    CHECK(host.link->counters().malformed - before <= CanLink::kMaxFrames + CanSocket::kBatch * CanLink::kMaxWakes);
   }
-  REQUIRE(soon([&] { return board.period(), host.receives(); }));
+  REQUIRE(soon([&] {
+    board.period();
+    return host.receives();
+  }));
   const hal::CanBusErrors errors = host.link->bus_errors();
   const auto seen = host.link->counters().malformed - errors.incomplete, dropped = errors.queue_full;
   CHECK(seen + dropped >= (our_identifiers ? babbled : 0));
@@ -327,7 +365,7 @@ TEST_CASE("a queue that ran over is empty after one look, its losses are counted
   for (int i = 0; i < 300; ++i) board.period();
   std::this_thread::sleep_for(500ms);
   REQUIRE(host.receives());
-  CHECK(host.link->counters().received <= CanLink::kMostFrames / 3);
+  CHECK(host.link->counters().received <= CanLink::kMaxFrames / 3);
   CHECK_FALSE(host.receives());
   for (int i = 0; i < 12; ++i) {
     board.period();

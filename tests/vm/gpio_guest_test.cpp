@@ -62,7 +62,10 @@ TEST_CASE("the e-stop's level is known from the start and followed by its edges"
   CHECK(soon([&] { return lines->estop() == !active_at_start; }));
   pull(3, active_at_start != low);
   CHECK(soon([&] { return lines->estop() == active_at_start; }));
-  CHECK(soon([&] { return lines->estop(), lines->counters().estop_edges == 2; }));
+  CHECK(soon([&] {
+    lines->estop();
+    return lines->counters().estop_edges == 2;
+  }));
   CHECK(lines->estop() == active_at_start);
   CHECK(lines->counters().read_failed == 0);
 }
@@ -76,7 +79,10 @@ TEST_CASE("a stop that was there and went between two looks is seen once") {
     pull(3, edge == 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the edge is in the queue, nobody looked
   }
-  CHECK(soon([&] { return seen += lines->estop() ? 1 : 0, lines->counters().estop_edges == 2; }));
+  CHECK(soon([&] {
+    seen += lines->estop() ? 1 : 0;
+    return lines->counters().estop_edges == 2;
+  }));
   CHECK(seen == 1);
   CHECK_FALSE(lines->estop());
 }
@@ -117,7 +123,8 @@ TEST_CASE("outputs start inactive and follow what is asked") {
 
 TEST_CASE("lines that are not in the options do nothing") {
   const auto lines = opened({.probe = GpioLine{5, false}});
-  lines->enable(true), lines->heartbeat();
+  lines->enable(true);
+  lines->heartbeat();
   CHECK(value_of(4) == 0);
   CHECK(lines->counters().write_failed == 0);
 }

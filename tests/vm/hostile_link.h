@@ -58,10 +58,13 @@ class HostileLink {
     std::array<std::byte, firmware::kMaxFrameSize> bytes{};
     std::size_t size = std::min(frame.size(), bytes.size());
     std::copy_n(frame.begin(), size, bytes.begin());
-    if (holds(faults.repeated_states) && last_state_size_ > 0)
-      size = last_state_size_, bytes = last_state_;
-    else
-      last_state_size_ = size, last_state_ = bytes;
+    if (holds(faults.repeated_states) && last_state_size_ > 0) {
+      size = last_state_size_;
+      bytes = last_state_;
+    } else {
+      last_state_size_ = size;
+      last_state_ = bytes;
+    }
     if (holds(faults.wild_states)) make_wild(std::span(bytes).first(size));
     if (holds(faults.corrupt_states)) flip_bits(std::span(bytes).first(size));
     if (holds(faults.odd_sizes)) size = random() % (firmware::kMaxFrameSize + 1);
@@ -105,8 +108,10 @@ class HostileLink {
         firmware::decode_state(bytes, frame) != firmware::DecodeError::kNone)
       return;
     for (std::int32_t& count : frame.counts) count = static_cast<std::int32_t>(random());
-    frame.time_us = random(), frame.limits = static_cast<std::uint16_t>(random());
-    frame.fault = static_cast<std::uint16_t>(random()), frame.missed_commands = static_cast<std::uint8_t>(random());
+    frame.time_us = random();
+    frame.limits = static_cast<std::uint16_t>(random());
+    frame.fault = static_cast<std::uint16_t>(random());
+    frame.missed_commands = static_cast<std::uint8_t>(random());
     frame.echoed_sequence = static_cast<std::uint32_t>(random());
     if (random() % 4 == 0) frame.sequence = static_cast<std::uint32_t>(random());
     firmware::encode_state(frame, bytes.template first<firmware::kStateFrameSize>());

@@ -86,7 +86,8 @@ class SimulatedBoard {
     for (unsigned i = 0; i < hal::kAxisCount; ++i)
       inputs.counts[i] = firmware::count_of(plant_.coordinates()[i], quantum_[i]);
     inputs.time_us = static_cast<std::uint64_t>(began_ns_) / 1000;
-    inputs.buttons = buttons, inputs.motor_bus_ok = motor_bus_ok;
+    inputs.buttons = buttons;
+    inputs.motor_bus_ok = motor_bus_ok;
     inputs.stop_line = stop_line.active();
   }
 
@@ -109,7 +110,9 @@ class SimulatedBoard {
     pushes_ = share > 0.0 ? pushes_ + 1 : 0;
     if (pushes_ == kSteady) std::printf("force period=%llu\n", count());
     if (share == 0.0 && stop_line.rose_ns() != told_stop_ns_) tell_stop();
-    state_ = state, fades_ = fades, share_ = share;
+    state_ = state;
+    fades_ = fades;
+    share_ = share;
   }
 
   // Effort over its limit, the worst of axes and norms; 1 is the limit.

@@ -41,7 +41,9 @@ bool soon(F&& holds) {
 
 firmware::Config configuration() {
   firmware::Config config;
-  config.quantum.fill(1e-5f), config.max_effort.fill(30.0f), config.max_speed.fill(10.0f);
+  config.quantum.fill(1e-5f);
+  config.max_effort.fill(30.0f);
+  config.max_speed.fill(10.0f);
   config.max_force_N = config.max_torque_Nm = 35.0f;
   return config;
 }
@@ -63,7 +65,10 @@ class Board {
     REQUIRE(error.empty());
     thread_ = std::jthread([this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
-        if (running) firmware::run_period(device, mechanics, link), ++periods;
+        if (running) {
+          firmware::run_period(device, mechanics, link);
+          ++periods;
+        }
         std::this_thread::sleep_for(1ms);
       }
     });
@@ -107,7 +112,10 @@ class Host {
     if (firmware::decode_state(std::span(buffer).first(frame.size), state) != firmware::DecodeError::kNone) ++broken;
     if (handed > 0 && !firmware::is_newer(state.sequence, newest.sequence)) ++backwards;
     if (frame.arrival_ns > MonotonicClock::now_ns() || frame.arrival_ns <= arrival_ns) ++backwards;
-    ++handed, superseded += frame.superseded, arrival_ns = frame.arrival_ns, newest = state;
+    ++handed;
+    superseded += frame.superseded;
+    arrival_ns = frame.arrival_ns;
+    newest = state;
     return true;
   }
   bool send() {
@@ -270,7 +278,10 @@ TEST_CASE("USB guest: unplugged is told at once, and plugged in again it goes on
   REQUIRE(link->start().ok());
   Host host(*link);
   for (unsigned cycle = 1; cycle <= 3; ++cycle) {
-    REQUIRE(soon([&] { return host.send(), host.receive(); }));
+    REQUIRE(soon([&] {
+      host.send();
+      return host.receive();
+    }));
     board.link.unplug();
     REQUIRE(soon([&] { return !link->connected(); }));
     CHECK(link->counters().disconnects == cycle);
@@ -284,7 +295,8 @@ TEST_CASE("USB guest: unplugged is told at once, and plugged in again it goes on
     REQUIRE(soon([&] { return link->connected(); }));
     const std::uint32_t before = host.sequence;
     REQUIRE(soon([&] {
-      host.send(), host.receive();
+      host.send();
+      host.receive();
       return host.handed > 0 && host.newest.echoed_sequence > before;  // both directions, with what was sent after
     }));
     CHECK(link->call(read_request(firmware::number::kFirmware, 1), 5s).ok());
@@ -309,7 +321,8 @@ TEST_CASE("USB guest: an endpoint that halts is cleared when the link opens and 
     const auto flows = [&] {
       const std::uint32_t before = host.sequence;
       return soon([&] {
-        host.send(), host.receive();
+        host.send();
+        host.receive();
         return host.handed > 0 && host.newest.echoed_sequence > before;
       });
     };
@@ -317,10 +330,15 @@ TEST_CASE("USB guest: an endpoint that halts is cleared when the link opens and 
     // Above the link's own threads, which use the endpoint all the time; it waits for the transfer that is under way.
     std::atomic<bool> halted{false};
     const std::jthread halting([&] {
-      (void)firmware::make_realtime(98, -1), board.link.halt(cycle % 4 < 2);
+      (void)firmware::make_realtime(98, -1);
+      board.link.halt(cycle % 4 < 2);
       halted = true;
     });
-    REQUIRE(soon([&] { return host.send(), host.receive(), halted.load(); }));
+    REQUIRE(soon([&] {
+      host.send();
+      host.receive();
+      return halted.load();
+    }));
     REQUIRE(flows());
     REQUIRE(flows());
     CHECK(link->connected());
@@ -376,12 +394,18 @@ class RawHost {
     libusb_init(&context_);
     REQUIRE(soon([&] {
       handle_ = libusb_open_device_with_vid_pid(context_, firmware::kUsbVendor, firmware::kUsbProduct);
-      if (handle_ == nullptr) libusb_exit(context_), libusb_init(&context_);  // a new look
+      if (handle_ == nullptr) {  // a new look
+        libusb_exit(context_);
+        libusb_init(&context_);
+      }
       return handle_ != nullptr;
     }));
     REQUIRE(soon([&] { return libusb_claim_interface(handle_, 0) == 0; }));
   }
-  ~RawHost() { libusb_close(handle_), libusb_exit(context_); }
+  ~RawHost() {
+    libusb_close(handle_);
+    libusb_exit(context_);
+  }
 
   int control(unsigned type, unsigned request, unsigned value, unsigned index, unsigned size) {
     return libusb_control_transfer(handle_, static_cast<std::uint8_t>(type), static_cast<std::uint8_t>(request),

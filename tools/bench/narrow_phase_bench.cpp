@@ -38,7 +38,8 @@ void boxes_collide(benchmark::State& state) {
   std::uint32_t points = 0;
   for (auto _ : state) {
     if (!remembers) cache = {};
-    benchmark::DoNotOptimize(lower), benchmark::DoNotOptimize(upper);
+    benchmark::DoNotOptimize(lower);
+    benchmark::DoNotOptimize(upper);
     const auto manifold = physics::collide(box, lower, box, upper, 0.01, cache);
     points = manifold.count;
     benchmark::DoNotOptimize(points);

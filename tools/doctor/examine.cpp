@@ -47,15 +47,30 @@ const char* name_of(Verdict verdict) {
 }
 
 Finding green(const char* check, std::string found) {
-  return {check, Verdict::kGreen, std::move(found), {}, {}, false};
+  return {.check = check,
+          .verdict = Verdict::kGreen,
+          .found = std::move(found),
+          .cure = {},
+          .commands = {},
+          .distorts = false};
 }
 
 Finding amber(const char* check, std::string found, std::string cure, std::string commands) {
-  return {check, Verdict::kAmber, std::move(found), std::move(cure), std::move(commands), false};
+  return {.check = check,
+          .verdict = Verdict::kAmber,
+          .found = std::move(found),
+          .cure = std::move(cure),
+          .commands = std::move(commands),
+          .distorts = false};
 }
 
 Finding red(const char* check, std::string found, std::string cure, std::string commands) {
-  return {check, Verdict::kRed, std::move(found), std::move(cure), std::move(commands), false};
+  return {.check = check,
+          .verdict = Verdict::kRed,
+          .found = std::move(found),
+          .cure = std::move(cure),
+          .commands = std::move(commands),
+          .distorts = false};
 }
 
 std::optional<std::string> boot_parameter(const SystemView& system, const std::string& name) {

@@ -19,14 +19,17 @@ class Gripper final : public tactus::Device {
     p.has_rotation = false;
     p.workspace_radius_m = 0.1;
     p.max_speed_m_per_s = 1.0;
-    p.max_force_N = 10.0, p.continuous_force_N = 5.0;
+    p.max_force_N = 10.0;
+    p.continuous_force_N = 5.0;
     p.max_torque_Nm = p.continuous_torque_Nm = 0.0;
-    p.mass_kg = kMass_kg, p.damping_Ns_per_m = kDamping_Ns_per_m;
+    p.mass_kg = kMass_kg;
+    p.damping_Ns_per_m = kDamping_Ns_per_m;
     return p;
   }
 
   tactus::Error start(double period_s) override {
-    period_s_ = period_s, time_s_ = position_m_ = velocity_m_per_s_ = force_N_ = 0;
+    period_s_ = period_s;
+    time_s_ = position_m_ = velocity_m_per_s_ = force_N_ = 0;
     return {};  // or what is wrong: {tactus::Error::Kind::kMachine, "no power: switch the device on"}
   }
 
@@ -60,7 +63,10 @@ int fail(const tactus::Error& error) {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count != 2) return std::fprintf(stderr, "usage: own_device SCENE\n"), 2;
+  if (count != 2) {
+    std::fprintf(stderr, "usage: own_device SCENE\n");
+    return 2;
+  }
   tactus::Scene scene;
   if (const tactus::Error error = scene.load(words[1])) return fail(error);
   Gripper gripper;  // outlives the session
@@ -74,8 +80,10 @@ int main(int count, char** words) {
       deepest_m = std::min(deepest_m, tick.tool_position_m[2]);
       most_N = std::max(most_N, tick.force_N[2]);
     }
-    if (session.last().fault != tactus::FaultCode::kNone)
-      return std::fprintf(stderr, "own_device: %s\n", std::string(tactus::describe(session.last().fault)).c_str()), 1;
+    if (session.last().fault != tactus::FaultCode::kNone) {
+      std::fprintf(stderr, "own_device: %s\n", std::string(tactus::describe(session.last().fault)).c_str());
+      return 1;
+    }
   }
   std::printf("down to %.1f mm, pushed up by %.2f N at most, %.1f %% of the time in contact\n", 1e3 * deepest_m, most_N,
               100.0 * static_cast<double>(session.summary().contact_ticks) / static_cast<double>(session.ticks_done()));

@@ -19,7 +19,10 @@ double newtons(const tactus::Tick& tick) { return std::hypot(tick.force_N[0], ti
 }  // namespace
 
 int main(int count, char** words) {
-  if (count < 2) return std::fprintf(stderr, "usage: real_time SCENE [SECONDS]\n"), 2;
+  if (count < 2) {
+    std::fprintf(stderr, "usage: real_time SCENE [SECONDS]\n");
+    return 2;
+  }
   tactus::Options options;
   options.real_time = true;
   options.inject = "lost@1000+20";  // after a second the device is silent for 20 ticks: a fault
@@ -35,7 +38,8 @@ int main(int count, char** words) {
     for (const tactus::Tick& tick : progress.ticks) {
       most_N = std::max(most_N, newtons(tick));
       if (tick.fault == fault) continue;
-      fault = tick.fault, fault_s = tick.time_s;
+      fault = tick.fault;
+      fault_s = tick.time_s;
       std::printf("tick %llu: %s\n", static_cast<unsigned long long>(tick.number),
                   std::string(tactus::describe(fault)).c_str());
     }

@@ -20,7 +20,7 @@ namespace tactus::experiment {
 namespace {
 
 constexpr unsigned kSettleTicks = 200, kCountedTicks = 20;
-constexpr double kTick_s = 1e-3, kMostDifference = 1e-3;
+constexpr double kTick_s = 1e-3, kMaxDifference = 1e-3;
 constexpr std::uint32_t kTimedMost = 1000, kTimedTicks = 60;  // bodies; ticks with and without each effect
 constexpr std::uint32_t kTimedParts = 6;
 
@@ -30,7 +30,8 @@ class TickedWorld {
   explicit TickedWorld(const sim::Scene& scene)
       : world_(capacities_of(scene), scene.hulls, scene.meshes, sim::effect_setups(scene)),
         grid_(static_cast<std::uint32_t>(scene.bodies.size())) {
-    settings_.dt = kTick_s, settings_.sub_steps = scene.solver.sub_steps;
+    settings_.dt = kTick_s;
+    settings_.sub_steps = scene.solver.sub_steps;
     settings_.relax_sweeps = scene.solver.relax_sweeps;
     settings_.contact_hertz = scene.solver.contact_hertz;
     settings_.friction_sweeps = scene.solver.friction_sweeps;
@@ -48,7 +49,11 @@ class TickedWorld {
  private:
   static physics::Capacities capacities_of(const sim::Scene& scene) {
     const auto bodies = static_cast<std::uint32_t>(scene.bodies.size());
-    physics::Capacities capacities{bodies, bodies, 16 * bodies + 256, 10 * bodies + 64, 0};
+    physics::Capacities capacities{.bodies = bodies,
+                                   .fixed_bodies = bodies,
+                                   .pairs = 16 * bodies + 256,
+                                   .contacts = 10 * bodies + 64,
+                                   .border_contacts = 0};
     if (!scene.meshes.empty()) {
       capacities.pairs += 16 * bodies;
       capacities.mesh_triangles = 64 * bodies + physics::kMaxBodyTriangles;
@@ -98,7 +103,7 @@ constexpr const char* kProxy =
 }  // namespace
 
 bool EffectRow::good() const noexcept {
-  return std::abs(instructions[1] - instructions[0]) <= kMostDifference * instructions[0];
+  return std::abs(instructions[1] - instructions[0]) <= kMaxDifference * instructions[0];
 }
 
 std::vector<std::string> effect_names() {
@@ -205,7 +210,8 @@ double spread_of(const std::vector<double>& with_us, const std::vector<double>& 
       return median({begin, begin + size});
     };
     const double added_us = median_of(with_us) - median_of(without_us);
-    least = std::min(least, added_us), most = std::max(most, added_us);
+    least = std::min(least, added_us);
+    most = std::max(most, added_us);
   }
   return 0.5 * (most - least);
 }
@@ -227,9 +233,14 @@ std::vector<EffectTime> time_effects(const sim::Scene& scene) {
       world.tick();
       us.push_back(thread_time_us() - start);
     };
-    for (std::uint32_t i = 0; i < kTimedTicks; ++i) timed(with_it, with_us), timed(without_it, without_us);
-    times.push_back({std::string(effect.name), median(with_us) - median(without_us), spread_of(with_us, without_us),
-                     median(with_us)});
+    for (std::uint32_t i = 0; i < kTimedTicks; ++i) {
+      timed(with_it, with_us);
+      timed(without_it, without_us);
+    }
+    times.push_back({.effect = std::string(effect.name),
+                     .added_us = median(with_us) - median(without_us),
+                     .spread_us = spread_of(with_us, without_us),
+                     .tick_us = median(with_us)});
   }
   return times;
 }

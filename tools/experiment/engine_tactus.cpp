@@ -21,7 +21,7 @@ constexpr std::uint32_t kPairsPerBody = 16, kContactsPerBody = 8;  // as in the 
 constexpr std::uint32_t kPairsPerMixedBody = 48, kContactsPerMixedBody = 16;
 constexpr std::uint32_t kTrianglesPerBody = 64;  // of rough ground
 constexpr double kLongStep_s = 5e-3;
-constexpr double kMostHertz = 250,
+constexpr double kMaxHertz = 250,
                  kHertzPerSubStep = 0.2;  // the most at which one relax sweep damps a column (contact/softness.h)
 
 bool is_mixed(const BoxScene& scene) {
@@ -40,19 +40,19 @@ physics::SweepPrecision precision_of(const BoxScene& scene, const EngineOptions&
 physics::Capacities capacities_of(const BoxScene& scene) {
   const auto bodies = static_cast<std::uint32_t>(scene.cubes.size()) + rods_of(scene) + 1;
   const bool mixed = is_mixed(scene);
-  return {bodies,
-          static_cast<std::uint32_t>(scene.walls.size()) + 1,
-          (mixed ? kPairsPerMixedBody : kPairsPerBody) * bodies + 256,
-          (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256,
-          0,
-          scene.terrain ? kTrianglesPerBody * bodies : 0};
+  return {.bodies = bodies,
+          .fixed_bodies = static_cast<std::uint32_t>(scene.walls.size()) + 1,
+          .pairs = (mixed ? kPairsPerMixedBody : kPairsPerBody) * bodies + 256,
+          .contacts = (mixed ? kContactsPerMixedBody : kContactsPerBody) * bodies + 256,
+          .border_contacts = 0,
+          .mesh_triangles = scene.terrain ? kTrianglesPerBody * bodies : 0};
 }
 
 physics::StepSettings settings_of(const BoxScene& scene, unsigned sub_steps) {
   physics::StepSettings settings;
   settings.dt = scene.step_s;
   settings.sub_steps = sub_steps > 0 ? sub_steps : scene.step_s > kLongStep_s ? 10 : 4;
-  settings.contact_hertz = std::min(kMostHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s);
+  settings.contact_hertz = std::min(kMaxHertz, kHertzPerSubStep * settings.sub_steps / scene.step_s);
   settings.gravity = scene.gravity_at(0);
   return settings;
 }

@@ -17,7 +17,7 @@ OverlapJudge::OverlapJudge(const BoxScene& scene)
       terrain_(scene.terrain),
       bodies_(static_cast<std::uint32_t>(scene.cubes.size())),
       grid_(bodies_ + rods_of(scene)),
-      pairs_(kMostPairs * (bodies_ + rods_of(scene))),
+      pairs_(kMaxPairs * (bodies_ + rods_of(scene))),
       depth_m_(bodies_),
       share_(bodies_) {
   for (const Cube& cube : scene.cubes) shapes_.push_back(shape_of(scene, cube));

@@ -3,7 +3,7 @@
 //
 // Covers overlaps of bodies with each other, with the walls and with the stirrer's rods. Overlaps of rods with the
 // floor are intended and not counted. Frame: that of the scene. Units: m; a share is of the thinner body's thickness
-// (rt/physics/overlap.h). Thread: one. Bound: the pairs of boxes that overlap, at most kMostPairs a body; pairs beyond
+// (rt/physics/overlap.h). Thread: one. Bound: the pairs of boxes that overlap, at most kMaxPairs a body; pairs beyond
 // make `complete` false.
 #pragma once
 
@@ -32,7 +32,7 @@ class OverlapJudge {
   void judge_terrain(std::uint32_t a);
   void judge_pair(std::uint32_t a, const physics::Shape& shape_b, const Posed& pose_b, std::uint32_t b);
 
-  static constexpr std::uint32_t kMostPairs = 64;
+  static constexpr std::uint32_t kMaxPairs = 64;
   static constexpr std::uint32_t kNoBody = 0xffffffffu;
 
   std::vector<physics::Shape> shapes_;  // of the bodies, then of the rods

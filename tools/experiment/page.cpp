@@ -43,7 +43,8 @@ Status write_page(const std::string& experiment, const std::string& json, const 
   if (child < 0) return Status::error("--page: the page's writer could not be started");
   if (child == 0) {
     dup2(pipe_ends[0], STDIN_FILENO);
-    close(pipe_ends[0]), close(pipe_ends[1]);
+    close(pipe_ends[0]);
+    close(pipe_ends[1]);
     execlp("python3", "python3", writer.c_str(), experiment.c_str(), path.c_str(), nullptr);
     _exit(kLibraryMissing);
   }

@@ -55,7 +55,8 @@ void run_once(const BoxScene& scene, const PeersRequest& request, const std::fun
   for (const EngineKind& kind : request.engines) {
     say(fmt::format("{} settles", kind.name));
     EngineOptions options = request.options;
-    options.tuned = kind.tuned, options.iterations = kind.iterations;
+    options.tuned = kind.tuned;
+    options.iterations = kind.iterations;
     engines.push_back(kind.make(scene, options));
     for (std::uint32_t i = 0; i < settle_steps; ++i) engines.back()->step();
   }
@@ -77,7 +78,10 @@ void run_once(const BoxScene& scene, const PeersRequest& request, const std::fun
 
 PeersRow row_of(const BoxScene& scene, const EngineKind& kind, const Record& record) {
   PeersRow row;
-  row.scene = scene.name, row.engine = kind.name, row.settings = record.settings, row.failure = record.failure;
+  row.scene = scene.name;
+  row.engine = kind.name;
+  row.settings = record.settings;
+  row.failure = record.failure;
   std::vector<double> all;
   for (const auto& run : record.us) all.insert(all.end(), run.begin(), run.end());
   const std::vector<double> least = minimum_by_step(record.us);

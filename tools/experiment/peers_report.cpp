@@ -3,13 +3,70 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/experiment/allocation_count.h"
+#include "tools/experiment/csv.h"
 #include "tools/experiment/peers.h"
 #include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
 
+using nlohmann::ordered_json;
+
 std::string ratio_or_dash(double ratio) { return ratio > 0 ? fmt::format("{:.3f}", ratio) : "-"; }
+
+ordered_json json_of(const std::vector<PeersRow>& rows) {
+  const auto or_null = [](double value, bool known) { return known ? ordered_json(value) : ordered_json(nullptr); };
+  ordered_json list = ordered_json::array();
+  for (const PeersRow& row : rows) {
+    const Quality& q = row.quality;
+    list.push_back({{"scene", row.scene},
+                    {"engine", row.engine},
+                    {"median_us", row.median_us},
+                    {"p99_us", row.p99_us},
+                    {"worst_over_median", row.worst_over_median},
+                    {"contacts", row.contacts},
+                    {"touching_pairs", row.touching_pairs},
+                    {"residual_speed_rms_m_per_s", row.residual_speed_rms_m_per_s},
+                    {"penetration_mean_m", q.overlap_mean_m},
+                    {"penetration_mean_share", q.overlap_mean_share},
+                    {"penetration_max_m", q.overlap_max_m},
+                    {"penetration_max_share", q.overlap_max_share},
+                    {"travel_m", q.travel_m},
+                    {"rod_travel_m", q.rod_travel_m},
+                    {"escaped", q.escaped},
+                    {"allocations_per_step", or_null(row.allocations_per_step, allocations_are_counted())},
+                    {"ratio_to_bullet", or_null(row.ratio_to_bullet, row.ratio_to_bullet > 0)},
+                    {"ratio_to_best_peer", or_null(row.ratio_to_best_peer, row.ratio_to_best_peer > 0)},
+                    {"is_compared", row.is_compared()},
+                    {"settings", row.settings},
+                    {"missed_gate", row.missed_gate},
+                    {"failure", row.failure}});
+  }
+  return list;
+}
+
+constexpr CsvColumn kColumns[] = {
+    {"scene", "scene"},
+    {"engine", "engine"},
+    {"median [us]", "median_us"},
+    {"p99 [us]", "p99_us"},
+    {"worst_over_median [1]", "worst_over_median"},
+    {"contacts [1]", "contacts"},
+    {"touching_pairs [1]", "touching_pairs"},
+    {"residual_speed [m/s]", "residual_speed_rms_m_per_s"},
+    {"overlap_mean [m]", "penetration_mean_m"},
+    {"overlap_mean_share [1]", "penetration_mean_share"},
+    {"overlap_max [m]", "penetration_max_m"},
+    {"overlap_max_share [1]", "penetration_max_share"},
+    {"travel [m]", "travel_m"},
+    {"rod_travel [m]", "rod_travel_m"},
+    {"escaped [1]", "escaped"},
+    {"allocations_per_step [1]", "allocations_per_step"},
+    {"ratio_to_bullet [1]", "ratio_to_bullet"},
+    {"ratio_to_best_peer [1]", "ratio_to_best_peer"},
+    {"is_compared [1]", "is_compared", CsvColumn::Cell::kOneOrZero},
+    {"settings", "settings", CsvColumn::Cell::kQuoted},
+};
 
 }  // namespace
 
@@ -44,59 +101,14 @@ std::string peers_table(const std::vector<PeersRow>& rows) {
              "/bullet, /best: to the median of Bullet at its\ndefaults, of the fastest peer that passes; - where one "
              "of the two fails a gate: overlap at most {:.0f} % of a body,\n{:.0f} % in the mean, nothing outside the "
              "box, stirred bodies travel {:.0f} % of the rods' path.\n\n",
-             kPercent * kMostOverlapShare, kPercent * kMostMeanOverlapShare, kPercent * kLeastTravelShare) +
+             kPercent * kMaxOverlapShare, kPercent * kMaxMeanOverlapShare, kPercent * kMinTravelShare) +
          notes;
 }
 
 std::string peers_json(const std::vector<PeersRow>& rows) {
-  using nlohmann::ordered_json;
-  const auto or_null = [](double value, bool known) { return known ? ordered_json(value) : ordered_json(nullptr); };
-  ordered_json list = ordered_json::array();
-  for (const PeersRow& row : rows) {
-    const Quality& q = row.quality;
-    list.push_back({{"scene", row.scene},
-                    {"engine", row.engine},
-                    {"median_us", row.median_us},
-                    {"p99_us", row.p99_us},
-                    {"worst_over_median", row.worst_over_median},
-                    {"contacts", row.contacts},
-                    {"touching_pairs", row.touching_pairs},
-                    {"residual_speed_rms_m_per_s", row.residual_speed_rms_m_per_s},
-                    {"penetration_mean_m", q.overlap_mean_m},
-                    {"penetration_mean_share", q.overlap_mean_share},
-                    {"penetration_max_m", q.overlap_max_m},
-                    {"penetration_max_share", q.overlap_max_share},
-                    {"travel_m", q.travel_m},
-                    {"rod_travel_m", q.rod_travel_m},
-                    {"escaped", q.escaped},
-                    {"allocations_per_step", or_null(row.allocations_per_step, allocations_are_counted())},
-                    {"ratio_to_bullet", or_null(row.ratio_to_bullet, row.ratio_to_bullet > 0)},
-                    {"ratio_to_best_peer", or_null(row.ratio_to_best_peer, row.ratio_to_best_peer > 0)},
-                    {"is_compared", row.is_compared()},
-                    {"settings", row.settings},
-                    {"missed_gate", row.missed_gate},
-                    {"failure", row.failure}});
-  }
-  return report_text(ordered_json{{"rows", list}}, 2);
+  return report_text(ordered_json{{"rows", json_of(rows)}}, 2);
 }
 
-std::string peers_csv(const std::vector<PeersRow>& rows) {
-  std::string text =
-      "scene,engine,median [us],p99 [us],worst_over_median [1],contacts [1],touching_pairs [1],residual_speed [m/s],"
-      "overlap_mean [m],overlap_mean_share [1],overlap_max [m],overlap_max_share [1],travel [m],rod_travel [m],"
-      "escaped [1],allocations_per_step [1],ratio_to_bullet [1],ratio_to_best_peer [1],is_compared [1],settings\n";
-  const auto or_empty = [](double value, bool known) { return known ? fmt::format("{}", value) : std::string(); };
-  for (const PeersRow& row : rows) {
-    const Quality& q = row.quality;
-    text += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", row.scene, row.engine, row.median_us,
-        row.p99_us, row.worst_over_median, row.contacts, row.touching_pairs, row.residual_speed_rms_m_per_s,
-        q.overlap_mean_m, q.overlap_mean_share, q.overlap_max_m, q.overlap_max_share, q.travel_m, q.rod_travel_m,
-        q.escaped, or_empty(row.allocations_per_step, allocations_are_counted()),
-        or_empty(row.ratio_to_bullet, row.ratio_to_bullet > 0),
-        or_empty(row.ratio_to_best_peer, row.ratio_to_best_peer > 0), row.is_compared() ? 1 : 0, row.settings);
-  }
-  return text;
-}
+std::string peers_csv(const std::vector<PeersRow>& rows) { return csv_of(kColumns, json_of(rows)); }
 
 }  // namespace tactus::experiment

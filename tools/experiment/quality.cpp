@@ -42,7 +42,8 @@ bool QualityBook::is_outside(const Vec3d& centre) const noexcept {
 }
 
 void QualityBook::start(const Engine& engine) {
-  last_ = poses_of(engine.cubes()), last_rods_ = engine.rods();
+  last_ = poses_of(engine.cubes());
+  last_rods_ = engine.rods();
   runs_ += 1;
 }
 
@@ -58,14 +59,21 @@ void QualityBook::sample(const Engine& engine) {
   sum_.rod_travel_m += mean_distance(last_rods_, rods);
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (is_outside(bodies[i].position)) escaped_[i] = 1;
-  last_ = bodies, last_rods_ = rods;
+  last_ = bodies;
+  last_rods_ = rods;
   samples_ += 1;
 }
 
 Quality QualityBook::result() const {
   Quality quality = sum_;
-  if (samples_ > 0) quality.overlap_mean_m /= samples_, quality.overlap_mean_share /= samples_;
-  if (runs_ > 0) quality.travel_m /= runs_, quality.rod_travel_m /= runs_;
+  if (samples_ > 0) {
+    quality.overlap_mean_m /= samples_;
+    quality.overlap_mean_share /= samples_;
+  }
+  if (runs_ > 0) {
+    quality.travel_m /= runs_;
+    quality.rod_travel_m /= runs_;
+  }
   quality.escaped = static_cast<std::uint32_t>(std::count(escaped_.begin(), escaped_.end(), 1));
   return quality;
 }
@@ -74,15 +82,15 @@ std::string missed_gate(const Quality& quality) {
   if (!quality.complete) return "a pose is not finite, or more bodies meet than can be judged";
   if (quality.escaped > 0)
     return fmt::format("bodies that went through the floor or a wall or flew off: {}", quality.escaped);
-  if (!(quality.overlap_max_share <= kMostOverlapShare))
+  if (!(quality.overlap_max_share <= kMaxOverlapShare))
     return fmt::format("the deepest overlap is {:.0f} % of a body's thickness, {:.0f} % at most",
-                       100 * quality.overlap_max_share, 100 * kMostOverlapShare);
-  if (!(quality.overlap_mean_share <= kMostMeanOverlapShare))
+                       100 * quality.overlap_max_share, 100 * kMaxOverlapShare);
+  if (!(quality.overlap_mean_share <= kMaxMeanOverlapShare))
     return fmt::format("the mean overlap is {:.1f} % of a body's thickness, {:.0f} % at most",
-                       100 * quality.overlap_mean_share, 100 * kMostMeanOverlapShare);
-  if (quality.travel_m < kLeastTravelShare * quality.rod_travel_m)
+                       100 * quality.overlap_mean_share, 100 * kMaxMeanOverlapShare);
+  if (quality.travel_m < kMinTravelShare * quality.rod_travel_m)
     return fmt::format("what is stirred travels {:.3g} m while the rods travel {:.3g} m, {:.0f} % at least",
-                       quality.travel_m, quality.rod_travel_m, 100 * kLeastTravelShare);
+                       quality.travel_m, quality.rod_travel_m, 100 * kMinTravelShare);
   return {};
 }
 

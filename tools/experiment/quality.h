@@ -42,9 +42,9 @@ class QualityBook {
 
 // The gates. A body that overlaps by more than half its thickness is pushed out on the far side; the limit is half of
 // that.
-inline constexpr double kMostOverlapShare = 0.25, kMostMeanOverlapShare = 0.02;
+inline constexpr double kMaxOverlapShare = 0.25, kMaxMeanOverlapShare = 0.02;
 // Share of the rods' path in a stirred scene; bodies that are not pushed travel less.
-inline constexpr double kLeastTravelShare = 0.05;
+inline constexpr double kMinTravelShare = 0.05;
 
 // The gate that it fails, one line; empty: none.
 std::string missed_gate(const Quality& quality);

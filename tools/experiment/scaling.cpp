@@ -44,7 +44,8 @@ ScalingRow timed(const ScalingCase& one, const EngineOptions& options, const std
   const auto time_us = one.threads > 0 ? wall_time_us : thread_time_us;
   const auto engine = settled(one, timed_options, one.settle_s);
   std::vector<double> us, broad_phase_us;
-  us.reserve(one.timed_steps), broad_phase_us.reserve(one.timed_steps);
+  us.reserve(one.timed_steps);
+  broad_phase_us.reserve(one.timed_steps);
   for (std::uint32_t i = 0; i < one.timed_steps; ++i) {
     const double start = time_us();
     engine->step();
@@ -53,12 +54,16 @@ ScalingRow timed(const ScalingCase& one, const EngineOptions& options, const std
   }
   const Measurement m = engine->measure();
   ScalingRow row;
-  row.sweep = one.sweep, row.bodies = one.pile.cubes, row.sub_steps = one.sub_steps;
+  row.sweep = one.sweep;
+  row.bodies = one.pile.cubes;
+  row.sub_steps = one.sub_steps;
   row.threads = static_cast<std::uint32_t>(timed_options.helpers.size()) + 1;
   row.size_ratio = one.pile.largest_edge_m / one.pile.smallest_edge_m;
-  row.contact_points = m.contacts, row.touching_pairs = m.touching_pairs;
+  row.contact_points = m.contacts;
+  row.touching_pairs = m.touching_pairs;
   row.broad_phase_us = median(broad_phase_us);
-  row.median_us = median(us), row.p99_us = quantile(us, 0.99);
+  row.median_us = median(us);
+  row.p99_us = quantile(us, 0.99);
   row.ns_per_point = m.contacts > 0 ? 1e3 * row.median_us / m.contacts : 0;
   row.failure = engine->failure();
   return row;
@@ -96,12 +101,15 @@ std::vector<ScalingCase> scaling_cases(bool quick, std::size_t cores) {
     cases.push_back({"stirred", {.cubes = cubes, .step_s = 1e-2, .stirred = true}});
   }
   // Last, because they depend on the cores: the counted program runs on one core and identifies a case by its index.
-  constexpr std::size_t kMostThreads = 8;
-  for (std::uint32_t threads = 1; threads <= std::min(cores, kMostThreads); ++threads)
+  constexpr std::size_t kMaxThreads = 8;
+  for (std::uint32_t threads = 1; threads <= std::min(cores, kMaxThreads); ++threads)
     cases.push_back({.sweep = "threads", .pile = {.cubes = quick ? 1000u : 4000u, .step_s = 1e-2}, .threads = threads});
   for (ScalingCase& one : cases) {
     if (one.pile.cubes > 4000) one.timed_steps = 30;
-    if (quick) one.settle_s = 1, one.timed_steps = 30;
+    if (quick) {
+      one.settle_s = 1;
+      one.timed_steps = 30;
+    }
   }
   return cases;
 }
@@ -133,8 +141,11 @@ ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOpt
   }
   std::vector<double> points, us, instructions;
   for (const ScalingRow& row : report.rows)
-    if (row.sweep == "bodies")
-      points.push_back(row.contact_points), us.push_back(row.median_us), instructions.push_back(row.instructions);
+    if (row.sweep == "bodies") {
+      points.push_back(row.contact_points);
+      us.push_back(row.median_us);
+      instructions.push_back(row.instructions);
+    }
   report.exponent = power_law_exponent(points, us);
   report.instruction_exponent = power_law_exponent(points, instructions);
   return report;

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/experiment/csv.h"
 #include "tools/experiment/scaling.h"
 #include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
+
+using nlohmann::ordered_json;
 
 struct LogAxis {  // decades from the least to the most, on the page from `start` to `end`
   double low, high, start, end;
@@ -18,6 +21,41 @@ struct LogAxis {  // decades from the least to the most, on the page from `start
     return {low, high > low ? high : low + 1, start, end};
   }
   double at(double value) const { return start + (std::log10(value) - low) / (high - low) * (end - start); }
+};
+
+ordered_json json_of(const std::vector<ScalingRow>& rows) {
+  ordered_json list = ordered_json::array();
+  for (const ScalingRow& row : rows)
+    list.push_back(
+        {{"sweep", row.sweep},
+         {"bodies", row.bodies},
+         {"sub_steps", row.sub_steps},
+         {"threads", row.threads},
+         {"size_ratio", row.size_ratio},
+         {"contact_points", row.contact_points},
+         {"touching_pairs", row.touching_pairs},
+         {"median_us", row.median_us},
+         {"p99_us", row.p99_us},
+         {"broad_phase_us", row.broad_phase_us},
+         {"ns_per_point", row.ns_per_point},
+         {"instructions_per_step", row.instructions > 0 ? ordered_json(row.instructions) : ordered_json(nullptr)},
+         {"failure", row.failure}});
+  return list;
+}
+
+constexpr CsvColumn kColumns[] = {
+    {"sweep", "sweep"},
+    {"bodies [1]", "bodies"},
+    {"sub_steps [1]", "sub_steps"},
+    {"threads [1]", "threads"},
+    {"size_ratio [1]", "size_ratio"},
+    {"contact_points [1]", "contact_points"},
+    {"touching_pairs [1]", "touching_pairs"},
+    {"median [us]", "median_us"},
+    {"p99 [us]", "p99_us"},
+    {"broad_phase [us]", "broad_phase_us"},
+    {"per_point [ns]", "ns_per_point"},
+    {"instructions_per_step [1]", "instructions_per_step"},
 };
 
 }  // namespace
@@ -42,43 +80,15 @@ std::string scaling_table(const ScalingReport& report) {
 }
 
 std::string scaling_json(const ScalingReport& report) {
-  using nlohmann::ordered_json;
-  ordered_json list = ordered_json::array();
-  for (const ScalingRow& row : report.rows)
-    list.push_back(
-        {{"sweep", row.sweep},
-         {"bodies", row.bodies},
-         {"sub_steps", row.sub_steps},
-         {"threads", row.threads},
-         {"size_ratio", row.size_ratio},
-         {"contact_points", row.contact_points},
-         {"touching_pairs", row.touching_pairs},
-         {"median_us", row.median_us},
-         {"p99_us", row.p99_us},
-         {"broad_phase_us", row.broad_phase_us},
-         {"ns_per_point", row.ns_per_point},
-         {"instructions_per_step", row.instructions > 0 ? ordered_json(row.instructions) : ordered_json(nullptr)},
-         {"failure", row.failure}});
   return report_text(
-      ordered_json{{"rows", list},
+      ordered_json{{"rows", json_of(report.rows)},
                    {"exponent", report.exponent},
                    {"instruction_exponent", report.instruction_exponent > 0 ? ordered_json(report.instruction_exponent)
                                                                             : ordered_json(nullptr)}},
       2);
 }
 
-std::string scaling_csv(const ScalingReport& report) {
-  std::string text =
-      "sweep,bodies [1],sub_steps [1],threads [1],size_ratio [1],contact_points [1],touching_pairs [1],median [us],p99 "
-      "[us],"
-      "broad_phase [us],per_point [ns],instructions_per_step [1]\n";
-  for (const ScalingRow& row : report.rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", row.sweep, row.bodies, row.sub_steps, row.threads,
-                        row.size_ratio, row.contact_points, row.touching_pairs, row.median_us, row.p99_us,
-                        row.broad_phase_us, row.ns_per_point,
-                        row.instructions > 0 ? fmt::format("{}", row.instructions) : "");
-  return text;
-}
+std::string scaling_csv(const ScalingReport& report) { return csv_of(kColumns, json_of(report.rows)); }
 
 std::string scaling_svg(const ScalingReport& report) {
   constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kRight = 20, kTop = 30, kBottom = 50;
@@ -87,8 +97,10 @@ std::string scaling_svg(const ScalingReport& report) {
   for (const ScalingRow& row : report.rows) {
     if (row.sweep != "bodies" || !(row.contact_points > 0) || !(row.median_us > 0)) continue;
     rows.push_back(&row);
-    few = std::min(few, row.contact_points), many = std::max(many, row.contact_points);
-    fast = std::min(fast, row.median_us), slow = std::max(slow, row.median_us);
+    few = std::min(few, row.contact_points);
+    many = std::max(many, row.contact_points);
+    fast = std::min(fast, row.median_us);
+    slow = std::max(slow, row.median_us);
   }
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" "

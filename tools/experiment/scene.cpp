@@ -83,7 +83,10 @@ void add_bowl(BoxScene& scene, double floor_width_m, double height_m) {
 
 Cube cube_at(double edge_m, const Vec3d& at, Random& random) {
   const Vec3d shift = random.vector(kJitter * edge_m);
-  return {edge_m, kDensity * edge_m * edge_m * edge_m, at + shift, quat_from_rotation_vector(random.vector(kTilt_rad))};
+  return {.edge_m = edge_m,
+          .mass_kg = kDensity * edge_m * edge_m * edge_m,
+          .position = at + shift,
+          .rotation = quat_from_rotation_vector(random.vector(kTilt_rad))};
 }
 
 // Equal cubes on a square grid, layer upon layer. Returns the width of the box that holds them.
@@ -110,8 +113,14 @@ double place_mixed(BoxScene& scene, const PileSpec& spec, Random& random) {
   for (std::uint32_t i = 0; i < spec.cubes; ++i) {
     const double edge = spec.smallest_edge_m * std::exp(std::log(ratio) * random.uniform());
     const double room = edge * (1 + kGap);
-    if (x + room > width) x = 0, y += shelf;
-    if (y + shelf > width) y = 0, z += shelf;
+    if (x + room > width) {
+      x = 0;
+      y += shelf;
+    }
+    if (y + shelf > width) {
+      y = 0;
+      z += shelf;
+    }
     scene.cubes.push_back(cube_at(edge, {x + 0.5 * room - 0.5 * width, y + 0.5 * shelf - 0.5 * width, z}, random));
     x += room;
   }

@@ -36,7 +36,11 @@ double power_law_exponent(std::span<const double> x, std::span<const double> y) 
   for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
     if (!(x[i] > 0) || !(y[i] > 0)) continue;
     const double u = std::log(x[i]), v = std::log(y[i]);
-    n += 1, sx += u, sy += v, sxx += u * u, sxy += u * v;
+    n += 1;
+    sx += u;
+    sy += v;
+    sxx += u * u;
+    sxy += u * v;
   }
   const double spread = n * sxx - sx * sx;
   return spread > 1e-12 * std::max(1.0, n * sxx) ? (n * sxy - sx * sy) / spread : 0;

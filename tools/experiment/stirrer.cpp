@@ -35,7 +35,8 @@ Stirrer make_stirrer(std::uint32_t bodies, double edge_m) {
   Stirrer stirrer;
   const double half_height = 0.5 * (kHeight + kDepthInFloor) * edge_m;
   stirrer.half_extents_m = {kHalfThickness * edge_m, kHalfThickness * edge_m, half_height};
-  stirrer.radius_m = kRadius * edge_m, stirrer.speed_rad_per_s = kSpeed_rad_per_s;
+  stirrer.radius_m = kRadius * edge_m;
+  stirrer.speed_rad_per_s = kSpeed_rad_per_s;
   const auto side = static_cast<std::uint32_t>(std::max(1L, std::lround(std::sqrt(bodies / kBodiesPerRod))));
   const double pitch = kPitch * edge_m, first = -0.5 * pitch * (side - 1);
   for (std::uint32_t y = 0; y < side; ++y)

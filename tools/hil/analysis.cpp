@@ -20,14 +20,21 @@ void FrameBook::add(const Record& record) noexcept {
     const std::uint32_t sequence = record.state.sequence;
     if (!seen_) {
       superseded_before_first_ = superseded;
-      numbered = 1, seen_ = is_new = true, newest_ = sequence, newest_echo_ = record.state.echoed_sequence;
+      numbered = 1;
+      seen_ = is_new = true;
+      newest_ = sequence;
+      newest_echo_ = record.state.echoed_sequence;
     } else if (is_newer(sequence, newest_)) {
       numbered += sequence - newest_;
-      newest_ = sequence, is_new = true;
+      newest_ = sequence;
+      is_new = true;
     } else {
       ++(sequence == newest_ ? duplicated : reordered);
     }
-    if (is_newer(record.state.echoed_sequence, newest_echo_)) ++answered, newest_echo_ = record.state.echoed_sequence;
+    if (is_newer(record.state.echoed_sequence, newest_echo_)) {
+      ++answered;
+      newest_echo_ = record.state.echoed_sequence;
+    }
     ++fresh;
   }
   if (record.got == Got::kCorrupt) ++corrupt;
@@ -59,7 +66,8 @@ void RoundTrip::add(const Record& record) noexcept {
           force_age.record(static_cast<std::int64_t>(acts_us - command.sample_us) * 1000);
       }
     }
-    newest_echo_ = echo, seen_ = true;
+    newest_echo_ = echo;
+    seen_ = true;
   }
   if (record.sent == Sent::kTaken)
     commands_[record.command % kUnderWay] = {record.command, record.sent_ns, record.state.time_us};

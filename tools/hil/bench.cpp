@@ -104,7 +104,10 @@ const Result<QuietExchange>& Bench::quiet() {
   if (!result.ok()) return quiet_.emplace(result.status());
   QuietExchange quiet;
   quiet.result = std::move(result).value();
-  for (const Record& record : quiet.result.records) quiet.book.add(record), quiet.times.add(record);
+  for (const Record& record : quiet.result.records) {
+    quiet.book.add(record);
+    quiet.times.add(record);
+  }
   return quiet_.emplace(std::move(quiet));
 }
 
@@ -125,7 +128,10 @@ Status Bench::settle() {
 
 Result<ServiceMessage> Bench::call(firmware::Operation operation, std::uint16_t number, std::uint32_t value) {
   ServiceMessage request;
-  request.operation = operation, request.address = number, request.value = value, request.tag = ++tag_;
+  request.operation = operation;
+  request.address = number;
+  request.value = value;
+  request.tag = ++tag_;
   auto reply = link_.call(request, kAnswer);
   if (!reply.ok()) return reply;
   if (reply.value().address != number || reply.value().tag != request.tag)

@@ -18,8 +18,10 @@ Finding run_one(Bench& bench, const Check& check, const SuiteRequest& request) {
   Finding finding = check.run(bench);
   if (!request.motors_allowed) return finding;
   const Status after = bench.settle();
-  if (!after.ok() && finding.verdict == Verdict::kGood)
-    finding.verdict = Verdict::kBad, finding.reason = "afterwards " + after.message();
+  if (!after.ok() && finding.verdict == Verdict::kGood) {
+    finding.verdict = Verdict::kBad;
+    finding.reason = "afterwards " + after.message();
+  }
   return finding;
 }
 

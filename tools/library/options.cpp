@@ -6,7 +6,7 @@
 namespace tactus::library {
 namespace {
 
-constexpr std::uint32_t kMostHistoryTicks = 1'000'000;
+constexpr std::uint32_t kMaxHistoryTicks = 1'000'000;
 
 // Longer entries first, so that a shorter one which is their prefix does not match first.
 constexpr std::pair<std::string_view, std::string_view> kOwnWords[] = {
@@ -84,9 +84,9 @@ Result<session::RunOptions> run_options(const Options& from, double duration_s) 
   if (const Status status = session::check_options(to); !status.ok()) return status;
   if (!(from.late_s >= 0 && from.late_s <= 1))
     return Status::error(fmt::format("late_s: {} is out of range; accepted: 0 to 1 s", from.late_s));
-  if (from.history_ticks < 1 || from.history_ticks > kMostHistoryTicks)
+  if (from.history_ticks < 1 || from.history_ticks > kMaxHistoryTicks)
     return Status::error(
-        fmt::format("history_ticks: {} is out of range; accepted: 1 to {}", from.history_ticks, kMostHistoryTicks));
+        fmt::format("history_ticks: {} is out of range; accepted: 1 to {}", from.history_ticks, kMaxHistoryTicks));
   return to;
 }
 

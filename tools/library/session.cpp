@@ -52,7 +52,8 @@ Summary to_public(const session::RunSummary& from) {
 Error Access::open(Session& session, const Scene& scene, const Options& options, Device* device) {
   auto parts = std::make_unique<Session::Parts>();
   auto read = library::run_options(options);
-  parts->scene = scene, parts->options = options,
+  parts->scene = scene;
+  parts->options = options;
   parts->device = device;  // copied first: they may belong to the session closed below
   (void)session.close();
   session.parts_.reset();

@@ -55,8 +55,11 @@ Error Session::Parts::build_device(session::Hardware& hardware) {
 
 Error Session::Parts::build() {
   DenormalsFlushed flushed;
-  virtual_run.reset(), session.reset(), ended.reset();
-  own = nullptr, started = false;
+  virtual_run.reset();
+  session.reset();
+  ended.reset();
+  own = nullptr;
+  started = false;
   requests.store(0, std::memory_order_relaxed);
   stop.store(false, std::memory_order_relaxed);
   if (scene.empty()) return {Kind::kUse, "Session::open: the scene is empty; accepted: after Scene::load"};

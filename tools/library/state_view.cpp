@@ -23,7 +23,9 @@ void StateView::bind(const session::Session& session) {
     roles[body.id] = body.kind == physics::BodyKind::kFixed ? Role::kFixed : Role::kGlobal;
   }
   const physics::Capacities& capacities = session.loop->config().sub_world.capacities;
-  members.clear(), contacts.clear(), border.clear();
+  members.clear();
+  contacts.clear();
+  border.clear();
   members.reserve(scene.bodies.size());
   contacts.reserve(std::size_t{capacities.contacts} * physics::kMaxManifoldPoints);
   border.reserve(capacities.border_contacts);
@@ -35,7 +37,8 @@ void StateView::look(const sim::GlobalWorld& world) {
     roles[body.id] = world.is_asleep(body.id) ? Role::kAsleep : Role::kGlobal;
   }
   members.clear();
-  for (const std::uint32_t place : world.extraction().members()) members.push_back(world.bodies()[place].id);
+  for (const sim::BodyIndex member : world.extraction().members())
+    members.push_back(world.bodies()[number_of(member)].id);
   std::ranges::sort(members);
   for (const BodyNumber member : members) roles[member] = Role::kMember;
 }
@@ -89,13 +92,13 @@ void StateView::list_border(const session::Session& session) {
   const physics::World& world = session.loop->sub_world().world();
   const double per_s = 1.0 / session.options.period_s();
   for (const physics::BorderContact& contact : world.border_contacts()) {
-    const std::int32_t slot = world.slot_of(contact.member);
-    if (slot < 0) continue;
+    const physics::Body* inner = world.find(contact.member);
+    if (inner == nullptr) continue;
     roles[contact.member] = Role::kBorder;
     if (contact.outside < roles.size() && roles[contact.outside] == Role::kGlobal)
       roles[contact.outside] = Role::kOutside;
     if (!(contact.step_normal_impulse > 0) || border.size() == border.capacity()) continue;
-    const Posed& member = world.bodies()[static_cast<std::size_t>(slot)].motion.pose;
+    const Posed& member = inner->motion.pose;
     border.push_back({contact.member, contact.outside, to_public(member * contact.member_anchor),
                       to_public(contact.normal), contact.step_normal_impulse * per_s,
                       to_public(contact.step_tangent_impulse * per_s)});

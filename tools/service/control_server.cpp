@@ -115,7 +115,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::filesystem
   const int error = errno;
   umask(before);
   if (!bound) return fail(strerrordesc_np(error));
-  if (listen(listener.number(), static_cast<int>(kMostClients)) != 0) return fail(strerrordesc_np(errno));
+  if (listen(listener.number(), static_cast<int>(kMaxClients)) != 0) return fail(strerrordesc_np(errno));
   return std::unique_ptr<ControlServer>(
       new ControlServer(listener.release(), socket, requests, stop, std::move(reload), can_reset));
 }
@@ -215,7 +215,7 @@ void ControlServer::serve_round(Clients& clients) {
   }
   const auto now = Clock::now();
   const auto is_over = [&](const Client& client) {
-    const bool crowded_out = clients.size() > kMostClients && &client == &clients.front();
+    const bool crowded_out = clients.size() > kMaxClients && &client == &clients.front();
     if (!client.complete && now < client.give_up && !crowded_out) return false;
     serve_one(client.connection.number(), client.line);
     return true;

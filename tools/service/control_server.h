@@ -6,7 +6,7 @@
 //   stop      end the run
 // Anyone who may write to the socket may use all commands: its mode is 0660, in the service's folder. Thread:
 // construction and destruction [setup]; it serves on its own thread of normal priority; tell() from one normal thread.
-// Bound: kMostClients connections at once; beyond that the oldest is answered and closed. A request is kLongestLine
+// Bound: kMaxClients connections at once; beyond that the oldest is answered and closed. A request is kLongestLine
 // bytes within kPatience_ms; after that, what has arrived is answered. A slow client does not delay others. Any bytes
 // are accepted: an answer repeats at most kLongestEcho of them, and an exception while making it becomes the answer.
 #pragma once
@@ -26,7 +26,7 @@ namespace tactus::service {
 inline constexpr std::size_t kLongestLine = 256;
 inline constexpr std::size_t kLongestEcho = 64;  // bytes of the request repeated in an answer
 inline constexpr int kPatience_ms = 1000;
-inline constexpr std::size_t kMostClients = 16;
+inline constexpr std::size_t kMaxClients = 16;
 
 class ControlServer {
  public:

@@ -82,7 +82,11 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
   if (armed != armed_ && fault == 0) log_.event(Level::kNotice, armed ? "armed" : "disarmed", {}, elapsed_s);
   armed_ = armed;
   if (started_ && !alive_) log_.event(Level::kError, "standstill", {{"ticks", number(ticks)}}, elapsed_s);
-  ticks_ = ticks, overruns_ = overruns, late_cycles_ = late, fault_ = fault, last_s_ = elapsed_s;
+  ticks_ = ticks;
+  overruns_ = overruns;
+  late_cycles_ = late;
+  fault_ = fault;
+  last_s_ = elapsed_s;
 }
 
 }  // namespace tactus::service

@@ -9,7 +9,7 @@
 namespace tactus::session {
 namespace {
 
-constexpr std::size_t kMostInterfaceName = 15;  // the kernel's IFNAMSIZ without its end
+constexpr std::size_t kMaxInterfaceName = 15;  // the kernel's IFNAMSIZ without its end
 
 Status refused(const std::string& text, const std::string& what) {
   return Status::error(
@@ -32,7 +32,8 @@ Result<DeviceChoice> parse_device_choice(const std::string& text) {
   if (kind == "sim" && colon == std::string::npos) return choice;
   if (kind == "usb") {
     if (colon != std::string::npos && rest.empty()) return refused(text, "names no serial number after the colon");
-    choice.kind = DeviceKind::kUsb, choice.serial = rest;
+    choice.kind = DeviceKind::kUsb;
+    choice.serial = rest;
     return choice;
   }
   if (kind != "can") return refused(text, "is no device");
@@ -40,7 +41,7 @@ Result<DeviceChoice> parse_device_choice(const std::string& text) {
   const std::size_t second = rest.find(':');
   choice.interface = rest.substr(0, second);
   if (choice.interface.empty()) return refused(text, "names no CAN interface");
-  if (choice.interface.size() > kMostInterfaceName) return refused(text, "names an interface of more than 15 letters");
+  if (choice.interface.size() > kMaxInterfaceName) return refused(text, "names an interface of more than 15 letters");
   if (second != std::string::npos && !read_node(rest.substr(second + 1), choice.node))
     return refused(text, "has no such node id");
   return choice;

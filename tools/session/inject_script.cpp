@@ -9,11 +9,11 @@
 namespace tactus::session {
 namespace {
 
-constexpr std::uint64_t kMostTicks = 1'000'000'000;
+constexpr std::uint64_t kMaxTicks = 1'000'000'000;
 
 bool read_number(std::string_view& text, std::uint64_t& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || value > kMostTicks) return false;
+  if (error != std::errc() || value > kMaxTicks) return false;
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return true;
 }

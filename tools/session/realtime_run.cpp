@@ -18,7 +18,7 @@ namespace tactus::session {
 namespace {
 
 // Maximum number of refused re-arms listed in a summary.
-constexpr std::size_t kMostRefusals = 16;
+constexpr std::size_t kMaxRefusals = 16;
 
 int last_allowed_cpu() {
   cpu_set_t set;
@@ -64,26 +64,25 @@ bool has_to_rearm(const LiveStatus& live) {
   return live.fault.load(relaxed) != 0 || live.device_state.load(relaxed) == braked;
 }
 
-// Serves display, operator requests and the arm gate until the run is over.
-void attend(const loop::PeriodicThread<RealtimeTick>& thread, const LiveStatus& live, const RealtimeHooks& hooks,
-            std::atomic<std::uint32_t>& requests, ArmGate& gate, const std::atomic<bool>& stop,
-            std::vector<std::string>& refusals) {
+// Serves display, operator requests and the arm gate until the run is over. Adds the refused re-arms to `refusals`.
+void attend(const loop::PeriodicThread<RealtimeTick>& thread, const SharedWithRun& shared, const RealtimeHooks& hooks,
+            const std::atomic<bool>& stop, std::vector<std::string>& refusals) {
   const auto began = std::chrono::steady_clock::now();
   while (thread.running() && !stop.load(std::memory_order_relaxed)) {
     std::this_thread::sleep_for(hooks.look_every);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
     if (hooks.asked) {
       const std::uint32_t asked = hooks.asked();
-      requests.fetch_or(asked, std::memory_order_relaxed);
-      if ((asked & loop::kRearm) != 0 && hooks.say && !has_to_rearm(live))
+      shared.requests.fetch_or(asked, std::memory_order_relaxed);
+      if ((asked & loop::kRearm) != 0 && hooks.say && !has_to_rearm(shared.live))
         hooks.say("re-arm: nothing is latched, nothing was done");
     }
-    if (const Status status = gate.look(); !status.ok()) {
+    if (const Status status = shared.gate.look(); !status.ok()) {
       const bool repeated = !refusals.empty() && refusals.back() == status.message();
       if (hooks.say && !repeated) hooks.say("not armed: " + status.message());
-      if (!repeated && refusals.size() < kMostRefusals) refusals.push_back(status.message());
+      if (!repeated && refusals.size() < kMaxRefusals) refusals.push_back(status.message());
     }
-    if (hooks.show && !hooks.show(live, elapsed.count())) return;
+    if (hooks.show && !hooks.show(shared.live, elapsed.count())) return;
   }
 }
 
@@ -136,13 +135,14 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
                               : ~std::uint64_t{0};
   ArmGate gate(session.same_device);
   std::vector<std::string> refusals;
-  RealtimeTick tick(session, live, requests, most_ticks, gate, hooks.probe, hooks.taps);
+  const SharedWithRun shared{live, requests, gate};
+  RealtimeTick tick(session, shared, most_ticks, hooks.probe, hooks.taps);
   loop::PeriodicThread<RealtimeTick> thread(tick);
   const auto began = std::chrono::steady_clock::now();
   if (const Status status = session.device->start(); !status.ok()) return status;
   const auto cpu_before = cpu_time_now(settings.setup.cpu);
   if (const Status status = thread.start(settings); !status.ok()) return status;
-  attend(thread, live, hooks, requests, gate, stop, refusals);
+  attend(thread, shared, hooks, stop, refusals);
   if (tick.must_end()) end_device(tick, thread);
   thread.stop();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;

@@ -4,17 +4,16 @@
 
 namespace tactus::session {
 
-RealtimeTick::RealtimeTick(Session& session, LiveStatus& live, std::atomic<std::uint32_t>& requests,
-                           std::uint64_t most_ticks, ArmGate& gate, loop::TickProbe* probe, const RealtimeTaps& taps)
+RealtimeTick::RealtimeTick(Session& session, const SharedWithRun& shared, std::uint64_t most_ticks,
+                           loop::TickProbe* probe, const RealtimeTaps& taps)
     : session_(session),
       tick_(*session.driver, static_cast<std::int64_t>(session.options.period_s() * 1e9), session.gpio.get(), probe),
       probe_(probe),
       taps_(taps),
-      live_(live),
-      requests_(requests),
-      gate_(gate),
+      live_(shared.live),
+      requests_(shared.requests),
+      gate_(shared.gate),
       most_ticks_(most_ticks),
-      period_ns_(static_cast<std::int64_t>(session.options.period_s() * 1e9)),
       real_(session.simulated() == nullptr),
       end_ticks_(static_cast<std::uint64_t>(std::llround(kEnd_s * session.options.rate_Hz))) {}
 
@@ -54,7 +53,7 @@ bool RealtimeTick::probe_begins(const loop::TickTiming& timing) noexcept {
       probe_->bare(timing);
       return false;
     case loop::WindowKind::kRest:
-      probe_->rest(timing, period_ns_);
+      probe_->rest(timing, tick_.period_ns());
       return false;
   }
   return true;

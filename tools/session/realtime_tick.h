@@ -37,11 +37,18 @@ struct RealtimeTaps {
   void* context{nullptr};
 };
 
+// What the haptic thread shares with the thread that attends the run. Must outlive the RealtimeTick.
+struct SharedWithRun {
+  LiveStatus& live;
+  std::atomic<std::uint32_t>& requests;  // OperatorBit
+  ArmGate& gate;
+};
+
 class RealtimeTick {
  public:
   // `probe`: observes every tick and may claim windows for its own measurements; may be null.
-  RealtimeTick(Session& session, LiveStatus& live, std::atomic<std::uint32_t>& requests, std::uint64_t most_ticks,
-               ArmGate& gate, loop::TickProbe* probe = nullptr, const RealtimeTaps& taps = {});
+  RealtimeTick(Session& session, const SharedWithRun& shared, std::uint64_t most_ticks,
+               loop::TickProbe* probe = nullptr, const RealtimeTaps& taps = {});
 
   // Returns false after the last tick.
   bool operator()(const loop::TickTiming& timing) noexcept;
@@ -70,7 +77,6 @@ class RealtimeTick {
   std::atomic<std::uint32_t>& requests_;
   ArmGate& gate_;
   std::uint64_t most_ticks_;
-  std::int64_t period_ns_;
   bool real_;  // the device is real and continues after the run
   std::uint64_t end_ticks_, ended_ticks_{0};
   std::atomic<bool> ending_{false};

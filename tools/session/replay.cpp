@@ -70,7 +70,9 @@ class Replayer {
       case loop::kTickRecord:
         return take_tick(record);
       case loop::kTapeGap:
-        ++report_.gaps, in_step_ = false, has_snapshot_ = false;
+        ++report_.gaps;
+        in_step_ = false;
+        has_snapshot_ = false;
         return Status::good();
       default:
         return bad(record, fmt::format("is of unknown kind {}", record.kind));
@@ -81,7 +83,9 @@ class Replayer {
   void take_damage(const std::string& what, std::uint64_t lost_bytes) {
     if (report_.damages++ == 0) report_.damage = what;
     report_.lost_bytes += lost_bytes;
-    in_step_ = false, has_snapshot_ = false, damaged_ = true;
+    in_step_ = false;
+    has_snapshot_ = false;
+    damaged_ = true;
   }
 
   std::uint64_t state_hash() const { return loop_->state_hash(); }
@@ -124,7 +128,8 @@ class Replayer {
     if (record.payload.size() != sizeof(TickRecord)) return bad(record, "is no tick");
     std::memcpy(&taped, record.payload.data(), sizeof taped);
     if (damaged_ && taped.out.tick > next_tick_) report_.lost_ticks += taped.out.tick - next_tick_;
-    next_tick_ = taped.out.tick + 1, damaged_ = false;
+    next_tick_ = taped.out.tick + 1;
+    damaged_ = false;
     const bool adopts = taped.adopts != 0;
     if (taped.sub_steps == 0 || taped.sub_steps > 1000) return bad(record, "has an impossible number of sub-steps");
     if (!in_step_ || (adopts && !has_snapshot_)) {
@@ -136,7 +141,10 @@ class Replayer {
     in.device = taped.device;
     in.operator_bits = taped.operator_bits;
     in.sub_steps = taped.sub_steps;
-    if (adopts) in.snapshot = snapshot_.get(), in.sink.report = sink_.get();
+    if (adopts) {
+      in.snapshot = snapshot_.get();
+      in.sink.report = sink_.get();
+    }
     std::uint32_t cut_at = taped.out.cut_sweep;
     if (cut_at != physics::kNeverCut) in.cut = {&fire_at, &cut_at};
     TickOutput out;

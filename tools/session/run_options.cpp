@@ -176,7 +176,10 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
     if (!parsed.contains(key) || !parsed[key].is_boolean()) return bad(fmt::format("has no '{}'", key));
   }
   RunOptions& o = tape.options;
-  o.coupling = *coupling, o.border = *border, o.order = *order, o.reach = *reach;
+  o.coupling = *coupling;
+  o.border = *border;
+  o.order = *order;
+  o.reach = *reach;
   o.accuracy = *accuracy;
   o.all_members = parsed["all_members"].get<bool>();
   o.virtual_time = parsed["virtual_time"].get<bool>();

@@ -201,7 +201,8 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
 
   auto script = split_inject_script(options.inject);
   if (!script.ok()) return script.status();
-  session->stalls = script.value().stalls, session->resets = script.value().resets;
+  session->stalls = script.value().stalls;
+  session->resets = script.value().resets;
   if (!session->resets.empty() && !traits_of(options.coupling).global_world)
     return Status::error("--inject: reset: the direct coupling has no global world to reset");
   auto faults = hal::parse_fault_script(script.value().device);

@@ -122,10 +122,10 @@ std::string global_text(const RunSummary& s) {
                   "exchange", s.stats.cycles, s.ratio, s.stats.late_cycles, s.stats.cycle_ticks_max, s.dilation_ms());
   text += fmt::format("  {:<22} {} bodies, at most {} contacts; deepest overlap {:.3f} mm\n", "size", s.global.bodies,
                       s.global.most_contacts, 1e3 * s.global.deepest_m);
-  const sim::EnergyBook& book = s.global.energy;
-  text += book.complete
+  const sim::EnergyBalance& balance = s.global.energy;
+  text += balance.complete
               ? fmt::format("  {:<22} at most {:.4f} J of motion; {:.4f} J put in by the hand; {:.4f} J unexplained\n",
-                            "energy", book.most_kinetic_J, book.work_in_J, book.unexplained_J)
+                            "energy", balance.most_kinetic_J, balance.work_in_J, balance.unexplained_J)
               : fmt::format("  {:<22} not judged: more than gravity and the hand does work here\n", "energy");
   if (s.global.broken_joints > 0) text += fmt::format("  {:<22} {} broken\n", "joints", s.global.broken_joints);
   if (s.global.asleep > 0 || s.global.fell_asleep > 0)
@@ -227,7 +227,7 @@ std::string uneven_text(const RunSummary& s) {
   return fmt::format(
       "border at uneven masses\n  up to {} members in {} cycles were left to the global world: masses linked to them "
       "differ by more than {:g}\n",
-      s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMostUneven);
+      s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMaxUneven);
 }
 
 }  // namespace
@@ -370,12 +370,12 @@ json to_json(const RunSummary& s) {
                          {"deepest_overlap_m", s.global.deepest_m},
                          {"capacity_bits", s.global.capacity_bits},
                          {"dropped_entries", s.global.dropped_entries}};
-    const sim::EnergyBook& book = s.global.energy;
-    j["global_world"]["energy_book"] = {{"complete", book.complete},
-                                        {"kinetic_max_J", book.most_kinetic_J},
-                                        {"work_on_proxy_J", book.proxy_work_J},
-                                        {"work_put_in_J", book.work_in_J},
-                                        {"unexplained_J", book.unexplained_J}};
+    const sim::EnergyBalance& balance = s.global.energy;
+    j["global_world"]["energy_book"] = {{"complete", balance.complete},
+                                        {"kinetic_max_J", balance.most_kinetic_J},
+                                        {"work_on_proxy_J", balance.proxy_work_J},
+                                        {"work_put_in_J", balance.work_in_J},
+                                        {"unexplained_J", balance.unexplained_J}};
     j["global_world"]["deepest_overlap_share"] = s.global.overlap.share;
     j["global_world"]["deepest_share_m"] = s.global.overlap.depth;
     if (s.global.overlap.share > 0)

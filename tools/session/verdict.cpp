@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // Smaller amounts are the error of an energy account kept per cycle, and energy stored in the hand's contacts.
-constexpr double kLeastDegraded_J = 5e-3, kLeastBad_J = 20e-3;
+constexpr double kMinDegraded_J = 5e-3, kMinBad_J = 20e-3;
 constexpr unsigned kLateCycles = 4;
 
 double share_of(std::uint64_t part, std::uint64_t whole) {
@@ -105,14 +105,14 @@ Ruling overlap_of(const RunSummary& s) {
 
 // An incomplete energy account is not judged.
 void add_energy(const RunSummary& s, std::vector<Ruling>& rulings) {
-  const sim::EnergyBook& book = s.global.energy;
-  if (!s.has_global || !book.complete) return;
-  const double in_play_J = book.in_play_J(), found_J = book.unexplained_J;
+  const sim::EnergyBalance& balance = s.global.energy;
+  if (!s.has_global || !balance.complete) return;
+  const double in_play_J = balance.in_play_J(), found_J = balance.unexplained_J;
   // If almost no energy is in play, every share is large; amounts below `least_J` count as 0.
   const auto share_above = [&](double least_J) { return found_J > least_J ? 100 * found_J / in_play_J : 0.0; };
-  const double shown = std::min(1e6, share_above(kLeastDegraded_J));
+  const double shown = std::min(1e6, share_above(kMinDegraded_J));
   rulings.push_back(
-      {"energy", "energy that nothing explains", "%", shown, 10, found_J > kLeastBad_J ? 25 : kInfinite,
+      {"energy", "energy that nothing explains", "%", shown, 10, found_J > kMinBad_J ? 25 : kInfinite,
        fmt::format("the bodies had {:.3g} J more than gravity and the hand explain, {:.0f} % of the {:.3g} J "
                    "in play",
                    found_J, shown, in_play_J),
@@ -178,7 +178,10 @@ Ruling setup_of(const RunSummary& s) {
   std::string names;
   unsigned failed = 0;
   for (const auto& step : s.setup.steps)
-    if (!step.ok) ++failed, names += fmt::format("{}{}", names.empty() ? "" : ", ", step.name);
+    if (!step.ok) {
+      ++failed;
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", step.name);
+    }
   return {"set-up",
           "set-up steps that failed",
           "",
@@ -296,7 +299,10 @@ nlohmann::json to_json(const Verdict& verdict) {
                        {"degraded_above", finite_or_null(r.degraded_above)},
                        {"bad_above", finite_or_null(r.bad_above)},
                        {"whose", r.machine ? "machine" : "program"}};
-    if (r.level() != Level::kGood) one["found"] = r.found, one["cure"] = r.cure;
+    if (r.level() != Level::kGood) {
+      one["found"] = r.found;
+      one["cure"] = r.cure;
+    }
     list.push_back(one);
   }
   return list;

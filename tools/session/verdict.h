@@ -15,7 +15,7 @@
 //                                                       soft contact; above a half it is resolved to the far side
 //   energy      10 % and 5 mJ       25 % and 20 mJ      unexplained energy / largest kinetic energy or hand's work.
 //                                                       A border may supply a tenth (hard case 33). Only if the energy
-//                                                       account is complete (sim/energy_book.h)
+//                                                       account is complete (sim/energy_balance.h)
 //   border      1 % of the ticks    10 % of the ticks   the energy tank of the border is empty (border-spent): the
 //                                                       members are braked
 //   capacity    0                   -                   entries left out: contacts, pairs, border points

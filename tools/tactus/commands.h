@@ -30,4 +30,8 @@ int complain_of_each(const std::string& lines, int exit_code);
 // Same, for an error after the object has been printed: only the line on stderr.
 int complain_after(const std::string& text, int exit_code);
 
+// Writes `text` to `path`; nothing if the path is empty. Returns the exit status; reports a file that cannot be
+// written.
+int write_file(const std::string& path, const std::string& text);
+
 }  // namespace tactus::tools

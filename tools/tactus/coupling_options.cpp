@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "sim/model/choice_names.h"
-#include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 
@@ -29,7 +28,7 @@ std::string command_of(const CouplingOptions& o, const experiment::StudyRequest&
   if (o.whole_s > 0) text += fmt::format(" --whole {:g}", o.whole_s);
   if (!o.members.empty()) text += fmt::format(" --members {}", fmt::join(o.members, ","));
   if (o.order != "best-first") text += " --order " + o.order;
-  return text + (o.quick ? " --quick" : "") + " --page " + o.page;
+  return text + (o.output.quick ? " --quick" : "");
 }
 
 }  // namespace
@@ -62,10 +61,10 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   command.add_option("--order", options.order, "in which the contact graph is cut: best-first or breadth-first")
       ->check(CLI::IsMember({"best-first", "breadth-first"}))
       ->capture_default_str();
-  command.add_option("--csv", options.csv, "writes the rows to this file, units in the header");
-  command.add_option("--page", options.page, "draws them into this HTML file; needs python3-matplotlib");
-  command.add_flag("--quick", options.quick, "about a minute: two seeds, two windows each, ratios 2, 8 and 16");
-  command.add_flag("--json", options.json, "one JSON object on stdout");
+  options.output.add_csv(command, "writes the rows to this file, units in the header");
+  options.output.add_page(command, "them");
+  options.output.add_quick(command, "about a minute: two seeds, two windows each, ratios 2, 8 and 16");
+  options.output.add_json(command);
 }
 
 namespace {
@@ -88,7 +87,8 @@ Result<std::vector<experiment::CouplingCase>> cases_of(const CouplingOptions& op
 std::vector<experiment::Scheme> schemes_of(const CouplingOptions& options,
                                            const std::vector<experiment::Scheme>& schemes) {
   std::vector<unsigned> ratios = options.ratios;
-  if (ratios.empty()) ratios = options.quick ? std::vector<unsigned>{2, 8, 16} : std::vector<unsigned>{1, 2, 4, 8, 16};
+  if (ratios.empty())
+    ratios = options.output.quick ? std::vector<unsigned>{2, 8, 16} : std::vector<unsigned>{1, 2, 4, 8, 16};
   const auto& borders = options.borders;
   std::vector<experiment::Scheme> chosen;
   for (experiment::Scheme scheme : schemes) {
@@ -135,7 +135,7 @@ Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOption
     if (!scheme.direct()) request.schemes.push_back(scheme);
   if (!options.members.empty()) request.members = options.members;
   request.seconds = options.whole_s;
-  request.hand_of_direct = !options.quick;
+  request.hand_of_direct = !options.output.quick;
   request.floor = true;
   request.order = study.order;
   return experiment::run_whole(request, experiment::terminal_progress());
@@ -144,21 +144,19 @@ Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOption
 }  // namespace
 
 int run_coupling_experiment(const CouplingOptions& options, const std::vector<experiment::Scheme>& schemes) {
-  const auto failed = [&](const Status& status) {
-    return complain(fmt::format("tactus experiment {}: {}", options.name, status.message()), kExitBadInput);
-  };
+  const auto failed = [&](const Status& status) { return experiment_failed(options.name, status.message()); };
   if (options.seeds == 0 && options.whole_s <= 0)
     return failed(Status::error("--seeds 0 leaves nothing to run; give --whole SECONDS too"));
-  if (options.seeds == 0 && !options.page.empty())
+  if (options.seeds == 0 && !options.output.page.empty())
     return failed(Status::error("--page draws the windows, which --seeds 0 leaves out; accepted: --seeds 1 or more"));
   experiment::StudyRequest request;
   auto cases = cases_of(options);
   if (!cases.ok()) return failed(cases.status());
   request.cases = std::move(cases).value();
   request.schemes = schemes_of(options, schemes);
-  request.seeds = options.quick ? std::min(2u, options.seeds) : options.seeds;
+  request.seeds = options.output.quick ? std::min(2u, options.seeds) : options.seeds;
   request.order = *sim::parse_cut_order(options.order);
-  request.quick = options.quick;
+  request.quick = options.output.quick;
   experiment::StudyReport report;
   if (request.seeds > 0) {
     auto windows = run_windows(options, request);
@@ -170,18 +168,15 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
     if (!whole.ok()) return failed(whole.status());
     report.whole = std::move(whole).value();
   }
-  const std::string json = experiment::study_json(report);
-  fmt::print("{}\n", options.json ? json : experiment::study_table(report));
-  // The table of windows, then that of whole runs, an empty line between them.
-  const int exit_code =
-      write_file(options.csv, fmt::format("{}{}{}", request.seeds > 0 ? experiment::study_csv(report) : std::string(),
-                                          request.seeds > 0 && !report.whole.empty() ? "\n" : "",
-                                          report.whole.empty() ? std::string() : experiment::whole_csv(report.whole)));
-  if (options.page.empty()) return exit_code;
-  const Status status = experiment::write_page(options.name, json, command_of(options, request), options.page);
-  return status.ok() ? exit_code
-                     : complain_after(fmt::format("tactus experiment {}: {}", options.name, status.message()),
-                                      kExitMachineCannot);
+  const ExperimentText text{
+      .name = options.name,
+      .table = experiment::study_table(report),
+      .json = experiment::study_json(report),
+      // The windows, then the whole runs, an empty line between them.
+      .csv = fmt::format("{}{}{}", request.seeds > 0 ? experiment::study_csv(report) : std::string(),
+                         request.seeds > 0 && !report.whole.empty() ? "\n" : "",
+                         report.whole.empty() ? std::string() : experiment::whole_csv(report.whole))};
+  return draw_page(options.output, text, command_of(options, request), print_and_write(options.output, text));
 }
 
 }  // namespace tactus::tools

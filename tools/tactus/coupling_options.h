@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/experiment/coupling/coupling_study.h"
+#include "tools/tactus/experiment_output.h"
 
 namespace CLI {
 class App;
@@ -19,8 +20,8 @@ struct CouplingOptions {
   std::vector<unsigned> ratios, members;
   unsigned seeds{20};
   double whole_s{0};  // length of whole runs; 0: none
-  std::string order{"best-first"}, csv, page;
-  bool quick{false}, json{false};
+  std::string order{"best-first"};
+  OutputOptions output;
 };
 
 // Help text of both: what a whole run is, and when a body stands.

@@ -1,21 +1,10 @@
 // tactus experiment NAME: measurements on whole worlds, each with a table, JSON and files for plots.
-#include <fmt/format.h>
-
-#include <fstream>
-#include <string>
+#include <CLI/CLI.hpp>
 
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
-
-int write_file(const std::string& path, const std::string& text) {
-  if (path.empty()) return kExitGood;
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  return file.good() ? kExitGood : complain_after(fmt::format("{}: cannot be written", path), kExitBadInput);
-}
 
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code) {
   CLI::App* experiment = program.add_subcommand("experiment", "Measures whole worlds: a table, JSON, files for plots.");

@@ -3,12 +3,11 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 #include "tools/experiment/coupling/accuracy_cost.h"
-#include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
@@ -17,17 +16,15 @@ namespace {
 struct CostOptions {
   std::vector<std::string> scenes;
   unsigned seeds{3};
-  std::string csv, page;
   std::vector<unsigned> count;  // hidden: scene and setting whose instructions are counted
-  bool quick{false}, json{false};
+  OutputOptions output;
 };
 
 int run_cost(const CostOptions& options) {
   const auto cases = experiment::coupling_cases();
   if (options.count.size() == 2) {
-    if (options.count[0] >= cases.size())
-      return complain("tactus experiment accuracy-cost: no such case", kExitBadInput);
-    const Status status = experiment::run_counted(cases[options.count[0]], options.count[1], options.quick);
+    if (options.count[0] >= cases.size()) return experiment_failed("accuracy-cost", "no such case");
+    const Status status = experiment::run_counted(cases[options.count[0]], options.count[1], options.output.quick);
     return status.ok() ? kExitGood : complain(status.message(), kExitBadInput);
   }
   experiment::CostRequest request;
@@ -35,23 +32,20 @@ int run_cost(const CostOptions& options) {
     if (options.scenes.empty() ||
         std::find(options.scenes.begin(), options.scenes.end(), one.name) != options.scenes.end())
       request.cases.push_back(one);
-  request.seeds = options.quick ? 1 : options.seeds;
-  request.quick = options.quick;
-  std::error_code ignored;
-  if (!options.quick) request.program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
+  request.seeds = options.output.quick ? 1 : options.seeds;
+  request.quick = options.output.quick;
+  if (!options.output.quick) request.program = own_program();
   const auto report = experiment::run_accuracy_cost(request, experiment::terminal_progress());
-  if (!report.ok()) return complain("tactus experiment accuracy-cost: " + report.message(), kExitBadInput);
-  const std::string json = experiment::cost_json(report.value());
-  fmt::print("{}\n", options.json ? json : experiment::cost_table(report.value()));
-  const int exit_code = write_file(options.csv, experiment::cost_csv(report.value()));
-  if (options.page.empty()) return exit_code;
+  if (!report.ok()) return experiment_failed("accuracy-cost", report.message());
+  const ExperimentText text{.name = "accuracy-cost",
+                            .table = experiment::cost_table(report.value()),
+                            .json = experiment::cost_json(report.value()),
+                            .csv = experiment::cost_csv(report.value())};
   const std::string command =
-      fmt::format("tactus experiment accuracy-cost{} --seeds {}{} --page {}",
+      fmt::format("tactus experiment accuracy-cost{} --seeds {}{}",
                   options.scenes.empty() ? "" : fmt::format(" --scenes {}", fmt::join(options.scenes, ",")),
-                  request.seeds, options.quick ? " --quick" : "", options.page);
-  const Status status = experiment::write_page("accuracy-cost", json, command, options.page);
-  return status.ok() ? exit_code
-                     : complain_after("tactus experiment accuracy-cost: " + status.message(), kExitMachineCannot);
+                  request.seeds, options.output.quick ? " --quick" : "");
+  return draw_page(options.output, text, command, print_and_write(options.output, text));
 }
 
 std::vector<std::string> case_names() {
@@ -82,13 +76,13 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
   command->add_option("--seeds", options->seeds, "hands that press and slide a little differently")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--csv", options->csv, "writes every setting to this file, units in the header");
-  command->add_option("--page", options->page, "draws them into this HTML file; needs python3-matplotlib");
+  options->output.add_csv(*command, "writes every setting to this file, units in the header");
+  options->output.add_page(*command, "them");
   command->add_option("--count", options->count, "case and setting, for the count of instructions")
       ->expected(2)
       ->group("");
-  command->add_flag("--quick", options->quick, "a minute or two: one seed, two windows, one factor at a time");
-  command->add_flag("--json", options->json, "one JSON object on stdout");
+  options->output.add_quick(*command, "a minute or two: one seed, two windows, one factor at a time");
+  options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_cost(*options); });
 }
 

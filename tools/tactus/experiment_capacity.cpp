@@ -6,8 +6,8 @@
 
 #include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/capacity.h"
-#include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
@@ -18,36 +18,36 @@ struct CapacityOptions {
   std::vector<unsigned> ratios;
   std::vector<std::string> couplings{"direct", "sub-world", "static", "interpolation"};
   unsigned members{64}, most{20000};
-  std::string csv, page;
-  bool quick{false}, json{false};
+  OutputOptions output;
 };
 
 int run_capacity(const CapacityOptions& options) {
   experiment::CapacityRequest request;
   request.rates_Hz = options.rates_Hz;
   if (request.rates_Hz.empty())
-    request.rates_Hz = options.quick ? std::vector<double>{1000} : std::vector<double>{1000, 2000, 4000};
+    request.rates_Hz = options.output.quick ? std::vector<double>{1000} : std::vector<double>{1000, 2000, 4000};
   request.ratios = options.ratios;
   if (request.ratios.empty())
-    request.ratios = options.quick ? std::vector<unsigned>{10} : std::vector<unsigned>{2, 4, 10, 16};
+    request.ratios = options.output.quick ? std::vector<unsigned>{10} : std::vector<unsigned>{2, 4, 10, 16};
   for (const std::string& word : options.couplings)
     request.couplings.push_back({.coupling = *sim::parse_coupling_scheme(word)});
   request.members = options.members;
   request.most_bodies = options.most;
-  if (options.quick) request.ticks = 200, request.runs = 3;
+  if (options.output.quick) {
+    request.ticks = 200;
+    request.runs = 3;
+  }
   const auto report = experiment::run_capacity(request, experiment::terminal_progress());
-  if (!report.ok()) return complain("tactus experiment capacity: " + report.message(), kExitBadInput);
-  const std::string json = experiment::capacity_json(report.value());
-  fmt::print("{}\n", options.json ? json : experiment::capacity_table(report.value()));
-  const int exit_code = write_file(options.csv, experiment::capacity_csv(report.value()));
-  if (options.page.empty()) return exit_code;
+  if (!report.ok()) return experiment_failed("capacity", report.message());
+  const ExperimentText text{.name = "capacity",
+                            .table = experiment::capacity_table(report.value()),
+                            .json = experiment::capacity_json(report.value()),
+                            .csv = experiment::capacity_csv(report.value())};
   const std::string command =
-      fmt::format("tactus experiment capacity --rates {} --ratios {} --couplings {} --members {} --most {}{} --page {}",
+      fmt::format("tactus experiment capacity --rates {} --ratios {} --couplings {} --members {} --most {}{}",
                   fmt::join(request.rates_Hz, ","), fmt::join(request.ratios, ","), fmt::join(options.couplings, ","),
-                  options.members, options.most, options.quick ? " --quick" : "", options.page);
-  const Status status = experiment::write_page("capacity", json, command, options.page);
-  return status.ok() ? exit_code
-                     : complain_after("tactus experiment capacity: " + status.message(), kExitMachineCannot);
+                  options.members, options.most, options.output.quick ? " --quick" : "");
+  return draw_page(options.output, text, command, print_and_write(options.output, text));
 }
 
 }  // namespace
@@ -81,10 +81,10 @@ void add_capacity(CLI::App& experiment, int& exit_code) {
   command->add_option("--most", options->most, "cubes in the largest heap to try")
       ->check(CLI::Range(25, 90000))
       ->capture_default_str();
-  command->add_option("--csv", options->csv, "writes every heap that was timed to this file");
-  command->add_option("--page", options->page, "draws it into this HTML file; needs python3-matplotlib");
-  command->add_flag("--quick", options->quick, "about a minute: 1 kHz, ratio 10");
-  command->add_flag("--json", options->json, "one JSON object on stdout");
+  options->output.add_csv(*command, "writes every heap that was timed to this file");
+  options->output.add_page(*command, "it");
+  options->output.add_quick(*command, "about a minute: 1 kHz, ratio 10");
+  options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_capacity(*options); });
 }
 

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "tools/tactus/commands.h"
+#include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
@@ -17,7 +17,7 @@ namespace {
 struct EffectsOptions {
   std::vector<std::string> effects;
   std::string count;
-  bool json{false};
+  OutputOptions output;
 };
 
 int run_effects(const EffectsOptions& options) {
@@ -29,17 +29,15 @@ int run_effects(const EffectsOptions& options) {
     const auto colon = options.count.find(':');
     const std::string effect = options.count.substr(0, colon);
     const char state = colon == std::string::npos ? '?' : options.count.back();
-    if (!is_known(effect) || state < '0' || state > '2')
-      return complain("tactus experiment effects: --count: no such case", kExitBadInput);
+    if (!is_known(effect) || state < '0' || state > '2') return experiment_failed("effects", "--count: no such case");
     experiment::count_effect(effect, static_cast<experiment::EffectState>(state - '0'));
     return kExitGood;
   }
-  std::error_code ignored;
-  const std::string program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
-  const auto rows = experiment::run_effects(options.effects.empty() ? known : options.effects, program,
+  const auto rows = experiment::run_effects(options.effects.empty() ? known : options.effects, own_program(),
                                             experiment::terminal_progress());
-  fmt::print("{}\n", options.json ? experiment::effects_json(rows) : experiment::effects_table(rows));
-  int exit_code = kExitGood;
+  int exit_code = print_and_write(
+      options.output,
+      {.name = "effects", .table = experiment::effects_table(rows), .json = experiment::effects_json(rows)});
   for (const auto& row : rows) {
     if (row.instructions[0] == 0)
       return complain(
@@ -65,7 +63,7 @@ void add_effects(CLI::App& experiment, int& exit_code) {
       ->delimiter(',')
       ->check(CLI::IsMember(experiment::effect_names()));
   effects->add_option("--count", options->count, "runs one case for the count of instructions")->group("");
-  effects->add_flag("--json", options->json, "one JSON object on stdout");
+  options->output.add_json(*effects);
   effects->callback([options, &exit_code] { exit_code = run_effects(*options); });
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/experiment/page.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 #include "tools/validation/random_world.h"
 #include "tools/validation/report.h"
@@ -22,9 +22,9 @@ struct HardCasesOptions {
   std::vector<int> cases;
   std::vector<std::string> accuracies;
   std::vector<double> steps_ms{1, 10};
-  std::string csv, svg, page;
   std::uint64_t random{0}, first{0};
-  bool sub_world{false}, no_peers{false}, json{false};
+  bool sub_world{false}, no_peers{false};
+  OutputOptions output;
 };
 
 // Seeds one after the other; a world that fails a gate is written as a scene file. Worlds whose bodies rotate faster
@@ -45,9 +45,9 @@ int run_random_worlds(const HardCasesOptions& options) {
     const std::string path = fmt::format("random-world-{}.toml", seed);
     if (write_file(path, hard_cases::to_scene(small, run.broken_gate)) != kExitGood) return kExitBadInput;
     rows.push_back({{"seed", seed}, {"gate", run.broken_gate}, {"file", path}});
-    if (!options.json) fmt::print("seed {}: gate broken: {}; {}\n", seed, run.broken_gate, path);
+    if (!options.output.json) fmt::print("seed {}: gate broken: {}; {}\n", seed, run.broken_gate, path);
   }
-  if (options.json)
+  if (options.output.json)
     fmt::print("{}\n",
                report_text(nlohmann::ordered_json{{"worlds", options.random}, {"broken", broken}, {"rows", rows}}, 2));
   else
@@ -58,22 +58,21 @@ int run_random_worlds(const HardCasesOptions& options) {
 // Writes the worst worlds as scene files.
 int run_random_trials(const HardCasesOptions& options) {
   const auto report = hard_cases::try_random_worlds(options.first, options.random, experiment::terminal_progress());
-  const std::string json = hard_cases::trial_json(report);
-  fmt::print("{}\n", options.json ? json : hard_cases::trial_text(report));
-  int written = write_file(options.csv, experiment::whole_csv(report.rows));
+  const ExperimentText text{.name = "hard-cases",
+                            .table = hard_cases::trial_text(report),
+                            .json = hard_cases::trial_json(report),
+                            .csv = experiment::whole_csv(report.rows),
+                            .page = "random-worlds"};
+  int written = print_and_write(options.output, text);
   for (const auto& trial : report.worst)
     written = std::max(written, write_file(fmt::format("random-world-{}.toml", trial.seed), trial.scene));
-  if (!options.page.empty()) {
-    const std::string command = fmt::format("tactus experiment hard-cases --random {} --first {} --sub-world --page {}",
-                                            options.random, options.first, options.page);
-    const Status status = experiment::write_page("random-worlds", json, command, options.page);
-    if (!status.ok()) return complain_after("tactus experiment hard-cases: " + status.message(), kExitMachineCannot);
-  }
-  return report.collapsed() == 0 ? written : kExitVerdictBad;
+  const std::string command =
+      fmt::format("tactus experiment hard-cases --random {} --first {} --sub-world", options.random, options.first);
+  return draw_page(options.output, text, command, report.collapsed() == 0 ? written : kExitVerdictBad);
 }
 
 int run_hard_cases(const HardCasesOptions& options) {
-  if ((options.sub_world || !options.page.empty()) && !(options.sub_world && options.random > 0))
+  if ((options.sub_world || !options.output.page.empty()) && !(options.sub_world && options.random > 0))
     return complain(
         "tactus experiment hard-cases: --sub-world and --page are of random worlds; accepted: --random N --sub-world",
         kExitBadInput);
@@ -85,7 +84,7 @@ int run_hard_cases(const HardCasesOptions& options) {
   hard_cases::Request request;
   for (const auto& one : hard_cases::hard_cases())
     if (asked(options.cases, one.number)) request.cases.push_back(&one);
-  if (request.cases.empty()) return complain("tactus experiment hard-cases: --cases: no such case", kExitBadInput);
+  if (request.cases.empty()) return experiment_failed("hard-cases", "--cases: no such case");
   for (const auto accuracy : hard_cases::kAccuracies)
     if (asked(options.accuracies, std::string(hard_cases::name_of(accuracy)))) request.accuracies.push_back(accuracy);
   for (const double step_ms : options.steps_ms) request.steps_s.push_back(1e-3 * step_ms);
@@ -93,12 +92,12 @@ int run_hard_cases(const HardCasesOptions& options) {
     for (const auto& kind : experiment::engine_kinds())
       if (kind.available && kind.name != "tactus") request.peers.push_back(kind);
   const auto report = hard_cases::run(request, experiment::terminal_progress());
-  if (options.json)
-    fmt::print("{}\n", hard_cases::report_json(report));
-  else
-    fmt::print("{}\n{}", hard_cases::report_table(report), hard_cases::failures_text(report));
-  const int written = std::max(write_file(options.csv, hard_cases::report_csv(report)),
-                               write_file(options.svg, hard_cases::report_svg(report)));
+  const int written = print_and_write(options.output, {.name = "hard-cases",
+                                                       .table = hard_cases::report_table(report),
+                                                       .json = hard_cases::report_json(report),
+                                                       .csv = hard_cases::report_csv(report),
+                                                       .svg = hard_cases::report_svg(report)});
+  if (!options.output.json) fmt::print("{}", hard_cases::failures_text(report));
   if (!report.all_pass_at(hard_cases::Accuracy::kBalanced)) return kExitVerdictBad;
   return written;
 }
@@ -131,16 +130,16 @@ void add_hard_cases(CLI::App& experiment, int& exit_code) {
   command->add_option("--steps-ms", options->steps_ms, "1, 10; both by default")
       ->delimiter(',')
       ->check(CLI::IsMember({1.0, 10.0}));
-  command->add_option("--csv", options->csv, "writes every metric to this file");
-  command->add_option("--svg", options->svg, "plots the scores into this file");
+  options->output.add_csv(*command, "writes every metric to this file");
+  options->output.add_svg(*command, "plots the scores into this file");
   command->add_option("--random", options->random, "this many random worlds instead of the cases");
   command->add_option("--first", options->first, "seed of the first random world")->capture_default_str();
   command->add_flag("--sub-world", options->sub_world,
                     "each random world with a hand for 5 s, by the sub-world (ghosts, ratio 8) beside direct coupling; "
                     "leaves the ten worst as scene files");
-  command->add_option("--page", options->page, "draws the ten worst into this HTML file; needs python3-matplotlib");
+  options->output.add_page(*command, "the ten worst");
   command->add_flag("--no-peers", options->no_peers, "leaves out the other engines");
-  command->add_flag("--json", options->json, "one JSON object on stdout");
+  options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_hard_cases(*options); });
 }
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sim/model/choice_names.h"
-#include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
@@ -18,9 +18,9 @@ namespace {
 
 struct PeersOptions {
   std::vector<std::string> scenes, peers;
-  std::string precision, csv, page;
+  std::string precision;
   unsigned sub_steps{0}, runs{3};
-  bool quick{false}, json{false};
+  OutputOptions output;
 };
 
 // Accepted words for --peers: a library, both its engines.
@@ -41,20 +41,20 @@ std::string command_of(const PeersOptions& options) {
   if (!options.peers.empty()) command += fmt::format(" --peers {}", fmt::join(options.peers, ","));
   if (!options.precision.empty()) command += " --precision " + options.precision;
   if (options.sub_steps > 0) command += fmt::format(" --sub-steps {}", options.sub_steps);
-  return command + (options.quick ? " --quick" : "");
+  return command + (options.output.quick ? " --quick" : "");
 }
 
 int run_peers(const PeersOptions& options) {
   experiment::PeersRequest request;
   request.options.precision = sim::parse_precision(options.precision);
   request.options.sub_steps = options.sub_steps;
-  request.runs = options.quick ? std::min(2u, options.runs) : options.runs;
+  request.runs = options.output.quick ? std::min(2u, options.runs) : options.runs;
   // --quick omits the large worlds unless they are named.
   std::vector<std::string> scenes = options.scenes;
-  if (scenes.empty() && options.quick) scenes = {"pile64", "pile64-stirred", "pile1000", "pile1000-stirred"};
+  if (scenes.empty() && options.output.quick) scenes = {"pile64", "pile64-stirred", "pile1000", "pile1000-stirred"};
   for (const auto& name : experiment::scene_names())
     if (scenes.empty() || std::find(scenes.begin(), scenes.end(), name) != scenes.end())
-      request.scenes.push_back(*experiment::make_scene(name, options.quick));
+      request.scenes.push_back(*experiment::make_scene(name, options.output.quick));
   std::vector<std::string> missing;
   for (const auto& kind : experiment::compared_kinds()) {
     if (!asked_for(kind, options.peers)) continue;
@@ -69,9 +69,11 @@ int run_peers(const PeersOptions& options) {
         request.engines.empty() ? kExitMachineCannot : kExitGood);
   if (request.engines.empty()) return kExitMachineCannot;
   const auto rows = experiment::run_peers(request, experiment::terminal_progress());
-  const std::string json = experiment::peers_json(rows);
-  fmt::print("{}\n", options.json ? json : experiment::peers_table(rows));
-  int exit_code = write_file(options.csv, experiment::peers_csv(rows));
+  const ExperimentText text{.name = "peers",
+                            .table = experiment::peers_table(rows),
+                            .json = experiment::peers_json(rows),
+                            .csv = experiment::peers_csv(rows)};
+  int exit_code = print_and_write(options.output, text);
   for (const auto& row : rows) {
     const auto bad = [&](const std::string& why) {
       exit_code =
@@ -80,11 +82,7 @@ int run_peers(const PeersOptions& options) {
     if (!row.failure.empty()) bad(row.failure);
     if (!row.missed_gate.empty() && row.engine == "tactus") bad(row.missed_gate);
   }
-  if (options.page.empty()) return exit_code;
-  const Status status =
-      experiment::write_page("peers", json, command_of(options) + " --page " + options.page, options.page);
-  if (!status.ok()) return complain_after("tactus experiment peers: " + status.message(), kExitMachineCannot);
-  return exit_code;
+  return draw_page(options.output, text, command_of(options), exit_code);
 }
 
 }  // namespace
@@ -120,10 +118,10 @@ void add_peers(CLI::App& experiment, int& exit_code) {
   peers->add_option("--runs", options->runs, "identical runs of each scene")
       ->check(CLI::Range(1, 9))
       ->capture_default_str();
-  peers->add_flag("--quick", options->quick, "settles 1 s, times a fifth of the steps, two runs, no large worlds");
-  peers->add_option("--csv", options->csv, "writes the table to this file");
-  peers->add_option("--page", options->page, "draws it into this HTML file; needs python3-matplotlib");
-  peers->add_flag("--json", options->json, "one JSON object on stdout");
+  options->output.add_quick(*peers, "settles 1 s, times a fifth of the steps, two runs, no large worlds");
+  options->output.add_csv(*peers, "writes the table to this file");
+  options->output.add_page(*peers, "it");
+  options->output.add_json(*peers);
   peers->callback([options, &exit_code] { exit_code = run_peers(*options); });
 }
 

@@ -3,41 +3,41 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "sim/model/choice_names.h"
 #include "tools/experiment/timing.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
 namespace {
 
 struct ScalingOptions {
-  std::string precision, csv, svg;
+  std::string precision;
   int count{-1};
-  bool quick{false}, json{false};
+  OutputOptions output;
 };
 
 int run_scaling(const ScalingOptions& options) {
   experiment::EngineOptions engine;
   engine.precision = sim::parse_precision(options.precision);
-  const auto cases = experiment::scaling_cases(options.quick, experiment::allowed_cores().size());
+  const auto cases = experiment::scaling_cases(options.output.quick, experiment::allowed_cores().size());
   if (options.count >= 0) {
     const auto index = static_cast<std::size_t>(options.count);
-    if (index >= cases.size()) return complain("tactus experiment scaling: --count: no such case", kExitBadInput);
+    if (index >= cases.size()) return experiment_failed("scaling", "--count: no such case");
     experiment::run_counted(cases[index], engine);
     return kExitGood;
   }
-  std::error_code ignored;
-  const std::string program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
-  const auto report = experiment::run_scaling(cases, engine, program, options.quick, experiment::terminal_progress());
-  fmt::print("{}\n", options.json ? experiment::scaling_json(report) : experiment::scaling_table(report));
-  int exit_code = std::max(write_file(options.csv, experiment::scaling_csv(report)),
-                           write_file(options.svg, experiment::scaling_svg(report)));
+  const auto report =
+      experiment::run_scaling(cases, engine, own_program(), options.output.quick, experiment::terminal_progress());
+  int exit_code = print_and_write(options.output, {.name = "scaling",
+                                                   .table = experiment::scaling_table(report),
+                                                   .json = experiment::scaling_json(report),
+                                                   .csv = experiment::scaling_csv(report),
+                                                   .svg = experiment::scaling_svg(report)});
   for (const auto& row : report.rows)
     if (!row.failure.empty())
       exit_code =
@@ -63,11 +63,11 @@ void add_scaling(CLI::App& experiment, int& exit_code) {
           "double, or mixed, where contacts are solved in single precision;\ndefault: as in a run, mixed beyond "
           "256 bodies")
       ->check(CLI::IsMember({"double", "mixed"}));
-  scaling->add_option("--csv", options->csv, "writes the rows to this file");
-  scaling->add_option("--svg", options->svg, "plots cost against contact points into this file");
+  options->output.add_csv(*scaling, "writes the rows to this file");
+  options->output.add_svg(*scaling, "plots cost against contact points into this file");
   scaling->add_option("--count", options->count, "runs one case for the count of instructions")->group("");
-  scaling->add_flag("--quick", options->quick, "worlds of up to 1000 cubes, shorter");
-  scaling->add_flag("--json", options->json, "one JSON object on stdout");
+  options->output.add_quick(*scaling, "worlds of up to 1000 cubes, shorter");
+  options->output.add_json(*scaling);
   scaling->callback([options, &exit_code] { exit_code = run_scaling(*options); });
 }
 

@@ -2,14 +2,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <fstream>
-#include <iterator>
 #include <memory>
 
-#include "tools/experiment/page.h"
 #include "tools/experiment/stability/stability_map.h"
 #include "tools/session/open_link.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 #include "tools/timing/budget.h"
 
@@ -17,14 +15,15 @@ namespace tactus::tools {
 namespace {
 
 struct MapOptions {
-  std::string profile{"virtuose6d"}, device_file, budget, csv, page;
+  std::string profile{"virtuose6d"}, device_file, budget;
   double rate_Hz{1000};
   int cpu{-1};
-  bool quick{false}, json{false};
+  OutputOptions output;
 };
 
 Result<experiment::WakeLateness> lateness_of(const MapOptions& options) {
-  if (options.budget.empty()) return experiment::measure_wake(options.rate_Hz, options.quick ? 2 : 10, options.cpu);
+  if (options.budget.empty())
+    return experiment::measure_wake(options.rate_Hz, options.output.quick ? 2 : 10, options.cpu);
   const auto budget = timing::load_budget(options.budget);
   if (!budget.ok()) return budget.status();
   const timing::Budget& b = budget.value();
@@ -37,27 +36,25 @@ std::string command_of(const MapOptions& o) {
   std::string text = fmt::format("tactus experiment stability-map --rate {:g}", o.rate_Hz);
   text += o.device_file.empty() ? " --profile " + o.profile : " --device-file " + o.device_file;
   if (!o.budget.empty()) text += " --budget " + o.budget;
-  return text + (o.quick ? " --quick" : "") + " --page " + o.page;
+  return text + (o.output.quick ? " --quick" : "");
 }
 
 int run_map(const MapOptions& options) {
   const auto profile = session::find_description(options.profile, options.device_file);
-  if (!profile.ok()) return complain("tactus experiment stability-map: " + profile.message(), kExitBadInput);
+  if (!profile.ok()) return experiment_failed("stability-map", profile.message());
   const auto wake = lateness_of(options);
-  if (!wake.ok()) return complain("tactus experiment stability-map: --budget: " + wake.message(), kExitBadInput);
+  if (!wake.ok()) return experiment_failed("stability-map", "--budget: " + wake.message());
   experiment::MapRequest request;
   request.description = profile.value().description;
   request.rate_Hz = options.rate_Hz;
   request.wake = wake.value();
-  request.quick = options.quick;
+  request.quick = options.output.quick;
   const auto report = experiment::run_stability_map(request, experiment::terminal_progress());
-  const std::string json = experiment::map_json(report);
-  fmt::print("{}\n", options.json ? json : experiment::map_table(report));
-  const int exit_code = write_file(options.csv, experiment::map_csv(report));
-  if (options.page.empty()) return exit_code;
-  const Status status = experiment::write_page("stability-map", json, command_of(options), options.page);
-  return status.ok() ? exit_code
-                     : complain_after("tactus experiment stability-map: " + status.message(), kExitMachineCannot);
+  const ExperimentText text{.name = "stability-map",
+                            .table = experiment::map_table(report),
+                            .json = experiment::map_json(report),
+                            .csv = experiment::map_csv(report)};
+  return draw_page(options.output, text, command_of(options), print_and_write(options.output, text));
 }
 
 }  // namespace
@@ -85,10 +82,10 @@ void add_stability_map(CLI::App& experiment, int& exit_code) {
   command->add_option("--cpu", options->cpu, "core on which wake-ups are measured; default: any")
       ->check(CLI::Range(0, 1023));
   command->add_option("--budget", options->budget, "a file of `tactus timing --certify`, instead of measuring");
-  command->add_option("--csv", options->csv, "writes every boundary to this file, units in the header");
-  command->add_option("--page", options->page, "draws them into this HTML file; needs python3-matplotlib");
-  command->add_flag("--quick", options->quick, "less than a minute: four dampings, fewer loops");
-  command->add_flag("--json", options->json, "one JSON object on stdout");
+  options->output.add_csv(*command, "writes every boundary to this file, units in the header");
+  options->output.add_page(*command, "them");
+  options->output.add_quick(*command, "less than a minute: four dampings, fewer loops");
+  options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_map(*options); });
 }
 

@@ -1,7 +1,5 @@
-// The subcommands of `tactus experiment`, one file each, and their shared functions. Thread: [setup].
+// The subcommands of `tactus experiment`, one file each. Thread: [setup].
 #pragma once
-
-#include <string>
 
 namespace CLI {
 class App;
@@ -19,9 +17,5 @@ void add_peers(CLI::App& experiment, int& exit_code);
 void add_scaling(CLI::App& experiment, int& exit_code);
 void add_stability_map(CLI::App& experiment, int& exit_code);
 void add_effects(CLI::App& experiment, int& exit_code);
-
-// Writes `text` to `path`; nothing if the path is empty. Returns the exit status; reports a file that cannot be
-// written.
-int write_file(const std::string& path, const std::string& text);
 
 }  // namespace tactus::tools

@@ -140,7 +140,10 @@ int run_hil(HilCommand& c) {
   };
   hooks.done = [&](const hil::CheckReport& one) {
     if (terminal) fmt::print(stderr, "\r\033[K");
-    if (!c.json) fmt::print("{}", to_line(one)), std::fflush(stdout);
+    if (!c.json) {
+      fmt::print("{}", to_line(one));
+      std::fflush(stdout);
+    }
   };
   hil::SuiteReport report = run_suite(bench, request, hooks);
   report.device = c.device;

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <new>
 #include <string>
 #include <vector>
@@ -128,11 +129,19 @@ int complain_after(const std::string& text, int exit_code) {
   return exit_code;
 }
 
+int write_file(const std::string& path, const std::string& text) {
+  if (path.empty()) return kExitGood;
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  return file.good() ? kExitGood : complain_after(fmt::format("{}: cannot be written", path), kExitBadInput);
+}
+
 }  // namespace tactus::tools
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ,
-              SIG_IGN);  // a write beyond the file size limit is then an error of that file and does not end the run
+  // A write beyond the file size limit is then an error of that file and does not end the run.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return tactus::tools::run_program(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -64,7 +64,8 @@ void show_live(const session::LiveStatus& live, double elapsed_s, bool terminal,
                double& last_s) {
   const std::uint64_t ticks = live.ticks.load(std::memory_order_relaxed);
   const double rate_Hz = elapsed_s > last_s ? static_cast<double>(ticks - last_ticks) / (elapsed_s - last_s) : 0;
-  last_ticks = ticks, last_s = elapsed_s;
+  last_ticks = ticks;
+  last_s = elapsed_s;
   const std::uint32_t status = live.status.load(std::memory_order_relaxed);
   std::string notes;
   for (std::uint32_t bit = 0; bit < 32; ++bit) {

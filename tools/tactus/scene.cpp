@@ -140,8 +140,11 @@ int check_scene(const CheckOptions& options) {
   auto report = sim::report_on(scene.value(), device_of(scene.value(), tick_s), tick_s);
   for (const auto& time : experiment::time_effects(scene.value()))
     for (auto& effect : report.effects)
-      if (effect.name == time.effect)
-        effect.added_us = time.added_us, effect.spread_us = time.spread_us, effect.tick_us = time.tick_us;
+      if (effect.name == time.effect) {
+        effect.added_us = time.added_us;
+        effect.spread_us = time.spread_us;
+        effect.tick_us = time.tick_us;
+      }
   if (!diagnostics.warnings.empty()) fmt::print(stderr, "{}\n", diagnostics.warning_message());
   const session::Verdict verdict = session::judge(report);
   if (options.json) {

@@ -10,7 +10,6 @@
 #include "tools/doctor/examine.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
-#include "tools/tactus/experiments.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/report.h"
 #include "tools/timing/trace.h"
@@ -51,7 +50,8 @@ std::vector<std::string> distortions(int cpu, double rate_Hz) {
   std::vector<std::string> found;
   if (!system.ok()) return found;
   doctor::Request request;
-  request.cpu = cpu, request.rate_Hz = rate_Hz;
+  request.cpu = cpu;
+  request.rate_Hz = rate_Hz;
   for (const doctor::Finding& finding : doctor::examine(system.value(), request).findings)
     if (finding.distorts) found.push_back(finding.check + ": " + finding.found);
   return found;

@@ -32,7 +32,8 @@ int keep_budget(TuneCommand& command) {
   const auto answer = timing::check_budget(budget.value(), timing::this_machine(cpu),
                                            {request.run.rate_Hz, 1, 1, request.run.priority});
   if (!answer.refusal.empty()) return complain("tactus tune: --budget: " + answer.refusal, kExitMachineCannot);
-  request.limits.members = budget.value().members, request.limits.sub_steps = budget.value().sub_steps;
+  request.limits.members = budget.value().members;
+  request.limits.sub_steps = budget.value().sub_steps;
   request.run.late_s = 1e-6 * budget.value().wake_p99_9_us;
   return kExitGood;
 }

@@ -59,9 +59,11 @@ std::string other_machine(const Machine& certified, const Machine& here) {
 Machine this_machine(int cpu) {
   utsname kernel{};
   uname(&kernel);
-  return {cpu_model(), fmt::format("{} {}", kernel.release, kernel.version), line_of("/proc/cmdline"),
-          line_of(fmt::format("/sys/devices/system/cpu/cpu{}/cpufreq/scaling_governor", cpu)),
-          static_cast<unsigned>(sysconf(_SC_NPROCESSORS_ONLN))};
+  return {.cpu_model = cpu_model(),
+          .kernel = fmt::format("{} {}", kernel.release, kernel.version),
+          .boot_line = line_of("/proc/cmdline"),
+          .governor = line_of(fmt::format("/sys/devices/system/cpu/cpu{}/cpufreq/scaling_governor", cpu)),
+          .cores = static_cast<unsigned>(sysconf(_SC_NPROCESSORS_ONLN))};
 }
 
 std::string budget_text(const TimingResult& r, const Machine& machine) {
@@ -123,7 +125,8 @@ Result<Budget> read_budget(const std::string& text, const std::string& name) {
   budget.priority = settings["priority"];
   budget.worst_us = j["computing_worst_us"];
   budget.margin = j["margin"];
-  budget.wake_p50_us = j["wake_p50_us"], budget.wake_p99_9_us = j["wake_p99_9_us"];
+  budget.wake_p50_us = j["wake_p50_us"];
+  budget.wake_p99_9_us = j["wake_p99_9_us"];
   budget.wake_worst_us = j["wake_worst_us"];
   budget.verdict = j["verdict"];
   return budget;

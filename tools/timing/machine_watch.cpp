@@ -44,7 +44,10 @@ std::optional<InterruptCounts> parse_interrupts(const std::string& proc_interrup
   const std::string wanted = "CPU" + std::to_string(cpu);
   bool found = false;
   while (heads >> word) {
-    if (word == wanted) column = columns, found = true;
+    if (word == wanted) {
+      column = columns;
+      found = true;
+    }
     ++columns;
   }
   if (!found) return std::nullopt;
@@ -86,9 +89,10 @@ std::optional<MachineChange> MachineHistory::around(std::int64_t from_ns, std::i
     if (look.at_ns >= to_ns && after == nullptr) after = &look;
   }
   if (before == nullptr || after == nullptr) return std::nullopt;
-  MachineChange change{after->at_ns - before->at_ns, difference(before->interrupts, after->interrupts),
-                       difference(before->stolen_ms, after->stolen_ms),
-                       difference(before->waited_ns, after->waited_ns)};
+  MachineChange change{.span_ns = after->at_ns - before->at_ns,
+                       .interrupts = difference(before->interrupts, after->interrupts),
+                       .stolen_ms = difference(before->stolen_ms, after->stolen_ms),
+                       .waited_ns = difference(before->waited_ns, after->waited_ns)};
   for (const MachineLook& look : looks_) {
     if (look.at_ns < from_ns || look.at_ns > after->at_ns || !look.noise) continue;
     if (!change.noise) change.noise.emplace();

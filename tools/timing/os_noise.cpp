@@ -78,7 +78,8 @@ std::optional<Noise> parse_noise(const std::string& line) {
     const auto duration_ns = number_after(body, "duration ");
     const auto start = body.find("start ");
     if (!end_ns || !duration_ns || start == std::string_view::npos) return std::nullopt;
-    Noise noise{event.kind, "nmi", 0, *end_ns - *duration_ns, *duration_ns};
+    Noise noise{
+        .kind = event.kind, .name = "nmi", .number = 0, .from_ns = *end_ns - *duration_ns, .duration_ns = *duration_ns};
     if (std::string_view who = body.substr(0, start); who.find(':') != std::string_view::npos) {
       const auto colon = who.rfind(':');
       noise.number = number_after(who.substr(colon), ":").value_or(0);

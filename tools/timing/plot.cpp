@@ -47,7 +47,8 @@ std::string histogram_text(const std::vector<Curve>& curves, std::int64_t mark_n
                                      static_cast<std::uint64_t>(edges_us[i + 1] * 1e3)));
       if (column.back() == 0) continue;
       most = std::max(most, column.back());
-      first = std::min(first, i), last = std::max(last, i);
+      first = std::min(first, i);
+      last = std::max(last, i);
     }
   }
   std::string text = fmt::format("{:>12}", "");

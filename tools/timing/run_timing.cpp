@@ -170,7 +170,13 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
 
   const auto period_ns = static_cast<std::int64_t>(std::llround(options.run.period_s() * 1e9));
   const auto warm_up = static_cast<std::uint64_t>(kWarmUp_s * options.run.rate_Hz);
-  TimingResult result{options, {}, TickStatistics({period_ns, warm_up, kSettleTicks}), {}, {}, 0, scene_text};
+  TimingResult result{.options = options,
+                      .summary = {},
+                      .books = TickStatistics({period_ns, warm_up, kSettleTicks}),
+                      .rows = {},
+                      .cyclictest_wake = {},
+                      .records_lost = 0,
+                      .scene_text = scene_text};
   loop::TickProbe probe(plan);
   session::RealtimeHooks hooks;
   hooks.probe = &probe;

@@ -58,12 +58,17 @@ void TickStatistics::add_loop(const loop::TickTimes& t) {
   overhead.record(t.wrote_ns - t.woke_ns - device_ns - (t.stepped_ns - t.coupled_ns));
   force_age.record(t.wrote_ns - t.woke_ns);
   if (has_last_) oldest_age.record(t.wrote_ns - last_.woke_ns);
-  last_ = t, has_last_ = true;
+  last_ = t;
+  has_last_ = true;
   skipped += t.skipped;
-  minor_faults += t.minor_faults, major_faults += t.major_faults, involuntary_switches += t.involuntary_switches;
+  minor_faults += t.minor_faults;
+  major_faults += t.major_faults;
+  involuntary_switches += t.involuntary_switches;
   if (t.members > members_max) at_capacity = 0;
-  members_max = std::max(members_max, t.members), contacts_max = std::max(contacts_max, t.contacts);
-  points_max = std::max(points_max, t.points), border_max = std::max(border_max, t.border);
+  members_max = std::max(members_max, t.members);
+  contacts_max = std::max(contacts_max, t.contacts);
+  points_max = std::max(points_max, t.points);
+  border_max = std::max(border_max, t.border);
   if (t.members == members_max) ++at_capacity;
   if (late(t)) {
     ++overruns;

@@ -7,7 +7,7 @@
 namespace tactus::tune {
 namespace {
 
-constexpr unsigned kMostRounds = 16;
+constexpr unsigned kMaxRounds = 16;
 // A step is kept if it reduces the error to this share or less; a step is undone if that raises the error by at most
 // the second factor.
 constexpr double kWorth = 0.98, kForNothing = 1.005;
@@ -65,7 +65,7 @@ std::vector<Notch> notches_stiffer(const Setting& s) {
 Found search(const Setting& start, const Limits& limits, const Measure& measure) {
   Found found;
   found.best = measure(start);
-  for (unsigned round = 0; round < kMostRounds && !found.best.fits(limits); ++round) {
+  for (unsigned round = 0; round < kMaxRounds && !found.best.fits(limits); ++round) {
     std::vector<Trial> tried;
     for (const Notch& notch : notches_down(found.best.setting, limits)) tried.push_back(measure(notch.setting));
     std::erase_if(tried, [&](const Trial& t) { return !t.fits(limits) && !cheaper(t, found.best); });
@@ -77,7 +77,7 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
   }
   found.fits = found.best.fits(limits);
   if (!found.fits) return found;
-  for (unsigned round = 0; round < kMostRounds; ++round) {
+  for (unsigned round = 0; round < kMaxRounds; ++round) {
     Trial next = found.best;
     for (const Notch& notch : notches_up(found.best.setting, limits)) {
       const Trial trial = measure(notch.setting);

@@ -22,8 +22,8 @@ using experiment::ReferenceRun;
 constexpr double kFirstWindow_s = 0.3, kWindowEvery_s = 0.25;
 // Estimated work for the progress display, in trials: the reference, a real-time run, and the number of trials.
 constexpr double kReferenceWork = 6, kRealWork = 4, kTrials = 22;
-constexpr int kMostStepsBack = 3;
-constexpr double kMostCoreFactor = 4;
+constexpr int kMaxStepsBack = 3;
+constexpr double kMaxCoreFactor = 4;
 
 // Pins this thread to its current core for the object's lifetime; the destructor restores all cores, which a real-time
 // run needs.
@@ -44,7 +44,8 @@ class OnOneCore {
 session::RunOptions run_options(const TuneRequest& request, const Setting& setting, double duration_s) {
   session::RunOptions options = request.run;
   options.rate_Hz = kHapticRate_Hz;
-  options.members = setting.members, options.ratio = setting.ratio;
+  options.members = setting.members;
+  options.ratio = setting.ratio;
   options.duration_s = duration_s;
   return options;
 }
@@ -65,7 +66,8 @@ Result<RealRun> run_for_real(const TuneRequest& request, const Setting& setting,
                cycles = std::max<double>(1, static_cast<double>(stats.cycles));
   RealRun run;
   run.duration_s = summary.wall_s;
-  run.tick_us_p50 = us(50), run.tick_us_p99 = us(99);
+  run.tick_us_p50 = us(50);
+  run.tick_us_p99 = us(99);
   run.tick_us_max = 1e-3 * static_cast<double>(summary.compute.max_ns());
   run.reduced_share = (ticks_with(kSubStepsReduced) + ticks_with(kSolverCut)) / ticks;
   run.restrained_share = static_cast<double>(stats.restrained_cycles) / cycles;
@@ -113,7 +115,8 @@ class Bench {
     const auto before =
         std::find_if(known_.begin(), known_.end(), [&](const Trial& t) { return t.setting == setting; });
     Trial trial = before != known_.end() ? *before : measure_anew(setting);
-    trial.tick_us_p50 *= core_factor, trial.tick_us_p99 *= core_factor;
+    trial.tick_us_p50 *= core_factor;
+    trial.tick_us_p99 *= core_factor;
     return trial;
   }
 
@@ -137,12 +140,14 @@ class Bench {
 Setting written_setting(const TuneRequest& request, unsigned bodies) {
   const sim::Scene& scene = request.scene;
   Setting setting;
-  setting.sub_steps = scene.solver.sub_steps, setting.relax_sweeps = scene.solver.relax_sweeps;
+  setting.sub_steps = scene.solver.sub_steps;
+  setting.relax_sweeps = scene.solver.relax_sweeps;
   setting.friction = scene.solver.friction_sweeps;
   setting.contact_Hz = scene.solver.contact_hertz;
   setting.members = std::min(request.run.members != 0 ? request.run.members : scene.members, bodies);
   setting.ratio = request.run.ratio != 0 ? request.run.ratio : scene.ratio;
-  setting.border = request.run.border, setting.order = request.run.order;
+  setting.border = request.run.border;
+  setting.order = request.run.order;
   setting.precision = request.run.world_precision;
   return setting;
 }
@@ -150,7 +155,7 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
 // If a setting fails in the real-time run, takes the most accurate step back in the part that failed: the time of the
 // global world or of the tick.
 Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Bench& bench) {
-  const bool world_is_late = real.late_share > kMostMissed;
+  const bool world_is_late = real.late_share > kMaxMissed;
   std::vector<Trial> tried;
   for (const Notch& notch : notches_down(from.setting, limits))
     if ((notch.factor == "ratio") == world_is_late) tried.push_back(bench.measure(notch.setting));
@@ -164,10 +169,12 @@ Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Be
 Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progress& progress,
                             const std::atomic<bool>& stop) {
   TuneReport report;
-  report.file = request.file, report.scene = request.scene.name;
+  report.file = request.file;
+  report.scene = request.scene.name;
   report.scene_hash = sim::source_hash(request.scene.source);
   report.bodies = experiment::moving_bodies(request.scene);
-  report.limits = request.limits, report.limits.bodies = report.bodies;
+  report.limits = request.limits;
+  report.limits.bodies = report.bodies;
   if (report.bodies > haptics::kMaxMembers)
     return Status::error(
         fmt::format("{}: {} moving bodies; accepted: up to {}, for accuracy is measured against a run "
@@ -189,7 +196,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
                                      request.scene.name, request.quick ? 3 : 6));
   report.windows = static_cast<unsigned>(bench.windows());
   const double in_a_row_us = bench.measure(written).tick_us_p99;
-  bench.core_factor = std::clamp(real_written.value().tick_us_p99 / std::max(1e-3, in_a_row_us), 1.0, kMostCoreFactor);
+  bench.core_factor = std::clamp(real_written.value().tick_us_p99 / std::max(1e-3, in_a_row_us), 1.0, kMaxCoreFactor);
   report.core_factor = bench.core_factor;
   const Measure measure = [&](const Setting& setting) {
     pace.say(fmt::format("{} sub-steps, {} relax sweeps, {} members, ratio {}", setting.sub_steps, setting.relax_sweeps,
@@ -199,15 +206,16 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
   };
   report.written = measure(written);
   const Found found = search(written, report.limits, measure);
-  report.chosen = found.best, report.fits = found.fits;
+  report.chosen = found.best;
+  report.fits = found.fits;
   pinned.reset();
 
-  for (int back = 0; back <= kMostStepsBack && !stop.load(std::memory_order_relaxed); ++back) {
+  for (int back = 0; back <= kMaxStepsBack && !stop.load(std::memory_order_relaxed); ++back) {
     pace.say("the choice, in real time", kReferenceWork + kTrials + kRealWork);
     const auto real = run_for_real(request, report.chosen.setting, stop);
     if (!real.ok()) return real.status();
     report.real = real.value();
-    if (report.real.holds() || back == kMostStepsBack) break;
+    if (report.real.holds() || back == kMaxStepsBack) break;
     report.chosen = step_back(report.chosen, report.real, report.limits, bench);
   }
   pinned.emplace();

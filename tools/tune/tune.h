@@ -26,7 +26,7 @@ struct TuneRequest {
 
 // Accepted share of ticks and of cycles that are reduced in a real-time run, because interruptions by the machine are
 // included.
-inline constexpr double kMostMissed = 0.01;
+inline constexpr double kMaxMissed = 0.01;
 
 // Results of a real-time run of a setting.
 struct RealRun {
@@ -37,7 +37,7 @@ struct RealRun {
   std::uint64_t lost{0};                                  // ticks, ticks lost to the program's own work
   bool degraded{false};                                   // without a real-time privilege
   bool holds() const {
-    return lost == 0 && reduced_share <= kMostMissed && restrained_share <= kMostMissed && late_share <= kMostMissed;
+    return lost == 0 && reduced_share <= kMaxMissed && restrained_share <= kMaxMissed && late_share <= kMaxMissed;
   }
 };
 

@@ -96,8 +96,11 @@ std::string tune_json(const TuneReport& r) {
   ordered_json further = ordered_json::array();
   for (const FurtherStep& step : r.further) {
     ordered_json one = to_json(step.trial);
-    one["factor"] = step.notch.factor, one["from"] = step.notch.from, one["to"] = step.notch.to;
-    one["fits"] = step.fits, one["sentence"] = sentence_of(step, r.chosen, r.limits);
+    one["factor"] = step.notch.factor;
+    one["from"] = step.notch.from;
+    one["to"] = step.notch.to;
+    one["fits"] = step.fits;
+    one["sentence"] = sentence_of(step, r.chosen, r.limits);
     further.push_back(one);
   }
   return report_text(ordered_json{{"scene", r.scene},

@@ -109,8 +109,10 @@ Outcome row_with_border(const Setting& setting) {
     for (const auto& border : borders) {
       const RowRun cut = push_row(scene, {.border = border.mode, .ratio = kRatio});
       double off = 0, all = 0;
-      for (std::size_t k = 0; k < kRowTicks; ++k)
-        off += std::pow(cut.force_N[k] - direct.force_N[k], 2), all += std::pow(direct.force_N[k], 2);
+      for (std::size_t k = 0; k < kRowTicks; ++k) {
+        off += std::pow(cut.force_N[k] - direct.force_N[k], 2);
+        all += std::pow(direct.force_N[k], 2);
+      }
       outcome.at_most(fmt::format("{}, {}: force off the direct coupling's, share", kind.name, border.name),
                       std::sqrt(off / all), border.most_off);
       outcome.at_most(fmt::format("{}, {}: largest kinetic energy, J", kind.name, border.name), cut.most_kinetic_J,
@@ -141,14 +143,17 @@ Outcome friction_point(const Setting& setting) {
       world.add_box(0, {half, half, half}, mass, 0.5, {});
       world.body(0).inertia = {1e6, 1e6, 1e6};  // large, because the body would tip over on a single point
       physics::BorderContact contact;
-      contact.member = 0, contact.outside = 9;
+      contact.member = 0;
+      contact.outside = 9;
       contact.normal = {0, 0, 1};
       contact.member_anchor = contact.line_point = {0, 0, -half};
-      contact.impulse_rate = press + 5, contact.friction = friction;
+      contact.impulse_rate = press + 5;
+      contact.friction = friction;
       world.world.border_mode = mode;
       if (mode == physics::BorderMode::kGhost) {  // ghost of an immovable body
         physics::BorderGhost ghost;
-        ghost.outside = contact.outside, ghost.centre = {0, 0, -2 * half};
+        ghost.outside = contact.outside;
+        ghost.centre = {0, 0, -2 * half};
         TACTUS_CHECK(world.world.border_ghosts().try_push(ghost), 0, 0);
         contact.ghost = 0;
       }

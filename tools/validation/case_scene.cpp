@@ -14,7 +14,8 @@ sim::Scene case_scene(const std::string& toml, const Setting& setting, double co
   TACTUS_CHECK(parsed.ok(), toml.size(), 0);
   sim::Scene scene = std::move(parsed).value();
   const auto settings = settings_of(setting, contact_hertz);
-  scene.solver.sub_steps = settings.sub_steps, scene.solver.relax_sweeps = settings.relax_sweeps;
+  scene.solver.sub_steps = settings.sub_steps;
+  scene.solver.relax_sweeps = settings.relax_sweeps;
   scene.solver.global_sub_steps_per_tick = scene.solver.far_sub_steps_per_tick = settings.sub_steps;
   scene.solver.contact_hertz = settings.contact_hertz;
   return scene;

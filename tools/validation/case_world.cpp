@@ -13,7 +13,7 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kMostGain = 1e-3;  // of the largest energy in play
+constexpr double kMaxGain = 1e-3;  // of the largest energy in play
 
 double inverse_mass_at(const physics::Body& body, const Vec3d& arm, const Vec3d& n) {
   const Vec3d turned = rotate_inverse(body.motion.pose.rotation, cross(arm, n));
@@ -50,21 +50,22 @@ void CaseWorld::run(double seconds) {
 // Same sequence as a step of the global world.
 void CaseWorld::step() {
   const bool whole = world.device_spring().enabled || !world.border_contacts().empty();
-  const std::uint32_t passes = whole ? 1 : physics::passes_of(world, settings);
-  for (std::uint32_t k = 0; k < passes; ++k) take_pass(physics::settings_of_pass(settings, passes));
+  const std::uint32_t macro_steps = whole ? 1 : physics::macro_steps_of(world, settings);
+  for (std::uint32_t k = 0; k < macro_steps; ++k)
+    take_macro_step(physics::settings_of_macro_step(settings, macro_steps));
 }
 
-void CaseWorld::take_pass(const physics::StepSettings& pass) {
+void CaseWorld::take_macro_step(const physics::StepSettings& macro_step) {
   const double before_J = stored_J(0);
   for (const Held& held : held_) world.apply_wrench(slot(held.id), held.wrench);
   const std::uint64_t allocations = experiment::allocation_count();
-  world.begin_step(pass);
+  world.begin_step(macro_step);
   if (!find_pairs_brute_force(world.bounds(), world.dynamic_pairs())) lost_ |= physics::kPairsFull;
-  report = world.finish_step(pass, cut);
+  report = world.finish_step(macro_step, cut);
   allocations_ += experiment::allocation_count() - allocations;
   lost_ |= report.capacity_bits;
-  pass_s_ = pass.dt;
-  book(stored_J(pass.dt) - before_J - work_of_step_J());
+  macro_step_s_ = macro_step.dt;
+  book(stored_J(macro_step.dt) - before_J - work_of_step_J());
 }
 
 // Kinetic and potential energy, and the energy of the device's spring with its target extrapolated by `ahead_s`.
@@ -72,7 +73,7 @@ double CaseWorld::stored_J(double ahead_s) {
   const double energy = world.kinetic_energy() + world.potential_energy(settings.gravity);
   const auto& spring = world.device_spring();
   if (!spring.enabled) return energy;
-  const Posed& pose = world.bodies()[spring.slot].motion.pose;
+  const Posed& pose = world.body(spring.slot).motion.pose;
   const Vec3d stretch = pose.position - spring.target.position - ahead_s * spring.target_velocity.linear;
   const Quatd target = quat_from_rotation_vector(ahead_s * spring.target_velocity.angular) * spring.target.rotation;
   const Quatd turn = pose.rotation * conjugate(target);
@@ -85,7 +86,7 @@ double CaseWorld::stored_J(double ahead_s) {
 double CaseWorld::work_of_step_J() {
   double work = 0;
   for (const Held& held : held_) {
-    const Posed &start = world.last_poses()[slot(held.id)], &end = body(held.id).motion.pose;
+    const Posed &start = world.last_poses()[number_of(slot(held.id))], &end = body(held.id).motion.pose;
     work += dot(held.wrench.force, end.position - start.position) +
             dot(held.wrench.torque, small_rotation_vector(end.rotation * conjugate(start.rotation)));
   }
@@ -130,7 +131,8 @@ CaseWorld::Springs CaseWorld::springs_J() const {
       }
       const double stiffness = omega * omega / inverse, before = std::min(0.0, gap),
                    after = std::min(0.0, gap + change);
-      springs.before += 0.5 * stiffness * before * before, springs.after += 0.5 * stiffness * after * after;
+      springs.before += 0.5 * stiffness * before * before;
+      springs.after += 0.5 * stiffness * after * after;
     }
   }
   return springs;
@@ -145,7 +147,7 @@ void CaseWorld::close(Outcome& outcome) const {
   outcome.hash = world.state_hash();
   outcome.gate("finite", finite_);
   outcome.gate(fmt::format("energy: {:.2g} J from nowhere, of {:.2g} J", gain_J_, largest_J_),
-               !energy_is_booked || gain_J_ <= kMostGain * largest_J_);
+               !energy_is_booked || gain_J_ <= kMaxGain * largest_J_);
   outcome.gate("no allocation", allocations_ == 0);
   outcome.gate("nothing left out", lost_ == 0);
 }
@@ -182,7 +184,7 @@ double CaseWorld::carried_by_fixed() const {
   for (const auto& contact : world.contacts())
     for (std::uint32_t i = 0; contact.b_fixed && i < contact.count; ++i)
       impulse += contact.points[i].total_normal_impulse;
-  return impulse / pass_s_;
+  return impulse / macro_step_s_;
 }
 
 double CaseWorld::carried_between(BodyId a, BodyId b) const {
@@ -193,7 +195,7 @@ double CaseWorld::carried_between(BodyId a, BodyId b) const {
     if (std::min(first, second) != std::min(a, b) || std::max(first, second) != std::max(a, b)) continue;
     for (std::uint32_t i = 0; i < contact.count; ++i) impulse += contact.points[i].total_normal_impulse;
   }
-  return impulse / pass_s_;
+  return impulse / macro_step_s_;
 }
 
 double CaseWorld::overlap_under(double load_N, double mass_kg) const {

@@ -6,7 +6,7 @@
 // play. Frame: world, z up. Thread: one. Units: SI.
 #pragma once
 
-#include "rt/physics/passes.h"
+#include "rt/physics/macro_steps.h"
 #include "rt/physics/world.h"
 #include "tools/validation/hard_case.h"
 
@@ -26,7 +26,7 @@ class CaseWorld {
 
   physics::World world;
   physics::StepSettings settings;
-  physics::StepReport report;  // of the last pass
+  physics::StepReport report;  // of the last macro step
   physics::CutPredicate cut;
   bool energy_is_booked{true};  // false if something acts whose work is not known
 
@@ -38,9 +38,9 @@ class CaseWorld {
   // Enters the gates and the hash of the state.
   void close(Outcome& outcome) const;
 
-  physics::Body& body(BodyId id) { return world.bodies()[slot(id)]; }
-  const physics::Body& body(BodyId id) const { return world.bodies()[slot(id)]; }
-  std::uint32_t slot(BodyId id) const { return static_cast<std::uint32_t>(world.slot_of(id)); }
+  physics::Body& body(BodyId id) { return world.body(slot(id)); }
+  const physics::Body& body(BodyId id) const { return world.body(slot(id)); }
+  physics::SlotIndex slot(BodyId id) const { return *world.slot_of(id); }
   const Vec3d& position(BodyId id) const { return body(id).motion.pose.position; }
   Twistd& velocity(BodyId id) { return body(id).motion.velocity; }
   double fastest() const;  // m/s, of the centres of mass
@@ -51,7 +51,7 @@ class CaseWorld {
   void add_box(BodyId id, const Vec3d& half, double mass, double friction, const Posed& pose, const Twistd& twist = {});
   void add_sphere(BodyId id, double radius, double mass, double friction, const Vec3d& at, const Vec3d& velocity = {});
 
-  // N, in the last sub-step pass: force of the contacts with fixed bodies, of body `id` or of all bodies.
+  // N, in the last macro step: force of the contacts with fixed bodies, of body `id` or of all bodies.
   double carried_by_fixed() const;
   double carried_between(BodyId a, BodyId b) const;
 
@@ -59,7 +59,7 @@ class CaseWorld {
   double overlap_under(double load_N, double mass_kg) const;
 
  private:
-  void take_pass(const physics::StepSettings& pass);
+  void take_macro_step(const physics::StepSettings& macro_step);
 
   struct Springs {
     double before{0}, after{0};
@@ -74,7 +74,7 @@ class CaseWorld {
     Wrenchd wrench;
   };
   std::vector<Held> held_;
-  double pass_s_{0};
+  double macro_step_s_{0};
   double unexplained_J_{0}, least_J_{0}, gain_J_{0}, largest_J_{0};
   std::uint64_t allocations_{0};
   std::uint32_t lost_{0};

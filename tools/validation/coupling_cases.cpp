@@ -17,13 +17,16 @@ namespace tactus::hard_cases {
 namespace {
 
 constexpr BodyId kGround = 1000;
-constexpr unsigned kMostDelayTicks = 2;
+constexpr unsigned kMaxDelayTicks = 2;
 
 void couple(CaseWorld& world, BodyId proxy, double stiffness, double damping) {
   auto& spring = world.world.device_spring();
-  spring.enabled = true, spring.slot = world.slot(proxy);
-  spring.stiffness_N_per_m = stiffness, spring.damping_Ns_per_m = damping;
-  spring.stiffness_Nm_per_rad = 5, spring.damping_Nms_per_rad = 0.02;
+  spring.enabled = true;
+  spring.slot = world.slot(proxy);
+  spring.stiffness_N_per_m = stiffness;
+  spring.damping_Ns_per_m = damping;
+  spring.stiffness_Nm_per_rad = 5;
+  spring.damping_Nms_per_rad = 0.02;
   spring.target = world.body(proxy).motion.pose;
 }
 
@@ -144,6 +147,7 @@ Outcome between_blocks(const Setting& setting) {
 struct DeviceLoop {
   unsigned delay_ticks;  // transport, beyond the sample-and-hold
   bool held;             // the study's
+  double damping_Ns_per_m;
 };
 
 // The mean of (j + 1) h over the sub-steps.
@@ -157,21 +161,22 @@ struct DeviceOnSpring {
   bool grows() const { return left || late_m_per_s > early_m_per_s; }
 };
 
-DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, double damping, bool controlled,
-                           const Setting& setting, Outcome& outcome, double seconds = 5) {
+DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, bool controlled, const Setting& setting,
+                           Outcome& outcome, double seconds = 5) {
   haptics::DeviceProperties device;
   device.delay_s = loop.delay_ticks * setting.step_s;
   const double T = setting.step_s, m = device.mass_kg, b = device.damping_Ns_per_m, decay = std::exp(-b / m * T);
   CaseWorld world(setting);
   world.settings.gravity = {};
   world.add_sphere(0, 0.1, 1e9, 0.5, {});
-  couple(world, 0, stiffness, damping);
+  couple(world, 0, stiffness, loop.damping_Ns_per_m);
   haptics::CouplingGains gains;
-  gains.stiffness_N_per_m = stiffness, gains.damping_Ns_per_m = damping;
+  gains.stiffness_N_per_m = stiffness;
+  gains.damping_Ns_per_m = loop.damping_Ns_per_m;
   haptics::Passivity passivity{haptics::Passivity::Config::of(device, gains, T), {}};
   double x = 0, v = 0.1, last = 0, work = 0;
-  std::array<Vec3d, kMostDelayTicks + 1> sent{};  // newest first
-  world.energy_is_booked = false;                 // the device's motion is prescribed and does not match its velocity
+  std::array<Vec3d, kMaxDelayTicks + 1> sent{};  // newest first
+  world.energy_is_booked = false;                // the device's motion is prescribed and does not match its velocity
   DeviceOnSpring result;
   auto& spring = world.world.device_spring();
   const int ticks = world.steps_in(seconds);
@@ -192,34 +197,40 @@ DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, double damp
     v = end + (v - end) * decay;
     work += end * b * (x - before);
     result.given_J = std::max(result.given_J, work);
-    if (!(std::abs(x) < 1)) x = std::clamp(x, -1.0, 1.0), v = 0, result.left = true;
+    if (!(std::abs(x) < 1)) {
+      x = std::clamp(x, -1.0, 1.0);
+      v = 0;
+      result.left = true;
+    }
     if (k >= ticks / 10 && k < ticks / 5) result.early_m_per_s = std::max(result.early_m_per_s, std::abs(v));
     if (k >= ticks - ticks / 10) result.late_m_per_s = std::max(result.late_m_per_s, std::abs(v));
   }
   const std::uint64_t hash = outcome.hash;
   world.close(outcome);
   Fnv1a all;
-  all.add(hash), all.add(x), all.add(v);
+  all.add(hash);
+  all.add(x);
+  all.add(v);
   outcome.hash = all.value();
   return result;
 }
 
 // Stiffness at which an oscillation neither grows nor decays, within 1 %, searched between half and twice `near`.
-double where_it_rings(const DeviceLoop& loop, double near, double damping, const Setting& setting, Outcome& outcome) {
+double where_it_rings(const DeviceLoop& loop, double near, const Setting& setting, Outcome& outcome) {
   double least = 0.5 * near, most = 2 * near;
   while (most > 1.01 * least) {
     const double middle = std::sqrt(least * most);
-    (push_device(loop, middle, damping, false, setting, outcome).grows() ? most : least) = middle;
+    (push_device(loop, middle, false, setting, outcome).grows() ? most : least) = middle;
   }
   return std::sqrt(least * most);
 }
 
 // Beyond the limit the loop oscillates without the passivity controller; with it, the loop supplies at most 0.05 J and
 // the oscillation decays.
-void hold_beyond(const DeviceLoop& loop, const std::string& what, double stiffness, double damping,
-                 const Setting& setting, Outcome& outcome) {
-  const bool rings = push_device(loop, stiffness, damping, false, setting, outcome).grows();
-  const DeviceOnSpring with = push_device(loop, stiffness, damping, true, setting, outcome);
+void hold_beyond(const DeviceLoop& loop, const std::string& what, double stiffness, const Setting& setting,
+                 Outcome& outcome) {
+  const bool rings = push_device(loop, stiffness, false, setting, outcome).grows();
+  const DeviceOnSpring with = push_device(loop, stiffness, true, setting, outcome);
   outcome.at_most("given to the hand at " + what + ", J", with.given_J, 0.05);
   if (!rings) return;
   outcome.holds("the controller acts at " + what, with.active_ticks > 0);
@@ -230,8 +241,8 @@ Outcome coupling_limit(const Setting& setting) {
   const double damping = 5;
   Outcome outcome;
   for (const bool held : {true, false})
-    for (unsigned delay_ticks = 0; delay_ticks <= kMostDelayTicks; ++delay_ticks) {
-      const DeviceLoop loop{delay_ticks, held};
+    for (unsigned delay_ticks = 0; delay_ticks <= kMaxDelayTicks; ++delay_ticks) {
+      const DeviceLoop loop{delay_ticks, held, damping};
       const std::string of = fmt::format("{}, delay {}", held ? "held" : "as it ships", delay_ticks);
       haptics::DeviceProperties device;
       device.delay_s = delay_ticks * setting.step_s;
@@ -240,14 +251,13 @@ Outcome coupling_limit(const Setting& setting) {
       if (!held) axis.lead_s = lead_s(setting);
       const double limit = held ? haptics::little_damping_limit(axis, damping)  // the study's line
                                 : haptics::uncoupled_stiffness_limit(axis, damping);
-      const double rings_at = where_it_rings(loop, limit, damping, setting, outcome);
+      const double rings_at = where_it_rings(loop, limit, setting, outcome);
       outcome.relative("rings from, N/m: " + of, rings_at, limit, 0.15);
-      const DeviceOnSpring below = push_device(loop, 0.9 * limit, damping, false, setting, outcome, 10);
+      const DeviceOnSpring below = push_device(loop, 0.9 * limit, false, setting, outcome, 10);
       outcome.at_most("speed left at 0.9 of the limit, share: " + of, below.late_m_per_s / 0.1, 0.01);
-      hold_beyond(loop, "1.1 of the limit: " + of, 1.1 * limit, damping, setting, outcome);
+      hold_beyond(loop, "1.1 of the limit: " + of, 1.1 * limit, setting, outcome);
       for (const double share : {2.0, 2.5})
-        hold_beyond(loop, fmt::format("{:g} of what is accepted: {}", share, of), share * accepted, damping, setting,
-                    outcome);
+        hold_beyond(loop, fmt::format("{:g} of what is accepted: {}", share, of), share * accepted, setting, outcome);
     }
   return outcome;
 }

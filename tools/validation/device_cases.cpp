@@ -72,7 +72,8 @@ struct Hand {
   void tick(double x, bool adopts) {
     auto& sample = in.device.sample;
     in.device.status = haptics::ReadStatus::kFresh;
-    ++sample.sequence, sample.device_time_ns += 1'000'000;
+    ++sample.sequence;
+    sample.device_time_ns += 1'000'000;
     sample.device_from_tool.position = {x - loop->config().placement.world_from_device.position.x, 0, 0};
     in.operator_bits = sample.sequence == 1 ? loop::kArm : 0u;
     in.sub_steps = loop->config().sub_world.step.sub_steps;

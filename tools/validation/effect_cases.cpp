@@ -86,7 +86,8 @@ Outcome newtons_cradle(const Setting& setting) {
     rods[id].kind = JointKind::kDistance;
     rods[id].b = id;
     rods[id].a_from_joint.position = {2 * radius * id, 0, length};
-    rods[id].limited = true, rods[id].low = rods[id].high = length;
+    rods[id].limited = true;
+    rods[id].low = rods[id].high = length;
   }
   EffectSetups setups = with<physics::Restitution>({by_id});
   std::get<physics::Joints::Setup>(setups) = {rods};
@@ -108,9 +109,13 @@ Outcome newtons_cradle(const Setting& setting) {
   for (int k = 0; k < world.steps_in(1.5); ++k) {
     world.step();
     const double kinetic_J = world.world.kinetic_energy();
-    if (last_kinetic_J < before_J && last_kinetic_J <= kinetic_J && last_kinetic_J < 0.01 * start)
-      ++turns, off = std::max(off, std::abs(last_J - start));
-    before_J = last_kinetic_J, last_kinetic_J = kinetic_J, last_J = energy();
+    if (last_kinetic_J < before_J && last_kinetic_J <= kinetic_J && last_kinetic_J < 0.01 * start) {
+      ++turns;
+      off = std::max(off, std::abs(last_J - start));
+    }
+    before_J = last_kinetic_J;
+    last_kinetic_J = kinetic_J;
+    last_J = energy();
     if (k == world.steps_in(0.35))
       for (BodyId id = 0; id < 5; ++id) after[id] = world.velocity(id).linear.x;
   }
@@ -129,7 +134,8 @@ Outcome heavy_top(const Setting& setting) {
   const Vec3d inertia{3e-4, 3e-4, 4e-4};
   const double precession = mass * kGravity * arm / (inertia.z * spin);
   Joint pivot;
-  pivot.kind = JointKind::kBall, pivot.b = 0;
+  pivot.kind = JointKind::kBall;
+  pivot.b = 0;
   pivot.b_from_joint.position = {0, 0, -arm};
   const std::array<Joint, 1> joints{pivot};
   CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Joints>({joints}));
@@ -144,7 +150,8 @@ Outcome heavy_top(const Setting& setting) {
     world.step();
     const Vec3d& at = world.position(0);
     const double now = std::atan2(at.y, at.x);
-    turned += std::remainder(now - last, 2 * kPi), last = now;
+    turned += std::remainder(now - last, 2 * kPi);
+    last = now;
     lowest = std::min(lowest, at.z);
   }
   Outcome outcome;

@@ -38,20 +38,36 @@ double Metric::score() const noexcept {
 }
 
 void Outcome::near(std::string name, double observed, double expected, double tolerance) {
-  metrics.push_back({std::move(name), observed, expected, std::abs(observed - expected), tolerance});
+  metrics.push_back({.name = std::move(name),
+                     .observed = observed,
+                     .expected = expected,
+                     .error = std::abs(observed - expected),
+                     .tolerance = tolerance});
 }
 
 void Outcome::relative(std::string name, double observed, double expected, double tolerance) {
-  metrics.push_back({std::move(name), observed, expected, std::abs(observed / expected - 1), tolerance});
+  metrics.push_back({.name = std::move(name),
+                     .observed = observed,
+                     .expected = expected,
+                     .error = std::abs(observed / expected - 1),
+                     .tolerance = tolerance});
 }
 
 void Outcome::at_most(std::string name, double observed, double bound) {
-  metrics.push_back({std::move(name), observed, 0, std::max(observed, 0.0), bound});
+  metrics.push_back({.name = std::move(name),
+                     .observed = observed,
+                     .expected = 0,
+                     .error = std::max(observed, 0.0),
+                     .tolerance = bound});
   if (!std::isfinite(observed)) metrics.back().error = std::numeric_limits<double>::infinity();
 }
 
 void Outcome::holds(std::string name, bool does) {
-  metrics.push_back({std::move(name), does ? 1.0 : 0.0, 1, does ? 0 : std::numeric_limits<double>::infinity(), 1});
+  metrics.push_back({.name = std::move(name),
+                     .observed = does ? 1.0 : 0.0,
+                     .expected = 1,
+                     .error = does ? 0 : std::numeric_limits<double>::infinity(),
+                     .tolerance = 1});
 }
 
 void Outcome::gate(std::string name, bool holds) {

@@ -75,7 +75,8 @@ Outcome spawned_overlap(const Setting& setting) {
     world.step();
     most = std::max(most, world.world.kinetic_energy());
     const double now = world.position(1).x - world.position(0).x;
-    fastest = std::max(fastest, (now - apart) / world.settings.dt), apart = now;
+    fastest = std::max(fastest, (now - apart) / world.settings.dt);
+    apart = now;
   }
   const double push = world.settings.max_push_speed;
   Outcome outcome;
@@ -91,7 +92,8 @@ constexpr double kDominoWave_s = 1.38875;
 
 Outcome domino_chain(const Setting& setting) {
   sim::DominoRowSpec spec;
-  spec.count = 50, spec.friction = 0.5;
+  spec.count = 50;
+  spec.friction = 0.5;
   CaseWorld world(setting, 1000, {64, 4, 1024, 512, 0});
   world.add_ground(kGround, 0.5);
   sim::Bodies dominoes = sim::make_domino_row(spec);
@@ -163,12 +165,18 @@ sim::TriangleSoup bad_grid() {
                      d = corner(x, y + kCell_m);
       if ((i + j) % 5 == 0) {  // a corner on an edge that its neighbour does not have, beside a needle
         const unsigned m = corner(x + 0.5 * kCell_m, y), needle = corner(x + 0.5 * kCell_m, y + 5e-8);
-        soup.triangles.push_back({a, m, d}), soup.triangles.push_back({m, c, d}), soup.triangles.push_back({m, b, c});
+        soup.triangles.push_back({a, m, d});
+        soup.triangles.push_back({m, c, d});
+        soup.triangles.push_back({m, b, c});
         soup.triangles.push_back({a, m, needle});
       } else {
-        soup.triangles.push_back({a, b, c}), soup.triangles.push_back({a, c, d});
+        soup.triangles.push_back({a, b, c});
+        soup.triangles.push_back({a, c, d});
       }
-      if ((i * 7 + j) % 6 == 0) soup.triangles.push_back({a, b, b}), soup.triangles.push_back({a, b, c});
+      if ((i * 7 + j) % 6 == 0) {
+        soup.triangles.push_back({a, b, b});
+        soup.triangles.push_back({a, b, c});
+      }
     }
   const double y = -0.5 * kCells * kCell_m;
   const unsigned a = corner(y, y), b = corner(y + kCell_m, y), c = corner(y, y + kCell_m);
@@ -188,7 +196,8 @@ Outcome bad_mesh(const Setting& setting) {
   world.add_box(0, {0.03, 0.02, 0.01}, 0.2, 0.1, {{-0.1, 0.013, 0.01}, quat_from_rotation_vector(Vec3d{0, 0, 0.3})});
   world.add_sphere(1, 0.02, 0.2, 0.1, {-0.15, -0.083, 0.02});
   world.run(0.5);
-  world.velocity(0).linear.x = 0.6, world.velocity(1).linear.x = 0.5;
+  world.velocity(0).linear.x = 0.6;
+  world.velocity(1).linear.x = 0.5;
   double bump = 0;
   for (int k = world.steps_in(0.4); k > 0; --k) {
     world.step();

@@ -17,7 +17,8 @@ double elliptic_k(double modulus_squared) {
   double a = 1, g = std::sqrt(1 - modulus_squared);
   for (int i = 0; i < 20; ++i) {
     const double mean = 0.5 * (a + g);
-    g = std::sqrt(a * g), a = mean;
+    g = std::sqrt(a * g);
+    a = mean;
   }
   return kPi / (2 * a);
 }
@@ -35,7 +36,8 @@ Kept run_free(CaseWorld& world, double seconds, F&& each) {
   for (int k = world.steps_in(seconds); k > 0; --k) {
     world.step();
     const double change = world.world.kinetic_energy() / energy - 1;
-    kept.energy = std::max(kept.energy, std::abs(change)), kept.energy_gain = std::max(kept.energy_gain, change);
+    kept.energy = std::max(kept.energy, std::abs(change));
+    kept.energy_gain = std::max(kept.energy_gain, change);
     kept.momentum = std::max(kept.momentum, norm(world.world.momentum().torque - momentum) / norm(momentum));
     each();
   }
@@ -48,7 +50,8 @@ Outcome tumbling_body(const Setting& setting) {
   world.settings.gravity = {};
   const Vec3d inertia{1e-3, 2e-3, 3e-3};
   auto body = physics::make_dynamic_body(0, physics::Shape::sphere(0.1), 1, 0.5, {});
-  body.inertia = inertia, body.motion.velocity.angular = {0.02, 50, 0.03};
+  body.inertia = inertia;
+  body.motion.velocity.angular = {0.02, 50, 0.03};
   world.add(body);
   const double e2 = 2 * world.world.kinetic_energy(), l2 = norm_squared(world.world.momentum().torque);
   double before = spin_in_body(world.body(0)).y, first = -1, last = -1, time = 0;
@@ -59,7 +62,8 @@ Outcome tumbling_body(const Setting& setting) {
       last = time + before / (before - now) * setting.step_s;
       if (crossings++ == 0) first = last;
     }
-    before = now, time += setting.step_s;
+    before = now;
+    time += setting.step_s;
   });
   const double rate = std::sqrt((inertia.z - inertia.y) * (l2 - e2 * inertia.x) / (inertia.x * inertia.y * inertia.z));
   const double modulus_squared =

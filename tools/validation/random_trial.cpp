@@ -114,7 +114,8 @@ ScriptedHand random_hand(const RandomWorld& world, Draw& random) {
   ScriptedHand hand;
   hand.radius_m =
       std::clamp(random.logarithmic(0.1, 1) * std::min({half.x, half.y, half.z}), kSmallestProxy_m, kLargestProxy_m);
-  hand.mass_kg = random.logarithmic(0.05, 0.5), hand.friction = random.uniform(0, 1);
+  hand.mass_kg = random.logarithmic(0.05, 0.5);
+  hand.friction = random.uniform(0, 1);
   hand.stiffness_N_per_m = random.logarithmic(200, 1500);
   constexpr Vec3d kWays[]{// half of them from above
                           {0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
@@ -183,7 +184,7 @@ std::vector<BodyId> fallen_beside_both(const experiment::WholeRunRow& row, const
 bool worse(const RandomTrial& a, const RandomTrial& b) noexcept {
   const auto rank = [](const RandomTrial& trial) {
     const double off = trial.row.pose_off_share / experiment::StandingRule::kShareOfExtent;
-    return std::tuple(trial.still_falls(), trial.collapses(), std::max(off, trial.gain() / CollapseRule::kMostGain));
+    return std::tuple(trial.still_falls(), trial.collapses(), std::max(off, trial.gain() / CollapseRule::kMaxGain));
   };
   return rank(a) > rank(b);
 }

@@ -19,12 +19,12 @@ namespace tactus::hard_cases {
 // one of the two direct runs is not counted, because its fall is not caused by the border. Definition of standing:
 // experiment::StandingRule.
 //
-// Counted separately, not as a collapse: a run that gains more energy than the direct run by kMostGain of the energy at
+// Counted separately, not as a collapse: a run that gains more energy than the direct run by kMaxGain of the energy at
 // play. That is the hand's work, plus the weight of each body times its extent, plus the direct run's largest kinetic
 // energy.
 struct CollapseRule {
   static constexpr double kApart_m = 1e-6;
-  static constexpr double kMostGain = 0.1;
+  static constexpr double kMaxGain = 0.1;
 };
 
 inline constexpr double kTrialSettles_s = 4, kTrial_s = 5;
@@ -43,7 +43,7 @@ struct RandomTrial {
   bool collapses() const noexcept { return !fell.empty() || lost(); }
   bool falls_by_chance() const noexcept { return !row.stands && !collapses(); }
   double gain() const noexcept;  // energy gain beyond the direct run's, as a share of the energy at play
-  bool gains_energy() const noexcept { return !(gain() <= CollapseRule::kMostGain); }
+  bool gains_energy() const noexcept { return !(gain() <= CollapseRule::kMaxGain); }
 };
 
 // Bodies that stand in the direct runs of both rows and not in the run of `row`. Both rows must have kept their bodies.

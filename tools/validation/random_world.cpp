@@ -16,7 +16,7 @@ using physics::BodyKind;
 using physics::Shape;
 using physics::ShapeKind;
 
-constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMostFriction = 5;
+constexpr double kSmallest_m = 1e-3, kLargest_m = 10, kLightest_kg = 1e-3, kHeaviest_kg = 1e3, kMaxFriction = 5;
 constexpr unsigned kTicksOneWay = 10;
 
 // Each draw is a separate statement: compilers evaluate the arguments of a call in different orders, and a seed must
@@ -61,7 +61,7 @@ RandomWorld make_random_world(std::uint64_t seed) {
     const double size = std::clamp(middle * random.logarithmic(1 / spread, spread), kSmallest_m, kLargest_m);
     const double weight = std::clamp(mass * random.logarithmic(1 / ratio, ratio), kLightest_kg, kHeaviest_kg);
     const Posed pose{random.vector(room) + Vec3d{0, 0, room}, quat_from_rotation_vector(random.vector(3))};
-    const double friction = random.chance(0.2) ? 0 : random.uniform(0, random.chance(0.5) ? 1 : kMostFriction);
+    const double friction = random.chance(0.2) ? 0 : random.uniform(0, random.chance(0.5) ? 1 : kMaxFriction);
     auto body = physics::make_dynamic_body(k, random_shape(random, size), weight, friction, pose);
     body.motion.velocity = {random.vector(random.chance(0.5) ? 10 : 0.1), random.vector(random.chance(0.5) ? 50 : 0)};
     if (k > 0 && random.chance(0.1)) body.motion.pose = world.bodies.back().motion.pose;  // coincident
@@ -71,14 +71,15 @@ RandomWorld make_random_world(std::uint64_t seed) {
     world.bodies.push_back(physics::make_fixed_body(count, Shape::plane(), random.uniform(0, 1), {}));
   if (random.chance(0.3)) {
     const Posed pose{random.vector(room), quat_from_rotation_vector(random.vector(3))};
-    const double friction = random.uniform(0, kMostFriction);
+    const double friction = random.uniform(0, kMaxFriction);
     world.bodies.push_back(
         physics::make_fixed_body(count + 1, Shape::box({0.5 * room, 0.5 * room, 0.5 * room}), friction, pose));
   }
   world.held = random.chance(0.4);
   if (world.held) {
     world.bodies[0].gravity_scale = 0;
-    world.stiffness_N_per_m = random.logarithmic(10, 10'000), world.damping_Ns_per_m = random.uniform(0, 20);
+    world.stiffness_N_per_m = random.logarithmic(10, 10'000);
+    world.damping_Ns_per_m = random.uniform(0, 20);
     world.device_speed_m_per_s = random.vector(1);
   }
   return world;
@@ -94,13 +95,19 @@ RandomRun run_once(const RandomWorld& random) {
   unsigned moving = 0;
   for (const Body& body : random.bodies) {
     world.add(body);
-    if (body.kind == BodyKind::kDynamic) mass += body.mass, ++moving;
+    if (body.kind == BodyKind::kDynamic) {
+      mass += body.mass;
+      ++moving;
+    }
   }
   auto& spring = world.world.device_spring();
   if (random.held) {
-    spring.enabled = true, spring.slot = world.slot(random.bodies[0].id);
-    spring.stiffness_N_per_m = random.stiffness_N_per_m, spring.damping_Ns_per_m = random.damping_Ns_per_m;
-    spring.stiffness_Nm_per_rad = 5, spring.damping_Nms_per_rad = 0.02;
+    spring.enabled = true;
+    spring.slot = world.slot(random.bodies[0].id);
+    spring.stiffness_N_per_m = random.stiffness_N_per_m;
+    spring.damping_Ns_per_m = random.damping_Ns_per_m;
+    spring.stiffness_Nm_per_rad = 5;
+    spring.damping_Nms_per_rad = 0.02;
     spring.target = random.bodies[0].motion.pose;
   }
   weight_moment = mass * kGravity;
@@ -140,14 +147,23 @@ RandomWorld shrink(RandomWorld world, const std::function<bool(const RandomWorld
     for (std::size_t k = world.bodies.size(); k-- > (world.held ? 1u : 0u);) {
       RandomWorld less = world;
       less.bodies.erase(less.bodies.begin() + static_cast<std::ptrdiff_t>(k));
-      if (!less.bodies.empty() && fails(less)) world = std::move(less), shrunk = true;
+      if (!less.bodies.empty() && fails(less)) {
+        world = std::move(less);
+        shrunk = true;
+      }
     }
     RandomWorld shorter = world;
     shorter.ticks /= 2;
-    if (shorter.ticks > 0 && fails(shorter)) world = std::move(shorter), shrunk = true;
+    if (shorter.ticks > 0 && fails(shorter)) {
+      world = std::move(shorter);
+      shrunk = true;
+    }
     RandomWorld free = world;
     free.held = false;
-    if (world.held && fails(free)) world = std::move(free), shrunk = true;
+    if (world.held && fails(free)) {
+      world = std::move(free);
+      shrunk = true;
+    }
   }
   return world;
 }

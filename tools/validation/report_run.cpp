@@ -9,7 +9,9 @@ namespace {
 
 experiment::BoxScene scene_of(const StackSpec& spec, double step_s) {
   experiment::BoxScene scene;
-  scene.name = spec.name, scene.step_s = step_s, scene.friction = spec.friction;
+  scene.name = spec.name;
+  scene.step_s = step_s;
+  scene.friction = spec.friction;
   for (std::size_t k = 0; k < spec.masses_kg.size(); ++k)
     scene.cubes.push_back({spec.edge_m, spec.masses_kg[k], spec.start_of(k), {}});
   scene.walls.push_back({{2, 2, 0.5}, {0, 0, -0.5}});

@@ -19,7 +19,8 @@ Outcome rests(CaseWorld& world, BodyId id, int steps) {
   for (int k = 0; k < steps; ++k) {
     world.step();
     const double off = world.carried_by_fixed() - expected;
-    sum += off, sum_of_squares += off * off;
+    sum += off;
+    sum_of_squares += off * off;
   }
   const Posed& end = world.body(id).motion.pose;
   Outcome outcome;
@@ -53,7 +54,10 @@ Outcome long_thin_box(const Setting& setting) {
   world.add_box(0, {1, 0.01, 0.01}, 1, 0.5, {{0, 0, 0.2}, on_edge});
   world.run(3);
   double energy = 0;
-  for (int k = world.steps_in(1); k > 0; --k) world.step(), energy = std::max(energy, world.world.kinetic_energy());
+  for (int k = world.steps_in(1); k > 0; --k) {
+    world.step();
+    energy = std::max(energy, world.world.kinetic_energy());
+  }
   Outcome outcome;
   outcome.at_most("kinetic energy after 3 s, J", energy, 1e-6);
   world.close(outcome);
@@ -93,7 +97,8 @@ Outcome far_from_origin(const Setting& setting) {
   CaseWorld near(setting), far(setting);
   // The offset is exact in binary, so differences come from the arithmetic and not from the scene.
   const Vec3d origin{1024, -1024, 0};
-  fall(near, {}), fall(far, origin);
+  fall(near, {});
+  fall(far, origin);
   double off = 0;
   for (BodyId id = 0; id < 4; ++id) off = std::max(off, norm(far.position(id) - origin - near.position(id)));
   Outcome outcome;

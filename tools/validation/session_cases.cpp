@@ -18,8 +18,8 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kMostForce_N = 30;
-constexpr double kMostSlew_N = 5;  // a tick
+constexpr double kMaxForce_N = 30;
+constexpr double kMaxSlew_N = 5;  // a tick
 
 constexpr const char* kHead = R"(
 title = "Hard case"
@@ -56,7 +56,8 @@ sim::Scene make_scene(const Setting& setting, double stiffness, const std::vecto
     text += fmt::format("{{time_s = {}, position_m = [{}, {}, {}]}},\n", p.time_s, p.at.x, p.at.y, p.at.z);
   text += "]\n";
   sim::Scene scene = case_scene(text, setting, 1000);
-  scene.ratio = ratio, scene.members = members;
+  scene.ratio = ratio;
+  scene.members = members;
   return scene;
 }
 
@@ -108,9 +109,11 @@ Watched watch(sim::Scene scene, session::RunOptions options, std::uint64_t ticks
   TACTUS_CHECK(made.ok(), ticks, 0);
   Watched watched;
   watched.session = std::move(made).value();
-  watched.force.reserve(ticks), watched.status.reserve(ticks);
+  watched.force.reserve(ticks);
+  watched.status.reserve(ticks);
   const auto summary = session::run_virtual(*watched.session, ticks, [&](const loop::TickOutput& out) {
-    watched.force.push_back(out.command.wrench.force), watched.status.push_back(out.status);
+    watched.force.push_back(out.command.wrench.force);
+    watched.status.push_back(out.status);
     watched.finite = watched.finite && is_finite(out.command.wrench);
     watched.faulted = watched.faulted || out.fault != Fault::kNone;
     watched.most_energy_J =
@@ -125,12 +128,17 @@ Watched watch(sim::Scene scene, session::RunOptions options, std::uint64_t ticks
 // Adds the gates of a run (finite values, force within its limits) and its hash to the outcome.
 void gate(const Watched& watched, Outcome& outcome) {
   outcome.gate("finite", watched.finite);
-  outcome.gate("force within its limit", watched.largest() <= kMostForce_N * (1 + 1e-9));
+  outcome.gate("force within its limit", watched.largest() <= kMaxForce_N * (1 + 1e-9));
   outcome.gate("no fault", !watched.faulted);
   outcome.gate("nothing left out", watched.session->stats.capacity_bits == 0);
   Fnv1a hash;
-  hash.add(outcome.hash), hash.add(watched.session->loop->state_hash());
-  for (const Vec3d& f : watched.force) hash.add(f.x), hash.add(f.y), hash.add(f.z);
+  hash.add(outcome.hash);
+  hash.add(watched.session->loop->state_hash());
+  for (const Vec3d& f : watched.force) {
+    hash.add(f.x);
+    hash.add(f.y);
+    hash.add(f.z);
+  }
   outcome.hash = hash.value();
 }
 
@@ -159,14 +167,19 @@ Outcome bad_samples(const Setting& setting) {
     slowest = std::max(slowest, 1e-3 * static_cast<double>(last_off - at));
   }
   outcome.holds("presses, and does so in the end", held > 1 && watched.mean(5400, 5500) > 0.5 * held);
-  outcome.at_most("largest step of the force, N", watched.largest_step(), kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", watched.largest_step(), kMaxSlew_N * (1 + 1e-9));
   outcome.at_most("whole again after, s", slowest, 0.1);
   return outcome;
 }
 
 Outcome stiff_wall(const Setting& setting) {
   const haptics::DeviceProperties device;
-  const haptics::AxisLimits axis{1e-3, device.delay_s, device.mass_kg, device.damping_Ns_per_m, 0, 0};
+  const haptics::AxisLimits axis{.period_s = 1e-3,
+                                 .delay_s = device.delay_s,
+                                 .mass = device.mass_kg,
+                                 .damping = device.damping_Ns_per_m,
+                                 .coulomb_friction = 0,
+                                 .quantum = 0};
   const double allowed = haptics::kAllowedStiffnessShare * haptics::uncoupled_stiffness_limit(axis, 5);
   const sim::Scene scene =
       make_scene(setting, 0.999 * allowed, {{0, {0, 0, 0.02}}, {0.5, {0, 0, 0.002}}, {0.6, {0, 0, 0.002}}}, "");
@@ -191,7 +204,10 @@ Outcome late_world(const Setting& setting) {
     for (std::size_t k = 1500; k < watched.force.size(); ++k) {
       const bool late = (watched.status[k] & kWorldLate) != 0, was_late = (watched.status[k - 1] & kWorldLate) != 0;
       if (was_late && !late) back = std::max(back, norm(watched.force[k] - watched.force[k - 1]));
-      if (late) least = std::min(least, norm(watched.force[k])), rise = std::max(rise, norm(watched.force[k]) - least);
+      if (late) {
+        least = std::min(least, norm(watched.force[k]));
+        rise = std::max(rise, norm(watched.force[k]) - least);
+      }
     }
     const auto seen = [&](StatusBit bit) {
       return std::any_of(watched.status.begin(), watched.status.end(), [bit](auto s) { return (s & bit) != 0; });
@@ -202,7 +218,7 @@ Outcome late_world(const Setting& setting) {
                   seen(kWorldFade) == (ticks > 100));
     outcome.holds(fmt::format("presses again after {} late ticks", ticks), watched.mean(3800, 4000) > 1);
   }
-  outcome.at_most("largest step of the force, N", most, kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", most, kMaxSlew_N * (1 + 1e-9));
   outcome.at_most("step when the world is back, N", back, 0.1);
   outcome.at_most("rise of the force while the world is late, N", rise, 1e-12);  // rounding alone
   return outcome;
@@ -238,12 +254,14 @@ Outcome begins_anew(const Setting& setting) {
     for (std::size_t k = 1500; k < watched.force.size(); ++k) {
       const bool resets = (watched.status[k] & kSceneReset) != 0, did = (watched.status[k - 1] & kSceneReset) != 0;
       if (did && !resets) back = std::max(back, norm(watched.force[k] - watched.force[k - 1]));
-      if (resets)
-        least = std::min(least, norm(watched.force[k])), rise = std::max(rise, norm(watched.force[k]) - least);
+      if (resets) {
+        least = std::min(least, norm(watched.force[k]));
+        rise = std::max(rise, norm(watched.force[k]) - least);
+      }
     }
     if (presses) outcome.holds("presses again", watched.mean(3800, 4000) > 1);
   }
-  outcome.at_most("largest step of the force, N", most, kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", most, kMaxSlew_N * (1 + 1e-9));
   outcome.at_most("step when the force comes back, N", back, 0.1);
   outcome.at_most("rise of the force while the scene begins anew, N", rise, 1e-3);
   outcome.at_most("off the scene's places, m", off, 1e-12);
@@ -264,7 +282,8 @@ Outcome stack_border(const Setting& setting) {
     direct.coupling = experiment::kDirectScheme.coupling;
     const Watched reference = watch(make_scene(setting, 1500, path, bodies, 8, layers + 1), direct, 12'000);
     const Watched cut = watch(make_scene(setting, 1500, path, bodies, 8, layers / 2), {}, 12'000);
-    gate(reference, outcome), gate(cut, outcome);
+    gate(reference, outcome);
+    gate(cut, outcome);
     outcome.holds("there is a border", cut.session->stats.border_max > 0);
     outcome.relative(fmt::format("force on {}, N", layers), cut.mean(11'000, 12'000), reference.mean(11'000, 12'000),
                      0.02);
@@ -329,8 +348,8 @@ Outcome tap_on_sleepers(const Setting& setting) {
         const auto& members = s.loop->sub_world().world();
         const bool contact = (out.status & kProxyContact) != 0;
         if (contact && touched == 0) touched = out.tick;
-        if (touched != 0 && answered == 0 && members.slot_of(hit) >= 0 &&
-            members.bodies()[static_cast<std::size_t>(members.slot_of(hit))].motion.velocity != Twistd{})
+        if (touched != 0 && answered == 0 && members.find(hit) != nullptr &&
+            members.find(hit)->motion.velocity != Twistd{})
           answered = out.tick;
       });
   Outcome outcome;
@@ -382,13 +401,14 @@ path = [
   TACTUS_CHECK(loaded.ok(), 0, 0);
   sim::Scene scene = std::move(loaded).value();
   const auto settings = settings_of(setting, 250);
-  scene.solver.sub_steps = settings.sub_steps, scene.solver.relax_sweeps = settings.relax_sweeps;
+  scene.solver.sub_steps = settings.sub_steps;
+  scene.solver.relax_sweeps = settings.relax_sweeps;
   const Watched watched = watch(std::move(scene), {}, 1500);
   Outcome outcome;
   gate(watched, outcome);
   outcome.at_most("members", watched.session->stats.members_max, 64);
   outcome.holds("more hang together", watched.session->global->statistics().most_component > 64);
-  outcome.at_most("largest step of the force, N", watched.largest_step(), kMostSlew_N * (1 + 1e-9));
+  outcome.at_most("largest step of the force, N", watched.largest_step(), kMaxSlew_N * (1 + 1e-9));
   // The cubes may settle but not be ejected. Bound: the energy of all members falling by a cube's edge.
   outcome.at_most("kinetic energy of the members, J", watched.most_energy_J, 64 * 0.075 * kGravity * 0.05);
   return outcome;

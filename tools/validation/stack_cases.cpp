@@ -79,7 +79,10 @@ Outcome forty_cubes(const Setting& setting) { return equal_cubes(40, setting); }
 Outcome hundred_on_a_tenth(const Setting& setting) {
   StackWorld world(heavy_on(100, 1, 0.1), setting);
   std::vector<double> heights;
-  for (int k = world.steps_in(3); k > 0; --k) world.step(), heights.push_back(world.top().z);
+  for (int k = world.steps_in(3); k > 0; --k) {
+    world.step();
+    heights.push_back(world.top().z);
+  }
   const double band = 0.02 * (world.overlap(0) + world.overlap(1));
   std::size_t settled = heights.size();
   while (settled > 0 && std::abs(heights[settled - 1] - heights.back()) <= band) --settled;
@@ -130,7 +133,10 @@ double card_house_moves(const sim::CardHouseSpec& spec, double seconds, const Se
   CaseWorld world(setting);
   world.add_ground(kGround, spec.friction);
   sim::Bodies cards = sim::make_card_house(spec);
-  for (std::size_t k = 0; k < cards.size(); ++k) cards[k].id = static_cast<BodyId>(k), world.add(cards[k]);
+  for (std::size_t k = 0; k < cards.size(); ++k) {
+    cards[k].id = static_cast<BodyId>(k);
+    world.add(cards[k]);
+  }
   world.run(seconds);
   double most = 0;
   for (std::size_t k = 0; k < cards.size(); ++k)
@@ -158,7 +164,8 @@ Outcome card_house_threshold(const Setting& setting) {
 
 Outcome card_house_of_three(const Setting& setting) {
   sim::CardHouseSpec spec;
-  spec.levels = 3, spec.friction = 0.8;
+  spec.levels = 3;
+  spec.friction = 0.8;
   Outcome outcome;
   outcome.at_most("moved in 10 s, m", card_house_moves(spec, 10, setting, outcome), 1e-3);
   return outcome;

@@ -16,9 +16,14 @@ using physics::ShapeKind;
 
 RandomTrial figures_of(const RandomTrial& trial) {
   RandomTrial figures;
-  figures.seed = trial.seed, figures.row = trial.row, figures.fell = trial.fell, figures.still = trial.still;
+  figures.seed = trial.seed;
+  figures.row = trial.row;
+  figures.fell = trial.fell;
+  figures.still = trial.still;
   auto& row = figures.row;
-  row.start.clear(), row.end.clear(), row.direct_end.clear();
+  row.start.clear();
+  row.end.clear();
+  row.direct_end.clear();
   return figures;
 }
 
@@ -71,7 +76,8 @@ ordered_json drawn_json(const RandomTrial& trial) {
     const BodyId id = row.end[k].id;
     body["id"] = id;
     body["fell"] = std::find(trial.fell.begin(), trial.fell.end(), id) != trial.fell.end();
-    body["start"] = pose_json(row.start[k]), body["direct"] = pose_json(row.direct_end[k]);
+    body["start"] = pose_json(row.start[k]);
+    body["direct"] = pose_json(row.direct_end[k]);
     body["sub_world"] = pose_json(row.end[k]);
     bodies.push_back(std::move(body));
   }
@@ -80,7 +86,8 @@ ordered_json drawn_json(const RandomTrial& trial) {
     body["pose"] = pose_json(one_fixed);
     fixed.push_back(std::move(body));
   }
-  one["bodies"] = std::move(bodies), one["fixed"] = std::move(fixed);
+  one["bodies"] = std::move(bodies);
+  one["fixed"] = std::move(fixed);
   return one;
 }
 
@@ -107,7 +114,8 @@ std::size_t TrialReport::gain_energy() const { return count(noted, &RandomTrial:
 
 TrialReport try_random_worlds(std::uint64_t first, std::uint64_t worlds, const experiment::Progress& progress) {
   TrialReport report;
-  report.first = first, report.worlds = worlds;
+  report.first = first;
+  report.worlds = worlds;
   const experiment::Pace pace(progress, static_cast<double>(worlds));
   for (std::uint64_t k = 0; k < worlds; ++k) {
     pace.say(fmt::format("seed {}, {} collapsed", first + k, report.collapsed()), static_cast<double>(k));

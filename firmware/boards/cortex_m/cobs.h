@@ -42,10 +42,14 @@ class FrameReader {
   // True if this byte ends a frame: frame() returns it until the next call. Empty frames are ignored; corrupt or too
   // long ones are counted.
   bool accept(std::byte b) noexcept {
-    if (complete_) complete_ = false, size_ = 0;
+    if (complete_) {
+      complete_ = false;
+      size_ = 0;
+    }
     if (b == std::byte{0}) {
       const bool began = begun_, whole = !broken_ && left_ == 0 && size_ > 0;
-      begun_ = broken_ = false, left_ = 0;
+      begun_ = broken_ = false;
+      left_ = 0;
       complete_ = began && whole;
       if (began && !whole && malformed_ != ~std::uint32_t{0}) ++malformed_;
       if (!complete_) size_ = 0;

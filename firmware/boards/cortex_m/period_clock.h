@@ -18,7 +18,9 @@ class PeriodClock {
   bool start(SysTickRegisters& timer, std::uint32_t clock_Hz, std::uint32_t period_us) noexcept {
     const std::uint64_t counts = std::uint64_t{clock_Hz} * period_us / 1'000'000;
     if (counts < 2 || counts - 1 > kSysTickMaxReload) return false;
-    timer_ = &timer, period_us_ = period_us, reload_ = static_cast<std::uint32_t>(counts) - 1;
+    timer_ = &timer;
+    period_us_ = period_us;
+    reload_ = static_cast<std::uint32_t>(counts) - 1;
     timer.reload = reload_;
     timer.current = 0;
     timer.control = kSysTickRuns;

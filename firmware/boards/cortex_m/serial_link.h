@@ -80,7 +80,8 @@ class SerialLink {
   bool receive_service(ServiceMessage& message) noexcept {
     take_received();
     if (!asked_) return false;
-    message = request_, asked_ = false;
+    message = request_;
+    asked_ = false;
     return true;
   }
   void send_state(std::span<const std::byte> frame) noexcept { send(frame); }

@@ -28,8 +28,10 @@ std::string BoardThread::start(Body body, void* context, int priority) {
   action.sa_handler = &do_nothing;  // without SA_RESTART: the call returns EINTR
   sigaction(wake_signal(), &action, nullptr);
 
-  body_ = body, context_ = context;
-  stopping_.store(false), ended_.store(false);
+  body_ = body;
+  context_ = context;
+  stopping_.store(false);
+  ended_.store(false);
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, kStackBytes);

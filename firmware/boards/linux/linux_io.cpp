@@ -22,7 +22,8 @@ std::string ValueFile::open(const std::string& path, bool writes) {
 
 void ValueFile::close() noexcept {
   if (file_ >= 0) ::close(file_);
-  file_ = -1, known_ = false;
+  file_ = -1;
+  known_ = false;
 }
 
 bool ValueFile::read(std::uint64_t& value) const noexcept {
@@ -34,7 +35,8 @@ bool ValueFile::read(std::uint64_t& value) const noexcept {
   if (*begin == '-') {
     std::int64_t negative = 0;
     if (std::from_chars(begin, end, negative).ec != std::errc{}) return false;
-    return value = static_cast<std::uint64_t>(negative), true;
+    value = static_cast<std::uint64_t>(negative);
+    return true;
   }
   return std::from_chars(begin, end, value).ec == std::errc{};
 }
@@ -52,13 +54,20 @@ bool ValueFile::write(std::uint64_t value) noexcept {
 
 std::string LinuxMechanics::open_line(Line& line, const LineDescription& description, bool writes) {
   line.active = description.active == '1' ? 1 : 0;
-  if (description.path.empty()) return line.file.close(), "";
+  if (description.path.empty()) {
+    line.file.close();
+    return "";
+  }
   return line.file.open(description.path, writes);
 }
 
 std::string LinuxMechanics::open_axis(Axis& axis, const AxisDescription& description) {
-  axis.count.close(), axis.duty.close(), axis.direction.close();
-  axis.unused_bits = 64 - description.count_bits, axis.counted = false, axis.position = 0;
+  axis.count.close();
+  axis.duty.close();
+  axis.direction.close();
+  axis.unused_bits = 64 - description.count_bits;
+  axis.counted = false;
+  axis.position = 0;
   if (!description.count.empty()) {
     if (std::string error = axis.count.open(description.count, false); !error.empty()) return error;
   }
@@ -83,7 +92,8 @@ std::string LinuxMechanics::open(const MechanicsDescription& description) {
   if (error.empty()) error = open_line(brake_line_, description.brake_line, true);
   for (unsigned i = 0; i < kAxes && error.empty(); ++i) error = open_axis(axes_[i], description.axes[i]);
   if (!error.empty()) return error;
-  good_ = true, failures_ = 0;
+  good_ = true;
+  failures_ = 0;
   drive(ControllerOutputs{});
   return good_ ? "" : "the motors do not take a value: see the lines and PWMs of the mechanics file";
 }
@@ -102,7 +112,8 @@ bool LinuxMechanics::read_count(Axis& axis, std::int32_t& count) noexcept {
   const auto difference =
       static_cast<std::int64_t>(moved << axis.unused_bits) >> static_cast<int>(axis.unused_bits);  // sign extended
   axis.position += static_cast<std::uint32_t>(difference);
-  axis.raw = raw, axis.counted = true;
+  axis.raw = raw;
+  axis.counted = true;
   count = static_cast<std::int32_t>(axis.position);
   return true;
 }

@@ -48,13 +48,22 @@ bool read_number(std::string_view text, Number least, Number most, Number& out) 
 std::string take_option(std::string_view name, std::string_view value, std::span<const BoardOption> board_options,
                         ProgramOptions& options) {
   for (const BoardOption& option : board_options) {
-    if (name == option.name) return *option.target = value, "";
+    if (name == option.name) {
+      *option.target = value;
+      return "";
+    }
   }
   const auto wrong = [&](const char* accepted) {
     return "--" + std::string(name) + ": '" + std::string(value) + "'; accepted: " + accepted;
   };
-  if (name == "mechanics") return options.mechanics = value, "";
-  if (name == "state") return options.state = value, "";
+  if (name == "mechanics") {
+    options.mechanics = value;
+    return "";
+  }
+  if (name == "state") {
+    options.state = value;
+    return "";
+  }
   if (name == "period-us")
     return read_number<std::uint32_t>(value, 50, 1'000'000, options.period_us) ? "" : wrong("50 to 1000000");
   if (name == "priority") return read_number(value, 0, 99, options.priority) ? "" : wrong("0 to 99");

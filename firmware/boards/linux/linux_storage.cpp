@@ -17,7 +17,8 @@ std::string FileStorage::open(const std::string& path) {
   const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     return folder + ": " + std::strerror(errno) + "; --state needs to write there";
-  path_ = path, next_ = path + ".new";
+  path_ = path;
+  next_ = path + ".new";
   return thread_.start(&run_thread, this, 0);
 }
 

@@ -36,12 +36,14 @@ std::string set_number(std::string_view text, double least, double most, Number&
 
 std::string set_path(std::string_view text, std::string& target) {
   if (text.empty() || text.front() != '/') return "a path from /";
-  return target = text, "";
+  target = text;
+  return "";
 }
 
 std::string set_level(std::string_view text, char& target) {
   if (text != "0" && text != "1") return "0 or 1";
-  return target = text.front(), "";
+  target = text.front();
+  return "";
 }
 
 constexpr double kSmall = 1e-9, kLarge = 1e6;
@@ -131,7 +133,8 @@ std::string parse_mechanics(std::string_view text, const std::string& name, Mech
   if (std::string wrong = check(description); !wrong.empty()) return name + ": " + wrong;
   for (unsigned i = 0; i < kAxes; ++i) {
     if (!description.axes[i].count.empty()) continue;
-    description.control.quantum[i] = kQuantumOfNoAxis, description.control.max_speed[i] = 1;
+    description.control.quantum[i] = kQuantumOfNoAxis;
+    description.control.max_speed[i] = 1;
   }
   return "";
 }

@@ -110,7 +110,10 @@ void CanDeviceLink::take_error(const CanReceived& frame) noexcept {
   if ((frame.id & CAN_ERR_CRTL) == 0 || frame.data.size() < 2) return;
   const auto what = std::to_integer<unsigned>(frame.data[1]);
   if ((what & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) ++counters_.error_passive;
-  if ((what & CAN_ERR_CRTL_RX_OVERFLOW) != 0) ++counters_.lost, assembler_.forget();
+  if ((what & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
+    ++counters_.lost;
+    assembler_.forget();
+  }
   if ((what & CAN_ERR_CRTL_ACTIVE) != 0) bus_off_ = false;
 }
 

@@ -65,7 +65,8 @@ CanOpenError CanSocket::open(const CanSocketOptions& options) noexcept {
   if (const int on = 1; options.fd && !set_option(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on))
     return failed(Step::kFd);
   sockaddr_can address{};
-  address.can_family = AF_CAN, address.can_ifindex = static_cast<int>(index);
+  address.can_family = AF_CAN;
+  address.can_ifindex = static_cast<int>(index);
   if (bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return failed(Step::kBind);
   prepare_batch();
   return {};

@@ -35,7 +35,8 @@ unsigned mtu_of(const std::string& interface) {
 
 // Returns the error; empty: none. The node is 0 if it is not given.
 std::string choose(const BoardOptions& board, CanDeviceOptions& can) {
-  can.interface = board.interface.c_str(), can.node = 0;
+  can.interface = board.interface.c_str();
+  can.node = 0;
   const char* const end = board.node.data() + board.node.size();
   const auto [stopped, error] = std::from_chars(board.node.data(), end, can.node);
   if (!board.node.empty() && (error != std::errc() || stopped != end || can.node < 1 || can.node > kMaxCanNode))
@@ -58,12 +59,20 @@ void report(const CanDeviceCounters& link, const PaceCounters& pace, std::uint64
   const auto line = [](const char* name, std::uint64_t value) {
     std::printf("%-22s %llu\n", name, static_cast<unsigned long long>(value));
   };
-  line("periods", pace.periods), line("periods skipped", pace.skipped), line("i/o failures", failures);
-  line("states sent", link.states), line("states not sent", link.send_failed);
-  line("commands", link.commands), line("commands superseded", link.superseded);
-  line("commands incomplete", link.incomplete), line("malformed frames", link.malformed);
-  line("lost frames", link.lost), line("arbitration lost", link.arbitration_lost);
-  line("error passive", link.error_passive), line("bus-off", link.bus_off), line("interface down", link.interface_down);
+  line("periods", pace.periods);
+  line("periods skipped", pace.skipped);
+  line("i/o failures", failures);
+  line("states sent", link.states);
+  line("states not sent", link.send_failed);
+  line("commands", link.commands);
+  line("commands superseded", link.superseded);
+  line("commands incomplete", link.incomplete);
+  line("malformed frames", link.malformed);
+  line("lost frames", link.lost);
+  line("arbitration lost", link.arbitration_lost);
+  line("error passive", link.error_passive);
+  line("bus-off", link.bus_off);
+  line("interface down", link.interface_down);
 }
 
 int run(const ProgramOptions& options, const BoardOptions& board, CanDeviceOptions can,

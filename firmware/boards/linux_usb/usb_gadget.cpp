@@ -122,7 +122,9 @@ std::string UsbGadget::create(const GadgetOptions& options) {
     return std::string(kGadgets) + ": " + reason() + "; mount configfs and load the module libcomposite";
   if (std::string error = choose_udc(options.udc); !error.empty()) return error;
 
-  name_ = options.name, mount_ = options.mount, gadget_ = std::string(kGadgets) + "/" + name_;
+  name_ = options.name;
+  mount_ = options.mount;
+  gadget_ = std::string(kGadgets) + "/" + name_;
   remove();  // remains of an earlier run
   gadget_ = std::string(kGadgets) + "/" + name_;
   std::string error = make_folder(gadget_);

@@ -68,7 +68,9 @@ void UsbGadgetLink::close() noexcept {
   gadget_.unbind();
   writer_.request_stop();
   wake_writer();  // a signal does not end its sleep
-  control_.stop(), reader_.stop(), writer_.stop();
+  control_.stop();
+  reader_.stop();
+  writer_.stop();
   for (int* file : {&state_file_, &command_file_, &control_file_}) {
     if (*file >= 0) ::close(*file);
     *file = -1;
@@ -178,8 +180,10 @@ bool UsbGadgetLink::take_request(const usb_ctrlrequest& setup) noexcept {
   if (read(control_file_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) return true;
   service_state_.store(Service::kFree, std::memory_order_relaxed);  // drops a reply that was never fetched
   // Too late to stall this request; the read that follows will be stalled.
-  if (decode_service(bytes, ServiceDirection::kRequest, service_) != DecodeError::kNone)
-    return count(service_refused_), true;
+  if (decode_service(bytes, ServiceDirection::kRequest, service_) != DecodeError::kNone) {
+    count(service_refused_);
+    return true;
+  }
   count(service_requests_);
   service_state_.store(Service::kRequest, std::memory_order_release);
   await_reply();

@@ -17,16 +17,17 @@ struct Hold {
   Vec3d point;  // m, world
 };
 
-Hold hold_between(const physics::World& world, BodyId proxy, std::uint32_t slot) noexcept {
-  const auto& body = world.bodies()[slot];
+Hold hold_between(const physics::World& world, BodyId proxy, physics::SlotIndex slot) noexcept {
+  const auto& body = world.body(slot);
   const auto* contact = physics::find_contact(world.contacts(), proxy, body.id);
   if (contact == nullptr) return {};
   Vec3d friction, arm;
   double pressed = 0;
   for (std::uint32_t i = 0; i < contact->count; ++i) {
     const auto& point = contact->points[i];
-    friction += point.total_friction, pressed += point.total_normal_impulse;
-    arm += point.total_normal_impulse * (contact->slot_a == slot ? point.from_a : point.from_b);
+    friction += point.total_friction;
+    pressed += point.total_normal_impulse;
+    arm += point.total_normal_impulse * (contact->slot_a == number_of(slot) ? point.from_a : point.from_b);
   }
   if (!(norm(friction) < kHolds * contact->friction * pressed)) return {};
   return {contact, body.motion.pose.position + arm * (1 / pressed)};
@@ -38,10 +39,10 @@ BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId 
   Adopted adopted;
   double held = 0;
   for (const MemberMotion& renewed : snapshot.renewed) {
-    const std::int32_t slot = world.slot_of(renewed.id);
-    if (slot < 0 || !holds(renewed.id)) continue;
-    auto& body = world.bodies()[static_cast<std::uint32_t>(slot)];
-    const Hold hold = hold_between(world, proxy, static_cast<std::uint32_t>(slot));
+    const std::optional<physics::SlotIndex> slot = world.slot_of(renewed.id);
+    if (!slot || !holds(renewed.id)) continue;
+    auto& body = world.body(*slot);
+    const Hold hold = hold_between(world, proxy, *slot);
     const Posed before = body.motion.pose;
     adopted.gained_J -= kinetic_energy(body);
     body.motion = renewed.motion;
@@ -54,7 +55,7 @@ BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId 
   if (held > 0) adopted.proxy_carried *= 1 / held;
   bodies_.clear();
   for (const BodyId id : snapshot.buffer)
-    if (world.slot_of(id) >= 0) (void)bodies_.try_push(id);  // cannot fail: members only
+    if (world.find(id) != nullptr) (void)bodies_.try_push(id);  // cannot fail: members only
   return adopted;
 }
 
@@ -72,7 +73,7 @@ bool BorderBuffer::restore(ByteReader& in, const physics::World& world) noexcept
   in.get_all(bodies_.span());
   if (!in.ok() || std::adjacent_find(bodies_.begin(), bodies_.end(), std::greater_equal<>()) != bodies_.end())
     return false;
-  return std::all_of(bodies_.begin(), bodies_.end(), [&](BodyId id) { return world.slot_of(id) >= 0; });
+  return std::all_of(bodies_.begin(), bodies_.end(), [&](BodyId id) { return world.find(id) != nullptr; });
 }
 
 }  // namespace tactus::haptics

@@ -53,7 +53,7 @@ class BorderBuffer {
 
   void save(ByteWriter& out) const noexcept;
   [[nodiscard]] bool restore(ByteReader& in, const physics::World& world) noexcept;
-  static constexpr std::size_t kMostBytes = sizeof(std::uint32_t) + kMaxMembers * sizeof(BodyId);
+  static constexpr std::size_t kMaxBytes = sizeof(std::uint32_t) + kMaxMembers * sizeof(BodyId);
 
  private:
   BoundedVector<BodyId> bodies_;  // ascending

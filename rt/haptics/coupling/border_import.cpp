@@ -25,7 +25,9 @@ void renew_ghosts(const WorldSnapshot& snapshot, BoundedVector<BorderGhost>& gho
 
 BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept {
   BorderContact contact;
-  contact.member = point.member, contact.outside = point.outside, contact.feature = point.feature;
+  contact.member = point.member;
+  contact.outside = point.outside;
+  contact.feature = point.feature;
   contact.normal = point.normal;
   contact.member_anchor = point.member_anchor;
   contact.impulse_rate = point.impulse_rate_N;
@@ -59,13 +61,15 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
   auto& contacts = world.border_contacts();
   auto& ghosts = world.border_ghosts();
   replaced_.swap(contacts);
-  contacts.clear(), ghosts.clear(), outside_velocity_.clear();
+  contacts.clear();
+  ghosts.clear();
+  outside_velocity_.clear();
   if (traits.ghosts) renew_ghosts(snapshot, ghosts);
   std::uint32_t hint = 0;
   for (const BorderPoint& point : snapshot.border) {
-    const std::int32_t slot = world.slot_of(point.member);
-    if (slot < 0) continue;
-    BorderContact contact = contact_at(point, world.bodies()[static_cast<std::uint32_t>(slot)].motion.pose);
+    const physics::Body* member = world.find(point.member);
+    if (member == nullptr) continue;
+    BorderContact contact = contact_at(point, member->motion.pose);
     warm_start(replaced_.span(), hint, contact);
     if (traits.ghosts) contact.ghost = physics::find_ghost(ghosts.span(), point.outside);
     // The world counts what does not fit, and the next step reports it.

@@ -19,7 +19,7 @@ namespace tactus::haptics {
 // Copied to the tape byte by byte: no padding.
 struct BorderTank {
   // Capacity: limits how much of the energy taken long ago can be supplied at once.
-  static constexpr double kMostStored_J = 0.1;
+  static constexpr double kMaxStored_J = 0.1;
 
   double stored_J{0}, owed_J{0};  // >= 0; at least one of them is 0
   double credit_J{0};             // per tick: work of the outside bodies on members in the last global step / r
@@ -30,7 +30,7 @@ struct BorderTank {
   // `energy`: credit minus work of the border, of one tick.
   void settle(double energy) noexcept {
     const double balance = stored_J - owed_J + energy;
-    stored_J = std::clamp(balance, 0.0, kMostStored_J);
+    stored_J = std::clamp(balance, 0.0, kMaxStored_J);
     owed_J = std::max(0.0, -balance);
   }
   bool empty() const noexcept { return !(stored_J > 0); }

@@ -18,7 +18,10 @@ struct CouplingGains {
   // The gains at the hand, where world lengths are `motion_scale` times the device's and power is conserved.
   constexpr CouplingGains at_hand(double motion_scale) const noexcept {
     const double s2 = motion_scale * motion_scale;
-    return {s2 * stiffness_N_per_m, s2 * damping_Ns_per_m, stiffness_Nm_per_rad, damping_Nms_per_rad};
+    return {.stiffness_N_per_m = s2 * stiffness_N_per_m,
+            .damping_Ns_per_m = s2 * damping_Ns_per_m,
+            .stiffness_Nm_per_rad = stiffness_Nm_per_rad,
+            .damping_Nms_per_rad = damping_Nms_per_rad};
   }
   // Lead of the damper's force over the spring's: B / K [s]; 0 without stiffness.
   constexpr double lead_s() const noexcept {
@@ -40,8 +43,8 @@ inline Wrenchd coupling_wrench(const CouplingGains& gains, const DeviceTarget& d
 
 // Sets the spring that the world solves implicitly: from the body in `slot` to the device or, when the device is not
 // engaged, a damper that brings the body to rest where it is.
-inline void aim_spring(const CouplingGains& gains, const DeviceTarget& device, std::uint32_t slot, const Posed& body,
-                       physics::PoseSpring& spring) noexcept {
+inline void aim_spring(const CouplingGains& gains, const DeviceTarget& device, physics::SlotIndex slot,
+                       const Posed& body, physics::PoseSpring& spring) noexcept {
   spring.enabled = true;
   spring.slot = slot;
   spring.stiffness_N_per_m = device.engaged ? gains.stiffness_N_per_m : 0.0;

@@ -3,7 +3,7 @@
 namespace tactus::haptics {
 namespace {
 
-constexpr std::uint32_t kMostTicks = 1u << 31;
+constexpr std::uint32_t kMaxTicks = 1u << 31;
 
 }  // namespace
 
@@ -15,7 +15,7 @@ void DeviceTrack::note(const DeviceTarget& target, double period_s) noexcept {
   device = {target.pose.position + period_s * target.velocity.linear,
             quat_from_rotation_vector(period_s * target.velocity.angular) * target.pose.rotation};
   velocity = target.velocity;
-  if (engaged_ticks < kMostTicks) ++engaged_ticks;
+  if (engaged_ticks < kMaxTicks) ++engaged_ticks;
 }
 
 DeviceTarget DeviceTrack::over_cycle(std::uint32_t ticks, double period_s) const noexcept {

@@ -70,7 +70,7 @@ class PlaneCoupling {
   std::uint32_t follows_{0};
 
  public:
-  static constexpr std::size_t kMostBytes =
+  static constexpr std::size_t kMaxBytes =
       2 * (sizeof(std::uint32_t) + kMaxProxyPlanes * sizeof(ContactPlane) + sizeof(Vec3d)) + sizeof(Vec3d) +
       sizeof(std::uint32_t);
 };

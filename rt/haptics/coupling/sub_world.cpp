@@ -86,11 +86,9 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
     if (!std::binary_search(snapshot.members.begin(), snapshot.members.end(), id)) world_.remove(id);
   }
   for (const auto& joiner : snapshot.joiners) {
-    const std::int32_t slot = world_.slot_of(joiner.id);
-    if (slot >= 0) {
+    if (physics::Body* member = world_.find(joiner.id)) {
       // Every snapshot contains the frozen members again.
-      if (coupling_.members_frozen && joiner.id != config_.proxy)
-        world_.bodies()[static_cast<std::uint32_t>(slot)].motion = joiner.motion;
+      if (coupling_.members_frozen && joiner.id != config_.proxy) member->motion = joiner.motion;
       continue;
     }
     world_.insert(joiner);
@@ -104,11 +102,10 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
 void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept {
   const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, config_.proxy, world_);
   state_.buffer_gain_J += adopted.gained_J - dot(coupling_force_N, adopted.proxy_carried);
-  const std::int32_t slot = world_.slot_of(config_.proxy);
-  if (slot < 0 || adopted.proxy_carried == Vec3d{}) return;
-  auto& motion = world_.bodies()[static_cast<std::uint32_t>(slot)].motion;
-  motion.pose.position += adopted.proxy_carried;
-  proxy_ = motion;
+  physics::Body* proxy = world_.find(config_.proxy);
+  if (proxy == nullptr || adopted.proxy_carried == Vec3d{}) return;
+  proxy->motion.pose.position += adopted.proxy_carried;
+  proxy_ = proxy->motion;
 }
 
 void SubWorld::adopt_border(const WorldSnapshot& snapshot) noexcept {
@@ -128,7 +125,7 @@ void SubWorld::adopt_near_triangles(const WorldSnapshot& snapshot) noexcept {
 
 void SubWorld::freeze_all_but_proxy() noexcept {
   for (std::uint32_t slot = 0; slot < members(); ++slot)
-    world_.set_frozen(slot, world_.bodies()[slot].id != config_.proxy);
+    world_.set_frozen(physics::SlotIndex{slot}, world_.bodies()[slot].id != config_.proxy);
 }
 
 SubWorldStep SubWorld::step(const DeviceTarget& target, std::uint32_t sub_steps,
@@ -167,12 +164,12 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   physics::StepSettings settings = config_.step;
   settings.sub_steps = sub_steps;
   auto& spring = world_.device_spring();
-  const std::int32_t slot = world_.slot_of(config_.proxy);
-  spring.enabled = slot >= 0;
+  const std::optional<physics::SlotIndex> slot = world_.slot_of(config_.proxy);
+  spring.enabled = slot.has_value();
   Posed held_at;
-  if (spring.enabled) {
-    held_at = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose;
-    aim_spring(config_.gains, target, static_cast<std::uint32_t>(slot), proxy_.pose, spring);
+  if (slot) {
+    held_at = world_.body(*slot).motion.pose;
+    aim_spring(config_.gains, target, *slot, proxy_.pose, spring);
   }
   result.report = step_world(settings, cut, result);
   state_.last_sub_steps = sub_steps;
@@ -181,9 +178,9 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   add_cycle_impulse(impulse);
   const double rate = -1.0 / settings.dt;
   const Wrenchd& felt = result.report.hand_wrench;  // of effects that act on the hand only
-  if (target.engaged) result.on_device = {impulse.force * rate + felt.force, impulse.torque * rate + felt.torque};
+  if (target.engaged) result.on_device = impulse * rate + felt;
   if (spring.enabled) {
-    proxy_ = world_.bodies()[spring.slot].motion;
+    proxy_ = world_.body(spring.slot).motion;
     // Work of the mean wrench over the displacement of the tick.
     const Vec3d turn = small_rotation_vector(proxy_.pose.rotation * conjugate(held_at.rotation));
     state_.proxy_work_J -=
@@ -225,8 +222,8 @@ void SubWorld::step_interpolated(const DeviceTarget& target, SubWorldStep& resul
 
 // The massless proxy follows the device as far as the planes allow; the wrench on it is accumulated for the report.
 void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept {
-  const std::int32_t slot = world_.slot_of(config_.proxy);
-  if (slot < 0) return;
+  physics::Body* proxy = world_.find(config_.proxy);
+  if (proxy == nullptr) return;
   proxy_.velocity = {};
   if (target.engaged) {
     const PlaneCoupling::Tick tick{.planes_hold = coupling_.planes_hold,
@@ -241,7 +238,7 @@ void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) 
   } else {
     planes_.let_go();
   }
-  world_.bodies()[static_cast<std::uint32_t>(slot)].motion = proxy_;
+  proxy->motion = proxy_;
 }
 
 // Applies the explicit coupling wrench of a proxy that no world simulates here.
@@ -251,10 +248,7 @@ void SubWorld::feel_proxy(const DeviceTarget& target, SubWorldStep& result) noex
   result.on_device = {-on_proxy.force, -on_proxy.torque};
 }
 
-void SubWorld::add_cycle_impulse(const Wrenchd& impulse) noexcept {
-  state_.cycle_impulse.force += impulse.force;
-  state_.cycle_impulse.torque += impulse.torque;
-}
+void SubWorld::add_cycle_impulse(const Wrenchd& impulse) noexcept { state_.cycle_impulse += impulse; }
 
 bool SubWorld::proxy_touches() const noexcept {
   for (const auto& contact : world_.contacts()) {
@@ -300,7 +294,7 @@ bool SubWorld::restore(ByteReader& in) noexcept {
 
 std::size_t SubWorld::save_size_bound() const noexcept {
   return world_.save_size_bound() + border_import_.save_size_bound() + sizeof(proxy_) + sizeof(state_) +
-         BorderBuffer::kMostBytes + PlaneCoupling::kMostBytes;
+         BorderBuffer::kMaxBytes + PlaneCoupling::kMaxBytes;
 }
 
 }  // namespace tactus::haptics

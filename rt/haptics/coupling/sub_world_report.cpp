@@ -23,7 +23,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   }
   if (state_.ticks_in_cycle > 0) {
     const double rate = 1.0 / (config_.step.dt * state_.ticks_in_cycle);
-    report.mean_device_wrench = {state_.cycle_impulse.force * rate, state_.cycle_impulse.torque * rate};
+    report.mean_device_wrench = state_.cycle_impulse * rate;
   }
   for (const auto& body : world_.bodies()) {
     if (coupling_.members_frozen && body.id != config_.proxy) continue;
@@ -51,17 +51,17 @@ void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& rep
 
 void SubWorld::report_border(SubWorldReport& report) const noexcept {
   for (const auto& contact : world_.border_contacts()) {
-    const std::int32_t slot = world_.slot_of(contact.member);
-    if (slot < 0) continue;
-    const Posed& pose = world_.bodies()[static_cast<std::uint32_t>(slot)].motion.pose;
-    const BorderReturn entry{contact.member,
-                             contact.outside,
-                             contact.feature,
-                             0,
-                             pose * contact.member_anchor,
-                             contact.normal,
-                             contact.total_tangent_impulse,
-                             contact.total_normal_impulse};
+    const physics::Body* member = world_.find(contact.member);
+    if (member == nullptr) continue;
+    const Posed& pose = member->motion.pose;
+    const BorderReturn entry{.member = contact.member,
+                             .outside = contact.outside,
+                             .feature = contact.feature,
+                             .padding = 0,
+                             .point = pose * contact.member_anchor,
+                             .normal = contact.normal,
+                             .tangent_impulse = contact.total_tangent_impulse,
+                             .normal_impulse_Ns = contact.total_normal_impulse};
     if (!report.border.try_push(entry)) return;
   }
 }

@@ -19,17 +19,19 @@ inline constexpr double kSlowShare = 0.5625;
 
 }  // namespace
 
-void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, BorderMode mode,
-                           std::span<const Body> bodies, SolverBodies<double> solver_bodies, double h,
-                           double impulse_scale, bool friction, double budget_J) noexcept {
-  rule_ = traits_of(mode);
-  budget_J_ = budget_J;
-  h_ = h;
+void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts,
+                           std::span<const Body> bodies, SolverBodies<double> solver_bodies,
+                           const BorderStep& step) noexcept {
+  rule_ = traits_of(step.mode);
+  budget_J_ = step.budget_J;
+  h_ = step.h;
   ghosts_.resize(rule_.ghosts ? static_cast<std::uint32_t>(ghosts.size()) : 0);
   for (std::uint32_t g = 0; g < ghosts_.size(); ++g) {
     ghosts_[g] = {};
-    ghosts_[g].outside = ghosts[g].outside, ghosts_[g].admittance = ghosts[g].admittance;
-    ghosts_[g].velocity = ghosts[g].velocity, ghosts_[g].drive = ghosts[g].drive;
+    ghosts_[g].outside = ghosts[g].outside;
+    ghosts_[g].admittance = ghosts[g].admittance;
+    ghosts_[g].velocity = ghosts[g].velocity;
+    ghosts_[g].drive = ghosts[g].drive;
   }
   rows_.resize(static_cast<std::uint32_t>(contacts.size()));
   pairs_.clear();
@@ -40,22 +42,24 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
     const bool same_pair = k > 0 && contacts[k - 1].member == c.member && contacts[k - 1].outside == c.outside;
     if (!same_pair) (void)pairs_.try_push({});
     row.pair = pairs_.size() - 1;
-    pairs_[row.pair].cap += c.impulse_rate * h;
-    c.step_normal_impulse = 0.0, c.step_tangent_impulse = {};
+    pairs_[row.pair].cap += c.impulse_rate * step.h;
+    c.step_normal_impulse = 0.0;
+    c.step_tangent_impulse = {};
     const Body* member = find_by_id(bodies, c.member);
     if (member == nullptr) continue;
     row.slot = static_cast<std::uint32_t>(member - bodies.data());
     const double mass = solver_bodies.motion[row.slot].inverse_mass;
     if (mass == 0.0) continue;  // frozen
     row.active = true;
-    row.holds = friction && (rule_.ghosts || !c.friction_free);
+    row.holds = step.friction && (rule_.ghosts || !c.friction_free);
     row.n = c.normal;
     const auto [t1, t2] = tangents_of(row.n);
-    row.t1 = t1, row.t2 = t2;
+    row.t1 = t1;
+    row.t2 = t2;
     row.r = rotate(member->motion.pose.rotation, c.member_anchor);
     row.offset = member->motion.pose.position + row.r - c.line_point;
     row.neighbour_velocity = rule_.surface_moves ? c.outside_velocity : Vec3d{};
-    row.cap = c.impulse_rate * h;
+    row.cap = c.impulse_rate * step.h;
     row.gap = c.gap;
     row.friction = c.friction;
     const SymMat3d& inertia = solver_bodies.inverse_inertia[row.slot];
@@ -67,10 +71,12 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
       init_ghost_row(row, c, ghosts[c.ghost], mass, inertia, member->motion.pose.position + row.r);
     else if (rule_.ghosts)
       row.active = false;
-    const double scale = impulse_scale != 1.0 ? impulse_scale : 1.0;
+    const double scale = step.impulse_scale;
     row.normal_impulse = scale * c.normal_impulse;
-    if (row.holds)
-      row.tangent_impulse[0] = scale * c.tangent_impulse[0], row.tangent_impulse[1] = scale * c.tangent_impulse[1];
+    if (row.holds) {
+      row.tangent_impulse[0] = scale * c.tangent_impulse[0];
+      row.tangent_impulse[1] = scale * c.tangent_impulse[1];
+    }
   }
   for (std::uint32_t k = 0, end = 0; k < rows_.size(); k = end) {
     end = k + 1;
@@ -150,8 +156,7 @@ void BorderSolver::apply_impulse(const Row& row, SolverBody<double>& body, const
   if (row.ghost == kNoGhost) return;
   Twistd& ghost = ghosts_[row.ghost].velocity;
   const double by[3] = {normal, tangent1, tangent2};
-  for (int i = 0; i < 3; ++i)
-    ghost.linear += by[i] * row.ghost_answer[i].linear, ghost.angular += by[i] * row.ghost_answer[i].angular;
+  for (int i = 0; i < 3; ++i) ghost += by[i] * row.ghost_answer[i];
 }
 
 // Solves the normal row by the rules of an inner contact: while separated, it lets the gap close; overlapping, it
@@ -183,7 +188,7 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
 void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept {
   may_supply_ = budget_J_ > 0.0;
   for (GhostState& ghost : ghosts_) {
-    ghost.velocity.linear += h_ * ghost.drive.linear, ghost.velocity.angular += h_ * ghost.drive.angular;
+    ghost.velocity += h_ * ghost.drive;
     ghost.before = ghost.velocity;
   }
   for (Row& row : rows_) {
@@ -192,7 +197,8 @@ void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) 
     row.start_velocity = velocity_at(body, row.r);
     row.elapsed = static_cast<double>(j) * h_;
     const Vec3d off = offset_at(row, body, row.elapsed);
-    row.error[0] = dot(row.t1, off), row.error[1] = dot(row.t2, off);
+    row.error[0] = dot(row.t1, off);
+    row.error[1] = dot(row.t2, off);
   }
 }
 
@@ -224,7 +230,8 @@ void BorderSolver::warm_start(SolverBodies<double> bodies) noexcept {
       normal = row.normal_impulse;
     }
     clamp_to_disk(row.tangent_impulse[0], row.tangent_impulse[1], row.friction * row.normal_impulse);
-    row.demand[0] = row.tangent_impulse[0], row.demand[1] = row.tangent_impulse[1];
+    row.demand[0] = row.tangent_impulse[0];
+    row.demand[1] = row.tangent_impulse[1];
     apply_impulse(row, bodies.motion[row.slot], bodies.inverse_inertia[row.slot], normal, row.tangent_impulse[0],
                   row.tangent_impulse[1]);
   }
@@ -237,7 +244,8 @@ void BorderSolver::solve_friction(Row& row, SolverBody<double>& body, const SymM
                     row.tangent_impulse[1] - row.tangent_mass * dot(row.t2, u)};
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
   apply_impulse(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
-  row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
+  row.tangent_impulse[0] = next[0];
+  row.tangent_impulse[1] = next[1];
 }
 
 void BorderSolver::solve_friction_point(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
@@ -256,7 +264,8 @@ void BorderSolver::solve_friction_point(Row& row, SolverBody<double>& body, cons
   }
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
   apply_impulse(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
-  row.tangent_impulse[0] = next[0], row.tangent_impulse[1] = next[1];
+  row.tangent_impulse[0] = next[0];
+  row.tangent_impulse[1] = next[1];
 }
 
 // Forwards in the biased sweep and backwards in the relax sweep, the iteration is symmetric: its eigenvalues are real
@@ -287,8 +296,10 @@ void BorderSolver::solve_row(Row& row, SolverBodies<double> bodies, const SweepR
 }
 
 void BorderSolver::move_ghosts() noexcept {
-  for (GhostState& ghost : ghosts_)
-    ghost.moved += h_ * ghost.velocity.linear, ghost.turned += h_ * ghost.velocity.angular;
+  for (GhostState& ghost : ghosts_) {
+    ghost.moved += h_ * ghost.velocity.linear;
+    ghost.turned += h_ * ghost.velocity.angular;
+  }
 }
 
 Vec3d BorderSolver::impulse_of(const Row& row) const noexcept {
@@ -311,7 +322,9 @@ void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymM
   const double less = std::clamp(share, 0.0, 1.0) - 1.0;
   apply_impulse(row, body, inertia, less * row.normal_impulse, less * row.tangent_impulse[0],
                 less * row.tangent_impulse[1]);
-  row.normal_impulse *= 1.0 + less, row.tangent_impulse[0] *= 1.0 + less, row.tangent_impulse[1] *= 1.0 + less;
+  row.normal_impulse *= 1.0 + less;
+  row.tangent_impulse[0] *= 1.0 + less;
+  row.tangent_impulse[1] *= 1.0 + less;
 }
 
 // Limits the energy that rows put into members to the rest of the budget. Rows that take energy out are not reduced.
@@ -320,7 +333,8 @@ void BorderSolver::keep_budget(SolverBodies<double> bodies) noexcept {
   for (const Row& row : rows_) {
     if (!row.active) continue;
     const double work = work_of(row, bodies.motion[row.slot]);
-    given += std::max(0.0, work), sum += work;
+    given += std::max(0.0, work);
+    sum += work;
   }
   if (sum <= budget_J_ || !(given > 0.0)) return;
   const double share = std::max(0.0, budget_J_) / given;
@@ -342,13 +356,14 @@ void BorderSolver::end_sub_step(SolverBodies<double> bodies) noexcept {
     budget_J_ -= work_J;
     row.step_normal += row.normal_impulse;
     row.step_tangent += tangential;
-    row.step_demand[0] += row.demand[0], row.step_demand[1] += row.demand[1];
+    row.step_demand[0] += row.demand[0];
+    row.step_demand[1] += row.demand[1];
     if (row.ghost == kNoGhost) continue;
     row.end_offset = offset_at(row, bodies.motion[row.slot], 0.0);
     row.end_gap = row.gap + dot(row.n, row.end_offset);
     const Vec3d on_ghost = -(row.normal_impulse * row.n + tangential);
     Wrenchd& sum = ghosts_[row.ghost].impulse;
-    sum.force += on_ghost, sum.torque += cross(row.ghost_r, on_ghost);
+    sum += Wrenchd{on_ghost, cross(row.ghost_r, on_ghost)};
   }
 }
 
@@ -361,8 +376,10 @@ void BorderSolver::scale_impulses(double factor) noexcept {
   }
   for (Row& row : rows_) {
     if (!rule_.replays) row.normal_impulse *= factor;
-    row.tangent_impulse[0] *= factor, row.tangent_impulse[1] *= factor;
-    row.demand[0] *= factor, row.demand[1] *= factor;
+    row.tangent_impulse[0] *= factor;
+    row.tangent_impulse[1] *= factor;
+    row.demand[0] *= factor;
+    row.demand[1] *= factor;
   }
 }
 
@@ -383,14 +400,16 @@ void BorderSolver::store(std::span<BorderContact> contacts, std::span<BorderGhos
     const GhostState& from = ghosts_[g];
     ghosts[g].velocity = from.velocity;
     ghosts[g].centre += from.moved;
-    ghosts[g].total_impulse.force += from.impulse.force, ghosts[g].total_impulse.torque += from.impulse.torque;
+    ghosts[g].total_impulse += from.impulse;
   }
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
     const Row& row = rows_[k];
     BorderContact& c = contacts[k];
     if (rule_.surface_moves) c.line_point += dt * c.outside_velocity;
-    c.step_normal_impulse = row.step_normal, c.step_tangent_impulse = row.step_tangent;
-    c.total_normal_impulse += row.step_normal, c.total_tangent_impulse += row.step_tangent;
+    c.step_normal_impulse = row.step_normal;
+    c.step_tangent_impulse = row.step_tangent;
+    c.total_normal_impulse += row.step_normal;
+    c.total_tangent_impulse += row.step_tangent;
     c.work += row.work;
     if (row.ghost != kNoGhost) {
       const GhostState& ghost = ghosts_[row.ghost];

@@ -6,7 +6,8 @@ namespace tactus::physics {
 
 template <class S>
 void ContactColours::assign(std::span<const Contact> contacts, std::span<const SolverBody<S>> motion) noexcept {
-  moving_ = {}, fixed_ = {};
+  moving_ = {};
+  fixed_ = {};
   used_.resize(static_cast<std::uint32_t>(motion.size()));
   for (Used& used : used_) used = {};
   colour_.resize(static_cast<std::uint32_t>(contacts.size()));
@@ -24,7 +25,8 @@ void ContactColours::assign(std::span<const Contact> contacts, std::span<const S
     colour_[k] = static_cast<std::uint8_t>(first);
     if (first < static_cast<int>(kColours)) {
       const std::uint64_t bit = std::uint64_t{1} << first;
-      a |= bit, b |= bit;
+      a |= bit;
+      b |= bit;
     }
     ++(contact.b_fixed ? fixed_ : moving_).of[colour_[k]];
   }

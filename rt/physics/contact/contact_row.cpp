@@ -71,8 +71,12 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
     const V next = larger(zero, keep - mass * (v.n + (y * v.m1 - x * v.m2)));
     const V change = next - last;
     c.normal_impulse[i] = next;
-    v.n += by_n * change, v.m1 += by_1 * change, v.m2 += by_2 * change;
-    sum.n += change, sum.m1 += y * change, sum.m2 -= x * change;
+    v.n += by_n * change;
+    v.m1 += by_1 * change;
+    v.m2 += by_2 * change;
+    sum.n += change;
+    sum.m1 += y * change;
+    sum.m2 -= x * change;
     if constexpr (kTotals) c.total_normal_impulse[i] += next;
   }
   return sum;
@@ -90,12 +94,18 @@ TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v) 
     V next_1 = last_1 - mass * (v.t1 - y * v.mn), next_2 = last_2 - mass * (v.t2 + x * v.mn);
     clamp_to_disk(next_1, next_2, c.friction * c.normal_impulse[i]);
     const V f1 = next_1 - last_1, f2 = next_2 - last_2, m = x * f2 - y * f1;
-    c.tangent_impulse[0][i] = next_1, c.tangent_impulse[1][i] = next_2;
+    c.tangent_impulse[0][i] = next_1;
+    c.tangent_impulse[1][i] = next_2;
     v.t1 += w[0] * f1 + w[3] * f2 + w[4] * m;
     v.t2 += w[3] * f1 + w[1] * f2 + w[5] * m;
     v.mn += w[4] * f1 + w[5] * f2 + w[2] * m;
-    sum.t1 += f1, sum.t2 += f2, sum.mn += m;
-    if constexpr (kTotals) c.total_tangent_impulse[0][i] += next_1, c.total_tangent_impulse[1][i] += next_2;
+    sum.t1 += f1;
+    sum.t2 += f2;
+    sum.mn += m;
+    if constexpr (kTotals) {
+      c.total_tangent_impulse[0][i] += next_1;
+      c.total_tangent_impulse[1][i] += next_2;
+    }
   }
   return sum;
 }
@@ -107,10 +117,14 @@ TangentPart<V> shrink_friction(ContactRow<V>& c, Mask which) noexcept {
   for (std::uint32_t i = 0; i < c.points; ++i) {
     V next_1 = c.tangent_impulse[0][i], next_2 = c.tangent_impulse[1][i];
     clamp_to_disk(next_1, next_2, c.friction * c.normal_impulse[i]);
-    next_1 = select(which, next_1, c.tangent_impulse[0][i]), next_2 = select(which, next_2, c.tangent_impulse[1][i]);
+    next_1 = select(which, next_1, c.tangent_impulse[0][i]);
+    next_2 = select(which, next_2, c.tangent_impulse[1][i]);
     const V f1 = next_1 - c.tangent_impulse[0][i], f2 = next_2 - c.tangent_impulse[1][i];
-    c.tangent_impulse[0][i] = next_1, c.tangent_impulse[1][i] = next_2;
-    sum.t1 += f1, sum.t2 += f2, sum.mn += c.x[i] * f2 - c.y[i] * f1;
+    c.tangent_impulse[0][i] = next_1;
+    c.tangent_impulse[1][i] = next_2;
+    sum.t1 += f1;
+    sum.t2 += f2;
+    sum.mn += c.x[i] * f2 - c.y[i] * f1;
   }
   return sum;
 }
@@ -175,12 +189,18 @@ void fill_mobility(ContactRow<V>& c) noexcept {
 
 template <class V>
 TACTUS_INLINE void set(Vec3<V>& to, int lane, const Vec3<LaneOf<V>>& from) noexcept {
-  set_lane(to.x, lane, from.x), set_lane(to.y, lane, from.y), set_lane(to.z, lane, from.z);
+  set_lane(to.x, lane, from.x);
+  set_lane(to.y, lane, from.y);
+  set_lane(to.z, lane, from.z);
 }
 template <class V>
 TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from) noexcept {
-  set_lane(to.xx, lane, from.xx), set_lane(to.yy, lane, from.yy), set_lane(to.zz, lane, from.zz);
-  set_lane(to.xy, lane, from.xy), set_lane(to.xz, lane, from.xz), set_lane(to.yz, lane, from.yz);
+  set_lane(to.xx, lane, from.xx);
+  set_lane(to.yy, lane, from.yy);
+  set_lane(to.zz, lane, from.zz);
+  set_lane(to.xy, lane, from.xy);
+  set_lane(to.xz, lane, from.xz);
+  set_lane(to.yz, lane, from.yz);
 }
 
 }  // namespace
@@ -190,7 +210,8 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
                const SolverBodies<LaneOf<V>>& bodies) noexcept {
   using T = LaneOf<V>;
   const auto as_lane = [](double x) noexcept { return static_cast<T>(x); };
-  row.a[lane] = contact.slot_a, row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
+  row.a[lane] = contact.slot_a;
+  row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
   row.contact[lane] = index;
   set(row.n, lane, number_cast<T>(contact.normal));
   set_lane(row.friction, lane, as_lane(contact.friction));
@@ -200,9 +221,14 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   set(row.inverse_inertia_b, lane, contact.b_fixed ? SymMat3<T>{} : bodies.inverse_inertia[contact.slot_b]);
 
   Vec3d c_a, c_b;
-  for (std::uint32_t i = 0; i < contact.count; ++i) c_a += contact.points[i].from_a, c_b += contact.points[i].from_b;
-  c_a *= 1.0 / static_cast<double>(contact.count), c_b *= 1.0 / static_cast<double>(contact.count);
-  set(row.c_a, lane, number_cast<T>(c_a)), set(row.c_b, lane, number_cast<T>(c_b));
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    c_a += contact.points[i].from_a;
+    c_b += contact.points[i].from_b;
+  }
+  c_a *= 1.0 / static_cast<double>(contact.count);
+  c_b *= 1.0 / static_cast<double>(contact.count);
+  set(row.c_a, lane, number_cast<T>(c_a));
+  set(row.c_b, lane, number_cast<T>(c_b));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
     const bool there = i < contact.count;
     const ContactPoint& from = contact.points[there ? i : 0];
@@ -222,7 +248,8 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
 template <class V>
 void complete(ContactRow<V>& c) noexcept {
   const auto [t1, t2] = tangents_of(c.n);
-  c.t1 = t1, c.t2 = t2;
+  c.t1 = t1;
+  c.t2 = t2;
   fill_mobility(c);
   const SymBlock<V>&w = c.w_normal, &k = c.w_tangent;
   const V two(2), zero(0);
@@ -230,7 +257,8 @@ void complete(ContactRow<V>& c) noexcept {
     const Vec3<V> place{c.total_normal_impulse[i], c.total_tangent_impulse[0][i], c.total_tangent_impulse[1][i]};
     const V x = dot(place, c.t1), y = dot(place, c.t2);
     const auto there = c.normal_mass[i] > zero;
-    c.x[i] = x, c.y[i] = y;
+    c.x[i] = x;
+    c.y[i] = y;
     c.gap[i] = c.separation[i];
     c.normal_mass[i] = select(
         there, invert_or_zero(w[0] + y * y * w[1] + x * x * w[2] + two * (y * w[3] - x * w[4] - x * y * w[5])), zero);
@@ -249,8 +277,12 @@ void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) n
   TangentPart<V> rubbed;
   for (std::uint32_t i = 0; i < c.points; ++i) {
     const V x = c.x[i], y = c.y[i], f = c.normal_impulse[i], f1 = c.tangent_impulse[0][i], f2 = c.tangent_impulse[1][i];
-    pressed.n += f, pressed.m1 += y * f, pressed.m2 -= x * f;
-    rubbed.t1 += f1, rubbed.t2 += f2, rubbed.mn += x * f2 - y * f1;
+    pressed.n += f;
+    pressed.m1 += y * f;
+    pressed.m2 -= x * f;
+    rubbed.t1 += f1;
+    rubbed.t2 += f2;
+    rubbed.mn += x * f2 - y * f1;
   }
   BodyLanes<V> a, b;
   gather<kFixed, false>(c, bodies, a, b);
@@ -265,7 +297,10 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   gather<kFixed, !kBias>(c, bodies, a, b);
   if constexpr (!kBias) update_gaps<kFixed>(c, a, b);
   Vec3<V> v = -(a.v + cross(a.w, c.c_a)), w = -a.w;
-  if constexpr (!kFixed) v += b.v + cross(b.w, c.c_b), w += b.w;
+  if constexpr (!kFixed) {
+    v += b.v + cross(b.w, c.c_b);
+    w += b.w;
+  }
 
   NormalPart<V> normal_motion{dot(c.n, v), dot(c.t1, w), dot(c.t2, w)};
   const std::array<V, 9>& k = c.w_cross;

@@ -6,10 +6,10 @@ namespace tactus::physics {
 namespace {
 
 // A row takes a few tenths of a microsecond in a sweep, handing work to another thread about one.
-constexpr std::uint32_t kFewestRows = 8;
+constexpr std::uint32_t kMinRows = 8;
 // The loops over bodies do little work per body, but a body just solved by another thread is slow to read; so each
 // thread continues with the bodies of its own contacts.
-constexpr std::uint32_t kFewestBodies = 128;
+constexpr std::uint32_t kMinBodies = 128;
 
 // Impact: in one sub-step the impulses change a body's velocity by more than this share of the push speed. Below it the
 // excess energy is small, and the check would cost more than a sweep.
@@ -18,8 +18,11 @@ constexpr double kImpactShare = 0.1;
 template <class V>
 void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
   const auto scale = [&](V& x) noexcept { set_lane(x, lane, factor * lane_of(x, lane)); };
-  for (std::uint32_t i = 0; i < row.points; ++i)
-    scale(row.normal_impulse[i]), scale(row.tangent_impulse[0][i]), scale(row.tangent_impulse[1][i]);
+  for (std::uint32_t i = 0; i < row.points; ++i) {
+    scale(row.normal_impulse[i]);
+    scale(row.tangent_impulse[0][i]);
+    scale(row.tangent_impulse[1][i]);
+  }
 }
 
 }  // namespace
@@ -47,7 +50,8 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
     for (std::uint32_t r = row; r < row + rows; ++r) {
       const std::uint32_t left = count - (r - row) * kWidth;
       if (left < kWidth) rows_.all[r] = ContactRow<V>{};
-      rows_.all[r].used = std::min<std::uint32_t>(left, kWidth), rows_.all[r].points = 0;
+      rows_.all[r].used = std::min<std::uint32_t>(left, kWidth);
+      rows_.all[r].points = 0;
     }
     row += rows;
   }
@@ -59,7 +63,8 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
                                        const Executor& executor) noexcept {
   executor_ = executor;
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
-  before_.resize(count), accumulated_delta_v_.resize(count);
+  before_.resize(count);
+  accumulated_delta_v_.resize(count);
   for_each_body([&](std::uint32_t i) noexcept { accumulated_delta_v_[i] = {}; });
   gate_.begin_step();
   given_is_known_ = backwards_ = next_backwards_ = false;
@@ -68,13 +73,19 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   place_colours(colours_.fixed(), rows_.first_fixed, fixed_);
   singles_.first_fixed = colours_.moving().of[ContactColours::kLeftOver];
   singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
-  for (auto& row : singles_.all) row.used = 1, row.points = 0;
+  for (auto& row : singles_.all) {
+    row.used = 1;
+    row.points = 0;
+  }
 
   // Assigns each contact to the next lane of its colour; then the rows are filled in their order.
   Starts lane_of_moving, lane_of_fixed;
-  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour)
-    lane_of_moving[colour] = moving_[colour] * kWidth, lane_of_fixed[colour] = fixed_[colour] * kWidth;
-  lane_of_moving[ContactColours::kLeftOver] = 0, lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour) {
+    lane_of_moving[colour] = moving_[colour] * kWidth;
+    lane_of_fixed[colour] = fixed_[colour] * kWidth;
+  }
+  lane_of_moving[ContactColours::kLeftOver] = 0;
+  lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
   for (std::uint32_t k = 0; k < contacts.size(); ++k) {
     const std::uint8_t colour = colours_.of(k);
     if (colour == ContactColours::kNotSolved) continue;
@@ -88,8 +99,10 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
     for (std::uint32_t lane = 0; lane < row.used; ++lane)
       fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
     // Empty lanes read the bodies of the first lane and write nothing.
-    for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane)
-      row.a[lane] = row.a[0], row.b[lane] = row.b[0];
+    for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane) {
+      row.a[lane] = row.a[0];
+      row.b[lane] = row.b[0];
+    }
     complete(row);
   });
 }
@@ -102,14 +115,14 @@ void ContactSolver<T, kWidth>::for_each_colour(const Starts& starts, F&& f) noex
   if (!executor_.shares()) return f(starts[0], starts[ContactColours::kColours]);
   for (std::uint32_t colour = 0; colour < ContactColours::kColours && starts[colour] < starts[colour + 1]; ++colour)
     executor_.for_each_range(
-        starts[colour + 1] - starts[colour], kFewestRows,
+        starts[colour + 1] - starts[colour], kMinRows,
         [&](std::uint32_t begin, std::uint32_t end) noexcept { f(starts[colour] + begin, starts[colour] + end); });
 }
 
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_row(F&& f) noexcept {
-  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+  executor_.for_each_range(rows_.all.size(), kMinRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
     for (; k < end; ++k) f(rows_.all[k]);
   });
   for (auto& row : singles_.all) f(row);
@@ -117,7 +130,7 @@ void ContactSolver<T, kWidth>::for_each_row(F&& f) noexcept {
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
-  executor_.for_each_range(rows_.all.size(), kFewestRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
+  executor_.for_each_range(rows_.all.size(), kMinRows, [&](std::uint32_t k, std::uint32_t end) noexcept {
     for (; k < end; ++k) f(rows_.all[k]);
   });
   for (const auto& row : singles_.all) f(row);
@@ -126,10 +139,9 @@ void ContactSolver<T, kWidth>::for_each_row(F&& f) const noexcept {
 template <class T, int kWidth>
 template <class F>
 void ContactSolver<T, kWidth>::for_each_body(F&& f) noexcept {
-  executor_.for_each_range(accumulated_delta_v_.size(), kFewestBodies,
-                           [&](std::uint32_t i, std::uint32_t end) noexcept {
-                             for (; i < end; ++i) f(i);
-                           });
+  executor_.for_each_range(accumulated_delta_v_.size(), kMinBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
+    for (; i < end; ++i) f(i);
+  });
 }
 
 template <class T, int kWidth>
@@ -149,7 +161,8 @@ template <class T, int kWidth>
 void ContactSolver<T, kWidth>::warm_start_freely(SolverBodies<T> bodies) noexcept {
   if (given_is_known_) {
     for_each_body([&](std::uint32_t i) noexcept {
-      bodies.motion[i].v += accumulated_delta_v_[i].linear, bodies.motion[i].w += accumulated_delta_v_[i].angular;
+      bodies.motion[i].v += accumulated_delta_v_[i].linear;
+      bodies.motion[i].w += accumulated_delta_v_[i].angular;
     });
     return;
   }
@@ -202,7 +215,10 @@ void ContactSolver<T, kWidth>::hold_back_gain(SolverBodies<T> bodies, T impact_m
 template <class T, int kWidth>
 template <bool kBias, bool kFriction, bool kTotals>
 void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
-  if constexpr (kBias) backwards_ = next_backwards_, next_backwards_ = !next_backwards_;
+  if constexpr (kBias) {
+    backwards_ = next_backwards_;
+    next_backwards_ = !next_backwards_;
+  }
   backwards_ ? sweep_points<kBias, kFriction, kTotals, true>(bodies, rule)
              : sweep_points<kBias, kFriction, kTotals, false>(bodies, rule);
   backwards_ = !backwards_;
@@ -251,7 +267,7 @@ void ContactSolver<T, kWidth>::add_to_totals() noexcept {
 
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
-  for (Twist<T>& given : accumulated_delta_v_) given.linear *= factor, given.angular *= factor;
+  for (Twist<T>& given : accumulated_delta_v_) given *= factor;
   for_each_row([factor](auto& row) {
     const auto f = std::remove_reference_t<decltype(row.friction)>(factor);
     for (std::uint32_t i = 0; i < row.points; ++i) {

@@ -4,7 +4,9 @@ namespace tactus::physics {
 
 template <class T>
 void EnergyGate<T>::begin_islands(std::uint32_t bodies) noexcept {
-  parents_.resize(bodies), change_.resize(bodies), share_.resize(bodies);
+  parents_.resize(bodies);
+  change_.resize(bodies);
+  share_.resize(bodies);
   islands_ = Islands(parents_.span());
   knows_islands_ = true;
 }
@@ -45,8 +47,9 @@ bool EnergyGate<T>::hold_back(SolverBodies<T> bodies, std::span<Twist<T>> given,
     const T share = share_[i] = impact ? change.all.best_share() : T(1);
     if (share == T(1)) continue;
     held_back = true;
-    bodies.motion[i].v -= (T(1) - share) * given[i].linear, bodies.motion[i].w -= (T(1) - share) * given[i].angular;
-    given[i].linear *= share, given[i].angular *= share;
+    bodies.motion[i].v -= (T(1) - share) * given[i].linear;
+    bodies.motion[i].w -= (T(1) - share) * given[i].angular;
+    given[i] *= share;
   }
   return held_back;
 }

@@ -29,7 +29,8 @@ struct EnergyChange {
     const Vec3<T> momentum = (T(1) / body.inverse_mass) * change.linear,
                   turning = inverse(inverse_inertia) * change.angular;
     const T by_change = dot(momentum, change.linear) + dot(turning, change.angular);
-    linear += dot(momentum, body.v) + dot(turning, body.w) - by_change, quadratic += by_change;
+    linear += dot(momentum, body.v) + dot(turning, body.w) - by_change;
+    quadratic += by_change;
   }
   bool gains() const noexcept { return linear + T(0.5) * quadratic > T(0); }
   // Share of the change at which the energy is smallest.

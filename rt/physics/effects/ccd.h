@@ -5,7 +5,7 @@
 // Where it would pass a surface, an impulse on both bodies, as of a contact's speculative row, slows it down so that
 // the sub-step ends at touch. Momentum is kept and kinetic energy falls. For a slow proxy the cost is one comparison.
 // Not against meshes: their triangles are not available here.
-// Units: SI. Thread: [rt], the owner of the World. Bound: B + F boxes a step, kMostNear pairs a sub-step; beyond that
+// Units: SI. Thread: [rt], the owner of the World. Bound: B + F boxes a step, kMaxNear pairs a sub-step; beyond that
 // the nearest are tested, and the rest are counted as dropped pairs.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace tactus::physics {
 
 class ContinuousCollision : public Stateless {
  public:
-  static constexpr std::uint32_t kMostNear = 16;
+  static constexpr std::uint32_t kMaxNear = 16;
 
   struct Setup {
     BodyId proxy{kNoBody};
@@ -38,8 +38,8 @@ class ContinuousCollision : public Stateless {
   void hold_back(StageContext& c) noexcept;
 
   Setup setup_;
-  std::uint32_t proxy_{0};               // slot
-  FixedVector<Near, kMostNear> near_{};  // of this step
+  std::uint32_t proxy_{0};              // slot
+  FixedVector<Near, kMaxNear> near_{};  // of this step
 };
 
 }  // namespace tactus::physics

@@ -26,7 +26,8 @@ void ContactTorque::list(StageContext& c) noexcept {
     Row row;
     row.contact = k;
     const auto [t1, t2] = tangents_of(contact.normal);
-    row.t1 = t1, row.t2 = t2;
+    row.t1 = t1;
+    row.t2 = t2;
     row.spin_mass = invert_or_zero(dot(turning * contact.normal, contact.normal));
     row.roll_mass = tangent_mass_of(dot(turning * t1, t1), dot(turning * t2, t2), dot(turning * t1, t2));
     row.most_spin = c.settings.friction ? (2.0 / 3) * contact.friction * radius * pressed : 0.0;
@@ -50,7 +51,9 @@ void ContactTorque::resist(StageContext& c) noexcept {
     clamp_to_disk(roll_1, roll_2, row.most_roll);
     const Vec3d m =
         (spin - row.spin) * contact.normal + (roll_1 - row.roll_1) * row.t1 + (roll_2 - row.roll_2) * row.t2;
-    row.spin = spin, row.roll_1 = roll_1, row.roll_2 = roll_2;
+    row.spin = spin;
+    row.roll_1 = roll_1;
+    row.roll_2 = roll_2;
     a.w -= c.inverse_inertia[contact.slot_a] * m;
     if (!contact.b_fixed) c.motion[contact.slot_b].w += c.inverse_inertia[contact.slot_b] * m;
   }

@@ -58,7 +58,8 @@ double small_asin(double x) noexcept {
 double angle_of(double s, double c) noexcept {
   const double length = std::sqrt(s * s + c * c);
   if (!(length > 0.0)) return 0.0;
-  s /= length, c /= length;
+  s /= length;
+  c /= length;
   constexpr double eighth = 0.78539816339744830962;
   const double a = std::abs(s), b = std::abs(c);
   // Nearest of 0, 45, 90 degrees, then by the signs to the whole circle.
@@ -80,7 +81,8 @@ Joints::Side Joints::side(StageContext& c, Row& row, std::uint32_t slot) noexcep
   if (row.ghost == kNoGhost) return {row.outside, kNone};
   GhostState& ghost = c.ghosts[row.ghost];
   const Twistd seen = c.ghosts_may_supply ? ghost.velocity : Twistd{};
-  row.outside.v = seen.linear, row.outside.w = seen.angular;
+  row.outside.v = seen.linear;
+  row.outside.w = seen.angular;
   return {row.outside, kNone, &ghost};
 }
 
@@ -89,8 +91,9 @@ void Joints::push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d&
   const Vec3d turning = cross(r, p) + m;
   if (side.ghost != nullptr) {
     const Twistd change = side.ghost->admittance * Wrenchd{p, turning};
-    side.ghost->velocity.linear += change.linear, side.ghost->velocity.angular += change.angular;
-    side.body.v += change.linear, side.body.w += change.angular;
+    side.ghost->velocity += change;
+    side.body.v += change.linear;
+    side.body.w += change.angular;
     return;
   }
   side.body.v += side.body.inverse_mass * p;
@@ -107,7 +110,8 @@ double Joints::answer(const Side& side, const Vec3d& r, const Vec3d& p, const Ve
 void Joints::prepare(StageContext& c) noexcept {
   for (Row& row : rows_) {
     row.outside = {};
-    row.outside.v = row.outside_motion.velocity.linear, row.outside.w = row.outside_motion.velocity.angular;
+    row.outside.v = row.outside_motion.velocity.linear;
+    row.outside.w = row.outside_motion.velocity.angular;
     row.now = row.kept = c.h * states_[row.joint].effort;
     row.sum_force = row.sum_torque = {};
   }
@@ -163,7 +167,8 @@ void Joints::fill_masses(Row& row, const Side& a, const Side& b) const noexcept 
 void Joints::take_own_mass(Row& row, const StageContext& c) const noexcept {
   const SymMat3d& w = c.ghosts[row.ghost].admittance.linear;
   if (w.xx + w.yy + w.zz > 0.0) return;
-  row.own_inverse_mass = 0.0, row.own_inverse_inertia = {};
+  row.own_inverse_mass = 0.0;
+  row.own_inverse_inertia = {};
 }
 
 // Fills the masses of the biased sweep against a ghost, with the stiffness of the two bodies alone (joints.h).
@@ -257,7 +262,8 @@ void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
   const bool turns = joints_[row.joint].kind == JointKind::kHinge;
   const Vec3d force = out_of(row.axes, row.now.linear) + (turns ? Vec3d{} : along);
   const Vec3d torque = out_of(row.axes, row.now.angular) + (turns ? along : Vec3d{});
-  row.sum_force += force, row.sum_torque += torque;
+  row.sum_force += force;
+  row.sum_torque += torque;
   if (!row.anchored) return;
   const Twistd end = frame_velocity(c, row);
   const double on_b = dot(force, 0.5 * (row.start_velocity.linear + end.linear)) +
@@ -377,10 +383,12 @@ void Joints::finish(StageContext& c) noexcept {
     JointState& state = states_[row.joint];
     const JointEffort next = c.factor == 1.0 ? row.now : row.kept + c.factor * (row.now + -1.0 * row.kept);
     state.effort = (1.0 / c.h) * next;
-    state.force = rate * row.sum_force, state.torque = rate * row.sum_torque;
+    state.force = rate * row.sum_force;
+    state.torque = rate * row.sum_torque;
     state.coordinate = row.coordinate;
     if (norm(state.force) <= joint.break_force_N && norm(state.torque) <= joint.break_torque_Nm) continue;
-    state.broken = 1, state.effort = {};
+    state.broken = 1;
+    state.effort = {};
     ++c.report.broken_joints;
   }
   for (Anchor& anchor : anchors_) {

@@ -45,7 +45,8 @@ Joints::Joints(const Setup& setup, const Capacities&) : joints_(setup.joints) {
   joints_of_ = BoundedVector<std::uint32_t>(2 * count);
   anchors_ = BoundedVector<Anchor>(count);
   rows_ = BoundedVector<Row>(count);
-  apart_ = BoundedVector<SlotPair>(count), apart_fixed_ = BoundedVector<SlotPair>(count);
+  apart_ = BoundedVector<SlotPair>(count);
+  apart_fixed_ = BoundedVector<SlotPair>(count);
   for (BodyId id = 0; id <= highest; ++id) first_of_[id] = 0;
   for (const Joint& joint : joints_) {
     ++first_of_[joint.b];
@@ -102,7 +103,9 @@ const Joints::Anchor* Joints::anchor_of(std::uint32_t joint) const noexcept {
 
 // Adds the active joints once each: at their body B, or at A if B is in another world.
 void Joints::find_active(StageContext& c) noexcept {
-  rows_.clear(), apart_.clear(), apart_fixed_.clear();
+  rows_.clear();
+  apart_.clear();
+  apart_fixed_.clear();
   for (std::uint32_t slot = 0; slot < c.bodies.size(); ++slot) {
     for (const std::uint32_t k : joints_of(c.bodies[slot].id)) {
       const Joint& joint = joints_[k];
@@ -129,7 +132,9 @@ void Joints::add_row(StageContext& c, std::uint32_t k, std::uint32_t slot_a, std
   if (!rows_.try_push({})) return;  // never fails: capacity for all joints
   const Joint& joint = joints_[k];
   Row& row = rows_[rows_.size() - 1];
-  row.joint = k, row.slot_a = slot_a, row.slot_b = slot_b;
+  row.joint = k;
+  row.slot_a = slot_a;
+  row.slot_b = slot_b;
   if (slot_a == kOutside || slot_b == kOutside) {
     const BodyId id = slot_a == kOutside ? joint.a : joint.b;
     const std::uint32_t fixed = slot_of(c.fixed_bodies, id);
@@ -166,10 +171,20 @@ void Joints::separate_fixed(StageContext& c) noexcept {
 
 void Joints::save(ByteWriter& out) const noexcept {
   for (const JointState& s : states_)  // field by field: the struct has padding
-    out.put(s.effort), out.put(s.force), out.put(s.torque), out.put(s.coordinate), out.put(s.broken);
+  {
+    out.put(s.effort);
+    out.put(s.force);
+    out.put(s.torque);
+    out.put(s.coordinate);
+    out.put(s.broken);
+  }
   out.put(anchors_.size());
-  for (const Anchor& anchor : anchors_)
-    out.put(anchor.joint), out.put(anchor.motion), out.put(anchor.inverse_mass), out.put(anchor.inverse_inertia);
+  for (const Anchor& anchor : anchors_) {
+    out.put(anchor.joint);
+    out.put(anchor.motion);
+    out.put(anchor.inverse_mass);
+    out.put(anchor.inverse_inertia);
+  }
 }
 
 std::size_t Joints::save_size_bound() const noexcept {
@@ -178,20 +193,30 @@ std::size_t Joints::save_size_bound() const noexcept {
 
 bool Joints::restore(ByteReader& in) noexcept {
   anchors_.clear();
-  for (JointState& s : states_)
-    in.get(s.effort), in.get(s.force), in.get(s.torque), in.get(s.coordinate), in.get(s.broken);
+  for (JointState& s : states_) {
+    in.get(s.effort);
+    in.get(s.force);
+    in.get(s.torque);
+    in.get(s.coordinate);
+    in.get(s.broken);
+  }
   std::uint32_t count = 0;
   in.get(count);
   bool good = in.ok() && count <= anchors_.capacity();
   for (std::uint32_t i = 0; good && i < count; ++i) {
     Anchor anchor;
-    in.get(anchor.joint), in.get(anchor.motion), in.get(anchor.inverse_mass), in.get(anchor.inverse_inertia);
+    in.get(anchor.joint);
+    in.get(anchor.motion);
+    in.get(anchor.inverse_mass);
+    in.get(anchor.inverse_inertia);
     good = in.ok() && anchor.joint < joints_.size() && (i == 0 || anchors_[i - 1].joint < anchor.joint) &&
            is_sound(anchor) && anchors_.try_push(anchor);
   }
   for (JointState& state : states_)
-    if (!is_finite_effort(state.effort) || !is_finite(state.force) || !is_finite(state.torque) || state.broken > 1)
-      state = {}, good = false;
+    if (!is_finite_effort(state.effort) || !is_finite(state.force) || !is_finite(state.torque) || state.broken > 1) {
+      state = {};
+      good = false;
+    }
   return good;
 }
 
@@ -219,10 +244,13 @@ void Joints::export_state(ByteWriter& out, std::span<const Body> bodies,
   each([&](std::uint32_t, std::uint32_t) noexcept { ++count; });
   out.put(count);
   each([&](std::uint32_t k, std::uint32_t beyond) noexcept {
-    out.put(k), out.put(states_[k].broken | (beyond != kNoSlot ? kAnchored : 0u)), out.put(states_[k].effort);
+    out.put(k);
+    out.put(states_[k].broken | (beyond != kNoSlot ? kAnchored : 0u));
+    out.put(states_[k].effort);
     if (beyond == kNoSlot) return;
     const Body& body = bodies[beyond];
-    out.put(body.motion), out.put(1.0 / body.mass);
+    out.put(body.motion);
+    out.put(1.0 / body.mass);
     out.put(Vec3d{1.0 / body.inertia.x, 1.0 / body.inertia.y, 1.0 / body.inertia.z});
   });
 }
@@ -240,15 +268,24 @@ bool Joints::import_state(ByteReader& in, std::span<const Body> bodies, bool kno
     Anchor anchor;
     std::uint32_t flags = 0;
     JointEffort effort;
-    in.get(anchor.joint), in.get(flags), in.get(effort);
-    if ((flags & kAnchored) != 0) in.get(anchor.motion), in.get(anchor.inverse_mass), in.get(anchor.inverse_inertia);
+    in.get(anchor.joint);
+    in.get(flags);
+    in.get(effort);
+    if ((flags & kAnchored) != 0) {
+      in.get(anchor.motion);
+      in.get(anchor.inverse_mass);
+      in.get(anchor.inverse_inertia);
+    }
     if (!in.ok() || anchor.joint >= joints_.size() || !is_finite_effort(effort) || !is_sound(anchor)) return false;
     const Joint& joint = joints_[anchor.joint];
     JointState& state = states_[anchor.joint];
     const bool known =
         slot_of(bodies, joint.b) != kNoSlot && (joint.a == kNoBody || slot_of(bodies, joint.a) != kNoSlot);
     if (known_too || !known) state.effort = effort;
-    if ((flags & kBroken) != 0) state.broken = 1, state.effort = {};
+    if ((flags & kBroken) != 0) {
+      state.broken = 1;
+      state.effort = {};
+    }
     if (!known_too && (flags & kAnchored) != 0) (void)anchors_.try_push(anchor);
   }
   std::sort(anchors_.begin(), anchors_.end(), [](const Anchor& p, const Anchor& q) { return p.joint < q.joint; });

@@ -72,7 +72,7 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const double speed = -separating_speed(c, contact, i);
     const double gap = gap_now(c, contact, i);
-    if (!(speed > kLeastSpeed && gap < 2.0 * speed * c.h)) continue;
+    if (!(speed > kMinSpeed && gap < 2.0 * speed * c.h)) continue;
     const double work = 2.0 * closing_gravity(c, contact) * std::max(0.0, gap);  // twice the work per kilogram
     const double square = row.coefficient * row.coefficient * (speed * speed + work) - work;
     (void)strikes.try_push({i, speed, std::sqrt(std::max(0.0, square)), mass_of(c, contact, i), 0.0});
@@ -87,8 +87,10 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
     }
   // Energy gained by the bodies: impulse times mean speed.
   double came = 0.0, went = 0.0;
-  for (const Strike& strike : strikes)
-    came += strike.impulse * strike.speed, went += strike.impulse * separating_speed(c, contact, strike.point);
+  for (const Strike& strike : strikes) {
+    came += strike.impulse * strike.speed;
+    went += strike.impulse * separating_speed(c, contact, strike.point);
+  }
   const double share = went > came ? 2.0 * came / (went + came) : 1.0;
   for (const Strike& strike : strikes) {
     if (share < 1.0) push_apart(c, contact, strike.point, (share - 1.0) * strike.impulse);
@@ -99,7 +101,7 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
 
 void Restitution::bounce(StageContext& c) noexcept {
   bool struck = true;
-  for (int round = 0; struck && round < kMostRounds; ++round) {
+  for (int round = 0; struck && round < kMaxRounds; ++round) {
     struck = false;
     const std::uint32_t count = rows_.size();
     for (std::uint32_t k = 0; k < count; ++k) struck |= bounce_off(c, rows_[round % 2 == 0 ? k : count - 1 - k]);

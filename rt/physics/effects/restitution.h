@@ -1,7 +1,7 @@
 // Effect restitution: bodies that collide fast enough bounce.
 //
 // Acts before the sweeps of a sub-step, on contacts with a coefficient e > 0. Points that approach faster than
-// kLeastSpeed and would meet within two sub-steps separate at e times that speed (Newton), e the larger of the two
+// kMinSpeed and would meet within two sub-steps separate at e times that speed (Newton), e the larger of the two
 // bodies'; within two, because the relax sweep already brakes what would pass in the next sub-step. The speeds are
 // corrected for gravity's work over the remaining gap: the bodies separate as they would at this gap after an impact at
 // gap 0. The points of one contact are solved together. Contacts are solved one after the other, repeatedly and in
@@ -9,7 +9,7 @@
 // Steady loads (wrenches, the device) are applied later in the sub-step and cause no impact; otherwise resting bodies
 // would bounce. An impact never adds kinetic energy: where the points of a contact have not converged, its impulses are
 // scaled down. Impulses of impacts are not used as warm start.
-// Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: kMostRounds times the points
+// Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: kMaxRounds times the points
 // of contacts with e > 0, each sub-step.
 #pragma once
 
@@ -19,8 +19,8 @@ namespace tactus::physics {
 
 class Restitution : public Stateless {
  public:
-  static constexpr double kLeastSpeed = 0.05;  // m/s: below this speed, resting contacts would jitter
-  static constexpr int kMostRounds = 8;        // passes over the list, alternately from either end
+  static constexpr double kMinSpeed = 0.05;  // m/s: below this speed, resting contacts would jitter
+  static constexpr int kMaxRounds = 8;       // passes over the list, alternately from either end
 
   struct Setup {
     std::span<const double> by_id{};  // e by body id; bodies beyond the end have 0. Must outlive the world

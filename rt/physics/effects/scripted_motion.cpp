@@ -66,7 +66,8 @@ void ScriptedMotion::aim(StageContext& c) noexcept {
       body.v = rate * (next.position - f.now.position);
       body.w = rate * small_rotation_vector(next.rotation * conjugate(f.now.rotation));
     } else {
-      body.v = steady.linear, body.w = steady.angular;
+      body.v = steady.linear;
+      body.w = steady.angular;
     }
     f.now = next;
   }
@@ -92,7 +93,10 @@ bool ScriptedMotion::restore(ByteReader& in) noexcept {
   in.get_all(time_.span());
   bool good = in.ok();
   for (double& time : time_)
-    if (!std::isfinite(time)) time = 0.0, good = false;
+    if (!std::isfinite(time)) {
+      time = 0.0;
+      good = false;
+    }
   return good;
 }
 
@@ -108,7 +112,10 @@ void ScriptedMotion::export_state(ByteWriter& out, std::span<const Body> bodies,
   std::uint32_t count = 0;
   each([&](std::uint32_t) noexcept { ++count; });
   out.put(count);
-  each([&](std::uint32_t k) noexcept { out.put(k), out.put(time_[k]); });
+  each([&](std::uint32_t k) noexcept {
+    out.put(k);
+    out.put(time_[k]);
+  });
 }
 
 bool ScriptedMotion::import_state(ByteReader& in, std::span<const Body> bodies, bool known_too) noexcept {
@@ -117,7 +124,8 @@ bool ScriptedMotion::import_state(ByteReader& in, std::span<const Body> bodies, 
   for (std::uint32_t i = 0; i < count && in.ok(); ++i) {
     std::uint32_t k = 0;
     double time{};
-    in.get(k), in.get(time);
+    in.get(k);
+    in.get(time);
     if (!in.ok() || k >= time_.size() || !std::isfinite(time)) return false;
     if (known_too || find_slot(bodies, setup_.scripts[k].id) == kNoSlot) time_[k] = time;
   }

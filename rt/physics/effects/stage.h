@@ -3,7 +3,7 @@
 // A stage is a member function of an effect object. The table is filled once, from the effects that a scene uses; a
 // phase is a loop over its stages, so an unused effect costs nothing: no branch, no call, no memory. The order within a
 // phase is that of the list of effects. A stage is called once for all bodies and contacts, not once per contact.
-// Thread: filling [setup]; running [rt], by the owner of the World. Frame: world. Units: SI. Bound: kMostStages per
+// Thread: filling [setup]; running [rt], by the owner of the World. Frame: world. Units: SI. Bound: kMaxStages per
 // phase.
 #pragma once
 
@@ -37,7 +37,7 @@ enum class Phase : std::uint32_t {
                       // those of kKeep plus `factor` of their change since; 1: the present ones
 };
 inline constexpr std::uint32_t kPhases = 12;
-inline constexpr std::uint32_t kMostStages = 16;
+inline constexpr std::uint32_t kMaxStages = 16;
 
 // Input of a stage; everything by slot except contacts and fixed bodies.
 struct StageContext {
@@ -71,7 +71,7 @@ class StageTable {
   void add(Phase phase, Object& object) noexcept {
     const bool fits = stages_[static_cast<std::uint32_t>(phase)].try_push(
         {[](void* self, StageContext& context) noexcept { (static_cast<Object*>(self)->*kStage)(context); }, &object});
-    TACTUS_CHECK(fits, phase, kMostStages);
+    TACTUS_CHECK(fits, phase, kMaxStages);
   }
   bool has(Phase phase) const noexcept { return !stages_[static_cast<std::uint32_t>(phase)].empty(); }
   void run(Phase phase, StageContext& context) const noexcept {
@@ -83,14 +83,14 @@ class StageTable {
     void (*run)(void* object, StageContext& context) noexcept {nullptr};
     void* object{nullptr};
   };
-  std::array<FixedVector<Stage, kMostStages>, kPhases> stages_{};
+  std::array<FixedVector<Stage, kMaxStages>, kPhases> stages_{};
 };
 
 // Calls `f(slot)` for every body, shared with the executor where that saves time.
 template <class F>
 void for_each_slot(const StageContext& context, F&& f) noexcept {
-  constexpr std::uint32_t kFewest = 128;  // a body takes about 10 ns, handing work to another thread about 1 us
-  context.executor.for_each_range(static_cast<std::uint32_t>(context.motion.size()), kFewest,
+  constexpr std::uint32_t kMin = 128;  // a body takes about 10 ns, handing work to another thread about 1 us
+  context.executor.for_each_range(static_cast<std::uint32_t>(context.motion.size()), kMin,
                                   [&](std::uint32_t i, std::uint32_t end) noexcept {
                                     for (; i < end; ++i) f(i);
                                   });

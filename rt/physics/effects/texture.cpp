@@ -45,7 +45,7 @@ void Texture::feel(StageContext& c) noexcept {
       if (share * pressed == 0.0) continue;
       Vec3d force = (share * pressed) * rotate(rotation, downhill(grain, rotate_inverse(rotation, offset + arm)));
       force -= dot(n, force) * n;
-      c.report.hand_wrench.force += force, c.report.hand_wrench.torque += cross(arm, force);
+      c.report.hand_wrench += Wrenchd{force, cross(arm, force)};
     }
   }
 }

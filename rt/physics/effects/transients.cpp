@@ -19,7 +19,7 @@ void Transients::register_stages(StageTable& table) noexcept {
 
 bool Transients::restore(ByteReader& in) noexcept {
   in.get(state_);
-  const bool good = in.ok() && state_.ringing.count <= kMostRinging && state_.touched.count <= kMostTouched;
+  const bool good = in.ok() && state_.ringing.count <= kMaxRinging && state_.touched.count <= kMaxTouched;
   if (!good) state_ = {};
   return good;
 }
@@ -50,7 +50,7 @@ void Transients::start(const Oscillation& oscillation) noexcept {
 }
 
 void Transients::ring(StageContext& c) noexcept {
-  FixedVector<BodyId, kMostTouched> touched{};
+  FixedVector<BodyId, kMaxTouched> touched{};
   for (const Touch& touch : touches_) {
     const Contact& contact = c.contacts[touch.contact];
     const auto points = std::span(contact.points).first(contact.count);
@@ -58,7 +58,7 @@ void Transients::ring(StageContext& c) noexcept {
       continue;
     (void)touched.try_push(touch.other);
     const auto before = state_.touched.span();
-    if (touch.speed < kLeastSpeed || std::find(before.begin(), before.end(), touch.other) != before.end()) continue;
+    if (touch.speed < kMinSpeed || std::find(before.begin(), before.end(), touch.other) != before.end()) continue;
     const Ringing& surface = setup_.by_id[touch.other];
     const bool proxy_is_a = c.bodies[contact.slot_a].id == setup_.proxy;
     start({proxy_is_a ? -contact.normal : contact.normal, 0.0, surface.strength_Ns_per_m * touch.speed,
@@ -71,7 +71,8 @@ void Transients::ring(StageContext& c) noexcept {
     const auto [s, cosine] = sin_cos(2.0 * std::numbers::pi * o.frequency_Hz * c.settings.dt);
     const double x = 0.5 * c.settings.dt / o.decay_s, fade = (1.0 - x) / (1.0 + x);
     const double sine_N = fade * (cosine * o.sine_N + s * o.cosine_N);
-    o.cosine_N = fade * (cosine * o.cosine_N - s * o.sine_N), o.sine_N = sine_N;
+    o.cosine_N = fade * (cosine * o.cosine_N - s * o.sine_N);
+    o.sine_N = sine_N;
     c.report.hand_wrench.force += o.sine_N * o.direction;
     if (amplitude_squared(o.sine_N, o.cosine_N) > kFaded_N * kFaded_N) state_.ringing[kept++] = o;
   }

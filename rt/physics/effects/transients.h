@@ -9,7 +9,7 @@
 // rings again only if it was not touched in the step before. The exponential is computed as (1 - x/2) / (1 + x/2),
 // x = dt / decay.
 // Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: contacts of the proxy,
-// kMostRinging oscillations (beyond: the weakest is dropped). Source: Okamura, Cutkosky, Dennerlein 2001, reality-based
+// kMaxRinging oscillations (beyond: the weakest is dropped). Source: Okamura, Cutkosky, Dennerlein 2001, reality-based
 // models for vibration feedback; Kuchenbecker, Fiene, Niemeyer 2006, event-based haptics.
 #pragma once
 
@@ -26,8 +26,8 @@ struct Ringing {
 
 class Transients : public Stateless {  // nothing to export: only the hand receives it
  public:
-  static constexpr std::uint32_t kMostRinging = 8, kMostTouched = 16;
-  static constexpr double kLeastSpeed = 0.005;  // m/s: below it, an intermittent contact would keep ringing
+  static constexpr std::uint32_t kMaxRinging = 8, kMaxTouched = 16;
+  static constexpr double kMinSpeed = 0.005;  // m/s: below it, an intermittent contact would keep ringing
   static constexpr double kFaded_N = 1e-4;
 
   struct Setup {
@@ -50,8 +50,8 @@ class Transients : public Stateless {  // nothing to export: only the hand recei
     double frequency_Hz{}, decay_s{};
   };
   struct State {
-    FixedVector<Oscillation, kMostRinging> ringing{};
-    FixedVector<BodyId, kMostTouched> touched{};  // by the proxy, in the last step
+    FixedVector<Oscillation, kMaxRinging> ringing{};
+    FixedVector<BodyId, kMaxTouched> touched{};  // by the proxy, in the last step
   };
   struct Touch {
     std::uint32_t contact{0};
@@ -65,7 +65,7 @@ class Transients : public Stateless {  // nothing to export: only the hand recei
 
   Setup setup_;
   State state_;
-  FixedVector<Touch, kMostTouched> touches_{};  // of this step
+  FixedVector<Touch, kMaxTouched> touches_{};  // of this step
 };
 
 }  // namespace tactus::physics

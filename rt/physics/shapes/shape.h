@@ -21,22 +21,30 @@ struct Shape {
   double half_length{};    // m: capsule, half the distance between the cap centres, along body z
   Vec3d half_extents{};    // m: box; hull, mesh: the box about the origin that encloses it
 
-  static constexpr Shape sphere(double radius) noexcept { return {ShapeKind::kSphere, 0, radius, 0.0, {}}; }
+  static constexpr Shape sphere(double radius) noexcept {
+    return {.kind = ShapeKind::kSphere, .index = 0, .radius = radius, .half_length = 0.0, .half_extents = {}};
+  }
   static constexpr Shape capsule(double radius, double half_length) noexcept {
-    return {ShapeKind::kCapsule, 0, radius, half_length, {}};
+    return {.kind = ShapeKind::kCapsule, .index = 0, .radius = radius, .half_length = half_length, .half_extents = {}};
   }
   static constexpr Shape box(const Vec3d& half_extents) noexcept {
-    return {ShapeKind::kBox, 0, 0.0, 0.0, half_extents};
+    return {.kind = ShapeKind::kBox, .index = 0, .radius = 0.0, .half_length = 0.0, .half_extents = half_extents};
   }
   // The half space z <= 0 of the body frame is solid. Fixed bodies only.
-  static constexpr Shape plane() noexcept { return {ShapeKind::kPlane, 0, 0.0, 0.0, {}}; }
+  static constexpr Shape plane() noexcept {
+    return {.kind = ShapeKind::kPlane, .index = 0, .radius = 0.0, .half_length = 0.0, .half_extents = {}};
+  }
   // `index`: position in the world's list.
   static constexpr Shape convex(const Hull& hull, std::uint32_t index) noexcept {
-    return {ShapeKind::kHull, index, hull.bounding_radius, 0.0, hull.half_extents};
+    return {.kind = ShapeKind::kHull,
+            .index = index,
+            .radius = hull.bounding_radius,
+            .half_length = 0.0,
+            .half_extents = hull.half_extents};
   }
   // Fixed bodies only; `index` as for hulls.
   static constexpr Shape mesh(const Vec3d& half_extents, std::uint32_t index) noexcept {
-    return {ShapeKind::kMesh, index, 0.0, 0.0, half_extents};
+    return {.kind = ShapeKind::kMesh, .index = index, .radius = 0.0, .half_length = 0.0, .half_extents = half_extents};
   }
 
   friend constexpr bool operator==(const Shape&, const Shape&) noexcept = default;

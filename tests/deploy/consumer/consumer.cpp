@@ -41,11 +41,14 @@ int main(int count, char** words) {
   tactus::Options options;
   options.coupling = "glue";
   expect(session.open(scene, options), Kind::kOption, "coupling: 'glue' is none; accepted: sub-world");
-  options.coupling = "sub-world", options.rate_Hz = 10;
+  options.coupling = "sub-world";
+  options.rate_Hz = 10;
   expect(session.open(scene, options), Kind::kOption, "rate_Hz: 10 is out of range; accepted: 100 to 10000 Hz");
-  options.rate_Hz = 1000, options.device = "usb";
+  options.rate_Hz = 1000;
+  options.device = "usb";
   expect(session.open(scene, options), Kind::kOption, "usb keeps real time");
-  options.device = "can:none0", options.real_time = true;
+  options.device = "can:none0";
+  options.real_time = true;
   expect(session.open(scene, options), Kind::kMachine, "none0");
   BadDevice device;
   expect(session.open(scene, {}, device), Kind::kOption, "max_force_N is -1; accepted: a number > 0");

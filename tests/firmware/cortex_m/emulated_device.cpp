@@ -110,7 +110,8 @@ bool EmulatedDevice::read_frame(int timeout_ms) {
     if (poll(&waiting, 1, timeout_ms) <= 0) return false;
     const ssize_t size = recv(line_, incoming_.data(), incoming_.size(), 0);
     if (size <= 0) throw Failure("the emulator has ended");
-    begin_ = 0, end_ = static_cast<std::size_t>(size);
+    begin_ = 0;
+    end_ = static_cast<std::size_t>(size);
   }
 }
 
@@ -127,7 +128,9 @@ StateFrame EmulatedDevice::next_state() {
   const StateFrame state = read_state();
   const bool restarted = state.sequence < state_sequence_;
   const bool stood_still = state_sequence_ != 0 && state.time_us - time_us_ > kStoodStill_us;
-  state_sequence_ = state.sequence, time_us_ = state.time_us, echoed_ = state.echoed_sequence;
+  state_sequence_ = state.sequence;
+  time_us_ = state.time_us;
+  echoed_ = state.echoed_sequence;
   ++states_since_command_;
   if (restarted || stood_still) throw StoodStill();
   return state;
@@ -154,8 +157,11 @@ void EmulatedDevice::await(const std::function<bool(const StateFrame&)>& holds, 
 void EmulatedDevice::forget_waiting() {
   StateFrame state;
   while (read_frame(0))
-    if (decode_state(reader_.frame(), state) == DecodeError::kNone)
-      state_sequence_ = state.sequence, time_us_ = state.time_us, echoed_ = state.echoed_sequence;
+    if (decode_state(reader_.frame(), state) == DecodeError::kNone) {
+      state_sequence_ = state.sequence;
+      time_us_ = state.time_us;
+      echoed_ = state.echoed_sequence;
+    }
 }
 
 void EmulatedDevice::await_fault() {
@@ -178,7 +184,9 @@ void EmulatedDevice::await_restart() {
   for (int i = 0; i < kManyFrames; ++i) {
     const std::uint32_t before = state_sequence_;
     const StateFrame state = read_state();
-    state_sequence_ = state.sequence, time_us_ = state.time_us, echoed_ = state.echoed_sequence;
+    state_sequence_ = state.sequence;
+    time_us_ = state.time_us;
+    echoed_ = state.echoed_sequence;
     if (state.sequence < before) return;
   }
   throw Failure("the device does not restart");

@@ -180,7 +180,8 @@ void fault_and_restart(EmulatedDevice& d, float max_force_N, bool place_known, B
   const auto bits = std::bit_cast<std::uint32_t>(max_force_N);
   require(d.ask(Operation::kWrite, number::kMaxForce, bits).status == ServiceStatus::kGood,
           "a register is not written");
-  (void)d.next_state(), (void)d.next_state();  // in force
+  (void)d.next_state();
+  (void)d.next_state();  // in force
   require(d.ask(Operation::kExecute, number::kSave).status == ServiceStatus::kGood, "the configuration is not saved");
   await_save(d);
   to_force(d, kSmall);
@@ -239,7 +240,10 @@ bool run(const Scenario& scenario, EmulatedDevice& device) {
 
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  if (argc < 3) return std::fprintf(stderr, "image_test: usage: image_test IMAGE MEMORY_FILE SYMBOL=ADDRESS...\n"), 2;
+  if (argc < 3) {
+    std::fprintf(stderr, "image_test: usage: image_test IMAGE MEMORY_FILE SYMBOL=ADDRESS...\n");
+    return 2;
+  }
   try {
     EmulatedDevice device(argv[1], argv[2], std::span<char*>(argv + 3, static_cast<std::size_t>(argc - 3)));
     int good = 0, bad = 0;

@@ -118,7 +118,12 @@ void print(std::uint32_t number) noexcept {
 std::uint32_t g_most = 0;  // over all that is printed as a period
 
 void report(const char* name, std::uint32_t typical, std::uint32_t worst) noexcept {
-  print(name), print(" "), print(typical), print(" "), print(worst), print("\n");
+  print(name);
+  print(" ");
+  print(typical);
+  print(" ");
+  print(worst);
+  print("\n");
 }
 
 constexpr unsigned kPeriods = 200;
@@ -144,9 +149,16 @@ void scenario(Rig& rig, const char* name, Prepare&& before_each) noexcept {
 }
 
 void bring_to_force(Rig& rig) noexcept {
-  for (int i = 0; i < 3; ++i) rig.command(State::kIdle, {}), (void)rig.period();
-  rig.command(State::kIdle, {}, true), (void)rig.period();
-  for (int i = 0; i < 3; ++i) rig.command(State::kForce, {}), (void)rig.period();
+  for (int i = 0; i < 3; ++i) {
+    rig.command(State::kIdle, {});
+    (void)rig.period();
+  }
+  rig.command(State::kIdle, {}, true);
+  (void)rig.period();
+  for (int i = 0; i < 3; ++i) {
+    rig.command(State::kForce, {});
+    (void)rig.period();
+  }
 }
 
 void noise(Rig& rig, std::size_t count) noexcept {
@@ -164,9 +176,13 @@ void control_periods(Rig& rig) noexcept {
     if (i % 9 == 0) rig.command(State::kForce, huge);
   });
   scenario(rig, "frame_corrupt", [&](unsigned i) { rig.command(State::kForce, huge, false, i % 9 != 0); });
-  scenario(rig, "two_commands", [&](unsigned) { rig.command(State::kForce, huge), rig.command(State::kForce, huge); });
+  scenario(rig, "two_commands", [&](unsigned) {
+    rig.command(State::kForce, huge);
+    rig.command(State::kForce, huge);
+  });
   scenario(rig, "with_request", [&](unsigned i) {
-    rig.command(State::kForce, huge), rig.request(Operation::kRead, static_cast<std::uint16_t>(i), 0);
+    rig.command(State::kForce, huge);
+    rig.request(Operation::kRead, static_cast<std::uint16_t>(i), 0);
   });
   scenario(rig, "line_noise", [&](unsigned) { noise(rig, kLineBytes); });
   scenario(rig, "emergency_stop", [&](unsigned i) {
@@ -184,15 +200,18 @@ void switch_everything_on(Rig& rig) noexcept {
                           std::bit_cast<std::uint32_t>(value)});
     if (reply.status != ServiceStatus::kGood) exit_emulator(2);
   };
-  rig.command(State::kIdle, {}), (void)rig.period();
+  rig.command(State::kIdle, {});
+  (void)rig.period();
   constexpr std::uint32_t every_axis = kMaxCombination;
   for (unsigned term = 0; term < kAxes * kGravityTerms; ++term) {
     write(number::kGravityAmplitude + term, 0.01f);
     write(number::kGravityCombination + term, std::bit_cast<float>(every_axis - term));
   }
   for (unsigned axis = 0; axis < kAxes; ++axis) {
-    write(number::kThermalGain + axis, 1e-3f), write(number::kThermalTime + axis, 10.0f);
-    write(number::kThermalWarning + axis, 50.0f), write(number::kThermalLimit + axis, 100.0f);
+    write(number::kThermalGain + axis, 1e-3f);
+    write(number::kThermalTime + axis, 10.0f);
+    write(number::kThermalWarning + axis, 50.0f);
+    write(number::kThermalLimit + axis, 100.0f);
   }
   write(number::kSpeedCorner, 100.0f);
 }
@@ -203,11 +222,13 @@ void everything_on(Rig& rig) noexcept {
   bring_to_force(rig);
   scenario(rig, "all_rooms", [&](unsigned) { rig.command(State::kForce, huge); });
   scenario(rig, "all_and_request", [&](unsigned i) {
-    rig.command(State::kForce, huge), rig.request(Operation::kRead, static_cast<std::uint16_t>(i), 0);
+    rig.command(State::kForce, huge);
+    rig.request(Operation::kRead, static_cast<std::uint16_t>(i), 0);
   });
   scenario(rig, "all_and_noise", [&](unsigned) {
     rig.link.received(std::byte{0});  // ends the noise before
-    rig.command(State::kForce, huge), rig.request(Operation::kRead, number::kSerial, 0);
+    rig.command(State::kForce, huge);
+    rig.request(Operation::kRead, number::kSerial, 0);
     noise(rig, kLineBytes - 1 - (kCommandFrameSize + 2) - (kServiceFrameSize + 2));
   });
 }
@@ -222,7 +243,10 @@ void service_sweep(Rig& rig, State wanted) noexcept {
       const std::uint32_t value = address % 2 == 0 ? rig.next_random() : std::bit_cast<std::uint32_t>(1.0f);
       rig.request(static_cast<Operation>(operation), static_cast<std::uint16_t>(address), value);
       const std::uint32_t count = rig.period();
-      if (count > most) most = count, at_most = operation << 16 | address;
+      if (count > most) {
+        most = count;
+        at_most = operation << 16 | address;
+      }
     }
   g_most = std::max(g_most, most);
   report(wanted == State::kForce ? "sweep_in_force" : "sweep_in_idle", at_most, most);

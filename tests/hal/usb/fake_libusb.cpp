@@ -89,7 +89,8 @@ void libusb_free_device_list(libusb_device** list, int) { std::free(list); }
 
 int libusb_get_device_descriptor(libusb_device*, libusb_device_descriptor* descriptor) {
   *descriptor = {};
-  descriptor->idVendor = firmware::kUsbVendor, descriptor->idProduct = firmware::kUsbProduct;
+  descriptor->idVendor = firmware::kUsbVendor;
+  descriptor->idProduct = firmware::kUsbProduct;
   descriptor->iSerialNumber = 1;
   return 0;
 }
@@ -98,12 +99,21 @@ int libusb_get_active_config_descriptor(libusb_device*, libusb_config_descriptor
   static libusb_interface_descriptor setting{};
   static libusb_interface interface {};
   static libusb_config_descriptor only{};
-  endpoints[0].bEndpointAddress = kIn, endpoints[1].bEndpointAddress = kOut;
-  for (auto& endpoint : endpoints) endpoint.bmAttributes = 3, endpoint.wMaxPacketSize = firmware::kUsbPacketSize;
-  setting.bNumEndpoints = 2, setting.bInterfaceProtocol = 1, setting.endpoint = endpoints;
-  setting.bInterfaceClass = firmware::kUsbInterfaceClass, setting.bInterfaceSubClass = firmware::kUsbInterfaceSubclass;
-  interface.altsetting = &setting, interface.num_altsetting = 1;
-  only.bNumInterfaces = 1, only.interface = &interface;
+  endpoints[0].bEndpointAddress = kIn;
+  endpoints[1].bEndpointAddress = kOut;
+  for (auto& endpoint : endpoints) {
+    endpoint.bmAttributes = 3;
+    endpoint.wMaxPacketSize = firmware::kUsbPacketSize;
+  }
+  setting.bNumEndpoints = 2;
+  setting.bInterfaceProtocol = 1;
+  setting.endpoint = endpoints;
+  setting.bInterfaceClass = firmware::kUsbInterfaceClass;
+  setting.bInterfaceSubClass = firmware::kUsbInterfaceSubclass;
+  interface.altsetting = &setting;
+  interface.num_altsetting = 1;
+  only.bNumInterfaces = 1;
+  only.interface = &interface;
   *config = &only;
   return 0;
 }

@@ -38,7 +38,10 @@ bool states_flow() {
 bool commands_flow(UsbLink& link) {
   const std::array<std::byte, firmware::kCommandFrameSize> command{};
   const std::uint64_t before = fake_usb().commands;
-  return soon([&] { return (void)link.send(command), fake_usb().commands > before + 5; });
+  return soon([&] {
+    (void)link.send(command);
+    return fake_usb().commands > before + 5;
+  });
 }
 
 void check_nothing_freed_in_flight() {
@@ -130,7 +133,10 @@ TEST_CASE(
   REQUIRE(soon([&] { return !link->connected(); }));
   const auto question = [&] { return link->call({}, std::chrono::milliseconds(5)).message(); };
   REQUIRE(soon([&] { return question().find("plug it in") != std::string::npos; }));
-  change_fake_usb([](FakeUsb& usb) { usb.plugged = true, usb.serial = "\x1b[2J"; });
+  change_fake_usb([](FakeUsb& usb) {
+    usb.plugged = true;
+    usb.serial = "\x1b[2J";
+  });
   REQUIRE(soon([&] { return question().find("serial A1; there are") != std::string::npos; }));
   CHECK_THAT(question(), Contains("\\x1b[2J") && !Contains("\x1b") && !Contains("unplugged"));
   CHECK_FALSE(link->connected());

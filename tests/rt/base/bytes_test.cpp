@@ -19,7 +19,9 @@ TEST_CASE("values come back as they were written, in order", "[base]") {
   std::uint8_t small = 0;
   double number = 0;
   std::array<float, 3> read{};
-  reader.get(small), reader.get(number), reader.get_all(std::span<float>(read));
+  reader.get(small);
+  reader.get(number);
+  reader.get_all(std::span<float>(read));
   CHECK(reader.ok());
   CHECK(reader.remaining() == 0);
   CHECK(small == 7);

@@ -29,16 +29,20 @@ TEST_CASE("the hash of values is the hash of their bytes, in the order in which 
   const double x = 0.1;
   const std::uint32_t n = 0x01020304;
   Fnv1a by_value, by_bytes, reversed;
-  by_value.add(x), by_value.add(n);
-  by_bytes.add_bytes(std::as_bytes(std::span(&x, 1))), by_bytes.add_bytes(std::as_bytes(std::span(&n, 1)));
-  reversed.add(n), reversed.add(x);
+  by_value.add(x);
+  by_value.add(n);
+  by_bytes.add_bytes(std::as_bytes(std::span(&x, 1)));
+  by_bytes.add_bytes(std::as_bytes(std::span(&n, 1)));
+  reversed.add(n);
+  reversed.add(x);
   CHECK(by_value.value() == by_bytes.value());
   CHECK(by_value.value() != reversed.value());
 }
 
 TEST_CASE("minus zero and zero have different hashes: bits are compared, not numbers", "[base]") {
   Fnv1a a, b;
-  a.add(0.0), b.add(-0.0);
+  a.add(0.0);
+  b.add(-0.0);
   CHECK(a.value() != b.value());
 }
 

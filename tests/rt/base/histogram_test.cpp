@@ -73,7 +73,9 @@ TEST_CASE("count, minimum, maximum and mean are exact, beyond the range as well"
   CHECK(histogram.mean_ns() == 0.0);
   CHECK(histogram.percentile_ns(50) == 0);
   const auto far = static_cast<std::int64_t>(Histogram::kRange_ns * 3);
-  histogram.record(1000), histogram.record(far), histogram.record(-5);
+  histogram.record(1000);
+  histogram.record(far);
+  histogram.record(-5);
   CHECK(histogram.count() == 3);
   CHECK(histogram.clipped() == 1);
   CHECK(histogram.min_ns() == 0);
@@ -84,11 +86,16 @@ TEST_CASE("count, minimum, maximum and mean are exact, beyond the range as well"
 
 TEST_CASE("merging two histograms is recording both samples into one", "[base]") {
   Histogram a, b, both;
-  for (const auto t : some_times(7, 3000))
-    a.record(static_cast<std::int64_t>(t)), both.record(static_cast<std::int64_t>(t));
-  for (const auto t : some_times(8, 2000))
-    b.record(static_cast<std::int64_t>(t)), both.record(static_cast<std::int64_t>(t));
-  b.record(1ll << 40), both.record(1ll << 40);
+  for (const auto t : some_times(7, 3000)) {
+    a.record(static_cast<std::int64_t>(t));
+    both.record(static_cast<std::int64_t>(t));
+  }
+  for (const auto t : some_times(8, 2000)) {
+    b.record(static_cast<std::int64_t>(t));
+    both.record(static_cast<std::int64_t>(t));
+  }
+  b.record(1ll << 40);
+  both.record(1ll << 40);
   a.merge(b);
   for (std::uint32_t i = 0; i < Histogram::kBuckets; ++i) REQUIRE(a.in_bucket(i) == both.in_bucket(i));
   CHECK(a.count() == both.count());

@@ -72,7 +72,8 @@ TEST_CASE("in any order of both sides' calls the newest value is taken, and ever
       } else if (const Payload* value = exchange.take()) {
         CHECK(*value == payload_of(published));
         newest_taken = published;
-        ++taken, replaces = false;
+        ++taken;
+        replaces = false;
       } else {
         CHECK(newest_taken == published);
       }
@@ -99,7 +100,8 @@ TEST_CASE("two threads at rates of their own see values whole, in order, and all
     while (const Payload* value = exchange.take()) {
       const std::uint64_t n = (*value)[0] * 0xf1de83e19937733dull;  // the multiplier's inverse modulo 2^64
       if (n <= newest || n > kValues || *value != payload_of(n)) ++wrong;
-      newest = n, ++taken;
+      newest = n;
+      ++taken;
     }
     std::this_thread::yield();
   }

@@ -40,9 +40,11 @@ TEST_CASE("a ring behaves as a queue of records that refuses what does not fit, 
         REQUIRE(ring.try_push(step, std::span(payload).first(cut), std::span(payload).subspan(cut)) == fits);
         if (fits) {
           model.push_back({step, payload, lost});
-          used += cost(payload.size()), lost = 0;
+          used += cost(payload.size());
+          lost = 0;
         } else {
-          ++dropped, ++lost;
+          ++dropped;
+          ++lost;
         }
       } else {
         RingRecord record;

@@ -33,9 +33,14 @@ CostModel random_table(test::Random& random) {
 
 WorkCounts heap(std::uint32_t bodies) {
   WorkCounts counts;
-  counts.bodies = bodies, counts.pairs = 6 * bodies, counts.contacts = 3 * bodies, counts.points = 9 * bodies;
+  counts.bodies = bodies;
+  counts.pairs = 6 * bodies;
+  counts.contacts = 3 * bodies;
+  counts.points = 9 * bodies;
   counts.searched = 2 * bodies;
-  counts.border = bodies, counts.synchronises = true, counts.joins = 2;
+  counts.border = bodies;
+  counts.synchronises = true;
+  counts.joins = 2;
   return counts;
 }
 

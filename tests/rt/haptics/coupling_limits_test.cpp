@@ -61,7 +61,9 @@ TEST_CASE("the allowed stiffness is stable on a device that is not as described,
   const AxisVerdict allowed = check_coupling(gains, device, 1e-3).translation;
   const AxisLimits described{1e-3, 1e-3, device.mass_kg, device.damping_Ns_per_m, 0, 0};
   AxisLimits light = described, heavy = described, undamped = described;
-  light.mass *= 0.6, heavy.mass *= 1.4, undamped.damping = 0;
+  light.mass *= 0.6;
+  heavy.mass *= 1.4;
+  undamped.damping = 0;
   for (const AxisLimits& actual : {described, light, heavy, undamped})
     CHECK(is_stable(actual, allowed.stiffness_allowed, gains.damping_Ns_per_m, 1));
   CHECK(is_stable(described, allowed.stiffness_allowed, gains.damping_Ns_per_m, 2));  // force a tick later
@@ -126,8 +128,10 @@ TEST_CASE("gains that are suggested are accepted, also when rounded, and the dam
   CHECK(gains.damping_Ns_per_m * device.position_quantum_m / (window * period_s) <= 0.0125 * (1 + 1e-12));
   CHECK(check_coupling(gains, device, period_s, late_s).accepted);
   CHECK(check_coupling(gains, device, period_s, late_s).translation.stiffness_allowed < 1.03 * gains.stiffness_N_per_m);
-  gains.damping_Ns_per_m *= 0.995, gains.stiffness_N_per_m *= 1.005;
-  gains.damping_Nms_per_rad *= 0.995, gains.stiffness_Nm_per_rad *= 1.005;
+  gains.damping_Ns_per_m *= 0.995;
+  gains.stiffness_N_per_m *= 1.005;
+  gains.damping_Nms_per_rad *= 0.995;
+  gains.stiffness_Nm_per_rad *= 1.005;
   CHECK(check_coupling(gains, device, period_s, late_s).accepted);
   device.position_quantum_m = 0;
   CHECK(check_coupling(suggest_gains(device, period_s, late_s), device, period_s, late_s).accepted);

@@ -95,7 +95,8 @@ TEST_CASE("a delayed spring gives the hand no more than the debt, where without 
     Vec3d x_with, x_without;
     for (int k = 0; k < 3000; ++k) {
       const Vec3d late_with = x_with, late_without = x_without;
-      x_with = with.hand.x, x_without = without.hand.x;
+      x_with = with.hand.x;
+      x_without = without.hand.x;
       with.tick(late_with * -stiffness);
       without.tick(late_without * -stiffness);
     }

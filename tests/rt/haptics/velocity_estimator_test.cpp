@@ -61,7 +61,10 @@ TEST_CASE("the axes do not disturb each other") {
 TEST_CASE("an axis that has not moved half a quantum for 20 ms is at rest, exactly, and wakes at once") {
   VelocityEstimator estimator{};
   double x = 0;
-  for (int k = 0; k < 10; ++k) x += 0.05 * kT, estimator.update({{x, 0, 0}, {}});
+  for (int k = 0; k < 10; ++k) {
+    x += 0.05 * kT;
+    estimator.update({{x, 0, 0}, {}});
+  }
   for (int k = 1; k <= 40; ++k) {
     x += 0.01 * kQuantum;  // creeps: below what the device can tell
     const double v = estimator.update({{x, 0, 0}, {}}).linear.x;

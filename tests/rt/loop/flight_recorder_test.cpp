@@ -132,7 +132,9 @@ TEST_CASE("what was recorded replays from any keyframe, byte by byte") {
       if (records[i].head.kind != kTickRecord) continue;
       const TickRecord tick = tick_of(records[i]);
       TickInput in;
-      in.device = tick.device, in.operator_bits = tick.operator_bits, in.sub_steps = tick.sub_steps;
+      in.device = tick.device;
+      in.operator_bits = tick.operator_bits;
+      in.sub_steps = tick.sub_steps;
       in.snapshot = tick.adopts != 0 ? adopted.get() : nullptr;
       in.sink.report = report.get();
       TickOutput out;
@@ -146,7 +148,8 @@ TEST_CASE("after a lost record a keyframe follows as soon as there is room") {
   Bench bench(1u << 14, 1000);  // one keyframe at the start, and none due for long
   while (bench.recorder.dropped() == 0) bench.tick();
   const std::uint64_t lost_at = bench.out.tick;
-  bench.tick(), bench.tick();  // still no room: nothing waits
+  bench.tick();
+  bench.tick();  // still no room: nothing waits
   const std::uint64_t dropped = bench.recorder.dropped();
   CHECK(dropped > 1);
   const auto before = bench.drain();
@@ -171,7 +174,10 @@ TEST_CASE("after a lost record a keyframe follows as soon as there is room") {
 TEST_CASE("recording neither allocates nor locks, nor changes what the loop says") {
   Bench recorded(1u << 20, 5), full(1u << 10, 5);
   const test::RtGuard guard;
-  for (int t = 0; t < 100; ++t) recorded.tick(), full.tick();
+  for (int t = 0; t < 100; ++t) {
+    recorded.tick();
+    full.tick();
+  }
   const auto allocations = guard.allocations(), locks = guard.locks();
   CHECK(allocations == 0);
   CHECK(locks == 0);

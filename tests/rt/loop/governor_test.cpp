@@ -13,9 +13,18 @@ namespace {
 // One number for each term, so that a sum says which are in it.
 CostModel decimal_cost() {
   CostModel cost;
-  cost.fixed = 1, cost.per_body = 10, cost.per_pair = 100, cost.per_contact = 1e3, cost.per_point_sub_step = 1e4;
-  cost.per_body_sub_step = 1e5, cost.per_border_sub_step = 1e6, cost.synchronisation = 1e7, cost.per_join = 1e8;
-  cost.per_contact_sub_step = 1e9, cost.per_border = 1e10, cost.per_search = 1e11;
+  cost.fixed = 1;
+  cost.per_body = 10;
+  cost.per_pair = 100;
+  cost.per_contact = 1e3;
+  cost.per_point_sub_step = 1e4;
+  cost.per_body_sub_step = 1e5;
+  cost.per_border_sub_step = 1e6;
+  cost.synchronisation = 1e7;
+  cost.per_join = 1e8;
+  cost.per_contact_sub_step = 1e9;
+  cost.per_border = 1e10;
+  cost.per_search = 1e11;
   cost.per_border_synchronised = 1e12;
   return cost;
 }
@@ -24,14 +33,17 @@ CostModel decimal_cost() {
 WorkCounts heap(std::uint32_t bodies) {
   WorkCounts counts;
   counts.bodies = bodies;
-  counts.pairs = counts.searched = 6 * bodies, counts.contacts = 3 * bodies;
-  counts.points = 12 * bodies, counts.border = bodies;
+  counts.pairs = counts.searched = 6 * bodies;
+  counts.contacts = 3 * bodies;
+  counts.points = 12 * bodies;
+  counts.border = bodies;
   return counts;
 }
 
 GovernorConfig make_config() {
   GovernorConfig config;
-  config.sub_steps = 8, config.min_sub_steps = 2;
+  config.sub_steps = 8;
+  config.min_sub_steps = 2;
   return config;
 }
 
@@ -45,7 +57,10 @@ TEST_CASE("the prediction counts every unit of work once, and sub-steps where th
   CHECK(predict_ns(cost, counts, 3) == 1);
   counts.bodies = 1;
   CHECK(predict_ns(cost, counts, 3) == 1 + 10 + 3 * 1e5);
-  counts.pairs = 2, counts.contacts = 3, counts.points = 4, counts.border = 5;
+  counts.pairs = 2;
+  counts.contacts = 3;
+  counts.points = 4;
+  counts.border = 5;
   counts.searched = 6;
   const double without = 1 + 10 + 2 * 100 + 3 * 1e3 + 5 * 1e10 + 6 * 1e11 + 3 * (4 * 1e4 + 1e5 + 5 * 1e6 + 3 * 1e9);
   CHECK(predict_ns(cost, counts, 3) == without);
@@ -79,8 +94,12 @@ TEST_CASE("sub-steps fall with the counts, stay within their bounds, and are the
     WorkCounts counts;
     for (int i = 0; i < 60; ++i) {
       const auto more = [&] { return static_cast<std::uint32_t>(random(0, 30)); };
-      counts.bodies += more(), counts.pairs += more(), counts.contacts += more(), counts.points += more();
-      counts.border += more(), counts.joins += more() / 10;
+      counts.bodies += more();
+      counts.pairs += more();
+      counts.contacts += more();
+      counts.points += more();
+      counts.border += more();
+      counts.joins += more() / 10;
       counts.searched = counts.pairs;
       const TickPlan plan = governor.plan(counts);
       REQUIRE(plan.sub_steps <= before);
@@ -101,7 +120,8 @@ TEST_CASE("a tick that adopts many joiners is planned for them") {
   Governor governor(make_config());
   WorkCounts counts = heap(20);
   const std::uint32_t usual = governor.plan(counts).sub_steps;
-  counts.synchronises = true, counts.joins = 20;
+  counts.synchronises = true;
+  counts.joins = 20;
   CHECK(governor.plan(counts).sub_steps < usual);
 }
 

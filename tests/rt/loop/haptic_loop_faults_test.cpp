@@ -272,7 +272,8 @@ TEST_CASE("a wrench of our own that is no number is never sent, latches and brak
   Bench bench(config);
   const auto snapshot = std::make_unique<haptics::WorldSnapshot>();
   const auto report = std::make_unique<haptics::SubWorldReport>();
-  bench.in.snapshot = snapshot.get(), bench.in.sink.report = report.get();
+  bench.in.snapshot = snapshot.get();
+  bench.in.sink.report = report.get();
   bench.tick();
   bench.in.snapshot = nullptr;
   bench.tick(kArm);

@@ -167,7 +167,8 @@ TEST_CASE("at 2 and 2.5 times the accepted gain the passivity controller holds a
   haptics::DeviceProperties& device = config.device;
   device.delay_s = late * config.period_s;
   device.max_force_N = device.continuous_force_N = 1e6;  // nothing but the controller bounds the energy
-  device.max_speed_m_per_s = 1e4, device.workspace_radius_m = 1e3;
+  device.max_speed_m_per_s = 1e4;
+  device.workspace_radius_m = 1e3;
   const auto accepted = haptics::check_coupling({}, device, config.period_s).translation.stiffness_allowed;
   config.sub_world.gains.stiffness_N_per_m = share * accepted;
   Bench bench(config);
@@ -236,7 +237,9 @@ TEST_CASE("a snapshot is wanted after r ticks, adopted first and its report publ
   bench.in.sink.context = &seen;
   bench.in.sink.publish = [](void* context, std::uint64_t cycle) noexcept {
     auto& s = *static_cast<Seen*>(context);
-    s.cycle = cycle, s.members = s.loop->sub_world().members(), ++s.calls;
+    s.cycle = cycle;
+    s.members = s.loop->sub_world().members();
+    ++s.calls;
   };
   for (std::uint64_t cycle = 0; cycle < 3; ++cycle) {
     REQUIRE(bench.loop.wants_snapshot());
@@ -335,7 +338,10 @@ struct Chaos {
   const TickInput& next() {
     auto& sample = in.device.sample;
     in.device.status = chance(0.97) ? ReadStatus::kFresh : static_cast<ReadStatus>(static_cast<int>(random(0, 3.999)));
-    if (chance(0.98)) ++sample.sequence, sample.device_time_ns += 1'000'000;
+    if (chance(0.98)) {
+      ++sample.sequence;
+      sample.device_time_ns += 1'000'000;
+    }
     if (chance(0.001)) sample.sequence = static_cast<std::uint64_t>(random(0, 1e19));
     tool.position += random.vector(6e-4);
     if (norm(tool.position) > 0.19) tool.position *= 0.99;
@@ -408,7 +414,8 @@ TEST_CASE("whatever the device sends, what it is told is finite, within its limi
         REQUIRE((last_fault == Fault::kNone || (chaos.in.operator_bits & kRearm) != 0));
       if (norm(command.wrench.force) > 1) ++forceful;
       if (chaos.out.fault != last_fault && chaos.out.fault != Fault::kNone) ++faults;
-      last = command.wrench, last_fault = chaos.out.fault;
+      last = command.wrench;
+      last_fault = chaos.out.fault;
     }
   }
   CHECK(forceful > 1000);  // the walk is worth something

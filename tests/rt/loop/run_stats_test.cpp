@@ -49,11 +49,25 @@ TEST_CASE("ticks are counted by what they were: in contact, armed, with each sta
 
 TEST_CASE("the largest counts of a run are kept, each for itself") {
   Run run;
-  run.out.members = 5, run.out.border = 9, run.out.contacts = 1, run.out.points = 4, run.out.pairs = 7;
-  run.out.capacity_bits = 2, run.out.dropped = 3, run.out.deepest_m = 1e-3, run.out.deepest_share = 0.2;
+  run.out.members = 5;
+  run.out.border = 9;
+  run.out.contacts = 1;
+  run.out.points = 4;
+  run.out.pairs = 7;
+  run.out.capacity_bits = 2;
+  run.out.dropped = 3;
+  run.out.deepest_m = 1e-3;
+  run.out.deepest_share = 0.2;
   run.add(4, 100);
-  run.out.members = 6, run.out.border = 2, run.out.contacts = 2, run.out.points = 3, run.out.pairs = 8;
-  run.out.capacity_bits = 8, run.out.dropped = 4, run.out.deepest_m = 1e-4, run.out.deepest_share = 0.1;
+  run.out.members = 6;
+  run.out.border = 2;
+  run.out.contacts = 2;
+  run.out.points = 3;
+  run.out.pairs = 8;
+  run.out.capacity_bits = 8;
+  run.out.dropped = 4;
+  run.out.deepest_m = 1e-4;
+  run.out.deepest_share = 0.1;
   run.add(4, 50);
   CHECK(run.stats.members_max == 6);
   CHECK(run.stats.border_max == 9);
@@ -78,14 +92,19 @@ TEST_CASE("a cycle is late when it took more ticks than the ratio") {
 TEST_CASE("forces: largest, sum, and the largest step between two ticks, from the second on") {
   Run run;
   run.out.command.wrench = {{3, 0, 4}, {0, 1, 0}};
-  run.out.device_energy_J = 1, run.out.damped_energy_J = 2, run.out.border_work_J = 3;
+  run.out.device_energy_J = 1;
+  run.out.damped_energy_J = 2;
+  run.out.border_work_J = 3;
   run.add();
   CHECK(run.stats.force_step_max_N == 0);  // nothing is known of before
   run.out.command.wrench = {{3, 0, 0}, {0, 0, 2}};
   run.add();
   run.out.command.wrench = {};
-  run.out.device_energy_J = -1, run.out.damped_energy_J = 4, run.out.border_work_J = -5;
-  run.out.buffer_gain_J = -0.5, run.out.border_tank_J = 0.01;
+  run.out.device_energy_J = -1;
+  run.out.damped_energy_J = 4;
+  run.out.border_work_J = -5;
+  run.out.buffer_gain_J = -0.5;
+  run.out.border_tank_J = 0.01;
   run.add();
   CHECK(run.stats.force_max_N == 5);
   CHECK(run.stats.torque_max_Nm == 2);

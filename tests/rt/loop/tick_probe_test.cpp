@@ -79,7 +79,9 @@ TEST_CASE("a record has the marks in the order of the stages, and the first swee
 TEST_CASE("a tick of the bare timer is its wake-up and nothing else") {
   TickProbe probe({1, 1, 0});
   TickTiming timing;
-  timing.scheduled_ns = 1000, timing.woke_ns = 4000, timing.deadline = 1;
+  timing.scheduled_ns = 1000;
+  timing.woke_ns = 4000;
+  timing.deadline = 1;
   probe.bare(timing);
   const auto records = drained(probe);
   REQUIRE(records.size() == 1);
@@ -94,9 +96,11 @@ TEST_CASE("a tick reports its stages in their order, once each, and computes the
   watched.in.stages = {
       [](void* list, TickStage stage) noexcept { static_cast<std::vector<TickStage>*>(list)->push_back(stage); },
       &seen};
-  watched.tick(kArm), alone.tick(kArm);
+  watched.tick(kArm);
+  alone.tick(kArm);
   CHECK(seen == std::vector<TickStage>{TickStage::kAdopt, TickStage::kCouple, TickStage::kStep});
-  watched.run(100), alone.run(100);
+  watched.run(100);
+  alone.run(100);
   CHECK(seen.size() == 3 * 101);
   CHECK(watched.loop.state_hash() == alone.loop.state_hash());
 }

@@ -42,7 +42,7 @@ TEST_CASE("An impulse changes the momentum by itself, also of a turned body") {
     bench.add_box(1, {0.1, 0.2, 0.3}, 1.5, 0.5, {{}, quat_from_rotation_vector(random.vector(2))},
                   {random.vector(1), random.vector(1)});
     const Wrenchd before = bench.world.momentum(), impulse{random.vector(1), random.vector(1)};
-    bench.world.apply_impulse(0, impulse);
+    bench.world.apply_impulse(SlotIndex{0}, impulse);
     CHECK(norm(bench.world.momentum().force - before.force - impulse.force) < 1e-12);
     CHECK(norm(bench.world.momentum().torque - before.torque - impulse.torque) < 1e-12);
   }

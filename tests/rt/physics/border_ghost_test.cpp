@@ -26,13 +26,18 @@ struct GhostBench {
     bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
     bench.body(3).inertia = {1e6, 1e6, 1e6};
     BorderGhost ghost;
-    ghost.outside = 9, ghost.centre = {-2 * kHalf, 0, 0}, ghost.admittance = admittance;
+    ghost.outside = 9;
+    ghost.centre = {-2 * kHalf, 0, 0};
+    ghost.admittance = admittance;
     REQUIRE(bench.world.border_ghosts().try_push(ghost));
     BorderContact contact;
-    contact.member = 3, contact.outside = 9, contact.ghost = 0;
+    contact.member = 3;
+    contact.outside = 9;
+    contact.ghost = 0;
     contact.normal = {1, 0, 0};
     contact.member_anchor = contact.line_point = {-kHalf, 0, 0};
-    contact.friction = friction, contact.outside_inverse_mass = 1 / kMass;
+    contact.friction = friction;
+    contact.outside_inverse_mass = 1 / kMass;
     bench.world.border_mode = BorderMode::kGhost;
     REQUIRE(bench.world.add_border_contact(contact));
   }
@@ -165,7 +170,8 @@ TEST_CASE("A world with ghosts goes on from its saved state to the last bit") {
   REQUIRE(out.ok());
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
   REQUIRE(c.bench.world.restore(in));
-  b.bench.run(20), c.bench.run(20);
+  b.bench.run(20);
+  c.bench.run(20);
   CHECK(b.bench.world.state_hash() == c.bench.world.state_hash());
   CHECK(b.ghost().velocity == c.ghost().velocity);
   CHECK(b.ghost().total_impulse == c.ghost().total_impulse);

@@ -17,11 +17,13 @@ BorderContact& add_border(PhysicsBench& bench, BorderMode mode, double rate, dou
   bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
   bench.body(3).inertia = {1e6, 1e6, 1e6};
   BorderContact contact;
-  contact.member = 3, contact.outside = 9;
+  contact.member = 3;
+  contact.outside = 9;
   contact.normal = {0, 0, 1};
   contact.member_anchor = {0, 0, -kHalf};
   contact.line_point = {0, 0, -kHalf};
-  contact.impulse_rate = rate, contact.friction = friction;
+  contact.impulse_rate = rate;
+  contact.friction = friction;
   bench.world.border_mode = mode;
   REQUIRE(bench.world.add_border_contact(contact));
   return bench.world.border_contacts()[0];
@@ -60,7 +62,9 @@ TEST_CASE("The cap is the pair's: one of its points may carry more than its shar
   bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
   for (int i = 0; i < 2; ++i) {
     BorderContact contact;
-    contact.member = 3, contact.outside = 9, contact.feature = static_cast<std::uint32_t>(i);
+    contact.member = 3;
+    contact.outside = 9;
+    contact.feature = static_cast<std::uint32_t>(i);
     contact.normal = {0, 0, 1};
     contact.member_anchor = {i == 0 ? -kHalf : kHalf, 0, -kHalf};
     contact.line_point = contact.member_anchor;

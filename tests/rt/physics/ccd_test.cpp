@@ -51,7 +51,8 @@ TEST_CASE("At 30 to 200 m/s, wherever it is when a tick begins, the proxy stops 
   for (const double speed : {30.0, 60.0, 200.0})
     for (const double at : {0.05, 0.07, 0.09, 0.11, 0.13, 0.15, 0.3}) {
       Range with(true), without(false);
-      with.add_proxy(speed), without.add_proxy(speed);
+      with.add_proxy(speed);
+      without.add_proxy(speed);
       REQUIRE(with.world.insert(with.plate(at, 0)));
       REQUIRE(without.world.insert(without.plate(at, 0)));
       double most = 0;

@@ -34,7 +34,9 @@ Heap<T> random_heap(std::uint64_t seed, std::uint32_t bodies, std::uint32_t cont
   Heap<T> heap;
   for (std::uint32_t i = 0; i < bodies; ++i) {
     SolverBody<T> body;
-    body.v = vec(1), body.w = vec(5), body.delta_position = vec(1e-3);
+    body.v = vec(1);
+    body.w = vec(5);
+    body.delta_position = vec(1e-3);
     body.delta_rotation = quat_from_rotation_vector(vec(1e-2));
     body.inverse_mass = i % 7 == 6 ? T(0) : number(0.2, 20);
     heap.motion.push_back(body);
@@ -51,14 +53,17 @@ Heap<T> random_heap(std::uint64_t seed, std::uint32_t bodies, std::uint32_t cont
     c.count = 1 + k % 4;
     for (std::uint32_t i = 0; i < c.count; ++i) {
       ContactPoint& p = c.points[i];
-      p.from_a = random.vector(0.05), p.from_b = random.vector(0.05);
+      p.from_a = random.vector(0.05);
+      p.from_b = random.vector(0.05);
       p.separation = random(-1e-3, 1e-3);
-      p.normal_impulse = random(0, 0.1), p.tangent_impulse[0] = random(-0.02, 0.02);
+      p.normal_impulse = random(0, 0.1);
+      p.tangent_impulse[0] = random(-0.02, 0.02);
       p.tangent_impulse[1] = random(-0.02, 0.02);
     }
     heap.contacts.push_back(c);
   }
-  heap.capacities.bodies = bodies, heap.capacities.contacts = contacts;
+  heap.capacities.bodies = bodies;
+  heap.capacities.contacts = contacts;
   return heap;
 }
 
@@ -151,7 +156,8 @@ TEST_CASE("Bodies moved together have the bits of bodies moved one by one") {
     std::vector<SolverBody<double>> motion(count);
     for (std::size_t i = 0; i < count; ++i) {
       bodies[i].inertia = i % 9 == 8 ? Vec3d{1, 2, 3} : Vec3d{1, 1, 1};
-      motion[i].v = random.vector(2), motion[i].w = random.vector(i % 11 == 10 ? 900 : 9);
+      motion[i].v = random.vector(2);
+      motion[i].w = random.vector(i % 11 == 10 ? 900 : 9);
       motion[i].delta_position = random.vector(1e-3);
       motion[i].delta_rotation = quat_from_rotation_vector(random.vector(1e-2));
       motion[i].inverse_mass = i % 5 == 4 ? 0 : 1;

@@ -39,7 +39,7 @@ struct EffectBench {
   void run(int steps) {
     for (int i = 0; i < steps; ++i) step();
   }
-  BodyMotion& motion(BodyId id) { return world.bodies()[static_cast<std::size_t>(world.slot_of(id))].motion; }
+  BodyMotion& motion(BodyId id) { return world.find(id)->motion; }
 };
 
 template <class Room>
@@ -146,7 +146,8 @@ TEST_CASE("A path is a smooth step between its way points, repeats, and is saved
   REQUIRE(out.ok());
   ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
   REQUIRE(other.world.restore(in));
-  bench.run(2000), other.run(2000);
+  bench.run(2000);
+  other.run(2000);
   CHECK(bench.motion(1).pose.position.x == Approx(2 * s).epsilon(1e-9));  // one period later
   CHECK(bench.world.state_hash() == other.world.state_hash());
 }
@@ -177,9 +178,14 @@ TEST_CASE("A ball with e = 0.8 comes back to e^2n of its height, five times") {
   for (int i = 0; bounces < 5 && i < 5000; ++i) {
     bench.step();
     const double z = bench.motion(1).pose.position.z - radius, v = bench.motion(1).velocity.linear.z;
-    if (v > 0) rising = true, top = std::max(top, z);
+    if (v > 0) {
+      rising = true;
+      top = std::max(top, z);
+    }
     if (rising && v <= 0) {
-      rising = false, ++bounces, expected *= e * e;
+      rising = false;
+      ++bounces;
+      expected *= e * e;
       CHECK(top == Approx(expected).epsilon(0.02));
       top = 0;
     }

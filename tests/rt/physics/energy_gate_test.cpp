@@ -21,8 +21,10 @@ struct Bench {
   void add(const Vec3d& before, const Twistd& change) {
     SolverBody<double> body;
     body.inverse_mass = 1 / kMass;
-    body.v = before + change.linear, body.w = change.angular;
-    motion.push_back(body), given.push_back(change);
+    body.v = before + change.linear;
+    body.w = change.angular;
+    motion.push_back(body);
+    given.push_back(change);
     inverse_inertia.push_back(SymMat3d::identity(1 / kInertia));
   }
   SolverBodies<double> bodies() { return {motion, inverse_inertia}; }

@@ -144,7 +144,7 @@ TEST_CASE(
     if (i % 6 == 3) drummer.ball().velocity.linear.z = -0.5;
     most = std::max(most, norm(drummer.step()));
   }
-  CHECK(most < 5 * 0.6 * Transients::kMostRinging);
+  CHECK(most < 5 * 0.6 * Transients::kMaxRinging);
 }
 
 TEST_CASE("What still rings is part of the world's state") {

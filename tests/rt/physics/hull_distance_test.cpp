@@ -24,7 +24,8 @@ struct HullPair {
   }
   double distance() const {
     const std::vector<Hull> hulls{a, b};
-    return test::distance(solid_of(Shape::convex(a, 0), pose_a, hulls), solid_of(Shape::convex(b, 1), pose_b, hulls));
+    return physics::test::distance(solid_of(Shape::convex(a, 0), pose_a, hulls),
+                                   solid_of(Shape::convex(b, 1), pose_b, hulls));
   }
 };
 

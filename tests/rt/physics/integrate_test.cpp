@@ -27,7 +27,8 @@ double elliptic_k(double modulus_squared) {
   double a = 1, g = std::sqrt(1 - modulus_squared);
   for (int i = 0; i < 40; ++i) {
     const double mean = 0.5 * (a + g);
-    g = std::sqrt(a * g), a = mean;
+    g = std::sqrt(a * g);
+    a = mean;
   }
   return kPi / (2 * a);
 }
@@ -150,8 +151,8 @@ TEST_CASE("A wrench acts for one step: momentum grows by wrench times time, then
   bench.settings.gravity = {};
   bench.world.insert(free_body({1e-3, 1e-3, 1e-3}, {}));
   bench.add_sphere(2, 0.01, 0.5, 0.5, {5, 0, 0});
-  bench.world.apply_wrench(0, {{1, 2, 3}, {0.1, 0, 0}});
-  bench.world.apply_wrench(0, {{1, 0, 0}, {0, 0.2, 0}});  // they add up
+  bench.world.apply_wrench(SlotIndex{0}, {{1, 2, 3}, {0.1, 0, 0}});
+  bench.world.apply_wrench(SlotIndex{0}, {{1, 0, 0}, {0, 0.2, 0}});  // they add up
   for (int k = 0; k < 3; ++k) {
     bench.step();
     CHECK(norm(bench.velocity(1).linear - Vec3d{2e-3, 2e-3, 3e-3}) < 1e-15);

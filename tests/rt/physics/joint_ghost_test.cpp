@@ -20,10 +20,17 @@ const Vec3d kAtB{0.1, 0.02, 0};
 
 Joint joint_of(JointKind kind) {
   Joint joint;
-  joint.kind = kind, joint.a = kA, joint.b = kB;
-  joint.a_from_joint.position = 0.5 * kAtB, joint.b_from_joint.position = -0.5 * kAtB;
-  if (kind == JointKind::kDistance)
-    joint.limited = true, joint.a_from_joint = {}, joint.b_from_joint = {}, joint.low = joint.high = norm(kAtB);
+  joint.kind = kind;
+  joint.a = kA;
+  joint.b = kB;
+  joint.a_from_joint.position = 0.5 * kAtB;
+  joint.b_from_joint.position = -0.5 * kAtB;
+  if (kind == JointKind::kDistance) {
+    joint.limited = true;
+    joint.a_from_joint = {};
+    joint.b_from_joint = {};
+    joint.low = joint.high = norm(kAtB);
+  }
   return joint;
 }
 
@@ -75,9 +82,7 @@ struct Bench {
       border_J += report.border_joints_J;
     }
   }
-  const BodyMotion& motion(BodyId id) const {
-    return world.bodies()[static_cast<std::size_t>(world.slot_of(id))].motion;
-  }
+  const BodyMotion& motion(BodyId id) const { return world.find(id)->motion; }
 };
 
 }  // namespace
@@ -90,7 +95,8 @@ TEST_CASE("A joint moves a body against a ghost as it does against the body that
   REQUIRE(both.world.insert(body_of(kA)));
   both.tell_of_a(one);
   one.add_ghost();
-  both.step(10), one.step(10);
+  both.step(10);
+  one.step(10);
   const auto &whole = both.motion(kB), &half = one.motion(kB);
   const double pulled = norm(whole.velocity.linear - body_of(kB).motion.velocity.linear);
   REQUIRE(pulled > 0.01);
@@ -107,7 +113,8 @@ TEST_CASE("Without a ghost the body of another world goes on as it was, whatever
   Bench both(JointKind::kBall), one(JointKind::kBall);
   REQUIRE(both.world.insert(body_of(kA)));
   both.tell_of_a(one);
-  both.step(10), one.step(10);
+  both.step(10);
+  one.step(10);
   CHECK(norm(both.motion(kB).velocity.linear - one.motion(kB).velocity.linear) > 0.01);
 }
 
@@ -134,8 +141,12 @@ struct HangingBench : Bench {
 
   explicit HangingBench(JointKind kind) : Bench(kind) {
     Joint& joint = joints[0];
-    joint.a_from_joint = {{0, 0, -0.5 * kBelow}, {}}, joint.b_from_joint = {{0, 0, 0.5 * kBelow}, {}};
-    if (kind == JointKind::kDistance) joint.a_from_joint = joint.b_from_joint = {}, joint.low = joint.high = kBelow;
+    joint.a_from_joint = {{0, 0, -0.5 * kBelow}, {}};
+    joint.b_from_joint = {{0, 0, 0.5 * kBelow}, {}};
+    if (kind == JointKind::kDistance) {
+      joint.a_from_joint = joint.b_from_joint = {};
+      joint.low = joint.high = kBelow;
+    }
     Bench both(kind);
     REQUIRE(both.world.insert(body_of(kA)));
     both.tell_of_a(*this);
@@ -153,7 +164,10 @@ TEST_CASE("What hangs on a ghost hangs as low as on its body, whatever moves wit
   const auto kind = GENERATE(JointKind::kFixed, JointKind::kBall, JointKind::kSlider, JointKind::kDistance);
   CAPTURE(static_cast<int>(kind));
   HangingBench b(kind);
-  if (kind == JointKind::kSlider) b.joints[0].limited = true, b.joints[0].low = b.joints[0].high = 0;
+  if (kind == JointKind::kSlider) {
+    b.joints[0].limited = true;
+    b.joints[0].low = b.joints[0].high = 0;
+  }
   b.step(400);
   // k = m w^2 of the pair's own mass: with the ghost's it would be that of B alone.
   const double omega = 2 * 3.14159265358979323846 * b.settings.contact_hertz;

@@ -21,8 +21,11 @@ constexpr double kHalf = 0.05, kMass = 2;
 
 Joint joint_of(JointKind kind, BodyId a, BodyId b, const Posed& a_from_joint, const Posed& b_from_joint) {
   Joint joint;
-  joint.kind = kind, joint.a = a, joint.b = b;
-  joint.a_from_joint = a_from_joint, joint.b_from_joint = b_from_joint;
+  joint.kind = kind;
+  joint.a = a;
+  joint.b = b;
+  joint.a_from_joint = a_from_joint;
+  joint.b_from_joint = b_from_joint;
   return joint;
 }
 
@@ -58,7 +61,7 @@ struct JointBench {
   void run_seconds(double seconds) {
     for (long i = std::lround(seconds / settings.dt); i > 0; --i) step();
   }
-  BodyMotion& motion(BodyId id) { return world->bodies()[static_cast<std::size_t>(world->slot_of(id))].motion; }
+  BodyMotion& motion(BodyId id) { return world->find(id)->motion; }
   const Joints& room() const { return *world->effects().find<Joints>(); }
   const JointState& state(std::size_t joint = 0) const { return room().states()[joint]; }
 };
@@ -124,19 +127,27 @@ TEST_CASE("A hinge turns about its axis alone, and its angle is the rotation of 
 
 TEST_CASE("A hinge stops at its limits, and its motor keeps its speed until the torque is not enough") {
   Joint hinge = joint_of(JointKind::kHinge, kNoBody, 1, {}, {});
-  hinge.limited = true, hinge.low = -0.5, hinge.high = 0.5;
+  hinge.limited = true;
+  hinge.low = -0.5;
+  hinge.high = 0.5;
   SECTION("limits") {
     JointBench bench({hinge});
     bench.settings.gravity = {};
     bench.add_cube(1, {}, {{}, {0, 0, 3}});
     double most = 0;
-    for (int i = 0; i < 1000; ++i) bench.step(), most = std::max(most, std::abs(bench.state().coordinate));
+    for (int i = 0; i < 1000; ++i) {
+      bench.step();
+      most = std::max(most, std::abs(bench.state().coordinate));
+    }
     CHECK(most <= 0.5 + 1e-3);
     CHECK(most > 0.499);
     CHECK(norm(bench.motion(1).velocity.angular) < 1e-3);
   }
   SECTION("motor") {
-    hinge.limited = false, hinge.driven = true, hinge.motor_speed = 4, hinge.motor_effort = 0.05;
+    hinge.limited = false;
+    hinge.driven = true;
+    hinge.motor_speed = 4;
+    hinge.motor_effort = 0.05;
     JointBench bench({hinge});
     bench.settings.gravity = {};
     bench.add_cube(1, {});
@@ -150,7 +161,9 @@ TEST_CASE("A hinge stops at its limits, and its motor keeps its speed until the 
 
 TEST_CASE("A slider falls along its axis as a free body does, and stops at its limit with the weight on it") {
   Joint slider = joint_of(JointKind::kSlider, kNoBody, 1, {{0, 0, 1}, {}}, {});
-  slider.limited = true, slider.low = -0.2, slider.high = 1;
+  slider.limited = true;
+  slider.low = -0.2;
+  slider.high = 1;
   JointBench bench({slider});
   bench.add_cube(1, {0, 0, 1}, {{1, 0.5, 0}, {1, 2, 3}});  // what it may not do is taken at once
   bench.run_seconds(0.1);
@@ -165,12 +178,16 @@ TEST_CASE("A slider falls along its axis as a free body does, and stops at its l
 
 TEST_CASE("A distance joint is a rod where its limits agree and a rope where they do not") {
   Joint rod = joint_of(JointKind::kDistance, kNoBody, 1, {{0, 0, 2}, {}}, {});
-  rod.limited = true, rod.low = rod.high = 0.5;
+  rod.limited = true;
+  rod.low = rod.high = 0.5;
   SECTION("rod") {
     JointBench bench({rod});
     bench.add_cube(1, {0.5, 0, 2});
     double worst = 0;
-    for (int i = 0; i < 2000; ++i) bench.step(), worst = std::max(worst, std::abs(bench.state().coordinate - 0.5));
+    for (int i = 0; i < 2000; ++i) {
+      bench.step();
+      worst = std::max(worst, std::abs(bench.state().coordinate - 0.5));
+    }
     CHECK(worst < 2e-4);
   }
   SECTION("rope") {
@@ -223,7 +240,10 @@ TEST_CASE("Joined bodies do not collide unless asked") {
     bench.add_cube(1, {});
     bench.add_cube(2, {0, 0, 0.3}, {{0, 0, -1}, {}});
     bool touched = false;
-    for (int i = 0; i < 1000; ++i) bench.step(), touched = touched || !bench.world->contacts().empty();
+    for (int i = 0; i < 1000; ++i) {
+      bench.step();
+      touched = touched || !bench.world->contacts().empty();
+    }
     CHECK((bench.motion(2).pose.position.z > bench.motion(1).pose.position.z) == collide);
     CHECK(touched == collide);
   }
@@ -276,10 +296,13 @@ TEST_CASE("What joints hold is saved and restored: the same bits follow, broken 
   Joint weak = joint_of(JointKind::kBall, kNoBody, 3, {{1, 0, 0}, {}}, {});
   weak.break_force_N = 1;
   const auto fill = [](JointBench& bench) {
-    bench.add_cube(1, {0, 0, 0}, {{0, 1, 0}, {1, 2, 3}}), bench.add_cube(2, {0.1, 0, 0}), bench.add_cube(3, {1, 0, 0});
+    bench.add_cube(1, {0, 0, 0}, {{0, 1, 0}, {1, 2, 3}});
+    bench.add_cube(2, {0.1, 0, 0});
+    bench.add_cube(3, {1, 0, 0});
   };
   JointBench one({weld, weak}), other({weld, weak});
-  fill(one), fill(other);
+  fill(one);
+  fill(other);
   one.run_seconds(0.1);
   REQUIRE(one.state(1).broken != 0);
   std::vector<std::byte> bytes(one.world->save_size_bound());
@@ -290,7 +313,8 @@ TEST_CASE("What joints hold is saved and restored: the same bits follow, broken 
   REQUIRE(other.world->restore(in));
   CHECK(in.remaining() == 0);
   CHECK(other.state(1).broken != 0);
-  one.run_seconds(0.1), other.run_seconds(0.1);
+  one.run_seconds(0.1);
+  other.run_seconds(0.1);
   CHECK(one.world->state_hash() == other.world->state_hash());
   ByteReader cut(std::span<const std::byte>(bytes).first(out.size() - 1));
   CHECK_FALSE(other.world->restore(cut));
@@ -300,7 +324,8 @@ TEST_CASE("A joint whose other body is another world's holds on to where that on
   const std::vector<Joint> links{joint_of(JointKind::kBall, 1, 2, {{0.1, 0, 0}, {}}, {{-0.1, 0, 0}, {}})};
   JointBench whole(links), part(links);
   for (JointBench* bench : {&whole, &part}) bench->settings.gravity = {};
-  whole.add_cube(1, {}, {{0.5, 0, 0}, {}}), whole.add_cube(2, {0.2, 0, 0}, {{0.5, 0, 0}, {}});
+  whole.add_cube(1, {}, {{0.5, 0, 0}, {}});
+  whole.add_cube(2, {0.2, 0, 0}, {{0.5, 0, 0}, {}});
   part.add_cube(2, {0.2, 0, 0}, {});
   std::vector<std::byte> bytes(4096);
   ByteWriter out(bytes);

@@ -14,9 +14,11 @@ TEST_CASE("What a step may take from a distance covers bodies that go on and bod
   settings.max_margin = 10;
   for (int n = 0; n < 2000; ++n) {
     MotionBound a, b;
-    a.advance = random.vector(0.1), b.advance = random.vector(0.1);
-    a.rest = random(0, 0.01), b.rest = random(0, 0.01);
-    a.fallen = random(0, 0.01), b.fallen = random(0, 0.01);
+    for (MotionBound* bound : {&a, &b}) {
+      bound->advance = random.vector(0.1);
+      bound->rest = random(0, 0.01);
+      bound->fallen = random(0, 0.01);
+    }
     const Vec3d direction = random.direction();
     const double any = closing_of(a, b, settings), along = closing_along(direction, a, b, settings);
     REQUIRE(along <= any + 1e-12);
@@ -40,7 +42,8 @@ TEST_CASE("The bound in any direction is reached by one of them") {
   settings.max_margin = 10;
   const auto bound = [&](const Vec3d& a, const Vec3d& b) {
     MotionBound x, y;
-    x.advance = a, y.advance = b;
+    x.advance = a;
+    y.advance = b;
     return closing_of(x, y, settings);
   };
   CHECK(bound({1, 0, 0}, {1, 0, 0}) == Approx(1));   // side by side: the one in front may stop

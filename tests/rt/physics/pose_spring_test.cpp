@@ -18,7 +18,8 @@ void add_body_on_spring(PhysicsBench& bench, double stiffness, double damping) {
   PoseSpring& spring = bench.world.device_spring();
   spring.enabled = true;
   spring.slot = bench.slot(5);
-  spring.stiffness_N_per_m = stiffness, spring.damping_Ns_per_m = damping;
+  spring.stiffness_N_per_m = stiffness;
+  spring.damping_Ns_per_m = damping;
 }
 
 }  // namespace
@@ -37,7 +38,8 @@ TEST_CASE("A mass on the device spring follows implicit Euler, sub-step by sub-s
       // m (v' - v) = -h K (x + h v' - x_t) - h B v'
       const double next = (m * v - h * k * (x - 0.01)) / (m + h * b + h * h * k);
       impulse += m * (next - v);
-      v = next, x += h * v;
+      v = next;
+      x += h * v;
     }
     bench.step();
     REQUIRE(bench.position(5).x == Approx(x).epsilon(1e-9));
@@ -52,7 +54,8 @@ TEST_CASE("The device spring turns a body by implicit Euler as well") {
   PhysicsBench bench;
   add_body_on_spring(bench, 0, 0);
   PoseSpring& spring = bench.world.device_spring();
-  spring.stiffness_Nm_per_rad = k, spring.damping_Nms_per_rad = b;
+  spring.stiffness_Nm_per_rad = k;
+  spring.damping_Nms_per_rad = b;
   const double angle = 1e-3, inertia = bench.body(5).inertia.x, h = bench.h();
   spring.target.rotation = quat_from_rotation_vector(Vec3d{0, angle, 0});
   double x = 0, v = 0;
@@ -77,7 +80,8 @@ TEST_CASE("The device spring is stable for every stiffness and damping") {
       PhysicsBench bench;
       add_body_on_spring(bench, k, b);
       PoseSpring& spring = bench.world.device_spring();
-      spring.stiffness_Nm_per_rad = k, spring.damping_Nms_per_rad = b;
+      spring.stiffness_Nm_per_rad = k;
+      spring.damping_Nms_per_rad = b;
       spring.target = {{0.1, 0, 0}, quat_from_rotation_vector(Vec3d{0, 0, 0.5})};
       double worst = 0;
       for (int step = 0; step < 1000; ++step) {
@@ -95,7 +99,8 @@ TEST_CASE("A body on the spring follows a moving target without lag, and what it
   PhysicsBench bench;
   add_body_on_spring(bench, 2000, 40);
   PoseSpring& spring = bench.world.device_spring();
-  spring.stiffness_Nm_per_rad = 5, spring.damping_Nms_per_rad = 0.02;
+  spring.stiffness_Nm_per_rad = 5;
+  spring.damping_Nms_per_rad = 0.02;
   const Twistd velocity{{0.3, -0.1, 0}, {0, 0, 2}};
   spring.target_velocity = velocity;
   Vec3d gained;

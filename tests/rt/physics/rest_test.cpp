@@ -44,7 +44,8 @@ TEST_CASE("Columns of cubes come to rest, in steps of 1 ms and in steps of 10 ms
   for (const double dt : {1e-3, 1e-2})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
       PhysicsBench bench;
-      bench.settings.dt = dt, bench.settings.sub_steps = dt > 5e-3 ? 10 : 4;
+      bench.settings.dt = dt;
+      bench.settings.sub_steps = dt > 5e-3 ? 10 : 4;
       bench.settings.contact_hertz = std::min(250.0, 0.2 * bench.settings.sub_steps / dt);
       add_columns(bench, seed);
       bench.run_seconds(10);

@@ -96,7 +96,8 @@ TEST_CASE("Bounds touch the shape on all six sides and the margin is added") {
       for (unsigned k = 0; k < 8; ++k) {
         const Vec3d p = kind == ShapeKind::kBox ? PosedBox{shape.half_extents, pose}.corner(k)
                                                 : pose * Vec3d{0, 0, k & 1 ? shape.half_length : -shape.half_length};
-        high = std::max(high, p[axis] + shape.radius), low = std::min(low, p[axis] - shape.radius);
+        high = std::max(high, p[axis] + shape.radius);
+        low = std::min(low, p[axis] - shape.radius);
       }
       REQUIRE(box.upper[axis] == Approx(high + 0.01).margin(1e-12));
       REQUIRE(box.lower[axis] == Approx(low - 0.01).margin(1e-12));
@@ -109,8 +110,10 @@ TEST_CASE("Bounds overlap when they share a point on every axis") {
   REQUIRE(a.overlaps({{1, 1, 1}, {2, 2, 2}}));
   for (int axis = 0; axis < 3; ++axis) {
     Aabb above{{0, 0, 0}, {1, 1, 1}}, below = above;
-    above.lower[axis] = 1.001, above.upper[axis] = 2;
-    below.lower[axis] = -1, below.upper[axis] = -0.001;
+    above.lower[axis] = 1.001;
+    above.upper[axis] = 2;
+    below.lower[axis] = -1;
+    below.upper[axis] = -0.001;
     REQUIRE_FALSE(a.overlaps(above));
     REQUIRE_FALSE(a.overlaps(below));
   }

@@ -137,8 +137,10 @@ TEST_CASE("With friction in every sweep a wedge at its locking angle comes back 
   const auto moved_back = [](unsigned relax_sweeps, FrictionSweeps sweeps) {
     const double half = 0.02, friction = 1.02, force_N = 20;
     PhysicsBench bench;
-    bench.settings.gravity = {}, bench.settings.contact_hertz = 1000;
-    bench.settings.relax_sweeps = relax_sweeps, bench.settings.friction_sweeps = sweeps;
+    bench.settings.gravity = {};
+    bench.settings.contact_hertz = 1000;
+    bench.settings.relax_sweeps = relax_sweeps;
+    bench.settings.friction_sweeps = sweeps;
     for (const int side : {-1, 1})
       bench.world.insert(make_fixed_body(static_cast<BodyId>(side + 1), Shape::plane(), friction,
                                          {{}, quat_from_rotation_vector(Vec3d{0, side * tactus::test::kPi / 4, 0})}));

@@ -39,22 +39,25 @@ TEST_CASE("Many bodies that leave at once leave the others, their contacts, wren
     add_stacks(*bench);
     bench->run(50);
     auto& spring = bench->world.device_spring();
-    spring.enabled = true, spring.slot = bench->slot(32);
-    spring.stiffness_N_per_m = 100, spring.damping_Ns_per_m = 1;
+    spring.enabled = true;
+    spring.slot = bench->slot(32);
+    spring.stiffness_N_per_m = 100;
+    spring.damping_Ns_per_m = 1;
     spring.target = bench->body(32).motion.pose;
     bench->world.set_frozen(bench->slot(31), true);
     bench->world.apply_wrench(bench->slot(30), {{1, 0, 0}, {}});
   }
   std::vector<std::uint8_t> leaving(9, 0);
-  for (const BodyId id : {20u, 21u, 22u, 11u}) leaving[one.slot(id)] = 1;
+  for (const BodyId id : {20u, 21u, 22u, 11u}) leaving[number_of(one.slot(id))] = 1;
   one.world.remove(leaving);
   for (const BodyId id : {20u, 21u, 22u, 11u}) REQUIRE(other.world.remove(id));
   CHECK(ids(one.world) == std::vector<BodyId>{10, 12, 30, 31, 32});
   CHECK(slots_match(one.world));
   CHECK(one.world.contacts().size() == other.world.contacts().size());
-  CHECK(one.world.device_spring().slot == 4);
+  CHECK(one.world.device_spring().slot == SlotIndex{4});
   for (int i = 0; i < 20; ++i) {
-    one.step(), other.step();
+    one.step();
+    other.step();
     REQUIRE(one.world.state_hash() == other.world.state_hash());
   }
 }
@@ -77,7 +80,8 @@ TEST_CASE("Many bodies that come at once, between the others, are as if they had
   CHECK(ids(one.world) == std::vector<BodyId>{10, 11, 12, 20, 21, 22, 30, 31, 32});
   CHECK(slots_match(one.world));
   for (int i = 0; i < 20; ++i) {
-    one.step(), other.step();
+    one.step();
+    other.step();
     REQUIRE(one.world.state_hash() == other.world.state_hash());
   }
 }

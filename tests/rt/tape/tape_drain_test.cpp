@@ -233,7 +233,10 @@ TEST_CASE("the drain's own thread takes everything while the producer runs, and 
   std::uint64_t dropped = 0;
   std::thread producer([&] {
     for (const Record& record : all) {
-      while (!ring.try_push(record.kind, record.payload)) ++dropped, std::this_thread::yield();
+      while (!ring.try_push(record.kind, record.payload)) {
+        ++dropped;
+        std::this_thread::yield();
+      }
     }
   });
   for (int i = 0; i < 5; ++i) {

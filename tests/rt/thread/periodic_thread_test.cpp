@@ -31,7 +31,10 @@ struct FakeClock {
     now = std::max(now, time_ns) + lateness;
     lateness = 0;
   }
-  void work(std::int64_t time_ns) noexcept { now += time_ns, cpu += time_ns; }
+  void work(std::int64_t time_ns) noexcept {
+    now += time_ns;
+    cpu += time_ns;
+  }
   void be_pushed_aside(std::int64_t time_ns) noexcept { now += time_ns; }
 };
 static_assert(Clock<FakeClock>);

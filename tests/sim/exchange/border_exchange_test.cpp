@@ -19,7 +19,9 @@ constexpr double kRigid = 1e5;  // a2 of contacts that give way to nothing
 
 physics::StepSettings settings() {
   physics::StepSettings s;
-  s.dt = kStep_s, s.sub_steps = 10, s.gravity = {0, 0, -9.81};
+  s.dt = kStep_s;
+  s.sub_steps = 10;
+  s.gravity = {0, 0, -9.81};
   return s;
 }
 
@@ -51,7 +53,7 @@ Twistd member_answer(const haptics::OutsideBody& body, std::span<const haptics::
   Wrenchd load;
   for (const auto& point : border) {
     const Vec3d force = -(point.impulse_rate_N * point.normal + point.friction_N);
-    load.force += force, load.torque += cross(point.outside_point - body.centre, force);
+    load += Wrenchd{force, cross(point.outside_point - body.centre, force)};
   }
   return body.admittance * load;
 }
@@ -70,9 +72,13 @@ Vec3d friction_on_slab(const World& world) {
 // What the sub-world says it found at this pair's two border points, on the member.
 std::vector<haptics::BorderReturn> returns(const Vec3d& first, const Vec3d& second) {
   haptics::BorderReturn a, b;
-  a.member = b.member = 1, a.outside = b.outside = 0;
-  a.point = {0.1, 0.1, 0.05}, b.point = {-0.1, 0.1, 0.05}, b.feature = 1;
-  a.tangent_impulse = first, b.tangent_impulse = second;
+  a.member = b.member = 1;
+  a.outside = b.outside = 0;
+  a.point = {0.1, 0.1, 0.05};
+  b.point = {-0.1, 0.1, 0.05};
+  b.feature = 1;
+  a.tangent_impulse = first;
+  b.tangent_impulse = second;
   return {a, b};
 }
 
@@ -197,8 +203,12 @@ TEST_CASE("A border point is where the bodies touch, with the normal from the ou
 
 TEST_CASE("Contacts inside, outside or with static geometry are no border, nor are points that only came near") {
   physics::Contact contact;
-  contact.slot_a = 0, contact.slot_b = 1, contact.count = 2, contact.normal = {0, 0, 1};
-  contact.points[0].total_normal_impulse = 1, contact.points[0].separation = 0.001;
+  contact.slot_a = 0;
+  contact.slot_b = 1;
+  contact.count = 2;
+  contact.normal = {0, 0, 1};
+  contact.points[0].total_normal_impulse = 1;
+  contact.points[0].separation = 0.001;
   contact.points[1].separation = 0.001;
   const std::vector<physics::Body> bodies(3);
   const std::vector<Posed> start(3);
@@ -226,10 +236,13 @@ TEST_CASE("When border points do not fit, those that press least are left out an
   members[0] = 1;
   for (std::uint32_t i = 0; i < kContacts; ++i) {
     bodies[i + 1].id = i + 1;
-    contacts[i].slot_b = i + 1, contacts[i].count = 4;
+    contacts[i].slot_b = i + 1;
+    contacts[i].count = 4;
     // Every fourth point hardly presses: 300 of them, 176 of which must go.
-    for (std::uint32_t p = 0; p < 4; ++p)
-      contacts[i].points[p].feature = p, contacts[i].points[p].total_normal_impulse = p == 2 ? 1e-6 * (i + 1) : 1.0;
+    for (std::uint32_t p = 0; p < 4; ++p) {
+      contacts[i].points[p].feature = p;
+      contacts[i].points[p].total_normal_impulse = p == 2 ? 1e-6 * (i + 1) : 1.0;
+    }
   }
   bodies[0].id = 0;
   BorderExchange log(kContacts + 1, kContacts, 0, kRigid);

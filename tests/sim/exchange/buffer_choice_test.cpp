@@ -2,10 +2,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/body_index.h"
+
 namespace {
 
 using namespace tactus;
 using namespace tactus::sim;
+using tactus::test::operator""_b;
 
 // Body 0 is the proxy. The first `members` bodies are members: no other is free.
 struct Bench {
@@ -21,19 +24,22 @@ struct Bench {
                                                   {{10.0 * double(i), 0, 0}, {}}));
   }
   void link(std::uint32_t a, std::uint32_t b, bool joined = false) {
-    touches.push_back({a, b, {5.0 * (a + b), 0, 0}, {1, 0, 0}, joined});
+    touches.push_back({BodyIndex{a}, BodyIndex{b}, {5.0 * (a + b), 0, 0}, {1, 0, 0}, joined});
   }
   // It presses on static geometry.
   void ground(std::uint32_t slot) {
     physics::Contact contact;
-    contact.slot_a = slot, contact.b_fixed = true, contact.count = 1;
+    contact.slot_a = slot;
+    contact.b_fixed = true;
+    contact.count = 1;
     contact.points[0].total_normal_impulse = 1;
     contacts.push_back(contact);
   }
   // The ghost of an outside body, with that inverse mass.
   void ghost(std::uint32_t slot, double w) {
     haptics::OutsideBody body;
-    body.id = slot, body.centre = bodies[slot].motion.pose.position;
+    body.id = slot;
+    body.centre = bodies[slot].motion.pose.position;
     body.admittance.linear = {w, w, w, 0, 0, 0};
     outside.push_back(body);
   }
@@ -43,60 +49,78 @@ struct Bench {
     ContactGraph graph(count, 100);
     ExtractionOptions options;
     options.cap = members;
-    Extraction extraction(options, {}, bodies, 0, 100);
+    const BodySpan<const physics::Body> all(bodies);
+    Extraction extraction(options, {}, all, 0_b, 100);
     graph.build(count, touches);
-    std::vector<std::uint8_t> free(count, 0);
-    std::fill_n(free.begin(), members, std::uint8_t{1});
-    const auto chosen = extraction.choose(bodies, graph, bodies[0].motion.pose, members, free);
+    BodyVector<std::uint8_t> free(count, 0);
+    for (const BodyIndex body : BodyIndices(members)) free[body] = 1;
+    const auto chosen = extraction.choose(all, graph, bodies[0].motion.pose, members, free);
     REQUIRE(chosen.size() == members);
-    for (std::uint32_t i = 0; i < members; ++i) REQUIRE(chosen[i] == i);
+    for (std::uint32_t i = 0; i < members; ++i) REQUIRE(chosen[i] == BodyIndex{i});
     BufferChoice choice(count);
-    std::vector<std::uint8_t> flags(count, 1);
-    std::vector<std::uint32_t> places;
-    for (std::uint32_t i = 0; i < count; ++i) places.push_back(i);
-    CHECK(choice.choose(bodies, extraction, graph, 0, {contacts, places, outside}, flags) == added);
+    BodyVector<std::uint8_t> flags(count, 1);
+    const auto awake = test::all_awake(count);
+    CHECK(choice.choose(all, extraction, graph, 0_b, {contacts, awake, outside}, flags) == added);
     std::vector<std::uint32_t> result;
-    for (std::uint32_t i = 0; i < count; ++i)
-      if (flags[i] != 0) result.push_back(i);
+    for (const BodyIndex body : flags.indices())
+      if (flags[body] != 0) result.push_back(number_of(body));
     return result;
   }
 };
 
-using Slots = std::vector<std::uint32_t>;
+using Chosen = std::vector<std::uint32_t>;  // numbers of bodies
 
 }  // namespace
 
 TEST_CASE("The buffer is who touches an outside body where masses are even, and never the proxy") {
   Bench b({0.01, 1, 1.5, 2, 1}, 4);
-  b.link(0, 1), b.link(1, 2), b.link(2, 3), b.link(3, 4), b.link(0, 4);
-  CHECK(b.choose(0) == Slots{3});
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 3);
+  b.link(3, 4);
+  b.link(0, 4);
+  CHECK(b.choose(0) == Chosen{3});
 }
 
 TEST_CASE("A group at the border whose masses are uneven is the buffer as a whole") {
   const double heavy = GENERATE(2.1, 10.0, 1000.0);
   const bool joined = GENERATE(false, true);
   Bench b({0.01, heavy, 1, 1, 1}, 4);
-  b.link(0, 1), b.link(1, 2, joined), b.link(2, 3, joined), b.link(3, 4);
-  CHECK(b.choose(2) == Slots{1, 2, 3});
+  b.link(0, 1);
+  b.link(1, 2, joined);
+  b.link(2, 3, joined);
+  b.link(3, 4);
+  CHECK(b.choose(2) == Chosen{1, 2, 3});
 }
 
 TEST_CASE("A group that touches nothing outside stays the sub-world's, however uneven") {
   Bench b({0.01, 1000, 1, 1, 1, 1}, 5);
-  b.link(0, 1), b.link(1, 2), b.link(0, 3), b.link(3, 4), b.link(4, 5);
-  CHECK(b.choose(0) == Slots{4});
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(0, 3);
+  b.link(3, 4);
+  b.link(4, 5);
+  CHECK(b.choose(0) == Chosen{4});
 }
 
 TEST_CASE("The proxy links no groups: it touches each of them, and is lighter than any") {
   Bench b({0.01, 300, 1, 1, 1, 1, 1}, 5);
-  b.link(0, 1), b.link(1, 2), b.link(2, 5);  // uneven
-  b.link(0, 3), b.link(3, 4), b.link(4, 6);  // even
-  CHECK(b.choose(1) == Slots{1, 2, 4});
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 5);  // uneven
+  b.link(0, 3);
+  b.link(3, 4);
+  b.link(4, 6);  // even
+  CHECK(b.choose(1) == Chosen{1, 2, 4});
 }
 
 TEST_CASE("The mass of a member at the end of a group does not count where its sweep converges") {
   // 1: 2 kg; 2: 0.3 kg on the ground below it; 3: 0.2 kg upon it, with the outside body 4.
   Bench b({0.01, 2, 0.3, 0.2, 0.2}, 4);
-  b.link(0, 1), b.link(1, 2), b.link(1, 3), b.link(3, 4);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(1, 3);
+  b.link(3, 4);
   b.ground(2);
   const bool at_edge = GENERATE(false, true), under_light = GENERATE(false, true);
   // A sphere's inertia is 0.4 m r^2: 0.11 m aside the 2 kg weigh 0.5 kg, and the cube's ghost 0.2.
@@ -104,20 +128,25 @@ TEST_CASE("The mass of a member at the end of a group does not count where its s
   b.ghost(4, under_light ? 1 / 0.2 : 0);
   for (std::uint32_t k = 2; at_edge && k <= 3; ++k) b.bodies[k].motion.pose.position.y = 0.11;
   const bool even = at_edge && under_light;
-  CHECK(b.choose(even ? 0 : 2) == (even ? Slots{3} : Slots{1, 2, 3}));
+  CHECK(b.choose(even ? 0 : 2) == (even ? Chosen{3} : Chosen{1, 2, 3}));
 }
 
 TEST_CASE("Light bodies in series count, whatever holds the last one") {
   Bench b({0.01, 10, 1, 1, 1}, 4);
-  b.link(0, 1), b.link(1, 2), b.link(2, 3), b.link(3, 4);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 3);
+  b.link(3, 4);
   b.ghost(4, 1e3);
-  CHECK(b.choose(2) == Slots{1, 2, 3});
+  CHECK(b.choose(2) == Chosen{1, 2, 3});
 }
 
 TEST_CASE("A joint holds as firmly as the ground") {
   const bool joined = GENERATE(false, true);
   Bench b({0.01, 3, 1, 1}, 3);
-  b.link(0, 1), b.link(1, 2), b.link(2, 3, joined);
+  b.link(0, 1);
+  b.link(1, 2);
+  b.link(2, 3, joined);
   b.ghost(3, 1);
-  CHECK(b.choose(joined ? 1 : 0) == (joined ? Slots{1, 2} : Slots{2}));
+  CHECK(b.choose(joined ? 1 : 0) == (joined ? Chosen{1, 2} : Chosen{2}));
 }

@@ -5,15 +5,24 @@
 #include <random>
 #include <set>
 
+#include "tests/support/body_index.h"
+
 namespace {
 
 using namespace tactus;
 using namespace tactus::sim;
+using tactus::test::operator""_b;
 using Bodies = std::vector<physics::Body>;
-using Slots = std::vector<std::uint32_t>;
+using Chosen = std::vector<std::uint32_t>;  // numbers of bodies
 
 physics::Body ball(std::size_t id, const Vec3d& where, double mass = 1) {
   return physics::make_dynamic_body(static_cast<BodyId>(id), physics::Shape::sphere(0.1), mass, 0.5, {where, {}});
+}
+
+Chosen numbers_of(std::span<const BodyIndex> members) {
+  Chosen numbers;
+  for (const BodyIndex member : members) numbers.push_back(number_of(member));
+  return numbers;
 }
 
 // A world of hand-made contacts: body 0 is the proxy, at the origin; the others are far from the cube unless placed.
@@ -30,29 +39,32 @@ struct Bench {
   }
   void link(std::uint32_t a, std::uint32_t b) {
     const Vec3d middle = 0.5 * (bodies[a].motion.pose.position + bodies[b].motion.pose.position);
-    touches.push_back({std::min(a, b), std::max(a, b), middle, {1, 0, 0}});
+    touches.push_back({BodyIndex{std::min(a, b)}, BodyIndex{std::max(a, b)}, middle, {1, 0, 0}});
   }
   // 0 - 1 - 2 - ... : influence halves from body to body.
   void link_row() {
     for (std::uint32_t a = 0; a + 1 < bodies.size(); ++a) link(a, a + 1);
   }
-  Slots choose(std::uint32_t budget = haptics::kMaxMembers) {
+  Chosen choose(std::uint32_t budget = haptics::kMaxMembers) {
     if (!extraction) {
       const auto count = static_cast<std::uint32_t>(bodies.size());
       graph = std::make_unique<ContactGraph>(count, 4000);
-      extraction = std::make_unique<Extraction>(options, reach, bodies, 0, 4000);
+      extraction = std::make_unique<Extraction>(options, reach, all(), 0_b, 4000);
     }
     graph->build(static_cast<std::uint32_t>(bodies.size()), touches);
-    const auto members = extraction->choose(bodies, *graph, bodies[0].motion.pose, budget);
+    const auto members = extraction->choose(all(), *graph, bodies[0].motion.pose, budget);
     CHECK(std::is_sorted(members.begin(), members.end()));
-    return {members.begin(), members.end()};
+    return numbers_of(members);
   }
+  BodySpan<const physics::Body> all() const { return BodySpan<const physics::Body>(bodies); }
 };
 
-bool has(const Slots& slots, std::uint32_t slot) { return std::find(slots.begin(), slots.end(), slot) != slots.end(); }
+bool has(const Chosen& members, std::uint32_t body) {
+  return std::find(members.begin(), members.end(), body) != members.end();
+}
 
-Slots range(std::uint32_t end) {
-  Slots result;
+Chosen range(std::uint32_t end) {
+  Chosen result;
   for (std::uint32_t i = 0; i < end; ++i) result.push_back(i);
   return result;
 }
@@ -61,7 +73,11 @@ Slots range(std::uint32_t end) {
 
 TEST_CASE("The paper's reach is half of the two-cycle reach where nothing turns or comes to meet it") {
   ReachSettings s;
-  s.ratio = 8, s.tick_period_s = 1e-3, s.max_speed_m_per_s = 1, s.margin_m = 0, s.max_angular_speed_rad_per_s = 0;
+  s.ratio = 8;
+  s.tick_period_s = 1e-3;
+  s.max_speed_m_per_s = 1;
+  s.margin_m = 0;
+  s.max_angular_speed_rad_per_s = 0;
   CHECK(reach_of_proxy_m(s, 0.1) == Approx(0.016));
   s.max_angular_speed_rad_per_s = 10;
   CHECK(reach_of_proxy_m(s, 0.1) == Approx(0.032));
@@ -73,40 +89,42 @@ TEST_CASE("The paper's reach is half of the two-cycle reach where nothing turns 
 
 TEST_CASE("Bodies that intersect the boundary cube are members, others are not") {
   Bench bench(4);
-  bench.reach.max_speed_m_per_s = 1, bench.reach.max_angular_speed_rad_per_s = 0, bench.reach.margin_m = 0;
+  bench.reach.max_speed_m_per_s = 1;
+  bench.reach.max_angular_speed_rad_per_s = 0;
+  bench.reach.margin_m = 0;
   // Half side 0.1 + 2 x 10 ms x 1 m/s = 0.12; a ball's own radius is 0.1.
   bench.bodies[1].motion.pose.position = {0.2199, 0, 0};
   bench.bodies[2].motion.pose.position = {0, 0.2201, 0};
   bench.bodies[3].motion.pose.position = {0, 0, -0.25};
-  CHECK(bench.choose() == Slots{0, 1});
+  CHECK(bench.choose() == Chosen{0, 1});
   CHECK(bench.extraction->statistics().close == 1);
   SECTION("one that comes closer counts as nearer by two cycles of its speed") {
     bench.bodies[3].motion.velocity.linear = {0, 0, 1.51};  // 0.0302 in 20 ms
-    CHECK(bench.choose() == Slots{0, 1, 3});
+    CHECK(bench.choose() == Chosen{0, 1, 3});
   }
   SECTION("so does one that spins") {
     bench.bodies[3].motion.velocity.angular = {15.1, 0, 0};
-    CHECK(bench.choose() == Slots{0, 1, 3});
+    CHECK(bench.choose() == Chosen{0, 1, 3});
   }
   SECTION("and a proxy that is thrown faster than the device can move") {
     bench.bodies[0].motion.velocity.linear = {0, 2.6, 0};  // 0.052 in 20 ms
-    CHECK(bench.choose() == Slots{0, 1, 2, 3});
+    CHECK(bench.choose() == Chosen{0, 1, 2, 3});
   }
 }
 
-TEST_CASE("When the cube holds too many the nearest are members, ties by slot") {
+TEST_CASE("When the cube holds too many the nearest are members, ties by index") {
   Bench bench(7);
   bench.options.cap = 4;
   bench.reach.max_speed_m_per_s = 10;
   const double gaps[] = {0, 0.05, 0.01, 0.05, 0.02, 0.05, 0.03};
   for (std::uint32_t i = 1; i < 7; ++i)
     bench.bodies[i].motion.pose.position = {(i % 2 == 0 ? 1 : -1) * (0.2 + gaps[i]), 0, 0};
-  CHECK(bench.choose() == Slots{0, 2, 4, 6});
+  CHECK(bench.choose() == Chosen{0, 2, 4, 6});
   CHECK(bench.extraction->statistics().close_left_out == 3);
   CHECK(bench.extraction->statistics().dropped == 3);
   bench.options.cap = 5;
   bench.extraction.reset();
-  CHECK(bench.choose() == Slots{0, 1, 2, 4, 6});
+  CHECK(bench.choose() == Chosen{0, 1, 2, 4, 6});
 }
 
 TEST_CASE("The whole component is in while it fits, whatever its influence") {
@@ -125,11 +143,16 @@ TEST_CASE("Best first leaves out what is behind a heavy body, breadth first does
   Bench bench(7);
   bench.options.cap = 5;
   bench.bodies[1].mass = 1000;
-  bench.link(0, 1), bench.link(1, 2), bench.link(2, 3), bench.link(0, 4), bench.link(4, 5), bench.link(5, 6);
-  SECTION("best first") { CHECK(bench.choose() == Slots{0, 1, 4, 5, 6}); }
+  bench.link(0, 1);
+  bench.link(1, 2);
+  bench.link(2, 3);
+  bench.link(0, 4);
+  bench.link(4, 5);
+  bench.link(5, 6);
+  SECTION("best first") { CHECK(bench.choose() == Chosen{0, 1, 4, 5, 6}); }
   SECTION("breadth first") {
     bench.options.order = CutOrder::kBreadthFirst;
-    CHECK(bench.choose() == Slots{0, 1, 2, 4, 5});
+    CHECK(bench.choose() == Chosen{0, 1, 2, 4, 5});
   }
 }
 
@@ -142,7 +165,7 @@ TEST_CASE("The proxy is always a member and the cap holds, on any world") {
       b->options.cap = 1 + static_cast<std::uint32_t>(world) * 3;
       b->options.order = world % 2 == 0 ? CutOrder::kBestFirst : CutOrder::kBreadthFirst;
     }
-    Slots before;
+    Chosen before;
     for (int cycle = 0; cycle < 12; ++cycle) {
       for (auto& body : bench.bodies)
         if (body.id != 0) body.motion.pose.position = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
@@ -150,20 +173,21 @@ TEST_CASE("The proxy is always a member and the cap holds, on any world") {
       for (std::uint32_t a = 0; a < 80; ++a)
         for (std::uint32_t b = a + 1; b < 80; ++b)
           if (uniform(0, 1) < 0.03) bench.link(a, b);
-      twin.bodies = bench.bodies, twin.touches = bench.touches;
+      twin.bodies = bench.bodies;
+      twin.touches = bench.touches;
       const std::uint32_t budget = cycle < 8 ? 256 : 20;
-      const Slots members = bench.choose(budget);
+      const Chosen members = bench.choose(budget);
       REQUIRE(has(members, 0));
       REQUIRE(members.size() <= std::min(bench.options.cap, budget));
       REQUIRE(twin.choose(budget) == members);  // the same input, the same choice
 
       const auto& s = bench.extraction->statistics();
-      Slots joined, left;
+      Chosen joined, left;
       std::set_difference(members.begin(), members.end(), before.begin(), before.end(), std::back_inserter(joined));
       std::set_difference(before.begin(), before.end(), members.begin(), members.end(), std::back_inserter(left));
       CHECK(joined.size() == s.joins);
       CHECK(left.size() == s.leaves);
-      for (const std::uint32_t slot : joined) CHECK(bench.extraction->is_joiner(slot));
+      for (const std::uint32_t body : joined) CHECK(bench.extraction->is_joiner(BodyIndex{body}));
       if (cycle > 0) CHECK(s.joins <= bench.options.max_joins + s.close);
       // Bodies of the cube are all in, or the cap is full.
       CHECK((s.close_left_out == 0 || members.size() == std::min(bench.options.cap, budget)));
@@ -175,7 +199,7 @@ TEST_CASE("The proxy is always a member and the cap holds, on any world") {
 TEST_CASE("The sub-world grows over the cycles, a few joins at a time") {
   Bench bench(60);
   bench.options.cap = 50;
-  CHECK(bench.choose() == Slots{0});
+  CHECK(bench.choose() == Chosen{0});
   bench.link_row();
   std::uint32_t expected = 1;
   for (int cycle = 0; cycle < 8; ++cycle) {
@@ -202,7 +226,7 @@ TEST_CASE("Membership does not flicker when influence dithers") {
   bench.options.cap = 15;
   for (std::uint32_t arm = 0; arm < 10; ++arm)
     for (std::uint32_t i = 0; i < 4; ++i) bench.link(i == 0 ? 0 : 1 + 4 * arm + i - 1, 1 + 4 * arm + i);
-  const Slots first = bench.choose();
+  const Chosen first = bench.choose();
   std::mt19937 random(9);
   for (int cycle = 0; cycle < 50; ++cycle) {
     for (auto& body : bench.bodies) body.mass = 1 + std::uniform_real_distribution<>(-0.05, 0.05)(random);
@@ -217,42 +241,47 @@ TEST_CASE("A member gives way to a body of more than twice its influence, and no
   const auto members_with = [](double mass) {
     Bench bench(5);
     bench.options.cap = 4;
-    bench.link(0, 2), bench.link(2, 1), bench.link(0, 4), bench.link(4, 3);
+    bench.link(0, 2);
+    bench.link(2, 1);
+    bench.link(0, 4);
+    bench.link(4, 3);
     bench.bodies[2].mass = 3;  // influence of 1: 1/4
     bench.bodies[4].mass = 100;
-    CHECK(bench.choose() == Slots{0, 1, 2, 4});
+    CHECK(bench.choose() == Chosen{0, 1, 2, 4});
     bench.bodies[4].mass = mass;
     return bench.choose();
   };
-  CHECK(members_with(1.1) == Slots{0, 1, 2, 4});  // 0.476 against 2 x 0.25
-  CHECK(members_with(0.9) == Slots{0, 2, 3, 4});  // 0.526
+  CHECK(members_with(1.1) == Chosen{0, 1, 2, 4});  // 0.476 against 2 x 0.25
+  CHECK(members_with(0.9) == Chosen{0, 2, 3, 4});  // 0.526
 }
 
 TEST_CASE("A member that no longer qualifies stays four more cycles while there is room") {
   Bench bench(20);
   bench.options.cap = 10;
-  bench.link(0, 1), bench.link(1, 2);
-  CHECK(bench.choose() == Slots{0, 1, 2});
+  bench.link(0, 1);
+  bench.link(1, 2);
+  CHECK(bench.choose() == Chosen{0, 1, 2});
   bench.touches.clear();
-  for (int cycle = 0; cycle < 4; ++cycle) CHECK(bench.choose() == Slots{0, 1, 2});
-  SECTION("then it goes") { CHECK(bench.choose() == Slots{0}); }
+  for (int cycle = 0; cycle < 4; ++cycle) CHECK(bench.choose() == Chosen{0, 1, 2});
+  SECTION("then it goes") { CHECK(bench.choose() == Chosen{0}); }
   SECTION("touched again it begins anew") {
     bench.link(0, 1);
-    CHECK(bench.choose() == Slots{0, 1});
+    CHECK(bench.choose() == Chosen{0, 1});
     bench.touches.clear();
-    for (int cycle = 0; cycle < 4; ++cycle) CHECK(bench.choose() == Slots{0, 1});
-    CHECK(bench.choose() == Slots{0});
+    for (int cycle = 0; cycle < 4; ++cycle) CHECK(bench.choose() == Chosen{0, 1});
+    CHECK(bench.choose() == Chosen{0});
   }
 }
 
 TEST_CASE("One that no longer qualifies gives its place to one that does") {
   Bench bench(20);
   bench.options.cap = 3;
-  bench.link(0, 1), bench.link(1, 2);
-  CHECK(bench.choose() == Slots{0, 1, 2});
+  bench.link(0, 1);
+  bench.link(1, 2);
+  CHECK(bench.choose() == Chosen{0, 1, 2});
   bench.touches.clear();
   bench.link(0, 7);
-  CHECK(bench.choose() == Slots{0, 1, 7});
+  CHECK(bench.choose() == Chosen{0, 1, 7});
 }
 
 TEST_CASE("No more than eight leave at once unless the cap asks for it") {
@@ -281,11 +310,11 @@ TEST_CASE("A body of another sub-world is not taken") {
   Bench bench(6);
   bench.link_row();
   bench.choose();
-  std::vector<std::uint8_t> free(6, 1);
-  free[2] = 0;
-  Extraction second(bench.options, bench.reach, bench.bodies, 0, 100);
-  const auto members = second.choose(bench.bodies, *bench.graph, {}, 256, free);
-  CHECK(Slots(members.begin(), members.end()) == Slots{0, 1, 3, 4, 5});
+  BodyVector<std::uint8_t> free(6, 1);
+  free[2_b] = 0;
+  Extraction second(bench.options, bench.reach, bench.all(), 0_b, 100);
+  const auto members = second.choose(bench.all(), *bench.graph, {}, 256, free);
+  CHECK(numbers_of(members) == Chosen{0, 1, 3, 4, 5});
 }
 
 TEST_CASE("All bodies are members when asked for") {

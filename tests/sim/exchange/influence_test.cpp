@@ -3,12 +3,16 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "tests/support/body_index.h"
+
 namespace {
 
 using namespace tactus;
+using sim::BodyIndex;
 using sim::ContactEdge;
 using sim::ContactGraph;
 using sim::Influence;
+using tactus::test::operator""_b;
 using Bodies = std::vector<physics::Body>;
 
 // Spheres of 0.2 m in a row along x, touching; body 0 is the proxy.
@@ -21,20 +25,20 @@ Bodies row(const std::vector<double>& masses) {
   return bodies;
 }
 
-ContactEdge row_touch(std::uint32_t a) { return {a, a + 1, {0.2 * a + 0.1, 0, 0}, {1, 0, 0}}; }
+ContactEdge row_touch(std::uint32_t a) { return {BodyIndex{a}, BodyIndex{a + 1}, {0.2 * a + 0.1, 0, 0}, {1, 0, 0}}; }
 
-std::vector<double> influence_by_slot(const Bodies& bodies, const std::vector<ContactEdge>& touches,
-                                      const std::vector<std::uint32_t>& near = {}, std::uint32_t enough = 1000) {
+std::vector<double> influence_by_body(const Bodies& bodies, const std::vector<ContactEdge>& touches,
+                                      const std::vector<BodyIndex>& near = {}, std::uint32_t enough = 1000) {
   const auto count = static_cast<std::uint32_t>(bodies.size());
   ContactGraph graph(count, 200);
   graph.build(count, touches);
   Influence influence(count, 200);
   std::vector<double> result(count, -1);
   double last = 1;
-  for (const auto& body : influence.find(graph, bodies, 0, near, enough)) {
+  for (const auto& body : influence.find(graph, sim::BodySpan(std::span(bodies)), 0_b, near, enough)) {
     CHECK(body.influence <= last);
     last = body.influence;
-    result[body.slot] = body.influence;
+    result[number_of(body.index)] = body.influence;
   }
   return result;
 }
@@ -43,26 +47,26 @@ std::vector<double> influence_by_slot(const Bodies& bodies, const std::vector<Co
 
 TEST_CASE("In a row of equal spheres influence halves with every contact") {
   // Central contacts: tau = (1/m) / sqrt(2/m 2/m) = 1/2.
-  const auto found = influence_by_slot(row({1, 1, 1, 1, 1}), {row_touch(0), row_touch(1), row_touch(2), row_touch(3)});
-  for (std::uint32_t slot = 1; slot < 5; ++slot) CHECK(found[slot] == Approx(std::pow(0.5, slot - 1)));
+  const auto found = influence_by_body(row({1, 1, 1, 1, 1}), {row_touch(0), row_touch(1), row_touch(2), row_touch(3)});
+  for (std::uint32_t body = 1; body < 5; ++body) CHECK(found[body] == Approx(std::pow(0.5, body - 1)));
   CHECK(found[0] == -1);  // the proxy itself is not listed
 }
 
 TEST_CASE("A heavy body stops the expansion") {
   // tau through a body of mass M between unit masses: (1/M) / (1 + 1/M) = 1 / (M + 1).
   for (const double heavy : {1.0, 3.0, 9.0, 49.0}) {
-    const auto found = influence_by_slot(row({1, heavy, 1}), {row_touch(0), row_touch(1)});
+    const auto found = influence_by_body(row({1, heavy, 1}), {row_touch(0), row_touch(1)});
     CHECK(found[2] == Approx(1 / (heavy + 1)));
   }
-  const auto wall = influence_by_slot(row({1, 1e6, 1}), {row_touch(0), row_touch(1)});
-  CHECK(wall[2] == Approx(Influence::kLeastTau));  // friction may still couple it
+  const auto wall = influence_by_body(row({1, 1e6, 1}), {row_touch(0), row_touch(1)});
+  CHECK(wall[2] == Approx(Influence::kMinTau));  // friction may still couple it
 }
 
 TEST_CASE("Contacts at right angles through a centre are coupled by friction only") {
   Bodies bodies = row({1, 1, 1});
   bodies[2].motion.pose.position = {0.2, 0.2, 0};
-  const auto found = influence_by_slot(bodies, {row_touch(0), {1, 2, {0.2, 0.1, 0}, {0, 1, 0}}});
-  CHECK(found[2] == Approx(Influence::kLeastTau));
+  const auto found = influence_by_body(bodies, {row_touch(0), {1_b, 2_b, {0.2, 0.1, 0}, {0, 1, 0}}});
+  CHECK(found[2] == Approx(Influence::kMinTau));
 }
 
 TEST_CASE("A lever arm couples contacts at right angles") {
@@ -76,7 +80,7 @@ TEST_CASE("A lever arm couples contacts at right angles") {
   bodies[0].motion.pose.position = {-l, -0.1, 0};
   bodies[1].motion.pose.position = {0, 0, 0};
   bodies[2].motion.pose.position = {l, 0.1, 0};
-  const auto found = influence_by_slot(bodies, {{0, 1, {-l, 0, 0}, {0, 1, 0}}, {1, 2, {l, 0, 0}, {0, 1, 0}}});
+  const auto found = influence_by_body(bodies, {{0_b, 1_b, {-l, 0, 0}, {0, 1, 0}}, {1_b, 2_b, {l, 0, 0}, {0, 1, 0}}});
   const double inverse_inertia = 1 / 0.25;
   const double expected = std::abs(1 / m - l * l * inverse_inertia) / (1 / m + l * l * inverse_inertia);
   CHECK(found[2] == Approx(expected).epsilon(1e-6));
@@ -85,21 +89,21 @@ TEST_CASE("A lever arm couples contacts at right angles") {
 TEST_CASE("The best of several ways counts") {
   // 0 - 1 - 3 through a heavy body, 0 - 2 - 3 through a light one.
   Bodies bodies = row({1, 100, 1, 1});
-  const std::vector<ContactEdge> touches{{0, 1, {0.1, 0, 0}, {1, 0, 0}},
-                                         {0, 2, {0.1, 0, 0}, {1, 0, 0}},
-                                         {1, 3, {0.3, 0, 0}, {1, 0, 0}},
-                                         {2, 3, {0.5, 0, 0}, {1, 0, 0}}};
-  CHECK(influence_by_slot(bodies, touches)[3] == Approx(0.5));
+  const std::vector<ContactEdge> touches{{0_b, 1_b, {0.1, 0, 0}, {1, 0, 0}},
+                                         {0_b, 2_b, {0.1, 0, 0}, {1, 0, 0}},
+                                         {1_b, 3_b, {0.3, 0, 0}, {1, 0, 0}},
+                                         {2_b, 3_b, {0.5, 0, 0}, {1, 0, 0}}};
+  CHECK(influence_by_body(bodies, touches)[3] == Approx(0.5));
 }
 
 TEST_CASE("A body that is only near has half the influence, and what it touches goes on from there") {
   // 1 is near, 2 touches it in line: tau = 1/2 as for a contact.
-  const auto found = influence_by_slot(row({1, 1, 1, 1}), {row_touch(1)}, {1});
+  const auto found = influence_by_body(row({1, 1, 1, 1}), {row_touch(1)}, {1_b});
   CHECK(found[1] == Approx(Influence::kNearDiscount));
   CHECK(found[2] == Approx(Influence::kNearDiscount * 0.5));
   CHECK(found[3] == -1);
   // A contact beats nearness.
-  CHECK(influence_by_slot(row({1, 1}), {row_touch(0)}, {1})[1] == 1);
+  CHECK(influence_by_body(row({1, 1}), {row_touch(0)}, {1_b})[1] == 1);
 }
 
 TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways by exhaustive search") {
@@ -119,11 +123,11 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
         const Vec3d n = normalized_or(Vec3d{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, Vec3d{1, 0, 0});
         const Vec3d middle =
             0.5 * (bodies[a].motion.pose.position + bodies[b].motion.pose.position) + 0.1 * Vec3d{n.y, n.z, n.x};
-        touches.push_back({a, b, middle, n});
+        touches.push_back({BodyIndex{a}, BodyIndex{b}, middle, n});
       }
     // tau from its definition, with full inertia matrices.
-    const auto coupling = [&](const ContactEdge& c, const ContactEdge& d, std::uint32_t body) {
-      const auto& q = bodies[body];
+    const auto coupling = [&](const ContactEdge& c, const ContactEdge& d, BodyIndex body) {
+      const auto& q = bodies[number_of(body)];
       const Vec3d inverse{1 / q.inertia.x, 1 / q.inertia.y, 1 / q.inertia.z};
       const SymMat3d i = rotate_diagonal(q.motion.pose.rotation, inverse);
       const Vec3d rc = cross(c.point - q.motion.pose.position, c.normal);
@@ -132,24 +136,23 @@ TEST_CASE("On any graph influence is in [0, 1] and equals the best of all ways b
     };
     const auto own = [&](const ContactEdge& c) { return coupling(c, c, c.a) + coupling(c, c, c.b); };
     std::vector<double> best(6, -1);
-    const auto follow = [&](const auto& self, double value, std::uint32_t at, std::uint32_t through,
-                            int depth) -> void {
-      best[at] = std::max(best[at], value);
+    const auto follow = [&](const auto& self, double value, BodyIndex at, std::uint32_t through, int depth) -> void {
+      best[number_of(at)] = std::max(best[number_of(at)], value);
       if (depth == 7) return;
       for (std::uint32_t t = 0; t < touches.size(); ++t) {
         if (t == through || (touches[t].a != at && touches[t].b != at)) continue;
-        const std::uint32_t to = touches[t].a == at ? touches[t].b : touches[t].a;
-        if (to == 0) continue;
+        const BodyIndex to = touches[t].a == at ? touches[t].b : touches[t].a;
+        if (to == 0_b) continue;
         const double tau =
             std::abs(coupling(touches[through], touches[t], at)) / std::sqrt(own(touches[through]) * own(touches[t]));
         CHECK(tau <= 1 + 1e-12);
-        self(self, value * std::clamp(tau, Influence::kLeastTau, 1.0), to, t, depth + 1);
+        self(self, value * std::clamp(tau, Influence::kMinTau, 1.0), to, t, depth + 1);
       }
     };
     for (std::uint32_t t = 0; t < touches.size(); ++t)
-      if (touches[t].a == 0) follow(follow, 1.0, touches[t].b, t, 0);
-    const auto found = influence_by_slot(bodies, touches);
-    for (std::uint32_t slot = 1; slot < 6; ++slot) CHECK(found[slot] == Approx(best[slot]));
+      if (touches[t].a == 0_b) follow(follow, 1.0, touches[t].b, t, 0);
+    const auto found = influence_by_body(bodies, touches);
+    for (std::uint32_t body = 1; body < 6; ++body) CHECK(found[body] == Approx(best[body]));
   }
 }
 
@@ -157,7 +160,7 @@ TEST_CASE("The search stops when nothing left can matter, and never short of wha
   std::vector<double> masses(100, 1.0);
   std::vector<ContactEdge> touches;
   for (std::uint32_t a = 0; a + 1 < 100; ++a) touches.push_back(row_touch(a));
-  const auto found = influence_by_slot(row(masses), touches, {}, 5);
+  const auto found = influence_by_body(row(masses), touches, {}, 5);
   const auto count = std::count_if(found.begin(), found.end(), [](double i) { return i >= 0; });
   // The fifth has 1/16; the sixth, at half of that, may still be a member with doubled score.
   CHECK(count == 6);

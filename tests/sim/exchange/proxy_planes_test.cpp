@@ -19,7 +19,9 @@ struct Bench {
   StepSettings settings;
 
   explicit Bench(bool on_cube, BodyId proxy) {
-    settings.dt = kStep_s, settings.sub_steps = 8, settings.gravity = {0, 0, -9.81};
+    settings.dt = kStep_s;
+    settings.sub_steps = 8;
+    settings.gravity = {0, 0, -9.81};
     REQUIRE(world.insert(make_fixed_body(50, Shape::plane(), 0.5, {})));
     const auto cube = Shape::box({0.05, 0.05, 0.05});
     if (on_cube) REQUIRE(world.insert(make_dynamic_body(1, cube, 1.0, 0.5, {{0, 0, 0.05}, {}})));
@@ -44,7 +46,7 @@ TEST_CASE("A cube at rest has a plane at each foot, which together carry its wei
   REQUIRE(planes.size() == 4);
   double force = 0;
   const double top = on_cube ? 0.1 : 0;
-  const Posed& pose = bench.world.bodies()[static_cast<std::size_t>(bench.world.slot_of(proxy))].motion.pose;
+  const Posed& pose = bench.world.find(proxy)->motion.pose;
   for (const auto& plane : planes) {
     CHECK(plane.member == proxy);
     CHECK(plane.outside == (on_cube ? 1u : 50u));

@@ -40,7 +40,8 @@ TEST_CASE("A cube with points inside, on its faces and twice has 8 vertices and 
   test::Random random(1);
   for (int n = 0; n < 200; ++n) points.push_back(random.vector(0.1));
   for (const Vec3d& v : cube(0.1)) points.push_back(v);
-  points.push_back({0.1, 0, 0}), points.push_back({0, 0, -0.1});
+  points.push_back({0.1, 0, 0});
+  points.push_back({0, 0, -0.1});
   const BuiltHull built = good(points);
   REQUIRE(built.vertices == cube(0.1));
   REQUIRE(built.hull.topology.faces == 6);

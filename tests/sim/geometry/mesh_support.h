@@ -27,10 +27,13 @@ inline TriangleSoup height_field(unsigned n, double cell_m, const std::function<
   for (unsigned j = 0; j < n; ++j)
     for (unsigned i = 0; i < n; ++i) {
       const unsigned a = j * (n + 1) + i, b = a + 1, c = b + n + 1, d = a + n + 1;
-      if (diagonal())
-        soup.triangles.push_back({a, b, c}), soup.triangles.push_back({a, c, d});
-      else
-        soup.triangles.push_back({a, b, d}), soup.triangles.push_back({b, c, d});
+      if (diagonal()) {
+        soup.triangles.push_back({a, b, c});
+        soup.triangles.push_back({a, c, d});
+      } else {
+        soup.triangles.push_back({a, b, d});
+        soup.triangles.push_back({b, c, d});
+      }
     }
   return soup;
 }
@@ -48,8 +51,10 @@ inline TriangleSoup box_soup(const Vec3d& half) {
     soup.corners.push_back(
         {(k & 1u) != 0 ? half.x : -half.x, (k & 2u) != 0 ? half.y : -half.y, (k & 4u) != 0 ? half.z : -half.z});
   constexpr unsigned faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  for (const auto& f : faces)
-    soup.triangles.push_back({f[0], f[1], f[2]}), soup.triangles.push_back({f[0], f[2], f[3]});
+  for (const auto& f : faces) {
+    soup.triangles.push_back({f[0], f[1], f[2]});
+    soup.triangles.push_back({f[0], f[2], f[3]});
+  }
   return soup;
 }
 
@@ -73,7 +78,10 @@ struct MeshBench {
 
   static physics::Capacities capacities() {
     physics::Capacities c;
-    c.bodies = 16, c.pairs = 1024, c.contacts = 512, c.mesh_triangles = 4096;
+    c.bodies = 16;
+    c.pairs = 1024;
+    c.contacts = 512;
+    c.mesh_triangles = 4096;
     return c;
   }
 

@@ -65,7 +65,9 @@ double top_of(const Bodies& bodies) {
 TEST_CASE("a wall has one brick more in every other course, and every brick rests on something") {
   for (const auto& [columns, rows] : {std::pair{2u, 1u}, {5u, 4u}, {8u, 7u}}) {
     WallSpec spec;
-    spec.columns = columns, spec.rows = rows, spec.gap_m = 0.002;
+    spec.columns = columns;
+    spec.rows = rows;
+    spec.gap_m = 0.002;
     const Bodies wall = make_wall(spec);
     CHECK(wall.size() == columns * rows + rows / 2);
     CHECK(wall.size() == count_of(spec));
@@ -77,7 +79,10 @@ TEST_CASE("a wall has one brick more in every other course, and every brick rest
     for (unsigned row = 1; row < rows; ++row) expected += 2 * columns;
     CHECK(contacts.size() == expected);
     double volume = 0, mass = 0;
-    for (const auto& b : wall) volume += volume_of(b.shape), mass += b.mass;
+    for (const auto& b : wall) {
+      volume += volume_of(b.shape);
+      mass += b.mass;
+    }
     CHECK(mass == Approx(volume * spec.mass_kg / (spec.brick_m.x * spec.brick_m.y * spec.brick_m.z)));
   }
 }
@@ -85,7 +90,9 @@ TEST_CASE("a wall has one brick more in every other course, and every brick rest
 TEST_CASE("a pile has its cubes and four walls, overlaps nowhere, and its contacts link all of it") {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     PileSpec spec;
-    spec.count = 300, spec.layers = 6, spec.seed = seed;
+    spec.count = 300;
+    spec.layers = 6;
+    spec.seed = seed;
     const Bodies pile = make_pile(spec);
     REQUIRE(pile.size() == 304);
     CHECK(count_of(spec) == 304);
@@ -114,20 +121,24 @@ TEST_CASE("a pile keeps its cubes apart for every gap that a scene may ask for")
   for (const double gap : {0.0, 0.01, 0.1, 0.2})
     for (const unsigned count : {1u, 7u, 100u}) {
       PileSpec spec;
-      spec.count = count, spec.layers = 3, spec.gap_fraction = gap;
+      spec.count = count;
+      spec.layers = 3;
+      spec.gap_fraction = gap;
       contacts_without_overlap(make_pile(spec));
     }
 }
 
 TEST_CASE("a tower's blocks rest on each other, in crossed layers where there are several") {
   TowerSpec spec;
-  spec.layers = 5, spec.blocks_per_layer = 3;
+  spec.layers = 5;
+  spec.blocks_per_layer = 3;
   const Bodies tower = make_tower(spec);
   CHECK(tower.size() == 15);
   CHECK(top_of(tower) == Approx(5 * spec.block_m.z));
   // 3 on the ground, 3 x 3 between layers, 2 side by side in each layer.
   CHECK(contacts_without_overlap(tower).size() == 3 + 4 * 9 + 5 * 2);
-  spec.layers = 20, spec.blocks_per_layer = 1;
+  spec.layers = 20;
+  spec.blocks_per_layer = 1;
   CHECK(contacts_without_overlap(make_tower(spec)).size() == 20);
 }
 
@@ -135,7 +146,8 @@ TEST_CASE("a card house has L (3 L + 1) / 2 cards that touch exactly where they 
   for (const unsigned levels : {1u, 2u, 3u, 5u})
     for (const double angle : {0.15, 0.25, 0.28}) {
       CardHouseSpec spec;
-      spec.levels = levels, spec.angle_rad = angle;
+      spec.levels = levels;
+      spec.angle_rad = angle;
       const Bodies house = make_card_house(spec);
       CHECK(house.size() == levels * (3 * levels + 1) / 2);
       CHECK(house.size() == count_of(spec));
@@ -184,7 +196,8 @@ TEST_CASE("the feet of a card house carry all of its weight") {
   // Each level hands down what it carries: with all cards alike, the sum over the feet is the number of cards. The
   // most loaded foot of three levels: half of (flat + pair + what the middle of that pair's inner card carries).
   CardHouseSpec spec;
-  spec.levels = 3, spec.angle_rad = 0.2;
+  spec.levels = 3;
+  spec.angle_rad = 0.2;
   const double tangent = std::tan(0.2) - spec.card_m.z / spec.card_m.y;
   // Level 1: inner cards carry 1.5. Level 0: flat cards 1 and 2 each bear one pair with one loaded card: 1 + 2 + 1.5.
   const double p = 0.5 * (1 + 2 + 1.5);

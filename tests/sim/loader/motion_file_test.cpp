@@ -189,7 +189,9 @@ TEST_CASE("mistakes about a recorded motion name the scene's line and the file's
 TEST_CASE("a motion that is too fast for the device, or beyond its reach, is a problem with the row's line") {
   const Folder folder;
   haptics::DeviceProperties device;
-  device.max_speed_m_per_s = 1, device.max_angular_speed_rad_per_s = 10, device.workspace_radius_m = 0.3;
+  device.max_speed_m_per_s = 1;
+  device.max_angular_speed_rad_per_s = 10;
+  device.workspace_radius_m = 0.3;
   const auto problem = [&](const std::string& rows, const std::string& hand = "") {
     folder.write("m.csv", kHeader + rows);
     const auto report = report_on(folder.load("file = \"m.csv\"\n" + hand), device, 1e-3);

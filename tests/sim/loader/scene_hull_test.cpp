@@ -139,7 +139,11 @@ std::string obj_box(const Vec3d& low, const Vec3d& high, unsigned first, bool li
   const auto face = [&](unsigned a, unsigned b, unsigned c, unsigned d) {
     text += fmt::format("f {} {} {} {}\n", a + first, b + first, c + first, d + first);
   };
-  face(1, 3, 4, 2), face(1, 2, 6, 5), face(3, 7, 8, 4), face(1, 5, 7, 3), face(2, 4, 8, 6);
+  face(1, 3, 4, 2);
+  face(1, 2, 6, 5);
+  face(3, 7, 8, 4);
+  face(1, 5, 7, 3);
+  face(2, 4, 8, 6);
   if (lid) face(5, 6, 8, 7);
   return text;
 }

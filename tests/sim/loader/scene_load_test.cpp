@@ -352,7 +352,8 @@ TEST_CASE("no text exhausts the stack or the memory") {
 
 TEST_CASE("the contact frequency's limit is a quarter of the rate of the longer sub-steps") {
   SolverChoice solver;
-  solver.sub_steps = 4, solver.global_sub_steps_per_tick = 1;
+  solver.sub_steps = 4;
+  solver.global_sub_steps_per_tick = 1;
   CHECK(max_contact_hertz(solver, 1e-3) == Approx(250));
   solver.global_sub_steps_per_tick = 8;
   CHECK(max_contact_hertz(solver, 1e-3) == Approx(1000));

@@ -36,9 +36,9 @@ std::string cube(const std::string& name, const std::string& at, const std::stri
       "[[body]]\nname = \"{}\"\nshape = \"box\"\nsize_m = [0.1, 0.1, 0.1]\nmass_kg = 1\nposition_m = {}\n{}", name, at,
       more);
 }
-template <class Room>
-const typename Room::Setup& setup_of(const physics::EffectSetups& setups) {
-  return std::get<typename Room::Setup>(setups);
+template <class Object>
+const typename Object::Setup& setup_of(const physics::EffectSetups& setups) {
+  return std::get<typename Object::Setup>(setups);
 }
 
 }  // namespace
@@ -238,13 +238,17 @@ TEST_CASE("joined bodies are one island: they fall asleep and wake together with
   for (BodyId id = 1; id <= 4; ++id) far.bodies[id].motion.pose.position.x += 20;
   far.bodies[4].motion.velocity.linear.y = 0.05;  // one that moves keeps all awake
   Worlds moving(far, 64);
-  for (int i = 0; i < 20; ++i)
-    moving.report->cycle = moving.snapshot->cycle, moving.world.step(*moving.report, *moving.snapshot);
+  for (int i = 0; i < 20; ++i) {
+    moving.report->cycle = moving.snapshot->cycle;
+    moving.world.step(*moving.report, *moving.snapshot);
+  }
   CHECK(moving.world.statistics().asleep == 0);
   far.bodies[4].motion.velocity = {};
   Worlds still(far, 64);
-  for (int i = 0; i < 20; ++i)
-    still.report->cycle = still.snapshot->cycle, still.world.step(*still.report, *still.snapshot);
+  for (int i = 0; i < 20; ++i) {
+    still.report->cycle = still.snapshot->cycle;
+    still.world.step(*still.report, *still.snapshot);
+  }
   CHECK(still.world.statistics().asleep == 4);
 }
 

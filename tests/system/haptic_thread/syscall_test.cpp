@@ -67,7 +67,7 @@ struct Ticks {
   session::LiveStatus live{};
   std::atomic<std::uint32_t> requests{0};
   session::ArmGate gate{session.same_device};
-  session::RealtimeTick tick{session, live, requests, ~std::uint64_t{0}, gate};
+  session::RealtimeTick tick{session, {live, requests, gate}, ~std::uint64_t{0}};
   std::optional<RtGuard> guard{};
 
   bool operator()(const loop::TickTiming& timing) noexcept {
@@ -84,10 +84,14 @@ struct Ticks {
   }
 
   void finish() noexcept {
-    counts.allocations = guard->allocations(), counts.frees = guard->frees(), counts.locks = guard->locks();
+    counts.allocations = guard->allocations();
+    counts.frees = guard->frees();
+    counts.locks = guard->locks();
     counts.faults = guard->minor_faults() + guard->major_faults();
-    counts.ticks = session.stats.ticks - kWarmUp, counts.cycles = session.stats.cycles;
-    counts.refused = refused_syscalls(), counts.first_refused = first_refused_syscall();
+    counts.ticks = session.stats.ticks - kWarmUp;
+    counts.cycles = session.stats.cycles;
+    counts.refused = refused_syscalls();
+    counts.first_refused = first_refused_syscall();
     std::copy_n(session.stats.status_ticks, std::size(counts.status_ticks), counts.status_ticks);
     counts.latched = session.stats.fault_count;
     std::atomic_thread_fence(std::memory_order_seq_cst);

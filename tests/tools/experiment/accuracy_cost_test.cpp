@@ -13,7 +13,8 @@ namespace {
 CostPoint point(const std::string& scene, double error, double tick_us) {
   CostPoint point;
   point.scene = scene;
-  point.force_error = error, point.tick_us_p50 = tick_us;
+  point.force_error = error;
+  point.tick_us_p50 = tick_us;
   return point;
 }
 

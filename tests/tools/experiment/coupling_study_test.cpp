@@ -103,8 +103,8 @@ TEST_CASE("A force far beyond the direct coupling's is not stable, nor a shaking
 TEST_CASE("With the force of the direct coupling it is not stable where a body falls or energy comes from nowhere") {
   const HandInLoop direct{2, 0.01, 1.8, 0, 0};
   CHECK_FALSE(is_stable({2, 0.01, 1.8, 1, 0}, direct));
-  CHECK(is_stable({2, 0.01, 1.8, 0, 0.99 * kMostEnergyGain}, direct));
-  CHECK_FALSE(is_stable({2, 0.01, 1.8, 0, 1.01 * kMostEnergyGain}, direct));
+  CHECK(is_stable({2, 0.01, 1.8, 0, 0.99 * kMaxEnergyGain}, direct));
+  CHECK_FALSE(is_stable({2, 0.01, 1.8, 0, 1.01 * kMaxEnergyGain}, direct));
 }
 
 TEST_CASE("Every ratio has as many cycles in a window, but for the spectrum's least and the script's most") {

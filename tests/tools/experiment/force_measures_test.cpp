@@ -51,7 +51,10 @@ TEST_CASE("The lines of a spectrum add up to the variance, and the highest is wh
 
 TEST_CASE("Steps at a synchronisation are those that the reference does not make") {
   std::vector<Vec3d> reference(20), force(20);
-  for (std::size_t i = 10; i < 20; ++i) reference[i] = {1, 0, 0}, force[i] = {1.25, 0, 0};
+  for (std::size_t i = 10; i < 20; ++i) {
+    reference[i] = {1, 0, 0};
+    force[i] = {1.25, 0, 0};
+  }
   const std::vector<std::size_t> ticks{5, 10};
   CHECK(steps_at(force, reference, ticks) == std::vector<double>{0, 0.25});
 }

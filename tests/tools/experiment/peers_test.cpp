@@ -19,7 +19,8 @@ namespace {
 PeersRequest tiny_request() {
   PeersRequest request;
   BoxScene scene = make_pile("tiny", {.cubes = 8, .step_s = 1e-2, .layers = 2});
-  scene.settle_s = 2, scene.timed_steps = 20;
+  scene.settle_s = 2;
+  scene.timed_steps = 20;
   request.scenes.push_back(scene);
   request.engines.push_back(engine_kinds().front());
   request.runs = 2;
@@ -52,7 +53,8 @@ TEST_CASE("A settled tiny pile rests, touches, and tactus allocates nothing in a
 TEST_CASE("A row that misses a gate is not compared, and nothing is compared with it") {
   const auto row_of = [](const char* engine, double median_us) {
     PeersRow row;
-    row.engine = engine, row.median_us = median_us;
+    row.engine = engine;
+    row.median_us = median_us;
     return row;
   };
   std::vector<PeersRow> rows{row_of("tactus", 10), row_of("bullet", 100), row_of("bullet-tuned", 50),
@@ -63,27 +65,38 @@ TEST_CASE("A row that misses a gate is not compared, and nothing is compared wit
   CHECK(rows[0].ratio_to_best_peer == Approx(0.2));
   CHECK(rows[2].ratio_to_best_peer == Approx(1));
   CHECK(rows[3].ratio_to_bullet == 0);
-  rows[1].missed_gate = "the deepest overlap", rows[0].ratio_to_bullet = 0;
+  rows[1].missed_gate = "the deepest overlap";
+  rows[0].ratio_to_bullet = 0;
   compare(rows);
   CHECK(rows[0].ratio_to_bullet == 0);
-  rows[0].failure = "work was left out", rows[0].ratio_to_best_peer = 0;
+  rows[0].failure = "work was left out";
+  rows[0].ratio_to_best_peer = 0;
   compare(rows);
   CHECK(rows[0].ratio_to_best_peer == 0);
 }
 
 TEST_CASE("Each gate is missed by what it is for") {
   Quality good;
-  good.overlap_max_share = 0.24, good.overlap_mean_share = 0.019, good.travel_m = 0.06, good.rod_travel_m = 1;
+  good.overlap_max_share = 0.24;
+  good.overlap_mean_share = 0.019;
+  good.travel_m = 0.06;
+  good.rod_travel_m = 1;
   CHECK(missed_gate(good).empty());
   Quality deep = good, mean = good, gone = good, still = good, broken = good;
-  deep.overlap_max_share = 0.26, mean.overlap_mean_share = 0.021, gone.escaped = 1, still.travel_m = 0.04;
+  deep.overlap_max_share = 0.26;
+  mean.overlap_mean_share = 0.021;
+  gone.escaped = 1;
+  still.travel_m = 0.04;
   broken.complete = false;
   for (const Quality& one : {deep, mean, gone, still, broken}) CHECK_FALSE(missed_gate(one).empty());
 }
 
 TEST_CASE("The rows have the keys that readers rely on") {
   PeersRow row;
-  row.scene = "pile64", row.engine = "bullet", row.median_us = 12.5, row.ratio_to_bullet = 1;
+  row.scene = "pile64";
+  row.engine = "bullet";
+  row.median_us = 12.5;
+  row.ratio_to_bullet = 1;
   const auto json = nlohmann::json::parse(peers_json({row}));
   REQUIRE(json.at("rows").size() == 1);
   const auto& first = json.at("rows").at(0);
@@ -104,10 +117,14 @@ TEST_CASE("The rows have the keys that readers rely on") {
 
 TEST_CASE("The page of the rows is one file, or says what it needs") {
   PeersRow row;
-  row.scene = "pile64-stirred", row.engine = "tactus", row.median_us = 12.5, row.ratio_to_best_peer = 0.5;
+  row.scene = "pile64-stirred";
+  row.engine = "tactus";
+  row.median_us = 12.5;
+  row.ratio_to_best_peer = 0.5;
   row.quality.overlap_mean_share = 0.001;
   PeersRow peer = row;
-  peer.engine = "bullet", peer.missed_gate = "the deepest overlap";
+  peer.engine = "bullet";
+  peer.missed_gate = "the deepest overlap";
   const std::string path = (std::filesystem::temp_directory_path() / "tactus_peers_page_test.html").string();
   const auto status = write_page("peers", peers_json({row, peer}), "tactus experiment peers", path);
   if (!status.ok()) REQUIRE(status.message().find("matplotlib") != std::string::npos);

@@ -35,7 +35,8 @@ TEST_CASE("The sizes of the mixed pile span 1 to 20 and the mass follows the vol
   REQUIRE(scene->cubes.size() == 10000);
   double least = 1, most = 0;
   for (const Cube& cube : scene->cubes) {
-    least = std::min(least, cube.edge_m), most = std::max(most, cube.edge_m);
+    least = std::min(least, cube.edge_m);
+    most = std::max(most, cube.edge_m);
     REQUIRE(cube.mass_kg == Approx(1000 * std::pow(cube.edge_m, 3)));
   }
   CHECK(least == Approx(0.02).epsilon(0.01));
@@ -52,7 +53,8 @@ TEST_CASE("Hulls have twenty vertices, mixed shapes span 1 to 4, and masses foll
   double least = 1, most = 0;
   for (const Cube& body : shapes->cubes) {
     ++forms[static_cast<std::size_t>(body.form)];
-    least = std::min(least, body.edge_m), most = std::max(most, body.edge_m);
+    least = std::min(least, body.edge_m);
+    most = std::max(most, body.edge_m);
     REQUIRE(body.mass_kg == Approx(1000 * volume_of(*shapes, body)));
     if (body.form == Form::kHull) REQUIRE(2 * shapes->hulls[body.hull].bounding_radius < 1.2 * body.edge_m);
   }
@@ -75,7 +77,7 @@ TEST_CASE("Every engine holds bodies of every form") {
       book.start(*engine);
       book.sample(*engine);
       CHECK(book.result().escaped == 0);
-      CHECK(book.result().overlap_max_share < kMostOverlapShare);
+      CHECK(book.result().overlap_max_share < kMaxOverlapShare);
       for (const CubeState& body : engine->cubes()) CHECK(body.position.z < 0.5);
     }
   }

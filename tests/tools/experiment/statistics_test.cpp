@@ -29,10 +29,16 @@ TEST_CASE("A gap that hits one of several runs falls out of the minimum by step"
 
 TEST_CASE("The exponent of a power law is found") {
   std::vector<double> x, y;
-  for (int i = 1; i <= 6; ++i) x.push_back(std::pow(10.0, i)), y.push_back(0.3 * std::pow(10.0, 1.25 * i));
+  for (int i = 1; i <= 6; ++i) {
+    x.push_back(std::pow(10.0, i));
+    y.push_back(0.3 * std::pow(10.0, 1.25 * i));
+  }
   CHECK(power_law_exponent(x, y) == Approx(1.25).epsilon(1e-12));
   // What is not positive has no logarithm.
-  x.push_back(0), y.push_back(7), x.push_back(7), y.push_back(0);
+  x.push_back(0);
+  y.push_back(7);
+  x.push_back(7);
+  y.push_back(0);
   CHECK(power_law_exponent(x, y) == Approx(1.25).epsilon(1e-12));
   CHECK(power_law_exponent(std::vector<double>{3, 3}, std::vector<double>{1, 2}) == 0);
 }

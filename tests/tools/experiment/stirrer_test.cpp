@@ -95,7 +95,7 @@ TEST_CASE("The rods are where they are prescribed in every engine, and push as m
     const Quality quality = book.result();
     CHECK(quality.escaped == 0);
     CHECK(quality.rod_travel_m == Approx(scene->stirrer->path_length_m(stirs * scene->step_s)).epsilon(0.01));
-    CHECK(quality.travel_m > 2 * kLeastTravelShare * quality.rod_travel_m);
+    CHECK(quality.travel_m > 2 * kMinTravelShare * quality.rod_travel_m);
     travels.push_back(quality.travel_m);
   }
   const auto [least, most] = std::minmax_element(travels.begin(), travels.end());

@@ -87,7 +87,8 @@ TEST_CASE("How far two direct runs go apart that start 1 um apart stands beside 
   request.scenes.push_back(std::move(scene).value());
   for (const unsigned ratio : {2u, 8u})
     request.schemes.push_back({haptics::CouplingScheme::kSubWorld, physics::BorderMode::kGhost, ratio});
-  request.seconds = 0.2, request.floor = true;
+  request.seconds = 0.2;
+  request.floor = true;
   const auto rows = run_whole(request, {});
   REQUIRE(rows.ok());
   REQUIRE(rows.value().size() == 3);

@@ -14,7 +14,8 @@ namespace {
 
 Options real_time() {
   Options options;
-  options.real_time = true, options.priority = 0;
+  options.real_time = true;
+  options.priority = 0;
   return options;
 }
 
@@ -65,7 +66,8 @@ TEST_CASE("a monitor or another thread ends a run, and a short history says what
   std::uint64_t seen = 0, lost = 0;
   REQUIRE_FALSE(session.run(0, [&](const Progress& progress) {
     CHECK(progress.ticks.size() <= 2);
-    seen += progress.ticks.size(), lost += progress.ticks_lost;
+    seen += progress.ticks.size();
+    lost += progress.ticks_lost;
     return seen < 10;
   }));
   CHECK(lost > 0);

@@ -22,7 +22,10 @@ class Puck final : public Device {
 
   DeviceProperties properties() const override { return properties_now; }
   Error start(double period) override {
-    ++starts, period_s = period, position_m = -0.005, velocity_m_per_s = time_s = 0;
+    ++starts;
+    period_s = period;
+    position_m = -0.005;
+    velocity_m_per_s = time_s = 0;
     return start_error;
   }
   Reading read(DeviceSample& out) noexcept override {
@@ -121,7 +124,8 @@ TEST_CASE("what a device gets wrong is a fault by its name, the force goes, and 
     CHECK(session.last().force_N == Vector3{});
     CHECK_FALSE(puck.commands.back().force_on);
     CHECK(puck.commands.back().brake);
-    puck.reading = Reading::kFresh, puck.sample = {};
+    puck.reading = Reading::kFresh;
+    puck.sample = {};
     session.request(Request::kRearm);
     std::size_t clears = 0;
     const std::size_t before = puck.commands.size();
@@ -131,10 +135,22 @@ TEST_CASE("what a device gets wrong is a fault by its name, the force goes, and 
     CHECK(session.last().fault == FaultCode::kNone);
     CHECK(puck.commands.back().force_on);
   };
-  SECTION("no samples") { puck.reading = Reading::kMissing, expect(FaultCode::kLinkLost); }
-  SECTION("gone") { puck.reading = Reading::kDisconnected, expect(FaultCode::kDeviceUnplugged); }
-  SECTION("a fault of its own") { puck.sample.fault = 9, expect(FaultCode::kDeviceFault); }
-  SECTION("no rotation") { puck.sample.rotation = {0, 0, 0, 0}, expect(FaultCode::kInputRotation); }
+  SECTION("no samples") {
+    puck.reading = Reading::kMissing;
+    expect(FaultCode::kLinkLost);
+  }
+  SECTION("gone") {
+    puck.reading = Reading::kDisconnected;
+    expect(FaultCode::kDeviceUnplugged);
+  }
+  SECTION("a fault of its own") {
+    puck.sample.fault = 9;
+    expect(FaultCode::kDeviceFault);
+  }
+  SECTION("no rotation") {
+    puck.sample.rotation = {0, 0, 0, 0};
+    expect(FaultCode::kInputRotation);
+  }
   SECTION("no number") {
     puck.sample.rotation = {std::nan(""), 0, 0, 0};
     expect(FaultCode::kInputNotFinite);
@@ -160,7 +176,8 @@ TEST_CASE("a device that cannot be is refused, by the figure and what is accepte
   CHECK_THAT(said([](Puck& p) { p.properties_now.delay_s = 0.05; }),
              Contains("is not stable at 1000 Hz on this device"));
   Options usb;
-  usb.device = "usb", usb.real_time = true;
+  usb.device = "usb";
+  usb.real_time = true;
   CHECK_THAT(said([](Puck&) {}, usb), Contains("beside a Device"));
   Options inject;
   inject.inject = "lost@100+5";

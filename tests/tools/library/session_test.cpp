@@ -77,7 +77,10 @@ TEST_CASE("a session is opened anew with what it was opened with") {
 
 TEST_CASE("two sessions in one program do not know of each other") {
   Session one = session_of(scene_of("press.toml")), other = session_of(scene_of("press.toml"));
-  for (int i = 0; i < 10; ++i) step(one, 60), step(other, 60);
+  for (int i = 0; i < 10; ++i) {
+    step(one, 60);
+    step(other, 60);
+  }
   Session alone = session_of(scene_of("press.toml"));
   step(alone, 600);
   CHECK(one.state_hash() == alone.state_hash());
@@ -94,9 +97,9 @@ TEST_CASE("bodies are where both worlds have them, members by the sub-world and 
   std::size_t members = 0;
   for (const auto& body : inner->global->bodies()) {
     const auto& world = inner->loop->sub_world().world();
-    const std::int32_t slot = world.slot_of(body.id);
-    members += slot >= 0 ? 1 : 0;
-    const auto& motion = slot >= 0 ? world.bodies()[static_cast<std::size_t>(slot)].motion : body.motion;
+    const physics::Body* member = world.find(body.id);
+    members += member != nullptr ? 1 : 0;
+    const auto& motion = member != nullptr ? member->motion : body.motion;
     CAPTURE(body.id);
     CHECK(bodies[body.id].position_m ==
           Vector3{motion.pose.position.x, motion.pose.position.y, motion.pose.position.z});
@@ -309,7 +312,8 @@ TEST_CASE("mistakes are errors with the library's own words, and the session is 
   CHECK_THAT(file.message(), Contains("no/scene.toml") && Contains("cannot be read"));
   CHECK(session.open(Scene(), {}).kind() == Error::Kind::kUse);
   Options real;
-  real.real_time = true, real.device = "can:no_such_bus";
+  real.real_time = true;
+  real.device = "can:no_such_bus";
   CHECK(session.open(scene, real).kind() == Error::Kind::kMachine);
   real.device = "sim";
   REQUIRE_FALSE(session.open(scene, real));

@@ -100,7 +100,7 @@ class SlowClients {
 
 TEST_CASE("who is slow to ask keeps nobody from disarming, however many they are") {
   // One after the other they would take longer than whoever asks waits.
-  for (const int count : {8, 3 * static_cast<int>(kMostClients)}) {
+  for (const int count : {8, 3 * static_cast<int>(kMaxClients)}) {
     Bench bench;
     const SlowClients slow(bench.socket, count);
     CHECK(bench.ask("disarm")["ok"] == true);
@@ -237,9 +237,11 @@ TEST_CASE("the monitor tells what changed, and that the loop is alive") {
     monitor.look(live, 0.4);
     CHECK(monitor.alive());
     CHECK(monitor.rate_Hz() == Approx(1000));
-    live.ticks = 400, live.overruns = 3;
+    live.ticks = 400;
+    live.overruns = 3;
     monitor.look(live, 0.6);
-    live.ticks = 600, live.fault = static_cast<std::uint32_t>(Fault::kEmergencyStop);
+    live.ticks = 600;
+    live.fault = static_cast<std::uint32_t>(Fault::kEmergencyStop);
     monitor.look(live, 0.8);
     monitor.look(live, 1.0);
     CHECK_FALSE(monitor.alive());
@@ -263,15 +265,21 @@ TEST_CASE("the log says when force comes and goes, and not twice where a fault t
   const std::string lines = written([&](EventLog& log) {
     Monitor monitor(log);
     monitor.look(live, 0.2);
-    live.ticks = 200, live.status = kNotArmed;
+    live.ticks = 200;
+    live.status = kNotArmed;
     monitor.look(live, 0.4);
-    live.ticks = 400, live.status = 0;
+    live.ticks = 400;
+    live.status = 0;
     monitor.look(live, 0.6);
-    live.ticks = 600, live.status = kNotArmed;
+    live.ticks = 600;
+    live.status = kNotArmed;
     monitor.look(live, 0.8);
-    live.ticks = 800, live.status = 0;
+    live.ticks = 800;
+    live.status = 0;
     monitor.look(live, 2.0);
-    live.ticks = 1000, live.status = kNotArmed, live.fault = static_cast<std::uint32_t>(Fault::kEmergencyStop);
+    live.ticks = 1000;
+    live.status = kNotArmed;
+    live.fault = static_cast<std::uint32_t>(Fault::kEmergencyStop);
     monitor.look(live, 4.0);
   });
   CHECK_THAT(lines, StartsWith("running rate_Hz=1000 ") && Contains("\narmed\ndisarmed\narmed\nfault code="));
@@ -300,7 +308,8 @@ TEST_CASE("systemd is told over its socket, and nobody where there is none") {
   CHECK(watchdog_period_s() == Approx(5));
   setenv("WATCHDOG_PID", "1", 1);
   CHECK(watchdog_period_s() == 0);
-  unsetenv("WATCHDOG_USEC"), unsetenv("WATCHDOG_PID");
+  unsetenv("WATCHDOG_USEC");
+  unsetenv("WATCHDOG_PID");
 }
 
 }  // namespace tactus::service

@@ -26,7 +26,10 @@ void let_start_pass(ArmGate& gate) {
 TEST_CASE("the tick after the first IDLE ones arms, later a request for force waits until the device is the same") {
   int asked = 0;
   bool same = true;
-  ArmGate gate([&] { return ++asked, same ? Status::good() : Status::error("another device"); });
+  ArmGate gate([&] {
+    ++asked;
+    return same ? Status::good() : Status::error("another device");
+  });
   let_start_pass(gate);
   CHECK(gate.pass(kArm) == kArm);
   for (const auto bit : {kArm, kRearm}) {

@@ -91,7 +91,8 @@ TEST_CASE("a stage has counts per metre before those per turn, and a link may na
     REQUIRE(text.find(from) != std::string::npos);
     text.replace(text.find(from), from.size(), to);
   };
-  replace("upper_arm_m = 0.45\n", ""), replace("forearm_m = 0.45\n", "");
+  replace("upper_arm_m = 0.45\n", "");
+  replace("forearm_m = 0.45\n", "");
   replace("counts_per_turn = [262144, 262144, 262144, 65536, 65536, 65536]",
           "counts_per_m = [1e5, 2e5, 3e5]\ncounts_per_turn = [1000, 2000, 3000]");
   replace("[link]", "[link]\nusb_serial = \"A1-7\"\ncan_node = 9");

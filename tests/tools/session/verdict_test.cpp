@@ -35,7 +35,9 @@ std::uint64_t& ticks_of(RunSummary& s, StatusBit bit) {
 
 void fail_step(RunSummary& s, bool privilege) {
   loop::SetupStep step;
-  step.name = "kernel", step.ok = false, step.privilege = privilege;
+  step.name = "kernel";
+  step.ok = false;
+  step.privilege = privilege;
   REQUIRE(s.setup.steps.try_push(step));
 }
 
@@ -70,7 +72,11 @@ TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure
            REQUIRE(s.stats.faults.try_push({5, Fault::kEmergencyStop, cleared}));
        }},
       {"samples", Level::kDegraded, "in 20 ticks no sample came, in 5 it was refused",
-       [](RunSummary& s) { s.stats.ticks = 2000, s.stats.status_ticks[0] = 20, s.stats.status_ticks[2] = 5; }},
+       [](RunSummary& s) {
+         s.stats.ticks = 2000;
+         s.stats.status_ticks[0] = 20;
+         s.stats.status_ticks[2] = 5;
+       }},
       {"own-work", Level::kBad, "1 ticks were lost to the program's own work",
        [](RunSummary& s) { s.overruns_own_work = 1; }},
       {"scene", Level::kBad, "bodies 1 and 2 overlap by 0.02 m",
@@ -90,10 +96,17 @@ TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure
        [](RunSummary& s) { ticks_of(s, kBorderSpent) = 601; }},
       {"border", Level::kBad, "6001 of 60000", [](RunSummary& s) { ticks_of(s, kBorderSpent) = 6'001; }},
       {"capacity", Level::kDegraded, "12 entries were left out",
-       [](RunSummary& s) { s.stats.capacity_bits = 1, s.stats.dropped = 12; }},
+       [](RunSummary& s) {
+         s.stats.capacity_bits = 1;
+         s.stats.dropped = 12;
+       }},
       {"capacity", Level::kDegraded, "a capacity was exceeded", [](RunSummary& s) { s.global.capacity_bits = 1; }},
       {"deadlines", Level::kDegraded, "lost 45 deadlines: 40 ticks late, 5 skipped",
-       [](RunSummary& s) { s.overruns_late_wake = 30, s.overruns_interrupted = 10, s.timing.skipped_ticks = 5; }},
+       [](RunSummary& s) {
+         s.overruns_late_wake = 30;
+         s.overruns_interrupted = 10;
+         s.timing.skipped_ticks = 5;
+       }},
       {"clock", Level::kDegraded, "its clock lost 650 of 60000 ms", [](RunSummary& s) { s.stats.cycles -= 65; }},
       {"set-up", Level::kDegraded, "without kernel", [](RunSummary& s) { fail_step(s, false); }},
       {"set-up", Level::kDegraded, "without kernel", [](RunSummary& s) { fail_step(s, true); }},
@@ -124,8 +137,10 @@ TEST_CASE("just within its limits a run is good") {
   s.stats.deepest_share = 0.099;
   s.global.energy.unexplained_J = 0.0099;
   ticks_of(s, kBorderSpent) = 600;
-  s.overruns_late_wake = 4, s.timing.skipped_ticks = 2, s.timing.ticks -= 2;  // 6 of 60 000
-  s.stats.cycles -= 60;                                                       // 600 ms
+  s.overruns_late_wake = 4;
+  s.timing.skipped_ticks = 2;
+  s.timing.ticks -= 2;   // 6 of 60 000
+  s.stats.cycles -= 60;  // 600 ms
   CHECK(judge(s).line() == "good");
 }
 
@@ -133,7 +148,8 @@ TEST_CASE("one late tick of a short run is not deadlines in numbers, two are") {
   CHECK(most_lost_of_10000(100'000) == 1);
   CHECK(most_lost_of_10000(2'000) == 5);
   RunSummary s = good_run();
-  s.stats.ticks = s.timing.ticks = 2'000, s.stats.cycles = 200;
+  s.stats.ticks = s.timing.ticks = 2'000;
+  s.stats.cycles = 200;
   s.overruns_late_wake = 1;
   CHECK(judge(s).level() == Level::kGood);
   s.overruns_late_wake = 2;
@@ -148,7 +164,8 @@ TEST_CASE("the energy rule says nothing where the book is not complete, and noth
   for (const Ruling& ruling : judge(s).rulings) CHECK(ruling.rule != "energy");
   s.global.energy.complete = true;
   CHECK(judge(s).level() == Level::kBad);
-  s.global.energy.most_kinetic_J = 1e-6, s.global.energy.unexplained_J = 1e-4;
+  s.global.energy.most_kinetic_J = 1e-6;
+  s.global.energy.unexplained_J = 1e-4;
   CHECK(judge(s).level() == Level::kGood);
 }
 

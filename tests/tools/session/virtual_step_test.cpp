@@ -12,7 +12,8 @@ TEST_CASE("searching for contacts takes virtual time, as bodies and contacts do"
   CHECK(nothing_ns == Approx(cost.fixed));
   last.comparisons = 500;
   CHECK(session::global_step_ns(last, 10) - nothing_ns == Approx(500 * cost.per_search));
-  last.comparisons = 0, last.awake = 100;
+  last.comparisons = 0;
+  last.awake = 100;
   CHECK(session::global_step_ns(last, 10) - nothing_ns == Approx(100 * (cost.per_body + 10 * cost.per_body_sub_step)));
 }
 

@@ -89,7 +89,10 @@ TEST_CASE("a run beyond what fewer members cure, or on another machine, is refus
     return check_budget(good_budget(), machine, request).refusal;
   };
   Machine cpu = kHere, kernel = kHere, boot = kHere, governor = kHere, cores = kHere;
-  cpu.cpu_model = "Other CPU", kernel.kernel = "6.1.0", boot.boot_line = "quiet", governor.governor = "powersave";
+  cpu.cpu_model = "Other CPU";
+  kernel.kernel = "6.1.0";
+  boot.boot_line = "quiet";
+  governor.governor = "powersave";
   cores.cores = 2;
   CHECK_THAT(refusal(cpu, {}), Contains("CPU 'Some CPU', here it is 'Other CPU'"));
   CHECK_THAT(refusal(kernel, {}), Contains("kernel"));

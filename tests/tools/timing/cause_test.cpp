@@ -18,7 +18,8 @@ MachineChange quiet() { return {20'000'000, InterruptCounts{20, 0, 0}, 0, 0}; }
 
 TEST_CASE("a tick whose counts foresaw the time that it took is own work") {
   auto t = delayed_in_solve(1, 1'200'000);
-  t.cpu_ns += 1'200'000, t.foreseen_ns = 1'300'000;
+  t.cpu_ns += 1'200'000;
+  t.foreseen_ns = 1'300'000;
   const auto a = attribute(t, kPeriod_ns, kUsual, quiet());
   CHECK(a.cause == Cause::kOwnWork);
   CHECK_THAT(a.evidence, Contains("1415 of them on its core, 1300 foreseen") && Contains("40 members"));
@@ -37,7 +38,8 @@ TEST_CASE("a tick that was interrupted has the cause that the kernel counted") {
   auto t = delayed_in_solve(1, 1'500'000);  // on its core for 215 us only
 
   SECTION("page faults before all else") {
-    t.minor_faults = 2, t.involuntary_switches = 1;
+    t.minor_faults = 2;
+    t.involuntary_switches = 1;
     const auto a = attribute(t, kPeriod_ns, kUsual, quiet());
     CHECK(a.cause == Cause::kPageFault);
     CHECK_THAT(a.evidence, Contains("2 minor, 0 major"));
@@ -47,7 +49,8 @@ TEST_CASE("a tick that was interrupted has the cause that the kernel counted") {
     CHECK(attribute(t, kPeriod_ns, kUsual, quiet()).cause == Cause::kContextSwitch);
   }
   SECTION("a context switch that cost no time is none") {
-    t.involuntary_switches = 1, t.cpu_ns = t.wrote_ns - t.woke_ns;
+    t.involuntary_switches = 1;
+    t.cpu_ns = t.wrote_ns - t.woke_ns;
     CHECK(attribute(t, kPeriod_ns, kUsual, quiet()).cause == Cause::kMachine);
   }
   SECTION("an interrupt of a device on its core") {
@@ -59,7 +62,8 @@ TEST_CASE("a tick that was interrupted has the cause that the kernel counted") {
   }
   SECTION("what a host took outweighs interrupts") {
     auto change = quiet();
-    change.interrupts->devices = 3, change.stolen_ms = 10;
+    change.interrupts->devices = 3;
+    change.stolen_ms = 10;
     const auto a = attribute(t, kPeriod_ns, kUsual, change);
     CHECK(a.cause == Cause::kMachine);
     CHECK_THAT(a.evidence, Contains("its host took 10 ms"));
@@ -96,11 +100,13 @@ TEST_CASE("a tick that was interrupted has the cause that the kernel counted") {
 TEST_CASE("a late tick that met its deadline has the cause of the part that grew most") {
   CHECK(attribute(woken_late(1, 200'000), kPeriod_ns, kUsual, quiet()).cause == Cause::kLateWake);
   auto work = delayed_in_solve(1, 200'000);
-  work.cpu_ns += 200'000, work.foreseen_ns = 390'000;
+  work.cpu_ns += 200'000;
+  work.foreseen_ns = 390'000;
   CHECK(attribute(work, kPeriod_ns, kUsual, quiet()).cause == Cause::kComputing);  // own work is an overrun's
   // On its core all the time, as it seems; but 2 x 90 us are the most that its counts explain.
   auto unexplained = delayed_in_solve(1, 500'000);
-  unexplained.cpu_ns += 500'000, unexplained.foreseen_ns = 90'000;
+  unexplained.cpu_ns += 500'000;
+  unexplained.foreseen_ns = 90'000;
   CHECK(attribute(unexplained, kPeriod_ns, kUsual, quiet()).cause == Cause::kMachine);
 }
 

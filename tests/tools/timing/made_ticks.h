@@ -22,7 +22,11 @@ inline loop::TickTimes usual_tick(std::uint64_t number) {
   t.wrote_ns = t.stepped_ns + 20'000;
   t.cpu_ns = t.wrote_ns - t.woke_ns;
   t.foreseen_ns = 200'000;
-  t.members = 40, t.contacts = 100, t.points = 400, t.border = 30, t.sub_steps = 4;
+  t.members = 40;
+  t.contacts = 100;
+  t.points = 400;
+  t.border = 30;
+  t.sub_steps = 4;
   t.into_window = 1000;
   return t;
 }
@@ -30,13 +34,19 @@ inline loop::TickTimes usual_tick(std::uint64_t number) {
 // Everything from the solver's end on comes this much later.
 inline loop::TickTimes delayed_in_solve(std::uint64_t number, std::int64_t by_ns) {
   loop::TickTimes t = usual_tick(number);
-  t.stepped_ns += by_ns, t.computed_ns += by_ns, t.wrote_ns += by_ns;
+  t.stepped_ns += by_ns;
+  t.computed_ns += by_ns;
+  t.wrote_ns += by_ns;
   return t;
 }
 
 inline loop::TickTimes woken_late(std::uint64_t number, std::int64_t by_ns) {
   loop::TickTimes t = delayed_in_solve(number, by_ns);
-  t.woke_ns += by_ns, t.read_ns += by_ns, t.adopted_ns += by_ns, t.coupled_ns += by_ns, t.collided_ns += by_ns;
+  t.woke_ns += by_ns;
+  t.read_ns += by_ns;
+  t.adopted_ns += by_ns;
+  t.coupled_ns += by_ns;
+  t.collided_ns += by_ns;
   return t;
 }
 

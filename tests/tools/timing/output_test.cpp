@@ -73,7 +73,9 @@ TEST_CASE("the trace has the stages of the ticks around a spike, and a mark on i
 
 TEST_CASE("the report has percentiles by stage in us, overruns by cause and the verdict") {
   TimingResult made = made_result();
-  made.options.run.scene = "my/scene.toml", made.summary.scene_name = "scene", made.summary.scene_hash = "0123";
+  made.options.run.scene = "my/scene.toml";
+  made.summary.scene_name = "scene";
+  made.summary.scene_hash = "0123";
   const auto j = to_json(made);
   CHECK(j["scene"] == "scene");
   CHECK(j["scene_file"] == "my/scene.toml");
@@ -93,7 +95,8 @@ TEST_CASE("the report has percentiles by stage in us, overruns by cause and the 
 TEST_CASE("of the latest ticks each says whether it was an overrun, and only those are own work") {
   TimingResult r = made_result();
   auto heavy = delayed_in_solve(500, 500'000);
-  heavy.cpu_ns += 500'000, heavy.foreseen_ns = 700'000;
+  heavy.cpu_ns += 500'000;
+  heavy.foreseen_ns = 700'000;
   r.books.add_loop(heavy);
   r.books.finish();
   CHECK_THAT(to_text(r),
@@ -119,7 +122,8 @@ TEST_CASE("the worst case is a scene that loads, with more bodies than may be me
 TEST_CASE("the worst case runs at any rate, with as few sub-steps as may be") {
   for (const double rate_Hz : {100.0, 333.0, 1000.0, 4000.0}) {
     session::RunOptions options;
-    options.virtual_time = true, options.rate_Hz = rate_Hz;
+    options.virtual_time = true;
+    options.rate_Hz = rate_Hz;
     auto scene = sim::parse_scene(capacity_scene(2, 1, 10, rate_Hz), "capacity");
     REQUIRE(scene.ok());
     const auto session = session::Session::create(std::move(scene).value(), options);

@@ -46,7 +46,8 @@ TEST_CASE("warm-up and the first ticks after another window are not counted") {
   for (std::uint64_t i = 0; i < 5; ++i) books.add_loop(usual_tick(i));
   CHECK(books.ticks == 2);
   auto first = usual_tick(5);
-  first.into_window = 9, first.minor_faults = 7;
+  first.into_window = 9;
+  first.minor_faults = 7;
   books.add_loop(first);
   CHECK(books.ticks == 2);
   CHECK(books.minor_faults == 0);
@@ -108,7 +109,8 @@ TEST_CASE("the verdict tells the program's promise from the machine's") {
 
   TickStatistics own = good;
   auto work = delayed_in_solve(1000, 1'200'000);
-  work.cpu_ns += 1'200'000, work.foreseen_ns = 1'300'000;
+  work.cpu_ns += 1'200'000;
+  work.foreseen_ns = 1'300'000;
   own.add_loop(work);
   own.finish();
   CHECK(row(judge(own), "ticks lost to own work").measured == 1);

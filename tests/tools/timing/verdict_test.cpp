@@ -21,7 +21,9 @@ std::vector<VerdictRow> rows_with(const session::RunSummary& summary) {
 TEST_CASE("a simulation that is bad makes a timing run bad, one that is degraded makes it no good") {
   session::RunSummary summary;
   summary.real_time = summary.has_global = true;
-  summary.stats.ticks = 1000, summary.stats.cycles = 100, summary.ratio = 10;
+  summary.stats.ticks = 1000;
+  summary.stats.cycles = 100;
+  summary.ratio = 10;
   CHECK(verdict_of(rows_with(summary)) == TimingVerdict::kGood);
   summary.global.overlap = {0.2, 1e-3, 3, 7};
   CHECK(verdict_of(rows_with(summary)) == TimingVerdict::kMachine);
@@ -36,7 +38,8 @@ TEST_CASE("a line of the set-up that says FAIL, the kernel's too, is no good tim
   session::RunSummary summary;
   summary.real_time = true;
   loop::SetupStep kernel;
-  kernel.name = "kernel", kernel.ok = false;
+  kernel.name = "kernel";
+  kernel.ok = false;
   REQUIRE(summary.setup.steps.try_push(kernel));
   CHECK(verdict_of(rows_with(summary)) == TimingVerdict::kMachine);
   CHECK(session::judge(summary).level() == session::Level::kDegraded);

@@ -73,7 +73,8 @@ TEST_CASE("Where the global world is too slow the ratio rises, and where nothing
 
 TEST_CASE("A notch changes one factor, stays within the limits and resolves the contacts") {
   Limits limits = kLimits;
-  limits.members = 20, limits.sub_steps = 8;
+  limits.members = 20;
+  limits.sub_steps = 8;
   for (const Setting& s : {setting(1, 1, 2, 16), setting(4, 2, 16, 10), setting(8, 2, 20, 1)}) {
     for (const auto& notches : {notches_up(s, limits), notches_down(s, limits)})
       for (const Notch& notch : notches) {

@@ -14,10 +14,13 @@ namespace {
 
 TuneReport made_up() {
   TuneReport report;
-  report.file = "my.toml", report.scene = "my", report.scene_hash = "0123";
+  report.file = "my.toml";
+  report.scene = "my";
+  report.scene_hash = "0123";
   report.limits = {.tick_us = 600, .global_us = 800, .members = 256, .sub_steps = 16, .bodies = 40};
   report.chosen.setting = {.sub_steps = 8, .relax_sweeps = 2, .contact_Hz = 250, .members = 40, .ratio = 4};
-  report.chosen.tick_us_p99 = 400, report.chosen.force_error = 0.02;
+  report.chosen.tick_us_p99 = 400;
+  report.chosen.force_error = 0.02;
   FurtherStep step;
   step.notch = {"sub-steps", "8", "16", report.chosen.setting};
   step.notch.setting.sub_steps = 16;
@@ -64,9 +67,11 @@ TEST_CASE("A real run holds where next to nothing was given up and no tick was l
   CHECK(run.holds());
   run.late_share = 0.02;
   CHECK_FALSE(run.holds());
-  run = {}, run.lost = 1;
+  run = {};
+  run.lost = 1;
   CHECK_FALSE(run.holds());
-  run = {}, run.reduced_share = 0.02;
+  run = {};
+  run.reduced_share = 0.02;
   CHECK_FALSE(run.holds());
 }
 

@@ -26,7 +26,9 @@ RandomTrial trial_of(std::uint64_t seed, unsigned fallen, std::vector<BodyId> fe
   RandomTrial trial;
   trial.seed = seed;
   trial.row.energy_at_play_J = 1;
-  trial.row.standing = 3, trial.row.fallen = fallen, trial.row.stands = fallen == 0;
+  trial.row.standing = 3;
+  trial.row.fallen = fallen;
+  trial.row.stands = fallen == 0;
   trial.row.pose_off_share = off_share;
   trial.fell = std::move(fell);
   return trial;

@@ -16,7 +16,7 @@ using namespace tactus::hard_cases;
 namespace {
 
 constexpr double kResidual = 1e-10, kAgreement = 1e-6;
-constexpr std::size_t kMost = 100'000;
+constexpr std::size_t kMax = 100'000;
 constexpr BodyId kGround = 1000;
 
 // A point of `mass` on the ground, with velocity `v`: the frame's axes are normal, t1, t2.
@@ -117,7 +117,7 @@ TEST_CASE("a point that meets the ground sticks within the cone, slides at its e
   for (const bool admm : {false, true}) {
     const auto solve = [&](const Eigen::Vector3d& v) {
       const ContactProblem p = point_on_ground(m, v, mu);
-      const Solution s = admm ? solve_admm(p, 1e-13, kMost) : solve_gauss_seidel(p, 1e-13, kMost);
+      const Solution s = admm ? solve_admm(p, 1e-13, kMax) : solve_gauss_seidel(p, 1e-13, kMax);
       return Eigen::Vector3d(s.impulse);
     };
     CHECK((solve({-1, 0.3, 0.2}) - m * Eigen::Vector3d(1, -0.3, -0.2)).norm() < 1e-10);
@@ -159,7 +159,7 @@ TEST_CASE("one contact's problem is solved exactly whatever its matrix: compleme
 TEST_CASE("both methods solve every stored problem to 1e-10 and agree on each body's net wrench to 1e-6") {
   for (const Scenario& scenario : kScenarios) {
     const ContactProblem problem = stored(scenario.name);
-    const Solution a = solve_gauss_seidel(problem, kResidual, kMost), b = solve_admm(problem, kResidual, kMost);
+    const Solution a = solve_gauss_seidel(problem, kResidual, kMax), b = solve_admm(problem, kResidual, kMax);
     INFO(scenario.name << ": " << problem.contacts() << " contacts, " << a.iterations << " sweeps, " << b.iterations
                        << " steps, residuals " << a.residual << " and " << b.residual);
     CHECK(a.residual <= kResidual);
@@ -184,7 +184,7 @@ TEST_CASE("a stored problem is the one that the world gives today, and text give
 
 TEST_CASE("a resting stack's step has the reference's net wrenches") {
   const ContactProblem problem = stored("stack_of_four");
-  const Solution s = solve_gauss_seidel(problem, kResidual, kMost);
+  const Solution s = solve_gauss_seidel(problem, kResidual, kMax);
   const Eigen::VectorXd wrench = net_wrenches(problem, s.impulse);
   for (Eigen::Index body = 0; body < problem.bodies(); ++body) {
     CHECK(wrench[6 * body + 2] == Approx(kGravity * 1e-3).epsilon(1e-4));  // m g dt

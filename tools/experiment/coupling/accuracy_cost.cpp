@@ -31,8 +31,10 @@ CostPoint point_of(const std::string& scene, const Setting& setting, const Setti
   point.force_error = sums.error.relative();
   point.hold_vibration_N = median(sums.vibration);
   point.sync_step_N = quantile(sums.steps, 0.95);
-  point.loss = sums.energy.kinetic().loss, point.gain = sums.energy.kinetic().gain;
-  point.tick_us_p50 = median(sums.ticks_us), point.tick_us_p99 = quantile(sums.ticks_us, 0.99);
+  point.loss = sums.energy.kinetic().loss;
+  point.gain = sums.energy.kinetic().gain;
+  point.tick_us_p50 = median(sums.ticks_us);
+  point.tick_us_p99 = quantile(sums.ticks_us, 0.99);
   point.tick_us_max = quantile(sums.ticks_us, 1);
   point.global_us_per_tick = median(sums.global_us) / setting.ratio;
   return point;
@@ -55,8 +57,10 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
     if (n >= least_sub_steps(base.contact_Hz))
       add("sub-steps", base.sub_steps, n, [n](Setting& s) { s.sub_steps = n; });
   for (const unsigned n : {1u, 2u})
-    add("relax sweeps", base.relax_sweeps, n,
-        [n](Setting& s) { s.relax_sweeps = n, s.friction = physics::resolve(FrictionSweeps::kAuto, n); });
+    add("relax sweeps", base.relax_sweeps, n, [n](Setting& s) {
+      s.relax_sweeps = n;
+      s.friction = physics::resolve(FrictionSweeps::kAuto, n);
+    });
   for (const FrictionSweeps sweeps : {FrictionSweeps::kRelax, FrictionSweeps::kEvery})
     add("friction in sweeps", sim::name_of(base.friction), sim::name_of(sweeps),
         [sweeps](Setting& s) { s.friction = sweeps; });
@@ -77,10 +81,12 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
 
 Setting default_setting(const sim::Scene& scene, unsigned members) {
   Setting setting;
-  setting.sub_steps = scene.solver.sub_steps, setting.relax_sweeps = scene.solver.relax_sweeps;
+  setting.sub_steps = scene.solver.sub_steps;
+  setting.relax_sweeps = scene.solver.relax_sweeps;
   setting.friction = physics::resolve(scene.solver.friction_sweeps, setting.relax_sweeps);
   setting.contact_Hz = scene.solver.contact_hertz;
-  setting.members = members, setting.ratio = kDefaultRatio;
+  setting.members = members;
+  setting.ratio = kDefaultRatio;
   return setting;
 }
 
@@ -125,14 +131,23 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, const P
   const std::size_t first = report.points.size();
   for (std::size_t i = 0; i < settings.size(); ++i) {
     report.points.push_back(point_of(one.name, settings[i], sums[i]));
-    report.points.back().force_error_by_seed = errors[i], report.points.back().tick_us_by_seed = ticks_us[i];
+    report.points.back().force_error_by_seed = errors[i];
+    report.points.back().tick_us_by_seed = ticks_us[i];
   }
   const CostPoint& base = report.points[first];
   for (const Change& change : changes_of(settings[0], moving_bodies(written.value()))) {
     const auto at = std::find(settings.begin(), settings.end(), change.setting) - settings.begin();
     const CostPoint& to = report.points[first + static_cast<std::size_t>(at)];
-    report.notches.push_back({one.name, change.factor, change.from, change.to, base.force_error, to.force_error,
-                              base.tick_us_p50, to.tick_us_p50, base.global_us_per_tick, to.global_us_per_tick});
+    report.notches.push_back({.scene = one.name,
+                              .factor = change.factor,
+                              .from = change.from,
+                              .to = change.to,
+                              .error_before = base.force_error,
+                              .error_after = to.force_error,
+                              .tick_us_before = base.tick_us_p50,
+                              .tick_us_after = to.tick_us_p50,
+                              .global_us_before = base.global_us_per_tick,
+                              .global_us_after = to.global_us_per_tick});
   }
   report.points[first].is_default = true;
   return Status::good();
@@ -207,9 +222,12 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
           for (const auto border : std::span(physics::kBorderModes).first(2)) {
             if (sub_steps < least_sub_steps(base.contact_Hz) || cap == 0 || cap / 2 >= bodies) continue;
             Setting setting = base;
-            setting.sub_steps = sub_steps, setting.relax_sweeps = relax_sweeps;
+            setting.sub_steps = sub_steps;
+            setting.relax_sweeps = relax_sweeps;
             setting.friction = physics::resolve(FrictionSweeps::kAuto, relax_sweeps);
-            setting.members = cap, setting.ratio = ratio, setting.border = border;
+            setting.members = cap;
+            setting.ratio = ratio;
+            setting.border = border;
             add(setting);
           }
   return settings;
@@ -228,7 +246,8 @@ Result<CostReport> run_accuracy_cost(const CostRequest& request, const Progress&
   settle_on_core();
   CostReport report;
   report.seeds = request.seeds;
-  report.period_us = 1e6 / kHapticRate_Hz, report.budget_us = loop::GovernorConfig{}.budget * report.period_us;
+  report.period_us = 1e6 / kHapticRate_Hz;
+  report.budget_us = loop::GovernorConfig{}.budget * report.period_us;
   double work = 0, done = 0;
   for (const CouplingCase& one : request.cases) {
     const auto scene = load_coupling_case(one, 0);

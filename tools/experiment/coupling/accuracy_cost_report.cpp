@@ -5,10 +5,13 @@
 
 #include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/accuracy_cost.h"
+#include "tools/experiment/csv.h"
 #include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
+
+using nlohmann::ordered_json;
 
 // "one more sub-step buys X % for Y us", of the factor's notch.
 std::string sentence_of(const Notch& notch) {
@@ -21,6 +24,61 @@ std::string sentence_of(const Notch& notch) {
       notch.factor, notch.from, notch.to, word(error, "adds"), std::abs(error), word(time_us, "costs"),
       std::abs(time_us), word(global_us, "costs"), std::abs(global_us));
 }
+
+ordered_json json_of(const std::vector<CostPoint>& points) {
+  ordered_json list = ordered_json::array();
+  for (const CostPoint& p : points)
+    list.push_back({{"scene", p.scene},
+                    {"sub_steps", p.setting.sub_steps},
+                    {"relax_sweeps", p.setting.relax_sweeps},
+                    {"friction_sweeps", sim::name_of(p.setting.friction)},
+                    {"contact_Hz", p.setting.contact_Hz},
+                    {"members", p.setting.members},
+                    {"ratio", p.setting.ratio},
+                    {"border", sim::name_of(p.setting.border)},
+                    {"extraction", sim::name_of(p.setting.order)},
+                    {"world_precision", sim::name_of(p.setting.precision)},
+                    {"force_error_rms", p.force_error},
+                    {"force_error_by_seed", p.force_error_by_seed},
+                    {"tick_us_p50_by_seed", p.tick_us_by_seed},
+                    {"hold_vibration_N", p.hold_vibration_N},
+                    {"sync_step_N", p.sync_step_N},
+                    {"loss", p.loss},
+                    {"gain", p.gain},
+                    {"tick_us_p50", p.tick_us_p50},
+                    {"tick_us_p99", p.tick_us_p99},
+                    {"tick_us_max", p.tick_us_max},
+                    {"global_us_per_tick", p.global_us_per_tick},
+                    {"instructions", p.instructions > 0 ? ordered_json(p.instructions) : ordered_json(nullptr)},
+                    {"on_front", p.on_front},
+                    {"is_default", p.is_default}});
+  return list;
+}
+
+constexpr CsvColumn kColumns[] = {
+    {"scene", "scene"},
+    {"sub_steps [1]", "sub_steps"},
+    {"relax_sweeps [1]", "relax_sweeps"},
+    {"friction_sweeps", "friction_sweeps"},
+    {"contact_frequency [Hz]", "contact_Hz"},
+    {"members [1]", "members"},
+    {"ratio [1]", "ratio"},
+    {"border", "border"},
+    {"extraction", "extraction"},
+    {"world_precision", "world_precision"},
+    {"force_error_rms [1]", "force_error_rms"},
+    {"hold_vibration [N]", "hold_vibration_N"},
+    {"sync_step [N]", "sync_step_N"},
+    {"loss [1]", "loss"},
+    {"gain [1]", "gain"},
+    {"tick_p50 [us]", "tick_us_p50"},
+    {"tick_p99 [us]", "tick_us_p99"},
+    {"tick_max [us]", "tick_us_max"},
+    {"global_per_tick [us]", "global_us_per_tick"},
+    {"instructions [1]", "instructions", CsvColumn::Cell::kWhole},
+    {"on_front", "on_front"},
+    {"is_default", "is_default"},
+};
 
 }  // namespace
 
@@ -54,33 +112,7 @@ std::string cost_table(const CostReport& report) {
 }
 
 std::string cost_json(const CostReport& report) {
-  using nlohmann::ordered_json;
-  ordered_json points = ordered_json::array(), notches = ordered_json::array();
-  for (const CostPoint& p : report.points)
-    points.push_back({{"scene", p.scene},
-                      {"sub_steps", p.setting.sub_steps},
-                      {"relax_sweeps", p.setting.relax_sweeps},
-                      {"friction_sweeps", sim::name_of(p.setting.friction)},
-                      {"contact_Hz", p.setting.contact_Hz},
-                      {"members", p.setting.members},
-                      {"ratio", p.setting.ratio},
-                      {"border", sim::name_of(p.setting.border)},
-                      {"extraction", sim::name_of(p.setting.order)},
-                      {"world_precision", sim::name_of(p.setting.precision)},
-                      {"force_error_rms", p.force_error},
-                      {"force_error_by_seed", p.force_error_by_seed},
-                      {"tick_us_p50_by_seed", p.tick_us_by_seed},
-                      {"hold_vibration_N", p.hold_vibration_N},
-                      {"sync_step_N", p.sync_step_N},
-                      {"loss", p.loss},
-                      {"gain", p.gain},
-                      {"tick_us_p50", p.tick_us_p50},
-                      {"tick_us_p99", p.tick_us_p99},
-                      {"tick_us_max", p.tick_us_max},
-                      {"global_us_per_tick", p.global_us_per_tick},
-                      {"instructions", p.instructions > 0 ? ordered_json(p.instructions) : ordered_json(nullptr)},
-                      {"on_front", p.on_front},
-                      {"is_default", p.is_default}});
+  ordered_json notches = ordered_json::array();
   for (const Notch& n : report.notches)
     notches.push_back({{"scene", n.scene},
                        {"factor", n.factor},
@@ -93,7 +125,7 @@ std::string cost_json(const CostReport& report) {
                        {"global_us_before", n.global_us_before},
                        {"global_us_after", n.global_us_after},
                        {"sentence", sentence_of(n)}});
-  return report_text(ordered_json{{"points", points},
+  return report_text(ordered_json{{"points", json_of(report.points)},
                                   {"notches", notches},
                                   {"seeds", report.seeds},
                                   {"period_us", report.period_us},
@@ -101,21 +133,6 @@ std::string cost_json(const CostReport& report) {
                      2);
 }
 
-std::string cost_csv(const CostReport& report) {
-  std::string text =
-      "scene,sub_steps [1],relax_sweeps [1],friction_sweeps,contact_frequency [Hz],members [1],ratio [1],border,"
-      "extraction,world_precision,force_error_rms [1],hold_vibration [N],sync_step [N],loss [1],gain [1],tick_p50 [us],"
-      "tick_p99 [us],tick_max [us],global_per_tick [us],instructions [1],on_front,is_default\n";
-  for (const CostPoint& p : report.points) {
-    const Setting& s = p.setting;
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", p.scene, s.sub_steps,
-                    s.relax_sweeps, sim::name_of(s.friction), s.contact_Hz, s.members, s.ratio, sim::name_of(s.border),
-                    sim::name_of(s.order), sim::name_of(s.precision), p.force_error, p.hold_vibration_N, p.sync_step_N,
-                    p.loss, p.gain, p.tick_us_p50, p.tick_us_p99, p.tick_us_max, p.global_us_per_tick,
-                    p.instructions > 0 ? fmt::format("{:.0f}", p.instructions) : "", p.on_front, p.is_default);
-  }
-  return text;
-}
+std::string cost_csv(const CostReport& report) { return csv_of(kColumns, json_of(report.points)); }
 
 }  // namespace tactus::experiment

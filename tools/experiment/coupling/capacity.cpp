@@ -16,10 +16,10 @@
 namespace tactus::experiment {
 namespace {
 
-constexpr unsigned kLeastBodies = 25;
-constexpr unsigned kLeastSteps = 40;
+constexpr unsigned kMinBodies = 25;
+constexpr unsigned kMinSteps = 40;
 // With five sub-steps in 10 ms, columns of eight cubes come to rest (3e-5 m/s), columns of twelve do not (1e-3 m/s).
-constexpr unsigned kMostLayers = 8;
+constexpr unsigned kMaxLayers = 8;
 // A heap above this multiple of its limit is not run again.
 constexpr double kHopeless = 2;
 constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
@@ -28,7 +28,7 @@ constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
 // A heap as wide as high, up to eight layers, in its box, under a proxy: of at least `least` bodies, enough to fill the
 // layer under the proxy. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
 Result<sim::Scene> make_heap(unsigned least, double rate_Hz) {
-  const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMostLayers);
+  const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMaxLayers);
   const unsigned bodies = (least + layers - 1) / layers * layers;
   const double top_m = kCube_m * layers + kProxyRadius_m + 5e-4;
   const auto sub_steps = std::max(1u, static_cast<unsigned>(std::lround(1 / (rate_Hz * kSubStep_s))));
@@ -115,7 +115,7 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   const auto rest = static_cast<unsigned>(std::lround(kSettle_s * point.rate_Hz));
   const auto settle = rest + static_cast<unsigned>(std::lround(kPress_s * point.rate_Hz));
   const unsigned timed =
-      point.scheme.direct() ? request.ticks : std::max(request.ticks, kLeastSteps * point.scheme.ratio);
+      point.scheme.direct() ? request.ticks : std::max(request.ticks, kMinSteps * point.scheme.ratio);
   std::vector<double>& ticks_us = times.ticks_us.emplace_back();
   std::vector<double>& steps_us = times.steps_us.emplace_back();
   for (unsigned k = 0; k < settle + timed; ++k) {
@@ -129,8 +129,10 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
   }
   const double period_us = 1e6 / point.rate_Hz;
   const std::vector<double> tick_us = minimum_by_step(times.ticks_us), step_us = minimum_by_step(times.steps_us);
-  point.tick_us_p50 = median(tick_us), point.tick_us_p99 = quantile(tick_us, 0.99);
-  point.step_us_p50 = median(step_us), point.step_us_p90 = quantile(step_us, 0.9);
+  point.tick_us_p50 = median(tick_us);
+  point.tick_us_p99 = quantile(tick_us, 0.99);
+  point.step_us_p50 = median(step_us);
+  point.step_us_p90 = quantile(step_us, 0.9);
   point.tick_load = point.tick_us_p99 / period_us;
   point.step_load = point.step_us_p90 / (point.scheme.ratio * period_us);
   return point;
@@ -158,7 +160,8 @@ Bracket find_capacity(unsigned least, unsigned most, const std::function<bool(un
 Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress) {
   settle_on_core();
   CapacityReport report;
-  report.members = request.members, report.runs = request.runs;
+  report.members = request.members;
+  report.runs = request.runs;
   // Each search counts as equal work: most of its time goes into its largest heaps.
   double work = 0, done = 0;
   for (const Scheme& scheme : request.couplings)
@@ -170,7 +173,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
     for (Scheme scheme : request.couplings) {
       for (const unsigned ratio : scheme.direct() ? std::vector<unsigned>{1} : request.ratios) {
         scheme.ratio = ratio;
-        CapacityRow row{scheme, rate_Hz, 0, 0, {}, 0};
+        CapacityRow row{.scheme = scheme, .rate_Hz = rate_Hz, .bodies = 0, .too_many = 0, .breaks = {}, .quotient = 0};
         Status failed = Status::good();
         const auto fits = [&](unsigned bodies) {
           if (!failed.ok()) return false;
@@ -178,7 +181,9 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
               fmt::format("{} at {:g} Hz, ratio {}: {} bodies", sim::name_of(scheme.coupling), rate_Hz, ratio, bodies),
               done);
           CapacityPoint point;
-          point.scheme = scheme, point.rate_Hz = rate_Hz, point.bodies = bodies;
+          point.scheme = scheme;
+          point.rate_Hz = rate_Hz;
+          point.bodies = bodies;
           HeapTimes times;
           while (times.ticks_us.size() < request.runs) {
             const auto timed = time_heap(request, point, times);
@@ -191,9 +196,10 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
           if (!point.fits()) row.breaks = point.step_load > 1 ? "global step" : "tick";
           return point.fits();
         };
-        const Bracket bracket = find_capacity(kLeastBodies, request.most_bodies, fits);
+        const Bracket bracket = find_capacity(kMinBodies, request.most_bodies, fits);
         if (!failed.ok()) return failed;
-        row.bodies = bracket.fits, row.too_many = bracket.too_many;
+        row.bodies = bracket.fits;
+        row.too_many = bracket.too_many;
         if (scheme.direct()) direct_bodies = bracket.fits;
         if (direct_bodies > 0) row.quotient = static_cast<double>(row.bodies) / direct_bodies;
         report.rows.push_back(row);

@@ -4,9 +4,44 @@
 
 #include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/capacity.h"
+#include "tools/experiment/csv.h"
 #include "tools/json_report.h"
 
 namespace tactus::experiment {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json json_of(const std::vector<CapacityPoint>& points) {
+  ordered_json list = ordered_json::array();
+  for (const CapacityPoint& p : points)
+    list.push_back({{"coupling", sim::name_of(p.scheme.coupling)},
+                    {"rate_Hz", p.rate_Hz},
+                    {"ratio", p.scheme.ratio},
+                    {"bodies", p.bodies},
+                    {"contact_points", p.contact_points},
+                    {"tick_us_p50", p.tick_us_p50},
+                    {"tick_us_p99", p.tick_us_p99},
+                    {"step_us_p50", p.step_us_p50},
+                    {"step_us_p90", p.step_us_p90},
+                    {"fits", p.fits()}});
+  return list;
+}
+
+constexpr CsvColumn kColumns[] = {
+    {"coupling", "coupling"},
+    {"rate [Hz]", "rate_Hz"},
+    {"ratio [1]", "ratio"},
+    {"bodies [1]", "bodies"},
+    {"contact_points [1]", "contact_points"},
+    {"tick_p50 [us]", "tick_us_p50"},
+    {"tick_p99 [us]", "tick_us_p99"},
+    {"global_step_p50 [us]", "step_us_p50"},
+    {"global_step_p90 [us]", "step_us_p90"},
+    {"fits", "fits"},
+};
+
+}  // namespace
 
 std::string capacity_table(const CapacityReport& report) {
   std::string text = fmt::format("{:<14} {:>7} {:>5} {:>9} {:>9} {:>12} {:>14}\n", "coupling", "rate Hz", "ratio",
@@ -25,8 +60,7 @@ std::string capacity_table(const CapacityReport& report) {
 }
 
 std::string capacity_json(const CapacityReport& report) {
-  using nlohmann::ordered_json;
-  ordered_json rows = ordered_json::array(), points = ordered_json::array();
+  ordered_json rows = ordered_json::array();
   for (const CapacityRow& row : report.rows)
     rows.push_back({{"coupling", sim::name_of(row.scheme.coupling)},
                     {"rate_Hz", row.rate_Hz},
@@ -35,30 +69,12 @@ std::string capacity_json(const CapacityReport& report) {
                     {"too_many", row.too_many > 0 ? ordered_json(row.too_many) : ordered_json(nullptr)},
                     {"breaks_by", row.breaks},
                     {"times_direct", row.quotient > 0 ? ordered_json(row.quotient) : ordered_json(nullptr)}});
-  for (const CapacityPoint& p : report.points)
-    points.push_back({{"coupling", sim::name_of(p.scheme.coupling)},
-                      {"rate_Hz", p.rate_Hz},
-                      {"ratio", p.scheme.ratio},
-                      {"bodies", p.bodies},
-                      {"contact_points", p.contact_points},
-                      {"tick_us_p50", p.tick_us_p50},
-                      {"tick_us_p99", p.tick_us_p99},
-                      {"step_us_p50", p.step_us_p50},
-                      {"step_us_p90", p.step_us_p90},
-                      {"fits", p.fits()}});
   return report_text(
-      ordered_json{{"rows", rows}, {"points", points}, {"members", report.members}, {"runs", report.runs}}, 2);
+      ordered_json{
+          {"rows", rows}, {"points", json_of(report.points)}, {"members", report.members}, {"runs", report.runs}},
+      2);
 }
 
-std::string capacity_csv(const CapacityReport& report) {
-  std::string text =
-      "coupling,rate [Hz],ratio [1],bodies [1],contact_points [1],tick_p50 [us],tick_p99 [us],global_step_p50 [us],"
-      "global_step_p90 [us],fits\n";
-  for (const CapacityPoint& p : report.points)
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{}\n", sim::name_of(p.scheme.coupling), p.rate_Hz, p.scheme.ratio,
-                    p.bodies, p.contact_points, p.tick_us_p50, p.tick_us_p99, p.step_us_p50, p.step_us_p90, p.fits());
-  return text;
-}
+std::string capacity_csv(const CapacityReport& report) { return csv_of(kColumns, json_of(report.points)); }
 
 }  // namespace tactus::experiment

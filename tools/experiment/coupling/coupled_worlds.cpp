@@ -145,7 +145,7 @@ EnergySample CoupledWorlds::motion() const noexcept {
     if (haptic_side_moves(body.id)) add_motion(body, sum);
   if (!exchanges()) return sum;
   for (const auto& body : global_->bodies())
-    if (inner.slot_of(body.id) < 0 || !haptic_side_moves(body.id)) add_motion(body, sum);
+    if (inner.find(body.id) == nullptr || !haptic_side_moves(body.id)) add_motion(body, sum);
   return sum;
 }
 
@@ -158,9 +158,9 @@ void CoupledWorlds::bodies(std::vector<physics::Body>& all) const {
     return;
   }
   for (const auto& body : global_->bodies()) {
-    const std::int32_t slot = coupling_.border || body.id == config_.proxy ? inner.slot_of(body.id) : -1;
-    all.push_back(slot >= 0 ? inner.bodies()[static_cast<std::size_t>(slot)] : body);
-    if (slot < 0 && body.id == config_.proxy && !first_) all.back().motion = sub_world_->proxy();
+    const physics::Body* member = coupling_.border || body.id == config_.proxy ? inner.find(body.id) : nullptr;
+    all.push_back(member != nullptr ? *member : body);
+    if (member == nullptr && body.id == config_.proxy && !first_) all.back().motion = sub_world_->proxy();
   }
 }
 

@@ -40,7 +40,10 @@ Result<CouplingCase> case_of_file(const std::string& path) {
   auto loaded = sim::load_scene(path);
   if (!loaded.ok()) return loaded.status();
   CouplingCase one;
-  one.name = loaded.value().name, one.file = path, one.members = loaded.value().members, one.own_hand = true;
+  one.name = loaded.value().name;
+  one.file = path;
+  one.members = loaded.value().members;
+  one.own_hand = true;
   return one;
 }
 

@@ -6,6 +6,7 @@
 #include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/coupling_study.h"
 #include "tools/experiment/coupling/reference_run.h"
+#include "tools/experiment/csv.h"
 #include "tools/json_report.h"
 
 namespace tactus::experiment {
@@ -73,35 +74,41 @@ ordered_json to_json(const StudyScene& scene) {
           {"loop_hold_N", scene.loop.hold_N}};
 }
 
-ordered_json to_json(const WholeRunRow& row) {
-  return {{"scene", row.scene},
-          {"coupling", sim::name_of(row.scheme.coupling)},
-          {"border", name_of_border(row.scheme)},
-          {"ratio", row.scheme.ratio},
-          {"members", row.members},
-          {"stiffness_N_per_m", row.gains.stiffness_N_per_m},
-          {"stiffness_Nm_per_rad", row.gains.stiffness_Nm_per_rad},
-          {"seconds", row.seconds},
-          {"started_apart_m", row.apart_m},
-          {"hand", row.closed_hand ? "closed" : "direct"},
-          {"force_error", row.force_error},
-          {"force_error_by_quarter", row.force_error_quarter},
-          {"force_rms_N", row.force_rms_N},
-          {"pose_off_m", row.pose_off_m},
-          {"pose_off_most_m", row.pose_off_most_m},
-          {"pose_off_share_of_size", row.pose_off_share},
-          {"drift_m", row.drift_m},
-          {"deepest_m", row.deepest_m},
-          {"direct_deepest_m", row.direct_deepest_m},
-          {"kinetic_J", row.kinetic_J},
-          {"kinetic_over_work", row.kinetic_over_work},
-          {"energy_gain_J", row.energy_gain_J},
-          {"direct_energy_gain_J", row.direct_energy_gain_J},
-          {"energy_at_play_J", row.energy_at_play_J},
-          {"border_work_J", row.border_work_J},
-          {"fallen", row.fallen},
-          {"stands", row.stands}};
+template <class Row>
+ordered_json json_of(const std::vector<Row>& rows) {
+  ordered_json list = ordered_json::array();
+  for (const Row& row : rows) list.push_back(to_json(row));
+  return list;
 }
+
+constexpr CsvColumn kColumns[] = {
+    {"scene", "scene"},
+    {"coupling", "coupling"},
+    {"border", "border"},
+    {"ratio [1]", "ratio"},
+    {"stiffness [N/m]", "stiffness_N_per_m"},
+    {"loss [1]", "loss"},
+    {"gain [1]", "gain"},
+    {"loss_worst_instant [1]", "loss_worst_instant"},
+    {"gain_worst_instant [1]", "gain_worst_instant"},
+    {"loss_speed_squared [1]", "loss_speed_squared"},
+    {"gain_speed_squared [1]", "gain_speed_squared"},
+    {"force_error_rms [1]", "force_error_rms"},
+    {"force_error_hold [1]", "force_error_hold"},
+    {"force_error_moving [1]", "force_error_moving"},
+    {"force_error_worst_window [1]", "force_error_worst_window"},
+    {"sync_step [N]", "sync_step_N"},
+    {"hold_vibration [N]", "hold_vibration_N"},
+    {"hold_vibration_worst [N]", "hold_vibration_worst_N"},
+    {"hold_vibration_encoder [N]", "hold_vibration_encoder_N"},
+    {"energy_basis", "energy_basis"},
+    {"loop_peak [N]", "loop_peak_N"},
+    {"loop_shake [N]", "loop_shake_N"},
+    {"loop_hold [N]", "loop_hold_N"},
+    {"loop_fallen [1]", "loop_fallen"},
+    {"loop_energy_gain [1]", "loop_energy_gain"},
+    {"stable", "stable"},
+};
 
 std::string windows_table(const StudyReport& report) {
   std::string text = fmt::format("{:<11} {:>6} {:>9} {:>7} {:>7} {:>8} {:>8} {:>14}\n", "scene", "bodies", "component",
@@ -143,14 +150,9 @@ std::string study_table(const StudyReport& report) {
 }
 
 std::string study_json(const StudyReport& report) {
-  ordered_json whole = ordered_json::array();
-  for (const WholeRunRow& row : report.whole) whole.push_back(to_json(row));
-  ordered_json rows = ordered_json::array(), scenes = ordered_json::array();
-  for (const StudyRow& row : report.rows) rows.push_back(to_json(row));
-  for (const StudyScene& scene : report.scenes) scenes.push_back(to_json(scene));
-  return report_text(ordered_json{{"rows", rows},
-                                  {"scenes", scenes},
-                                  {"whole", whole},
+  return report_text(ordered_json{{"rows", json_of(report.rows)},
+                                  {"scenes", json_of(report.scenes)},
+                                  {"whole", whole_rows_json(report.whole)},
                                   {"seeds", report.seeds},
                                   {"windows_per_seed", report.windows},
                                   {"window_cycles", kWindowCycles},
@@ -159,23 +161,6 @@ std::string study_json(const StudyReport& report) {
                      2);
 }
 
-std::string study_csv(const StudyReport& report) {
-  std::string text =
-      "scene,coupling,border,ratio [1],stiffness [N/m],loss [1],gain [1],loss_worst_instant [1],gain_worst_instant [1],"
-      "loss_speed_squared [1],gain_speed_squared [1],force_error_rms [1],force_error_hold [1],force_error_moving [1],"
-      "force_error_worst_window [1],sync_step [N],hold_vibration [N],hold_vibration_worst [N],"
-      "hold_vibration_encoder [N],energy_basis,loop_peak [N],loop_shake [N],loop_hold [N],loop_fallen "
-      "[1],loop_energy_gain [1],stable\n";
-  for (const StudyRow& r : report.rows)
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.scene,
-                    sim::name_of(r.scheme.coupling), name_of_border(r.scheme), r.scheme.ratio,
-                    r.gains.stiffness_N_per_m, r.energy.loss, r.energy.gain, r.worst_instant.loss, r.worst_instant.gain,
-                    r.speed_squared.loss, r.speed_squared.gain, r.force_error, r.force_error_hold, r.force_error_moving,
-                    r.force_error_worst, r.sync_step_N, r.hold_vibration_N, r.hold_vibration_worst_N,
-                    r.hold_vibration_encoder_N, r.at_rest ? "kinetic and spring" : "kinetic", r.loop.peak_N,
-                    r.loop.shake_N, r.loop.hold_N, r.loop.fallen, r.loop.energy_gain, r.stable);
-  return text;
-}
+std::string study_csv(const StudyReport& report) { return csv_of(kColumns, json_of(report.rows)); }
 
 }  // namespace tactus::experiment

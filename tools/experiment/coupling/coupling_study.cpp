@@ -31,7 +31,7 @@ std::vector<unsigned> ratios_of(const StudyRequest& request) {
 struct RowSums {
   ForceError hold, moving;
   double worst{0};
-  EnergyBook energy;
+  EnergyBalance energy;
   std::vector<double> steps, vibration, encoder_vibration;
   std::vector<double> spectrum;
   std::size_t spectra{0};
@@ -47,9 +47,13 @@ struct RowSums {
 void append(std::vector<double>& to, const std::vector<double>& from) { to.insert(to.end(), from.begin(), from.end()); }
 
 void RowSums::add(const RowSums& other) {
-  hold.add(other.hold), moving.add(other.moving), energy.add(other.energy);
+  hold.add(other.hold);
+  moving.add(other.moving);
+  energy.add(other.energy);
   worst = std::max(worst, other.worst);
-  append(steps, other.steps), append(vibration, other.vibration), append(encoder_vibration, other.encoder_vibration);
+  append(steps, other.steps);
+  append(vibration, other.vibration);
+  append(encoder_vibration, other.encoder_vibration);
   spectrum.resize(std::max(spectrum.size(), other.spectrum.size()));
   for (std::size_t i = 0; i < other.spectrum.size(); ++i) spectrum[i] += other.spectrum[i];
   spectra += other.spectra;
@@ -57,7 +61,11 @@ void RowSums::add(const RowSums& other) {
 
 SeedFigures figures_of(const RowSums& sums) {
   const Deviation energy = sums.energy.kinetic();
-  return {sums.all().relative(), energy.loss, energy.gain, quantile(sums.steps, 0.95), median(sums.vibration)};
+  return {.force_error = sums.all().relative(),
+          .loss = energy.loss,
+          .gain = energy.gain,
+          .sync_step_N = quantile(sums.steps, 0.95),
+          .hold_vibration_N = median(sums.vibration)};
 }
 
 // Schemes with the same gains, and the scene with these gains.
@@ -112,7 +120,7 @@ class SceneStudy {
   std::vector<HandInLoop> loops_;
   StudyScene account_;
   ForceError apart_;
-  EnergyBook apart_energy_;
+  EnergyBalance apart_energy_;
   double touching_{0}, ticks_{0}, force_squared_{0};
 };
 
@@ -259,8 +267,11 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
 Status SceneStudy::judge_poses() {
   scene_.coupling = own_gains_;
   WholeRunRequest whole;
-  whole.scenes = {scene_}, whole.schemes = request_.schemes, whole.members = {options(kDirectScheme).members};
-  whole.seconds = HandTimes::kEnd, whole.order = request_.order;
+  whole.scenes = {scene_};
+  whole.schemes = request_.schemes;
+  whole.members = {options(kDirectScheme).members};
+  whole.seconds = HandTimes::kEnd;
+  whole.order = request_.order;
   const auto rows = run_whole(whole, {});
   if (!rows.ok()) return rows.status();
   for (std::size_t i = 0; i < loops_.size(); ++i) {
@@ -308,7 +319,8 @@ void SceneStudy::add_to(StudyReport& report) const {
     row.speed_squared = sums.energy.speed_squared();
     row.force_error = sums.all().relative();
     row.by_seed = by_seed_[i];
-    row.force_error_hold = sums.hold.relative(), row.force_error_moving = sums.moving.relative();
+    row.force_error_hold = sums.hold.relative();
+    row.force_error_moving = sums.moving.relative();
     row.force_error_worst = sums.worst;
     row.sync_step_N = quantile(sums.steps, 0.95);
     row.hold_vibration_N = median(sums.vibration);
@@ -325,7 +337,7 @@ void SceneStudy::add_to(StudyReport& report) const {
 
 bool is_stable(const HandInLoop& loop, const HandInLoop& direct) {
   return loop.peak_N <= 1.5 * direct.peak_N + 1.0 && loop.shake_N <= direct.shake_N + 0.2 &&
-         loop.hold_N >= 0.5 * direct.hold_N && loop.fallen == 0 && loop.energy_gain <= kMostEnergyGain;
+         loop.hold_N >= 0.5 * direct.hold_N && loop.fallen == 0 && loop.energy_gain <= kMaxEnergyGain;
 }
 
 Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progress& progress) {

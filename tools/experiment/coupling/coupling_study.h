@@ -93,8 +93,8 @@ Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progre
 // Criteria of stability, relative to the direct coupling: peak force at most 1.5 times its peak plus 1 N; while the
 // hand holds, at most 0.2 N more vibration between 20 and 500 Hz, and at least half its force, so that nothing has
 // given way; every body stands at the end (StandingRule); the energy never exceeds that of the direct run by more than
-// kMostEnergyGain of the energy at play.
-inline constexpr double kMostEnergyGain = 0.1;
+// kMaxEnergyGain of the energy at play.
+inline constexpr double kMaxEnergyGain = 0.1;
 bool is_stable(const HandInLoop& loop, const HandInLoop& direct);
 
 std::string study_table(const StudyReport& report);

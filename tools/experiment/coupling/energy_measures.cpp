@@ -10,31 +10,39 @@ constexpr double kMoves = 0.1;
 
 }  // namespace
 
-void EnergyBook::Sums::close() {
+void EnergyBalance::Sums::close() {
   lost += std::max(0.0, reference - now);
   won += std::max(0.0, now - reference);
   all_reference += reference;
   now = reference = 0;
 }
 
-void EnergyBook::Sums::add(const Sums& other) {
-  lost += other.lost, won += other.won, all_reference += other.all_reference;
+void EnergyBalance::Sums::add(const Sums& other) {
+  lost += other.lost;
+  won += other.won;
+  all_reference += other.all_reference;
 }
 
-void EnergyBook::add(const EnergySample& motion, const EnergySample& reference, double spring_J) {
+void EnergyBalance::add(const EnergySample& motion, const EnergySample& reference, double spring_J) {
   spring_J_ += spring_J;
   most_spring_J_ = std::max(most_spring_J_, spring_J);
-  kinetic_.now += motion.kinetic_J, kinetic_.reference += reference.kinetic_J;
-  speed_.now += motion.speed_squared, speed_.reference += reference.speed_squared;
+  kinetic_.now += motion.kinetic_J;
+  kinetic_.reference += reference.kinetic_J;
+  speed_.now += motion.speed_squared;
+  speed_.reference += reference.speed_squared;
   most_lost_J_ = std::max(most_lost_J_, reference.kinetic_J - motion.kinetic_J);
   most_won_J_ = std::max(most_won_J_, motion.kinetic_J - reference.kinetic_J);
   most_reference_J_ = std::max(most_reference_J_, reference.kinetic_J);
 }
 
-void EnergyBook::close_window() { kinetic_.close(), speed_.close(); }
+void EnergyBalance::close_window() {
+  kinetic_.close();
+  speed_.close();
+}
 
-void EnergyBook::add(const EnergyBook& other) {
-  kinetic_.add(other.kinetic_), speed_.add(other.speed_);
+void EnergyBalance::add(const EnergyBalance& other) {
+  kinetic_.add(other.kinetic_);
+  speed_.add(other.speed_);
   most_lost_J_ = std::max(most_lost_J_, other.most_lost_J_);
   most_won_J_ = std::max(most_won_J_, other.most_won_J_);
   most_reference_J_ = std::max(most_reference_J_, other.most_reference_J_);
@@ -42,20 +50,20 @@ void EnergyBook::add(const EnergyBook& other) {
   most_spring_J_ = std::max(most_spring_J_, other.most_spring_J_);
 }
 
-Deviation EnergyBook::share(const Sums& sums) {
+Deviation EnergyBalance::share(const Sums& sums) {
   if (!(sums.all_reference > 0)) return {};
   return {sums.lost / sums.all_reference, sums.won / sums.all_reference};
 }
 
-bool EnergyBook::at_rest() const { return kinetic_.all_reference < kMoves * spring_J_; }
+bool EnergyBalance::at_rest() const { return kinetic_.all_reference < kMoves * spring_J_; }
 
-Deviation EnergyBook::kinetic() const {
+Deviation EnergyBalance::kinetic() const {
   Sums sums = kinetic_;
   if (at_rest()) sums.all_reference += spring_J_;
   return share(sums);
 }
 
-Deviation EnergyBook::worst_instant() const {
+Deviation EnergyBalance::worst_instant() const {
   const double most_J = most_reference_J_ + (at_rest() ? most_spring_J_ : 0);
   if (!(most_J > 0)) return {};
   return {most_lost_J_ / most_J, most_won_J_ / most_J};

@@ -39,7 +39,8 @@ std::vector<double> power_spectrum(std::span<const Vec3d> signal) {
   for (std::size_t i = 0; i < n; ++i) {
     const double t = static_cast<double>(i);
     const double angle = 2 * std::numbers::pi * t / count;
-    cosine[i] = std::cos(angle), sine[i] = std::sin(angle);
+    cosine[i] = std::cos(angle);
+    sine[i] = std::sin(angle);
     const double hann = 0.5 * (1 - std::cos(2 * std::numbers::pi * (t + 0.5) / count));
     window_power += hann * hann;
     left[i] = (signal[i] - mean - slope * (t - 0.5 * (count - 1))) * hann;

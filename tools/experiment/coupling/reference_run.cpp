@@ -19,11 +19,8 @@ std::vector<WindowPlace> window_places(bool quick) {
 
 Wrenchd ReferenceRun::mean_on_proxy(std::size_t tick, unsigned ticks) const {
   Wrenchd sum;
-  for (std::size_t k = tick - ticks; k < tick; ++k) {
-    sum.force -= on_device[k].force;
-    sum.torque -= on_device[k].torque;
-  }
-  return {sum.force * (1.0 / ticks), sum.torque * (1.0 / ticks)};
+  for (std::size_t k = tick - ticks; k < tick; ++k) sum -= on_device[k];
+  return sum * (1.0 / ticks);
 }
 
 ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size_t ticks,
@@ -55,7 +52,7 @@ ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size
 
 std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
                               const ReferenceRun& reference, const Window& window, std::size_t ticks,
-                              EnergyBook* energy) {
+                              EnergyBalance* energy) {
   std::vector<Vec3d> force;
   const double stiffness_N_per_m = worlds.sub_world().config().gains.stiffness_N_per_m;
   for (std::size_t k = window.start; k < window.start + ticks; ++k) {

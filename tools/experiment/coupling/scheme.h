@@ -18,7 +18,9 @@ struct Scheme {
   constexpr bool direct() const noexcept { return !traits().global_world; }
   friend constexpr bool operator==(const Scheme&, const Scheme&) noexcept = default;
   void set(session::RunOptions& options) const {
-    options.coupling = coupling, options.border = border, options.ratio = ratio;
+    options.coupling = coupling;
+    options.border = border;
+    options.ratio = ratio;
   }
 };
 

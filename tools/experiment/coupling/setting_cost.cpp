@@ -34,9 +34,12 @@ void SettingSums::add(const SettingSums& other) {
   const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
     to.insert(to.end(), from.begin(), from.end());
   };
-  error.add(other.error), energy.add(other.energy);
-  append(vibration, other.vibration), append(steps, other.steps);
-  append(ticks_us, other.ticks_us), append(global_us, other.global_us);
+  error.add(other.error);
+  energy.add(other.energy);
+  append(vibration, other.vibration);
+  append(steps, other.steps);
+  append(ticks_us, other.ticks_us);
+  append(global_us, other.global_us);
 }
 
 unsigned least_sub_steps(double contact_Hz) {

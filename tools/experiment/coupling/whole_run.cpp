@@ -23,7 +23,7 @@ using physics::Body;
 // Poses are compared at a multiple of every ratio that is accepted for this, so that each run is at a synchronisation.
 constexpr unsigned kCompareEvery = 16 * 5;
 // Work below this counts as 0: the energy at play is then the weight term alone.
-constexpr double kLeastWork_J = 1e-6;
+constexpr double kMinWork_J = 1e-6;
 // Beyond the force of any device: the run counts as lost and ends there.
 constexpr double kLostForce_N = 1e4;
 
@@ -113,7 +113,7 @@ class WholeRun {
         const double released = std::max(0.0, start_potential_J - potential);
         trace.kinetic_J = std::max(trace.kinetic_J, kinetic);
         trace.kinetic_over_work =
-            std::max(trace.kinetic_over_work, kinetic / std::max(kLeastWork_J, work_size_J + released));
+            std::max(trace.kinetic_over_work, kinetic / std::max(kMinWork_J, work_size_J + released));
         trace.gain_J = std::max(trace.gain_J, kinetic + potential - start_J - work_J);
         if (k % kCompareEvery == 0) trace.poses.push_back(bodies);
       }
@@ -128,7 +128,8 @@ class WholeRun {
       const Twistd& now = worlds.sub_world().proxy().velocity;
       const Vec3d mean = 0.5 * (before.linear + now.linear), turn = 0.5 * (before.angular + now.angular);
       const double work = -(dot(on_device_.force, mean) + dot(on_device_.torque, turn)) / kHapticRate_Hz;
-      work_J += work, work_size_J += std::abs(work);
+      work_J += work;
+      work_size_J += std::abs(work);
       before = now;
     }
     on_device_ = {};
@@ -193,7 +194,8 @@ void compare_poses(const Trace& run, const Trace& direct, WholeRunRow& row) {
     row.drift_m = row.pose_off_m - farthest(run.poses[at], direct.poses[at]);
   }
   const Standing standing = judge_standing(direct.poses.front(), direct.end, run.end);
-  row.standing = standing.standing, row.fallen = static_cast<unsigned>(standing.fell.size());
+  row.standing = standing.standing;
+  row.fallen = static_cast<unsigned>(standing.fell.size());
   row.pose_off_share = standing.most_off_share;
   row.stands = row.fallen == 0 && !run.lost;
 }
@@ -202,9 +204,12 @@ WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct)
   WholeRunRow row;
   compare_force(run, direct, row);
   compare_poses(run, direct, row);
-  row.deepest_m = run.deepest_m, row.direct_deepest_m = direct.deepest_m;
-  row.kinetic_J = run.kinetic_J, row.kinetic_over_work = run.kinetic_over_work;
-  row.energy_gain_J = run.gain_J, row.direct_energy_gain_J = direct.gain_J;
+  row.deepest_m = run.deepest_m;
+  row.direct_deepest_m = direct.deepest_m;
+  row.kinetic_J = run.kinetic_J;
+  row.kinetic_over_work = run.kinetic_over_work;
+  row.energy_gain_J = run.gain_J;
+  row.direct_energy_gain_J = direct.gain_J;
   row.energy_at_play_J = direct.work_J + whole.weight_J();
   row.direct_kinetic_J = direct.kinetic_J;
   row.border_work_J = run.border_work_J;
@@ -245,8 +250,10 @@ WholeRunRow floor_row(const sim::Scene& scene, const DirectRun& own, const hal::
   aside.bodies[aside.proxy].motion.pose.position.x += WholeRunRequest::kApart_m;
   const DirectRun apart(aside, own.gains(), profile, request);
   WholeRunRow row = row_of(own.whole(), apart.trace(), own.trace());
-  row.scene = scene.name, row.scheme = kDirectScheme;
-  row.seconds = request.seconds, row.apart_m = WholeRunRequest::kApart_m;
+  row.scene = scene.name;
+  row.scheme = kDirectScheme;
+  row.seconds = request.seconds;
+  row.apart_m = WholeRunRequest::kApart_m;
   row.members = static_cast<unsigned>(own.trace().end.size());
   row.gains = own.gains();
   return row;
@@ -306,11 +313,15 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
           const auto targets = closed ? std::span<const haptics::DeviceTarget>() : std::span(direct.trace().target);
           Trace run = direct.whole().run(scheme, members, targets);
           WholeRunRow row = row_of(direct.whole(), run, direct.trace());
-          row.scene = scene.name, row.scheme = scheme, row.seconds = request.seconds, row.closed_hand = closed;
+          row.scene = scene.name;
+          row.scheme = scheme;
+          row.seconds = request.seconds;
+          row.closed_hand = closed;
           row.members = members > 0 ? members : scene.members;
           row.gains = gains;
           if (request.keep_bodies) {
-            row.start = direct.trace().poses.front(), row.direct_end = direct.trace().end;
+            row.start = direct.trace().poses.front();
+            row.direct_end = direct.trace().end;
             row.end = std::move(run.end);
           }
           rows.push_back(std::move(row));
@@ -319,47 +330,6 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
       }
   }
   return rows;
-}
-
-std::string whole_table(std::span<const WholeRunRow> rows) {
-  std::string text = fmt::format(
-      "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n",
-      "scene", "coupling", "border", "ratio", "members", "K N/m", "hand", "force err%", "by quarter %", "off mm",
-      "most mm", "of size%", "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
-  for (const WholeRunRow& r : rows) {
-    std::string quarters;
-    for (const double q : r.force_error_quarter) quarters += fmt::format(" {:>6.2f}", 100 * q);
-    text += fmt::format(
-        "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
-        "{:>9.3f} "
-        "{:>9.3f} {:>7}\n",
-        r.scene, (r.apart_m > 0 ? "1 um apart" : sim::name_of(r.scheme.coupling)), name_of_border(r.scheme),
-        r.scheme.ratio, r.members, r.gains.stiffness_N_per_m, r.closed_hand ? "closed" : "direct", 100 * r.force_error,
-        quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m, 100 * r.pose_off_share, 1e3 * r.drift_m,
-        1e3 * r.deepest_m, r.kinetic_over_work, 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
-        r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
-  }
-  return text;
-}
-
-std::string whole_csv(std::span<const WholeRunRow> rows) {
-  std::string text =
-      "scene,coupling,border,ratio [1],members [1],stiffness [N/m],seconds [s],started_apart [m],hand,force_error "
-      "[1],force_error_q1 "
-      "[1],force_error_q2 "
-      "[1],"
-      "force_error_q3 [1],force_error_q4 [1],force_rms [N],pose_off [m],pose_off_most [m],pose_off_share [1],drift [m],"
-      "deepest [m],direct_deepest [m],kinetic [J],kinetic_over_work [1],energy_gain [J],direct_energy_gain [J],"
-      "energy_at_play [J],border_work [J],fallen [1],stands\n";
-  for (const WholeRunRow& r : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                        r.scene, sim::name_of(r.scheme.coupling), name_of_border(r.scheme), r.scheme.ratio, r.members,
-                        r.gains.stiffness_N_per_m, r.seconds, r.apart_m, r.closed_hand ? "closed" : "direct",
-                        r.force_error, r.force_error_quarter[0], r.force_error_quarter[1], r.force_error_quarter[2],
-                        r.force_error_quarter[3], r.force_rms_N, r.pose_off_m, r.pose_off_most_m, r.pose_off_share,
-                        r.drift_m, r.deepest_m, r.direct_deepest_m, r.kinetic_J, r.kinetic_over_work, r.energy_gain_J,
-                        r.direct_energy_gain_J, r.energy_at_play_J, r.border_work_J, r.fallen, r.stands);
-  return text;
 }
 
 }  // namespace tactus::experiment

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -88,6 +89,7 @@ struct WholeRunRow {
 Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const Progress& progress);
 
 std::string whole_table(std::span<const WholeRunRow> rows);
-std::string whole_csv(std::span<const WholeRunRow> rows);  // units in the header
+std::string whole_csv(std::span<const WholeRunRow> rows);                   // units in the header
+nlohmann::ordered_json whole_rows_json(std::span<const WholeRunRow> rows);  // an array of objects
 
 }  // namespace tactus::experiment

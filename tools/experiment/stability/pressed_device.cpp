@@ -12,8 +12,8 @@
 namespace tactus::experiment {
 namespace {
 
-constexpr double kLeastPart_s = 50e-6;
-constexpr unsigned kMostParts = 10, kMostDelayParts = 32;
+constexpr double kMinPart_s = 50e-6;
+constexpr unsigned kMaxParts = 10, kMaxDelayParts = 32;
 // The finest quantum that represents the workspace in 32-bit counts, so that the damper's force from quantisation is
 // far below the tap. With fifty times this quantum, a loop that is stable at 4 kHz keeps vibrating for the whole
 // observation.
@@ -35,7 +35,7 @@ std::int64_t part_ns(const LoopTiming& timing) {
 
 unsigned delay_parts(const LoopTiming& timing) {
   const long parts = std::lround(timing.delay_ticks * parts_of_tick(timing.rate_Hz));
-  return static_cast<unsigned>(std::clamp<long>(parts, 1, kMostDelayParts));
+  return static_cast<unsigned>(std::clamp<long>(parts, 1, kMaxDelayParts));
 }
 
 hal::DeviceProfile stage_of(const hal::DeviceDescription& description, const LoopTiming& timing) {
@@ -55,7 +55,8 @@ hal::DeviceProfile stage_of(const hal::DeviceDescription& description, const Loo
 hal::HandModel pressing_hand() {
   hal::HandParameters hand;
   hand.stiffness_N_per_m = kHand_N_per_m;
-  hand.damping_Ns_per_m = 0, hand.mass_kg = 0;
+  hand.damping_Ns_per_m = 0;
+  hand.mass_kg = 0;
   const Vec3d pressed{0, 0, -kPress_N / kHand_N_per_m}, tapped{0, 0, -(kPress_N + kTap_N) / kHand_N_per_m};
   const hal::HandWaypoint path[] = {
       {kPressFrom_s, {}, {}}, {kPressed_s, pressed, {}}, {kTap_s, pressed, {}}, {kTapped_s, tapped, {}}};
@@ -68,7 +69,8 @@ haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, d
   config.scheme = kDirectScheme.coupling;
   config.proxy = kProxy;
   config.step.dt = 1 / timing.rate_Hz;
-  config.gains.stiffness_N_per_m = stiffness, config.gains.damping_Ns_per_m = damping;
+  config.gains.stiffness_N_per_m = stiffness;
+  config.gains.damping_Ns_per_m = damping;
   config.capacities = {.bodies = 1, .fixed_bodies = 1, .pairs = 4, .contacts = 4};
   const auto wall = physics::make_fixed_body(kWall, physics::Shape::plane(), 0.5, {});
   haptics::SubWorld world(config, {&wall, 1});
@@ -81,7 +83,7 @@ haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, d
 }  // namespace
 
 unsigned parts_of_tick(double rate_Hz) {
-  return static_cast<unsigned>(std::clamp(std::floor(1 / (rate_Hz * kLeastPart_s) + 1e-9), 1.0, double{kMostParts}));
+  return static_cast<unsigned>(std::clamp(std::floor(1 / (rate_Hz * kMinPart_s) + 1e-9), 1.0, double{kMaxParts}));
 }
 
 haptics::DeviceProperties device_in(const hal::DeviceDescription& description, const LoopTiming& timing) {

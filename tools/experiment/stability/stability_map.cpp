@@ -30,9 +30,17 @@ MapRow measure(const MapRequest& request, const char* factor, const LoopTiming& 
     gains.damping_Ns_per_m = damping;
     return haptics::check_coupling(gains, device, period_s, late_s).translation;
   };
-  MapRow row{factor, timing, device.delay_s, damping_share * judge(0).damping_limit, 0, 0, 0, 0};
+  MapRow row{.factor = factor,
+             .timing = timing,
+             .delay_s = device.delay_s,
+             .damping_Ns_per_m = damping_share * judge(0).damping_limit,
+             .measured_N_per_m = 0,
+             .formula_N_per_m = 0,
+             .line_N_per_m = 0,
+             .allowed_N_per_m = 0};
   const haptics::AxisVerdict verdict = judge(row.damping_Ns_per_m);
-  row.formula_N_per_m = verdict.stiffness_limit, row.allowed_N_per_m = verdict.stiffness_allowed;
+  row.formula_N_per_m = verdict.stiffness_limit;
+  row.allowed_N_per_m = verdict.stiffness_allowed;
   row.line_N_per_m =
       haptics::little_damping_limit(haptics::translation_of(device, period_s, late_s), row.damping_Ns_per_m);
   // Near the limit of the damping the stability boundary is far below the line.
@@ -85,7 +93,9 @@ std::vector<LoopTiming> loops_of(const std::string& factor, const LoopTiming& ba
 MapReport run_stability_map(const MapRequest& request, const Progress& progress) {
   set_denormals_flush();
   MapReport report;
-  report.device = request.description.name, report.rate_Hz = request.rate_Hz, report.wake = request.wake;
+  report.device = request.description.name;
+  report.rate_Hz = request.rate_Hz;
+  report.wake = request.wake;
   const hal::DeviceProfile profile = hal::make_profile(request.description);
   LoopTiming base;
   base.rate_Hz = request.rate_Hz;

@@ -2,11 +2,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/experiment/csv.h"
 #include "tools/experiment/stability/stability_map.h"
 #include "tools/json_report.h"
 
 namespace tactus::experiment {
 namespace {
+
+using nlohmann::ordered_json;
 
 std::string gains_text(const haptics::CouplingGains& gains) {
   return fmt::format(
@@ -14,6 +17,37 @@ std::string gains_text(const haptics::CouplingGains& gains) {
       "damping_Nms_per_rad = {:.3g}\n",
       gains.stiffness_N_per_m, gains.damping_Ns_per_m, gains.stiffness_Nm_per_rad, gains.damping_Nms_per_rad);
 }
+
+ordered_json json_of(const std::vector<MapRow>& rows) {
+  ordered_json list = ordered_json::array();
+  for (const MapRow& r : rows)
+    list.push_back({{"factor", r.factor},
+                    {"rate_Hz", r.timing.rate_Hz},
+                    {"delay_ticks", r.timing.delay_ticks},
+                    {"delay_s", r.delay_s},
+                    {"jitter_ticks", r.timing.jitter_ticks},
+                    {"quantum_m", r.timing.quantum_m},
+                    {"damping_Ns_per_m", r.damping_Ns_per_m},
+                    {"measured_N_per_m", r.measured_N_per_m},
+                    {"formula_N_per_m", r.formula_N_per_m},
+                    {"line_N_per_m", r.line_N_per_m},
+                    {"allowed_N_per_m", r.allowed_N_per_m}});
+  return list;
+}
+
+constexpr CsvColumn kColumns[] = {
+    {"factor", "factor"},
+    {"rate [Hz]", "rate_Hz"},
+    {"delay [ticks]", "delay_ticks"},
+    {"delay [s]", "delay_s"},
+    {"jitter [ticks]", "jitter_ticks"},
+    {"quantum [m]", "quantum_m"},
+    {"damping [N s/m]", "damping_Ns_per_m"},
+    {"measured [N/m]", "measured_N_per_m"},
+    {"formula [N/m]", "formula_N_per_m"},
+    {"line [N/m]", "line_N_per_m"},
+    {"allowed [N/m]", "allowed_N_per_m"},
+};
 
 }  // namespace
 
@@ -51,24 +85,10 @@ std::string map_table(const MapReport& report) {
 }
 
 std::string map_json(const MapReport& report) {
-  using nlohmann::ordered_json;
-  ordered_json rows = ordered_json::array();
-  for (const MapRow& r : report.rows)
-    rows.push_back({{"factor", r.factor},
-                    {"rate_Hz", r.timing.rate_Hz},
-                    {"delay_ticks", r.timing.delay_ticks},
-                    {"delay_s", r.delay_s},
-                    {"jitter_ticks", r.timing.jitter_ticks},
-                    {"quantum_m", r.timing.quantum_m},
-                    {"damping_Ns_per_m", r.damping_Ns_per_m},
-                    {"measured_N_per_m", r.measured_N_per_m},
-                    {"formula_N_per_m", r.formula_N_per_m},
-                    {"line_N_per_m", r.line_N_per_m},
-                    {"allowed_N_per_m", r.allowed_N_per_m}});
   const auto& g = report.suggested;
   return report_text(ordered_json{{"device", report.device},
                                   {"rate_Hz", report.rate_Hz},
-                                  {"rows", rows},
+                                  {"rows", json_of(report.rows)},
                                   {"least_measured_over_formula", report.least_of_formula},
                                   {"allowed_share", haptics::kAllowedStiffnessShare},
                                   {"unsafe", report.unsafe},
@@ -86,15 +106,6 @@ std::string map_json(const MapReport& report) {
                      2);
 }
 
-std::string map_csv(const MapReport& report) {
-  std::string text =
-      "factor,rate [Hz],delay [ticks],delay [s],jitter [ticks],quantum [m],damping [N s/m],measured [N/m],"
-      "formula [N/m],line [N/m],allowed [N/m]\n";
-  for (const MapRow& r : report.rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", r.factor, r.timing.rate_Hz, r.timing.delay_ticks,
-                        r.delay_s, r.timing.jitter_ticks, r.timing.quantum_m, r.damping_Ns_per_m, r.measured_N_per_m,
-                        r.formula_N_per_m, r.line_N_per_m, r.allowed_N_per_m);
-  return text;
-}
+std::string map_csv(const MapReport& report) { return csv_of(kColumns, json_of(report.rows)); }
 
 }  // namespace tactus::experiment

@@ -17,7 +17,7 @@ using firmware::State;
 // Above a limit of zero, but small in case a device ignores its limit.
 constexpr double kAboveLimit_N = 1.0;
 constexpr std::uint64_t kPush = 20;  // ticks; once forward, twice back, once forward: the tool ends where it began
-constexpr double kMostBackwards_m = 1e-3;
+constexpr double kMaxBackwards_m = 1e-3;
 
 // Sets the force limit for its lifetime.
 class LoweredLimit {
@@ -96,7 +96,7 @@ Finding check_force(Bench& bench) {
   const double size = std::min(bench.options().force_N, bench.profile().properties.max_force_N);
   Finding finding;
   finding.threshold =
-      fmt::format("{:g} N along each axis: FORCE throughout, not backwards by {:g} mm", size, 1e3 * kMostBackwards_m);
+      fmt::format("{:g} N along each axis: FORCE throughout, not backwards by {:g} mm", size, 1e3 * kMaxBackwards_m);
   for (unsigned axis = 0; axis < 3; ++axis) {
     const Phase plan[] = {{.ticks = 60, .wanted = State::kForce},
                           {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
@@ -114,7 +114,7 @@ Finding check_force(Bench& bench) {
     const double moved_m = dot(pushed - start, along(axis, 1));
     finding.measured += fmt::format("{}{} {:+.2f} mm", axis > 0 ? ", " : "", "xyz"[axis], 1e3 * moved_m);
     finding.figures.push_back({fmt::format("moved_{}_m", "xyz"[axis]), moved_m});
-    if (moved_m < -kMostBackwards_m)
+    if (moved_m < -kMaxBackwards_m)
       finding.reason =
           fmt::format("pushed along {}, it goes backwards: a motor or an encoder is wired the wrong way", "xyz"[axis]);
   }

@@ -73,11 +73,15 @@ Finding check_identity(Bench& bench) {
                                  version.value() & 0xffu, protocol.value(), revision.value());
   const Status same =
       hal::check_identity(bench.profile(), static_cast<std::uint32_t>(bench.period_ns() / 1000), bench.link(), kAnswer);
-  if (!same.ok()) finding.verdict = Verdict::kBad, finding.reason = same.message();
-  if (same.ok() && revision.value() < firmware::kRegisterRevision)
-    finding.verdict = Verdict::kBad,
+  if (!same.ok()) {
+    finding.verdict = Verdict::kBad;
+    finding.reason = same.message();
+  }
+  if (same.ok() && revision.value() < firmware::kRegisterRevision) {
+    finding.verdict = Verdict::kBad;
     finding.reason = fmt::format("register_revision is {}, this program's is {}: update the device's firmware",
                                  revision.value(), firmware::kRegisterRevision);
+  }
   return finding;
 }
 
@@ -105,8 +109,10 @@ Finding check_registers(Bench& bench) {
     finding.figures.push_back({"answer_p50_ms", static_cast<double>(answers.percentile_ns(50)) * 1e-6});
     finding.figures.push_back({"answer_max_ms", static_cast<double>(answers.max_ns()) * 1e-6});
   }
-  if (std::string reason = refusals(bench); !reason.empty())
-    finding.verdict = Verdict::kBad, finding.reason = std::move(reason);
+  if (std::string reason = refusals(bench); !reason.empty()) {
+    finding.verdict = Verdict::kBad;
+    finding.reason = std::move(reason);
+  }
   return finding;
 }
 

@@ -118,13 +118,13 @@ Finding away(Bench& bench, const char* fault) {
 }  // namespace
 
 Finding check_emergency_stop(Bench& bench) {
-  constexpr std::uint32_t kMostFrames = 2;
+  constexpr std::uint32_t kMaxFrames = 2;
   const auto pressed = [](const Record& r) {
     return r.got == Got::kFresh && (r.state.limits & bit_of(Limit::kStopLine)) != 0;
   };
   const auto released = [&](const Record& r) { return r.got == Got::kFresh && !pressed(r); };
   Finding finding;
-  finding.threshold = fmt::format("BRAKE within {} frames, fault 2, latched", kMostFrames);
+  finding.threshold = fmt::format("BRAKE within {} frames, fault 2, latched", kMaxFrames);
   auto provoked = provoke(bench, {"estop", pressed, released, State::kForce});
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
@@ -135,7 +135,7 @@ Finding check_emergency_stop(Bench& bench) {
   if (!frames) return bad("it never braked", finding.threshold);
   finding.measured = fmt::format("BRAKE, motors without effort, {} frames after the last free one", *frames);
   finding.figures.push_back({"frames_to_safe", static_cast<double>(*frames)});
-  if (*frames > kMostFrames) finding.reason = "too late";
+  if (*frames > kMaxFrames) finding.reason = "too late";
   if (finding.reason.empty()) finding.reason = latch_broken(records, kLatched, firmware::Fault::kEmergencyStop);
   if (finding.reason.empty()) finding.reason = recovery(records);
   if (!finding.reason.empty()) finding.verdict = Verdict::kBad;

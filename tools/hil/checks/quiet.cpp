@@ -55,12 +55,19 @@ Finding judge_book(const FrameBook& book, const hal::LinkCounters& link) {
   const auto put_count = [&](const char* name, std::uint64_t n) {
     finding.figures.push_back({name, static_cast<double>(n)});
   };
-  put_count("frames", book.numbered), put_count("ticks", book.ticks), put_count("lost", book.lost());
-  put_count("superseded", book.superseded), put_count("reordered", book.reordered);
-  put_count("duplicated", book.duplicated), put_count("broken", book.corrupt + link.malformed);
-  put_count("missing_ticks", book.missing_ticks), put_count("longest_gap_ticks", book.longest_gap_ticks);
-  put_count("commands", book.commands), put_count("commands_refused", book.refused);
-  put_count("commands_superseded", link.send_superseded), put_count("unaccounted", book.unaccounted(link));
+  put_count("frames", book.numbered);
+  put_count("ticks", book.ticks);
+  put_count("lost", book.lost());
+  put_count("superseded", book.superseded);
+  put_count("reordered", book.reordered);
+  put_count("duplicated", book.duplicated);
+  put_count("broken", book.corrupt + link.malformed);
+  put_count("missing_ticks", book.missing_ticks);
+  put_count("longest_gap_ticks", book.longest_gap_ticks);
+  put_count("commands", book.commands);
+  put_count("commands_refused", book.refused);
+  put_count("commands_superseded", link.send_superseded);
+  put_count("unaccounted", book.unaccounted(link));
   if (book.fresh == 0)
     finding.reason = "no state frame came";
   else if (static_cast<double>(book.lost()) > kLostShare * static_cast<double>(book.numbered))
@@ -129,7 +136,13 @@ Finding check_soak(Bench& bench) {
   FrameBook book;
   RoundTrip times;
   const auto result = bench.exchange(
-      plan, [&](const Record& record) { return book.add(record), times.add(record), Next::kGoOn; }, /*keep=*/false);
+      plan,
+      [&](const Record& record) {
+        book.add(record);
+        times.add(record);
+        return Next::kGoOn;
+      },
+      /*keep=*/false);
   if (!result.ok()) return bad(result.message());
   Finding finding = judge_book(book, result.value().counters);
   if (finding.reason.starts_with("gaps") && !bench.options().judge_timing) finding.verdict = Verdict::kGood;

@@ -85,7 +85,8 @@ ContactProblem dump(const physics::World& before, const physics::World& after, c
   Index points = 0;
   for (const auto& contact : after.contacts()) points += contact.count;
   p.jacobian = MatrixXd::Zero(3 * points, 6 * count);
-  p.friction.resize(points), p.bias.resize(points);
+  p.friction.resize(points);
+  p.bias.resize(points);
   Index row = 0;
   for (const auto& contact : after.contacts()) {
     const auto [t1, t2] = tangents_of(contact.normal);
@@ -105,8 +106,11 @@ ContactProblem dump(const physics::World& before, const physics::World& after, c
 
 std::string to_text(const ContactProblem& p) {
   std::string text = "tactus contact problem 1\n";
-  put(text, "inverse_mass", p.inverse_mass), put(text, "jacobian", p.jacobian), put(text, "v0", p.v0);
-  put(text, "friction", p.friction), put(text, "bias", p.bias);
+  put(text, "inverse_mass", p.inverse_mass);
+  put(text, "jacobian", p.jacobian);
+  put(text, "v0", p.v0);
+  put(text, "friction", p.friction);
+  put(text, "bias", p.bias);
   return text;
 }
 
@@ -123,7 +127,9 @@ Result<ContactProblem> from_text(const std::string& text) {
   if (p.inverse_mass.rows() != v0.rows() || p.inverse_mass.cols() != v0.rows() || p.jacobian.cols() != v0.rows() ||
       p.jacobian.rows() != 3 * friction.rows() || bias.rows() != friction.rows() || v0.rows() % 6 != 0)
     return Status::error("contact problem: its sizes do not go together");
-  p.v0 = v0, p.friction = friction, p.bias = bias;
+  p.v0 = v0;
+  p.friction = friction;
+  p.bias = bias;
   return p;
 }
 

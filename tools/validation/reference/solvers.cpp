@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kLookEvery = 20;  // iterations between two evaluations of the residual
 // ADMM, on rows scaled to unit diagonal.
-constexpr double kProximal = 1e-9, kRelaxation = 1.6, kFirstPenalty = 0.1, kMostUnbalanced = 10;
+constexpr double kProximal = 1e-9, kRelaxation = 1.6, kFirstPenalty = 0.1, kMaxUnbalanced = 10;
 // Near the solution the iteration may stall: more than half of the residual is left after ten evaluations, because each
 // step changes lambda by only residual / penalty. Then the penalty is reduced. If the residual grows a hundredfold, the
 // reduction is undone.
@@ -92,7 +92,10 @@ Vector3d solve_one_contact(const Matrix3d& w, const Vector3d& b, double mu) {
   };
   const auto excess = [&](const Vector3d& x) { return x.tail<2>().norm() - mu * x[0]; };
   double low = 0, high = v.trace();
-  while (excess(at(high)) > 0 && high < 1e30) low = high, high *= 4;
+  while (excess(at(high)) > 0 && high < 1e30) {
+    low = high;
+    high *= 4;
+  }
   for (int i = 0; i < 200 && high - low > 1e-16 * high; ++i) {
     const double middle = 0.5 * (low + high);
     (excess(at(middle)) > 0 ? low : high) = middle;
@@ -155,19 +158,28 @@ Solution solve_admm(const ContactProblem& p, double residual, std::size_t most_i
     solution.residual = residual_of(p, solution.impulse);
     if (solution.residual <= residual) break;
     if (solution.residual > kRunsAway * residual_before) {  // penalty too small for the contacts that slide now
-      z = kept_z, y = kept_y, penalty /= kLooser, renew();
+      z = kept_z;
+      y = kept_y;
+      penalty /= kLooser;
+      renew();
       continue;
     }
     if (solution.iterations % (10 * kLookEvery) != 0) continue;
     const double primal = (x - z).norm(), dual = penalty * (z - last).norm();
     const bool stalled = solution.residual > kStalled * residual_before && solution.residual < kNear;
-    residual_before = solution.residual, kept_z = z, kept_y = y;
-    if (stalled)
-      penalty *= kLooser, renew();
-    else if (primal > kMostUnbalanced * dual)
-      penalty *= 3, renew();
-    else if (dual > kMostUnbalanced * primal)
-      penalty /= 3, renew();
+    residual_before = solution.residual;
+    kept_z = z;
+    kept_y = y;
+    if (stalled) {
+      penalty *= kLooser;
+      renew();
+    } else if (primal > kMaxUnbalanced * dual) {
+      penalty *= 3;
+      renew();
+    } else if (dual > kMaxUnbalanced * primal) {
+      penalty /= 3;
+      renew();
+    }
   }
   solution.impulse = scale.asDiagonal() * z;
   solution.residual = residual_of(p, solution.impulse);

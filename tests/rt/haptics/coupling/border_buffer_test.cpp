@@ -109,7 +109,7 @@ TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodi
   physics::World world(bench.sub_world.config().capacities);
   for (const auto& body : bench.sub_world.world().bodies()) REQUIRE(world.insert(body));
   (void)buffer.adopt(*snapshot, make_config().proxy, world);
-  std::vector<std::byte> bytes(haptics::BorderBuffer::kMostBytes);
+  std::vector<std::byte> bytes(haptics::BorderBuffer::kMaxBytes);
   ByteWriter out(bytes);
   buffer.save(out);
   REQUIRE(out.ok());

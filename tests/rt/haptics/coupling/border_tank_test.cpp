@@ -15,11 +15,12 @@ TEST_CASE("a border whose rows keep to the budget puts in no more than was there
     const double credit = uniform(random), wanted = 3 * uniform(random);
     const double work = std::min(wanted, tank.budget_J(credit));
     tank.settle(credit - work);
-    put_in += work, came_in += std::max(0.0, credit);
+    put_in += work;
+    came_in += std::max(0.0, credit);
     REQUIRE(tank.stored_J >= 0);
     REQUIRE(tank.owed_J >= 0);
     REQUIRE(tank.stored_J * tank.owed_J == 0);
-    REQUIRE(tank.stored_J <= BorderTank::kMostStored_J);
+    REQUIRE(tank.stored_J <= BorderTank::kMaxStored_J);
     REQUIRE(put_in <= 0.01 + came_in + 1e-12);
   }
 }

@@ -29,7 +29,8 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
   auto s = std::make_unique<WorldSnapshot>();
   s->cycle = 1000 + seed;
   s->global_time_s = random(0, 100);
-  s->dropped = 3, s->component = 400;
+  s->dropped = 3;
+  s->component = 400;
   s->proxy = random_motion(random);
   for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->members.try_push(2 * i + 1));
   for (std::uint32_t i = 0; i < counts.members; i += 3) {
@@ -56,13 +57,19 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
   }
   for (std::uint32_t i = 0; i < counts.border; ++i) {
     BorderPoint point;
-    point.member = i, point.outside = i + 9, point.feature = i * i;
-    point.normal = {0, 0, 1}, point.member_anchor = random.vector(1);
-    point.impulse_rate_N = random(0, 50), point.friction = random(0, 1);
+    point.member = i;
+    point.outside = i + 9;
+    point.feature = i * i;
+    point.normal = {0, 0, 1};
+    point.member_anchor = random.vector(1);
+    point.impulse_rate_N = random(0, 50);
+    point.friction = random(0, 1);
     point.outside_velocity = random.vector(1);
     REQUIRE(s->border.try_push(point));
     OutsideBody body;
-    body.id = point.outside, body.centre = random.vector(1), body.velocity = {random.vector(1), random.vector(1)};
+    body.id = point.outside;
+    body.centre = random.vector(1);
+    body.velocity = {random.vector(1), random.vector(1)};
     body.admittance.crossed[1] = random.vector(3);
     if (i < kMaxOutsideBodies) REQUIRE(s->outside.try_push(body));
   }
@@ -194,7 +201,8 @@ TEST_CASE("a buffer of bodies that are no members, or not in order, is refused")
   REQUIRE(read(bytes_of(*s), *back));
   REQUIRE(s->buffer.size() == 2);
   const auto refused = [&](BodyId first, BodyId second) {
-    s->buffer[0] = first, s->buffer[1] = second;
+    s->buffer[0] = first;
+    s->buffer[1] = second;
     return !read(bytes_of(*s), *back);
   };
   CHECK(refused(1, 2));  // 2 is no member

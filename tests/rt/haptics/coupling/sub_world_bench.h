@@ -54,7 +54,9 @@ inline Body ground() { return physics::make_fixed_body(kGround, Shape::plane(), 
 // turns nothing.
 inline BorderPoint support(BodyId member, double force_N, double friction = 0, std::uint32_t feature = 7) {
   BorderPoint point;
-  point.member = member, point.outside = kOutside, point.feature = feature;
+  point.member = member;
+  point.outside = kOutside;
+  point.feature = feature;
   point.normal = {0, 0, 1};
   point.member_anchor = {0, 0, -kRadius};
   point.impulse_rate_N = force_N;
@@ -74,8 +76,13 @@ struct Bench {
 
   // Clears what the snapshot says but for the members.
   WorldSnapshot& next(std::vector<BodyId> members) {
-    snapshot->members.clear(), snapshot->joiners.clear(), snapshot->warm_starts.clear(), snapshot->border.clear(),
-        snapshot->outside.clear(), snapshot->buffer.clear(), snapshot->renewed.clear();
+    snapshot->members.clear();
+    snapshot->joiners.clear();
+    snapshot->warm_starts.clear();
+    snapshot->border.clear();
+    snapshot->outside.clear();
+    snapshot->buffer.clear();
+    snapshot->renewed.clear();
     for (const BodyId id : members) REQUIRE(snapshot->members.try_push(id));
     return *snapshot;
   }
@@ -95,11 +102,11 @@ struct Bench {
     for (std::uint32_t i = 0; i < ticks; ++i) last = sub_world.step(target, sub_steps, {});
   }
   BodyMotion motion(BodyId id) const {
-    const std::int32_t slot = sub_world.world().slot_of(id);
-    REQUIRE(slot >= 0);
-    return sub_world.world().bodies()[static_cast<std::size_t>(slot)].motion;
+    const physics::Body* member = sub_world.world().find(id);
+    REQUIRE(member != nullptr);
+    return member->motion;
   }
-  bool is_member(BodyId id) const { return sub_world.world().slot_of(id) >= 0; }
+  bool is_member(BodyId id) const { return sub_world.world().find(id) != nullptr; }
   const physics::BorderContact& border(std::uint32_t i) const { return sub_world.world().border_contacts()[i]; }
 };
 

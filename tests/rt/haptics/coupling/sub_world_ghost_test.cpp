@@ -27,7 +27,8 @@ OutsideBody outside(double inverse_mass, const Vec3d& velocity = {}, double load
 
 BorderPoint touch(double force_N, double inverse_mass, double friction = 0) {
   BorderPoint point = support(1, force_N, friction);
-  point.member_anchor = {0, 0, -kRadius}, point.outside_point = {0, 0, -kRadius};
+  point.member_anchor = {0, 0, -kRadius};
+  point.outside_point = {0, 0, -kRadius};
   point.outside_inverse_mass = inverse_mass;
   return point;
 }
@@ -145,7 +146,10 @@ Lied tell(const Lie& lie, double admitted_work_J) {
       bench.step(1, {}, 1);  // one sub-step: that is how often the tank is looked at
       const double work_J = bench.sub_world.border_work_J();
       lied.most_J = std::max(lied.most_J, work_J);
-      if (spent) lied.most_in_spent = std::max(lied.most_in_spent, work_J - before_J), ++lied.spent_ticks;
+      if (spent) {
+        lied.most_in_spent = std::max(lied.most_in_spent, work_J - before_J);
+        ++lied.spent_ticks;
+      }
       before_J = work_J;
       REQUIRE(bench.sub_world.border_tank_J() >= 0);
       REQUIRE(((bench.last.status & kBorderSpent) != 0) == (bench.sub_world.border_tank_J() == 0));

@@ -210,7 +210,8 @@ TEST_CASE("a sub-world restored in the middle of a cycle goes on bit by bit") {
   CHECK(copy.sub_world.border_contacts() == 2);
   CHECK(copy.sub_world.border_work_J() == original.sub_world.border_work_J());
   for (std::uint32_t t = 27; t < 90; ++t) {
-    original.tick(t), copy.tick(t);
+    original.tick(t);
+    copy.tick(t);
     CAPTURE(t);
     REQUIRE(copy.sub_world.state_hash() == original.sub_world.state_hash());
     REQUIRE(same_bits(copy.last.on_device, original.last.on_device));

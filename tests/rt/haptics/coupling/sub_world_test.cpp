@@ -109,7 +109,8 @@ TEST_CASE("a body that leaves and joins again with its warm start goes on as if 
     bench.step(400);
   };
   Bench stays(config, {ground()}), returns(config, {ground()});
-  settle(stays), settle(returns);
+  settle(stays);
+  settle(returns);
   auto away = cube(2, 0);
   away.motion = returns.motion(2);
   returns.next({0, 1});
@@ -120,13 +121,15 @@ TEST_CASE("a body that leaves and joins again with its warm start goes on as if 
   SECTION("with it") {
     for (const auto& w : carried) REQUIRE(returns.snapshot->warm_starts.try_push(w));
     returns.synchronise();
-    stays.step(20), returns.step(20);
+    stays.step(20);
+    returns.step(20);
     check_close(stays.motion(2).pose.position, returns.motion(2).pose.position, 1e-12);
     check_close(stays.motion(2).velocity.linear, returns.motion(2).velocity.linear, 1e-12);
   }
   SECTION("without it it does not: the comparison can tell") {
     returns.synchronise();
-    stays.step(20), returns.step(20);
+    stays.step(20);
+    returns.step(20);
     CHECK(norm(stays.motion(2).pose.position - returns.motion(2).pose.position) > 1e-9);
   }
 }
@@ -142,7 +145,7 @@ TEST_CASE("the mean device wrench of a cycle is the momentum that the proxy got 
     Wrenchd felt;
     for (std::uint32_t i = 0; i < ticks; ++i) {
       bench.step(1, target);
-      felt.force += bench.last.on_device.force, felt.torque += bench.last.on_device.torque;
+      felt += bench.last.on_device;
     }
     const Twistd after = bench.motion(kProxy).velocity;
     bench.next({kProxy});

@@ -1,5 +1,5 @@
 // The book of a world's energy: what nothing explains is seen, and what friction takes does not hide it.
-#include "sim/energy_book.h"
+#include "sim/energy_balance.h"
 
 #include <catch2/catch.hpp>
 
@@ -10,49 +10,49 @@ using namespace tactus;
 using namespace tactus::sim;
 
 TEST_CASE("a fall, a push of the hand and a loss are explained") {
-  EnergyBook book;
-  book.add(0, 10, 0, 0);
-  book.add(4, 6, 0, 0);    // falls
-  book.add(5, 6, 0, 1);    // pushed by 1 J
-  book.add(0, 6, 0.5, 1);  // lost; half a joule is in contacts,
-  book.add(0.4, 6, 0.1, 1);
-  CHECK(book.unexplained_J == 0);  // and comes back
-  CHECK(book.most_kinetic_J == 5);
-  CHECK(book.work_in_J == 1);
-  CHECK(book.in_play_J() == 5);
+  EnergyBalance balance;
+  balance.add(0, 10, 0, 0);
+  balance.add(4, 6, 0, 0);    // falls
+  balance.add(5, 6, 0, 1);    // pushed by 1 J
+  balance.add(0, 6, 0.5, 1);  // lost; half a joule is in contacts,
+  balance.add(0.4, 6, 0.1, 1);
+  CHECK(balance.unexplained_J == 0);  // and comes back
+  CHECK(balance.most_kinetic_J == 5);
+  CHECK(balance.work_in_J == 1);
+  CHECK(balance.in_play_J() == 5);
 }
 
 TEST_CASE("energy from nowhere is seen, also after more than that was lost") {
-  EnergyBook book;
-  book.add(5, 0, 0, 0);
-  book.add(1, 0, 0, 0);
-  book.add(3, 0, 0, 0);
-  CHECK(book.unexplained_J == 2);
-  book.add(0, 0, 0, 0);
-  book.add(1, 0, 0, 0);
-  CHECK(book.unexplained_J == 2);  // the most
+  EnergyBalance balance;
+  balance.add(5, 0, 0, 0);
+  balance.add(1, 0, 0, 0);
+  balance.add(3, 0, 0, 0);
+  CHECK(balance.unexplained_J == 2);
+  balance.add(0, 0, 0, 0);
+  balance.add(1, 0, 0, 0);
+  CHECK(balance.unexplained_J == 2);  // the most
 }
 
 TEST_CASE("what a deep overlap could give is no motion, and what the hand takes out is none that went in") {
-  EnergyBook book;
-  book.add(1, 0, 0, 0);
-  book.add(1, 0, 50, 0);
-  CHECK(book.unexplained_J == 0);
-  book.add(0.5, 0, 0, -0.5);
-  CHECK(book.unexplained_J == 0);
-  CHECK(book.work_in_J == 0);
+  EnergyBalance balance;
+  balance.add(1, 0, 0, 0);
+  balance.add(1, 0, 50, 0);
+  CHECK(balance.unexplained_J == 0);
+  balance.add(0.5, 0, 0, -0.5);
+  CHECK(balance.unexplained_J == 0);
+  CHECK(balance.work_in_J == 0);
 }
 
 TEST_CASE("a scene that begins anew has its energy again") {
-  EnergyBook book;
-  book.complete = true;
-  book.add(0, 10, 0, 0);
-  book.add(0, 2, 0, 0);
-  book.reset();
-  CHECK(book.due());
-  CHECK_FALSE(book.due());
-  book.add(0, 10, 0, 0);
-  CHECK(book.unexplained_J == 0);
+  EnergyBalance balance;
+  balance.complete = true;
+  balance.add(0, 10, 0, 0);
+  balance.add(0, 2, 0, 0);
+  balance.reset();
+  CHECK(balance.due());
+  CHECK_FALSE(balance.due());
+  balance.add(0, 10, 0, 0);
+  CHECK(balance.unexplained_J == 0);
 }
 
 TEST_CASE("a pressed contact's spring is m w^2 e^2 / 2 of what it overlaps beyond the slop, where its body is now") {

@@ -1,4 +1,4 @@
-#include "sim/energy_book.h"
+#include "sim/energy_balance.h"
 
 #include <numbers>
 

@@ -17,7 +17,7 @@ namespace tactus::sim {
 
 struct Scene;
 
-struct EnergyBook {
+struct EnergyBalance {
   static constexpr unsigned kEvery = 4;
 
   bool complete{false};  // the balance is kept: it covers everything that does work in this scene

@@ -1,4 +1,4 @@
-#include "rt/physics/passes.h"
+#include "rt/physics/macro_steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +6,12 @@
 namespace tactus::physics {
 namespace {
 
-// Largest motion of a body's surface in a pass, as a share of its half thickness.
+// Largest motion of a body's surface in a macro step, as a share of its half thickness.
 constexpr double kMotionInPass = 0.25;
 constexpr double kShortestPass = 1e-3;  // s
 
-// Largest motion of a round body along its contact in a pass [m]. A point carried along by d is wrong by d^2 / 2 r; as
-// long as this is within the slop, the body neither sinks nor is pushed out.
+// Largest motion of a round body along its contact in a macro step [m]. A point carried along by d is wrong by
+// d^2 / 2 r; as long as this is within the slop, the body neither sinks nor is pushed out.
 double most_along_contact(double radius, const StepSettings& settings) noexcept {
   return std::sqrt(2.0 * settings.slop * radius);
 }
@@ -24,12 +24,12 @@ double half_thickness(const Shape& shape) noexcept {
   return round ? shape.radius : std::min({half.x, half.y, half.z});
 }
 
-std::uint32_t passes_of(const World& world, const StepSettings& settings,
-                        std::span<const std::uint8_t> left_out) noexcept {
+std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,
+                             std::span<const std::uint8_t> left_out) noexcept {
   const double most = std::min(settings.dt / kShortestPass * (1.0 + 1e-6), static_cast<double>(settings.sub_steps));
   if (most < 2.0) return 1;
   double needed = 1.0;
-  const auto count = [&](double moved, double allowed) noexcept {  // allowed = 0: the most passes
+  const auto count = [&](double moved, double allowed) noexcept {  // allowed = 0: the most macro steps
     if (moved > needed * allowed) needed = std::min(moved / allowed, most);
   };
   const auto counts = [&](std::uint32_t slot) noexcept { return left_out.empty() || left_out[slot] == 0; };
@@ -53,16 +53,17 @@ std::uint32_t passes_of(const World& world, const StepSettings& settings,
     if (!contact.b_fixed) roll(contact.slot_b);
   }
   const auto top = static_cast<std::uint32_t>(most);
-  std::uint32_t passes = std::min(top, static_cast<std::uint32_t>(std::ceil(needed)));
-  while (passes < top && settings.sub_steps % passes != 0) ++passes;
-  while (settings.sub_steps % passes != 0) --passes;
-  return passes;
+  std::uint32_t macro_steps = std::min(top, static_cast<std::uint32_t>(std::ceil(needed)));
+  while (macro_steps < top && settings.sub_steps % macro_steps != 0) ++macro_steps;
+  while (settings.sub_steps % macro_steps != 0) --macro_steps;
+  return macro_steps;
 }
 
-StepSettings settings_of_pass(const StepSettings& settings, std::uint32_t passes) noexcept {
-  StepSettings pass = settings;
-  pass.dt = settings.dt / static_cast<double>(passes), pass.sub_steps = settings.sub_steps / passes;
-  return pass;
+StepSettings settings_of_macro_step(const StepSettings& settings, std::uint32_t macro_steps) noexcept {
+  StepSettings macro_step = settings;
+  macro_step.dt = settings.dt / static_cast<double>(macro_steps);
+  macro_step.sub_steps = settings.sub_steps / macro_steps;
+  return macro_step;
 }
 
 }  // namespace tactus::physics

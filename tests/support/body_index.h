@@ -1,0 +1,19 @@
+// Body indices in tests: 3_b is BodyIndex{3}.
+#pragma once
+
+#include "sim/body_index.h"
+
+namespace tactus::test {
+
+constexpr sim::BodyIndex operator""_b(unsigned long long number) noexcept {
+  return sim::BodyIndex{static_cast<std::uint32_t>(number)};
+}
+
+// The indices 0 to count - 1: of a world in which every body is awake, by slot.
+inline std::vector<sim::BodyIndex> all_awake(std::size_t count) {
+  std::vector<sim::BodyIndex> indices;
+  for (const sim::BodyIndex body : sim::BodyIndices(count)) indices.push_back(body);
+  return indices;
+}
+
+}  // namespace tactus::test

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/model/choice_names.h"
+#include "tools/experiment/coupling/whole_run.h"
+#include "tools/experiment/csv.h"
+
+namespace tactus::experiment {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr CsvColumn kColumns[] = {
+    {"scene", "scene"},
+    {"coupling", "coupling"},
+    {"border", "border"},
+    {"ratio [1]", "ratio"},
+    {"members [1]", "members"},
+    {"stiffness [N/m]", "stiffness_N_per_m"},
+    {"seconds [s]", "seconds"},
+    {"started_apart [m]", "started_apart_m"},
+    {"hand", "hand"},
+    {"force_error [1]", "force_error"},
+    {"force_error_q1 [1]", "force_error_by_quarter/0"},
+    {"force_error_q2 [1]", "force_error_by_quarter/1"},
+    {"force_error_q3 [1]", "force_error_by_quarter/2"},
+    {"force_error_q4 [1]", "force_error_by_quarter/3"},
+    {"force_rms [N]", "force_rms_N"},
+    {"pose_off [m]", "pose_off_m"},
+    {"pose_off_most [m]", "pose_off_most_m"},
+    {"pose_off_share [1]", "pose_off_share_of_size"},
+    {"drift [m]", "drift_m"},
+    {"deepest [m]", "deepest_m"},
+    {"direct_deepest [m]", "direct_deepest_m"},
+    {"kinetic [J]", "kinetic_J"},
+    {"kinetic_over_work [1]", "kinetic_over_work"},
+    {"energy_gain [J]", "energy_gain_J"},
+    {"direct_energy_gain [J]", "direct_energy_gain_J"},
+    {"energy_at_play [J]", "energy_at_play_J"},
+    {"border_work [J]", "border_work_J"},
+    {"fallen [1]", "fallen"},
+    {"stands", "stands"},
+};
+
+}  // namespace
+
+std::string whole_table(std::span<const WholeRunRow> rows) {
+  std::string text = fmt::format(
+      "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n",
+      "scene", "coupling", "border", "ratio", "members", "K N/m", "hand", "force err%", "by quarter %", "off mm",
+      "most mm", "of size%", "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
+  for (const WholeRunRow& r : rows) {
+    std::string quarters;
+    for (const double q : r.force_error_quarter) quarters += fmt::format(" {:>6.2f}", 100 * q);
+    text += fmt::format(
+        "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
+        "{:>9.3f} "
+        "{:>9.3f} {:>7}\n",
+        r.scene, (r.apart_m > 0 ? "1 um apart" : sim::name_of(r.scheme.coupling)), name_of_border(r.scheme),
+        r.scheme.ratio, r.members, r.gains.stiffness_N_per_m, r.closed_hand ? "closed" : "direct", 100 * r.force_error,
+        quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m, 100 * r.pose_off_share, 1e3 * r.drift_m,
+        1e3 * r.deepest_m, r.kinetic_over_work, 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
+        r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
+  }
+  return text;
+}
+
+ordered_json whole_rows_json(std::span<const WholeRunRow> rows) {
+  ordered_json list = ordered_json::array();
+  for (const WholeRunRow& row : rows)
+    list.push_back({{"scene", row.scene},
+                    {"coupling", sim::name_of(row.scheme.coupling)},
+                    {"border", name_of_border(row.scheme)},
+                    {"ratio", row.scheme.ratio},
+                    {"members", row.members},
+                    {"stiffness_N_per_m", row.gains.stiffness_N_per_m},
+                    {"stiffness_Nm_per_rad", row.gains.stiffness_Nm_per_rad},
+                    {"seconds", row.seconds},
+                    {"started_apart_m", row.apart_m},
+                    {"hand", row.closed_hand ? "closed" : "direct"},
+                    {"force_error", row.force_error},
+                    {"force_error_by_quarter", row.force_error_quarter},
+                    {"force_rms_N", row.force_rms_N},
+                    {"pose_off_m", row.pose_off_m},
+                    {"pose_off_most_m", row.pose_off_most_m},
+                    {"pose_off_share_of_size", row.pose_off_share},
+                    {"drift_m", row.drift_m},
+                    {"deepest_m", row.deepest_m},
+                    {"direct_deepest_m", row.direct_deepest_m},
+                    {"kinetic_J", row.kinetic_J},
+                    {"kinetic_over_work", row.kinetic_over_work},
+                    {"energy_gain_J", row.energy_gain_J},
+                    {"direct_energy_gain_J", row.direct_energy_gain_J},
+                    {"energy_at_play_J", row.energy_at_play_J},
+                    {"border_work_J", row.border_work_J},
+                    {"fallen", row.fallen},
+                    {"stands", row.stands}});
+  return list;
+}
+
+std::string whole_csv(std::span<const WholeRunRow> rows) { return csv_of(kColumns, whole_rows_json(rows)); }
+
+}  // namespace tactus::experiment
