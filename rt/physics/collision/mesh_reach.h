@@ -42,8 +42,10 @@ class MeshReach {
     const MeshPatch& patch = mesh_.patches[t.patch];
     const double height = dot(patch.normal, centre_) - patch.offset;
     const double closing = smaller(larger(-dot(advance_, patch.normal), 0.0) + rest_, settings_.max_margin);
+    // A body whose centre is behind the patch is not in contact with it; of a capsule, only a part need be in front.
+    if (!(height > 0.0) && shape_.kind != ShapeKind::kCapsule) return false;
     // The patch's corners are at most kFlat from its plane.
-    if (!(height > 0.0) || height - reach_along(-patch.normal) > patch_margin(closing, settings_) + kFlat) return false;
+    if (height - reach_along(-patch.normal) > patch_margin(closing, settings_) + kFlat) return false;
     return !has_faces() || reaches_across_faces(t);
   }
 

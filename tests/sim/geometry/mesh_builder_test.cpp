@@ -157,7 +157,7 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
   const BuiltMesh made = built(soup);
   const Mesh& mesh = made.mesh;
   int whole = 0, cut = 0;
-  for (int n = 0; n < 2000; ++n) {
+  for (int n = 0; n < 4000; ++n) {
     const Vec3d at = random.vector(1.2), half = Vec3d{1, 1, 1} * random.log_uniform(1e-3, 0.6);
     const physics::Aabb box{at - half, at + half};
     std::vector<std::uint32_t> expected;
@@ -177,7 +177,7 @@ TEST_CASE("the tree finds what brute force finds, in boxes of any size") {
     CHECK(std::includes(expected.begin(), expected.end(), got.begin(), got.end()));
     CHECK(got.size() + found.left_out >= expected.size());
   }
-  CHECK(whole > 1000);
+  CHECK(whole > 2000);
   CHECK(cut > 30);
 }
 
