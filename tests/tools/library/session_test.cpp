@@ -106,7 +106,7 @@ TEST_CASE("bodies are where both worlds have them, members by the sub-world and 
     CHECK(bodies[body.id].rotation[0] == motion.pose.rotation.w);
     CHECK(bodies[body.id].angular_velocity_rad_per_s[2] == motion.velocity.angular.z);
     const Role role = session.roles()[body.id];
-    CHECK((role == Role::kMember || role == Role::kBorder) == (slot >= 0));
+    CHECK((role == Role::kMember || role == Role::kBorder) == (member != nullptr));
   }
   CHECK(session.members().size() == members);
   CHECK(session.members().size() == session.last().members);
