@@ -1,4 +1,4 @@
-// The columns of an export: every number that a tick record has, with its unit, frame and meaning.
+// The columns of an export: every number that the records of a tick have, with its unit, frame and meaning.
 //
 // A column is a place in the record, so a value is what the tape holds, bit by bit. Names carry the unit.
 // Thread: any normal one. Bound: the table is fixed; reading a value copies 4 or 8 bytes.
@@ -28,9 +28,15 @@ struct Column {
   std::string frame;    // of a vector's component or a rotation; empty otherwise
   std::string meaning;  // one sentence
   ColumnType type{ColumnType::kReal};
-  std::size_t offset{0};  // bytes, in the tick record
+  std::size_t offset{0};  // bytes, in the row
 
   bool is_real() const noexcept { return type == ColumnType::kReal || type == ColumnType::kTime; }
+};
+
+// What a tape has of a tick. Without times on the tape, as in virtual time, they are 0.
+struct Row {
+  loop::TickRecord tick;
+  loop::TickTimesRecord times;
 };
 
 struct Value {
@@ -39,7 +45,7 @@ struct Value {
 };
 
 // `period_s`: of the tape. The time of a tick is that of its end, (tick + 1) periods.
-Value value_of(const Column& column, const loop::TickRecord& tick, double period_s) noexcept;
+Value value_of(const Column& column, const Row& row, double period_s) noexcept;
 double time_of(std::uint64_t tick, double period_s) noexcept;
 
 // All columns, in the order of the record.

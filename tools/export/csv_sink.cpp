@@ -23,10 +23,10 @@ class CsvSink final : public Sink {
     if (bodies_ != nullptr) bodies_->write(kBodyHeader);
   }
 
-  Status tick(const loop::TickRecord& tick) override {
+  Status tick(const Row& row) override {
     line_.clear();
     for (const Column& column : context_.columns) {
-      append_value(line_, column, value_of(column, tick, context_.period_s), false);
+      append_value(line_, column, value_of(column, row, context_.period_s), false);
       line_ += ',';
     }
     line_.back() = '\n';

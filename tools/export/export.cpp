@@ -37,7 +37,7 @@ const Output kOutputs[] {
 };
 
 // What Perfetto gets without --signals: all columns at full rate are more than it can show.
-const std::vector<std::string> kDrawnBest{"force", "counts", "energy"};
+const std::vector<std::string> kDrawnBest{"force", "counts", "energy", "times"};
 
 // The files that the options ask for, each with the option's name.
 std::vector<std::pair<std::string, std::string>> files_of(const ExportOptions& options) {
@@ -105,6 +105,11 @@ class Exporter {
         const auto tick = session::tick_of(record);
         return tick.ok() ? take_tick(tick.value()) : tick.status();
       }
+      case loop::kTimesRecord: {
+        const auto times = session::times_of(record);
+        if (times.ok() && waiting_ && times.value().tick == waiting_->tick.out.tick) waiting_->times = times.value();
+        return times.status();
+      }
       case loop::kTapeGap:
         if (frames_) frames_->lose_step();
         return Status::good();
@@ -122,6 +127,7 @@ class Exporter {
   }
 
   Status finish() {
+    if (const Status status = write_waiting(); !status.ok()) return status;
     for (auto& sink : sinks_) {
       if (const Status status = sink->finish(); !status.ok()) return failed(status);
       report_.bytes += sink->bytes();
@@ -150,6 +156,7 @@ class Exporter {
   }
 
   Status take_tick(const loop::TickRecord& tick) {
+    if (const Status status = write_waiting(); !status.ok()) return status;
     const std::uint64_t number = tick.out.tick;
     if (next_tick_ != 0 && number > next_tick_) report_.lost_ticks += number - next_tick_;
     next_tick_ = number + 1;
@@ -157,10 +164,20 @@ class Exporter {
     const double time_s = time_of(number, context_.period_s);
     if (time_s < options_.from_s || time_s >= options_.to_s) return Status::good();
     ++report_.rows;
+    waiting_ = Row{tick, {}};
+    return frames_ && frames_->due(tick) ? write_frame(frames_->frame(tick)) : Status::good();
+  }
+
+  // A tick's times come behind it on the tape.
+  Status write_waiting() {
+    if (!waiting_) return Status::good();
     for (auto& sink : sinks_)
-      if (const Status status = sink->tick(tick); !status.ok()) return failed(status);
-    if (!frames_ || !frames_->due(tick)) return Status::good();
-    const BodyFrame frame = frames_->frame(tick);
+      if (const Status status = sink->tick(*waiting_); !status.ok()) return failed(status);
+    waiting_.reset();
+    return Status::good();
+  }
+
+  Status write_frame(const BodyFrame& frame) {
     ++report_.frames;
     report_.bodies += frame.bodies.size();
     for (auto& sink : sinks_)
@@ -190,6 +207,7 @@ class Exporter {
   std::unique_ptr<session::Session> session_;
   std::optional<BodyFrames> frames_;
   std::vector<std::unique_ptr<Sink>> sinks_;
+  std::optional<Row> waiting_;  // written when its times have come, or the next tick
   std::uint64_t next_tick_{0};
   bool machine_failed_{false};
 };

@@ -163,10 +163,10 @@ class Hdf5Sink final : public Sink {
     return Status::good();
   }
 
-  Status tick(const loop::TickRecord& tick) override {
+  Status tick(const Row& row) override {
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       const Column& column = context_.columns[i];
-      const Value value = value_of(column, tick, context_.period_s);
+      const Value value = value_of(column, row, context_.period_s);
       const auto number = static_cast<std::uint32_t>(value.count);
       columns_[i].add(column.is_real()                     ? static_cast<const void*>(&value.real)
                       : column.type == ColumnType::kNumber ? static_cast<const void*>(&number)

@@ -38,15 +38,15 @@ class McapSink final : public Sink {
       bodies_ = writer_.add_channel("tactus/bodies", "foxglove.SceneUpdate", scene_update_schema());
   }
 
-  Status tick(const loop::TickRecord& tick) override {
+  Status tick(const Row& row) override {
     text_.clear();
     for (std::size_t i = 0; i < keys_.size(); ++i) {
       const Column& column = context_.columns[i];
       text_ += keys_[i];
-      append_value(text_, column, value_of(column, tick, context_.period_s), true);
+      append_value(text_, column, value_of(column, row, context_.period_s), true);
     }
     text_ += '}';
-    writer_.message(ticks_, time_ns(tick.out.tick), text_);
+    writer_.message(ticks_, time_ns(row.tick.out.tick), text_);
     return writer_.status();
   }
 

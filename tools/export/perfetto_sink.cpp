@@ -32,7 +32,8 @@ class PerfettoSink final : public Sink {
            {"args", {{"name", "cycles"}}}});
   }
 
-  Status tick(const loop::TickRecord& tick) override {
+  Status tick(const Row& row) override {
+    const loop::TickRecord& tick = row.tick;
     const double now_us = 1e6 * static_cast<double>(tick.out.tick) * context_.period_s;
     last_us_ = now_us + 1e6 * context_.period_s;
     if (tick.adopts != 0) begin_cycle(tick.out.tick, now_us);
@@ -45,7 +46,7 @@ class PerfettoSink final : public Sink {
              {"tid", kHapticThread},
              {"args", {{"tick", tick.out.tick}}}});
     fault_ = tick.out.fault;
-    add_counters(tick, now_us);
+    add_counters(row, now_us);
     return file_->status();
   }
 
@@ -83,7 +84,7 @@ class PerfettoSink final : public Sink {
   }
 
   // One event for each group: the members of `args` share its track's name.
-  void add_counters(const loop::TickRecord& tick, double now_us) {
+  void add_counters(const Row& row, double now_us) {
     for (std::size_t i = 0; i < context_.columns.size();) {
       const std::string& group = context_.columns[i].group;
       line_ = first_ ? "\n" : ",\n";
@@ -96,7 +97,7 @@ class PerfettoSink final : public Sink {
         line_ += i == begin ? "\"" : ",\"";
         line_ += column.name;
         line_ += "\":";
-        append_value(line_, column, value_of(column, tick, context_.period_s), true);
+        append_value(line_, column, value_of(column, row, context_.period_s), true);
       }
       line_ += "}}";
       if (group == "time") continue;  // it is the axis

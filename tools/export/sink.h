@@ -49,7 +49,7 @@ class Sink {
  public:
   virtual ~Sink() = default;
   // An error is final, and one line with the file's path.
-  virtual Status tick(const loop::TickRecord& tick) = 0;
+  virtual Status tick(const Row& row) = 0;
   virtual Status bodies(const BodyFrame& frame) = 0;
   // Completes the file. Without it the destructor removes what was written.
   virtual Status finish() = 0;

@@ -11,7 +11,8 @@
 namespace tactus::session {
 namespace {
 
-constexpr std::uint32_t kKinds[] = {loop::kKeyframeRecord, loop::kSnapshotRecord, loop::kTickRecord, loop::kTapeGap};
+constexpr std::uint32_t kKinds[] = {loop::kKeyframeRecord, loop::kSnapshotRecord, loop::kTickRecord, loop::kTimesRecord,
+                                    loop::kTapeGap};
 constexpr std::uint32_t kMostSubSteps = 1000;
 
 Status prefixed(const OpenTape& tape, const std::string& what) { return Status::error(tape.path + ": " + what); }
@@ -72,6 +73,13 @@ Result<loop::TickRecord> tick_of(const loop::TapeRecord& record) {
   if (taped.sub_steps == 0 || taped.sub_steps > kMostSubSteps)
     return bad_record(record, "has an impossible number of sub-steps");
   return taped;
+}
+
+Result<loop::TickTimesRecord> times_of(const loop::TapeRecord& record) {
+  loop::TickTimesRecord times;
+  if (record.payload.size() != sizeof times) return bad_record(record, "has no times");
+  std::memcpy(&times, record.payload.data(), sizeof times);
+  return times;
 }
 
 TapePlayer::TapePlayer(std::unique_ptr<loop::HapticLoop> loop)

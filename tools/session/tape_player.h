@@ -42,6 +42,7 @@ Status walk(OpenTape& tape, const TapeVisitor& visitor);
 
 // Error: the record is no tick. The bytes are copied: a record in the file is not aligned.
 Result<loop::TickRecord> tick_of(const loop::TapeRecord& record);
+Result<loop::TickTimesRecord> times_of(const loop::TapeRecord& record);
 
 class TapePlayer {
  public:

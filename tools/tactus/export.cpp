@@ -75,7 +75,7 @@ CLI::App* add_export_command(CLI::App& program, int& exit_code) {
   app->add_option("--mcap", o.mcap, "write MCAP into this file: for Foxglove, Lichtblick, PlotJuggler");
   app->add_option("--perfetto", o.perfetto,
                   "write a trace into this file, for Perfetto: counters, cycles, faults; without --signals the groups\n"
-                  "force, counts and energy");
+                  "force, counts, energy and times");
   app->add_option("--from", o.from_s, "first moment, simulated time [s]; 0 or more")->capture_default_str();
   app->add_option("--to", o.to_s, "ticks before this moment [s]; default: to the end");
   app->add_option("--signals", o.signals,

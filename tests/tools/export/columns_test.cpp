@@ -6,7 +6,6 @@
 
 using namespace tactus;
 using namespace tactus::exporting;
-using loop::TickRecord;
 
 namespace {
 
@@ -38,12 +37,13 @@ std::vector<std::string> names_of(const std::vector<Column>& columns) {
 
 }  // namespace
 
-TEST_CASE("the columns cover every byte of a tick record once, its padding excepted") {
-  std::vector<int> covered(sizeof(TickRecord), 0);
+TEST_CASE("the columns cover every byte of a tick's records once, padding excepted") {
+  std::vector<int> covered(sizeof(Row), 0);
   for (const Column& column : all_columns())
     for (std::size_t i = 0; i < bytes_of(column); ++i) ++covered.at(column.offset + i);
-  for (const std::size_t padding : {offsetof(TickRecord, padding), offsetof(TickRecord, device.padding),
-                                    offsetof(TickRecord, device.sample.padding)})
+  for (std::size_t i = 0; i < sizeof(Row::times.tick); ++i) ++covered.at(offsetof(Row, times.tick) + i);  // the tick's
+  for (const std::size_t padding :
+       {offsetof(Row, tick.padding), offsetof(Row, tick.device.padding), offsetof(Row, tick.device.sample.padding)})
     for (std::size_t i = 0; i < 4; ++i) {
       CHECK(covered[padding + i] == 0);
       covered[padding + i] = 1;
@@ -55,7 +55,10 @@ TEST_CASE("the columns cover every byte of a tick record once, its padding excep
 }
 
 TEST_CASE("a column's value is the record's, and its time the end of the tick") {
-  TickRecord tick;
+  Row row;
+  loop::TickRecord& tick = row.tick;
+  row.times.compute_ns = 12'345;
+  row.times.woke_ns = 1'000'000'007;
   tick.device.sample.device_from_tool.position.y = 0.1;
   tick.device.sample.buttons = 5;
   tick.sub_steps = 4;
@@ -64,16 +67,18 @@ TEST_CASE("a column's value is the record's, and its time the end of the tick") 
   tick.out.proxy.pose.rotation.w = -0.5;
   tick.out.fault = Fault::kWorldLost;
   tick.out.device_energy_J = 7;
-  CHECK(value_of(named("tool_position_y_m"), tick, 1e-3).real == 0.1);
-  CHECK(value_of(named("buttons"), tick, 1e-3).count == 5);
-  CHECK(value_of(named("sub_steps"), tick, 1e-3).count == 4);
-  CHECK(value_of(named("tick"), tick, 1e-3).count == 1999);
-  CHECK(value_of(named("time_s"), tick, 1e-3).real == 2000 * 1e-3);
-  CHECK(value_of(named("force_y_N"), tick, 1e-3).real == -2.5);
-  CHECK(value_of(named("force_z_N"), tick, 1e-3).real == 3e-300);
-  CHECK(value_of(named("proxy_rotation_w"), tick, 1e-3).real == -0.5);
-  CHECK(value_of(named("fault"), tick, 1e-3).count == static_cast<std::uint64_t>(Fault::kWorldLost));
-  CHECK(value_of(named("device_energy_J"), tick, 1e-3).real == 7);
+  CHECK(value_of(named("tool_position_y_m"), row, 1e-3).real == 0.1);
+  CHECK(value_of(named("buttons"), row, 1e-3).count == 5);
+  CHECK(value_of(named("sub_steps"), row, 1e-3).count == 4);
+  CHECK(value_of(named("tick"), row, 1e-3).count == 1999);
+  CHECK(value_of(named("time_s"), row, 1e-3).real == 2000 * 1e-3);
+  CHECK(value_of(named("force_y_N"), row, 1e-3).real == -2.5);
+  CHECK(value_of(named("force_z_N"), row, 1e-3).real == 3e-300);
+  CHECK(value_of(named("proxy_rotation_w"), row, 1e-3).real == -0.5);
+  CHECK(value_of(named("fault"), row, 1e-3).count == static_cast<std::uint64_t>(Fault::kWorldLost));
+  CHECK(value_of(named("compute_ns"), row, 1e-3).count == 12'345);
+  CHECK(value_of(named("woke_ns"), row, 1e-3).count == 1'000'000'007);
+  CHECK(value_of(named("device_energy_J"), row, 1e-3).real == 7);
 }
 
 TEST_CASE("names are unique, and a column of a quantity ends with its unit") {

@@ -8,9 +8,12 @@
 #include <map>
 #include <sstream>
 
+#include "rt/base/denormals.h"
+#include "rt/loop/timed_tick.h"
 #include "tests/system/session_bench.h"
 #include "tools/export/columns.h"
 #include "tools/export/sink.h"
+#include "tools/session/replay.h"
 #include "tools/session/tape_player.h"
 
 using namespace tactus;
@@ -119,7 +122,7 @@ TEST_CASE("every number of a CSV reads as the tape's, bit by bit") {
   for (std::size_t row = 0; row < ticks.size(); ++row)
     for (std::size_t i = 0; i < all_columns().size(); ++i) {
       const Column& column = all_columns()[i];
-      const Value value = value_of(column, ticks[row], 1e-3);
+      const Value value = value_of(column, {ticks[row], {}}, 1e-3);
       const std::string& cell = table[row + 1].at(i);
       const bool same = column.is_real()
                             ? std::bit_cast<std::uint64_t>(std::stod(cell)) == std::bit_cast<std::uint64_t>(value.real)
@@ -178,6 +181,51 @@ TEST_CASE("the bodies of an export are those of the run, frame by frame") {
     for (std::size_t i = 0; i < pose.size(); ++i) different += std::stod(cells[4 + i]) == pose[i] ? 0 : 1;
   }
   CHECK(different == 0);
+}
+
+TEST_CASE("a tape of real time has each tick's times, and replays all the same") {
+  const Folder folder;
+  const std::string tape = folder / "a.tape";
+  session::RunOptions options = test::virtual_options();
+  options.coupling = haptics::CouplingScheme::kDirect;
+  options.record = tape;
+  auto session = test::make_session(test::scene_text(test::kPressScene), options);
+  REQUIRE(session->record(tape).ok());
+  set_denormals_flush();
+  loop::TimedTick<hal::AnyDevice> tick(*session->driver, 1'000'000);
+  const std::int64_t before_ns = MonotonicClock::now_ns();
+  for (int i = 0; i < 50; ++i) {
+    loop::TickTiming timing;
+    timing.woke_ns = MonotonicClock::now_ns();
+    timing.scheduled_ns = timing.woke_ns - 1'234;
+    tick(timing, [&]() noexcept { return session->operator_bits(); });
+    session->count_tick();
+  }
+  const std::int64_t after_ns = MonotonicClock::now_ns();
+  session::RunSummary summary = session->summary();
+  session->close_tape(summary);
+  const auto replayed = session::replay(tape);
+  REQUIRE(replayed.ok());
+  CHECK(replayed.value().good());
+  CHECK(replayed.value().compared == 50);
+  ExportOptions to_csv;
+  to_csv.tape = tape;
+  to_csv.csv = folder / "a.csv";
+  to_csv.signals = {"times"};
+  (void)exported(to_csv);
+  const Table table = read_csv(to_csv.csv);
+  REQUIRE(table.size() == 51);
+  CHECK(table[0] ==
+        std::vector<std::string>{"tick", "time_s", "woke_ns", "wake_ns", "read_ns", "compute_ns", "write_ns"});
+  std::int64_t last_ns = before_ns;
+  for (std::size_t row = 1; row < table.size(); ++row) {
+    const std::int64_t woke_ns = std::stoll(table[row][2]);
+    CHECK(woke_ns >= last_ns);
+    CHECK(table[row][3] == "1234");
+    last_ns = woke_ns + std::stoll(table[row][4]) + std::stoll(table[row][5]) + std::stoll(table[row][6]);
+    CHECK(std::stoll(table[row][5]) > 0);
+  }
+  CHECK(last_ns <= after_ns);
 }
 
 TEST_CASE("a damaged tape is exported around the damage, and the export says what is lost") {
