@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from watched_run import Page, Run, Viewer, page_is_built, skip, wait_for  # noqa: E402
 
-PROGRAM = os.path.abspath(sys.argv.pop(1))
+PROGRAM = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" else ""
 # Software rendering: Chromium does not fall back to it by itself.
 FLAGS = ["--headless=new", "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--window-size=1400,900"]
 
