@@ -6,6 +6,8 @@
 // does not fit is dropped and counted, without waiting; a tape with a gap replays from the next keyframe.
 #pragma once
 
+#include <atomic>
+
 #include "rt/base/ring.h"
 #include "rt/loop/haptic_loop.h"
 
@@ -16,6 +18,8 @@ enum RecordKind : std::uint32_t {
   kKeyframeRecord = 1,  // HapticLoop::save before a tick
   kSnapshotRecord = 2,  // haptics::write_snapshot; adopted by the tick record that follows
   kTickRecord = 3,      // TickRecord
+  kTimesRecord = 4,     // TickTimesRecord, of the tick record before it; measured, so a replay ignores it
+  kBodiesRecord = 5,    // BodiesRecord, then a BodyPose each: for watchers alone, never on a tape
 };
 
 struct TickRecord {
@@ -28,6 +32,31 @@ struct TickRecord {
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 
+// When a tick took place, and how long its stages took; not recorded in virtual time, which measures nothing.
+struct TickTimesRecord {
+  std::uint64_t tick{0};
+  std::int64_t woke_ns{0};      // CLOCK_MONOTONIC: its beginning
+  std::uint32_t wake_ns{0};     // from its scheduled beginning to its beginning
+  std::uint32_t read_ns{0};     // the device's sample
+  std::uint32_t compute_ns{0};  // HapticLoop::tick, with the exchange and the recorder's keyframes
+  std::uint32_t write_ns{0};    // the command to the device, with the recorder's tick record and the lines
+};
+static_assert(std::is_trivially_copyable_v<TickTimesRecord> && sizeof(TickTimesRecord) == 32);
+
+// The members' poses, for who watches a run with the direct coupling, which has no global world.
+struct BodiesRecord {
+  std::uint64_t tick{0};  // ticks done
+  std::uint32_t bodies{0};
+  std::uint32_t resets{0};  // of the scene, so far
+};
+struct BodyPose {
+  BodyId id{kNoBody};
+  float position[3]{};         // m, world
+  std::int16_t rotation[4]{};  // w x y z, times 32,767
+};
+static_assert(sizeof(BodiesRecord) == 16 && sizeof(BodyPose) == 24);
+inline constexpr std::uint32_t kBodiesTicks = 16;  // ticks between two records
+
 class FlightRecorder {
  public:
   // A keyframe every `keyframe_ticks`; the ring holds `ring_bytes` (a power of two).
@@ -35,15 +64,23 @@ class FlightRecorder {
 
   void before_tick(const HapticLoop& loop) noexcept TACTUS_NONBLOCKING;
   void after_tick(const TickInput& in, const TickOutput& out) noexcept TACTUS_NONBLOCKING;
+  void times(const TickTimesRecord& times) noexcept TACTUS_NONBLOCKING;
+
+  // [setup] Records the members' poses every kBodiesTicks while `watchers` is not 0. It must outlive the recorder.
+  void show_bodies(const std::atomic<std::uint32_t>& watchers) noexcept { watchers_ = &watchers; }
 
   Ring& ring() noexcept { return ring_; }
   std::uint64_t dropped() const noexcept { return ring_.dropped(); }
 
  private:
+  void record_bodies(const HapticLoop& loop) noexcept;
+
   Ring ring_;
   BoundedVector<std::byte> scratch_;
   std::uint32_t keyframe_ticks_;
   std::uint32_t until_keyframe_{0};
+  const std::atomic<std::uint32_t>* watchers_{nullptr};
+  std::uint32_t until_bodies_{0};
 };
 
 }  // namespace tactus::loop

@@ -42,6 +42,11 @@ class HapticDriver {
     if (recorder_ != nullptr) recorder_->after_tick(input_, output_);
   }
 
+  // After write(): for the tape, if there is one.
+  void record_times(const TickTimesRecord& times) noexcept {
+    if (recorder_ != nullptr) recorder_->times(times);
+  }
+
   const TickOutput& output() const noexcept { return output_; }
   const haptics::DeviceSample& sample() const noexcept { return input_.device.sample; }  // newest sample
   const TickPlan& plan() const noexcept { return plan_; }

@@ -103,6 +103,7 @@ class HapticLoop {
   // True if the next tick is to adopt a snapshot; its number is next_cycle().
   bool wants_snapshot() const noexcept;
   std::uint64_t next_cycle() const noexcept { return state_.next_cycle; }
+  std::uint64_t ticks() const noexcept { return state_.tick; }  // done so far
   // Counts of the last tick, for the governor.
   WorkCounts counts() const noexcept;
 

@@ -14,8 +14,10 @@
 // through the cut.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 
 #include "rt/base/clock.h"
 #include "rt/loop/haptic_driver.h"
@@ -81,6 +83,7 @@ class TimedTick {
     if (lines_ != nullptr) show_on_lines(out);
     const std::int64_t wrote_ns = Clock::now_ns();
     if (probe_ != nullptr) complete_record(out, computed_ns, wrote_ns);
+    if constexpr (!std::is_same_v<Clock, VirtualClock>) record_times(timing, read_ns, computed_ns, wrote_ns);
     return {.compute_ns = computed_ns - read_ns,
             .device_ns = (read_ns - timing.woke_ns) + (wrote_ns - computed_ns),
             .overrun = judge(timing, cpu_began_ns, wrote_ns)};
@@ -105,6 +108,20 @@ class TimedTick {
     lines_->enable(out.command.wanted == haptics::DeviceState::kForce);
     lines_->heartbeat();
     lines_->probe(false);
+  }
+
+  void record_times(const TickTiming& timing, std::int64_t read_ns, std::int64_t computed_ns,
+                    std::int64_t wrote_ns) noexcept {
+    driver_.record_times({.tick = driver_.output().tick,
+                          .woke_ns = timing.woke_ns,
+                          .wake_ns = duration(timing.scheduled_ns, timing.woke_ns),
+                          .read_ns = duration(timing.woke_ns, read_ns),
+                          .compute_ns = duration(read_ns, computed_ns),
+                          .write_ns = duration(computed_ns, wrote_ns)});
+  }
+  // At most 4.29 s.
+  static std::uint32_t duration(std::int64_t from_ns, std::int64_t to_ns) noexcept {
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(to_ns - from_ns, 0, UINT32_MAX));
   }
 
   void complete_record(const TickOutput& out, std::int64_t computed_ns, std::int64_t wrote_ns) noexcept {

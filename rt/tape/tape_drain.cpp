@@ -59,7 +59,9 @@ void TapeDrain::drain_locked() {
     if (pop == Pop::kEmpty) return;
     TACTUS_CHECK(pop == Pop::kRecord, record.size, payload_.size());  // the buffer holds a whole ring
     mark_gap(record.lost_before);
-    take(record.kind, std::span<const std::byte>(payload_).first(record.size));
+    const auto payload = std::span<const std::byte>(payload_).first(record.size);
+    if (settings_.tap.taken != nullptr) settings_.tap.taken(settings_.tap.context, record.kind, payload);
+    if (settings_.tap_only_kind == 0 || record.kind != settings_.tap_only_kind) take(record.kind, payload);
     ++records_;
     payload_bytes_ += record.size;
     taken += record.size + 16;

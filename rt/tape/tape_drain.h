@@ -24,11 +24,20 @@
 
 namespace tactus::loop {
 
+// Sees every record that the drain takes, before the tape. Called by the thread that drains; the payload is valid
+// during the call. Null: none.
+struct RecordTap {
+  void (*taken)(void* context, std::uint32_t kind, std::span<const std::byte> payload) noexcept {nullptr};
+  void* context{nullptr};
+};
+
 struct DrainSettings {
   std::size_t history_bytes{32u << 20};
   std::uint32_t keyframe_kind{0};
   std::uint32_t tick_kind{0};              // kind of the tick records; those that do not reach the tape are counted
   std::chrono::milliseconds interval{10};  // between two polls of the ring
+  RecordTap tap{};
+  std::uint32_t tap_only_kind{0};  // kind of the records that neither tape nor history keeps; 0: none
 };
 
 class TapeDrain {

@@ -70,6 +70,8 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
       {"timing --load gpu", "tactus timing: --load: 'gpu' is none; accepted: none, cpu, memory, stress-ng"},
       {"timing --duration 1", "tactus timing: --duration: 1 is out of range; accepted: 3 to 1e6 s"},
       {"timing --against rtla", "tactus timing: "},
+      {"export", "tactus export: TAPE is required"},
+      {"export /nowhere.tape", "tactus export: no output; accepted: "},
       {"run", "tactus run: SCENE is required; accepted: "},
       {"run --virtual-time --control x " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml", "tactus run: --control: "},
       {"run --config /nowhere.toml", "/nowhere.toml: the file: cannot be read; accepted: "},
@@ -94,9 +96,10 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
 TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without") {
   for (const std::string arguments :
        {"run", "run /nowhere.toml", "run --config /nowhere.toml", "run --accuracy best /nowhere.toml",
-        "replay /nowhere.tape", "control state --socket /nowhere", "control fly", "tune /nowhere.toml",
-        "timing --duration 1", "timing --scene /nowhere.toml --duration 3", "hil --device usbb", "doctor --device x",
-        "scene check /nowhere.toml", "scene chekc", "experiment capacity --ratio x"}) {
+        "replay /nowhere.tape", "export /nowhere.tape --csv /nowhere.csv", "control state --socket /nowhere",
+        "control fly", "tune /nowhere.toml", "timing --duration 1", "timing --scene /nowhere.toml --duration 3",
+        "hil --device usbb", "doctor --device x", "scene check /nowhere.toml", "scene chekc",
+        "experiment capacity --ratio x"}) {
     const Output plain = run(arguments), output = run(arguments + " --json");
     INFO("tactus " << arguments << " --json\n" << output.err << output.out);
     CHECK(plain.exit_code >= 2);

@@ -60,6 +60,11 @@ struct Client {
   bool complete{false};  // end of line, connection closed by the client, or line too long
 };
 
+struct Connections {
+  std::vector<Client> clients;  // the oldest first
+  std::vector<File> watchers;
+};
+
 // Reads the available bytes without waiting.
 void receive(Client& client) {
   char bytes[kLongestLine];
@@ -76,6 +81,58 @@ void receive(Client& client) {
 void drain(int connection) {
   char bytes[4096];
   for (int i = 0; i < 64 && TEMP_FAILURE_RETRY(recv(connection, bytes, sizeof bytes, MSG_DONTWAIT)) > 0; ++i) {}
+}
+
+// True: the other side has closed the connection. What came is discarded.
+bool has_left(int connection) {
+  char bytes[4096];
+  const ssize_t count = TEMP_FAILURE_RETRY(recv(connection, bytes, sizeof bytes, MSG_DONTWAIT));
+  return count == 0 || (count < 0 && errno != EAGAIN && errno != EWOULDBLOCK);
+}
+
+union DescriptorMessage {  // aligned for its header
+  cmsghdr header;
+  char bytes[CMSG_SPACE(sizeof(int))];
+};
+
+// Sends the text, with the descriptor unless it is -1. Does not wait: the text fits in the socket's buffer.
+bool send_with_descriptor(int connection, std::string text, int descriptor) {
+  iovec part{text.data(), text.size()};
+  DescriptorMessage control{};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  if (descriptor >= 0) {
+    message.msg_control = &control;
+    message.msg_controllen = sizeof control;
+    cmsghdr* const header = CMSG_FIRSTHDR(&message);
+    header->cmsg_level = SOL_SOCKET;
+    header->cmsg_type = SCM_RIGHTS;
+    header->cmsg_len = CMSG_LEN(sizeof(int));
+    std::memcpy(CMSG_DATA(header), &descriptor, sizeof descriptor);
+  }
+  return TEMP_FAILURE_RETRY(sendmsg(connection, &message, MSG_NOSIGNAL | MSG_DONTWAIT)) ==
+         static_cast<ssize_t>(text.size());
+}
+
+// Returns the descriptor that came with the text, or -1.
+int receive_with_descriptor(int connection, std::string& text) {
+  char bytes[1024];
+  iovec part{bytes, sizeof bytes};
+  DescriptorMessage control{};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = &control;
+  message.msg_controllen = sizeof control;
+  const ssize_t count = TEMP_FAILURE_RETRY(recvmsg(connection, &message, MSG_CMSG_CLOEXEC));
+  text.assign(bytes, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  const cmsghdr* const header = CMSG_FIRSTHDR(&message);
+  int descriptor = -1;
+  if (count > 0 && header != nullptr && header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_RIGHTS &&
+      header->cmsg_len == CMSG_LEN(sizeof(int)))
+    std::memcpy(&descriptor, CMSG_DATA(header), sizeof descriptor);
+  return descriptor;
 }
 
 bool is_served(const sockaddr_un& address) {
@@ -96,7 +153,8 @@ std::string bad(const std::string& said) { return json_text(nlohmann::json{{"ok"
 
 Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::filesystem::path& socket,
                                                            std::atomic<std::uint32_t>& requests,
-                                                           std::atomic<bool>& stop, Reload reload, bool can_reset) {
+                                                           std::atomic<bool>& stop, Reload reload, bool can_reset,
+                                                           const Watchable& watchable) {
   const auto fail = [&](const std::string& what) {
     return Status::error(
         fmt::format("control socket {}: {}; accepted: a path in a folder that this user may write to, "
@@ -117,17 +175,18 @@ Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::filesystem
   if (!bound) return fail(strerrordesc_np(error));
   if (listen(listener.number(), static_cast<int>(kMaxClients)) != 0) return fail(strerrordesc_np(errno));
   return std::unique_ptr<ControlServer>(
-      new ControlServer(listener.release(), socket, requests, stop, std::move(reload), can_reset));
+      new ControlServer({listener.release(), socket}, requests, stop, std::move(reload), can_reset, watchable));
 }
 
-ControlServer::ControlServer(int listener, std::filesystem::path socket, std::atomic<std::uint32_t>& requests,
-                             std::atomic<bool>& stop, Reload reload, bool can_reset)
-    : listener_(listener),
-      socket_(std::move(socket)),
+ControlServer::ControlServer(Listener listener, std::atomic<std::uint32_t>& requests, std::atomic<bool>& stop,
+                             Reload reload, bool can_reset, const Watchable& watchable)
+    : listener_(listener.descriptor),
+      socket_(std::move(listener.socket)),
       requests_(requests),
       stop_(stop),
       reload_(std::move(reload)),
       can_reset_(can_reset),
+      watchable_(watchable),
       inode_(inode_of(socket_)),
       thread_([this] { serve(); }) {}
 
@@ -176,7 +235,7 @@ std::string ControlServer::answer(const std::string& line) {
     return status.ok() ? good(said) : bad(status.message());
   }
   const bool long_line = line.size() > kLongestEcho;
-  return bad(fmt::format("'{}'{} is no request; accepted: state, arm, rearm, disarm, reset, reload, stop",
+  return bad(fmt::format("'{}'{} is no request; accepted: state, arm, rearm, disarm, reset, reload, stop, watch",
                          line.substr(0, kLongestEcho), long_line ? " and more" : ""));
 }
 
@@ -190,19 +249,38 @@ void ControlServer::serve_one(int connection, const std::string& line) {
   drain(connection);
 }
 
-void ControlServer::serve() {
-  std::vector<Client> clients;  // the oldest first
-  while (!closing_.load(std::memory_order_relaxed)) {
-    // Not enough memory for an answer: none is sent.
-    (void)caught([&] { serve_round(clients); });
-  }
+bool ControlServer::begins_watching(int connection, std::size_t watching) {
+  std::string refusal;
+  if (watchable_.descriptor < 0) refusal = bad("this run shows nothing");
+  if (watching >= kMaxWatchers) refusal = bad(fmt::format("{} watch already; accepted: one fewer", watching));
+  const std::string text = (refusal.empty() ? good("watching") : refusal) + "\n";
+  const int descriptor = refusal.empty() ? watchable_.descriptor : -1;
+  return send_with_descriptor(connection, text, descriptor) && descriptor >= 0;
 }
 
-template <class Clients>
-void ControlServer::serve_round(Clients& clients) {
+void ControlServer::serve() {
+  Connections connections;
+  while (!closing_.load(std::memory_order_relaxed)) {
+    // Not enough memory for an answer: none is sent.
+    (void)caught([&] { serve_round(connections); });
+    if (watchable_.watchers != nullptr)
+      watchable_.watchers->store(static_cast<std::uint32_t>(connections.watchers.size()), std::memory_order_relaxed);
+  }
+  if (watchable_.watchers != nullptr) watchable_.watchers->store(0, std::memory_order_relaxed);
+}
+
+template <class Connections>
+void ControlServer::serve_round(Connections& connections) {
+  std::vector<Client>& clients = connections.clients;
+  std::vector<File>& watchers = connections.watchers;
   std::vector<pollfd> waiting{{listener_, POLLIN, 0}};
   for (const Client& client : clients) waiting.push_back({client.connection.number(), POLLIN, 0});
+  for (const File& watcher : watchers) waiting.push_back({watcher.number(), POLLIN, 0});
   (void)poll(waiting.data(), waiting.size(), kLookEvery_ms);
+  const pollfd* const of_watchers = waiting.data() + 1 + clients.size();
+  for (std::size_t i = watchers.size(); i-- > 0;)
+    if (of_watchers[i].revents != 0 && has_left(watchers[i].number()))
+      watchers.erase(watchers.begin() + static_cast<std::ptrdiff_t>(i));
   for (std::size_t i = 0; i < clients.size(); ++i)
     if (waiting[i + 1].revents != 0) receive(clients[i]);
   if (waiting[0].revents != 0) {
@@ -214,24 +292,32 @@ void ControlServer::serve_round(Clients& clients) {
                                               // wake poll again at once
   }
   const auto now = Clock::now();
-  const auto is_over = [&](const Client& client) {
+  const auto is_over = [&](Client& client) {
     const bool crowded_out = clients.size() > kMaxClients && &client == &clients.front();
     if (!client.complete && now < client.give_up && !crowded_out) return false;
-    serve_one(client.connection.number(), client.line);
+    if (client.line != "watch")
+      serve_one(client.connection.number(), client.line);
+    else if (begins_watching(client.connection.number(), watchers.size()))
+      watchers.push_back(std::move(client.connection));
     return true;
   };
   for (auto client = clients.begin(); client != clients.end();)
     client = is_over(*client) ? clients.erase(client) : std::next(client);
 }
 
-Result<std::string> ask_control(const std::filesystem::path& socket, const std::string& line) {
-  const auto fail = [&](const std::string& what) {
-    return Status::error(fmt::format("{}: {}; accepted: the socket of a running `tactus run --config` or --control",
-                                     socket.string(), what));
-  };
+namespace {
+
+std::string not_served(const std::filesystem::path& socket, const std::string& what) {
+  return fmt::format("{}: {}; accepted: the socket of a running `tactus run --config` or --control", socket.string(),
+                     what);
+}
+
+// Connects and sends the line.
+Result<File> ask(const std::filesystem::path& socket, const std::string& line) {
+  const auto fail = [&](const std::string& what) { return Status::error(not_served(socket, what)); };
   sockaddr_un address{};
   if (!fill_address(socket, address)) return fail("the path is too long");
-  const File connection(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  File connection(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (connection.number() < 0) return fail(strerrordesc_np(errno));
   if (connect(connection.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return fail(errno == ENOENT || errno == ECONNREFUSED ? "no run answers there"
@@ -240,17 +326,39 @@ Result<std::string> ask_control(const std::filesystem::path& socket, const std::
   const std::string text = line + "\n";
   if (send(connection.number(), text.data(), text.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(text.size()))
     return fail(strerrordesc_np(errno));
+  return connection;
+}
+
+}  // namespace
+
+Result<std::string> ask_control(const std::filesystem::path& socket, const std::string& line) {
+  const auto connection = ask(socket, line);
+  if (!connection.ok()) return connection.status();
   std::string answer;
   char buffer[1024];
-  pollfd waiting{connection.number(), POLLIN, 0};
+  pollfd waiting{connection.value().number(), POLLIN, 0};
   while (TEMP_FAILURE_RETRY(poll(&waiting, 1, 3 * kPatience_ms)) > 0) {
-    const ssize_t count = TEMP_FAILURE_RETRY(read(connection.number(), buffer, sizeof buffer));
+    const ssize_t count = TEMP_FAILURE_RETRY(read(waiting.fd, buffer, sizeof buffer));
     if (count <= 0) break;
     answer.append(buffer, static_cast<std::size_t>(count));
   }
-  if (!answer.ends_with('\n')) return fail("no answer");
+  if (!answer.ends_with('\n')) return Status::error(not_served(socket, "no answer"));
   answer.pop_back();
   return answer;
+}
+
+Result<WatchedRun> watch_control(const std::filesystem::path& socket) {
+  auto connection = ask(socket, "watch");
+  if (!connection.ok()) return connection.status();
+  pollfd waiting{connection.value().number(), POLLIN, 0};
+  std::string answer;
+  int memory = -1;
+  if (TEMP_FAILURE_RETRY(poll(&waiting, 1, 3 * kPatience_ms)) > 0) memory = receive_with_descriptor(waiting.fd, answer);
+  if (memory >= 0) return WatchedRun{memory, connection.value().release()};
+  const auto said = nlohmann::json::parse(answer, nullptr, /*allow_exceptions=*/false);
+  const bool refused = said.is_object() && said.contains("said") && said["said"].is_string();
+  return Status::error(refused ? socket.string() + ": " + said["said"].template get<std::string>()
+                               : not_served(socket, "no answer"));
 }
 
 }  // namespace tactus::service

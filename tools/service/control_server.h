@@ -3,12 +3,13 @@
 //   state     the state of the loop         arm       force on, with the device where it is
 //   rearm     clear a latched fault         disarm    force off
 //   reload    read the configuration again  reset     the scene back to its start, the force off meanwhile
-//   stop      end the run
-// Anyone who may write to the socket may use all commands: its mode is 0660, in the service's folder. Thread:
-// construction and destruction [setup]; it serves on its own thread of normal priority; tell() from one normal thread.
-// Bound: kMaxClients connections at once; beyond that the oldest is answered and closed. A request is kLongestLine
-// bytes within kPatience_ms; after that, what has arrived is answered. A slow client does not delay others. Any bytes
-// are accepted: an answer repeats at most kLongestEcho of them, and an exception while making it becomes the answer.
+//   stop      end the run                  watch     pass on the memory that shows the run (tools/publication)
+// After "watch" the connection stays open: the run is watched until it closes, and what comes on it is ignored. Anyone
+// who may write to the socket may use all commands: its mode is 0660, in the service's folder. Thread: construction and
+// destruction [setup]; it serves on its own thread of normal priority; tell() from one normal thread. Bound:
+// kMaxClients connections at once; beyond that the oldest is answered and closed. A request is kLongestLine bytes
+// within kPatience_ms; after that, what has arrived is answered. A slow client does not delay others. Any bytes are
+// accepted: an answer repeats at most kLongestEcho of them, and an exception while making it becomes the answer.
 #pragma once
 
 #include <atomic>
@@ -27,6 +28,13 @@ inline constexpr std::size_t kLongestLine = 256;
 inline constexpr std::size_t kLongestEcho = 64;  // bytes of the request repeated in an answer
 inline constexpr int kPatience_ms = 1000;
 inline constexpr std::size_t kMaxClients = 16;
+inline constexpr std::size_t kMaxWatchers = 8;
+
+// What "watch" passes on. The server counts the watchers.
+struct Watchable {
+  int descriptor{-1};  // -1: nothing
+  std::atomic<std::uint32_t>* watchers{nullptr};
+};
 
 class ControlServer {
  public:
@@ -34,10 +42,11 @@ class ControlServer {
 
   // `requests`: OperatorBit (rt/loop/haptic_loop.h) is set there and cleared by the thread that passes it to the loop;
   // `stop` is set by "stop"; `reload` returns a line that lists the changes, or an error; `can_reset`: there is a
-  // global world.
+  // global world; `watchable` must outlive the server.
   static Result<std::unique_ptr<ControlServer>> open(const std::filesystem::path& socket,
                                                      std::atomic<std::uint32_t>& requests, std::atomic<bool>& stop,
-                                                     Reload reload, bool can_reset = true);
+                                                     Reload reload, bool can_reset = true,
+                                                     const Watchable& watchable = {});
   ~ControlServer();
 
   // Sets the answer to "state": one JSON object.
@@ -49,12 +58,18 @@ class ControlServer {
   std::string answer(const std::string& line);
 
  private:
-  ControlServer(int listener, std::filesystem::path socket, std::atomic<std::uint32_t>& requests,
-                std::atomic<bool>& stop, Reload reload, bool can_reset);
+  struct Listener {
+    int descriptor;
+    std::filesystem::path socket;
+  };
+  ControlServer(Listener listener, std::atomic<std::uint32_t>& requests, std::atomic<bool>& stop, Reload reload,
+                bool can_reset, const Watchable& watchable);
   void serve();
-  template <class Clients>
-  void serve_round(Clients& clients);
+  template <class Connections>
+  void serve_round(Connections& connections);
   void serve_one(int connection, const std::string& line);
+  // True: the connection watches from now on.
+  bool begins_watching(int connection, std::size_t watching);
 
   int listener_;
   std::filesystem::path socket_;
@@ -62,6 +77,7 @@ class ControlServer {
   std::atomic<bool>& stop_;
   Reload reload_;
   bool can_reset_;
+  Watchable watchable_;
   std::uint64_t inode_;  // of the socket that was bound
   std::atomic<bool> closing_{false}, latched_{true};
   std::mutex mutex_;
@@ -71,5 +87,12 @@ class ControlServer {
 
 // Client: sends the line and returns the answer. Error: one line.
 Result<std::string> ask_control(const std::filesystem::path& socket, const std::string& line);
+
+// Client: sends "watch". Both descriptors are the caller's; the run is watched until `connection` is closed. Error: one
+// line, also the run's refusal.
+struct WatchedRun {
+  int memory{-1}, connection{-1};
+};
+Result<WatchedRun> watch_control(const std::filesystem::path& socket);
 
 }  // namespace tactus::service

@@ -24,12 +24,13 @@ RunService::RunService(const Configuration& configuration, std::filesystem::path
 
 Result<std::unique_ptr<RunService>> RunService::open(const Configuration& configuration,
                                                      const std::filesystem::path& file, std::atomic<bool>& stop,
-                                                     bool can_reset, RunName name) {
+                                                     bool can_reset, RunName name, const Watchable& watchable) {
   std::unique_ptr<RunService> service(new RunService(configuration, file, std::move(name)));
   if (!configuration.socket.empty()) {
     ControlServer::Reload reload;
     if (!file.empty()) reload = [raw = service.get()](std::string& said) { return raw->reload(said); };
-    auto control = ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload), can_reset);
+    auto control =
+        ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload), can_reset, watchable);
     if (!control.ok()) return control.status();
     service->control_ = std::move(control).value();
     session::LiveStatus not_yet;  // initial state, for requests before the loop runs

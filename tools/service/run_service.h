@@ -17,9 +17,10 @@ class RunService {
  public:
   // `file` is the one that `configuration` came from: reload reads it again. Without a socket in it there is no control
   // server.
-  // `can_reset`: the run has a global world. `name`: for the log.
+  // `can_reset`: the run has a global world. `name`: for the log. `watchable`: must outlive the service.
   static Result<std::unique_ptr<RunService>> open(const Configuration& configuration, const std::filesystem::path& file,
-                                                  std::atomic<bool>& stop, bool can_reset, RunName name);
+                                                  std::atomic<bool>& stop, bool can_reset, RunName name,
+                                                  const Watchable& watchable = {});
   ~RunService();
 
   // OperatorBit, for RealtimeHooks.

@@ -3,14 +3,9 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <filesystem>
-#include <vector>
 
 #include "rt/base/denormals.h"
-#include "rt/haptics/coupling/snapshot_bytes.h"
-#include "rt/tape/tape.h"
-#include "sim/loader/scene_load.h"
-#include "tools/session/session.h"
+#include "tools/session/tape_player.h"
 
 namespace tactus::session {
 namespace {
@@ -48,34 +43,27 @@ std::string describe_difference(const TickOutput& taped, const TickOutput& repla
   return "the books (energies, counts, target)";
 }
 
-constexpr std::uint32_t kKinds[] = {loop::kKeyframeRecord, loop::kSnapshotRecord, loop::kTickRecord, loop::kTapeGap};
-
-bool fire_at(void* sweep, std::uint32_t now) noexcept { return now >= *static_cast<const std::uint32_t*>(sweep); }
-
 class Replayer {
  public:
-  Replayer(std::unique_ptr<loop::HapticLoop> loop, ReplayReport& report)
-      : loop_(std::move(loop)),
-        report_(report),
-        keyframe_(loop_->save_size_bound()),
-        snapshot_(std::make_unique<haptics::WorldSnapshot>()),
-        sink_(std::make_unique<haptics::SubWorldReport>()) {}
+  Replayer(std::unique_ptr<loop::HapticLoop> loop, ReplayReport& report) : player_(std::move(loop)), report_(report) {}
 
   Status take(const loop::TapeRecord& record) {
     switch (record.kind) {
       case loop::kKeyframeRecord:
         return take_keyframe(record);
       case loop::kSnapshotRecord:
-        return take_snapshot(record);
+        ++report_.snapshots;
+        return player_.take_snapshot(record);
       case loop::kTickRecord:
         return take_tick(record);
+      case loop::kTimesRecord:
+        return Status::good();  // measured: no result depends on it
       case loop::kTapeGap:
         ++report_.gaps;
-        in_step_ = false;
-        has_snapshot_ = false;
+        player_.lose_step();
         return Status::good();
       default:
-        return bad(record, fmt::format("is of unknown kind {}", record.kind));
+        return bad_record(record, fmt::format("is of unknown kind {}", record.kind));
     }
   }
 
@@ -83,74 +71,35 @@ class Replayer {
   void take_damage(const std::string& what, std::uint64_t lost_bytes) {
     if (report_.damages++ == 0) report_.damage = what;
     report_.lost_bytes += lost_bytes;
-    in_step_ = false;
-    has_snapshot_ = false;
+    player_.lose_step();
     damaged_ = true;
   }
 
-  std::uint64_t state_hash() const { return loop_->state_hash(); }
+  std::uint64_t state_hash() const { return player_.loop().state_hash(); }
 
  private:
-  static Status bad(const loop::TapeRecord& record, const std::string& what) {
-    return Status::error(fmt::format("record {} at byte {} {}; accepted: a tape that this program wrote", record.index,
-                                     record.offset, what));
-  }
-
-  // Without a preceding gap, the keyframe must equal the replay's own state. After a gap, the replay continues from it.
+  // Without a preceding gap, the keyframe must equal the replay's own state.
   Status take_keyframe(const loop::TapeRecord& record) {
     ++report_.keyframes;
-    if (in_step_) {
-      ByteWriter own(keyframe_);
-      loop_->save(own);
-      const bool same =
-          own.size() == record.payload.size() && std::memcmp(keyframe_.data(), record.payload.data(), own.size()) == 0;
-      if (!same) ++report_.keyframes_different;
-    }
-    ByteReader in(record.payload);
-    if (!loop_->restore(in) || in.remaining() != 0) return bad(record, "is no keyframe of this scene");
-    in_step_ = true;
-    return Status::good();
-  }
-
-  Status take_snapshot(const loop::TapeRecord& record) {
-    ++report_.snapshots;
-    ByteReader in(record.payload);
-    const haptics::SubWorldConfig& config = loop_->sub_world().config();
-    if (!haptics::read_snapshot(in, *snapshot_, config.hulls.size(), config.meshes) || in.remaining() != 0)
-      return bad(record, "is no snapshot");
-    has_snapshot_ = true;
-    return Status::good();
+    bool same = true;
+    const Status status = player_.take_keyframe(record, same);
+    if (!same) ++report_.keyframes_different;
+    return status;
   }
 
   Status take_tick(const loop::TapeRecord& record) {
     ++report_.ticks;
-    TickRecord taped;
-    if (record.payload.size() != sizeof(TickRecord)) return bad(record, "is no tick");
-    std::memcpy(&taped, record.payload.data(), sizeof taped);
+    const auto read = tick_of(record);
+    if (!read.ok()) return read.status();
+    const TickRecord& taped = read.value();
     if (damaged_ && taped.out.tick > next_tick_) report_.lost_ticks += taped.out.tick - next_tick_;
     next_tick_ = taped.out.tick + 1;
     damaged_ = false;
-    const bool adopts = taped.adopts != 0;
-    if (taped.sub_steps == 0 || taped.sub_steps > 1000) return bad(record, "has an impossible number of sub-steps");
-    if (!in_step_ || (adopts && !has_snapshot_)) {
-      in_step_ = false;
-      ++report_.unreplayable;
-      return Status::good();
-    }
-    loop::TickInput in;
-    in.device = taped.device;
-    in.operator_bits = taped.operator_bits;
-    in.sub_steps = taped.sub_steps;
-    if (adopts) {
-      in.snapshot = snapshot_.get();
-      in.sink.report = sink_.get();
-    }
-    std::uint32_t cut_at = taped.out.cut_sweep;
-    if (cut_at != physics::kNeverCut) in.cut = {&fire_at, &cut_at};
     TickOutput out;
-    loop_->tick(in, out);
-    has_snapshot_ = false;
-    compare(taped.out, out);
+    if (player_.play(taped, out))
+      compare(taped.out, out);
+    else
+      ++report_.unreplayable;
     return Status::good();
   }
 
@@ -162,12 +111,9 @@ class Replayer {
     report_.first_difference = describe_difference(taped, replayed);
   }
 
-  std::unique_ptr<loop::HapticLoop> loop_;
+  TapePlayer player_;
   ReplayReport& report_;
-  std::vector<std::byte> keyframe_;
-  std::unique_ptr<haptics::WorldSnapshot> snapshot_;
-  std::unique_ptr<haptics::SubWorldReport> sink_;
-  bool in_step_{false}, has_snapshot_{false}, damaged_{false};
+  bool damaged_{false};
   std::uint64_t next_tick_{0};
 };
 
@@ -175,39 +121,24 @@ class Replayer {
 
 Result<ReplayReport> replay(const std::string& path, const std::function<void(double)>& progress) {
   set_denormals_flush();
-  auto opened = loop::TapeReader::open(path);
+  auto opened = open_tape(path);
   if (!opened.ok()) return opened.status();
-  loop::TapeReader& tape = *opened.value();
-  const auto prefixed = [&](const std::string& what) { return Status::error(path + ": " + what); };
-  auto settings = from_tape_text(tape.text());
-  if (!settings.ok()) return prefixed(settings.message());
-  auto scene = sim::parse_scene(settings.value().scene_source, settings.value().scene_name);
-  if (!scene.ok()) return prefixed("the scene on the tape: " + scene.message());
-  // Checks everything that the loop is built from, as for a run.
-  auto session = Session::create(std::move(scene).value(), settings.value().options);
-  if (!session.ok()) return prefixed(session.message());
+  OpenTape& tape = opened.value();
+  auto session = session_of(tape);
+  if (!session.ok()) return session.status();
 
   ReplayReport report;
-  report.scene_name = settings.value().scene_name;
-  report.scene_file = settings.value().scene_file;
-  report.scene_hash = settings.value().scene_hash;
-  report.made_by = settings.value().made_by;
-  if (tape.isa_tag() != loop::tape_isa_tag())
-    report.warning = fmt::format("the tape was made with {}, this program is {}: bits may differ", tape.isa_tag(),
-                                 loop::tape_isa_tag());
+  report.scene_name = tape.settings.scene_name;
+  report.scene_file = tape.settings.scene_file;
+  report.scene_hash = tape.settings.scene_hash;
+  report.made_by = tape.settings.made_by;
+  report.warning = tape.warning;
   Replayer replayer(std::move(session.value()->loop), report);
-  std::error_code ignored;
-  const auto size = static_cast<double>(std::filesystem::file_size(path, ignored));
-  loop::TapeRecord record;
-  for (loop::TapeRead read; (read = tape.next(record)) != loop::TapeRead::kEnd;) {
-    if (read == loop::TapeRead::kDamaged) {
-      const std::string what = tape.damage().message();
-      replayer.take_damage(what, tape.skip_damage(kKinds));
-      continue;
-    }
-    if (const Status status = replayer.take(record); !status.ok()) return prefixed(status.message());
-    if (progress && record.index % 1024 == 0) progress(static_cast<double>(record.offset) / size);
-  }
+  const Status walked =
+      walk(tape, {.record = [&](const loop::TapeRecord& record) { return replayer.take(record); },
+                  .damage = [&](const std::string& what, std::uint64_t lost) { replayer.take_damage(what, lost); },
+                  .progress = progress});
+  if (!walked.ok()) return walked;
   report.state_hash = replayer.state_hash();
   return report;
 }

@@ -263,6 +263,9 @@ Status Session::record(const std::string& tape_path) {
   settings.history_bytes = kHistoryBytes;
   settings.keyframe_kind = loop::kKeyframeRecord;
   settings.tick_kind = loop::kTickRecord;
+  settings.tap = shown.tap;
+  settings.tap_only_kind = loop::kBodiesRecord;
+  if (global == nullptr && shown.watchers != nullptr) recorder->show_bodies(*shown.watchers);
   drain = std::make_unique<loop::TapeDrain>(recorder->ring(), settings, std::move(tape));
   driver = std::make_unique<Driver>(*loop, *device, *governor, exchange.get(), recorder.get());
   return Status::good();

@@ -5,6 +5,7 @@
 // uses the global world.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +41,13 @@ sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& opt
                                   const haptics::DeviceProperties& device);
 hal::HandModel make_hand(const sim::Scene& scene);
 
+// Who sees a run's records, besides the tape.
+struct Shown {
+  loop::RecordTap tap{};
+  const std::atomic<std::uint32_t>* watchers{nullptr};  // 0: nobody looks, and bodies need not be recorded
+  std::shared_ptr<const void> owner{};                  // of both, kept until the drain has ended
+};
+
 class Session {
  public:
   // Error, one line: settings that do not fit together, such as gains beyond the device's limit, too many bodies, a bad
@@ -64,6 +72,7 @@ class Session {
   std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as are `workers` and `global`
   std::unique_ptr<sim::WorkerPool> workers;     // threads that share the global world's steps
   std::unique_ptr<sim::GlobalWorld> global;
+  Shown shown;                                     // set before record()
   std::unique_ptr<loop::FlightRecorder> recorder;  // null when nothing is recorded
   std::unique_ptr<loop::TapeDrain> drain;
   std::unique_ptr<Driver> driver;

@@ -13,6 +13,8 @@ inline constexpr int kExitGood = 0, kExitVerdictBad = 1, kExitBadInput = 2, kExi
 CLI::App* add_run_command(CLI::App& program, int& exit_code);
 CLI::App* add_hil_command(CLI::App& program, int& exit_code);
 CLI::App* add_replay_command(CLI::App& program, int& exit_code);
+CLI::App* add_export_command(CLI::App& program, int& exit_code);
+CLI::App* add_view_command(CLI::App& program, int& exit_code);
 CLI::App* add_scene_command(CLI::App& program, int& exit_code);
 void add_scene_keys_command(CLI::App& scene, int& exit_code);  // below `scene`
 CLI::App* add_doctor_command(CLI::App& program, int& exit_code);

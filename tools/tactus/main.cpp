@@ -97,6 +97,8 @@ int run_program(int argc, char** argv) {
   add_run_command(program, exit_code);
   add_hil_command(program, exit_code);
   add_replay_command(program, exit_code);
+  add_export_command(program, exit_code);
+  add_view_command(program, exit_code);
   add_scene_command(program, exit_code);
   add_doctor_command(program, exit_code);
   add_timing_command(program, exit_code);

@@ -14,6 +14,7 @@
 #include "tools/doctor/system_view.h"
 #include "tools/json_report.h"
 #include "tools/library/access.h"
+#include "tools/publication/publication.h"
 #include "tools/service/run_service.h"
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
@@ -92,15 +93,38 @@ std::uint32_t asked_on_keyboard() {
   return line[0] == 'r' ? loop::kReset : loop::kRearm;
 }
 
+// What watchers of this run see; null, and said, where the machine has no such memory.
+std::shared_ptr<publication::Publication> make_publication(session::Session& session) {
+  auto made = publication::Publication::create(
+      session.scene, session.options.period_s(),
+      to_tape_text(session.options, session.device->properties(), session.scene.name, session.scene.source));
+  if (!made.ok()) {
+    fmt::print(stderr, "tactus run: nobody can watch: {}\n", made.message());
+    return nullptr;
+  }
+  std::shared_ptr<publication::Publication> publication = std::move(made).value();
+  session.shown = {publication->tap(), &publication->watchers(), publication};
+  return publication;
+}
+
 // With a configuration it is a service: events in a log instead of a status line.
 Result<session::RunSummary> run_in_real_time(session::Session& session, const RunCommand& command) {
   const bool json = command.json, logged = !command.config.empty();
+  std::shared_ptr<publication::Publication> publication;  // the service's watchers are of it
   std::unique_ptr<service::RunService> service;
+  session::RealtimeHooks hooks;
   if (logged || !command.control.empty()) {
     service::Configuration configuration = command.configuration;
     if (!command.control.empty()) configuration.socket = command.control;
+    service::Watchable watchable;
+    if (!configuration.socket.empty()) publication = make_publication(session);
+    if (publication != nullptr) {
+      watchable = {publication->descriptor(), &publication->watchers()};
+      hooks.taps.stepped = &publication::Publication::stepped;
+      hooks.taps.context = publication.get();
+    }
     auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr,
-                                            {session.options.scene, sim::source_hash(session.scene.source)});
+                                            {session.options.scene, sim::source_hash(session.scene.source)}, watchable);
     if (!opened.ok()) return opened.status();
     service = std::move(opened).value();
   }
@@ -111,7 +135,6 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGTERM, ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
-  session::RealtimeHooks hooks;
   const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
   std::uint64_t last_ticks = 0;
   double last_s = 0, next_line_s = 0;

@@ -1,6 +1,7 @@
 // What the haptic thread asks of the kernel after its start: the time, and the sleep to the next deadline. Held to that
 // by the kernel, in a process of its own; the same run counts allocations, locks and page faults. On every kind of
 // shape and joint, and in the situations that take another way through the tick: faults, cuts, a late world.
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -16,6 +17,8 @@
 #include "tests/support/rt_guard.h"
 #include "tests/support/syscall_filter.h"
 #include "tests/system/session_bench.h"
+#include "tools/publication/publication.h"
+#include "tools/publication/watcher.h"
 #include "tools/session/realtime_tick.h"
 
 using namespace tactus;
@@ -34,6 +37,7 @@ struct Counts {
   long first_refused{-1};
   std::uint64_t status_ticks[32]{}, latched{0};  // of the whole run: ticks with a StatusBit, faults
   std::uint32_t joints{0};                       // most between two members
+  std::uint64_t frames_seen{0}, ticks_seen{0};   // by the watcher
 
   std::uint64_t with(StatusBit bit) const { return status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))]; }
 };
@@ -50,6 +54,8 @@ struct Trial {
   std::uint32_t cut_at{~0u};                     // sweep at which every tick is cut
   double budget{loop::GovernorConfig{}.budget};  // of the period, for the governor
   std::vector<sim::Stall> stalls{};              // of the global world; in real time only
+  haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
+  bool watched{false};  // somebody reads what the run shows, all the time
 };
 
 std::uint32_t joints_between_members(const physics::World& world) noexcept {
@@ -102,6 +108,7 @@ struct Ticks {
 
 // As fast as it goes the haptic side waits for its snapshots, so that no cycle is late however slow the world is.
 void run_fast(Ticks& ticks) noexcept {
+  TACTUS_CHECK(ticks.session.exchange != nullptr, 0, 0);
   const auto& snapshots = ticks.session.exchange->snapshots;
   const auto& loop = *ticks.session.loop;
   // No deadline in this run is ever past.
@@ -111,23 +118,50 @@ void run_fast(Ticks& ticks) noexcept {
     while (loop.wants_snapshot() && snapshots.try_read(loop.next_cycle()) == nullptr) {}
 }
 
+// Reads all that the run shows, as fast as it can be read, until the process ends.
+void watch(publication::Publication& shown, Counts& counts) {
+  shown.watchers() = 1;
+  auto watcher = publication::Watcher::open(fcntl(shown.descriptor(), F_DUPFD_CLOEXEC, 0));
+  REQUIRE(watcher.ok());
+  publication::Frame frame;
+  std::vector<publication::TickEntry> ticks;
+  for (;;) {
+    ticks.clear();
+    (void)watcher.value()->read_ticks(ticks, publication::kTickEntries);
+    counts.ticks_seen += ticks.size();
+    counts.frames_seen += watcher.value()->read_frame(frame) ? 1 : 0;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 // In the child: the world and the recorder's drain on threads of their own.
 void run_child(const Trial& trial, Counts& counts) {
   session::RunOptions options = virtual_options();
   options.members = trial.members;
+  options.coupling = trial.coupling;
   options.inject = trial.inject;
   options.rearm = true;
   auto session = make_session(scene_file(trial.scene), options);
   loop::GovernorConfig governor = session->governor->config();
   governor.budget = trial.budget;
   *session->governor = loop::Governor(governor);
+  auto made = publication::Publication::create(session->scene, options.period_s(), "{}");
+  REQUIRE(made.ok());
+  const std::shared_ptr<publication::Publication> shown = std::move(made).value();
+  session->shown = {shown->tap(), &shown->watchers(), shown};
   REQUIRE(session->record("").ok());
   set_denormals_flush();
   sim::GlobalThreadOptions on_thread;
   on_thread.stalls = trial.stalls;
-  sim::GlobalThread world(*session->global, *session->exchange, on_thread);
-  REQUIRE(world.start().ok());
+  on_thread.stepped = {&publication::Publication::stepped, shown.get()};
+  std::optional<sim::GlobalThread> world;
+  if (session->global != nullptr) {
+    world.emplace(*session->global, *session->exchange, on_thread);
+    REQUIRE(world->start().ok());
+  }
   REQUIRE(session->drain->start().ok());
+  std::optional<std::jthread> watcher;
+  if (trial.watched) watcher.emplace([&](const std::stop_token&) { watch(*shown, counts); });
   Ticks ticks{*session, trial, counts};
   ticks.tick.cut_at(trial.cut_at);
   loop::PeriodicThread<Ticks> periodic(ticks);
@@ -241,6 +275,14 @@ TEST_CASE("nor with a world that is late, until the border is frozen and the for
   CHECK(counts.with(kWorldLate) > 1'000);
   CHECK(counts.with(kBorderFrozen) > 800);
   CHECK(counts.with(kWorldFade) > 500);
+}
+
+TEST_CASE("nor while somebody watches, with a global world and without one", "[no-asan][no-tsan]") {
+  const auto coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect);
+  const Counts counts = run_trial({.ticks = 2'000, .coupling = coupling, .watched = true});
+  check_clean(counts, 2'000);
+  CHECK(counts.ticks_seen > 1'500);
+  CHECK(counts.frames_seen > 50);
 }
 
 TEST_CASE("ten million ticks: no allocation, no lock, no page fault, no system call", "[.][long]") {

@@ -1,4 +1,5 @@
 // The control socket end to end, the log's lines, and what systemd is told.
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <vector>
 
 #include "rt/loop/haptic_loop.h"
@@ -310,6 +312,57 @@ TEST_CASE("systemd is told over its socket, and nobody where there is none") {
   CHECK(watchdog_period_s() == 0);
   unsetenv("WATCHDOG_USEC");
   unsetenv("WATCHDOG_PID");
+}
+
+TEST_CASE("watch passes a descriptor on and counts who holds the connection, and other requests go on") {
+  const Folder folder;
+  std::atomic<std::uint32_t> requests{0}, watchers{0};
+  std::atomic<bool> stop{false};
+  const int memory = memfd_create("test", MFD_CLOEXEC);
+  REQUIRE(write(memory, "shown", 5) == 5);
+  const auto socket = folder.path / "control";
+  auto opened = ControlServer::open(socket, requests, stop, {}, true, {memory, &watchers});
+  REQUIRE(opened.ok());
+  const auto becomes = [&](std::uint32_t count) {
+    for (int i = 0; i < 300 && watchers.load() != count; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return watchers.load() == count;
+  };
+  std::vector<WatchedRun> runs;
+  for (std::size_t i = 0; i < kMaxWatchers; ++i) {
+    const auto run = watch_control(socket);
+    INFO(run.message());
+    REQUIRE(run.ok());
+    runs.push_back(run.value());
+    char text[6]{};
+    CHECK(pread(run.value().memory, text, 5, 0) == 5);
+    CHECK(std::string(text) == "shown");
+  }
+  CHECK(becomes(kMaxWatchers));
+  const auto refused = watch_control(socket);
+  REQUIRE_FALSE(refused.ok());
+  CHECK_THAT(refused.message(), Contains("8 watch already; accepted: one fewer"));
+  CHECK_THAT(ask_control(socket, "state").value(), Contains("{"));
+  CHECK(write(runs[0].connection, "noise", 5) == 5);  // is ignored
+  close(runs[1].connection);
+  CHECK(becomes(kMaxWatchers - 1));
+  opened.value().reset();  // the run ends before its watchers
+  CHECK(watchers.load() == 0);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    close(runs[i].memory);
+    if (i != 1) close(runs[i].connection);
+  }
+  close(memory);
+}
+
+TEST_CASE("a run that shows nothing says so to a watcher, and no run is one line") {
+  Bench bench;
+  const auto nothing = watch_control(bench.socket);
+  REQUIRE_FALSE(nothing.ok());
+  CHECK_THAT(nothing.message(), Contains("this run shows nothing"));
+  const auto nobody = watch_control(bench.folder.path / "none");
+  REQUIRE_FALSE(nobody.ok());
+  CHECK_THAT(nobody.message(), Contains("no run answers there; accepted: "));
 }
 
 }  // namespace tactus::service

@@ -1,0 +1,176 @@
+#!/usr/bin/python3
+"""tests/tools/view/over_sockets.py PROGRAM: who may not see a run is refused; a page gets what the wire says, and what goes
+wrong with a viewer is nothing to the run. Exit 77 where the page is not built."""
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import unittest
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from watched_run import Page, Run, Viewer, fetch, page_is_built, skip, wait_for  # noqa: E402
+
+PROGRAM = os.path.abspath(sys.argv.pop(1))
+
+
+def header_of(message):
+    names = ("magic", "version", "number", "full", "time_s", "bodies", "roles", "ticks", "contacts", "dropped", "lost_ticks",
+             "component", "left_out", "resets", "has_frame")
+    return dict(zip(names, struct.unpack_from("<IIIIdIIIIIIIIII", message)))
+
+
+class OverSockets(unittest.TestCase):
+    def setUp(self):
+        self.run_, self.viewer = Run(PROGRAM, "card_house.toml"), None
+        self.viewer = Viewer(self.run_)
+        self.pages = []
+
+    def tearDown(self):
+        for page in self.pages:
+            page.close()
+        if self.viewer.process.poll() is None:
+            self.viewer.end()
+        if self.run_.process.poll() is None:
+            self.run_.end()
+
+    def page(self, **given):
+        self.pages.append(Page(self.viewer, **given))
+        return self.pages[-1]
+
+    def test_who_is_not_admitted(self):
+        for status, given in ((421, {"host": "example.org"}), (421, {"host": "127.0.0.1.example.org:80"}),
+                              (403, {"origin": "http://example.org"}), (403, {"origin": "http://127.0.0.1:1"}),
+                              (403, {"token": ""}), (403, {"token": "0" * 32}), (404, {"path": "/other"})):
+            with self.subTest(given=given):
+                self.assertEqual(self.page(**given).status, status)
+        admitted = [self.page() for _ in range(4)]
+        for page in admitted:
+            self.assertEqual(page.status, 101)
+            self.assertEqual(json.loads(page.message())["kind"], "scene")
+        self.assertEqual(self.page().status, 503)
+        refused = self.viewer.end()["refused"]
+        self.assertEqual(refused, {"host": 2, "origin": 2, "path": 1, "pages": 1, "token": 2})
+
+    def test_files_are_the_page_s_alone(self):
+        status, head, body = fetch(self.viewer, "/")
+        self.assertEqual(status, 200)
+        self.assertIn("Content-Security-Policy: default-src 'self'", head)
+        self.assertIn(b"<canvas", body)
+        self.assertNotIn(self.viewer.token.encode(), body)
+        for path in ("/../../../etc/passwd", "/%2e%2e/secret", "/index.html/", "//etc/passwd", "/share", "/page.js.map"):
+            self.assertEqual(fetch(self.viewer, path)[0], 404, path)
+        self.assertEqual(fetch(self.viewer, "/", host="example.org")[0], 421)
+        self.assertEqual(fetch(self.viewer, "/", method="POST")[0], 405)
+
+    def test_a_page_gets_the_run_and_no_more_than_two_messages_ahead(self):
+        page = self.page()
+        scene = json.loads(page.message())
+        moving = sum(not body["fixed"] for body in scene["bodies"])
+        self.assertEqual((scene["name"], moving, len(scene["channels"])), ("card_house", 27, 24))
+        ticks, bodies, number = [], 0, 0
+        while len(ticks) < 1000:
+            message = page.message()
+            head = header_of(message)
+            self.assertEqual((head["magic"], head["version"], head["number"]), (0x46434154, 1, number + 1))
+            number = head["number"]
+            indices = 0 if head["full"] or not head["has_frame"] else 4 * head["bodies"]
+            blocks = 64 + indices + 20 * head["bodies"] + 4 * head["roles"]
+            self.assertEqual(len(message), blocks + 96 * head["ticks"] + 32 * head["contacts"])
+            ticks += [int(struct.unpack_from("<f", message, blocks + 96 * i)[0]) for i in range(head["ticks"])]
+            bodies = max(bodies, head["bodies"])
+            page.send(json.dumps({"ack": number}))
+        self.assertEqual(bodies, 27)
+        if head["lost_ticks"] == 0:
+            self.assertEqual(ticks, list(range(ticks[0], ticks[0] + len(ticks))))
+        else:
+            self.assertEqual(ticks, sorted(set(ticks)))
+        # Without acknowledgement two more come, whatever the time.
+        page.message(), page.message()
+        page.socket.settimeout(1)
+        self.assertRaises(TimeoutError, page.message)
+
+    def test_what_a_page_may_not_say(self):
+        page = self.page()
+        page.message()
+        page.send('{"fly": 1}')
+        answer = self.answer(page, "refused")
+        self.assertIn("; accepted: ", answer["said"])
+        page.send("x" * 300)
+        self.assertIsNone(self.drained(page))
+        page.close()  # only then has the server seen the end of it
+        hasty = self.page()
+        hasty.message()
+        try:
+            for _ in range(600):
+                hasty.send('{"ack": 1}')
+        except (BrokenPipeError, ConnectionResetError):
+            pass
+        self.assertIsNone(self.drained(hasty))
+        refused = self.viewer.end()["refused"]
+        self.assertEqual(refused["message"], 2)
+        self.assertEqual(refused["rate"], 1)
+
+    def answer(self, page, kind):
+        while (message := page.message()) is not None:
+            if isinstance(message, str) and json.loads(message)["kind"] == kind:
+                return json.loads(message)
+        self.fail(f"closed without '{kind}'")
+
+    @staticmethod
+    def drained(page):
+        while (message := page.message()) is not None:
+            pass
+        return message
+
+    def test_a_page_disarms_and_stops_the_run(self):
+        page = self.page()
+        page.message()
+        page.send('{"ask": "disarm"}')
+        self.assertTrue(self.answer(page, "answer")["ok"])
+        wait_for(lambda: not self.run_.ask("state")["armed"], "disarmed run")
+        page.send('{"ask": "stop"}')
+        self.assertTrue(self.answer(page, "answer")["ok"])
+        self.answer(page, "ended")
+        page.close()
+        report = json.loads(self.viewer.process.communicate(timeout=20)[0])
+        self.assertTrue(report["run_ended"])
+        self.assertEqual(report["clients_most"], 1)
+
+    def test_a_viewer_that_is_killed_or_hangs_is_nothing_to_the_run(self):
+        other = Viewer(self.run_)
+        os.kill(other.process.pid, signal.SIGSTOP)
+        page = self.page()
+        self.assertEqual(page.status, 101)
+        self.viewer.process.kill()
+        self.viewer.process.communicate()
+        before = self.run_.ask("state")["ticks"]
+        wait_for(lambda: self.run_.ask("state")["ticks"] > before + 1000, "ticks")
+        os.kill(other.process.pid, signal.SIGCONT)
+        other.process.kill()
+        other.process.communicate()
+        summary = self.run_.end()
+        self.assertEqual(summary["timing"]["overruns_own_work"], 0)
+
+    def test_a_run_that_is_killed_is_over_for_its_pages(self):
+        page = self.page()
+        page.message()
+        self.run_.process.kill()
+        self.run_.process.communicate()
+        self.answer(page, "ended")
+
+    def test_what_is_missing_is_one_line(self):
+        for options, says in ((["--socket", "/nowhere.sock"], "no run answers there"),
+                              (["--socket", self.run_.socket, "--port", str(self.viewer.port)], "accepted: --port with a free one")):
+            done = subprocess.run([PROGRAM, "view", *options], capture_output=True, text=True, timeout=20)
+            self.assertEqual(done.returncode, 3)
+            self.assertEqual(done.stderr.count("\n"), 1)
+            self.assertIn(says, done.stderr)
+
+
+if __name__ == "__main__":
+    if not page_is_built(PROGRAM):
+        skip("the page is not built: no node or npm")
+    sys.exit(0 if unittest.main(exit=False).result.wasSuccessful() else 1)

@@ -1,0 +1,137 @@
+"""A run and its viewer, for the tests beside; and a WebSocket of plain sockets, which may say what no browser would."""
+import base64
+import json
+import os
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SCENES = os.path.join(HERE, "..", "..", "..", "sim", "scenes")
+PATIENCE_S = 20
+
+
+def page_is_built(program):
+    return os.path.exists(os.path.join(os.path.dirname(program), "..", "share", "tactus", "view", "index.html"))
+
+
+def wait_for(condition, what):
+    until = time.monotonic() + PATIENCE_S
+    while time.monotonic() < until:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.05)
+    raise AssertionError(f"no {what} within {PATIENCE_S} s")
+
+
+class Run:
+    """tactus run in real time, with a control socket."""
+
+    def __init__(self, program, scene, *options):
+        self.program, self.folder = program, tempfile.mkdtemp(prefix="tactus-view-")
+        self.socket = os.path.join(self.folder, "c.sock")
+        self.process = subprocess.Popen(
+            [program, "run", os.path.join(SCENES, scene), "--control", self.socket, "--priority", "0", "--json", *options],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=self.folder, text=True)
+        wait_for(lambda: os.path.exists(self.socket) and self.ask("state")["ticks"] > 10, "run")
+
+    def ask(self, what):
+        out = subprocess.run([self.program, "control", what, "--socket", self.socket, "--json"], stdout=subprocess.PIPE, text=True).stdout
+        return json.loads(out) if out else {"ticks": 0}
+
+    def end(self):
+        if self.process.poll() is None:
+            self.ask("stop")
+        summary = json.loads(self.process.communicate(timeout=PATIENCE_S)[0])
+        shutil.rmtree(self.folder)
+        return summary
+
+
+class Viewer:
+    """tactus view on a run."""
+
+    def __init__(self, run, *options):
+        self.process = subprocess.Popen([run.program, "view", "--socket", run.socket, "--json", *options],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        line = self.process.stderr.readline()
+        assert "http://" in line, line
+        self.address = line[line.index("http://"):].strip()
+        self.token = self.address.split("#")[1]
+        self.port = int(self.address.split(":")[2].split("/")[0])
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        out, _ = self.process.communicate(timeout=PATIENCE_S)
+        return json.loads(out)
+
+
+class Page:
+    """A WebSocket. `status` is the answer's: 101 where the page is admitted."""
+
+    def __init__(self, viewer, host=None, origin=None, token=None, path="/run"):
+        host = f"127.0.0.1:{viewer.port}" if host is None else host
+        origin = f"http://{host}" if origin is None else origin
+        token = viewer.token if token is None else token
+        self.socket = socket.create_connection(("127.0.0.1", viewer.port), timeout=PATIENCE_S)
+        key = base64.b64encode(os.urandom(16)).decode()
+        self.socket.sendall((f"GET {path} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nUpgrade: websocket\r\n"
+                             f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n"
+                             f"Sec-WebSocket-Protocol: tactus, {token}\r\n\r\n").encode())
+        self.bytes = b""
+        while b"\r\n\r\n" not in self.bytes and self.receive():
+            pass
+        head, _, self.bytes = self.bytes.partition(b"\r\n\r\n")
+        self.status = int(head.split()[1])
+
+    def receive(self):
+        got = self.socket.recv(1 << 16)
+        self.bytes += got
+        return len(got)
+
+    def message(self):
+        """The next message: text as str, others as bytes; None where the server has closed."""
+        while True:
+            for head, size in ((2, 0), (4, 2), (10, 8)):
+                if len(self.bytes) >= head and {126: 2, 127: 8}.get(self.bytes[1], 0) == size:
+                    length = self.bytes[1] if size == 0 else int.from_bytes(self.bytes[2:head], "big")
+                    if len(self.bytes) < head + length:
+                        break
+                    kind, payload = self.bytes[0] & 15, self.bytes[head:head + length]
+                    self.bytes = self.bytes[head + length:]
+                    return payload.decode() if kind == 1 else payload if kind == 2 else None
+            try:
+                if not self.receive():
+                    return None
+            except ConnectionResetError:
+                return None
+
+    def send(self, text):
+        payload, mask = text.encode(), os.urandom(4)
+        size = len(payload)
+        head = bytes([0x81, 0x80 | size]) if size < 126 else bytes([0x81, 0xfe]) + struct.pack(">H", size)
+        self.socket.sendall(head + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(payload)))
+
+    def close(self):
+        self.socket.close()
+
+
+def fetch(viewer, path, host=None, method="GET"):
+    with socket.create_connection(("127.0.0.1", viewer.port), timeout=PATIENCE_S) as connection:
+        connection.sendall(f"{method} {path} HTTP/1.1\r\nHost: {host or f'127.0.0.1:{viewer.port}'}\r\n\r\n".encode())
+        answer = b""
+        while part := connection.recv(1 << 16):
+            answer += part
+    head, _, body = answer.partition(b"\r\n\r\n")
+    return int(head.split()[1]), head.decode(), body
+
+
+def skip(why):
+    print(f"tactus-skipped: {why}")
+    sys.exit(77)

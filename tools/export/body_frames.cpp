@@ -1,0 +1,46 @@
+#include "tools/export/body_frames.h"
+
+#include <cstring>
+
+namespace tactus::exporting {
+
+BodyFrames::BodyFrames(std::unique_ptr<loop::HapticLoop> loop, const sim::Scene& scene, double rate_Hz, double period_s)
+    : player_(std::move(loop)), proxy_(scene.proxy), rate_Hz_(rate_Hz), period_s_(period_s) {}
+
+Status BodyFrames::take(const loop::TapeRecord& record) {
+  if (record.kind == loop::kSnapshotRecord) return player_.take_snapshot(record);
+  bool same = true;
+  return player_.take_keyframe(record, same);
+}
+
+void BodyFrames::play(const loop::TickRecord& taped) {
+  loop::TickOutput out;
+  played_ = player_.play(taped, out);
+  if (!played_)
+    ++unreplayable_;
+  else if (std::memcmp(&out, &taped.out, sizeof out) != 0)
+    ++different_;
+}
+
+bool BodyFrames::due(const loop::TickRecord& taped) {
+  constexpr double kRounding = 1e-9;  // so that 1000 Hz of 1 ms is every tick
+  const auto interval =
+      static_cast<std::uint64_t>(static_cast<double>(taped.out.tick) * period_s_ * rate_Hz_ + kRounding);
+  if (!played_ || interval < next_frame_) return false;
+  next_frame_ = interval + 1;
+  return true;
+}
+
+BodyFrame BodyFrames::frame(const loop::TickRecord& taped) {
+  const physics::World& world = player_.loop().sub_world().world();
+  states_.clear();
+  for (const physics::Body& body : world.bodies())
+    states_.push_back({body.id, body.id == proxy_ ? BodyRole::kProxy : BodyRole::kMember, body.motion.pose});
+  for (const physics::BorderContact& contact : world.border_contacts())
+    if (const std::int32_t slot = world.slot_of(contact.member); slot >= 0)
+      if (BodyState& state = states_[static_cast<std::size_t>(slot)]; state.role == BodyRole::kMember)
+        state.role = BodyRole::kBorder;
+  return {taped.out.tick, time_of(taped.out.tick, period_s_), states_};
+}
+
+}  // namespace tactus::exporting

@@ -1,0 +1,256 @@
+// The world in 3-D: one instanced mesh a shape and layer, contact forces as arrows, the spring from device to proxy.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Role, type Shape } from "./wire";
+import type { World } from "./world";
+
+// Of the Okabe-Ito palette: colour-blind people tell them apart. Members are solid, others see-through, the border has
+// its edges drawn: it is never the colour alone.
+export const kLegend: readonly { name: string; colour: string; edge: boolean; see_through: boolean }[] = [
+  { name: "proxy", colour: "#d55e00", edge: false, see_through: false },
+  { name: "member", colour: "#56b4e9", edge: false, see_through: false },
+  { name: "border: edges drawn", colour: "#e69f00", edge: true, see_through: false },
+  { name: "outside, awake: see-through", colour: "#009e73", edge: false, see_through: true },
+  { name: "outside, asleep: see-through", colour: "#999999", edge: false, see_through: true },
+  { name: "fixed", colour: "#d8d2c4", edge: false, see_through: false },
+];
+const kColour = kLegend.map((entry) => new THREE.Color(entry.colour));
+const kPlaneWidth_m = 4;
+const kMostArrows = 4096;
+
+export interface Layers {
+  members: boolean;
+  outside: boolean;
+  fixed: boolean;
+  forces: boolean;
+  metresPerNewton: number;
+}
+
+function geometryOf(shape: Shape): THREE.BufferGeometry {
+  switch (shape.kind) {
+    case "sphere":
+      return new THREE.SphereGeometry(shape.radius!, 20, 14);
+    case "capsule":
+      return new THREE.CapsuleGeometry(shape.radius!, 2 * shape.half_length!, 6, 16).rotateX(Math.PI / 2);
+    case "box":
+      return new THREE.BoxGeometry(2 * shape.half![0], 2 * shape.half![1], 2 * shape.half![2]);
+    case "plane":
+      return new THREE.PlaneGeometry(kPlaneWidth_m, kPlaneWidth_m);
+    case "mesh": {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.Float32BufferAttribute(shape.points!, 3));
+      geometry.setIndex(shape.triangles!);
+      const flat = geometry.toNonIndexed();
+      flat.computeVertexNormals();
+      return flat;
+    }
+  }
+}
+
+// The moving bodies of one shape, in three meshes: members, their border's edges, the others.
+interface Group {
+  bodies: number[]; // among the moving ones
+  solid: THREE.InstancedMesh;
+  edges: THREE.InstancedMesh;
+  outside: THREE.InstancedMesh;
+  solidBodies: number[];
+  outsideBodies: number[];
+}
+
+export class Scene3d {
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly scene = new THREE.Scene();
+  private readonly camera = new THREE.PerspectiveCamera(45, 1, 0.005, 100);
+  private readonly controls: OrbitControls;
+  private readonly groups: Group[] = [];
+  private readonly fixed = new THREE.Group();
+  private readonly arrows: THREE.LineSegments;
+  private readonly heads: THREE.InstancedMesh;
+  private readonly target: THREE.Mesh;
+  private readonly spring: THREE.Line;
+  private changed = true;
+  highlighted = -1; // id of a body, or -1
+
+  constructor(private readonly canvas: HTMLCanvasElement, private readonly world: World) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.scene.background = new THREE.Color("#f4f6f8");
+    const light = new THREE.DirectionalLight("#ffffff", 2);
+    light.position.set(1, -2, 3);
+    this.scene.add(light, new THREE.HemisphereLight("#ffffff", "#b0a890", 1.6), this.fixed);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => (this.changed = true));
+    world.scene.shapes.forEach((shape, index) => this.addGroup(geometryOf(shape), shape, index));
+    const lines = new THREE.BufferGeometry();
+    lines.setAttribute("position", new THREE.BufferAttribute(new Float32Array(6 * kMostArrows), 3));
+    this.arrows = new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ color: "#111111" }));
+    this.arrows.frustumCulled = false;
+    const cone = new THREE.ConeGeometry(0.0015, 0.005, 8).translate(0, -0.0025, 0);
+    this.heads = new THREE.InstancedMesh(cone, new THREE.MeshBasicMaterial({ color: "#111111" }), kMostArrows);
+    this.heads.frustumCulled = false;
+    this.target = new THREE.Mesh(
+      new THREE.SphereGeometry(0.006, 12, 8),
+      new THREE.MeshBasicMaterial({ color: "#cc79a7", wireframe: true }),
+    );
+    this.spring = new THREE.Line(
+      new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(new Float32Array(6), 3)),
+      new THREE.LineBasicMaterial({ color: "#cc79a7" }),
+    );
+    this.spring.frustumCulled = false;
+    this.scene.add(this.arrows, this.heads, this.target, this.spring);
+    this.lookAtProxy();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+  }
+
+  private addGroup(geometry: THREE.BufferGeometry, shape: Shape, index: number): void {
+    const { scene, indexOf } = this.world;
+    for (const body of scene.bodies) {
+      if (!body.fixed || body.shape !== index) continue;
+      // Walls are seen through: what they hold is what one wants to see. The ground is not.
+      const ground = shape.kind === "plane" || shape.kind === "mesh";
+      const look = ground ? {} : { transparent: true, opacity: 0.25, depthWrite: false };
+      const material = new THREE.MeshStandardMaterial({ color: kColour[5], roughness: 1, side: THREE.DoubleSide, flatShading: shape.kind === "mesh", ...look });
+      const mesh = new THREE.Mesh(geometry, material);
+      mesh.position.set(...body.position);
+      const [w, x, y, z] = body.rotation;
+      mesh.quaternion.set(x, y, z, w);
+      this.fixed.add(mesh);
+    }
+    const bodies = scene.bodies.flatMap((body, id) => (!body.fixed && body.shape === index ? [indexOf[id]!] : []));
+    if (bodies.length === 0) return;
+    const instanced = (material: THREE.Material): THREE.InstancedMesh => {
+      const mesh = new THREE.InstancedMesh(geometry, material, bodies.length);
+      mesh.frustumCulled = false;
+      mesh.setColorAt(0, kColour[0]!); // makes the colours' buffer
+      this.scene.add(mesh);
+      return mesh;
+    };
+    this.groups.push({
+      bodies,
+      solid: instanced(new THREE.MeshStandardMaterial({ roughness: 0.7 })),
+      edges: instanced(new THREE.MeshBasicMaterial({ color: "#000000", wireframe: true })),
+      outside: instanced(new THREE.MeshStandardMaterial({ roughness: 1, transparent: true, opacity: 0.45, depthWrite: false })),
+      solidBodies: [],
+      outsideBodies: [],
+    });
+  }
+
+  private lookAtProxy(): void {
+    const [x, y, z] = this.world.scene.bodies[this.world.scene.proxy]!.position;
+    const around = this.world.scene.bodies.filter((body) => !body.fixed).map((body) => Math.hypot(body.position[0] - x, body.position[1] - y, body.position[2] - z));
+    around.sort((a, b) => a - b);
+    const reach = Math.min(2, Math.max(0.15, around[Math.min(around.length - 1, 100)] ?? 0.3));
+    this.controls.target.set(x, y, z - 0.4 * reach);
+    this.camera.position.set(x + 1.1 * reach, y - 2 * reach, z + 1.3 * reach);
+    this.controls.update();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.changed = true;
+  }
+
+  // Takes the world's state over; draw() shows it.
+  update(layers: Layers): void {
+    const matrix = new THREE.Matrix4();
+    const position = new THREE.Vector3(), rotation = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
+    const { positions, rotations, roles, moving } = this.world;
+    let solids = 0, outsides = 0;
+    for (const group of this.groups) {
+      let solid = 0, edge = 0, outside = 0;
+      group.solidBodies.length = group.outsideBodies.length = 0;
+      for (const i of group.bodies) {
+        const role = roles[i]!;
+        const member = (role & Role.member) !== 0;
+        if (member ? !layers.members : !layers.outside) continue;
+        position.fromArray(positions, 3 * i);
+        rotation.fromArray(rotations, 4 * i);
+        matrix.compose(position, rotation, one);
+        const kind = (role & Role.proxy) !== 0 ? 0 : (role & Role.border) !== 0 ? 2 : member ? 1 : (role & Role.asleep) !== 0 ? 4 : 3;
+        if (member) {
+          group.solid.setMatrixAt(solid, matrix);
+          group.solid.setColorAt(solid++, kColour[kind]!);
+          group.solidBodies.push(i);
+        } else {
+          group.outside.setMatrixAt(outside, matrix);
+          group.outside.setColorAt(outside++, kColour[kind]!);
+          group.outsideBodies.push(i);
+        }
+        if (kind === 2 || moving[i] === this.highlighted) group.edges.setMatrixAt(edge++, matrix);
+      }
+      for (const [mesh, count] of [[group.solid, solid], [group.edges, edge], [group.outside, outside]] as const) {
+        mesh.count = count;
+        mesh.visible = count > 0;
+        mesh.instanceMatrix.needsUpdate = true;
+        if (mesh.instanceColor !== null) mesh.instanceColor.needsUpdate = true;
+        mesh.boundingSphere = null; // of the poses before: a ray would miss
+      }
+      solids += solid;
+      outsides += outside;
+    }
+    this.fixed.visible = layers.fixed;
+    this.updateArrows(layers);
+    this.canvas.dataset.solid = String(solids);
+    this.canvas.dataset.outside = String(outsides);
+    this.changed = true;
+  }
+
+  private updateArrows(layers: Layers): void {
+    const line = this.arrows.geometry.getAttribute("position") as THREE.BufferAttribute;
+    const matrix = new THREE.Matrix4(), up = new THREE.Vector3(0, 1, 0), one = new THREE.Vector3(1, 1, 1);
+    let count = 0;
+    if (layers.forces)
+      for (const { point, force } of this.world.contacts) {
+        if (count === kMostArrows) break;
+        const along = new THREE.Vector3(...force).multiplyScalar(layers.metresPerNewton);
+        const from = new THREE.Vector3(...point), to = from.clone().add(along);
+        line.setXYZ(2 * count, from.x, from.y, from.z);
+        line.setXYZ(2 * count + 1, to.x, to.y, to.z);
+        const rotation = new THREE.Quaternion().setFromUnitVectors(up, along.lengthSq() > 0 ? along.normalize() : up);
+        this.heads.setMatrixAt(count++, matrix.compose(to, rotation, one));
+      }
+    line.needsUpdate = true;
+    this.arrows.geometry.setDrawRange(0, 2 * count);
+    this.heads.count = count;
+    this.heads.visible = this.arrows.visible = count > 0;
+    this.heads.instanceMatrix.needsUpdate = true;
+    this.canvas.dataset.arrows = String(count);
+  }
+
+  setDevice(target: [number, number, number], proxy: [number, number, number]): void {
+    this.target.position.set(...target);
+    const line = this.spring.geometry.getAttribute("position") as THREE.BufferAttribute;
+    line.setXYZ(0, ...target);
+    line.setXYZ(1, ...proxy);
+    line.needsUpdate = true;
+    this.changed = true;
+  }
+
+  // The id of the body under a point of the canvas, in CSS pixels; -1: none.
+  pick(x: number, y: number): number {
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(new THREE.Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight), this.camera);
+    let nearest = Infinity, body = -1;
+    for (const group of this.groups)
+      for (const [mesh, bodies] of [[group.solid, group.solidBodies], [group.outside, group.outsideBodies]] as const) {
+        const hit = mesh.visible ? ray.intersectObject(mesh)[0] : undefined;
+        if (hit === undefined || hit.instanceId === undefined || hit.distance >= nearest) continue;
+        nearest = hit.distance;
+        body = this.world.moving[bodies[hit.instanceId]!]!;
+      }
+    return body;
+  }
+
+  draw(): void {
+    if (!this.changed) return;
+    this.changed = false;
+    this.renderer.render(this.scene, this.camera);
+    this.canvas.dataset.calls = String(this.renderer.info.render.calls);
+  }
+}

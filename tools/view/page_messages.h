@@ -1,0 +1,43 @@
+// What a page says, as JSON: {"ack": N} or {"ask": "disarm"}. Anything else is refused, and so is too much of it.
+//
+// Pure; the caller gives the time. Thread: one. Bound: kLongestMessage bytes, kMostMessages a second.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "rt/base/result.h"
+
+namespace tactus::view {
+
+inline constexpr std::size_t kLongestMessage = 256;
+inline constexpr std::uint32_t kMostMessages = 250;  // a second
+
+struct PageMessage {
+  std::uint32_t acknowledged{0};  // 0: it asks
+  std::string ask;                // disarm, stop, reset, arm, rearm
+};
+
+// Error: one line that says what is accepted.
+Result<PageMessage> parse_message(std::string_view text);
+
+// Force on a real device is given only where the viewer was started so; to take it away is always allowed.
+bool gives_force(std::string_view ask) noexcept;
+
+class MessageRate {
+ public:
+  // False: this message is one too many in its second.
+  bool admits(std::int64_t now_ns) noexcept {
+    const std::int64_t second = now_ns / 1'000'000'000;
+    if (second != second_) count_ = 0;
+    second_ = second;
+    return ++count_ <= kMostMessages;
+  }
+
+ private:
+  std::int64_t second_{0};
+  std::uint32_t count_{0};
+};
+
+}  // namespace tactus::view

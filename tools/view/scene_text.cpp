@@ -1,0 +1,93 @@
+#include "tools/view/scene_text.h"
+
+#include <nlohmann/json.hpp>
+
+#include "sim/loader/body_label.h"
+#include "sim/model/choice_names.h"
+#include "tools/json_text.h"
+#include "tools/view/wire.h"
+
+namespace tactus::view {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json list_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+ordered_json hull_json(const physics::Hull& hull) {
+  ordered_json points = ordered_json::array(), triangles = ordered_json::array();
+  for (std::uint32_t i = 0; i < hull.topology.vertices; ++i)
+    for (const double number : {hull.x[i], hull.y[i], hull.z[i]}) points.push_back(number);
+  for (std::uint32_t face = 0; face < hull.topology.faces; ++face) {
+    const auto loop = hull.topology.loop(face);
+    for (std::size_t k = 2; k < loop.size(); ++k)
+      for (const std::uint8_t corner : {loop[0], loop[k - 1], loop[k]}) triangles.push_back(corner);
+  }
+  return {{"kind", "mesh"}, {"points", points}, {"triangles", triangles}};
+}
+
+ordered_json mesh_json(const physics::Mesh& mesh) {
+  ordered_json points = ordered_json::array(), triangles = ordered_json::array();
+  for (const Vec3d& corner : mesh.corners)
+    for (const double number : {corner.x, corner.y, corner.z}) points.push_back(number);
+  for (const physics::MeshTriangle& triangle : mesh.triangles)
+    for (const std::uint32_t corner : triangle.corner) triangles.push_back(corner);
+  return {{"kind", "mesh"}, {"points", points}, {"triangles", triangles}};
+}
+
+ordered_json shape_json(const sim::Scene& scene, const physics::Shape& shape) {
+  switch (shape.kind) {
+    case physics::ShapeKind::kSphere:
+      return {{"kind", "sphere"}, {"radius", shape.radius}};
+    case physics::ShapeKind::kCapsule:
+      return {{"kind", "capsule"}, {"radius", shape.radius}, {"half_length", shape.half_length}};
+    case physics::ShapeKind::kBox:
+      return {{"kind", "box"}, {"half", list_of(shape.half_extents)}};
+    case physics::ShapeKind::kPlane:
+      return {{"kind", "plane"}};
+    case physics::ShapeKind::kHull:
+      return hull_json(scene.hulls[shape.index]);
+    case physics::ShapeKind::kMesh:
+      return mesh_json(scene.meshes[shape.index]);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string scene_text(const sim::Scene& scene, const session::TapeSettings& settings) {
+  ordered_json shapes = ordered_json::array(), bodies = ordered_json::array(), channels = ordered_json::array();
+  std::vector<physics::Shape> known;
+  for (const physics::Body& body : scene.bodies) {
+    auto at = std::find(known.begin(), known.end(), body.shape);
+    if (at == known.end()) {
+      shapes.push_back(shape_json(scene, body.shape));
+      at = known.insert(known.end(), body.shape);
+    }
+    const Quatd& q = body.motion.pose.rotation;
+    bodies.push_back(ordered_json{{"shape", at - known.begin()},
+                                  {"fixed", body.kind == physics::BodyKind::kFixed},
+                                  {"position", list_of(body.motion.pose.position)},
+                                  {"rotation", {q.w, q.x, q.y, q.z}},
+                                  {"label", sim::body_label(scene, body.id)}});
+  }
+  for (const Channel& channel : kChannels) channels.push_back({{"name", channel.name}, {"unit", channel.unit}});
+  const session::RunOptions& o = settings.options;
+  return json_text(ordered_json{{"kind", "scene"},
+                                {"wire", kWireVersion},
+                                {"name", scene.name},
+                                {"title", scene.title},
+                                {"made_by", settings.made_by},
+                                {"device", o.device},
+                                {"coupling", sim::name_of(o.coupling)},
+                                {"border", sim::name_of(o.border)},
+                                {"ratio", o.ratio != 0 ? o.ratio : scene.ratio},
+                                {"period_s", o.period_s()},
+                                {"members_cap", o.members != 0 ? o.members : scene.members},
+                                {"proxy", scene.proxy},
+                                {"channels", channels},
+                                {"shapes", shapes},
+                                {"bodies", bodies}});
+}
+
+}  // namespace tactus::view

@@ -1,0 +1,448 @@
+#include "tools/view/server.h"
+
+#include <sys/socket.h>
+
+#include <utility>  // before asio 1.74: it uses std::exchange without it
+
+#include <boost/asio.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <deque>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "rt/base/clock.h"
+#include "sim/loader/scene_load.h"
+#include "tools/json_text.h"
+#include "tools/service/control_server.h"
+#include "tools/session/run_options.h"
+#include "tools/view/admission.h"
+#include "tools/view/page_messages.h"
+#include "tools/view/page_stream.h"
+#include "tools/view/scene_text.h"
+
+namespace tactus::view {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using Request = http::request<http::string_body>;
+using Response = http::response<http::string_body>;
+using beast::error_code;
+
+constexpr auto kPollEvery = std::chrono::milliseconds(16);
+constexpr auto kPatience = std::chrono::seconds(5);
+constexpr std::size_t kMostConnections = 64;
+constexpr std::uint32_t kLongestHeader = 8192;
+
+std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
+
+std::string_view type_of(std::string_view path) {
+  if (path.ends_with(".html")) return "text/html; charset=utf-8";
+  if (path.ends_with(".js")) return "text/javascript; charset=utf-8";
+  if (path.ends_with(".css")) return "text/css; charset=utf-8";
+  if (path.ends_with(".svg")) return "image/svg+xml";
+  return "application/octet-stream";
+}
+
+void set_security(Response& response) {
+  response.set("Content-Security-Policy", "default-src 'self'; frame-ancestors 'none'");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set(http::field::cache_control, "no-store");
+}
+
+Response answer(const Request& request, http::status status, std::string body, std::string_view type) {
+  Response response(status, request.version());
+  response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
+  set_security(response);
+  response.keep_alive(false);
+  response.content_length(body.size());
+  if (request.method() != http::verb::head) response.body() = std::move(body);
+  return response;
+}
+
+// True: the run has closed the connection that it is watched over, as when it was killed.
+bool has_left(int connection) {
+  char byte = 0;
+  return recv(connection, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
+class Server;
+
+// A page that is admitted.
+class Page : public std::enable_shared_from_this<Page> {
+ public:
+  Page(beast::tcp_stream&& connection, Server& server) : socket_(std::move(connection)), server_(server) {}
+
+  void accept(const Request& request);
+  void send_text(std::string text);
+  void send_new();
+  void close() {
+    error_code ignored;
+    beast::get_lowest_layer(socket_).socket().close(ignored);
+  }
+
+  PageStream stream;
+
+ private:
+  void read();
+  void took(std::string_view text);
+  void write_next();
+  void leave();
+
+  websocket::stream<beast::tcp_stream> socket_;
+  Server& server_;
+  beast::flat_buffer buffer_;
+  std::deque<std::string> texts_;
+  std::string writing_;
+  bool busy_{false}, open_{false};
+  MessageRate rate_;
+};
+
+// A connection before it is a page, or one that fetches a file.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(tcp::socket&& socket, Server& server);
+  ~Connection();
+  void read();
+
+ private:
+  void take();
+  void respond(Response response);
+
+  beast::tcp_stream stream_;
+  Server& server_;
+  beast::flat_buffer buffer_;
+  http::request_parser<http::string_body> parser_;
+  Response response_;
+};
+
+class Server final : public ViewServer {
+ public:
+  Server(ViewSettings settings, std::unique_ptr<publication::Watcher> watcher, std::string scene, bool real_device)
+      : settings_(std::move(settings)),
+        watcher_(std::move(watcher)),
+        scene_(std::move(scene)),
+        real_device_(real_device),
+        timer_(io_) {}
+
+  Status listen();
+  std::string address() const override { return "http://127.0.0.1:" + std::to_string(port_) + "/#" + settings_.token; }
+  ViewReport serve(const std::atomic<bool>& stop) override;
+
+  // For connections and pages.
+  Response file(const Request& request) const;
+  Response refusal(const Request& request, http::status status, const std::string& reason);
+  std::optional<Response> refuse_page(const Request& request);
+  void admit(beast::tcp_stream&& stream, const Request& request);
+  void joined(const std::shared_ptr<Page>& page);
+  void left(const std::shared_ptr<Page>& page);
+  std::string asked(const std::string& ask);
+  void count_refused(const std::string& reason) { ++report_.refused[reason]; }
+  const publication::Frame& frame() const { return frame_; }
+  const std::string& scene() const { return scene_; }
+  void count_sent(std::size_t bytes) {
+    ++report_.frames_sent;
+    report_.bytes += bytes;
+  }
+  std::size_t connections{0};
+
+ private:
+  Status listen_on(const tcp::endpoint& endpoint);
+  void accept(tcp::acceptor& acceptor);
+  void poll(const std::atomic<bool>& stop);
+  void end_run();
+
+  ViewSettings settings_;
+  std::unique_ptr<publication::Watcher> watcher_;
+  std::string scene_;
+  bool real_device_;
+  asio::io_context io_{1};
+  asio::steady_timer timer_;
+  std::deque<tcp::acceptor> acceptors_;
+  std::uint16_t port_{0};
+  std::set<std::shared_ptr<Page>> pages_;
+  publication::Frame frame_;
+  bool has_frame_{false};
+  std::vector<publication::TickEntry> ticks_;
+  ViewReport report_;
+};
+
+// --- a page
+
+void Page::accept(const Request& request) {
+  beast::get_lowest_layer(socket_).expires_never();
+  socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+  socket_.set_option(websocket::stream_base::decorator(
+      [](websocket::response_type& response) { response.set(http::field::sec_websocket_protocol, "tactus"); }));
+  socket_.read_message_max(kLongestMessage);
+  socket_.auto_fragment(false);  // a message is one frame
+  socket_.async_accept(request, [self = shared_from_this()](error_code error) {
+    if (error) return;
+    self->open_ = true;
+    self->server_.joined(self);
+    self->send_text(self->server_.scene());
+    self->read();
+  });
+}
+
+void Page::read() {
+  socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+    if (error) {
+      if (error == websocket::error::message_too_big) self->server_.count_refused("message");
+      return self->leave();
+    }
+    const std::string text = beast::buffers_to_string(self->buffer_.data());
+    self->buffer_.consume(self->buffer_.size());
+    self->took(text);
+    if (self->open_) self->read();
+  });
+}
+
+void Page::took(std::string_view text) {
+  if (!rate_.admits(MonotonicClock::now_ns())) {
+    server_.count_refused("rate");
+    return leave();
+  }
+  const auto message = parse_message(text);
+  if (!message.ok()) {
+    server_.count_refused("message");
+    return send_text(json_text(nlohmann::json{{"kind", "refused"}, {"said", message.message()}}));
+  }
+  if (message.value().ask.empty()) {
+    stream.acknowledge(message.value().acknowledged);
+    return send_new();
+  }
+  send_text(server_.asked(message.value().ask));
+}
+
+void Page::send_text(std::string text) {
+  texts_.push_back(std::move(text));
+  write_next();
+}
+
+void Page::send_new() { write_next(); }
+
+// Texts first; then the newest of the run, as the page can take it.
+void Page::write_next() {
+  if (busy_ || !open_) return;
+  const bool text = !texts_.empty();
+  if (!text && !stream.ready()) return;
+  if (text) {
+    writing_ = std::move(texts_.front());
+    texts_.pop_front();
+  } else {
+    writing_ = stream.take(server_.frame());
+    server_.count_sent(writing_.size());
+  }
+  busy_ = true;
+  socket_.binary(!text);
+  socket_.async_write(asio::buffer(writing_), [self = shared_from_this()](error_code error, std::size_t) {
+    self->busy_ = false;
+    if (error) return self->leave();
+    self->write_next();
+  });
+}
+
+void Page::leave() {
+  if (!open_) return;
+  open_ = false;
+  close();
+  server_.left(shared_from_this());
+}
+
+// --- a connection
+
+Connection::Connection(tcp::socket&& socket, Server& server) : stream_(std::move(socket)), server_(server) {
+  ++server_.connections;
+  parser_.header_limit(kLongestHeader);
+  parser_.body_limit(0);
+}
+Connection::~Connection() { --server_.connections; }
+
+void Connection::read() {
+  stream_.expires_after(kPatience);
+  http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](error_code error, std::size_t) {
+    if (!error) self->take();
+  });
+}
+
+void Connection::take() {
+  const Request request = parser_.release();
+  const bool wants_socket = websocket::is_upgrade(request);
+  if (!is_this_machine(view_of(request[http::field::host])))
+    return respond(server_.refusal(request, http::status::misdirected_request, "host"));
+  if (!wants_socket) return respond(server_.file(request));
+  if (auto refused = server_.refuse_page(request)) return respond(std::move(*refused));
+  server_.admit(std::move(stream_), request);
+}
+
+void Connection::respond(Response response) {
+  response_ = std::move(response);
+  http::async_write(stream_, response_, [self = shared_from_this()](error_code, std::size_t) {
+    error_code ignored;
+    self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  });
+}
+
+// --- the server
+
+Status Server::listen() {
+  const Status four = listen_on({asio::ip::address_v4::loopback(), settings_.port});
+  if (!four.ok()) return four;
+  port_ = acceptors_.front().local_endpoint().port();
+  (void)listen_on({asio::ip::address_v6::loopback(), port_});  // where the machine has IPv6
+  return Status::good();
+}
+
+Status Server::listen_on(const tcp::endpoint& endpoint) {
+  error_code error;
+  tcp::acceptor acceptor(io_);
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error)
+    return Status::error("port " + std::to_string(endpoint.port()) + ": " + error.message() +
+                         "; accepted: --port with a free one, or 0 for any");
+  acceptors_.push_back(std::move(acceptor));
+  return Status::good();
+}
+
+void Server::accept(tcp::acceptor& acceptor) {
+  acceptor.async_accept([this, &acceptor](error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    if (!error && connections < kMostConnections) std::make_shared<Connection>(std::move(socket), *this)->read();
+    accept(acceptor);
+  });
+}
+
+ViewReport Server::serve(const std::atomic<bool>& stop) {
+  for (tcp::acceptor& acceptor : acceptors_) accept(acceptor);
+  poll(stop);
+  io_.run();
+  pages_.clear();
+  return report_;
+}
+
+void Server::poll(const std::atomic<bool>& stop) {
+  if (stop.load(std::memory_order_relaxed)) return io_.stop();
+  if (!report_.run_ended && (watcher_->ended() || has_left(settings_.connection))) end_run();
+  if (report_.run_ended && pages_.empty()) return io_.stop();
+  ticks_.clear();
+  const std::uint64_t lost = watcher_->read_ticks(ticks_, kMostTicks);
+  const bool fresh = watcher_->read_frame(frame_);
+  has_frame_ = has_frame_ || fresh;
+  const auto pages = pages_;  // a page that fails leaves the set
+  for (const auto& page : pages) {
+    const std::uint32_t before = page->stream.dropped();
+    page->stream.offer_ticks(ticks_, lost);
+    if (fresh) page->stream.offer_frame();
+    report_.frames_dropped += page->stream.dropped() - before;
+    page->send_new();
+  }
+  timer_.expires_after(kPollEvery);
+  timer_.async_wait([this, &stop](error_code error) {
+    if (!error) poll(stop);
+  });
+}
+
+void Server::end_run() {
+  report_.run_ended = true;
+  for (const auto& page : pages_) page->send_text(R"({"kind":"ended"})");
+}
+
+Response Server::file(const Request& request) const {
+  if (request.method() != http::verb::get && request.method() != http::verb::head)
+    return answer(request, http::status::method_not_allowed, "GET and HEAD alone\n", "text/plain");
+  std::string path(view_of(request.target()));
+  path = path.substr(0, path.find('?'));
+  if (path == "/") path = "/index.html";
+  const auto at = settings_.files.find(path);
+  if (at == settings_.files.end()) return answer(request, http::status::not_found, "no such file\n", "text/plain");
+  return answer(request, http::status::ok, at->second, type_of(path));
+}
+
+Response Server::refusal(const Request& request, http::status status, const std::string& reason) {
+  count_refused(reason);
+  return answer(request, status, "refused: " + reason + "\n", "text/plain");
+}
+
+std::optional<Response> Server::refuse_page(const Request& request) {
+  const Refusal refused = refuse(view_of(request[http::field::host]), view_of(request[http::field::origin]),
+                                 view_of(request[http::field::sec_websocket_protocol]), settings_.token);
+  if (refused != Refusal::kNone) return refusal(request, http::status::forbidden, std::string(name_of(refused)));
+  if (request.target() != "/run") return refusal(request, http::status::not_found, "path");
+  if (pages_.size() >= kMostPages) return refusal(request, http::status::service_unavailable, "pages");
+  return std::nullopt;
+}
+
+void Server::admit(beast::tcp_stream&& stream, const Request& request) {
+  std::make_shared<Page>(std::move(stream), *this)->accept(request);
+}
+
+void Server::joined(const std::shared_ptr<Page>& page) {
+  pages_.insert(page);
+  report_.clients_most = std::max(report_.clients_most, pages_.size());
+  if (has_frame_) page->stream.offer_frame();
+}
+
+void Server::left(const std::shared_ptr<Page>& page) { pages_.erase(page); }
+
+std::string Server::asked(const std::string& ask) {
+  const auto said = [&](bool good, const std::string& text) {
+    return json_text(nlohmann::json{{"kind", "answer"}, {"ask", ask}, {"ok", good}, {"said", text}});
+  };
+  if (real_device_ && gives_force(ask) && !settings_.allow_force) {
+    count_refused("force");
+    return said(false, "force on a real device is not given from a page; accepted: tactus view --allow-force");
+  }
+  const auto reply = service::ask_control(settings_.socket, ask);
+  if (!reply.ok()) return said(false, reply.message());
+  const auto object = nlohmann::json::parse(reply.value(), nullptr, /*allow_exceptions=*/false);
+  if (!object.is_object()) return said(false, "the run's answer is no JSON");
+  return said(object.value("ok", false), object.value("said", ""));
+}
+
+}  // namespace
+
+Result<std::map<std::string, std::string>> load_files(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, error)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    std::ostringstream bytes;
+    bytes << file.rdbuf();
+    files["/" + entry.path().lexically_relative(folder).generic_string()] = bytes.str();
+  }
+  if (!files.contains("/index.html"))
+    return Status::error(folder.string() +
+                         ": no page there: this build had no node or no npm (Debian: nodejs, npm); accepted: build "
+                         "again with both");
+  return files;
+}
+
+Result<std::unique_ptr<ViewServer>> ViewServer::open(ViewSettings settings,
+                                                     std::unique_ptr<publication::Watcher> watcher) {
+  auto run = session::from_tape_text(watcher->text());
+  if (!run.ok()) return run.status();
+  auto scene = sim::parse_scene(run.value().scene_source, run.value().scene_name);
+  if (!scene.ok()) return Status::error("the run's scene: " + scene.message());
+  const bool real_device = run.value().options.device != "sim";
+  auto server = std::make_unique<Server>(std::move(settings), std::move(watcher),
+                                         scene_text(scene.value(), run.value()), real_device);
+  if (const Status status = server->listen(); !status.ok()) return status;
+  return std::unique_ptr<ViewServer>(std::move(server));
+}
+
+}  // namespace tactus::view
