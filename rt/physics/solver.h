@@ -12,8 +12,8 @@
 // S, the number type of the sweeps, is double or narrower (SweepPrecision). Within a step, motion and contacts are
 // relative to the bodies' poses at its start, so positions far from the world's origin lose no precision. Only what a
 // step adds to poses and velocities has the precision of S. With S narrower than double the solver takes no border
-// contacts, and only the effects that Effects::suit_single_precision names: gravity is applied in S, a stage of scripted
-// motion gets a copy of the motion in double.
+// contacts, and only the effects that Effects::suit_single_precision names: gravity is applied in S, a stage of
+// scripted motion gets a copy of the motion in double.
 #pragma once
 
 #include <array>

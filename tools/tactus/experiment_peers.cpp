@@ -111,9 +111,8 @@ void add_peers(CLI::App& experiment, int& exit_code) {
                    "mixed beyond 256 bodies")
       ->check(CLI::IsMember({"double", "mixed"}));
   peers
-      ->add_option(
-          "--sub-steps", options->sub_steps,
-          "of tactus, in a step; contacts at 0.2 / sub-step, 250 Hz at most. Default: 4 in 1 ms, 10 in 10 ms")
+      ->add_option("--sub-steps", options->sub_steps,
+                   "of tactus, in a step; contacts at 0.2 / sub-step, 250 Hz at most. Default: 4 in 1 ms, 10 in 10 ms")
       ->check(CLI::Range(1, 100));
   peers->add_option("--runs", options->runs, "identical runs of each scene")
       ->check(CLI::Range(1, 9))

@@ -30,10 +30,9 @@ Effects::Effects(const EffectSetups& setups, const Capacities& capacities) {
 
 bool Effects::suit_single_precision() const noexcept {
   std::uint32_t others = 0;
-  for_each_object(objects_,
-                  [&]<class Object>(const Object&) noexcept {
-                    others += std::is_same_v<Object, Gravity> || std::is_same_v<Object, ScriptedMotion> ? 0 : 1;
-                  });
+  for_each_object(objects_, [&]<class Object>(const Object&) noexcept {
+    others += std::is_same_v<Object, Gravity> || std::is_same_v<Object, ScriptedMotion> ? 0 : 1;
+  });
   return others == 0;
 }
 

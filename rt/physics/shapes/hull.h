@@ -57,7 +57,7 @@ struct Hull {
   // face 0.
   alignas(32) std::array<double, kMaxHullFaces> nx{}, ny{}, nz{}, offsets{};
   std::array<double, kMaxHullEdges> edge_reach{};  // 1 / cos(half the angle between the normals of the edge's faces)
-  double largest_reach{};    // of edge_reach
+  double largest_reach{};                          // of edge_reach
   double inner_radius{};     // m: of the sphere about the origin that touches the nearest face plane
   double bounding_radius{};  // m: of the sphere about the origin that encloses all vertices
   double flatness{};         // m: greatest distance of a face's vertex below the face's plane
