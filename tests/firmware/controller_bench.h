@@ -1,6 +1,7 @@
 // A controller on a bench, for its tests: one call, one control period.
 #pragma once
 
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <optional>
