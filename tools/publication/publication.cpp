@@ -42,7 +42,7 @@ Position position_of(const Vec3d& p) noexcept {
 }
 
 std::int16_t packed(double component) noexcept {
-  return static_cast<std::int16_t>(std::lround(32767.0 * std::clamp(component, -1.0, 1.0)));
+  return static_cast<std::int16_t>(std::nearbyint(32767.0 * std::clamp(component, -1.0, 1.0)));
 }
 Rotation rotation_of(const Quatd& q) noexcept { return {packed(q.w), packed(q.x), packed(q.y), packed(q.z)}; }
 
@@ -201,11 +201,12 @@ void Publication::pack_contacts(const sim::GlobalWorld& world) noexcept {
   for (const physics::Contact& contact : world.world().contacts()) add_contact(contact, world, per_s);
   const auto force = [](const ContactForce& c) { return c.x * c.x + c.y * c.y + c.z * c.z; };
   const std::size_t kept = std::min<std::size_t>(contacts_.size(), kMaxContacts);
-  // Largest force first; ties by the bodies, so that the order is total.
-  std::partial_sort(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(kept), contacts_.end(),
-                    [&](const ContactForce& p, const ContactForce& q) {
-                      return std::tuple(-force(p), p.a, p.b) < std::tuple(-force(q), q.a, q.b);
-                    });
+  // Of more than fit those of the largest force; ties by the bodies, so that the order is total.
+  if (contacts_.size() > kept)
+    std::nth_element(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(kept), contacts_.end(),
+                     [&](const ContactForce& p, const ContactForce& q) {
+                       return std::tuple(-force(p), p.a, p.b) < std::tuple(-force(q), q.a, q.b);
+                     });
   head_.left_out += static_cast<std::uint32_t>(contacts_.size() - kept);
   contacts_.resize(kept);
 }

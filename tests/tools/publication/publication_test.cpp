@@ -65,8 +65,6 @@ struct Run {
   }
 };
 
-double force_of(const ContactForce& c) { return norm(Vec3d{c.x, c.y, c.z}); }
-
 double distance(const Position& a, const Vec3d& b) { return norm(Vec3d{a.x, a.y, a.z} - b); }
 
 }  // namespace
@@ -106,7 +104,7 @@ TEST_CASE("a frame has the poses, roles and contacts of the global world") {
   CHECK(frame.head.left_out == 0);
 }
 
-TEST_CASE("contacts carry the weight of what stands, largest force first") {
+TEST_CASE("contacts carry the weight of what stands") {
   // A hand at rest above a stack: the ground bears all of it.
   Run run(test::scene_text(test::kPressScene), haptics::CouplingScheme::kSubWorld, true);
   run.ticks(1500);  // the hand presses with about 2 N
@@ -116,11 +114,8 @@ TEST_CASE("contacts carry the weight of what stands, largest force first") {
   Frame frame;
   REQUIRE(watcher->read_frame(frame));
   const BodyId ground = 1, block = 2;
-  double on_ground_N = 0, on_block_N = 0, last = 1e9;
+  double on_ground_N = 0, on_block_N = 0;
   for (const ContactForce& contact : frame.contacts) {
-    const double force = force_of(contact);
-    CHECK(force <= last + 1e-5);
-    last = force;
     if (contact.b == ground) on_ground_N += double{contact.z};
     if (contact.a == 0 && contact.b == block) on_block_N += double{contact.z};
   }

@@ -1,0 +1,110 @@
+// What a watcher costs: packing a frame beside a step of the global world, copying it, and a page's messages with their
+// bytes. A frame is packed at most 60 times a second, so its time is waited for between two turns.
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "rt/base/denormals.h"
+#include "sim/loader/scene_load.h"
+#include "tools/experiment/shared_files.h"
+#include "tools/publication/publication.h"
+#include "tools/publication/watcher.h"
+#include "tools/session/virtual_run.h"
+#include "tools/view/page_stream.h"
+
+namespace tactus::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+// The heap of 5,000 bodies after 0.3 s of virtual time, all awake, and its publication.
+struct Heap5000 {
+  std::unique_ptr<session::Session> session;
+  std::unique_ptr<publication::Publication> publication;
+
+  Heap5000() {
+    set_denormals_flush();
+    session::RunOptions options;
+    options.virtual_time = true;
+    options.duration_s = 1;
+    auto scene = sim::load_scene(experiment::shared_file("scenes") / "pile5000.toml");
+    TACTUS_CHECK(scene.ok(), 0, 0);
+    session = std::move(session::Session::create(std::move(scene).value(), options)).value();
+    session::VirtualRun run(*session);
+    for (int i = 0; i < 300; ++i) run.tick();
+    publication = std::move(publication::Publication::create(session->scene, 1e-3, "{}")).value();
+    publication->watchers() = 1;
+  }
+  static Heap5000& get() {
+    static Heap5000 heap;
+    return heap;
+  }
+};
+
+void global_step_of_5000(benchmark::State& state) {
+  Heap5000& heap = Heap5000::get();
+  for (auto _ : state) heap.session->global->advance();
+}
+
+void packing_5000(benchmark::State& state) {
+  Heap5000& heap = Heap5000::get();
+  for (auto _ : state) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(17));
+    const auto from = Clock::now();
+    publication::Publication::stepped(heap.publication.get(), *heap.session->global);
+    state.SetIterationTime(Seconds(Clock::now() - from).count());
+  }
+}
+
+publication::Frame frame_of(std::size_t bodies) {
+  publication::Frame frame;
+  frame.head.bodies = static_cast<std::uint32_t>(bodies);
+  frame.positions.resize(bodies);
+  frame.rotations.resize(bodies);
+  frame.roles.resize(bodies);
+  return frame;
+}
+
+// `bodies`, of which `moving` move in each message; without ticks and contacts.
+void message_to_a_page(benchmark::State& state) {
+  publication::Frame frame = frame_of(static_cast<std::size_t>(state.range(0)));
+  const auto moving = static_cast<std::size_t>(state.range(1));
+  view::PageStream stream;
+  std::size_t bytes = 0;
+  const auto send = [&] {
+    stream.offer_frame();
+    const std::string message = stream.take(frame);
+    view::WireHeader header;
+    std::memcpy(&header, message.data(), sizeof header);
+    stream.acknowledge(header.number);
+    bytes = message.size();
+  };
+  send();
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < moving; ++i) frame.positions[i].x += 1e-3f;
+    send();
+  }
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+
+void nobody_watches(benchmark::State& state) {
+  Heap5000& heap = Heap5000::get();
+  heap.publication->watchers() = 0;
+  for (auto _ : state) publication::Publication::stepped(heap.publication.get(), *heap.session->global);
+  heap.publication->watchers() = 1;
+}
+
+BENCHMARK(global_step_of_5000)->Unit(benchmark::kMillisecond);
+BENCHMARK(packing_5000)->Unit(benchmark::kMillisecond)->UseManualTime()->Iterations(100);
+BENCHMARK(nobody_watches);
+BENCHMARK(message_to_a_page)
+    ->Args({5000, 5000})
+    ->Args({50400, 300})
+    ->Args({50400, 50400})
+    ->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace tactus::bench
