@@ -107,9 +107,9 @@ class GlobalWorld {
   bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
   // The bodies that contacts connect to the proxy, as of the last snapshot; indices into bodies(), the proxy first.
-  std::span<const std::uint32_t> component() const noexcept { return graph_.visited(); }
+  std::span<const BodyIndex> component() const noexcept { return graph_.visited(); }
   // s: the time over which the impulses of world().contacts() are summed; 0 before the first step.
-  double impulse_s() const noexcept { return pass_s_; }
+  double impulse_s() const noexcept { return macro_step_s_; }
   const GlobalStatistics& statistics() const noexcept { return statistics_; }
   double time_s() const noexcept { return time_s_; }
   double step_s() const noexcept { return settings_.dt; }

@@ -129,7 +129,7 @@ double place_mixed(BoxScene& scene, const PileSpec& spec, Random& random) {
 
 // Boxes of 0.1 to 0.2 m on rough ground of 20,000 triangles, dropped on the inner part of it.
 BoxScene make_rolling_boxes(std::string name, std::uint32_t boxes) {
-  constexpr double kTilt_rad = 0.61, kTurn_rad_per_s = 2, kPitch_m = 0.25, kDrop_m = 0.5, kWallHeight_m = 4;
+  constexpr double kGravityTilt_rad = 0.61, kTurn_rad_per_s = 2, kPitch_m = 0.25, kDrop_m = 0.5, kWallHeight_m = 4;
   BoxScene scene;
   scene.name = std::move(name);
   const TerrainSpec spec;
@@ -137,7 +137,7 @@ BoxScene make_rolling_boxes(std::string name, std::uint32_t boxes) {
   auto built = sim::build_mesh(sim::weld(make_terrain(spec, random)), physics::kFirstPatchId);
   TACTUS_CHECK(built.ok(), spec.cells, boxes);
   scene.terrain = std::move(built.value());
-  scene.turning = TurningGravity{kTilt_rad, kTurn_rad_per_s};
+  scene.turning = TurningGravity{kGravityTilt_rad, kTurn_rad_per_s};
   std::uint32_t columns = 1;
   while (columns * columns < boxes) ++columns;
   const double first = -0.5 * kPitch_m * (columns - 1);

@@ -37,9 +37,8 @@ BodyFrame BodyFrames::frame(const loop::TickRecord& taped) {
   for (const physics::Body& body : world.bodies())
     states_.push_back({body.id, body.id == proxy_ ? BodyRole::kProxy : BodyRole::kMember, body.motion.pose});
   for (const physics::BorderContact& contact : world.border_contacts())
-    if (const std::int32_t slot = world.slot_of(contact.member); slot >= 0)
-      if (BodyState& state = states_[static_cast<std::size_t>(slot)]; state.role == BodyRole::kMember)
-        state.role = BodyRole::kBorder;
+    if (const auto slot = world.slot_of(contact.member))
+      if (BodyState& state = states_[number_of(*slot)]; state.role == BodyRole::kMember) state.role = BodyRole::kBorder;
   return {taped.out.tick, time_of(taped.out.tick, period_s_), states_};
 }
 

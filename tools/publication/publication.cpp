@@ -187,15 +187,15 @@ void Publication::pack(const sim::GlobalWorld& world) noexcept {
 void Publication::pack_roles(const sim::GlobalWorld& world) noexcept {
   std::fill(roles_.begin(), roles_.begin() + head_.bodies, std::uint8_t{kIsAsleep});
   for (const physics::Body& awake : world.world().bodies()) roles_[place_of_[awake.id]] = 0;
-  for (const std::uint32_t place : world.extraction().members()) roles_[place] |= kIsMember;
+  for (const sim::BodyIndex body : world.extraction().members()) roles_[number_of(body)] |= kIsMember;
   if (proxy_ < place_of_.size() && place_of_[proxy_] < head_.bodies) roles_[place_of_[proxy_]] |= kIsProxy;
 }
 
 void Publication::pack_contacts(const sim::GlobalWorld& world) noexcept {
   contacts_.clear();
   std::fill(in_component_.begin(), in_component_.end(), std::uint8_t{0});
-  for (const std::uint32_t place : world.component())
-    if (place < in_component_.size()) in_component_[place] = 1;
+  for (const sim::BodyIndex body : world.component())
+    if (number_of(body) < in_component_.size()) in_component_[number_of(body)] = 1;
   const double impulse_s = world.impulse_s();
   const double per_s = impulse_s > 0 ? 1.0 / impulse_s : 0.0;
   for (const physics::Contact& contact : world.world().contacts()) add_contact(contact, world, per_s);

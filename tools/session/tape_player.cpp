@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kKinds[] = {loop::kKeyframeRecord, loop::kSnapshotRecord, loop::kTickRecord, loop::kTimesRecord,
                                     loop::kTapeGap};
-constexpr std::uint32_t kMostSubSteps = 1000;
+constexpr std::uint32_t kMaxSubSteps = 1000;
 
 Status prefixed(const OpenTape& tape, const std::string& what) { return Status::error(tape.path + ": " + what); }
 
@@ -70,7 +70,7 @@ Result<loop::TickRecord> tick_of(const loop::TapeRecord& record) {
   loop::TickRecord taped;
   if (record.payload.size() != sizeof taped) return bad_record(record, "is no tick");
   std::memcpy(&taped, record.payload.data(), sizeof taped);
-  if (taped.sub_steps == 0 || taped.sub_steps > kMostSubSteps)
+  if (taped.sub_steps == 0 || taped.sub_steps > kMaxSubSteps)
     return bad_record(record, "has an impossible number of sub-steps");
   return taped;
 }

@@ -1,6 +1,6 @@
 // What a page says, as JSON: {"ack": N} or {"ask": "disarm"}. Anything else is refused, and so is too much of it.
 //
-// Pure; the caller gives the time. Thread: one. Bound: kLongestMessage bytes, kMostMessages a second.
+// Pure; the caller gives the time. Thread: one. Bound: kLongestMessage bytes, kMaxMessages a second.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace tactus::view {
 
 inline constexpr std::size_t kLongestMessage = 256;
-inline constexpr std::uint32_t kMostMessages = 250;  // a second
+inline constexpr std::uint32_t kMaxMessages = 250;  // a second
 
 struct PageMessage {
   std::uint32_t acknowledged{0};  // 0: it asks
@@ -32,7 +32,7 @@ class MessageRate {
     const std::int64_t second = now_ns / 1'000'000'000;
     if (second != second_) count_ = 0;
     second_ = second;
-    return ++count_ <= kMostMessages;
+    return ++count_ <= kMaxMessages;
   }
 
  private:

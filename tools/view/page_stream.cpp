@@ -73,8 +73,8 @@ void PageStream::offer_ticks(const std::vector<publication::TickEntry>& ticks, s
     ticks_.insert(ticks_.end(), channels.begin(), channels.end());
   }
   const std::size_t waiting = ticks_.size() / kChannels.size();
-  if (waiting <= kMostTicks) return;
-  const std::size_t over = waiting - kMostTicks;
+  if (waiting <= kMaxTicks) return;
+  const std::size_t over = waiting - kMaxTicks;
   lost_ticks_ += static_cast<std::uint32_t>(over);
   ticks_.erase(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(over * kChannels.size()));
 }
@@ -84,7 +84,7 @@ void PageStream::acknowledge(std::uint32_t number) noexcept {
 }
 
 bool PageStream::ready() const noexcept {
-  return sent_ - acknowledged_ < kMostUnacknowledged && (frame_waits_ || !ticks_.empty());
+  return sent_ - acknowledged_ < kMaxUnacknowledged && (frame_waits_ || !ticks_.empty());
 }
 
 std::string PageStream::take(const publication::Frame& frame) {

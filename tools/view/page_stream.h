@@ -1,7 +1,7 @@
 // What one page gets: messages in the wire format (wire.h), never more than two that it has not acknowledged, the
 // newest frame first; frames that came too soon are dropped and counted, ticks wait.
 //
-// Pure: no socket, no clock. Thread: one. Bound: kMostTicks ticks wait; older ones are lost and counted.
+// Pure: no socket, no clock. Thread: one. Bound: kMaxTicks ticks wait; older ones are lost and counted.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace tactus::view {
 
-inline constexpr std::uint32_t kMostUnacknowledged = 2;
-inline constexpr std::size_t kMostTicks = 4096;
+inline constexpr std::uint32_t kMaxUnacknowledged = 2;
+inline constexpr std::size_t kMaxTicks = 4096;
 
 class PageStream {
  public:

@@ -40,7 +40,7 @@ using beast::error_code;
 
 constexpr auto kPollEvery = std::chrono::milliseconds(16);
 constexpr auto kPatience = std::chrono::seconds(5);
-constexpr std::size_t kMostConnections = 64;
+constexpr std::size_t kMaxConnections = 64;
 constexpr std::uint32_t kLongestHeader = 8192;
 
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
@@ -321,7 +321,7 @@ Status Server::listen_on(const tcp::endpoint& endpoint) {
 void Server::accept(tcp::acceptor& acceptor) {
   acceptor.async_accept([this, &acceptor](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error && connections < kMostConnections) std::make_shared<Connection>(std::move(socket), *this)->read();
+    if (!error && connections < kMaxConnections) std::make_shared<Connection>(std::move(socket), *this)->read();
     accept(acceptor);
   });
 }
@@ -339,7 +339,7 @@ void Server::poll(const std::atomic<bool>& stop) {
   if (!report_.run_ended && (watcher_->ended() || has_left(settings_.connection))) end_run();
   if (report_.run_ended && pages_.empty()) return io_.stop();
   ticks_.clear();
-  const std::uint64_t lost = watcher_->read_ticks(ticks_, kMostTicks);
+  const std::uint64_t lost = watcher_->read_ticks(ticks_, kMaxTicks);
   const bool fresh = watcher_->read_frame(frame_);
   has_frame_ = has_frame_ || fresh;
   const auto pages = pages_;  // a page that fails leaves the set
@@ -382,7 +382,7 @@ std::optional<Response> Server::refuse_page(const Request& request) {
                                  view_of(request[http::field::sec_websocket_protocol]), settings_.token);
   if (refused != Refusal::kNone) return refusal(request, http::status::forbidden, std::string(name_of(refused)));
   if (request.target() != "/run") return refusal(request, http::status::not_found, "path");
-  if (pages_.size() >= kMostPages) return refusal(request, http::status::service_unavailable, "pages");
+  if (pages_.size() >= kMaxPages) return refusal(request, http::status::service_unavailable, "pages");
   return std::nullopt;
 }
 

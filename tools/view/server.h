@@ -1,9 +1,9 @@
 // `tactus view`: serves the page's files over HTTP and the run over a WebSocket, on loopback alone.
 //
-// Files are public; the WebSocket is for admitted pages (admission.h), at most kMostPages. The run is read about 60
+// Files are public; the WebSocket is for admitted pages (admission.h), at most kMaxPages. The run is read about 60
 // times a second, by one thread that also serves; each page has a stream of its own (page_stream.h). What a page asks
 // of the run goes over the run's control socket. The server has no right of the run's: it may end or hang at any time.
-// Thread: one. Bound: kMostPages pages, 64 HTTP connections of 8 KiB of header and 5 s; the files are in memory.
+// Thread: one. Bound: kMaxPages pages, 64 HTTP connections of 8 KiB of header and 5 s; the files are in memory.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@
 
 namespace tactus::view {
 
-inline constexpr std::size_t kMostPages = 4;
+inline constexpr std::size_t kMaxPages = 4;
 
 // The page's files by path, as "/index.html". Error: the folder has none.
 Result<std::map<std::string, std::string>> load_files(const std::filesystem::path& folder);

@@ -51,7 +51,7 @@ double separation_of(const Contact& contact) noexcept {
 // Number of pairs visited at a time: enough to share their searches, few enough to stay in the cache.
 constexpr std::uint32_t kStretch = 256;
 // A search takes about 1 us, and so does handing it to another thread.
-constexpr std::uint32_t kFewestSearches = 4;
+constexpr std::uint32_t kMinSearches = 4;
 // Counted instructions: two boxes 3k; hulls of 8, 20 and 64 vertices 5.5k, 10k and 27k; a box on 60 triangles 42k.
 constexpr std::uint32_t kVerticesPerComparison = 16, kTrianglesPerComparison = 4;
 
@@ -354,7 +354,7 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
     walk.visits = walk.searches = 0;
     for (const std::uint32_t end = std::min(next + kStretch, pairs_.size()); next < end; ++next) visit(walk, next);
     if (executor.shares())
-      executor.for_each_range(walk.searches, kFewestSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
+      executor.for_each_range(walk.searches, kMinSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
         for (; k < end; ++k) manifolds_[k] = compare(scene, searches_[k]);
       });
     walk.searched += walk.searches;

@@ -97,7 +97,7 @@ TEST_CASE("a frame has the poses, roles and contacts of the global world") {
       ++proxies;
       CHECK(bodies[i].id == run.session->scene.proxy);
     }
-    CHECK(((frame.roles[i] & kIsMember) != 0) == world.extraction().is_member(static_cast<std::uint32_t>(i)));
+    CHECK(((frame.roles[i] & kIsMember) != 0) == world.extraction().is_member(static_cast<sim::BodyIndex>(i)));
   }
   CHECK(members == world.extraction().members().size());
   CHECK(proxies == 1);

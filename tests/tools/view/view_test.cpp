@@ -125,9 +125,9 @@ TEST_CASE(
   std::memcpy(&force, message.data() + 64 + 4 * (16 * kChannels.size() + 1), sizeof force);
   CHECK(force == static_cast<float>(0.1 * 16));
   stream.acknowledge(header.number);
-  stream.offer_ticks(ticks_of(kMostTicks + 100), 0);
+  stream.offer_ticks(ticks_of(kMaxTicks + 100), 0);
   header = header_of(stream.take(frame));
-  CHECK(header.ticks == kMostTicks);
+  CHECK(header.ticks == kMaxTicks);
   CHECK(header.lost_ticks == 103);
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("what gives force is told from what takes it, and the rate of messages
   for (const char* ask : {"arm", "rearm", "reset"}) CHECK(gives_force(ask));
   for (const char* ask : {"disarm", "stop"}) CHECK_FALSE(gives_force(ask));
   MessageRate rate;
-  for (std::uint32_t i = 0; i < kMostMessages; ++i) CHECK(rate.admits(5'000'000'000));
+  for (std::uint32_t i = 0; i < kMaxMessages; ++i) CHECK(rate.admits(5'000'000'000));
   CHECK_FALSE(rate.admits(5'999'999'999));
   CHECK(rate.admits(6'000'000'000));
 }
