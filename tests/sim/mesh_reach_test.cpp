@@ -42,7 +42,9 @@ TEST_CASE("A triangle that a body cannot reach has no contact with it, neither n
   physics::StepSettings settings;
   int reached = 0, dropped = 0;
   for (int n = 0; n < 1500; ++n) {
-    const auto [body, bound] = random_case(hulls, random);
+    const Case made_case = random_case(hulls, random);
+    const physics::Body& body = made_case.body;
+    const physics::MotionBound& bound = made_case.bound;
     const Posed& now = body.motion.pose;
     const physics::MeshReach reach(made.mesh, body, now, bound, {}, settings, hulls);
     const Posed then{now.position + random(0, 1) * bound.advance, now.rotation};

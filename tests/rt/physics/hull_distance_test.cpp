@@ -15,7 +15,6 @@ struct HullPair {
   Posed pose_a, pose_b;
 
   HullGap gap(double margin) const {
-    AxisCache cache;
     const Shape shape_a = Shape::convex(a, 0), shape_b = Shape::convex(b, 1);
     const LastFeatures none;
     const PairView pair{shape_a, shape_b, pose_a.rotation, pose_b.rotation, pose_b.position - pose_a.position,

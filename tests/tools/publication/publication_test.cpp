@@ -65,7 +65,7 @@ struct Run {
   }
 };
 
-double distance(const Position& a, const Vec3d& b) { return norm(Vec3d{a.x, a.y, a.z} - b); }
+double distance(const Position& a, const Vec3d& b) { return norm(number_cast<double>(Vec3<float>{a.x, a.y, a.z}) - b); }
 
 }  // namespace
 
@@ -116,8 +116,8 @@ TEST_CASE("contacts carry the weight of what stands") {
   const BodyId ground = 1, block = 2;
   double on_ground_N = 0, on_block_N = 0;
   for (const ContactForce& contact : frame.contacts) {
-    if (contact.b == ground) on_ground_N += double{contact.z};
-    if (contact.a == 0 && contact.b == block) on_block_N += double{contact.z};
+    if (contact.b == ground) on_ground_N += static_cast<double>(contact.z);
+    if (contact.a == 0 && contact.b == block) on_block_N += static_cast<double>(contact.z);
   }
   const double weight_N = 9.81;
   CHECK(on_block_N < -1.0);
