@@ -88,6 +88,10 @@ struct WholeRunRow {
 // Error, one line: a scene does not fit the schemes.
 Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const Progress& progress);
 
+// The keys with which the JSON of a run or of its windows begins: scene, coupling, border, ratio, members, gains.
+nlohmann::ordered_json run_json(const std::string& scene, const Scheme& scheme, unsigned members,
+                                const haptics::CouplingGains& gains);
+
 std::string whole_table(std::span<const WholeRunRow> rows);
 std::string whole_csv(std::span<const WholeRunRow> rows);                   // units in the header
 nlohmann::ordered_json whole_rows_json(std::span<const WholeRunRow> rows);  // an array of objects

@@ -66,36 +66,43 @@ std::string whole_table(std::span<const WholeRunRow> rows) {
   return text;
 }
 
+ordered_json run_json(const std::string& scene, const Scheme& scheme, unsigned members,
+                      const haptics::CouplingGains& gains) {
+  return {{"scene", scene},
+          {"coupling", sim::name_of(scheme.coupling)},
+          {"border", name_of_border(scheme)},
+          {"ratio", scheme.ratio},
+          {"members", members},
+          {"stiffness_N_per_m", gains.stiffness_N_per_m},
+          {"stiffness_Nm_per_rad", gains.stiffness_Nm_per_rad}};
+}
+
 ordered_json whole_rows_json(std::span<const WholeRunRow> rows) {
   ordered_json list = ordered_json::array();
-  for (const WholeRunRow& row : rows)
-    list.push_back({{"scene", row.scene},
-                    {"coupling", sim::name_of(row.scheme.coupling)},
-                    {"border", name_of_border(row.scheme)},
-                    {"ratio", row.scheme.ratio},
-                    {"members", row.members},
-                    {"stiffness_N_per_m", row.gains.stiffness_N_per_m},
-                    {"stiffness_Nm_per_rad", row.gains.stiffness_Nm_per_rad},
-                    {"seconds", row.seconds},
-                    {"started_apart_m", row.apart_m},
-                    {"hand", row.closed_hand ? "closed" : "direct"},
-                    {"force_error", row.force_error},
-                    {"force_error_by_quarter", row.force_error_quarter},
-                    {"force_rms_N", row.force_rms_N},
-                    {"pose_off_m", row.pose_off_m},
-                    {"pose_off_most_m", row.pose_off_most_m},
-                    {"pose_off_share_of_size", row.pose_off_share},
-                    {"drift_m", row.drift_m},
-                    {"deepest_m", row.deepest_m},
-                    {"direct_deepest_m", row.direct_deepest_m},
-                    {"kinetic_J", row.kinetic_J},
-                    {"kinetic_over_work", row.kinetic_over_work},
-                    {"energy_gain_J", row.energy_gain_J},
-                    {"direct_energy_gain_J", row.direct_energy_gain_J},
-                    {"energy_at_play_J", row.energy_at_play_J},
-                    {"border_work_J", row.border_work_J},
-                    {"fallen", row.fallen},
-                    {"stands", row.stands}});
+  for (const WholeRunRow& row : rows) {
+    ordered_json one = run_json(row.scene, row.scheme, row.members, row.gains);
+    one["seconds"] = row.seconds;
+    one["started_apart_m"] = row.apart_m;
+    one["hand"] = row.closed_hand ? "closed" : "direct";
+    one["force_error"] = row.force_error;
+    one["force_error_by_quarter"] = row.force_error_quarter;
+    one["force_rms_N"] = row.force_rms_N;
+    one["pose_off_m"] = row.pose_off_m;
+    one["pose_off_most_m"] = row.pose_off_most_m;
+    one["pose_off_share_of_size"] = row.pose_off_share;
+    one["drift_m"] = row.drift_m;
+    one["deepest_m"] = row.deepest_m;
+    one["direct_deepest_m"] = row.direct_deepest_m;
+    one["kinetic_J"] = row.kinetic_J;
+    one["kinetic_over_work"] = row.kinetic_over_work;
+    one["energy_gain_J"] = row.energy_gain_J;
+    one["direct_energy_gain_J"] = row.direct_energy_gain_J;
+    one["energy_at_play_J"] = row.energy_at_play_J;
+    one["border_work_J"] = row.border_work_J;
+    one["fallen"] = row.fallen;
+    one["stands"] = row.stands;
+    list.push_back(std::move(one));
+  }
   return list;
 }
 
