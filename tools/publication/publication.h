@@ -1,4 +1,4 @@
-// The controller's side of the shared memory (layout.h): writes ticks, poses and contacts while somebody watches.
+// The controller's side of the shared memory (layout.h): writes ticks, poses and contacts while a watcher is attached.
 //
 // Ticks come from where the tape takes them, frames from the global thread after a step, at most kMaxFrames_Hz a
 // second; with the direct coupling, which has no global world, from the flight recorder. Without a watcher nothing is
@@ -33,7 +33,7 @@ class Publication {
 
   // For a watcher: the memory, open for reading alone. Stays this object's.
   int descriptor() const noexcept { return read_only_; }
-  // How many watch; whoever passes the descriptor on counts them.
+  // Number of watchers; the server that passes the descriptor on counts them.
   std::atomic<std::uint32_t>& watchers() noexcept { return watchers_; }
   const std::atomic<std::uint32_t>& watchers() const noexcept { return watchers_; }
 

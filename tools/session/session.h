@@ -44,7 +44,7 @@ hal::HandModel make_hand(const sim::Scene& scene);
 // Who sees a run's records, besides the tape.
 struct Shown {
   loop::RecordTap tap{};
-  const std::atomic<std::uint32_t>* watchers{nullptr};  // 0: nobody looks, and bodies need not be recorded
+  const std::atomic<std::uint32_t>* watchers{nullptr};  // 0: no body states are recorded
   std::shared_ptr<const void> owner{};                  // of both, kept until the drain has ended
 };
 

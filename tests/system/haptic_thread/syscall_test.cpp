@@ -55,7 +55,7 @@ struct Trial {
   double budget{loop::GovernorConfig{}.budget};  // of the period, for the governor
   std::vector<sim::Stall> stalls{};              // of the global world; in real time only
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  bool watched{false};  // somebody reads what the run shows, all the time
+  bool watched{false};  // a watcher reads all ticks and frames that the run publishes
 };
 
 std::uint32_t joints_between_members(const physics::World& world) noexcept {
