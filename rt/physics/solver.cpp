@@ -19,11 +19,11 @@ void for_each_body(const Executor& executor, std::size_t bodies, F&& f) noexcept
 }  // namespace
 
 template <class S>
-Solver<S>::Solver(const Capacities& capacities)
+Solver<S>::Solver(const Capacities& capacities, bool scripted)
     : motion_(capacities.bodies),
       inverse_inertia_(capacities.bodies),
-      motion_in_double_(kIsWhole ? 0 : capacities.bodies),
-      inverse_inertia_in_double_(kIsWhole ? 0 : capacities.bodies),
+      motion_in_double_(kIsWhole || !scripted ? 0 : capacities.bodies),
+      inverse_inertia_in_double_(motion_in_double_.capacity()),
       before_(capacities.bodies),
       pushed_(capacities.bodies),
       contacts_(capacities),

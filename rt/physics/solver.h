@@ -61,7 +61,8 @@ struct NoBorder {
 template <class S>
 class Solver {
  public:
-  explicit Solver(const Capacities& capacities);  // [setup]
+  // [setup] `scripted`: the world has bodies with a script; only then are there copies for stages.
+  Solver(const Capacities& capacities, bool scripted);
 
   void step(const SolverInput& input, const StepSettings& settings, const CutPredicate& cut,
             StepReport& report) noexcept;
@@ -81,7 +82,7 @@ class Solver {
 
   BoundedVector<SolverBody<S>> motion_;
   BoundedVector<SymMat3<S>> inverse_inertia_;
-  // Copies for the stages of effects, if S is narrower than double.
+  // Copies for the stages of scripted motion, if S is narrower than double.
   BoundedVector<SolverBody<double>> motion_in_double_;
   BoundedVector<SymMat3d> inverse_inertia_in_double_;
   BoundedVector<Twist<S>> before_;       // velocities before a warm start that may be scaled down

@@ -56,10 +56,11 @@ World::World(const Capacities& capacities, Hulls hulls, Meshes meshes, const Eff
       effects_(effects, capacities),
       border_contacts_(capacities.border_contacts),
       border_ghosts_(capacities.border_contacts) {
+  const bool scripted = effects_.find<ScriptedMotion>() != nullptr;
   if (precision == SweepPrecision::kSingle && effects_.suit_single_precision())
-    single_solver_.emplace(capacities);
+    single_solver_.emplace(capacities, scripted);
   else
-    solver_.emplace(capacities);
+    solver_.emplace(capacities, scripted);
 }
 
 bool World::refuse(CapacityBit bit) noexcept {

@@ -56,7 +56,7 @@ HullGap find_gap(const RelativeHulls& ab, const AxisCache& cache, double margin)
 
 // The incident face, clipped to the reference face.
 HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const Tangents<double>& along) noexcept {
-  const Vec3d& n = hulls.ref.normal(face);
+  const Vec3d n = hulls.ref.normal(face);
   const Vec3d down = hulls.to_other(n);
   const HullTopology& topology = *hulls.other.topology;
   std::uint32_t incident = 0;
@@ -91,7 +91,7 @@ HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const T
 void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const Placed& placed, std::uint32_t face,
                        double separation, double bound, Manifold& manifold) noexcept {
   constexpr int kRounds = 4;
-  const Vec3d& n_face = hulls.ref.normal(face);
+  const Vec3d n_face = hulls.ref.normal(face);
   Vec3d on_other = hulls.other_vertex(hulls.other.support(hulls.to_other(-n_face))), on_ref;
   for (int round = 0; round < kRounds; ++round) {
     on_ref = closest_on_hull(hulls.ref, on_other);
@@ -113,7 +113,7 @@ void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const P
 void add_face_contact(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen, double bound,
                       Manifold& manifold) noexcept {
   const Placed placed(pair, chosen.on_a);
-  const Vec3d& n = hulls.ref.normal(chosen.face);
+  const Vec3d n = hulls.ref.normal(chosen.face);
   const Tangents<double> along = tangents_of(n);
   HullPolygon polygon = clipped_face(hulls, chosen.face, along);
   double lowest = 0.0;

@@ -24,9 +24,7 @@ struct CapsuleHull {
   double radius;
 
   Vec3d at(double t) const noexcept { return centre + half * t; }
-  double height(std::uint32_t face, double t) const noexcept {
-    return dot(hull.normal(face), at(t)) - hull.offsets[face];
-  }
+  double height(std::uint32_t face, double t) const noexcept { return hull.height(face, at(t)); }
   void set_normal(Manifold& manifold, const Vec3d& outward) const noexcept {
     manifold.normal = -rotate(pair.world_from_b, outward);
   }
@@ -72,7 +70,7 @@ Nearest nearest_outside(const CapsuleHull& c) noexcept {
 bool add_face_points(const CapsuleHull& c, Manifold& manifold, std::uint32_t face, double bound) noexcept {
   const LineRange range = range_above_face(c.hull, face, c.centre, c.half);
   if (range.empty()) return false;
-  const Vec3d& n = c.hull.normal(face);
+  const Vec3d n = c.hull.normal(face);
   const double parameter[2] = {range.low, range.high};
   double separation[2] = {c.height(face, range.low) - c.radius, c.height(face, range.high) - c.radius};
   const int nearer = separation[1] < separation[0] ? 1 : 0;

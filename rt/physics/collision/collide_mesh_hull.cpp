@@ -260,7 +260,7 @@ class HullOnPatch {
   // Notes the part of the triangle below the hull's face; the points of triangles under the same face are collected.
   void note_hull_face(std::uint32_t triangle, const RelativeHulls& ba, std::uint32_t face) noexcept {
     const HullTopology& sides = *hull_.topology;
-    const Vec3d& n = hull_.normal(face);
+    const Vec3d n = hull_.normal(face);
     const Tangents<double> along = tangents_of(n);
     HullPolygon polygon;
     for (std::uint32_t i = 0; i < 3; ++i) {

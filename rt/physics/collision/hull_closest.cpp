@@ -26,9 +26,9 @@ bool is_above_face(const HullView& hull, std::uint32_t face, const Vec3d& point)
 }
 
 HighestFace highest_face(const HullView& hull, const Vec3d& point) noexcept {
-  HighestFace best{0, dot(hull.normal(0), point) - hull.offsets[0]};
+  HighestFace best{0, hull.height(0, point)};
   for (std::uint32_t f = 1; f < hull.topology->faces; ++f) {
-    const double height = dot(hull.normal(f), point) - hull.offsets[f];
+    const double height = hull.height(f, point);
     if (height > best.height) best = {f, height};
   }
   return best;
@@ -38,7 +38,7 @@ Vec3d closest_on_hull(const HullView& hull, const Vec3d& point) noexcept {
   std::array<double, kMaxHullFaces> height;
   bool outside = false;
   for (std::uint32_t f = 0; f < hull.topology->faces; ++f) {
-    height[f] = dot(hull.normal(f), point) - hull.offsets[f];
+    height[f] = hull.height(f, point);
     if (!(height[f] > 0.0)) continue;
     outside = true;
     if (is_above_face(hull, f, point)) return point - hull.normal(f) * height[f];

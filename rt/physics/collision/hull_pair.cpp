@@ -112,7 +112,7 @@ EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, 
   for (std::uint32_t i = 0; i < mine.count; ++i) {
     const HullEdge& edge = hulls.ref.topology->edge[mine.edge[i]];
     const Vec3d along = hulls.ref.vertex(edge.to) - hulls.ref.vertex(edge.from);
-    const Vec3d &left = hulls.ref.normal(edge.left), &right = hulls.ref.normal(edge.right);
+    const Vec3d left = hulls.ref.normal(edge.left), right = hulls.ref.normal(edge.right);
     for (std::uint32_t j = 0; j < others.count; ++j) {
       const double other_left = dot(other[j].left(), along), other_right = dot(other[j].right(), along);
       if (!(other_left * other_right < 0.0)) continue;

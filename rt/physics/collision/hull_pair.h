@@ -30,7 +30,7 @@ struct RelativeHulls {
   }
 
   double face_separation(std::uint32_t face) const noexcept {
-    const Vec3d& n = ref.normal(face);
+    const Vec3d n = ref.normal(face);
     return dot(n, centre) - other.reach_along(to_other(-n)) - ref.offsets[face];
   }
   // Gap between the projections onto the unit vector n, which points from ref to the other.

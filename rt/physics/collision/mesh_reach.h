@@ -32,16 +32,17 @@ class MeshReach {
         settings_(settings),
         axes_(axes_of(mesh_from_body.rotation)),
         centre_(mesh_from_body.position),
-        advance_(rotate_inverse(world_from_mesh, bound.advance)),
-        rest_(bound.rest + bound.fallen),
+        bound_(bound),
         hull_(body.shape.kind == ShapeKind::kHull ? &hulls[body.shape.index] : nullptr),
-        margin_(patch_margin(closing_of(bound, {}, settings), settings)) {}
+        margin_(patch_margin(closing_of(bound, {}, settings), settings)) {
+    bound_.advance = rotate_inverse(world_from_mesh, bound.advance);
+  }
 
   bool reaches(std::uint32_t triangle) const noexcept {
     const MeshTriangle& t = mesh_.triangles[triangle];
     const MeshPatch& patch = mesh_.patches[t.patch];
     const double height = dot(patch.normal, centre_) - patch.offset;
-    const double closing = smaller(larger(-dot(advance_, patch.normal), 0.0) + rest_, settings_.max_margin);
+    const double closing = closing_along(-patch.normal, bound_, {}, settings_);
     // A body whose centre is behind the patch is not in contact with it; of a capsule, only a part need be in front.
     if (!(height > 0.0) && shape_.kind != ShapeKind::kCapsule) return false;
     // The patch's corners are at most kFlat from its plane.
@@ -85,8 +86,8 @@ class MeshReach {
   const Shape& shape_;
   const StepSettings& settings_;
   Axes axes_;  // of the body
-  Vec3d centre_, advance_;
-  double rest_;
+  Vec3d centre_;
+  MotionBound bound_;  // of the body; its advance in the mesh's frame
   const Hull* hull_;
   double margin_;  // in any direction
 };

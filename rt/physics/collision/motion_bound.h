@@ -32,19 +32,25 @@ inline double fall_in_step(const StepSettings& settings) noexcept {
          settings.dt;
 }
 
+// What a step may take from a distance: `advance` of it by the centres' velocities. Gravity counts once: two bodies
+// fall together, or one of them is supported.
+inline double closing_with(double advance, const MotionBound& a, const MotionBound& b,
+                           const StepSettings& settings) noexcept {
+  return std::min(advance + (a.rest + b.rest) + larger(a.fallen, b.fallen), settings.max_margin);
+}
+
 // Upper bound of what a step may take from the distance of two bodies [m], if either keeps its velocity or stops:
 //   sup over unit n of max(a.n, 0) + max(-b.n, 0) = max(|a|, |b|, |a - b|)
-// for their advances a and b. Gravity counts once: two bodies fall together, or one of them is supported.
+// for their advances a and b.
 inline double closing_of(const MotionBound& a, const MotionBound& b, const StepSettings& settings) noexcept {
   const double advance =
       std::sqrt(larger(norm_squared(a.advance - b.advance), larger(norm_squared(a.advance), norm_squared(b.advance))));
-  return std::min(advance + (a.rest + b.rest) + larger(a.fallen, b.fallen), settings.max_margin);
+  return closing_with(advance, a, b, settings);
 }
 // The same along the unit vector n from A to B.
 inline double closing_along(const Vec3d& n, const MotionBound& a, const MotionBound& b,
                             const StepSettings& settings) noexcept {
-  const double advance = larger(dot(a.advance, n), 0.0) + larger(-dot(b.advance, n), 0.0);
-  return std::min(advance + (a.rest + b.rest) + larger(a.fallen, b.fallen), settings.max_margin);
+  return closing_with(larger(dot(a.advance, n), 0.0) + larger(-dot(b.advance, n), 0.0), a, b, settings);
 }
 
 // Distance to a fixed body up to which narrow phase is needed [m].

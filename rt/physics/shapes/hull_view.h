@@ -26,28 +26,29 @@ struct HullView {
   Vec3d normal(std::uint32_t face) const noexcept { return {nx[face], ny[face], nz[face]}; }
   double height(std::uint32_t face, const Vec3d& p) const noexcept { return dot(normal(face), p) - offsets[face]; }
 
+  using V = Register<double>;
+  // d.v of the vertices from the i-th on, n.p of the face normals from the i-th on: as many as a register holds.
+  TACTUS_INLINE V along(const Vec3<V>& d, std::uint32_t i) const noexcept { return dots(x + i, y + i, z + i, d); }
+  TACTUS_INLINE V over_faces(const Vec3<V>& p, std::uint32_t i) const noexcept {
+    return dots(nx + i, ny + i, nz + i, p);
+  }
+  static Vec3<V> spread(const Vec3d& v) noexcept { return {V(v.x), V(v.y), V(v.z)}; }
+
   // height() of every face, padding included.
   void heights(const Vec3d& p, FaceHeights& out) const noexcept {
-    using V = Register<double>;
-    const V px(p.x), py(p.y), pz(p.z);
+    const Vec3<V> point = spread(p);
     for (std::uint32_t f = 0; f < padded_faces; f += kLanes<V>) {
-      V x_of, y_of, z_of, offset;
-      load(x_of, nx + f), load(y_of, ny + f), load(z_of, nz + f), load(offset, offsets + f);
-      store(px * x_of + py * y_of + pz * z_of - offset, out.of + f);
+      V offset;
+      load(offset, offsets + f);
+      store(over_faces(point, f) - offset, out.of + f);
     }
   }
 
   // Support function: the largest d.v over the vertices.
   double reach_along(const Vec3d& d) const noexcept {
-    using V = Register<double>;
-    const V dx(d.x), dy(d.y), dz(d.z);
-    const auto at = [&](std::uint32_t i) noexcept {
-      V vx, vy, vz;
-      load(vx, x + i), load(vy, y + i), load(vz, z + i);
-      return dx * vx + dy * vy + dz * vz;
-    };
-    V best = at(0);
-    for (std::uint32_t i = kLanes<V>; i < padded; i += kLanes<V>) best = larger(best, at(i));
+    const Vec3<V> direction = spread(d);
+    V best = along(direction, 0);
+    for (std::uint32_t i = kLanes<V>; i < padded; i += kLanes<V>) best = larger(best, along(direction, i));
     double reach = best[0];
     for (int lane = 1; lane < kLanes<V>; ++lane) reach = larger(reach, best[lane]);
     return reach;
@@ -55,17 +56,11 @@ struct HullView {
 
   // Index of the first vertex with the largest d.v; 0 if that is NaN.
   std::uint32_t support(const Vec3d& d) const noexcept {
-    using V = Register<double>;
     constexpr int lanes = kLanes<V>;
-    const V dx(d.x), dy(d.y), dz(d.z);
-    const auto at = [&](std::uint32_t i) noexcept {
-      V vx, vy, vz;
-      load(vx, x + i), load(vy, y + i), load(vz, z + i);
-      return dx * vx + dy * vy + dz * vz;
-    };
-    V best = at(0), block(0.0);  // block: of the lane's best vertex; the vertex is block + lane
+    const Vec3<V> direction = spread(d);
+    V best = along(direction, 0), block(0.0);  // block: of the lane's best vertex; the vertex is block + lane
     for (std::uint32_t i = lanes; i < padded; i += lanes) {
-      const V reach = at(i);
+      const V reach = along(direction, i);
       block = select(reach > best, V(static_cast<double>(i)), block);
       best = larger(best, reach);
     }
@@ -77,6 +72,15 @@ struct HullView {
       reach = best[lane], first = vertex;
     }
     return first < topology->vertices ? first : 0;  // the padding repeats vertex 0
+  }
+
+ private:
+  TACTUS_INLINE static V dots(const double* xs, const double* ys, const double* zs, const Vec3<V>& d) noexcept {
+    V vx, vy, vz;
+    load(vx, xs);
+    load(vy, ys);
+    load(vz, zs);
+    return d.x * vx + d.y * vy + d.z * vz;
   }
 };
 
@@ -103,17 +107,13 @@ struct Extent {
   double low, high;
 };
 inline Extent extent_along(const HullView& hull, const Vec3d& d) noexcept {
-  using V = Register<double>;
-  const V dx(d.x), dy(d.y), dz(d.z);
-  const auto at = [&](std::uint32_t i) noexcept {
-    V vx, vy, vz;
-    load(vx, hull.x + i), load(vy, hull.y + i), load(vz, hull.z + i);
-    return dx * vx + dy * vy + dz * vz;
-  };
-  V low = at(0), high = low;
+  using V = HullView::V;
+  const Vec3<V> direction = HullView::spread(d);
+  V low = hull.along(direction, 0), high = low;
   for (std::uint32_t i = kLanes<V>; i < hull.padded; i += kLanes<V>) {
-    const V reach = at(i);
-    low = smaller(low, reach), high = larger(high, reach);
+    const V reach = hull.along(direction, i);
+    low = smaller(low, reach);
+    high = larger(high, reach);
   }
   Extent extent{low[0], high[0]};
   for (int lane = 1; lane < kLanes<V>; ++lane)
