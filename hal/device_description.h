@@ -5,8 +5,10 @@
 // centre pose at its origin. Units: SI. Thread: [setup].
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "hal/drives/drive_axis.h"
 #include "hal/kinematics/kinematics.h"
 #include "rt/base/result.h"
 
@@ -16,6 +18,16 @@ enum class KinematicsKind : unsigned {
   kStage = 0,      // CartesianStage: 3 prismatic axes, wrist
   kPointArm = 1,   // PointArm: 3 rotary axes, no rotation of the tool
   kWristedArm = 2  // WristedArm: 6 rotary axes
+};
+
+// The mechanics that `--device sim` simulates, at the tool. What is left out is taken from [mechanics] and [workspace]:
+// the simulated arm is then exactly the described one. Other figures make the description wrong, to see what follows.
+struct PlantFigures {
+  std::optional<double> mass_kg, inertia_kg_m2;
+  std::optional<double> damping_Ns_per_m, damping_Nms_per_rad;
+  std::optional<double> coulomb_friction_N, coulomb_friction_Nm;
+  std::optional<double> stop_radius_m;  // of the mechanical stop about the centre; default: the workspace's radius
+  friend bool operator==(const PlantFigures&, const PlantFigures&) = default;
 };
 
 struct DeviceDescription {
@@ -34,9 +46,13 @@ struct DeviceDescription {
   double coulomb_friction_N{0}, coulomb_friction_Nm{0};
   double brake_damping_Ns_per_m{0}, brake_damping_Nms_per_rad{0};  // added while the motors are shorted
 
+  PlantFigures plant;
+
   // Encoder counts per metre of a prismatic axis, per turn of a rotary axis; 0 for a missing axis.
   AxisVector counts_per_m{}, counts_per_turn{};
   unsigned transport_delay_ticks{1};  // from a sample to the effort computed from it, beyond the sample-and-hold
+
+  DriveDescription drives;  // of an arm of CAN drives; empty for a device with tactus' firmware or wire
 
   std::string usb_serial;  // selects one device; empty: any
   unsigned can_node{1};

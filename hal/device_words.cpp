@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "firmware/faults.h"
+#include "hal/drives/drive_faults.h"
 
 namespace tactus::hal {
 namespace {
@@ -62,6 +63,8 @@ std::string name_of(haptics::DeviceState state) {
 
 std::string describe_device_fault(std::uint32_t number) {
   if (number == 0) return {};
+  if (const std::string drive = describe_drive_fault(number); !drive.empty())
+    return fmt::format("device fault {}: {}", number, drive);
   return fmt::format("device fault {}: {}", number, words_of(static_cast<firmware::Fault>(number)));
 }
 

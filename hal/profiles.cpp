@@ -2,10 +2,11 @@
 
 #include <array>
 
+#include "hal/drives/drive_damping.h"
+
 namespace tactus::hal {
 namespace {
 
-constexpr double kTurn_rad = 2.0 * 3.14159265358979323846;
 // The wrist's axes are not orthogonal: its three efforts for a torque M have a norm of at most M sqrt(1 + sin pitch).
 constexpr double kWristNorm = 1.41;
 // The host's guard rejects samples faster than 1.5 times the device's maximum speed; the firmware brakes only beyond
@@ -80,6 +81,16 @@ AxisVector quantum_of(const DeviceDescription& d) noexcept {
   return quantum;
 }
 
+void add_drive_damping(DeviceProfile& p) noexcept {
+  const DeviceDescription& d = p.description;
+  const ToolDamping least =
+      least_tool_damping(p.kinematics, axis_damping(d.drives), d.workspace_radius_m, d.has_rotation());
+  p.drive_damping_Ns_per_m = least.translation_Ns_per_m;
+  p.drive_damping_Nms_per_rad = least.rotation_Nms_per_rad;
+  p.properties.damping_Ns_per_m += least.translation_Ns_per_m;
+  p.properties.damping_Nms_per_rad += least.rotation_Nms_per_rad;
+}
+
 struct BuiltIn {
   std::array<DeviceDescription, 2> descriptions{make_virtuose6d(), make_desk3d()};
   std::array<DeviceProfile, 2> profiles{make_profile(descriptions[0]), make_profile(descriptions[1])};
@@ -119,17 +130,18 @@ DeviceProfile make_profile(const DeviceDescription& d) {
                   .coulomb_friction_N = d.coulomb_friction_N,
                   .coulomb_friction_Nm = d.coulomb_friction_Nm};
   if (!d.has_rotation()) p.properties.rotation_quantum_rad = kUnusedQuantum;
-  p.plant = {.mass_kg = d.mass_kg,
-             .inertia_kg_m2 = d.inertia_kg_m2,
-             .damping_Ns_per_m = d.damping_Ns_per_m,
-             .damping_Nms_per_rad = d.damping_Nms_per_rad,
-             .coulomb_force_N = d.coulomb_friction_N,
-             .coulomb_torque_Nm = d.coulomb_friction_Nm,
+  p.plant = {.mass_kg = d.plant.mass_kg.value_or(d.mass_kg),
+             .inertia_kg_m2 = d.plant.inertia_kg_m2.value_or(d.inertia_kg_m2),
+             .damping_Ns_per_m = d.plant.damping_Ns_per_m.value_or(d.damping_Ns_per_m),
+             .damping_Nms_per_rad = d.plant.damping_Nms_per_rad.value_or(d.damping_Nms_per_rad),
+             .coulomb_force_N = d.plant.coulomb_friction_N.value_or(d.coulomb_friction_N),
+             .coulomb_torque_Nm = d.plant.coulomb_friction_Nm.value_or(d.coulomb_friction_Nm),
              .brake_damping_Ns_per_m = d.brake_damping_Ns_per_m,
              .brake_damping_Nms_per_rad = d.brake_damping_Nms_per_rad,
-             .stop_radius_m = d.workspace_radius_m,
+             .stop_radius_m = d.plant.stop_radius_m.value_or(d.workspace_radius_m),
              .max_effort = p.bounds.effort,
              .has_rotation = d.has_rotation()};
+  if (!d.drives.empty()) add_drive_damping(p);
   return p;
 }
 

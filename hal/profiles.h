@@ -34,6 +34,9 @@ struct DeviceProfile {
   AxisVector quantum{};  // m or rad per encoder count
   ReachBounds bounds;    // the tool's limits, converted to the axes
   PlantParameters plant;
+  // Damping of the drives at the tool, the least over workspace and directions; contained in `properties`, not in
+  // `plant`.
+  double drive_damping_Ns_per_m{0}, drive_damping_Nms_per_rad{0};
   unsigned transport_delay_ticks{1};  // from a sample to the effort computed from it, beyond the sample-and-hold
 };
 

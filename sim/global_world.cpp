@@ -248,25 +248,18 @@ void GlobalWorld::reset(const Posed& world_from_proxy) {
 // Without impulses in the first snapshot, members that rest on outside bodies would fall for two cycles. So the world
 // takes a few steps, their border is kept, and the state is restored.
 void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noexcept {
-  // The buffer grows to the present state's size; the bound at full capacity is far larger.
-  std::vector<std::byte> bytes(1u << 20);
-  ByteWriter out(bytes);
-  for (world_.save(out); !out.ok(); world_.save(out)) {
-    TACTUS_CHECK(bytes.size() < world_.save_size_bound(), bytes.size(), world_.save_size_bound());
-    bytes.resize(2 * bytes.size());
-    out = ByteWriter(bytes);
-  }
+  const std::vector<std::byte> world = saved_world();
   const IslandManager islands = islands_;
+  const BorderExchange exchange = border_exchange_;
   const GlobalStatistics statistics = statistics_;
   const double time_s = time_s_;
   const bool stepped = stepped_;
   for (unsigned step = 0; step < kPredictionSteps; ++step) advance();
   fill_border(devices_[device], first);
   devices_[device].has_border = !first.border.empty();
-  ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
-  TACTUS_CHECK(world_.restore(in), out.size(), 0);
-  world_.index_fixed_bodies();
+  restore_world(world);
   islands_ = islands;
+  border_exchange_ = exchange;
   statistics_ = statistics;
   time_s_ = time_s;
   stepped_ = stepped;
@@ -436,6 +429,7 @@ void GlobalWorld::advance() noexcept {
   physics::StepReport report;
   std::uint32_t comparisons = 0;
   for (Device& device : devices_) device.border_work_J = 0;
+  border_exchange_.begin_step();
   for (std::uint32_t macro_step = 0; macro_step < macro_steps; ++macro_step) {
     const std::uint32_t bits = report.capacity_bits;
     const double deepest_m = report.deepest_m;

@@ -13,6 +13,7 @@
 // Source: the paper, section 2.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "rt/base/result.h"
@@ -93,6 +94,12 @@ class GlobalWorld {
   // state, with the proxy at the pose in the report. A reset allocates, and takes as long as a start.
   void step(const haptics::SubWorldReport& report, haptics::WorldSnapshot& next) noexcept;
 
+  // Everything that the following steps depend on. A copy for restore() of a world with the same scene and options.
+  struct Saved;
+  // [setup] Both allocate.
+  std::shared_ptr<const Saved> save() const;
+  void restore(const Saved& saved);
+
   // The parts of `step`, by device.
   void impose(std::uint32_t device, const haptics::SubWorldReport& report) noexcept;
   void advance() noexcept;
@@ -148,6 +155,8 @@ class GlobalWorld {
   physics::CoarseRegion coarse_region() noexcept;
   std::uint32_t macro_steps_of_step() noexcept;
   physics::StepReport take_macro_step(std::uint32_t macro_step, std::uint32_t macro_steps) noexcept;
+  // Two cycles: what a step finds has reached the sub-world at the end of the next one.
+  double approach_horizon_s() const noexcept { return 2 * settings_.dt; }
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
   void take_target(Device& device, const haptics::SubWorldReport& report) noexcept;
@@ -165,6 +174,13 @@ class GlobalWorld {
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
+
+  std::vector<std::byte> saved_world() const;                     // allocates
+  void restore_world(std::span<const std::byte> bytes) noexcept;  // saved_world() of a world of the same scene
+
+  // References to everything that a step changes, world_ apart: it saves itself.
+  template <class Self>
+  static auto state_of(Self& self) noexcept;
 
   void reset(const Posed& world_from_proxy);
   void fill_first(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,

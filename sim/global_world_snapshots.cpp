@@ -24,7 +24,15 @@ void GlobalWorld::find_touches() noexcept {
 
 // Adds edges to bodies that a member will touch before the next choice of members has reached the sub-world.
 void GlobalWorld::add_approaching() noexcept {
-  approach_.find(world_, hulls_, slots_of_all_members(), islands_.awake(), 2 * settings_.dt, touches_);
+  const auto awake = islands_.awake();
+  for (const Approaching& pair : approach_.find(world_, hulls_, slots_of_all_members(), approach_horizon_s())) {
+    if (touches_.size() == touches_.capacity()) return;
+    touches_.push_back({.a = awake[pair.a],
+                        .b = awake[pair.b],
+                        .point = world_.bodies()[pair.a].motion.pose.position + pair.manifold.points[0].from_a,
+                        .normal = pair.manifold.normal,
+                        .joined = false});
+  }
 }
 
 void GlobalWorld::add_joined() noexcept {
@@ -65,13 +73,16 @@ void GlobalWorld::find_touches_at_rest() noexcept {
   for (const auto& pair : pairs) {
     const std::uint32_t a = std::min(pair.a, pair.b), b = std::max(pair.a, pair.b);
     physics::AxisCache cache;
-    const auto manifold = physics::collide(bodies[a].shape, bodies[a].motion.pose, bodies[b].shape,
-                                           bodies[b].motion.pose, options_.touch_tolerance_m, cache, hulls_);
+    const auto manifold = physics::collide(posed_shape(bodies[a]), posed_shape(bodies[b]),
+                                           {.margin = options_.touch_tolerance_m}, cache, hulls_);
     if (manifold.count == 0 || touches_.size() == touches_.capacity()) continue;
     Vec3d from_a;
     for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;
-    touches_.push_back(
-        {awake[a], awake[b], bodies[a].motion.pose.position + from_a * (1.0 / manifold.count), manifold.normal, false});
+    touches_.push_back({.a = awake[a],
+                        .b = awake[b],
+                        .point = bodies[a].motion.pose.position + from_a * (1.0 / manifold.count),
+                        .normal = manifold.normal,
+                        .joined = false});
   }
   pairs.clear();
   add_joined();
@@ -107,7 +118,8 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.warm_starts.clear();
   next.effects.clear();
   fill_joiners(device, next);
-  fill_near_triangles({bodies, members, device.proxy}, world_.fixed_bodies(), meshes_, options_.reach, next);
+  fill_near_triangles({.bodies = bodies, .members = members, .proxy = device.proxy}, world_.fixed_bodies(), meshes_,
+                      options_.reach, next);
   if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
@@ -139,9 +151,11 @@ void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
   next.border_work_J = device.border_work_J;
   const auto members = member_slots(device);
-  next.dropped += border_exchange_.fill(world_.contacts(), world_.bodies(), world_.last_poses(), members, macro_step_s_,
-                                        next.border);
+  const StepContacts step{world_.contacts(), std::as_const(world_).bodies(), world_.last_poses(), macro_step_s_};
+  next.dropped += border_exchange_.fill(step, members, border_.ghosts, next.border);
   if (!border_.ghosts) return;
+  next.dropped += border_exchange_.add_approaching(approach_.find(world_, hulls_, members, approach_horizon_s()), step,
+                                                   members, next.border);
   next.dropped +=
       border_exchange_.fill_outside(world_, members, macro_step_s_, sub_step_s(), next.border.span(), next.outside);
 }

@@ -35,6 +35,8 @@ class SnapshotServer {
   }
 
   std::uint64_t next_report() const noexcept { return next_report_; }
+  // [setup] The world and the exchange have been restored to where this report is the next.
+  void continue_at(std::uint64_t next_report) noexcept { next_report_ = next_report; }
 
  private:
   GlobalWorld& world_;

@@ -1,7 +1,5 @@
 #include "sim/worker_pool.h"
 
-#include <xmmintrin.h>
-
 #include "rt/base/check.h"
 #include "rt/base/denormals.h"
 #include "sim/thread_placement.h"
@@ -11,6 +9,15 @@ namespace {
 
 // About a tenth of a millisecond: longer than most serial parts of a step, and short after the end of a step.
 constexpr int kSpins = 2000;
+
+// Tells the core that it spins.
+void pause() noexcept {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#else
+  asm volatile("yield");
+#endif
+}
 
 }  // namespace
 
@@ -62,7 +69,7 @@ void WorkerPool::share(void* self, std::uint32_t count, std::uint32_t grain, phy
   }
   for (std::uint32_t k = 1; k < ranges; ++k)
     for (int spins = 0; pool.workers_[k - 1].state.load(std::memory_order_acquire) != kIdle; ++spins)
-      spins < kSpins ? _mm_pause() : std::this_thread::yield();
+      spins < kSpins ? pause() : std::this_thread::yield();
 }
 
 void WorkerPool::run(Worker& worker) noexcept {
@@ -77,7 +84,7 @@ void WorkerPool::run(Worker& worker) noexcept {
       worker.state.store(kIdle, std::memory_order_release);
       spins = 0;
     } else if (++spins < kSpins) {
-      _mm_pause();
+      pause();
     } else {
       worker.state.wait(state, std::memory_order_relaxed);
     }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Rules on statements and parameter lists that a line pattern cannot check; called by tools/purity.
 
-usage: tools/statement_rules.py EXCEPTIONS FILE...
+usage: tools/statement_rules.py FILE...
 
-EXCEPTIONS: regular expression of files to which neither rule applies. Prints file:line, the rule and the text.
+Prints file:line, the rule and the text.
 A heuristic reader, not a parser: it takes a statement that it cannot classify for a declaration, so it reports no
 statement that is none.
 """
@@ -150,10 +150,8 @@ def long_lists(text):
             yield match.start(), f"a function of more than {MAX_PARAMETERS} parameters"
 
 
-def main(exceptions, files):
+def main(files):
     for file in files:
-        if re.search(exceptions, file):
-            continue
         with open(file, encoding="utf-8") as source:
             text = blanked(source.read())
         lines = text.split("\n")
@@ -162,4 +160,4 @@ def main(exceptions, files):
             print(f"{file}:{line}: {rule}: {lines[line - 1].strip()[:120]}")
 
 
-main(sys.argv[1], sys.argv[2:])
+main(sys.argv[1:])

@@ -129,6 +129,13 @@ std::string others() {
 
 }  // namespace
 
+Status check_can_name(std::string_view name) {
+  constexpr std::size_t kMaxName = IFNAMSIZ - 1;
+  if (name.empty()) return Status::error("names no CAN interface");
+  if (name.size() > kMaxName) return Status::error(fmt::format("names an interface of more than {} letters", kMaxName));
+  return Status::good();
+}
+
 Result<CanInterface> find_can_interface(const std::string& name) {
   const unsigned index = if_nametoindex(name.c_str());
   if (index == 0) return Status::error(fmt::format("no interface '{}'; {}", name, others()));

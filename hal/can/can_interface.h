@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "rt/base/result.h"
 
@@ -28,6 +29,9 @@ struct CanInterface {
   std::uint32_t restart_ms{0};                  // delay of the automatic restart after bus-off; 0: none
   std::uint16_t tx_errors{0}, rx_errors{0};
 };
+
+// The name alone: not empty, at most 15 letters (the kernel's IFNAMSIZ without its end). Error: a phrase about it.
+Status check_can_name(std::string_view name);
 
 // Errors: no such interface (the message lists the existing ones), or no reply from the kernel.
 Result<CanInterface> find_can_interface(const std::string& name);

@@ -1,5 +1,6 @@
 #include "hal/usb/usb_connection.h"
 
+#include <fmt/format.h>
 #include <libusb.h>
 
 #include <algorithm>
@@ -26,9 +27,8 @@ std::string ids(const UsbSelection& selection) {
 std::string port_of(libusb_device* device) {
   std::array<std::uint8_t, 8> ports{};
   const int count = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
-  std::string text = std::to_string(libusb_get_bus_number(device)) + "-";
-  for (int i = 0; i < count; ++i) text += (i > 0 ? "." : "") + std::to_string(ports[static_cast<std::size_t>(i)]);
-  return text;
+  return fmt::format("{}-{}", libusb_get_bus_number(device),
+                     fmt::join(ports.begin(), ports.begin() + std::max(count, 0), "."));
 }
 
 const char* speed_of(libusb_device* device) {

@@ -23,6 +23,15 @@ class BoundedVector {
   BoundedVector() = default;
   explicit BoundedVector(std::uint32_t capacity)  // [setup] allocates and touches every element
       : data_(std::make_unique<T[]>(capacity)), capacity_(capacity) {}
+  BoundedVector(const BoundedVector& other) : BoundedVector(other.capacity_) {  // [setup], as the assignment
+    std::copy(other.begin(), other.end(), begin());
+    size_ = other.size_;
+  }
+  BoundedVector(BoundedVector&& other) noexcept { swap(other); }
+  BoundedVector& operator=(BoundedVector other) noexcept {
+    swap(other);
+    return *this;
+  }
 
   [[nodiscard]] bool try_push(const T& value) noexcept {
     if (size_ == capacity_) return false;

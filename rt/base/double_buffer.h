@@ -14,6 +14,7 @@
 // Thread: writing(), publish(): the writer [rt]; try_read(): the reader [rt]. Construction [setup].
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -37,6 +38,12 @@ class DoubleBuffer {
   DoubleBuffer() : buffers_(std::make_unique<Value[]>(2)) {}  // [setup]; on the heap, because snapshots are large
 
   Value& writing(std::uint64_t n) noexcept { return buffers_[n & 1]; }
+
+  // [setup] Both values and their number; neither side may use either buffer meanwhile.
+  void copy_from(const DoubleBuffer& other) noexcept {
+    std::copy_n(other.buffers_.get(), 2, buffers_.get());
+    published_.store(other.published_.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  }
 
   // Release: the reader sees the value's bytes before its number.
   void publish(std::uint64_t n) noexcept { published_.store(n + 1, kPublish); }

@@ -105,7 +105,7 @@ class BasicRing {
     }
     Header header;
     copy_out(tail, std::as_writable_bytes(std::span<Header, 1>(&header, 1)));
-    record = {header.kind, header.size, header.sequence - expected_};
+    record = {.kind = header.kind, .size = header.size, .lost_before = header.sequence - expected_};
     expected_ = header.sequence + 1;
     const bool fits = header.size <= out.size();
     if (fits) copy_out(tail + kHeader, out.first(header.size));

@@ -59,7 +59,7 @@ void FlightRecorder::after_tick(const TickInput& in, const TickOutput& out) noex
                           .operator_bits = in.operator_bits,
                           .sub_steps = in.sub_steps,
                           .adopts = in.snapshot != nullptr ? 1u : 0u,
-                          .padding = 0,
+                          .member_budget = in.snapshot != nullptr ? in.sink.report->member_budget : 0u,
                           .out = out};
   if (!ring_.try_push(kTickRecord, std::span<const TickRecord, 1>(&record, 1))) until_keyframe_ = 0;
 }

@@ -27,7 +27,9 @@ struct TickRecord {
   std::uint32_t operator_bits{0};
   std::uint32_t sub_steps{0};
   std::uint32_t adopts{0};  // 1: the snapshot before this record is adopted in this tick
-  std::uint32_t padding{0};
+  // Of an adopting tick: the governor's members for the next cycle, as in the report; 0: not recorded. Replay ignores
+  // it.
+  std::uint32_t member_budget{0};
   TickOutput out;
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);

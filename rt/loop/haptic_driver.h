@@ -47,6 +47,25 @@ class HapticDriver {
     if (recorder_ != nullptr) recorder_->times(times);
   }
 
+  // What the last tick leaves for the next; no pointer.
+  struct State {
+    haptics::DeviceInput device;
+    TickOutput output;
+    TickPlan plan;
+    std::uint32_t component{0};
+    std::uint32_t member_budget{haptics::kMaxMembers};
+  };
+  State state() const noexcept { return {input_.device, output_, plan_, component_, member_budget_}; }
+  // [setup] Between two ticks.
+  void set_state(const State& state) noexcept {
+    input_ = {};
+    input_.device = state.device;
+    output_ = state.output;
+    plan_ = state.plan;
+    component_ = state.component;
+    member_budget_ = state.member_budget;
+  }
+
   const TickOutput& output() const noexcept { return output_; }
   const haptics::DeviceSample& sample() const noexcept { return input_.device.sample; }  // newest sample
   const TickPlan& plan() const noexcept { return plan_; }

@@ -54,6 +54,8 @@ inline Body make_fixed_body(BodyId id, const Shape& shape, double friction, cons
           .motion = {world_from_body, {}}};
 }
 
+inline PosedShape posed_shape(const Body& body) noexcept { return {.shape = body.shape, .pose = body.motion.pose}; }
+
 // Kinetic energy of a dynamic body [J].
 inline double kinetic_energy(const Body& body) noexcept {
   const Vec3d w = rotate_inverse(body.motion.pose.rotation, body.motion.velocity.angular);

@@ -60,13 +60,12 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
   contacts_.prepare(std::span<const Contact>(input.contacts), state(), input.executor);
   if constexpr (kIsWhole) {
     border_.prepare(input.border, input.ghosts, input.bodies, state(),
-                    {.mode = input.border_mode,
+                    {.rule = input.border_rule,
                      .h = context.h,
                      .impulse_scale = input.impulse_scale,
-                     .friction = settings.friction,
-                     .budget_J = input.border_budget_J});
+                     .friction = settings.friction});
     context.ghosts = border_.ghosts();
-    context.ghosts_may_supply = input.border_budget_J > 0.0;
+    context.ghosts_may_supply = input.border_rule.budget_J > 0.0;
   }
 }
 

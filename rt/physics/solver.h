@@ -37,8 +37,7 @@ struct SolverInput {
   std::span<PoseSpring> springs;      // kMaxSprings at most
   std::span<BorderContact> border;
   std::span<BorderGhost> ghosts;
-  BorderMode border_mode;
-  double border_budget_J;    // see BorderSolver
+  BorderRule border_rule;
   double impulse_scale;      // this sub-step / the sub-step of the stored border impulses
   const StageTable& stages;  // of effects
   std::span<const Body> fixed_bodies{};

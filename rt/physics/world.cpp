@@ -303,7 +303,8 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const S
   const Mesh& mesh = meshes_[fixed.shape.index];
   const Posed mesh_from_body = relative_pose(fixed.motion.pose, body.motion.pose);
   const Aabb box = bounds_of(body.shape, mesh_from_body, margin_to_fixed(motion_bounds_[slot], settings), hulls_);
-  const MeshReach reach(mesh, body, mesh_from_body, motion_bounds_[slot], fixed.motion.pose.rotation, settings, hulls_);
+  const MeshReach reach(mesh, {.shape = body.shape, .pose = mesh_from_body}, motion_bounds_[slot],
+                        fixed.motion.pose.rotation, settings, hulls_);
   TriangleList near;
   near_triangles.find(mesh, body.id, fixed.shape.index, box, near);
   std::uint32_t left_out = near.left_out;
@@ -352,8 +353,14 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
                        .executor = executor_};
   add_pairs(context);
   add_fixed_pairs(context);
-  contacts_.build({bodies_.span(), fixed_bodies_.span(), frames_.span(), fixed_frames_.span(), motion_bounds_.span(),
-                   hulls_, meshes_, mesh_triangles_.span()},
+  contacts_.build({.bodies = bodies_.span(),
+                   .fixed_bodies = fixed_bodies_.span(),
+                   .frames = frames_.span(),
+                   .fixed_frames = fixed_frames_.span(),
+                   .motion_bounds = motion_bounds_.span(),
+                   .hulls = hulls_,
+                   .meshes = meshes_,
+                   .mesh_triangles = mesh_triangles_.span()},
                   settings, h, impulse_scale, report, executor_);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
   if (far.bodies.empty()) {
@@ -382,8 +389,7 @@ void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> spri
                           .springs = springs,
                           .border = border_contacts_.span(),
                           .ghosts = border_ghosts_.span(),
-                          .border_mode = border_mode,
-                          .border_budget_J = border_budget_J,
+                          .border_rule = border_rule,
                           .impulse_scale = impulse_scale,
                           .stages = effects_.stages(),
                           .fixed_bodies = fixed_bodies_.span(),

@@ -106,8 +106,7 @@ class World {
   // At most as many as border contacts, which refer to them by index.
   BoundedVector<BorderGhost>& border_ghosts() noexcept { return border_ghosts_; }
   const BoundedVector<BorderGhost>& border_ghosts() const noexcept { return border_ghosts_; }
-  BorderMode border_mode{BorderMode::kCapped};
-  double border_budget_J{std::numeric_limits<double>::max()};  // set before each step; see BorderSolver
+  BorderRule border_rule;
 
   // Applies a wrench to a dynamic body over the next step, then clears it. N, N m about its centre, world.
   void apply_wrench(SlotIndex slot, const Wrenchd& wrench) noexcept;

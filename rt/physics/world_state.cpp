@@ -43,8 +43,7 @@ void World::save(ByteWriter& out) const noexcept {
   for (PoseSpring spring : springs_) each_field(io, spring);
   write_all(out, border_contacts_.span());
   write_all(out, border_ghosts_.span());
-  io(static_cast<std::uint32_t>(border_mode));
-  fields(io, border_budget_J, last_sub_step_, refused_bits_, refused_);
+  fields(io, border_rule.mode, border_rule.budget_J, last_sub_step_, refused_bits_, refused_);
   effects_.save(out);
 }
 
@@ -73,8 +72,7 @@ void World::clear() noexcept {
   border_ghosts_.clear();
   fixed_is_indexed_ = false;
   springs_ = {};
-  border_mode = BorderMode::kCapped;
-  border_budget_J = std::numeric_limits<double>::max();
+  border_rule = {};
   wrench_applied_ = false;
   last_sub_step_ = 0.0;
   refused_bits_ = 0;
@@ -107,7 +105,7 @@ bool World::is_consistent() const noexcept {
     if (w.count > kMaxManifoldPoints) return false;
   for (const auto& spring : springs_)
     if (spring.enabled && number_of(spring.slot) >= bodies_.size()) return false;
-  return !traits_of(border_mode).name.empty();
+  return !traits_of(border_rule.mode).name.empty();
 }
 
 bool World::restore(ByteReader& in) noexcept {
@@ -129,9 +127,7 @@ bool World::restore(ByteReader& in) noexcept {
     if (!read_all(in, contacts_.stored_warm_starts())) return false;
     for (auto& spring : springs_) each_field(io, spring);
     if (!read_all(in, border_contacts_) || !read_all(in, border_ghosts_)) return false;
-    std::uint32_t mode = 0;
-    fields(io, mode, border_budget_J, last_sub_step_, refused_bits_, refused_);
-    border_mode = static_cast<BorderMode>(mode);
+    fields(io, border_rule.mode, border_rule.budget_J, last_sub_step_, refused_bits_, refused_);
     return effects_.restore(in) && in.ok() && is_consistent();
   };
   if (!read()) {

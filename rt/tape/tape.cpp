@@ -221,8 +221,17 @@ TapeRead TapeReader::next(TapeRecord& record) {
     return damaged(Status::error(named(path_) + "record " + std::to_string(records_) + " at byte " +
                                  std::to_string(record_begin_) + " is damaged: its checksum does not match"));
   }
-  record = {start.kind, records_++, record_begin_, payload_};
+  record = {.kind = start.kind, .index = records_++, .offset = record_begin_, .payload = payload_};
   return TapeRead::kRecord;
+}
+
+bool TapeReader::go_to(std::uint64_t offset, std::uint64_t index) {
+  if (std::fseek(file_, static_cast<long>(offset), SEEK_SET) != 0) return false;
+  offset_ = offset;
+  records_ = index;
+  damage_ = Status::good();
+  ended_ = false;
+  return true;
 }
 
 std::uint64_t TapeReader::skip_damage(std::span<const std::uint32_t> kinds) {

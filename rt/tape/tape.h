@@ -28,7 +28,7 @@ namespace tactus::loop {
 
 static_assert(std::endian::native == std::endian::little, "the tape's numbers are written as they are in memory");
 
-inline constexpr std::uint32_t kTapeVersion = 13;           // 13: a record of each tick's times; other contact points
+inline constexpr std::uint32_t kTapeVersion = 14;           // 14: the state of ringing surfaces without unused elements
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 
@@ -96,6 +96,8 @@ class TapeReader {
   // continues only after skip_damage().
   TapeRead next(TapeRecord& record);
   const Status& damage() const noexcept { return damage_; }
+  // Continues at a record that next() has returned before, by its offset and index. False: the file cannot be rewound.
+  bool go_to(std::uint64_t offset, std::uint64_t index);
 
   // After kDamaged: finds the next intact record of one of these kinds, at which next() continues, or the end of the
   // file. Returns the lost bytes, counted from the start of the damaged record. Bound: reads at most 16 times the

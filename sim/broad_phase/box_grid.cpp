@@ -30,7 +30,13 @@ void BoxGrid::insert(std::uint32_t body, const physics::Aabb& box) noexcept {
   const std::uint32_t level = level_of(box);
   const Cell cell = cell_of(box.lower, level);
   const std::uint32_t bucket = bucket_of(cell, level);
-  entries_[body] = {box, cell, level, bucket, head_[bucket], kNone, true};
+  entries_[body] = {.box = box,
+                    .cell = cell,
+                    .level = level,
+                    .bucket = bucket,
+                    .next = head_[bucket],
+                    .before = kNone,
+                    .inside = true};
   if (head_[bucket] != kNone) entries_[head_[bucket]].before = body;
   head_[bucket] = body;
   ++population_[level];

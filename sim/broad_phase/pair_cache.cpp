@@ -16,7 +16,7 @@ constexpr std::size_t kFewMoved = 8;
 // Steps without fat boxes after they were of no use.
 constexpr std::uint32_t kPause = 8;
 
-Aabb room_for(const Aabb& box) noexcept {
+Aabb fat_box_of(const Aabb& box) noexcept {
   const Vec3d extent = box.upper - box.lower;
   const double more = kRoom * std::min(extent.x, std::min(extent.y, extent.z));
   const Vec3d grown{more, more, more};
@@ -29,9 +29,9 @@ bool comes_before(const SlotPair& p, const SlotPair& q) noexcept { return p.a !=
 
 PairCache::PairCache(std::uint32_t max_bodies, std::uint32_t max_pairs)
     : grid_(max_bodies),
-      rooms_in_space_(max_bodies),
+      fat_box_grid_(max_bodies),
       order_(max_bodies, max_pairs),
-      room_(max_bodies),
+      fat_boxes_(max_bodies),
       has_moved_(max_bodies),
       kept_(max_pairs),
       found_(max_pairs) {
@@ -43,7 +43,7 @@ void PairCache::share_work(const physics::Executor& executor, std::uint32_t part
 }
 
 bool PairCache::find(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pairs) noexcept {
-  TACTUS_CHECK(bounds.size() <= room_.size(), bounds.size(), room_.size());
+  TACTUS_CHECK(bounds.size() <= fat_boxes_.size(), bounds.size(), fat_boxes_.size());
   holds_ = holds_ && bounds.size() == count_;
   if (holds_) {
     note_moved(bounds);
@@ -69,7 +69,7 @@ bool PairCache::find(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pair
 void PairCache::note_moved(std::span<const Aabb> bounds) noexcept {
   moved_.clear();
   for (std::uint32_t body = 0; body < bounds.size(); ++body) {
-    const bool moved = !room_[body].holds(bounds[body]);
+    const bool moved = !fat_boxes_[body].holds(bounds[body]);
     has_moved_[body] = moved ? 1 : 0;
     if (moved) moved_.push_back(body);
   }
@@ -77,11 +77,11 @@ void PairCache::note_moved(std::span<const Aabb> bounds) noexcept {
 
 bool PairCache::rebuild(std::span<const Aabb> bounds) noexcept {
   count_ = static_cast<std::uint32_t>(bounds.size());
-  for (std::uint32_t body = 0; body < count_; ++body) room_[body] = room_for(bounds[body]);
+  for (std::uint32_t body = 0; body < count_; ++body) fat_boxes_[body] = fat_box_of(bounds[body]);
   kept_.clear();
   in_space_ = false;
   age_ = 0;
-  if (!grid_.find(std::span<const Aabb>(room_).first(count_), kept_)) return false;
+  if (!grid_.find(std::span<const Aabb>(fat_boxes_).first(count_), kept_)) return false;
   order_.sort(kept_, count_);
   ++work_.rebuilt;
   return true;
@@ -92,14 +92,14 @@ bool PairCache::refresh(std::span<const Aabb> bounds) noexcept {
   if (moved_.empty()) return true;
   work_.moved += moved_.size();
   if (!in_space_) {
-    rooms_in_space_.clear();
-    for (std::uint32_t body = 0; body < count_; ++body) rooms_in_space_.insert(body, room_[body]);
+    fat_box_grid_.clear();
+    for (std::uint32_t body = 0; body < count_; ++body) fat_box_grid_.insert(body, fat_boxes_[body]);
     in_space_ = true;
   }
   for (const std::uint32_t body : moved_) {
-    room_[body] = room_for(bounds[body]);
-    rooms_in_space_.remove(body);
-    rooms_in_space_.insert(body, room_[body]);
+    fat_boxes_[body] = fat_box_of(bounds[body]);
+    fat_box_grid_.remove(body);
+    fat_box_grid_.insert(body, fat_boxes_[body]);
   }
   return find_pairs_of_moved() && merge_found();
 }
@@ -108,7 +108,7 @@ bool PairCache::find_pairs_of_moved() noexcept {
   found_.clear();
   bool all = true;
   for (const std::uint32_t body : moved_)
-    rooms_in_space_.find(room_[body], [&](std::uint32_t other) noexcept {
+    fat_box_grid_.find(fat_boxes_[body], [&](std::uint32_t other) noexcept {
       // If both bodies moved, the lower one adds the pair.
       if (other == body || (has_moved_[other] != 0 && other < body)) return;
       all = found_.try_push({std::min(body, other), std::max(body, other)}) && all;

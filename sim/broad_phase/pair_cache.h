@@ -1,10 +1,10 @@
 // Finds overlapping boxes of moving bodies when most bodies hardly move: PairGrid's pairs, kept from step to step.
 //
-// Every body has a fat box (called its room): its box, grown on all sides by a fraction of its thickness. Pairs of
-// overlapping fat boxes are kept, in order. A body that leaves its fat box gets a new one, and its pairs are searched
-// again; every other pair costs one comparison. When many bodies move at once, as in a falling heap, nothing is kept
-// and the grid finds the pairs of the step. The kept pairs are a cache, not state: the result equals the brute-force
-// test's, independent of earlier steps and of the assignment of slots.
+// Every body has a fat box: its box, grown on all sides by a fraction of its thickness. Pairs of overlapping fat boxes
+// are kept, in order. A body that leaves its fat box gets a new one, and its pairs are searched again; every other pair
+// costs one comparison. When many bodies move at once, as in a falling heap, nothing is kept and the grid finds the
+// pairs of the step. The kept pairs are a cache, not state: the result equals the brute-force test's, independent of
+// earlier steps and of the assignment of slots.
 // Thread: construction [setup]; find: the owner, never allocates. Frame: any. Units: m. Bound: as PairGrid.
 #pragma once
 
@@ -44,16 +44,16 @@ class PairCache {
   bool merge_found() noexcept;
 
   PairGrid grid_;
-  BoxGrid rooms_in_space_;
+  BoxGrid fat_box_grid_;
   physics::PairOrder order_;
-  std::vector<physics::Aabb> room_;         // m, by slot: fat box
+  std::vector<physics::Aabb> fat_boxes_;    // m, by slot
   std::vector<std::uint8_t> has_moved_;     // by slot: 1 if in `moved_`
   std::vector<std::uint32_t> moved_;        // slots of bodies that left their fat box, ascending
   BoundedVector<physics::SlotPair> kept_;   // by key: all pairs of overlapping fat boxes
   BoundedVector<physics::SlotPair> found_;  // pairs of the bodies in `moved_`
   std::uint32_t count_{0};                  // bodies that have a fat box
-  bool holds_{false};                       // `kept_` and `room_` are valid
-  bool in_space_{false};                    // `rooms_in_space_` has all fat boxes
+  bool holds_{false};                       // `kept_` and `fat_boxes_` are valid
+  bool in_space_{false};                    // `fat_box_grid_` has all fat boxes
   std::uint32_t age_{0};                    // steps since the last rebuild
   std::uint32_t pause_{0};                  // remaining steps for which nothing is kept
   Work work_;

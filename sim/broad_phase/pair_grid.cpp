@@ -82,7 +82,8 @@ bool PairGrid::find_in_parts(BoundedVector<physics::SlotPair>& pairs) noexcept {
     }
   });
   for (const Part& part : parts_) {
-    work_.box_tests += part.work.box_tests, work_.rows += part.work.rows;
+    work_.box_tests += part.work.box_tests;
+    work_.rows += part.work.rows;
     for (const physics::SlotPair& pair : part.pairs)
       if (!pairs.try_push(pair)) return false;
     if (!part.all) return false;
@@ -136,7 +137,7 @@ void PairGrid::fill_table(std::span<const physics::Aabb> bounds) noexcept {
   for (std::uint32_t body = count_; body-- > 0;) {
     Entry& entry = entries_[--start_[bucket_[body] + 1]];
     const auto box = bounds[body];
-    entry = {box, cell_of(box.lower, level_[body]), body, level_[body]};
+    entry = {.box = box, .cell = cell_of(box.lower, level_[body]), .body = body, .level = level_[body]};
   }
   for (std::size_t b = 0; b + 1 < start_.size(); ++b) start_[b] = start_[b + 1];
   start_.back() = count_;
@@ -171,46 +172,49 @@ bool PairGrid::find_on_own_level(std::uint32_t index, Found& found) const noexce
   const Entry& entry = entries_[index];
   const Cell& c = entry.cell;
   const std::uint32_t bucket = bucket_of(c, entry.level);
-  if (!scan_entries(entry, entry.level, c, 1, index + 1, start_[bucket + 1], found)) return false;
+  if (!scan_entries(entry, {.level = entry.level, .first = c, .cells = 1}, index + 1, start_[bucket + 1], found))
+    return false;
   if (entry.level == kTopLevel) return true;
-  if (!scan_row(entry, entry.level, {c.x + 1, c.y, c.z}, 1, found)) return false;
-  if (!scan_row(entry, entry.level, {c.x - 1, c.y + 1, c.z}, 3, found)) return false;
+  const auto scan = [&](const Cell& first, std::uint32_t cells) noexcept {
+    return scan_row(entry, {.level = entry.level, .first = first, .cells = cells}, found);
+  };
+  if (!scan({c.x + 1, c.y, c.z}, 1)) return false;
+  if (!scan({c.x - 1, c.y + 1, c.z}, 3)) return false;
   for (std::int64_t y = c.y - 1; y <= c.y + 1; ++y)
-    if (!scan_row(entry, entry.level, {c.x - 1, y, c.z + 1}, 3, found)) return false;
+    if (!scan({c.x - 1, y, c.z + 1}, 3)) return false;
   return true;
 }
 
 // A larger box that overlaps this one has its lower corner in the cells under this box or in those just before them.
 bool PairGrid::find_on_coarser_level(std::uint32_t index, std::uint32_t level, Found& found) const noexcept {
   const Entry& entry = entries_[index];
-  if (level == kTopLevel) return scan_row(entry, level, {0, 0, 0}, 1, found);
+  if (level == kTopLevel) return scan_row(entry, {.level = level, .first = {0, 0, 0}, .cells = 1}, found);
   const Cell low = cell_of(entry.box.lower, level), high = cell_of(entry.box.upper, level);
   const auto width = static_cast<std::uint32_t>(std::clamp<std::int64_t>(high.x - low.x + 2, 0, 4));
   for (std::int64_t z = low.z - 1; z <= high.z; ++z)
     for (std::int64_t y = low.y - 1; y <= high.y; ++y)
-      if (!scan_row(entry, level, {low.x - 1, y, z}, width, found)) return false;
+      if (!scan_row(entry, {.level = level, .first = {low.x - 1, y, z}, .cells = width}, found)) return false;
   return true;
 }
 
-// Scans `cells` cells along x from `first`: one run of buckets, or two at the end of the table.
-bool PairGrid::scan_row(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                        Found& found) const noexcept {
+// The cells of a row are one run of buckets, or two at the end of the table.
+bool PairGrid::scan_row(const Entry& entry, const CellRow& row, Found& found) const noexcept {
   ++found.work.rows;
-  const std::uint32_t bucket = bucket_of(first, level), buckets = mask_ + 1;
-  const std::uint32_t before_end = std::min(cells, buckets - bucket);
-  if (!scan_entries(entry, level, first, cells, start_[bucket], start_[bucket + before_end], found)) return false;
-  return before_end == cells || scan_entries(entry, level, first, cells, start_[0], start_[cells - before_end], found);
+  const std::uint32_t bucket = bucket_of(row.first, row.level), buckets = mask_ + 1;
+  const std::uint32_t before_end = std::min(row.cells, buckets - bucket);
+  if (!scan_entries(entry, row, start_[bucket], start_[bucket + before_end], found)) return false;
+  return before_end == row.cells || scan_entries(entry, row, start_[0], start_[row.cells - before_end], found);
 }
 
 // Entries of other cells share the buckets. Their overlaps are found by other scans, so the cell must match.
-bool PairGrid::scan_entries(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                            std::uint32_t begin, std::uint32_t end, Found& found) const noexcept {
+bool PairGrid::scan_entries(const Entry& entry, const CellRow& row, std::uint32_t begin, std::uint32_t end,
+                            Found& found) const noexcept {
   found.work.box_tests += end - begin;
   for (std::uint32_t i = begin; i < end; ++i) {
     const Entry& other = entries_[i];
     if (!entry.box.overlaps(other.box)) continue;
-    if (other.level != level || other.cell.y != first.y || other.cell.z != first.z || other.cell.x < first.x ||
-        other.cell.x >= first.x + static_cast<std::int64_t>(cells))
+    if (other.level != row.level || other.cell.y != row.first.y || other.cell.z != row.first.z ||
+        other.cell.x < row.first.x || other.cell.x >= row.first.x + static_cast<std::int64_t>(row.cells))
       continue;
     if (!found.pairs.try_push({entry.body, other.body})) return false;
   }

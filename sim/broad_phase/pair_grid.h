@@ -50,6 +50,11 @@ class PairGrid {
     Cell cell;
     std::uint32_t body, level;
   };
+  struct CellRow {  // neighbouring cells of a level, along x
+    std::uint32_t level;
+    Cell first;
+    std::uint32_t cells;
+  };
   struct Found {
     BoundedVector<physics::SlotPair>& pairs;
     Work work;
@@ -71,10 +76,9 @@ class PairGrid {
 
   bool find_on_own_level(std::uint32_t index, Found& found) const noexcept;
   bool find_on_coarser_level(std::uint32_t index, std::uint32_t level, Found& found) const noexcept;
-  bool scan_row(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                Found& found) const noexcept;
-  bool scan_entries(const Entry& entry, std::uint32_t level, const Cell& first, std::uint32_t cells,
-                    std::uint32_t begin, std::uint32_t end, Found& found) const noexcept;
+  bool scan_row(const Entry& entry, const CellRow& row, Found& found) const noexcept;
+  bool scan_entries(const Entry& entry, const CellRow& row, std::uint32_t begin, std::uint32_t end,
+                    Found& found) const noexcept;
 
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> bucket_;  // by body

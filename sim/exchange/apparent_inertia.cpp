@@ -232,8 +232,13 @@ physics::Admittance invert(Matrix6 inertia) noexcept {
 }  // namespace
 
 ApparentInertia::ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
-    : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
+    : first_(max_bodies + 1),
+      links_(2 * (std::size_t{max_contacts} + max_joints)),
+      noted_(max_bodies, 0),
+      found_(max_bodies, 0) {
   joints_.reserve(max_joints);
+  latest_.reserve(max_bodies);
+  earlier_.reserve(max_bodies);
   immovable_.reserve(max_bodies);
   reached_.reserve(kMaxBodies);
 }
@@ -327,13 +332,29 @@ Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d
   return stiffness_of_joint(joints_[link - contacts_.size()], centre);
 }
 
-// Mean velocity over the last step; the present velocity for a body that was added since.
-Twistd ApparentInertia::mean_velocity(std::uint32_t slot) const noexcept {
-  if (!is_finite(starts_[slot])) return bodies_[slot].motion.velocity;
-  return mean_between(starts_[slot], bodies_[slot].motion.pose, step_s_);
+void ApparentInertia::begin_step() noexcept {
+  ++step_;
+  earlier_.swap(latest_);
+  latest_.clear();
+  std::sort(earlier_.begin(), earlier_.end(), [](const auto& p, const auto& q) { return p.id < q.id; });
 }
 
-Twistd ApparentInertia::off_mean(std::uint32_t slot) const noexcept {
+// Mean velocity over the last two steps; over the last one for a body that was not reached before; the present velocity
+// for a body that was added since.
+Twistd ApparentInertia::mean_velocity(std::uint32_t slot) noexcept {
+  const Body& body = bodies_[slot];
+  if (!is_finite(starts_[slot])) return body.motion.velocity;
+  const Twistd mean = mean_between(starts_[slot], body.motion.pose, step_s_);
+  if (noted_[slot] != step_) {
+    noted_[slot] = step_;
+    latest_.push_back({body.id, mean});
+  }
+  const auto before = std::lower_bound(earlier_.begin(), earlier_.end(), body.id,
+                                       [](const MeanVelocity& entry, BodyId id) { return entry.id < id; });
+  return before != earlier_.end() && before->id == body.id ? 0.5 * (mean + before->velocity) : mean;
+}
+
+Twistd ApparentInertia::off_mean(std::uint32_t slot) noexcept {
   const Twistd &now = bodies_[slot].motion.velocity, mean = mean_velocity(slot);
   return now - mean;
 }
@@ -388,6 +409,10 @@ OutsideAnswer ApparentInertia::find(std::uint32_t slot, std::span<const std::uin
   const physics::Admittance w = invert(reached_[0].inertia);
   const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
   return {mean + kept, w};
+}
+
+physics::Admittance ApparentInertia::free_admittance(std::uint32_t slot) const noexcept {
+  return immovable_[slot] != 0 ? physics::Admittance{} : invert(inertia_of(bodies_[slot], {}));
 }
 
 }  // namespace tactus::sim

@@ -32,15 +32,17 @@ bool touches_now(const physics::World& world, BodyId a, BodyId b) noexcept {
 }  // namespace
 
 Approach::Approach(std::uint32_t max_bodies) {
+  found_.reserve(kMaxApproaches);
   members_.reserve(max_bodies);
   others_.reserve(max_bodies);
 }
 
-void Approach::find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
-                    std::span<const BodyIndex> awake, double horizon_s, std::vector<ContactEdge>& touches) noexcept {
+std::span<const Approaching> Approach::find(const physics::World& world, physics::Hulls hulls,
+                                            std::span<const std::uint8_t> members, double horizon_s) noexcept {
   const std::span<const Body> bodies = world.bodies();
   members_.clear();
   others_.clear();
+  found_.clear();
   const auto moving = [&](std::uint32_t slot) noexcept -> Moving {
     const double reach = reach_of(bodies[slot], horizon_s);
     return {slot, reach, physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, reach)};
@@ -53,7 +55,7 @@ void Approach::find(const physics::World& world, physics::Hulls hulls, std::span
     all = members_.size() == 1 ? members_[0].box : join(all, members_.back().box);
     farthest = std::max(farthest, members_.back().reach_m);
   }
-  if (members_.empty()) return;
+  if (members_.empty()) return found_;
   for (std::uint32_t slot = 0; slot < bodies.size(); ++slot) {
     if (members[slot] != 0) continue;
     const double radius = physics::bounding_radius(bodies[slot].shape), reach = reach_of(bodies[slot], horizon_s);
@@ -69,18 +71,20 @@ void Approach::find(const physics::World& world, physics::Hulls hulls, std::span
       const Body &body_a = bodies[a.slot], &body_b = bodies[b.slot];
       if (touches_now(world, body_a.id, body_b.id)) continue;
       physics::AxisCache cache;
-      const auto manifold =
-          physics::collide(body_a.shape, body_a.motion.pose, body_b.shape, body_b.motion.pose, margin, cache, hulls);
+      auto manifold = physics::collide(posed_shape(body_a), posed_shape(body_b), {.margin = margin}, cache, hulls);
+      std::uint32_t meet = 0;
       for (std::uint32_t i = 0; i < manifold.count; ++i) {
-        const Vec3d point = body_a.motion.pose.position + manifold.points[i].from_a;
-        const double closing = dot(velocity_at(body_a, point) - velocity_at(body_b, point), manifold.normal);
-        if (!(manifold.points[i].separation < closing * horizon_s)) continue;
-        if (touches.size() == touches.capacity()) return;
-        touches.push_back(
-            {.a = awake[a.slot], .b = awake[b.slot], .point = point, .normal = manifold.normal, .joined = false});
-        break;
+        const physics::ManifoldPoint point = manifold.points[i];
+        const Vec3d at = body_a.motion.pose.position + point.from_a;
+        const double closing = dot(velocity_at(body_a, at) - velocity_at(body_b, at), manifold.normal);
+        if (point.separation < horizon_s * closing) manifold.points[meet++] = point;
       }
+      manifold.count = meet;
+      if (meet == 0) continue;
+      if (found_.size() == kMaxApproaches) return found_;
+      found_.push_back({a.slot, b.slot, manifold});
     }
+  return found_;
 }
 
 }  // namespace tactus::sim

@@ -1,27 +1,36 @@
-// Predicts contacts between members and other bodies: edges of the contact graph before there is a contact.
+// Predicts contacts between members and other bodies before there is one.
 //
-// The sub-world receives a body that a member hits one cycle after the global step has found the contact. By then a
-// domino has penetrated the next one. So a member and another body count as touching if, at their present velocities,
-// their surfaces meet within `horizon_s`: two cycles, until the next choice of members but one.
+// The sub-world receives what a member hits one cycle after the global step has found the contact. By then a domino has
+// penetrated the next one. So a member and another body approach each other if, at their present velocities, their
+// surfaces meet within `horizon_s`: two cycles, until the next choice of members but one. Such a pair is an edge of the
+// contact graph, and a contact of the border if the other body does not become a member.
 // Thread: the global world's; construction [setup], the rest never allocates. Frame: world. Units: SI. Work: linear in
-// bodies, and in members times the bodies in reach of any. Bound: the capacity of `touches`; further pairs are left
-// out. Source: speculative contacts (Catto 2013); the study of couplings, section 4.7.
+// bodies, and in members times the bodies in reach of any. Bound: kMaxApproaches pairs; further ones are left out.
+// Source: speculative contacts (Catto 2013); the study of couplings, section 4.7.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "sim/exchange/contact_graph.h"
+#include "rt/physics/world.h"
 
 namespace tactus::sim {
+
+inline constexpr std::uint32_t kMaxApproaches = 1024;
+
+// A member and another body that will meet, and the points that will: their separation is less than they close.
+struct Approaching {
+  std::uint32_t a{0}, b{0};  // slots, a < b
+  physics::Manifold manifold;
+};
 
 class Approach {
  public:
   explicit Approach(std::uint32_t max_bodies);
 
-  // Appends edges to `touches`, up to its capacity. By slot of the world: `members`, 1 for a member; `awake`.
-  void find(const physics::World& world, physics::Hulls hulls, std::span<const std::uint8_t> members,
-            std::span<const BodyIndex> awake, double horizon_s, std::vector<ContactEdge>& touches) noexcept;
+  // `members`, by slot of the world: 1 for a member. Pairs that touch are left out. Valid until the next call.
+  std::span<const Approaching> find(const physics::World& world, physics::Hulls hulls,
+                                    std::span<const std::uint8_t> members, double horizon_s) noexcept;
 
  private:
   struct Moving {
@@ -31,6 +40,7 @@ class Approach {
   };
 
   std::vector<Moving> members_, others_;
+  std::vector<Approaching> found_;
 };
 
 }  // namespace tactus::sim

@@ -137,9 +137,9 @@ BorderExchange::BorderExchange(std::uint32_t max_bodies, std::uint32_t max_conta
   order_.reserve(points_.capacity());
 }
 
-std::uint32_t BorderExchange::fill(std::span<const Contact> contacts, std::span<const Body> bodies,
-                                   std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
+std::uint32_t BorderExchange::fill(const StepContacts& step, std::span<const std::uint8_t> members, bool near_points,
                                    FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
+  const auto& [contacts, bodies, start, step_s] = step;
   border.clear();
   points_.clear();
   for (const auto& contact : contacts) {
@@ -148,7 +148,7 @@ std::uint32_t BorderExchange::fill(std::span<const Contact> contacts, std::span<
     const std::uint32_t member = a ? contact.slot_a : contact.slot_b, outside = a ? contact.slot_b : contact.slot_a;
     for (std::uint32_t i = 0; i < contact.count; ++i) {
       const auto& point = contact.points[i];
-      if (point.total_normal_impulse <= 0 && point.separation > 0) continue;  // a near point without contact
+      if (!near_points && point.total_normal_impulse <= 0 && point.separation > 0) continue;
       points_.push_back(
           border_point(contact, point, a, {bodies[member], start[member]}, {bodies[outside], start[outside]}, step_s));
       points_.back().friction_N = (a ? -1 / step_s : 1 / step_s) * point.total_friction;
@@ -171,6 +171,35 @@ std::uint32_t BorderExchange::fill(std::span<const Contact> contacts, std::span<
   return static_cast<std::uint32_t>(points_.size() - fits);
 }
 
+std::uint32_t BorderExchange::add_approaching(std::span<const Approaching> pairs, const StepContacts& step,
+                                              std::span<const std::uint8_t> members,
+                                              FixedVector<BorderPoint, haptics::kMaxBorderPoints>& border) noexcept {
+  const auto& bodies = step.bodies;
+  std::uint32_t left_out = 0;
+  for (const Approaching& pair : pairs) {
+    if (physics::find_contact(step.contacts, bodies[pair.a].id, bodies[pair.b].id) != nullptr) continue;
+    const bool a = members[pair.a] != 0;
+    const Body &member = bodies[a ? pair.a : pair.b], &outside = bodies[a ? pair.b : pair.a];
+    for (std::uint32_t i = 0; i < pair.manifold.count; ++i) {
+      const auto& found = pair.manifold.points[i];
+      const Vec3d &on_member = a ? found.from_a : found.from_b, &on_outside = a ? found.from_b : found.from_a;
+      BorderPoint point;
+      point.member = member.id;
+      point.outside = outside.id;
+      point.feature = found.feature;
+      point.normal = a ? -pair.manifold.normal : pair.manifold.normal;
+      point.member_anchor = rotate_inverse(member.motion.pose.rotation, on_member);
+      point.friction = std::sqrt(member.friction * outside.friction);
+      point.outside_point = outside.motion.pose.position + on_outside;
+      point.separation_m = found.separation;
+      point.outside_inverse_mass =
+          own_inverse_mass(outside, outside.motion.pose.rotation, on_outside, pair.manifold.normal);
+      if (!border.try_push(point)) ++left_out;
+    }
+  }
+  return left_out;
+}
+
 std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::span<const std::uint8_t> members,
                                            double step_s, double sub_step_s, std::span<const BorderPoint> border,
                                            FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
@@ -187,11 +216,13 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
     body.centre = world.bodies()[slot].motion.pose.position;
     const OutsideAnswer answer = admittance_.find(slot, members);
     body.velocity = answer.velocity;
-    body.admittance = answer.admittance;
     Wrenchd load;
+    bool touched = false;
     for (; i < loads_.size() && loads_[i].outside == id; ++i) {
+      touched = touched || loads_[i].touches;
       load += Wrenchd{loads_[i].force, loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force)};
     }
+    body.admittance = touched ? answer.admittance : admittance_.free_admittance(slot);
     const Twistd under_load = body.admittance * load;
     body.drive = {
         acceleration_to_come(world.bodies()[slot], world.last_poses()[slot], step_s, sub_step_s) - under_load.linear,
@@ -206,10 +237,14 @@ void BorderExchange::collect_loads(const physics::World& world, std::span<const 
                                    std::span<const BorderPoint> border) noexcept {
   loads_.clear();
   for (const BorderPoint& point : border)
-    loads_.push_back(
-        {point.outside, -(point.impulse_rate_N * point.normal + point.friction_N), point.outside_point, {}});
+    loads_.push_back({.outside = point.outside,
+                      .touches = point.impulse_rate_N > 0 || point.separation_m <= 0,
+                      .force = -(point.impulse_rate_N * point.normal + point.friction_N),
+                      .point = point.outside_point,
+                      .torque = {}});
   for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
     loads_.push_back({.outside = world.bodies()[joint.outside].id,
+                      .touches = true,
                       .force = -joint.on_member.force,
                       .point = joint.point,
                       .torque = -joint.on_member.torque});

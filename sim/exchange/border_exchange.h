@@ -16,6 +16,7 @@
 
 #include "rt/haptics/coupling/snapshot.h"
 #include "sim/exchange/apparent_inertia.h"
+#include "sim/exchange/approach.h"
 
 namespace tactus::sim {
 
@@ -32,6 +33,14 @@ struct BodyOverStep {
   const physics::Body& body;
   const Posed& start;
 };
+// A world's contacts after a step.
+struct StepContacts {
+  std::span<const physics::Contact> contacts;
+  std::span<const physics::Body> bodies;  // by slot
+  std::span<const Posed> start;           // by slot: poses at the start of the step
+  double step_s;
+};
+
 // A contact point from the member's side, after a step of `step_s`. The fields that only ghosts need are not filled.
 haptics::BorderPoint border_point(const physics::Contact& contact, const physics::ContactPoint& point, bool member_is_a,
                                   const BodyOverStep& member, const BodyOverStep& outside, double step_s) noexcept;
@@ -41,19 +50,28 @@ class BorderExchange {
   // `added_inertia`: a2 of apparent_inertia.h.
   BorderExchange(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints, double added_inertia);
 
-  // Fills `border` from the contacts of a step of `step_s` that began at `start` (poses by slot): every point with a
-  // normal impulse or an overlap, between a member (`members`, by slot: 1) and a dynamic body that is not a member.
-  // Contacts with static geometry are not border contacts. Returns the number of points that did not fit.
-  std::uint32_t fill(std::span<const physics::Contact> contacts, std::span<const physics::Body> bodies,
-                     std::span<const Posed> start, std::span<const std::uint8_t> members, double step_s,
+  // Call before each step.
+  void begin_step() noexcept { admittance_.begin_step(); }
+
+  // Fills `border` from a step's contacts between a member (`members`, by slot: 1) and a dynamic body that is not a
+  // member: every point with a normal impulse or an overlap, and with `near_points` every point that narrow phase
+  // found. Contacts with static geometry are not border contacts. Returns the number of points that did not fit.
+  std::uint32_t fill(const StepContacts& step, std::span<const std::uint8_t> members, bool near_points,
                      FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& border) noexcept;
+  // Appends the points of approaching pairs that have no contact, for ghosts. Without them a member overlaps an outside
+  // body until the global step has found their contact, two cycles later. Returns the number of points that did not
+  // fit.
+  std::uint32_t add_approaching(std::span<const Approaching> pairs, const StepContacts& step,
+                                std::span<const std::uint8_t> members,
+                                FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& border) noexcept;
   // Fills `outside` with the outside bodies of these border points and of joints to members, by id, after a step of
   // `step_s` in sub-steps of `sub_step_s`. `members`: of the next cycle. Returns the number of bodies that did not fit:
   // their points have no ghost.
   //
   // A body's drive is its acceleration due to everything but the members: a - W P / step_s. a: its acceleration over
   // the step, where it is expected to continue; P / step_s: the members' wrench on it, about its centre. Where the body
-  // rests on firm ground, W is 0 and so is the drive.
+  // rests on firm ground, W is 0 and so is the drive. For a body that no member touches yet, W is the admittance of
+  // the body alone: its contacts with the ground, which hold it at rest, do not stop it in an impact.
   std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, double step_s,
                              double sub_step_s, std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
@@ -64,6 +82,7 @@ class BorderExchange {
   // Members' load on an outside body, mean over the last step.
   struct Load {
     BodyId outside;
+    bool touches;
     Vec3d force, point;  // N; m
     Vec3d torque;        // N m
   };

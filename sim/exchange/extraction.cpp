@@ -16,6 +16,7 @@ Extraction::Extraction(const ExtractionOptions& options, const ReachSettings& re
   candidates_.reserve(bodies.size() + 1);
   chosen_.reserve(bodies.size());
   near_.reserve(bodies.size());
+  group_.reserve(bodies.size());
 }
 
 std::span<const BodyIndex> Extraction::choose(BodySpan<const physics::Body> bodies, ContactGraph& graph,
@@ -36,7 +37,7 @@ std::span<const BodyIndex> Extraction::choose(BodySpan<const physics::Body> bodi
     add(Priority::kProxy, 0, proxy_);
     add_close(close, free);
     add_linked(bodies, graph, cap, free);
-    add_former();
+    add_former(graph);
     take(cap, graph, free);
     graph.find_component(proxy_);  // again: breadth first has searched from the close bodies too
     count_left_out(cap, graph);
@@ -82,12 +83,26 @@ void Extraction::add_linked(BodySpan<const physics::Body> bodies, ContactGraph& 
   }
 }
 
-// Adds members that no longer qualify; they stay for linger_cycles while the cap allows.
-void Extraction::add_former() noexcept {
-  for (const BodyIndex index : chosen_) {
-    if (listed_[index] != 0) continue;
-    const std::uint32_t out = ++cycles_out_[index];
-    add(out <= options_.linger_cycles ? Priority::kLingering : Priority::kLeaving, -static_cast<double>(out), index);
+// Adds members that no longer qualify, group by group of those that contacts connect: a group stays until its last body
+// has not qualified for linger_cycles, while the cap allows.
+void Extraction::add_former(const ContactGraph& graph) noexcept {
+  for (const BodyIndex first : chosen_) {
+    if (listed_[first] != 0) continue;
+    group_.clear();
+    const auto visit = [&](BodyIndex index) noexcept {
+      listed_[index] = 1;
+      ++cycles_out_[index];
+      group_.push_back(index);
+    };
+    visit(first);
+    std::uint32_t out = cycles_out_[first];
+    for (std::size_t head = 0; head < group_.size(); ++head) {
+      out = std::min(out, cycles_out_[group_[head]]);
+      for (const ContactGraph::Link& link : graph.links(group_[head]))
+        if (was_member_[link.body] != 0 && listed_[link.body] == 0) visit(link.body);
+    }
+    if (out > options_.linger_cycles) continue;
+    for (const BodyIndex index : group_) add(Priority::kLingering, -static_cast<double>(out), index);
   }
 }
 
@@ -107,9 +122,6 @@ void Extraction::take(std::uint32_t cap, const ContactGraph& graph, BodySpan<con
     if (!candidate.current) {
       const bool may_join = first_ || candidate.priority <= Priority::kClose || statistics_.joins < options_.max_joins;
       if (!may_join) continue;
-    } else {
-      // Members past linger_cycles stay only if more than max_leaves would leave at once.
-      if (candidate.priority == Priority::kLeaving && before - stay <= options_.max_leaves) break;
     }
     const auto first = chosen_.size();
     member_[candidate.index] = 1;

@@ -3,11 +3,13 @@
 // Order, until the cap: the proxy; bodies in the boundary cube, nearest first; bodies that contacts connect to the
 // proxy, by influence (or by hops, as the paper may have meant); former members that qualified until a few cycles ago.
 // Hysteresis: a present member's influence counts double (its hops one less), and a member that no longer qualifies
-// stays for linger_cycles while the cap allows. Each chosen body brings along the bodies that joints connect to it. Few
-// bodies join or leave per cycle, so that the tick that imports them stays short; only bodies in the cube and joined
-// bodies may exceed max_joins. So the sub-world grows over several cycles, as in the paper.
-// Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never exceeded; bodies left out are
-// counted. Ties by index, which is by body id. Source: the paper, section 2; influence in sim/exchange/influence.h.
+// stays for linger_cycles while the cap allows. Members that no longer qualify and touch each other leave together, so
+// that no border runs between bodies that collide: there the force of an impact is the least exact. Each chosen body
+// brings along the bodies that joints connect to it. Few bodies join per cycle, so that the tick that imports them
+// stays short; only bodies in the cube and joined bodies may exceed max_joins. So the sub-world grows over several
+// cycles, as in the paper. Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never exceeded;
+// bodies left out are counted. Ties by index, which is by body id. Source: the paper, section 2; influence in
+// sim/exchange/influence.h.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"
@@ -24,9 +26,9 @@ enum class CutOrder : std::uint32_t {
 struct ExtractionOptions {
   std::uint32_t cap{64};  // members, the proxy included; at most haptics::kMaxMembers
   CutOrder order{CutOrder::kBestFirst};
-  std::uint32_t max_joins{8}, max_leaves{8};  // per cycle; the cube may join more, the cap may push out more
-  std::uint32_t linger_cycles{4};             // cycles that a member stays after it last qualified
-  bool all_members{false};  // every dynamic body is a member from the start; at most kMaxMembers bodies
+  std::uint32_t max_joins{8};      // per cycle; the cube may join more
+  std::uint32_t linger_cycles{4};  // cycles that a member stays after it, or a member that it touches, last qualified
+  bool all_members{false};         // every dynamic body is a member from the start; at most kMaxMembers bodies
 };
 
 struct ExtractionStatistics {
@@ -65,7 +67,7 @@ class Extraction {
 
  private:
   // In the order of choice.
-  enum class Priority : std::uint32_t { kProxy = 0, kClose = 1, kLinked = 2, kLingering = 3, kLeaving = 4 };
+  enum class Priority : std::uint32_t { kProxy = 0, kClose = 1, kLinked = 2, kLingering = 3 };
   struct Candidate {
     Priority priority{};
     bool current{false};  // a member before this choice
@@ -78,7 +80,7 @@ class Extraction {
   void add_close(std::span<const CloseBody> close, BodySpan<const std::uint8_t> free) noexcept;
   void add_linked(BodySpan<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
                   BodySpan<const std::uint8_t> free) noexcept;
-  void add_former() noexcept;
+  void add_former(const ContactGraph& graph) noexcept;
   void take(std::uint32_t cap, const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept;
   void bring_joined(std::uint32_t cap, const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept;
   void take_all(std::uint32_t bodies) noexcept;
@@ -92,7 +94,7 @@ class Extraction {
   BodyVector<std::uint8_t> member_, was_member_, listed_;
   BodyVector<std::uint32_t> cycles_out_;  // cycles since it last qualified
   std::vector<Candidate> candidates_;
-  std::vector<BodyIndex> chosen_, near_;
+  std::vector<BodyIndex> chosen_, near_, group_;
   ExtractionStatistics statistics_;
 };
 

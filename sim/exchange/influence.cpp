@@ -58,7 +58,7 @@ void Influence::prepare(std::uint32_t touch, std::span<const ContactEdge> touche
 void Influence::push(double value, BodyIndex index, std::uint32_t touch, std::uint32_t side) noexcept {
   if (value <= best_[touch][side]) return;
   best_[touch][side] = value;
-  heap_.push_back({value, index, touch});
+  heap_.push_back({.value = value, .index = index, .touch = touch});
   std::push_heap(heap_.begin(), heap_.end(), ByValue{});
 }
 
@@ -74,7 +74,7 @@ std::span<const Influenced> Influence::find(const ContactGraph& graph, BodySpan<
     push(1.0, link.body, link.touch, graph.touches()[link.touch].b == link.body ? 1 : 0);
   }
   for (const BodyIndex index : near) {
-    heap_.push_back({kNearDiscount, index, kNear});
+    heap_.push_back({.value = kNearDiscount, .index = index, .touch = kNear});
     std::push_heap(heap_.begin(), heap_.end(), ByValue{});
   }
 

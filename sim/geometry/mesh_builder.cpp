@@ -134,7 +134,13 @@ void join_along_edges(MeshParts& mesh, MeshAccount& account) {
       const MeshTriangle& t = mesh.triangles[i];
       if (t.edge[k] != EdgeKind::kBoundary) continue;
       const Vec3d from = place(mesh, t, k), edge = place(mesh, t, (k + 1) % 3) - from;
-      open.push_back({i, k, from, edge * (1 / norm(edge)), norm(edge), 0, kNoTriangle});
+      open.push_back({.triangle = i,
+                      .k = k,
+                      .from = from,
+                      .along = edge * (1 / norm(edge)),
+                      .length = norm(edge),
+                      .covered = 0,
+                      .neighbour = kNoTriangle});
     }
   if (open.size() > kMaxOpenEdges) return;
   for (Open& s : open)

@@ -20,7 +20,7 @@ class TreeBuilder {
   // Adds the node of order[first, first + count) and its children. The recursion's depth is the logarithm of count.
   void add(std::uint32_t first, std::uint32_t count) {
     const auto at = static_cast<std::uint32_t>(mesh_.nodes.size());
-    mesh_.nodes.push_back({box_of(first, count), first, count, 0});
+    mesh_.nodes.push_back({.box = box_of(first, count), .first = first, .count = count, .second = 0});
     if (count <= kLeaf) return;
     const int axis = longest_side(first, count);
     const auto begin = mesh_.order.begin() + first;

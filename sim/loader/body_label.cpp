@@ -2,23 +2,23 @@
 
 #include <fmt/format.h>
 
+#include "rt/text/toml.h"
 #include "sim/loader/scene_load.h"
-#include "sim/loader/scene_load_toml.h"
 
 namespace tactus::sim {
 
 std::string body_label(const Scene& scene, BodyId id) {
   const std::string number = fmt::format("body {}", id);
-  SceneDiagnostics ignored;
-  TomlNode root;
-  if (!read_toml(scene.source, root, ignored)) return number;
-  const TomlNode *proxy = root.find("proxy"), *bodies = root.find("body"), *generated = root.find("generate");
+  text::Diagnostics ignored;
+  text::TomlNode root;
+  if (!text::read_toml(scene.source, root, ignored)) return number;
+  const text::TomlNode *proxy = root.find("proxy"), *bodies = root.find("body"), *generated = root.find("generate");
   if (id == scene.proxy) return proxy == nullptr ? "the proxy" : fmt::format("the proxy (line {})", proxy->line);
   // Ids: the proxy, then the bodies in the order of the file, then the generated bodies.
   const std::size_t index = id - 1;
   if (bodies != nullptr && index < bodies->items.size()) {
-    const TomlNode& body = bodies->items[index];
-    const TomlNode* name = body.find("name");
+    const text::TomlNode& body = bodies->items[index];
+    const text::TomlNode* name = body.find("name");
     return fmt::format("{} (line {})", name == nullptr ? number : "'" + name->text + "'", body.line);
   }
   for (std::size_t part = 0; part < scene.generated.size() && generated != nullptr; ++part) {

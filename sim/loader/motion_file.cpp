@@ -128,7 +128,7 @@ MotionFile parse_motion(std::string_view text, std::string_view name) {
   }
   double first_s = 0;
   bool has_before = false;
-  while (motion.mistakes.size() < kMaxReportedMistakes && !lines.only_blanks_follow() && lines.next(line)) {
+  while (motion.mistakes.size() < text::kMaxReportedMistakes && !lines.only_blanks_follow() && lines.next(line)) {
     if (motion.rows.size() == kMaxMotionRows) {
       mistake(fmt::format("is a row too many; accepted: at most {} rows: leave some out", kMaxMotionRows));
       return motion;

@@ -103,6 +103,11 @@ constexpr Meaning kMeanings[] = {
     {"body", "file_unit_m", "the length that the file calls 1: 0.001 for millimetres", ""},
     {"body", "mass_kg", "mass; or density_kg_per_m3", "none: one of the two"},
     {"body", "density_kg_per_m3", "density: mass, centre and inertia are those of the solid", "none: or mass_kg"},
+    {"body", "inertia_kg_m2",
+     "moments of inertia about the centre of mass, along the frame's axes: [xx, yy, zz]; of a hull also [xx, yy, zz, "
+     "xy, xz, yz]",
+     "those of the solid"},
+    {"body", "centre_of_mass_m", "centre of mass in the body's frame; with inertia_kg_m2", "the solid's"},
     {"body", "velocity_m_per_s", "velocity at the start, world frame", ""},
     {"body", "angular_velocity_rad_per_s", "angular velocity at the start, world frame", ""},
     {"body", "name", "a name for joints, attraction and messages; each body its own", ""},
@@ -278,7 +283,7 @@ const Meaning* find_meaning(std::string_view table, std::string_view key) {
 }
 
 // The entry of the key's own table, else the shared one of bodies, surfaces or poses.
-const Meaning* meaning_of(const AskedKey& asked) {
+const Meaning* meaning_of(const text::AskedKey& asked) {
   if (const Meaning* own = find_meaning(asked.table, asked.key)) return own;
   const bool is_body = asked.table == "[[body]]" || asked.table == "[proxy]";
   const bool has_surface = is_body || asked.table == "[[generate]]";
@@ -291,17 +296,17 @@ const Meaning* meaning_of(const AskedKey& asked) {
 }
 
 struct Found {
-  AskedKey asked;
+  text::AskedKey asked;
   std::vector<std::string> with;  // the variants of its table that have it
 };
 
 // The same key with different defaults or ranges, as in generators and joints, is a separate row, unless the default is
 // given in words.
-bool is_same(const AskedKey& a, const AskedKey& b) {
+bool is_same(const text::AskedKey& a, const text::AskedKey& b) {
   if (a.table != b.table || a.key != b.key) return false;
   const Meaning* meaning = meaning_of(a);
   const bool said = meaning != nullptr && !meaning->fallback.empty();
-  return said || a.type == AskedKey::Type::kUnknown || b.type == AskedKey::Type::kUnknown ||
+  return said || a.type == text::AskedKey::Type::kUnknown || b.type == text::AskedKey::Type::kUnknown ||
          (a.fallback == b.fallback && a.low == b.low && a.high == b.high);
 }
 
@@ -310,11 +315,11 @@ std::vector<Found> ask_everything(std::vector<std::pair<std::string, std::string
   for (const Variant& variant : variants()) {
     const std::pair<std::string, std::string> name{variant.table, variant.name};
     if (std::find(tried.begin(), tried.end(), name) == tried.end()) tried.push_back(name);
-    for (AskedKey& asked : asked_keys(variant.text)) {
+    for (text::AskedKey& asked : asked_keys(variant.text)) {
       const auto same = [&](const Found& f) { return is_same(f.asked, asked); };
       auto at = std::find_if(found.begin(), found.end(), same);
       if (at == found.end()) at = found.insert(found.end(), Found{asked, {}});
-      if (at->asked.type == AskedKey::Type::kUnknown) at->asked = asked;
+      if (at->asked.type == text::AskedKey::Type::kUnknown) at->asked = asked;
       if (asked.table != variant.table) continue;
       if (at->with.empty() || at->with.back() != variant.name) at->with.push_back(variant.name);
     }
@@ -322,7 +327,7 @@ std::vector<Found> ask_everything(std::vector<std::pair<std::string, std::string
   return found;
 }
 
-std::size_t order_of(const AskedKey& asked) {
+std::size_t order_of(const text::AskedKey& asked) {
   const Meaning* meaning = meaning_of(asked);
   return meaning == nullptr ? std::size(kMeanings) : static_cast<std::size_t>(meaning - kMeanings);
 }
@@ -384,32 +389,32 @@ std::vector<std::string> superfluous_meanings() {
   return list;
 }
 
-std::string type_of(const AskedKey& key) {
+std::string type_of(const text::AskedKey& key) {
   switch (key.type) {
-    case AskedKey::Type::kNumber:
+    case text::AskedKey::Type::kNumber:
       return "number";
-    case AskedKey::Type::kCount:
-    case AskedKey::Type::kSeed:
+    case text::AskedKey::Type::kCount:
+    case text::AskedKey::Type::kSeed:
       return "whole number";
-    case AskedKey::Type::kFlag:
+    case text::AskedKey::Type::kFlag:
       return "true or false";
-    case AskedKey::Type::kText:
+    case text::AskedKey::Type::kText:
       return "text";
-    case AskedKey::Type::kWord:
+    case text::AskedKey::Type::kWord:
       return "one of";
-    case AskedKey::Type::kVector:
+    case text::AskedKey::Type::kVector:
       return "[x, y, z]";
-    case AskedKey::Type::kTable:
+    case text::AskedKey::Type::kTable:
       return "table";
-    case AskedKey::Type::kArray:
+    case text::AskedKey::Type::kArray:
       return "list";
-    case AskedKey::Type::kUnknown:
+    case text::AskedKey::Type::kUnknown:
       break;
   }
   return "";
 }
 
-std::string unit_of(const AskedKey& key) {
+std::string unit_of(const text::AskedKey& key) {
   static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {{"_kg_per_m3", "kg/m3"},
                                                                              {"_Ns_per_m", "N s/m"},
                                                                              {"_Nms_per_rad", "N m s/rad"},
@@ -419,6 +424,7 @@ std::string unit_of(const AskedKey& key) {
                                                                              {"_m_per_s2", "m/s2"},
                                                                              {"_m_per_s", "m/s"},
                                                                              {"_per_s", "1/s"},
+                                                                             {"_kg_m2", "kg m2"},
                                                                              {"_Nm2", "N m2"},
                                                                              {"_Nm", "N m"},
                                                                              {"_N", "N"},
@@ -433,20 +439,20 @@ std::string unit_of(const AskedKey& key) {
   return "";
 }
 
-std::string values_of(const AskedKey& key) {
+std::string values_of(const text::AskedKey& key) {
   switch (key.type) {
-    case AskedKey::Type::kNumber:
-    case AskedKey::Type::kCount:
+    case text::AskedKey::Type::kNumber:
+    case text::AskedKey::Type::kCount:
       return fmt::format("{:g} to {:g}", key.low, key.high);
-    case AskedKey::Type::kVector:
+    case text::AskedKey::Type::kVector:
       return fmt::format("each {:g} to {:g}", key.low, key.high);
-    case AskedKey::Type::kSeed:
+    case text::AskedKey::Type::kSeed:
       return "0 and more";
-    case AskedKey::Type::kText:
+    case text::AskedKey::Type::kText:
       return fmt::format("at most {:g} characters", key.high);
-    case AskedKey::Type::kArray:
+    case text::AskedKey::Type::kArray:
       return fmt::format("at most {:g}", key.high);
-    case AskedKey::Type::kWord: {
+    case text::AskedKey::Type::kWord: {
       std::string list;
       for (const std::string& word : key.words) list += (list.empty() ? "" : ", ") + word;
       return list;

@@ -15,7 +15,7 @@
 namespace tactus::sim {
 
 struct SceneKey {
-  AskedKey asked;
+  text::AskedKey asked;
   std::string only_with;  // the shapes or kinds that have the key, separated by commas: "box"; empty: all have it
   std::string meaning;    // one sentence, with the unit if the key's name has none; empty: missing
   std::string fallback;   // the default in words if it depends on other keys; else asked.fallback
@@ -40,9 +40,9 @@ std::vector<SceneTable> scene_language();
 // "table key" of each sentence without a key.
 std::vector<std::string> superfluous_meanings();
 
-std::string type_of(const AskedKey& key);  // "number", "whole number", "one of", ...
-std::string unit_of(const AskedKey& key);  // from the suffix of its name: "N/m"; empty: none
+std::string type_of(const text::AskedKey& key);  // "number", "whole number", "one of", ...
+std::string unit_of(const text::AskedKey& key);  // from the suffix of its name: "N/m"; empty: none
 std::string values_of(
-    const AskedKey& key);  // what is accepted: "0 to 1000", "box, sphere"; empty: anything of the type
+    const text::AskedKey& key);  // what is accepted: "0 to 1000", "box, sphere"; empty: anything of the type
 
 }  // namespace tactus::sim

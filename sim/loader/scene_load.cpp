@@ -4,28 +4,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include "rt/base/hash.h"
 #include "rt/haptics/coupling/snapshot.h"
+#include "rt/text/read_file.h"
+#include "rt/text/table_reader.h"
 #include "sim/loader/scene_load_effects.h"
 #include "sim/loader/scene_load_hand.h"
 #include "sim/loader/scene_load_parts.h"
-#include "sim/loader/scene_load_reader.h"
 #include "sim/model/choice_names.h"
 
 namespace tactus::sim {
 namespace {
 
 constexpr double kNominalTick_s = 1e-3;
-constexpr Range kStiffness{"a stiffness", 0, 1e5};
-constexpr Range kDamping{"a damping", 0, 1e4};
+constexpr text::Range kStiffness{"a stiffness", 0, 1e5};
+constexpr text::Range kDamping{"a damping", 0, 1e4};
 
 // Fills a scene from the document, table by table; the order of calls determines the body ids.
 class SceneReader {
  public:
-  SceneReader(const TomlNode& root, Scene& scene, SceneDiagnostics& diagnostics,
+  SceneReader(const text::TomlNode& root, Scene& scene, text::Diagnostics& diagnostics,
               const std::optional<std::filesystem::path>& folder)
       : root_(&root, "", diagnostics),
         scene_(scene),
@@ -60,7 +60,7 @@ class SceneReader {
   std::string kept_files() const { return hulls_.kept() + meshes_.kept() + hand_.kept(); }
 
  private:
-  TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
+  text::TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
 
   void read_gravity() {
     const Vec3d g = root_.vector("gravity_m_per_s2", scene_.gravity_m_per_s2, {"an acceleration", -1000, 1000});
@@ -71,7 +71,7 @@ class SceneReader {
   }
 
   void read_simulation() {
-    TableReader t = table("simulation");
+    text::TableReader t = table("simulation");
     SolverChoice& solver = scene_.solver;
     scene_.ratio = t.count("ratio", scene_.ratio, {"a ratio", 1, 64});
     scene_.members = t.count("members", scene_.members, {"a number of members", 1, haptics::kMaxMembers});
@@ -98,7 +98,7 @@ class SceneReader {
     if (!scene_.effects.sleeping)
       root_.refuse("sleeping", "set, but the effect sleeping is not declared",
                    "\"sleeping\" among the effects, or no table [sleeping]");
-    TableReader t = table("sleeping");
+    text::TableReader t = table("sleeping");
     SleepingChoice& sleeping = scene_.sleeping;
     sleeping.max_speed_m_per_s = t.number("max_speed_m_per_s", sleeping.max_speed_m_per_s, {"a speed", 1e-6, 10});
     sleeping.after_s = t.number("after_s", sleeping.after_s, {"a time", 0.01, 3600});
@@ -107,7 +107,7 @@ class SceneReader {
   }
 
   void read_device() {
-    TableReader t = table("device");
+    text::TableReader t = table("device");
     scene_.device.profile = t.word("profile", scene_.device.profile, {"virtuose6d", "desk3d"});
     scene_.device.world_from_device = t.pose();
     scene_.device.motion_scale = t.number("motion_scale", scene_.device.motion_scale, {"a scale", 0.01, 100});
@@ -115,7 +115,7 @@ class SceneReader {
   }
 
   void read_coupling() {
-    TableReader t = table("coupling");
+    text::TableReader t = table("coupling");
     haptics::CouplingGains& gains = scene_.coupling;
     gains.stiffness_N_per_m = t.number("stiffness_N_per_m", gains.stiffness_N_per_m, kStiffness);
     gains.damping_Ns_per_m = t.number("damping_Ns_per_m", gains.damping_Ns_per_m, kDamping);
@@ -126,7 +126,7 @@ class SceneReader {
 
   void read_proxy() {
     if (!root_.require("proxy", "a table [proxy]: the body that the device holds")) return;
-    TableReader t = table("proxy");
+    text::TableReader t = table("proxy");
     if (!t.there()) return;
     scene_.proxy = 0;
     const auto& body = add(read_body(t, BodyRole::kProxy, hulls_, meshes_));
@@ -138,8 +138,8 @@ class SceneReader {
 
   void read_bodies() {
     unsigned number = 0;
-    for (const TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
-      TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
+    for (const text::TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
+      text::TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
       auto& body = add(read_body(t, BodyRole::kBody, hulls_, meshes_));
       check_friction(t, body.friction);
@@ -151,8 +151,8 @@ class SceneReader {
 
   void read_generators() {
     unsigned number = 0;
-    for (const TomlNode& node : root_.array("generate", 1000)) {
-      TableReader t(&node, fmt::format("[generate.{}]", ++number), diagnostics_);
+    for (const text::TomlNode& node : root_.array("generate", 1000)) {
+      text::TableReader t(&node, fmt::format("[generate.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
       const auto surface = effects_.read_surface(t);
       Generated made = read_generator(t, kMaxSceneBodies - static_cast<unsigned>(scene_.bodies.size()));
@@ -170,7 +170,7 @@ class SceneReader {
     return scene_.bodies.back();
   }
 
-  void check_friction(TableReader& t, double friction) {
+  void check_friction(text::TableReader& t, double friction) {
     if (friction > 0 && !scene_.effects.friction)
       t.mistake("friction", "set, but the effect friction is not declared", "\"friction\" among the effects, or 0");
   }
@@ -193,38 +193,17 @@ class SceneReader {
     }
   }
 
-  TableReader root_;
+  text::TableReader root_;
   Scene& scene_;
-  SceneDiagnostics& diagnostics_;
+  text::Diagnostics& diagnostics_;
   HullReader hulls_;
   MeshReader meshes_;
   HandReader hand_;
   EffectReader effects_;
 };
 
-void sort_by_place(std::vector<Mistake>& list) {
-  std::stable_sort(list.begin(), list.end(), [](const Mistake& a, const Mistake& b) {
-    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
-  });
-}
-
-std::string lines_of(const std::string& name, std::vector<Mistake> list, const char* label) {
-  sort_by_place(list);
-  std::string text;
-  for (const Mistake& m : list) {
-    const std::string place = m.line == 0 ? "" : fmt::format(":{}:{}", m.line, m.column);
-    std::string line = fmt::format("{}{}: {}{}: {}; accepted: {}", name, place, label, m.where, m.what, m.accepted);
-    // Control characters in keys and file names are replaced, so that each message is one line.
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
-    text += (text.empty() ? "" : "\n") + line;
-  }
-  return text;
-}
-
-Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diagnostics) {
-  sort_by_place(found.mistakes);
-  sort_by_place(found.warnings);
+Result<Scene> finish(Scene scene, text::Diagnostics found, text::Diagnostics* diagnostics) {
+  found.sort_by_place();
   const bool good = found.ok();
   std::string message = found.message();
   if (diagnostics != nullptr) *diagnostics = std::move(found);
@@ -234,14 +213,14 @@ Result<Scene> finish(Scene scene, SceneDiagnostics found, SceneDiagnostics* diag
 
 // `folder`: of the scene's files; none: no file is opened.
 Result<Scene> parse(std::string_view text, std::string_view name, const std::optional<std::filesystem::path>& folder,
-                    SceneDiagnostics* diagnostics) {
-  SceneDiagnostics found;
+                    text::Diagnostics* diagnostics) {
+  text::Diagnostics found;
   found.name = std::string(name);
   Scene scene;
   scene.name = std::filesystem::path(name).stem().string();
-  TomlNode root;
+  text::TomlNode root;
   std::string kept;
-  if (read_toml(text, root, found)) {
+  if (text::read_toml(text, root, found)) {
     SceneReader reader(root, scene, found, folder);
     reader.read();
     kept = reader.kept_files();
@@ -255,47 +234,26 @@ Result<Scene> parse(std::string_view text, std::string_view name, const std::opt
 
 }  // namespace
 
-void SceneDiagnostics::add(Mistake mistake) {
-  if (full())
-    ++left_out;
-  else
-    mistakes.push_back(std::move(mistake));
-}
-
-std::string SceneDiagnostics::message() const {
-  std::string text = lines_of(name, mistakes, "");
-  if (left_out > 0) text += fmt::format("\n{}: and {} more", name, left_out);
-  return text;
-}
-
-std::string SceneDiagnostics::warning_message() const { return lines_of(name, warnings, "warning: "); }
-
-Result<Scene> parse_scene(std::string_view text, std::string_view name, SceneDiagnostics* diagnostics) {
+Result<Scene> parse_scene(std::string_view text, std::string_view name, text::Diagnostics* diagnostics) {
   return parse(text, name, std::nullopt, diagnostics);
 }
 
-Result<Scene> load_scene(const std::filesystem::path& path, SceneDiagnostics* diagnostics) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  if (file && !std::filesystem::is_directory(path)) {
-    text.resize(kMaxSceneBytes + 1);  // one byte above the limit, to detect a longer file
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    if (!file.bad()) return parse(text, path.string(), path.parent_path(), diagnostics);
-  }
-  SceneDiagnostics found;
+Result<Scene> load_scene(const std::filesystem::path& path, text::Diagnostics* diagnostics) {
+  if (const auto text = text::read_file(path, kMaxSceneBytes))
+    return parse(*text, path.string(), path.parent_path(), diagnostics);
+  text::Diagnostics found;
   found.name = path.string();
   found.add({0, 0, "the file", "cannot be read", "the path of a scene file, such as sim/scenes/card_house.toml"});
   return finish({}, std::move(found), diagnostics);
 }
 
-std::vector<AskedKey> asked_keys(std::string_view text) {
-  std::vector<AskedKey> asked;
-  SceneDiagnostics found;
+std::vector<text::AskedKey> asked_keys(std::string_view text) {
+  std::vector<text::AskedKey> asked;
+  text::Diagnostics found;
   found.asked = &asked;
   Scene scene;
-  TomlNode root;
-  if (read_toml(text, root, found)) SceneReader(root, scene, found, std::nullopt).read();
+  text::TomlNode root;
+  if (text::read_toml(text, root, found)) SceneReader(root, scene, found, std::nullopt).read();
   return asked;
 }
 

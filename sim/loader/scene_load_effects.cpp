@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sim/loader/nearest_word.h"
+#include "rt/text/nearest_word.h"
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
@@ -15,7 +15,7 @@ using physics::BodyKind;
 using physics::ShapeKind;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr Range kRate{"a rate", 0, 1e4};
+constexpr text::Range kRate{"a rate", 0, 1e4};
 constexpr double kSteepestGrain = 1;
 
 double face_area(const physics::Hull& hull, std::uint32_t face) {
@@ -57,7 +57,7 @@ T& entry_of(std::vector<T>& by_id, BodyId id) {
 }  // namespace
 
 // Adds a mistake if the key is present and its effect is not declared.
-bool EffectReader::needs(TableReader& table, const char* key, bool Effects::*effect) {
+bool EffectReader::needs(text::TableReader& table, const char* key, bool Effects::*effect) {
   if (!table.has(key) || scene_.effects.*effect) return true;
   const std::string_view name = find_effect(effect)->name;
   table.mistake(key, fmt::format("set, but the effect {} is not declared", name),
@@ -65,13 +65,13 @@ bool EffectReader::needs(TableReader& table, const char* key, bool Effects::*eff
   return false;
 }
 
-void EffectReader::read_list(TableReader& root) {
+void EffectReader::read_list(text::TableReader& root) {
   std::vector<std::string_view> words;
   for (const auto& effect : known_effects()) words.push_back(effect.name);
-  for (const TomlNode& item : root.array("effects", 64)) {
-    const EffectInfo* found = item.kind == TomlKind::kText ? find_effect(item.text) : nullptr;
+  for (const text::TomlNode& item : root.array("effects", 64)) {
+    const EffectInfo* found = item.kind == text::TomlKind::kText ? find_effect(item.text) : nullptr;
     if (found == nullptr) {
-      const auto nearest = nearest_word(item.text, words);
+      const auto nearest = text::nearest_word(item.text, words);
       diagnostics_.add({item.line, item.column, "effects",
                         fmt::format("{} is not an effect{}", item.shown(),
                                     nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
@@ -84,20 +84,20 @@ void EffectReader::read_list(TableReader& root) {
   }
 }
 
-void EffectReader::read_tables(TableReader& root) {
+void EffectReader::read_tables(text::TableReader& root) {
   needs(root, "damping", &Effects::damping);
-  TableReader damping(root.table("damping"), "[damping]", diagnostics_);
+  text::TableReader damping(root.table("damping"), "[damping]", diagnostics_);
   scene_.effect_data.damping = {damping.number("linear_per_s", 0, kRate), damping.number("angular_per_s", 0, kRate)};
   damping.finish();
   needs(root, "drag", &Effects::drag);
-  TableReader drag(root.table("drag"), "[drag]", diagnostics_);
+  text::TableReader drag(root.table("drag"), "[drag]", diagnostics_);
   density_kg_per_m3_ = drag.number("fluid_density_kg_per_m3", 0, {"a density", 0, 1e5});
   drag_coefficient_ = drag.number("coefficient", 0.5, {"a drag coefficient", 0, 100});
   scene_.effect_data.flow_m_per_s = drag.vector("flow_m_per_s", {}, {"a velocity", -100, 100});
   drag.finish();
 }
 
-EffectReader::Surface EffectReader::read_surface(TableReader& table) {
+EffectReader::Surface EffectReader::read_surface(text::TableReader& table) {
   needs(table, "restitution", &Effects::restitution);
   needs(table, "contact_radius_m", &Effects::torsional);
   needs(table, "rolling_friction_m", &Effects::rolling);
@@ -112,7 +112,7 @@ EffectReader::Surface EffectReader::read_surface(TableReader& table) {
 }
 
 // Keys of effects on the hand only: texture and transients.
-void EffectReader::read_feel(TableReader& table, Surface& surface) {
+void EffectReader::read_feel(text::TableReader& table, Surface& surface) {
   needs(table, "texture_height_m", &Effects::texture);
   surface.grain.height_m = table.number("texture_height_m", 0, {"a height", 0, 0.01});
   surface.grain.wavelength_m = table.number("texture_wavelength_m", 0.002, {"a length", 1e-4, 1});
@@ -136,7 +136,7 @@ void EffectReader::set_surface(BodyId id, const Surface& surface) {
   if (surface.attraction_weight != 0) entry_of(scene_.effect_data.attraction_weight, id) = surface.attraction_weight;
 }
 
-void EffectReader::read_body(TableReader& table, Body& body) {
+void EffectReader::read_body(text::TableReader& table, Body& body) {
   const std::string name = table.text("name", "", 100);
   if (!name.empty() && !ids_.emplace(name, body.id).second)
     table.mistake("name", fmt::format("\"{}\" is another body's name", name), "a name of its own");
@@ -148,15 +148,15 @@ void EffectReader::read_body(TableReader& table, Body& body) {
     table.refuse(key, "only a kinematic body follows a path", std::string("kinematic = true, or no ") + key);
 }
 
-void EffectReader::read_script(TableReader& table, Body& body) {
+void EffectReader::read_script(text::TableReader& table, Body& body) {
   auto& keys = scene_.effect_data.path_keys;
   physics::KinematicScript script{.id = body.id,
                                   .first_key = static_cast<std::uint32_t>(keys.size()),
                                   .keys = 0,
                                   .repeat = table.flag("repeat_path", false)};
   unsigned number = 0;
-  for (const TomlNode& node : table.array("path", kMaxPathKeys)) {
-    TableReader t(&node, table.name_of(fmt::format("path.{}", ++number)), diagnostics_);
+  for (const text::TomlNode& node : table.array("path", kMaxPathKeys)) {
+    text::TableReader t(&node, table.name_of(fmt::format("path.{}", ++number)), diagnostics_);
     if (!t.there()) continue;
     physics::PathKey key;
     t.require("time_s", "a number");
@@ -182,12 +182,12 @@ void EffectReader::read_script(TableReader& table, Body& body) {
   scene_.effect_data.scripts.push_back(script);
 }
 
-void EffectReader::read_attraction(TableReader& root) {
+void EffectReader::read_attraction(text::TableReader& root) {
   const auto nodes = root.array("attraction", physics::kMaxAttractionSources);
   if (!nodes.empty()) needs(root, "attraction", &Effects::attraction);
   unsigned number = 0;
-  for (const TomlNode& node : nodes) {
-    TableReader t(&node, fmt::format("[attraction.{}]", ++number), diagnostics_);
+  for (const text::TomlNode& node : nodes) {
+    text::TableReader t(&node, fmt::format("[attraction.{}]", ++number), diagnostics_);
     if (!t.there()) continue;
     physics::AttractionSource source;
     source.body = read_end(t, "body");
@@ -210,7 +210,7 @@ void EffectReader::find_drag() {
           density_kg_per_m3_ * drag_coefficient_ * area_across(scene_, body.shape) / (2 * body.mass);
 }
 
-void EffectReader::finish(TableReader& root) {
+void EffectReader::finish(text::TableReader& root) {
   find_drag();
   for (const auto& effect : known_effects())
     if (scene_.effects.*effect.declared && !effect.used(scene_))

@@ -7,7 +7,8 @@
 
 #include <map>
 
-#include "sim/loader/scene_load_reader.h"
+#include "rt/text/table_reader.h"
+#include "sim/model/scene.h"
 
 namespace tactus::sim {
 
@@ -16,10 +17,10 @@ inline constexpr std::size_t kMaxPathKeys = 1'000;
 
 class EffectReader {
  public:
-  EffectReader(Scene& scene, SceneDiagnostics& diagnostics) : scene_(scene), diagnostics_(diagnostics) {}
+  EffectReader(Scene& scene, text::Diagnostics& diagnostics) : scene_(scene), diagnostics_(diagnostics) {}
 
-  void read_list(TableReader& root);    // before all others
-  void read_tables(TableReader& root);  // [damping], [drag]
+  void read_list(text::TableReader& root);    // before all others
+  void read_tables(text::TableReader& root);  // [damping], [drag]
   // Surface properties in a table, for the bodies that it makes.
   struct Surface {
     double restitution{0};
@@ -28,29 +29,29 @@ class EffectReader {
     physics::Grain grain;
     physics::Ringing ringing;
   };
-  Surface read_surface(TableReader& table);
+  Surface read_surface(text::TableReader& table);
   void set_surface(BodyId id, const Surface& surface);
   // Keys of a single body: its name for joints, its script.
-  void read_body(TableReader& table, physics::Body& body);
+  void read_body(text::TableReader& table, physics::Body& body);
   void set_name(const std::string& name, BodyId id) { ids_[name] = id; }
   // Call after all bodies, since these tables refer to them.
-  void read_joints(TableReader& root);
-  void read_attraction(TableReader& root);
+  void read_joints(text::TableReader& root);
+  void read_attraction(text::TableReader& root);
   // Call last: computes derived data and warns of effects that are declared but not used.
-  void finish(TableReader& root);
+  void finish(text::TableReader& root);
 
  private:
-  bool needs(TableReader& table, const char* key, bool Effects::*effect);
-  void read_feel(TableReader& table, Surface& surface);
-  void read_script(TableReader& table, physics::Body& body);
-  void read_joint(TableReader& table);
-  BodyId read_end(TableReader& table, const char* key);
-  void read_limits(TableReader& table, physics::Joint& joint, double at_start);
-  void read_motor(TableReader& table, physics::Joint& joint);
+  bool needs(text::TableReader& table, const char* key, bool Effects::*effect);
+  void read_feel(text::TableReader& table, Surface& surface);
+  void read_script(text::TableReader& table, physics::Body& body);
+  void read_joint(text::TableReader& table);
+  BodyId read_end(text::TableReader& table, const char* key);
+  void read_limits(text::TableReader& table, physics::Joint& joint, double at_start);
+  void read_motor(text::TableReader& table, physics::Joint& joint);
   void find_drag();
 
   Scene& scene_;
-  SceneDiagnostics& diagnostics_;
+  text::Diagnostics& diagnostics_;
   double density_kg_per_m3_{0}, drag_coefficient_{0};
   std::map<std::string, BodyId> ids_;  // by name
 };

@@ -4,12 +4,12 @@
 #include <string>
 #include <utility>
 
-#include "sim/loader/scene_load_reader.h"
+#include "rt/text/table_reader.h"
 
 namespace tactus::sim {
 
 inline constexpr double kFarthest_m = 1e3;  // limit on a corner's coordinates
-inline constexpr Range kFileUnit{"a length of the file's unit", 1e-9, 1e3};
+inline constexpr text::Range kFileUnit{"a length of the file's unit", 1e-9, 1e3};
 inline constexpr std::size_t kLongestFileName = 400;
 
 // Splits "what; accepted: how" into its two halves.

@@ -11,8 +11,8 @@
 namespace tactus::sim {
 namespace {
 
-constexpr Range kStiffness{"a stiffness", 0, 1e5};
-constexpr Range kDamping{"a damping", 0, 1e4};
+constexpr text::Range kStiffness{"a stiffness", 0, 1e5};
+constexpr text::Range kDamping{"a damping", 0, 1e4};
 
 std::string table_of(const std::string& file, const std::vector<MotionRow>& rows) {
   std::string text = fmt::format("\n[[motion_file]]\nname = {}\nrows = [\n", quoted(file));
@@ -44,10 +44,10 @@ Vec3d velocity_between(const Vec3d& to, const Vec3d& from, double share_of_to) {
 
 }  // namespace
 
-void HandReader::read_kept(std::span<const TomlNode> tables) {
+void HandReader::read_kept(std::span<const text::TomlNode> tables) {
   unsigned number = 0;
-  for (const TomlNode& node : tables) {
-    TableReader t(&node, fmt::format("[motion_file.{}]", ++number), diagnostics_);
+  for (const text::TomlNode& node : tables) {
+    text::TableReader t(&node, fmt::format("[motion_file.{}]", ++number), diagnostics_);
     if (!t.there()) continue;
     t.require("name", "the name of a file, as [hand] has it");
     t.require("rows", "[time, x, y, z, w, x, y, z, time, ...]: rows of eight numbers");
@@ -60,8 +60,9 @@ void HandReader::read_kept(std::span<const TomlNode> tables) {
       wrong = fmt::format("{} numbers make no motion; accepted: two rows or more, of eight numbers", numbers.size());
     for (std::size_t i = 0; i < rows.size() && wrong.empty(); ++i) {
       for (std::size_t k = 0; k < kMotionRowWidth; ++k) {
-        const TomlNode& n = numbers[kMotionRowWidth * i + k];
-        const bool good = (n.kind == TomlKind::kNumber || n.kind == TomlKind::kInteger) && std::isfinite(n.number);
+        const text::TomlNode& n = numbers[kMotionRowWidth * i + k];
+        const bool good =
+            (n.kind == text::TomlKind::kNumber || n.kind == text::TomlKind::kInteger) && std::isfinite(n.number);
         if (!good) wrong = fmt::format("{} is not a number; accepted: finite numbers", n.shown());
         rows[i][k] = n.number;
       }
@@ -76,7 +77,7 @@ void HandReader::read_kept(std::span<const TomlNode> tables) {
   }
 }
 
-void HandReader::read(TableReader hand) {
+void HandReader::read(text::TableReader hand) {
   HandScript& script = scene_.hand;
   const bool recorded = hand.has("file");
   script.repeat = hand.flag("repeat", !recorded);  // a recording seldom ends at its start
@@ -95,14 +96,14 @@ void HandReader::read(TableReader hand) {
                 "no such key");
     hand.refuse("file", "", "");  // it is absent: this only registers it as a known key
     unsigned number = 0;
-    for (const TomlNode& node : hand.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
+    for (const text::TomlNode& node : hand.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
   }
   check_path(hand, recorded ? "file" : "path");
   hand.finish();
 }
 
-void HandReader::read_waypoint(const TomlNode& node, unsigned number) {
-  TableReader t(&node, fmt::format("[hand] path.{}", number), diagnostics_);
+void HandReader::read_waypoint(const text::TomlNode& node, unsigned number) {
+  text::TableReader t(&node, fmt::format("[hand] path.{}", number), diagnostics_);
   if (!t.there()) return;
   HandWaypoint point;
   t.require("time_s", "a number");
@@ -118,7 +119,7 @@ void HandReader::read_waypoint(const TomlNode& node, unsigned number) {
   t.finish();
 }
 
-void HandReader::read_file(TableReader& hand) {
+void HandReader::read_file(text::TableReader& hand) {
   const std::string name = hand.text("file", "", kLongestFileName);
   if (name.empty()) {
     hand.mistake("file", "is no name of a file", "a CSV file of a recorded motion");
@@ -133,7 +134,7 @@ void HandReader::read_file(TableReader& hand) {
   add_rows(rows);
 }
 
-bool HandReader::open_file(TableReader& hand, const std::string& name, std::vector<MotionRow>& rows) {
+bool HandReader::open_file(text::TableReader& hand, const std::string& name, std::vector<MotionRow>& rows) {
   if (!folder_) {
     hand.mistake("file", "only a scene that is a file itself may name one", "path");
     return false;
@@ -173,7 +174,7 @@ void HandReader::add_rows(const std::vector<MotionRow>& rows) {
   }
 }
 
-void HandReader::check_path(TableReader& hand, const char* key) {
+void HandReader::check_path(text::TableReader& hand, const char* key) {
   auto& path = scene_.hand.path;
   if (scene_.proxy == kNoBody) return;
   const Vec3d proxy = scene_.bodies[scene_.proxy].motion.pose.position;

@@ -9,8 +9,9 @@
 #include <map>
 #include <optional>
 
+#include "rt/text/table_reader.h"
 #include "sim/loader/motion_file.h"
-#include "sim/loader/scene_load_reader.h"
+#include "sim/loader/scene_load.h"
 #include "sim/model/scene.h"
 
 namespace tactus::sim {
@@ -18,26 +19,26 @@ namespace tactus::sim {
 class HandReader {
  public:
   // `folder`: file names are relative to it; none: no file is opened.
-  HandReader(Scene& scene, SceneDiagnostics& diagnostics, std::optional<std::filesystem::path> folder)
+  HandReader(Scene& scene, text::Diagnostics& diagnostics, std::optional<std::filesystem::path> folder)
       : scene_(scene), diagnostics_(diagnostics), folder_(std::move(folder)) {}
 
   // The [[motion_file]] tables of the text.
-  void read_kept(std::span<const TomlNode> tables);
+  void read_kept(std::span<const text::TomlNode> tables);
   // Call after the scene's proxy has been read.
-  void read(TableReader hand);
+  void read(text::TableReader hand);
 
   // Text to append to the source, so that it needs no file.
   const std::string& kept() const { return kept_; }
 
  private:
-  void read_waypoint(const TomlNode& node, unsigned number);
-  void read_file(TableReader& hand);
-  bool open_file(TableReader& hand, const std::string& name, std::vector<MotionRow>& rows);
+  void read_waypoint(const text::TomlNode& node, unsigned number);
+  void read_file(text::TableReader& hand);
+  bool open_file(text::TableReader& hand, const std::string& name, std::vector<MotionRow>& rows);
   void add_rows(const std::vector<MotionRow>& rows);
-  void check_path(TableReader& hand, const char* key);
+  void check_path(text::TableReader& hand, const char* key);
 
   Scene& scene_;
-  SceneDiagnostics& diagnostics_;
+  text::Diagnostics& diagnostics_;
   std::optional<std::filesystem::path> folder_;
   std::map<std::string, std::vector<MotionRow>> given_;  // from the text
   std::string kept_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/physics/shapes/hull_mass.h"
 #include "sim/geometry/hull_gap.h"
 #include "sim/geometry/mesh_files.h"
 #include "sim/geometry/shape_files.h"
@@ -14,13 +15,13 @@ namespace tactus::sim {
 namespace {
 
 // Reads positions. If an entry is not one: false, and one mistake.
-bool read_points(std::span<const TomlNode> nodes, const std::string& where, SceneDiagnostics& diagnostics,
+bool read_points(std::span<const text::TomlNode> nodes, const std::string& where, text::Diagnostics& diagnostics,
                  std::vector<Vec3d>& points) {
-  const auto is_coordinate = [](const TomlNode& n) {
-    return (n.kind == TomlKind::kNumber || n.kind == TomlKind::kInteger) && std::isfinite(n.number);
+  const auto is_coordinate = [](const text::TomlNode& n) {
+    return (n.kind == text::TomlKind::kNumber || n.kind == text::TomlKind::kInteger) && std::isfinite(n.number);
   };
-  for (const TomlNode& node : nodes) {
-    if (node.kind != TomlKind::kArray || node.items.size() != 3 ||
+  for (const text::TomlNode& node : nodes) {
+    if (node.kind != text::TomlKind::kArray || node.items.size() != 3 ||
         !std::all_of(node.items.begin(), node.items.end(), is_coordinate)) {
       diagnostics.add({node.line, node.column, where, node.shown() + " is not a place", "[x, y, z], finite numbers"});
       return false;
@@ -38,10 +39,10 @@ std::string table_of(const std::string& file, double unit_m, const std::vector<V
 
 }  // namespace
 
-void HullReader::read_kept(std::span<const TomlNode> tables) {
+void HullReader::read_kept(std::span<const text::TomlNode> tables) {
   unsigned number = 0;
-  for (const TomlNode& node : tables) {
-    TableReader t(&node, fmt::format("[hull_file.{}]", ++number), diagnostics_);
+  for (const text::TomlNode& node : tables) {
+    text::TableReader t(&node, fmt::format("[hull_file.{}]", ++number), diagnostics_);
     if (!t.there()) continue;
     t.require("name", "the name of a file, as a body has it");
     t.require("points_m", "[[x, y, z], ...]: the corners of the hull");
@@ -53,7 +54,7 @@ void HullReader::read_kept(std::span<const TomlNode> tables) {
   }
 }
 
-std::optional<HullOfBody> HullReader::read(TableReader& body) {
+std::optional<HullOfBody> HullReader::read(text::TableReader& body) {
   if (body.has("file")) {
     body.refuse("points_m", "there is a file already", "points_m or file");
     return read_file(body);
@@ -71,7 +72,7 @@ std::optional<HullOfBody> HullReader::read(TableReader& body) {
   return add(*built);
 }
 
-std::optional<HullOfBody> HullReader::read_file(TableReader& body) {
+std::optional<HullOfBody> HullReader::read_file(text::TableReader& body) {
   const FileKey key{body.text("file", "", kLongestFileName), body.number("file_unit_m", 1, kFileUnit)};
   if (key.first.empty()) {
     body.mistake("file", "is no name of a file", "a name that ends in .obj or .stl");
@@ -103,7 +104,7 @@ std::optional<HullOfBody> HullReader::read_file(TableReader& body) {
 
 // Warns if the hull fills concave or open regions of the file's surface: the user would feel a surface there that the
 // file does not have. A file with corners only has no surface to compare with.
-void HullReader::compare_with_mesh(TableReader& body, const std::filesystem::path& file, double unit_m,
+void HullReader::compare_with_mesh(text::TableReader& body, const std::filesystem::path& file, double unit_m,
                                    const BuiltHull& built) {
   auto soup = read_triangle_file(file);
   if (!soup.ok()) {
@@ -132,7 +133,7 @@ void HullReader::compare_with_mesh(TableReader& body, const std::filesystem::pat
                  "a convex shape; what is hollow or branches is built from several bodies");
 }
 
-std::optional<BuiltHull> HullReader::build(TableReader& body, const char* key, std::span<const Vec3d> points) {
+std::optional<BuiltHull> HullReader::build(text::TableReader& body, const char* key, std::span<const Vec3d> points) {
   if (scene_.hulls.size() >= kMaxSceneHulls) {
     body.mistake(key, fmt::format("is one hull more than {}", kMaxSceneHulls),
                  "fewer hulls, or bodies that share a file");
@@ -149,6 +150,15 @@ std::optional<BuiltHull> HullReader::build(TableReader& body, const char* key, s
   const auto [what, accepted] = halves_of(built.message());
   body.mistake(key, what, accepted);
   return std::nullopt;
+}
+
+std::optional<HullOfBody> HullReader::with_mass(const HullOfBody& made, const Vec3d& centre,
+                                                const SymMat3d& inertia_per_kg) {
+  BuiltHull changed{scene_.hulls[made.index], made.given_from_body, {}};
+  if (physics::set_mass_properties(centre, inertia_per_kg, changed.hull, changed.given_from_body) !=
+      physics::HullFault::kNone)
+    return std::nullopt;
+  return add(changed);
 }
 
 HullOfBody HullReader::add(const BuiltHull& built) {

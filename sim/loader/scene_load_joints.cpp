@@ -1,7 +1,7 @@
 // Reads the keys of [[joint]].
 #include <fmt/format.h>
 
-#include "sim/loader/nearest_word.h"
+#include "rt/text/nearest_word.h"
 #include "sim/loader/scene_load_effects.h"
 
 namespace tactus::sim {
@@ -12,11 +12,11 @@ using physics::Joint;
 using physics::JointKind;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr Range kPlace{"a place", -1e4, 1e4};
-constexpr Range kEffort{"a force or torque", 0, 1e9};
-constexpr Range kAngle{"an angle within half a turn", -kPi, kPi};
-constexpr Range kLength{"a length", 0, 1e3};
-constexpr Range kShift{"a distance along the axis", -1e3, 1e3};
+constexpr text::Range kPlace{"a place", -1e4, 1e4};
+constexpr text::Range kEffort{"a force or torque", 0, 1e9};
+constexpr text::Range kAngle{"an angle within half a turn", -kPi, kPi};
+constexpr text::Range kLength{"a length", 0, 1e3};
+constexpr text::Range kShift{"a distance along the axis", -1e3, 1e3};
 
 // A rotation that takes z to `axis`, a unit vector.
 Quatd rotation_to(const Vec3d& axis) {
@@ -28,25 +28,25 @@ Quatd rotation_to(const Vec3d& axis) {
 
 }  // namespace
 
-void EffectReader::read_joints(TableReader& root) {
+void EffectReader::read_joints(text::TableReader& root) {
   const auto nodes = root.array("joint", kMaxSceneJoints);
   if (!nodes.empty()) needs(root, "joint", &Effects::joints);
   unsigned number = 0;
-  for (const TomlNode& node : nodes) {
-    TableReader t(&node, fmt::format("[joint.{}]", ++number), diagnostics_);
+  for (const text::TomlNode& node : nodes) {
+    text::TableReader t(&node, fmt::format("[joint.{}]", ++number), diagnostics_);
     if (t.there()) read_joint(t);
   }
 }
 
 // The body named by the key; kNoBody if the key is absent or the name is unknown.
-BodyId EffectReader::read_end(TableReader& table, const char* key) {
+BodyId EffectReader::read_end(text::TableReader& table, const char* key) {
   const std::string name = table.text(key, "", 100);
   if (name.empty()) return kNoBody;
   const auto found = ids_.find(name);
   if (found != ids_.end()) return found->second;
   std::vector<std::string_view> names;
   for (const auto& [known, id] : ids_) names.push_back(known);
-  const auto nearest = nearest_word(name, names);
+  const auto nearest = text::nearest_word(name, names);
   table.mistake(key,
                 fmt::format("no body is called \"{}\"{}", name,
                             nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
@@ -54,7 +54,7 @@ BodyId EffectReader::read_end(TableReader& table, const char* key) {
   return kNoBody;
 }
 
-void EffectReader::read_joint(TableReader& t) {
+void EffectReader::read_joint(text::TableReader& t) {
   static constexpr const char* kKinds[] = {"fixed", "ball", "hinge", "slider", "distance"};
   if (!t.require("kind", "fixed, ball, hinge, slider, distance")) return;
   const std::string kind = t.word("kind", "", {"fixed", "ball", "hinge", "slider", "distance"});
@@ -99,8 +99,8 @@ void EffectReader::read_joint(TableReader& t) {
   if (known) scene_.effect_data.joints.push_back(joint);
 }
 
-void EffectReader::read_limits(TableReader& t, Joint& joint, double at_start) {
-  const auto between = [&](const char* low, const char* high, const Range& range) {
+void EffectReader::read_limits(text::TableReader& t, Joint& joint, double at_start) {
+  const auto between = [&](const char* low, const char* high, const text::Range& range) {
     joint.limited = t.has(low) || t.has(high);
     joint.low = t.number(low, range.low, range);
     joint.high = t.number(high, range.high, range);
@@ -118,7 +118,7 @@ void EffectReader::read_limits(TableReader& t, Joint& joint, double at_start) {
   joint.limited = true;
 }
 
-void EffectReader::read_motor(TableReader& t, Joint& joint) {
+void EffectReader::read_motor(text::TableReader& t, Joint& joint) {
   const bool turns = joint.kind == JointKind::kHinge;
   if (!turns && joint.kind != JointKind::kSlider) return;
   const char* speed = turns ? "motor_speed_rad_per_s" : "motor_speed_m_per_s";

@@ -11,10 +11,10 @@ namespace tactus::sim {
 namespace {
 
 // Reads all numbers of an array; a mistake at the first entry that is not a number.
-bool read_numbers(TableReader& table, const char* key, std::size_t longest, SceneDiagnostics& diagnostics,
+bool read_numbers(text::TableReader& table, const char* key, std::size_t longest, text::Diagnostics& diagnostics,
                   std::vector<double>& numbers) {
-  for (const TomlNode& node : table.array(key, longest)) {
-    const bool is_number = node.kind == TomlKind::kNumber || node.kind == TomlKind::kInteger;
+  for (const text::TomlNode& node : table.array(key, longest)) {
+    const bool is_number = node.kind == text::TomlKind::kNumber || node.kind == text::TomlKind::kInteger;
     if (!is_number || !std::isfinite(node.number)) {
       diagnostics.add(
           {node.line, node.column, table.name_of(key), node.shown() + " is not a number", "finite numbers"});
@@ -35,10 +35,10 @@ std::string table_of(const std::string& file, double unit_m, const TriangleSoup&
 
 }  // namespace
 
-void MeshReader::read_kept(std::span<const TomlNode> tables) {
+void MeshReader::read_kept(std::span<const text::TomlNode> tables) {
   unsigned number = 0;
-  for (const TomlNode& node : tables) {
-    TableReader t(&node, fmt::format("[mesh_file.{}]", ++number), diagnostics_);
+  for (const text::TomlNode& node : tables) {
+    text::TableReader t(&node, fmt::format("[mesh_file.{}]", ++number), diagnostics_);
     if (!t.there()) continue;
     t.require("name", "the name of a file, as a body has it");
     t.require("corners_m", "[x, y, z, x, ...]: the corners of the triangles");
@@ -68,7 +68,7 @@ void MeshReader::read_kept(std::span<const TomlNode> tables) {
   }
 }
 
-std::optional<MeshOfBody> MeshReader::read(TableReader& body) {
+std::optional<MeshOfBody> MeshReader::read(text::TableReader& body) {
   body.require("file", "the name of a file that ends in .obj or .stl");
   const FileKey key{body.text("file", "", kLongestFileName), body.number("file_unit_m", 1, kFileUnit)};
   if (!body.has("file")) return std::nullopt;
@@ -81,7 +81,7 @@ std::optional<MeshOfBody> MeshReader::read(TableReader& body) {
   return add(body, key.first, *given);
 }
 
-const MeshReader::Given* MeshReader::find(TableReader& body, const FileKey& key) {
+const MeshReader::Given* MeshReader::find(text::TableReader& body, const FileKey& key) {
   if (const auto known = given_.find(key); known != given_.end()) return &known->second;
   if (!folder_) {
     body.mistake("file", "only a scene that is a file itself may name one", "a [[mesh_file]] table of that name");
@@ -100,7 +100,7 @@ const MeshReader::Given* MeshReader::find(TableReader& body, const FileKey& key)
   return &(given_[key] = std::move(given));
 }
 
-std::optional<MeshOfBody> MeshReader::add(TableReader& body, const std::string& file, const Given& given) {
+std::optional<MeshOfBody> MeshReader::add(text::TableReader& body, const std::string& file, const Given& given) {
   for (const Vec3d& p : given.soup.corners) {
     if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest_m) continue;
     body.mistake("file", fmt::format("has a corner at [{:g}, {:g}, {:g}] m", p.x, p.y, p.z),

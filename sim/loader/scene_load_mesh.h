@@ -10,8 +10,9 @@
 #include <map>
 #include <optional>
 
+#include "rt/text/table_reader.h"
 #include "sim/geometry/mesh_builder.h"
-#include "sim/loader/scene_load_reader.h"
+#include "sim/model/scene.h"
 
 namespace tactus::sim {
 
@@ -23,14 +24,14 @@ struct MeshOfBody {
 class MeshReader {
  public:
   // `folder`: file names are relative to it; none: no file is opened.
-  MeshReader(Scene& scene, SceneDiagnostics& diagnostics, std::optional<std::filesystem::path> folder)
+  MeshReader(Scene& scene, text::Diagnostics& diagnostics, std::optional<std::filesystem::path> folder)
       : scene_(scene), diagnostics_(diagnostics), folder_(std::move(folder)) {}
 
   // The [[mesh_file]] tables of the text.
-  void read_kept(std::span<const TomlNode> tables);
+  void read_kept(std::span<const text::TomlNode> tables);
 
   // Builds the mesh from a body's file and file_unit_m. If that fails: empty, and a mistake.
-  std::optional<MeshOfBody> read(TableReader& body);
+  std::optional<MeshOfBody> read(text::TableReader& body);
 
   const physics::Mesh& mesh(std::uint32_t index) const { return scene_.meshes[index]; }
   // Text to append to the source, so that it needs no file.
@@ -43,11 +44,11 @@ class MeshReader {
     unsigned welded{0};
   };
 
-  const Given* find(TableReader& body, const FileKey& key);
-  std::optional<MeshOfBody> add(TableReader& body, const std::string& file, const Given& given);
+  const Given* find(text::TableReader& body, const FileKey& key);
+  std::optional<MeshOfBody> add(text::TableReader& body, const std::string& file, const Given& given);
 
   Scene& scene_;
-  SceneDiagnostics& diagnostics_;
+  text::Diagnostics& diagnostics_;
   std::optional<std::filesystem::path> folder_;
   std::map<FileKey, Given> given_;
   std::string kept_;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace tactus::sim {
@@ -12,23 +14,26 @@ using physics::Shape;
 using physics::ShapeKind;
 
 // Ranges of lengths and masses whose squares and inverses are far from the limits of a double, and of a float.
-constexpr Range kLength{"a length", 1e-4, 1e3};
-constexpr Range kMass{"a mass", 1e-6, 1e6};
-constexpr Range kDensity{"a density", 1e-3, 1e5};
-constexpr Range kVelocity{"a velocity", -100, 100};
-constexpr Range kAngularVelocity{"an angular velocity", -1000, 1000};
+constexpr text::Range kLength{"a length", 1e-4, 1e3};
+constexpr text::Range kMass{"a mass", 1e-6, 1e6};
+constexpr double kLeastInertia = 1e-18, kLargestInertia = 1e12;  // kg m^2
+constexpr double kFar = 1e3;                                     // m
+constexpr text::Range kDensity{"a density", 1e-3, 1e5};
+constexpr text::Range kVelocity{"a velocity", -100, 100};
+constexpr text::Range kAngularVelocity{"an angular velocity", -1000, 1000};
 
 // A shape, and the pose of its frame in the frame of the body's keys: hulls and meshes may be given in any frame.
 struct ReadShape {
   Shape shape;
   Posed given_from_body{};
   const physics::Hull* hull{nullptr};
+  std::optional<HullOfBody> made{};  // of a hull
 
   double volume() const { return hull != nullptr ? hull->volume : physics::volume_of(shape); }
 };
 
 // Empty if the shape is unknown: a mistake has been added, and the other keys cannot be checked.
-std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
+std::optional<ReadShape> read_shape(text::TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
   const bool proxy = role == BodyRole::kProxy;
   if (!table.require("shape", proxy ? "sphere, capsule, box, hull" : "box, sphere, capsule, hull, plane, mesh"))
     return std::nullopt;
@@ -40,7 +45,7 @@ std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReade
     const auto made = hulls.read(table);
     if (!made) return std::nullopt;
     const auto& hull = hulls.hull(made->index);
-    return ReadShape{Shape::convex(hull, made->index), made->given_from_body, &hull};
+    return ReadShape{Shape::convex(hull, made->index), made->given_from_body, &hull, made};
   }
   if (word == "mesh") {
     const auto made = meshes.read(table);
@@ -58,7 +63,7 @@ std::optional<ReadShape> read_shape(TableReader& table, BodyRole role, HullReade
   return ReadShape{Shape::capsule(radius, 0.5 * table.number("length_m", 0.1, kLength))};
 }
 
-double read_mass(TableReader& table, double volume_m3) {
+double read_mass(text::TableReader& table, double volume_m3) {
   const double mass = table.number("mass_kg", 1, kMass), density = table.number("density_kg_per_m3", 1000, kDensity);
   if (table.has("mass_kg") && table.has("density_kg_per_m3"))
     table.mistake("density_kg_per_m3", "there is a mass already", "mass_kg or density_kg_per_m3");
@@ -73,24 +78,87 @@ double read_mass(TableReader& table, double volume_m3) {
   return 1;
 }
 
-Vec3d read_edges(TableReader& table, const char* key, const Vec3d& fallback) {
+// The moments of inertia in a body's table, about its centre of mass along the axes of its frame; empty where there are
+// none or they are no rigid body's.
+std::optional<SymMat3d> read_inertia(text::TableReader& table) {
+  const auto list = table.array("inertia_kg_m2", 6);
+  if (!table.has("inertia_kg_m2")) return std::nullopt;
+  const char* accepted = "[xx, yy, zz] or [xx, yy, zz, xy, xz, yz], about the centre of mass";
+  double m[6]{};
+  for (std::size_t i = 0; i < list.size(); ++i) m[i] = list[i].number;
+  const bool are_numbers = std::all_of(list.begin(), list.end(), [](const text::TomlNode& node) {
+    const bool number = node.kind == text::TomlKind::kNumber || node.kind == text::TomlKind::kInteger;
+    return number && std::abs(node.number) <= kLargestInertia;
+  });
+  if ((list.size() != 3 && list.size() != 6) || !are_numbers) {
+    table.mistake("inertia_kg_m2", "is no list of moments of inertia", accepted);
+    return std::nullopt;
+  }
+  const SymMat3d inertia{m[0], m[1], m[2], m[3], m[4], m[5]};
+  // The second moment of the mass, the integral of x x^T, is positive semidefinite: its leading minors are not
+  // negative, within rounding.
+  const double half = 0.5 * (m[0] + m[1] + m[2]), a = half - m[0], b = half - m[1], c = half - m[2];
+  const double room = 1e-9 * half;
+  const double minor = (a + room) * (b + room) - m[3] * m[3];
+  const double determinant = (a + room) * ((b + room) * (c + room) - m[5] * m[5]) -
+                             m[3] * (m[3] * (c + room) + m[5] * m[4]) - m[4] * (m[3] * m[5] + (b + room) * m[4]);
+  if (std::min({m[0], m[1], m[2]}) >= kLeastInertia && std::min({a, b, c}) >= -room && minor >= 0 && determinant >= 0)
+    return inertia;
+  table.mistake("inertia_kg_m2", "no rigid body has these moments of inertia",
+                fmt::format("moments >= {:g}, none of them larger than the sum of the other two", kLeastInertia));
+  return std::nullopt;
+}
+
+// Sets what the body has instead of a homogeneous solid's mass properties; a hull then becomes one with these.
+void read_mass_properties(text::TableReader& table, HullReader& hulls, const ReadShape& known, Body& body) {
+  const auto inertia = read_inertia(table);
+  if (known.hull == nullptr) {
+    if (!inertia) return;
+    if (inertia->xy != 0 || inertia->xz != 0 || inertia->yz != 0)
+      table.mistake("inertia_kg_m2", "turned axes of inertia need a hull", "[xx, yy, zz]; or shape = \"hull\"");
+    body.inertia = {inertia->xx, inertia->yy, inertia->zz};
+    return;
+  }
+  const Vec3d centre =
+      table.vector("centre_of_mass_m", known.given_from_body.position, {"a place of the centre", -kFar, kFar});
+  if (!inertia) {
+    body.inertia = known.hull->inertia_per_kg * body.mass;
+    if (table.has("centre_of_mass_m") && !table.has("inertia_kg_m2"))
+      table.mistake("centre_of_mass_m", "there are no moments of inertia about it", "inertia_kg_m2 as well");
+    return;
+  }
+  const double per_kg = 1 / body.mass;
+  const SymMat3d scaled{inertia->xx * per_kg, inertia->yy * per_kg, inertia->zz * per_kg,
+                        inertia->xy * per_kg, inertia->xz * per_kg, inertia->yz * per_kg};
+  const auto made = hulls.with_mass(*known.made, centre, scaled);
+  if (!made) {
+    table.mistake("centre_of_mass_m", "is not inside the hull", "a place inside it");
+    return;
+  }
+  const physics::Hull& hull = hulls.hull(made->index);
+  body.shape = Shape::convex(hull, made->index);
+  body.inertia = hull.inertia_per_kg * body.mass;
+  body.motion.pose = table.pose() * made->given_from_body;
+}
+
+Vec3d read_edges(text::TableReader& table, const char* key, const Vec3d& fallback) {
   return table.vector(key, fallback, {"a size", kLength.low, kLength.high});
 }
 
-// --- the generators' own keys. Each fills the bodies if `room` suffices.
+// --- the generators' own keys. Each fills the bodies if they fit in `capacity`.
 
 template <class Spec, class Make>
-void make_if_room(TableReader& table, const Spec& spec, Make make, unsigned room, Generated& made) {
+void make_if_it_fits(text::TableReader& table, const Spec& spec, Make make, unsigned capacity, Generated& made) {
   const unsigned count = count_of(spec);
-  if (count > room) {
+  if (count > capacity) {
     table.mistake("kind", fmt::format("makes {} bodies", count),
-                  fmt::format("{} more: a scene has at most {}", room, kMaxSceneBodies));
+                  fmt::format("{} more: a scene has at most {}", capacity, kMaxSceneBodies));
     return;
   }
   made.bodies = make(spec);
 }
 
-void read_wall(TableReader& table, double friction, unsigned room, Generated& made) {
+void read_wall(text::TableReader& table, double friction, unsigned capacity, Generated& made) {
   WallSpec spec;
   spec.columns = table.count("columns", spec.columns, {"a number of bricks", 2, 1000});
   spec.rows = table.count("rows", spec.rows, {"a number of courses", 1, 1000});
@@ -103,10 +171,10 @@ void read_wall(TableReader& table, double friction, unsigned room, Generated& ma
                   "at most a fifth of a brick");
     return;
   }
-  make_if_room(table, spec, make_wall, room, made);
+  make_if_it_fits(table, spec, make_wall, capacity, made);
 }
 
-void read_pile(TableReader& table, double friction, unsigned room, Generated& made) {
+void read_pile(text::TableReader& table, double friction, unsigned capacity, Generated& made) {
   PileSpec spec;
   spec.count = table.count("count", spec.count, {"a number of cubes", 1, kMaxSceneBodies});
   spec.layers = table.count("layers", spec.layers, {"a number of layers", 1, 100});
@@ -117,20 +185,20 @@ void read_pile(TableReader& table, double friction, unsigned room, Generated& ma
   spec.wall_thickness_m = table.number("wall_thickness_m", spec.cube_m, kLength);
   spec.seed = table.seed("seed", spec.seed);
   spec.friction = friction;
-  make_if_room(table, spec, make_pile, room, made);
+  make_if_it_fits(table, spec, make_pile, capacity, made);
 }
 
-void read_tower(TableReader& table, double friction, unsigned room, Generated& made) {
+void read_tower(text::TableReader& table, double friction, unsigned capacity, Generated& made) {
   TowerSpec spec;
   spec.layers = table.count("layers", spec.layers, {"a number of layers", 1, 1000});
   spec.blocks_per_layer = table.count("blocks_per_layer", spec.blocks_per_layer, {"a number of blocks", 1, 100});
   spec.block_m = read_edges(table, "block_m", spec.block_m);
   spec.mass_kg = table.number("mass_kg", spec.mass_kg, kMass);
   spec.friction = friction;
-  make_if_room(table, spec, make_tower, room, made);
+  make_if_it_fits(table, spec, make_tower, capacity, made);
 }
 
-void read_card_house(TableReader& table, double friction, unsigned room, Generated& made) {
+void read_card_house(text::TableReader& table, double friction, unsigned capacity, Generated& made) {
   CardHouseSpec spec;
   spec.levels = table.count("levels", spec.levels, {"a number of levels", 1, 50});
   spec.card_m = read_edges(table, "card_m", spec.card_m);
@@ -153,10 +221,10 @@ void read_card_house(TableReader& table, double friction, unsigned room, Generat
   auto needs = needs_of(spec);
   made.part.foot_friction = std::move(needs.foot_friction);
   made.part.top_friction = needs.top_friction;
-  make_if_room(table, spec, make_card_house, room, made);
+  make_if_it_fits(table, spec, make_card_house, capacity, made);
 }
 
-void read_domino_row(TableReader& table, double friction, unsigned room, Generated& made) {
+void read_domino_row(text::TableReader& table, double friction, unsigned capacity, Generated& made) {
   DominoRowSpec spec;
   spec.count = table.count("count", spec.count, {"a number of dominoes", 1, kMaxSceneBodies});
   spec.domino_m = read_edges(table, "domino_m", spec.domino_m);
@@ -168,19 +236,19 @@ void read_domino_row(TableReader& table, double friction, unsigned room, Generat
                   fmt::format("a number >= {}", spec.domino_m.x));
     return;
   }
-  make_if_room(table, spec, make_domino_row, room, made);
+  make_if_it_fits(table, spec, make_domino_row, capacity, made);
 }
 
 // Copies the part in a grid centred on its pose: row by row, each copy's bodies together.
-void repeat(TableReader& table, unsigned room, Generated& made) {
+void repeat(text::TableReader& table, unsigned capacity, Generated& made) {
   const unsigned columns = table.count("copies_x", 1, {"a number of copies", 1, 1000});
   const unsigned rows = table.count("copies_y", 1, {"a number of copies", 1, 1000});
   const double pitch_m = table.number("copy_pitch_m", 1, kLength);
   const std::size_t count = std::size_t{columns} * rows;
   if (count == 1) return;
-  if (count * made.bodies.size() > room) {
+  if (count * made.bodies.size() > capacity) {
     table.mistake("copies_x", fmt::format("{} copies make {} bodies", count, count * made.bodies.size()),
-                  fmt::format("{} more: a scene has at most {}", room, kMaxSceneBodies));
+                  fmt::format("{} more: a scene has at most {}", capacity, kMaxSceneBodies));
     made.bodies.clear();
     return;
   }
@@ -197,8 +265,8 @@ void repeat(TableReader& table, unsigned room, Generated& made) {
 
 }  // namespace
 
-Body read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
-  const auto known_shape = read_shape(table, role, hulls, meshes);
+Body read_body(text::TableReader& table, BodyRole role, HullReader& hulls, MeshReader& meshes) {
+  auto known_shape = read_shape(table, role, hulls, meshes);
   if (!known_shape) {
     table.ignore_the_rest();
     return physics::make_dynamic_body(kNoBody, Shape::sphere(0.05), 1.0, 0.0, Posed{});
@@ -211,7 +279,8 @@ Body read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader&
   if (is_plane && !fixed) table.mistake("fixed", "a plane never moves", "true");
   if (is_mesh && !fixed) table.mistake("fixed", "a mesh never moves", "true; what moves is a hull, or several bodies");
   if (fixed || is_plane || is_mesh) {
-    for (const char* key : {"mass_kg", "density_kg_per_m3", "velocity_m_per_s", "angular_velocity_rad_per_s"})
+    for (const char* key : {"mass_kg", "density_kg_per_m3", "inertia_kg_m2", "centre_of_mass_m", "velocity_m_per_s",
+                            "angular_velocity_rad_per_s"})
       table.refuse(key, is_mesh ? "a mesh never moves, so it has none" : "a fixed body has none",
                    is_mesh ? "no such key; what moves is a hull, or several bodies" : "no such key");
     return physics::make_fixed_body(kNoBody, shape, friction, pose);
@@ -221,14 +290,14 @@ Body read_body(TableReader& table, BodyRole role, HullReader& hulls, MeshReader&
                           !table.has("density_kg_per_m3");
   const double mass_kg = weightless ? 1 : read_mass(table, known_shape->volume());
   auto body = physics::make_dynamic_body(kNoBody, shape, mass_kg, friction, pose);
-  if (known_shape->hull != nullptr) body.inertia = known_shape->hull->inertia_per_kg * body.mass;
+  read_mass_properties(table, hulls, *known_shape, body);
   body.motion.velocity.linear = table.vector("velocity_m_per_s", {}, kVelocity);
   body.motion.velocity.angular = table.vector("angular_velocity_rad_per_s", {}, kAngularVelocity);
   if (role == BodyRole::kProxy) body.gravity_scale = 0;
   return body;
 }
 
-Generated read_generator(TableReader& table, unsigned room) {
+Generated read_generator(text::TableReader& table, unsigned capacity) {
   Generated made;
   const auto kinds = {"wall", "pile", "tower", "card_house", "domino_row"};
   if (!table.require("kind", "wall, pile, tower, card_house, domino_row")) return made;
@@ -238,12 +307,12 @@ Generated read_generator(TableReader& table, unsigned room) {
   const Posed world_from_part = table.pose();
   made.part.kind = kind;
   made.part.friction = friction;
-  if (kind == "wall") read_wall(table, friction, room, made);
-  if (kind == "pile") read_pile(table, friction, room, made);
-  if (kind == "tower") read_tower(table, friction, room, made);
-  if (kind == "card_house") read_card_house(table, friction, room, made);
-  if (kind == "domino_row") read_domino_row(table, friction, room, made);
-  repeat(table, room, made);
+  if (kind == "wall") read_wall(table, friction, capacity, made);
+  if (kind == "pile") read_pile(table, friction, capacity, made);
+  if (kind == "tower") read_tower(table, friction, capacity, made);
+  if (kind == "card_house") read_card_house(table, friction, capacity, made);
+  if (kind == "domino_row") read_domino_row(table, friction, capacity, made);
+  repeat(table, capacity, made);
   for (auto& body : made.bodies) body.motion.pose = world_from_part * body.motion.pose;
   made.part.count = static_cast<unsigned>(made.bodies.size());
   table.finish();

@@ -85,10 +85,9 @@ void add_mesh_contacts(const Scene& scene, const Body& a, const Body& b, double 
   const auto patch_of = [&](std::size_t i) { return mesh.triangles[triangles[i]].patch; };
   for (std::size_t first = 0, end = 0; first < triangles.size(); first = end) {
     while (end < triangles.size() && patch_of(end) == patch_of(first)) ++end;
-    count_contact(physics::collide_patch(a.shape, a.motion.pose, b.motion.pose, mesh,
-                                         std::span<const std::uint32_t>(triangles.subspan(first, end - first)),
-                                         margin_m, scene.hulls),
-                  a, b, start);
+    const physics::PosedPatch patch{
+        .mesh = mesh, .world_from_mesh = b.motion.pose, .triangles = triangles.subspan(first, end - first)};
+    count_contact(physics::collide_patch(posed_shape(a), patch, {.margin = margin_m}, scene.hulls), a, b, start);
   }
 }
 
@@ -96,11 +95,24 @@ void add_mesh_contacts(const Scene& scene, const Body& a, const Body& b, double 
 void add_contact(const Scene& scene, const Body& a, const Body& b, double margin_m, StartContacts& start) {
   if (b.shape.kind == ShapeKind::kMesh) return add_mesh_contacts(scene, a, b, margin_m, start);
   physics::AxisCache cache;
-  count_contact(physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, margin_m, cache, scene.hulls), a, b,
+  count_contact(physics::collide(posed_shape(a), posed_shape(b), {.margin = margin_m}, cache, scene.hulls), a, b,
                 start);
 }
 
+// Pairs that a joint keeps from colliding, the lower id first, sorted.
+std::vector<std::pair<BodyId, BodyId>> joined_pairs(const Scene& scene) {
+  std::vector<std::pair<BodyId, BodyId>> pairs;
+  for (const auto& joint : scene.effect_data.joints)
+    if (!joint.bodies_collide) pairs.emplace_back(std::min(joint.a, joint.b), std::max(joint.a, joint.b));
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
 StartContacts find_start_contacts(const Scene& scene) {
+  const auto joined = joined_pairs(scene);
+  const auto are_joined = [&joined](const Body& a, const Body& b) {
+    return std::binary_search(joined.begin(), joined.end(), std::pair(std::min(a.id, b.id), std::max(a.id, b.id)));
+  };
   const double margin_m = physics::StepSettings{}.min_margin;
   std::vector<const Body*> dynamic, fixed;
   std::vector<physics::Aabb> bounds;
@@ -117,12 +129,14 @@ StartContacts find_start_contacts(const Scene& scene) {
   std::sort(pairs.begin(), pairs.end(), [](const auto& p, const auto& q) {
     return std::pair(std::min(p.a, p.b), std::max(p.a, p.b)) < std::pair(std::min(q.a, q.b), std::max(q.a, q.b));
   });
-  for (const auto& pair : pairs)
-    add_contact(scene, *dynamic[std::min(pair.a, pair.b)], *dynamic[std::max(pair.a, pair.b)], margin_m, start);
+  for (const auto& pair : pairs) {
+    const Body &a = *dynamic[std::min(pair.a, pair.b)], &b = *dynamic[std::max(pair.a, pair.b)];
+    if (!are_joined(a, b)) add_contact(scene, a, b, margin_m, start);
+  }
   for (const auto* f : fixed) {
     const auto box = bounds_of(f->shape, f->motion.pose, 0.5 * margin_m);
     for (std::size_t i = 0; i < dynamic.size(); ++i)
-      if (box.overlaps(bounds[i])) add_contact(scene, *dynamic[i], *f, margin_m, start);
+      if (box.overlaps(bounds[i]) && !are_joined(*dynamic[i], *f)) add_contact(scene, *dynamic[i], *f, margin_m, start);
   }
   return start;
 }

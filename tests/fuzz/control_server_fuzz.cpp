@@ -1,6 +1,6 @@
 // Any bytes are what somebody sends to a running controller's control socket: the server survives, answers with one
-// JSON object, repeats at most kLongestEcho of the bytes, and serves the next one. What follows the first line is the
-// configuration that "reload" finds.
+// JSON object, repeats at most kLongestEcho of the bytes, and serves the next one; no pace is beyond its bounds. What
+// follows the first line is the configuration that "reload" finds.
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -17,8 +17,8 @@ using namespace tactus;
 
 namespace {
 
-// "\u0000" is how JSON writes the longest byte; the rest is the answer's own words.
-constexpr std::size_t kLongestAnswer = 6 * service::kLongestEcho + 160;
+// "\u0000" is how JSON writes the longest byte; the rest is the answer's own words, the list of requests above all.
+constexpr std::size_t kLongestAnswer = 6 * service::kLongestEcho + 256;
 
 void require(bool holds) {
   if (!holds) std::abort();
@@ -28,11 +28,13 @@ struct Controller {
   Controller() {
     require(mkdtemp(folder) != nullptr);
     socket = std::string(folder) + "/control";
-    auto opened = service::ControlServer::open(socket, requests, stop, [this](std::string& said) {
-      const auto read = service::parse_configuration(configuration, "fuzz");
-      said = "read";
-      return read.status();
-    });
+    auto opened = service::ControlServer::open(socket, requests, stop,
+                                               [this](std::string& said) {
+                                                 const auto read = service::parse_configuration(configuration, "fuzz");
+                                                 said = "read";
+                                                 return read.status();
+                                               },
+                                               true, {.pacing = &pacing, .hand = &hand});
     require(opened.ok());
     server = std::move(opened).value();
     server->tell(R"({"ok":true})");
@@ -46,6 +48,8 @@ struct Controller {
   std::string socket, configuration;
   std::atomic<std::uint32_t> requests{0};
   std::atomic<bool> stop{false};
+  service::Pacing pacing;
+  session::HandInput hand;
   std::unique_ptr<service::ControlServer> server;
 };
 
@@ -80,6 +84,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto parsed = nlohmann::json::parse(answer, nullptr, /*allow_exceptions=*/false);
   require(parsed.is_object() && parsed.contains("ok") && parsed["ok"].is_boolean());
   require(sent.starts_with("reload") || answer.size() <= kLongestAnswer);
+  const double pace = controller.pacing.pace.load();
+  require(pace == 0 || (pace >= service::kMinPace && pace <= service::kMaxPace));
   require(answer_to(controller.socket, "state\n") == "{\"ok\":true}\n");
   return 0;
 }

@@ -19,7 +19,8 @@ void check_message(std::string_view text) {
   const auto message = parse_message(text);
   if (!message.ok()) return require(message.message().find('\n') == std::string::npos);
   require(text.size() <= kLongestMessage);
-  require((message.value().acknowledged != 0) == message.value().ask.empty());
+  const auto& said = message.value();
+  require((said.acknowledged != 0) + !said.ask.empty() + said.hand.has_value() == 1);
 }
 
 }  // namespace

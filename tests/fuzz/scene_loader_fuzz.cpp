@@ -8,7 +8,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactus;
-  sim::SceneDiagnostics diagnostics;
+  text::Diagnostics diagnostics;
   const auto scene = sim::parse_scene({reinterpret_cast<const char*>(data), size}, "scenes/fuzz.toml", &diagnostics);
   TACTUS_CHECK(scene.ok() == diagnostics.ok(), scene.ok(), diagnostics.mistakes.size());
   if (!scene.ok()) {

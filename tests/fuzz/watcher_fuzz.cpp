@@ -21,7 +21,8 @@ Header good_header() {
   header.tape_version = tactus::loop::kTapeVersion;
   header.bodies = 1;
   header.text_offset = sizeof header;
-  header.frames_offset = 4096;
+  header.state_offset = 4096;
+  header.frames_offset = header.state_offset + sizeof(StateSlot);
   header.frame_stride = rounded(slot_bytes(header.bodies), 4096);
   header.ticks_offset = header.frames_offset + kFrameSlots * header.frame_stride;
   header.tick_stride = sizeof(TickEntry);
@@ -33,17 +34,21 @@ Header good_header() {
 
 }  // namespace
 
-// The first bytes replace the header's, from its ninth on; the rest is the first frame.
+// The first bytes replace the header's, from its ninth on; the rest is the first frame, and what the run
+// says of itself.
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   Header header = good_header();
   const std::size_t of_header = std::min(size, sizeof header - 8);
-  const std::uint64_t bytes = header.bytes, frame_at = header.frames_offset;
+  const std::uint64_t bytes = header.bytes, frame_at = header.frames_offset, state_at = header.state_offset;
   std::memcpy(reinterpret_cast<unsigned char*>(&header) + 8, data, of_header);
   const int memory = memfd_create("fuzz", MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (memory < 0 || ftruncate(memory, static_cast<off_t>(bytes)) != 0) std::abort();
   if (pwrite(memory, &header, sizeof header, 0) != sizeof header) std::abort();
   const std::size_t of_frame = size - of_header;
   if (pwrite(memory, data + of_header, of_frame, static_cast<off_t>(frame_at)) != static_cast<ssize_t>(of_frame))
+    std::abort();
+  const std::size_t of_state = std::min(of_frame, sizeof(StateSlot));
+  if (pwrite(memory, data + of_header, of_state, static_cast<off_t>(state_at)) != static_cast<ssize_t>(of_state))
     std::abort();
   if (fcntl(memory, F_ADD_SEALS, F_SEAL_SHRINK) != 0) std::abort();
   auto opened = Watcher::open(memory);
@@ -53,5 +58,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   if (opened.value()->read_frame(frame) && frame.contacts.size() > kMaxContacts) std::abort();
   (void)opened.value()->read_ticks(ticks, 16);
   if (ticks.size() > 16) std::abort();
+  std::string state;
+  if (opened.value()->read_state(state) && state.size() > sizeof(StateSlot)) std::abort();
   return 0;
 }

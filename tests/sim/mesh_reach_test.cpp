@@ -48,7 +48,7 @@ TEST_CASE("A triangle that a body cannot reach has no contact with it, neither n
     const physics::Body& body = made_case.body;
     const physics::MotionBound& bound = made_case.bound;
     const Posed& now = body.motion.pose;
-    const physics::MeshReach reach(made.mesh, body, now, bound, {}, settings, hulls);
+    const physics::MeshReach reach(made.mesh, {.shape = body.shape, .pose = now}, bound, {}, settings, hulls);
     const Posed then{now.position + random(0, 1) * bound.advance, now.rotation};
     for (std::uint32_t t = 0; t < made.mesh.triangles.size(); ++t) {
       if (reach.reaches(t)) {
@@ -59,7 +59,7 @@ TEST_CASE("A triangle that a body cannot reach has no contact with it, neither n
       const std::uint32_t alone[] = {t};
       INFO("case " << n << ", triangle " << t << ", shape " << int(body.shape.kind));
       const auto touches = [&](const Posed& pose) {
-        const auto m = physics::collide_patch(body.shape, pose, {}, made.mesh, alone, 0.0, hulls);
+        const auto m = physics::collide_patch({body.shape, pose}, {made.mesh, {}, alone}, {.margin = 0.0}, hulls);
         return m.count > 0;
       };
       const auto& patch = made.mesh.patches[made.mesh.triangles[t].patch];

@@ -5,9 +5,14 @@
 #include <cstdint>
 #include <random>
 
+#include "rt/base/sanitizer.h"
 #include "rt/base/spatial.h"
 
 namespace tactus::test {
+
+// How often a property is tried. Under the address sanitizer, where each try takes ten times as long, a tenth: it
+// watches what is done, which is the same in each, and the other builds judge what comes out.
+constexpr int tries(int count) { return TACTUS_ADDRESS_SANITIZER ? (count + 9) / 10 : count; }
 
 // 64-bit linear congruential generator, constants of Knuth's MMIX.
 class Congruential {

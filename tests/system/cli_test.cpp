@@ -1,7 +1,6 @@
 // The command line: what is wrong is one line on stderr, with the exit status that says what kind of wrong.
-#include <sys/wait.h>
-
 #include <unistd.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -10,13 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/run_command.h"
+
 using Catch::Matchers::Contains;
 
 namespace {
 
-struct Output {
-  int exit_code{-1};
-  std::string out, err;
+struct Output : tactus::test::CommandOutput {
+  std::string err;
 };
 
 // A file of its own for each process: ctest runs cases side by side.
@@ -27,13 +27,7 @@ std::string temporary(const std::string& name) {
 // by: a command that runs it, none if empty.
 Output run(const std::string& arguments, const std::string& by = "") {
   const std::string error_file = temporary(".err");
-  FILE* pipe = popen((by + " " + TACTUS_PROGRAM + " " + arguments + " 2>" + error_file).c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  Output output;
-  char buffer[4096];
-  for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.out.append(buffer, n);
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) output.exit_code = WEXITSTATUS(status);
+  Output output{tactus::test::run_command(by + " " + TACTUS_PROGRAM + " " + arguments + " 2>" + error_file), {}};
   std::ifstream errors(error_file);
   output.err.assign(std::istreambuf_iterator<char>(errors), {});
   std::filesystem::remove(error_file);
@@ -67,13 +61,18 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
       {"hil --device usb --virtual-time", "tactus hil: --virtual-time: usb keeps real time; accepted: "},
       {"hil --device sim --force 1000", "tactus hil: --force: 1000 is out of range; accepted: "},
       {"hil --device sim --rate 1", "tactus hil: --rate: 1 is out of range; accepted: "},
+      {"device", "tactus device: no command; accepted: ask, new, calibrate"},
+      {"device ask", "tactus device ask: --device is required; accepted: "},
       {"timing --load gpu", "tactus timing: --load: 'gpu' is none; accepted: none, cpu, memory, stress-ng"},
       {"timing --duration 1", "tactus timing: --duration: 1 is out of range; accepted: 3 to 1e6 s"},
       {"timing --against rtla", "tactus timing: "},
       {"export", "tactus export: TAPE is required"},
       {"export /nowhere.tape", "tactus export: no output; accepted: "},
       {"run", "tactus run: SCENE is required; accepted: "},
-      {"run --virtual-time --control x " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml", "tactus run: --control: "},
+      {"run --ratio 10.0 x.toml",
+       "tactus run: --ratio: '10.0' is none; accepted: a whole number, 0 or more: haptic ticks"},
+      {"run --pace 1 " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml", "tactus run: --pace: "},
+      {"run --hand pointer --device usb " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml", "tactus run: --hand pointer: "},
       {"run --config /nowhere.toml", "/nowhere.toml: the file: cannot be read; accepted: "},
       {"run --budget /nowhere.json " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml",
        "tactus run: --budget: /nowhere.json: no such file; accepted: "},

@@ -1,6 +1,5 @@
 // Same tape, same bits: twice, of every build, virtual and real time, with and without recording.
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "sim/model/choice_names.h"
+#include "tests/support/run_command.h"
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
 #include "tools/session/realtime_run.h"
@@ -38,14 +38,10 @@ std::pair<haptics::CouplingScheme, physics::BorderMode> any_coupling_and_border(
 }
 
 std::string program_output(const std::string& command) {
-  FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  std::string text;
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
   INFO(command);
-  REQUIRE(pclose(pipe) == 0);
-  return text;
+  const test::CommandOutput output = test::run_command(command);
+  REQUIRE(output.exit_code == 0);
+  return output.out;
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include "sim/loader/scene_load.h"
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
-#include "tools/session/device_choice.h"
 #include "tools/session/open_device.h"
 #include "tools/session/replay.h"
 #include "tools/session/stolen_time.h"
@@ -13,37 +12,6 @@
 using namespace tactus;
 using namespace tactus::test;
 using Catch::Matchers::Contains;
-using session::DeviceKind;
-
-TEST_CASE(
-    "the device option names the simulated device, USB with or without a serial number, CAN with or without a node") {
-  const auto choice = [](const char* text) {
-    const auto parsed = session::parse_device_choice(text);
-    INFO(text << ": " << parsed.message());
-    REQUIRE(parsed.ok());
-    return parsed.value();
-  };
-  CHECK(choice("sim").kind == DeviceKind::kSimulated);
-  CHECK_FALSE(choice("sim").is_real());
-  CHECK(choice("usb").kind == DeviceKind::kUsb);
-  CHECK(choice("usb").serial.empty());
-  CHECK(choice("usb:A1:7").serial == "A1:7");
-  CHECK(choice("can:can0").interface == "can0");
-  CHECK(choice("can:can0").node == 0);  // the description's
-  CHECK(choice("can:vcan12:127").interface == "vcan12");
-  CHECK(choice("can:vcan12:127").node == 127);
-}
-
-TEST_CASE("a device option that names nothing is one line that says what is accepted") {
-  for (const char* text : {"", "usbx", "sim:1", "usb:", "can", "can:", "can::1", "can:can0:", "can:can0:0",
-                           "can:can0:128", "can:can0:1x", "can:can0:-1", "can:an_interface_of_16", "SIM"}) {
-    const auto parsed = session::parse_device_choice(text);
-    INFO(text);
-    REQUIRE_FALSE(parsed.ok());
-    CHECK_THAT(parsed.message(), Contains("--device: ") && Contains("accepted: sim, usb, usb:SERIAL, can:IFACE"));
-    CHECK(parsed.message().find('\n') == std::string::npos);
-  }
-}
 
 TEST_CASE("what a real device cannot do is refused before anything is opened") {
   session::RunOptions options;
@@ -60,9 +28,6 @@ TEST_CASE("what a real device cannot do is refused before anything is opened") {
   options = {};
   options.gpio = "estop=0";
   CHECK_THAT(check_options(options).message(), Contains("--gpio") && Contains("accepted: "));
-  options = {};
-  options.device_file = "my.toml";
-  CHECK_THAT(check_options(options).message(), Contains("--device-file") && Contains("accepted: "));
 }
 
 TEST_CASE("a tape brings back every property of the device, to the bit") {

@@ -1,8 +1,9 @@
 // A whole run on a device behind a link: the same frames as on a cable, the firmware at the other end in this process.
+#include "hal/classes/on_link.h"
 #include "hal/loopback_link.h"
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/replay.h"
 
@@ -29,7 +30,7 @@ struct LinkedRun {
         std::make_unique<hal::LoopbackLink>(profile, pressing_hand(), kPeriod_ns, hal::LoopbackLink::Stamp::kClock));
     loopback = link->as<hal::LoopbackLink>();
     session::Hardware hardware;
-    auto same_device = session::remember_device(*link);
+    auto same_device = hal::remember_device(*link);
     REQUIRE(same_device.ok());
     hardware.same_device = std::move(same_device).value();
     hardware.device = std::make_unique<hal::AnyDevice>(std::make_unique<Device>(profile, kPeriod_ns, std::move(link)));

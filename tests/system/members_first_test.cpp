@@ -20,7 +20,7 @@ double depth_in_outsiders(const session::Session& session) {
   for (const auto& body : bodies) {
     if (body.id == session.scene.proxy || members.find(body.id) != nullptr) continue;
     physics::AxisCache cache;
-    const auto manifold = physics::collide(proxy->shape, felt, body.shape, body.motion.pose, 0.0, cache);
+    const auto manifold = physics::collide({proxy->shape, felt}, posed_shape(body), {.margin = 0.0}, cache);
     for (std::uint32_t i = 0; i < manifold.count; ++i) deepest = std::max(deepest, -manifold.points[i].separation);
   }
   return deepest;

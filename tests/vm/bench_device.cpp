@@ -10,9 +10,6 @@
 // `hand restart`; `restart N` ends the device's program for N periods, motors off, and begins it anew; `report` prints
 // the truth so far; `quit`. What happens is told as lines on standard output, see
 // simulated_board.h.
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -22,7 +19,7 @@
 #include "firmware/boards/linux/linux_program.h"
 #include "firmware/boards/linux_can/can_device_link.h"
 #include "firmware/boards/linux_usb/usb_gadget_link.h"
-#include "sim/loader/scene_load.h"
+#include "tests/vm/bench_parts.h"
 #include "tests/vm/hostile_link.h"
 #include "tests/vm/simulated_board.h"
 
@@ -30,11 +27,6 @@ namespace tactus::vm {
 namespace {
 
 constexpr int kHaltPriority = 98;
-
-[[noreturn]] void fail(const std::string& message) {
-  std::fprintf(stderr, "bench_device: %s\n", message.c_str());
-  std::exit(2);
-}
 
 struct Options {
   std::string link, scene, control, serial{"BENCH-1"}, gpio_chip{"gpiochip0"};
@@ -47,81 +39,18 @@ Options read_options(int argc, char** argv) {
   if (argc < 2) fail("no link; accepted: usb, can:IFACE, can-fd:IFACE");
   Options options;
   options.link = argv[1];
-  for (int i = 2; i + 1 < argc; i += 2) {
-    const std::string_view name = argv[i];
-    const char* value = argv[i + 1];
-    if (name == "--scene")
-      options.scene = value;
-    else if (name == "--control")
-      options.control = value;
-    else if (name == "--serial")
-      options.serial = value;
-    else if (name == "--gpio-chip")
-      options.gpio_chip = value;
-    else if (name == "--rate")
-      options.rate_Hz = static_cast<unsigned>(std::atoi(value));
-    else if (name == "--hand")
-      options.still = std::string_view(value) == "still";
-    else if (name == "--stop-line")
-      options.stop_line = std::atoi(value);
-    else if (name == "--priority")
-      options.priority = std::atoi(value);
-    else
-      fail("unknown option " + std::string(name));
-  }
+  read_pairs(argc, argv, 2,
+             {{"--scene", into(options.scene)},
+              {"--control", into(options.control)},
+              {"--serial", into(options.serial)},
+              {"--gpio-chip", into(options.gpio_chip)},
+              {"--rate", into(options.rate_Hz)},
+              {"--hand", [&](const char* value) { options.still = std::string_view(value) == "still"; }},
+              {"--stop-line", into(options.stop_line)},
+              {"--priority", into(options.priority)}});
   if (options.rate_Hz < 1 || options.rate_Hz > 10'000) fail("--rate: accepted: 1 to 10000");
   return options;
 }
-
-sim::Scene read_scene(const std::string& file) {
-  auto scene = sim::load_scene(file);
-  if (!scene.ok()) fail(scene.message());
-  return std::move(scene).value();
-}
-
-// The scene says where the hand goes in the world; the device wants it in its own frame.
-hal::HandModel hand_of(const sim::Scene& scene, bool still) {
-  const Posed device_from_world = inverse(scene.device.world_from_device);
-  std::vector<hal::HandWaypoint> path;
-  for (const sim::HandWaypoint& point : scene.hand.path) {
-    const Quatd turn = device_from_world.rotation * quat_from_rotation_vector(point.rotation_vector_rad);
-    path.push_back({point.time_s, (device_from_world * point.position_m) * (1.0 / scene.device.motion_scale),
-                    hal::rotation_vector_of(turn)});
-  }
-  if (still) path.resize(std::min<std::size_t>(path.size(), 1));
-  hal::HandParameters parameters;
-  parameters.stiffness_N_per_m = scene.hand.stiffness_N_per_m;
-  parameters.damping_Ns_per_m = scene.hand.damping_Ns_per_m;
-  parameters.mass_kg = scene.hand.mass_kg;
-  parameters.stiffness_Nm_per_rad = scene.hand.stiffness_Nm_per_rad;
-  parameters.damping_Nms_per_rad = scene.hand.damping_Nms_per_rad;
-  parameters.repeat = scene.hand.repeat;
-  return hal::HandModel(parameters, path);
-}
-
-// Lines from the FIFO as they come; never waits.
-class ControlLines {
- public:
-  explicit ControlLines(const std::string& fifo) {
-    // Both directions, so that a writer that closes it is not an end of file.
-    if (!fifo.empty() && (file_ = open(fifo.c_str(), O_RDWR | O_NONBLOCK)) < 0) fail("cannot open " + fifo);
-  }
-  bool next(std::string& line) {
-    char byte;
-    while (file_ >= 0 && read(file_, &byte, 1) == 1) {
-      if (byte == '\n') {
-        line = std::exchange(partial_, {});
-        return true;
-      }
-      partial_ += byte;
-    }
-    return false;
-  }
-
- private:
-  int file_{-1};
-  std::string partial_;
-};
 
 template <class Link>
 bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, SimulatedBoard& board,

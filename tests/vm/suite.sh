@@ -8,16 +8,16 @@
 # counts as neither, and makes the exit status 3.
 side_by_side=(debian usb can fd)
 declare -A scenarios_of=(
-  [usb]='drivers user:usb programs:usb faults:usb recovery:usb hostile:usb house:usb hil:usb'
-  [can]='user:can programs:can faults:can recovery:can hostile:can house:can hil:can'
-  [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd'
+  [usb]='drivers user:usb programs:usb faults:usb recovery:usb hostile:usb house:usb hil:usb falcon:usb'
+  [can]='user:can programs:can faults:can recovery:can hostile:can house:can hil:can arms:can'
+  [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd arms:can-fd own_device:can-fd'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 # With --quick: each scenario once, on one of the links.
 declare -A quick_scenarios_of=(
-  [usb]='drivers user:usb programs:usb house:usb'
-  [can]='faults:can hil:can'
-  [fd]='recovery:can-fd hostile:can-fd'
+  [usb]='drivers user:usb programs:usb house:usb falcon:usb'
+  [can]='faults:can hil:can arms:can'
+  [fd]='recovery:can-fd hostile:can-fd own_device:can-fd'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 guest_tools=(candump cansend cangen)
@@ -38,12 +38,13 @@ run_guest() {
   scratch=$work_folder/$name
   mkdir -p "$scratch/root/etc"
   : >"$logs/vm-$name.log"
-  for file in "$build/tools/tactus" "$build"/tests/vm/{bench_device,ask_device} \
-    "$build"/firmware/boards/tactus_device_{usb,can} $(guest_programs); do
+  for file in "$build/tools/tactus" "$build"/tests/vm/{bench_device,bench_drives,bench_falcon,ask_device} \
+    "$build"/firmware/boards/tactus_device_{usb,can} "$build/tests/device_in_c/device_can_fd" $(guest_programs); do
     add_file "$file"
   done
   for file in "${guest_tools[@]}"; do add_file "$(command -v "$file")"; done
-  for file in "$bench"/guest/{suite,provoke,lib.sh} "$bench/press.toml" "$root/sim/scenes/card_house.toml"; do
+  for file in "$bench"/guest/{suite,provoke,lib.sh} "$bench/press.toml" "$root/sim/scenes/card_house.toml" \
+    "$root"/hal/devices/{point_arm_drives,wristed_arm_moteus}.toml; do
     add_file "$file" "bench/$(basename "$file")"
   done
   for file in "$bench"/scenarios/*.sh; do add_file "$file" "bench/scenarios/$(basename "$file")"; done

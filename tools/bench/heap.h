@@ -19,7 +19,8 @@ struct Heap {
   physics::StepReport report;
 
   explicit Heap(std::uint32_t cubes, physics::SweepPrecision precision = physics::SweepPrecision::kFull)
-      : world({cubes, 1, 16 * cubes + 256, 8 * cubes + 256, 0}, {}, {}, {}, precision),
+      : world({.bodies = cubes, .fixed_bodies = 1, .pairs = 16 * cubes + 256, .contacts = 8 * cubes + 256}, {}, {}, {},
+              precision),
         pair_cache(cubes, 16 * cubes + 256) {
     set_denormals_flush();
     settings.gravity = {0.0, 0.0, -9.81};

@@ -40,7 +40,7 @@ void boxes_collide(benchmark::State& state) {
     if (!remembers) cache = {};
     benchmark::DoNotOptimize(lower);
     benchmark::DoNotOptimize(upper);
-    const auto manifold = physics::collide(box, lower, box, upper, 0.01, cache);
+    const auto manifold = physics::collide({box, lower}, {box, upper}, {.margin = 0.01}, cache);
     points = manifold.count;
     benchmark::DoNotOptimize(points);
   }

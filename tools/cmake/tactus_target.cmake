@@ -1,6 +1,12 @@
 # Flags that every target of the project gets, and why.
-if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
-  message(FATAL_ERROR "tactus builds for x86-64-v3; this machine is ${CMAKE_SYSTEM_PROCESSOR}")
+# The same bits on every machine of the instruction set, Debug or Release: never the build machine's own set, and no
+# multiply-add that the source does not say. Both sets give the same bits (tests/aarch64).
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  set(instruction_set -march=x86-64-v3 -mno-fma)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  set(instruction_set -march=armv8-a)
+else()
+  message(FATAL_ERROR "tactus builds for x86-64-v3 and for aarch64; this machine is ${CMAKE_SYSTEM_PROCESSOR}")
 endif()
 
 add_library(tactus_flags INTERFACE)
@@ -8,9 +14,9 @@ target_compile_options(tactus_flags INTERFACE
   -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror
   # gcc 12 sees an overlap in std::string's own operator+ (GCC bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
-  # The same bits on every machine of the instruction set, Debug or Release: never the build machine's own set,
-  # and no multiply-add that the source does not say.
-  -march=x86-64-v3 -mno-fma -ffp-contract=off)
+  ${instruction_set} -ffp-contract=off
+  # What may go into a shared library is inlined as in a program: nobody replaces our functions at load time.
+  $<$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>:-fno-semantic-interposition>)
 target_compile_features(tactus_flags INTERFACE cxx_std_20)
 target_include_directories(tactus_flags INTERFACE ${PROJECT_SOURCE_DIR})
 if(TACTUS_SANITIZE)

@@ -22,7 +22,7 @@ _tactus() {
   if [[ -n $values ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$values" -- "$word")
   elif [[ $word == -* ]]; then
-    mapfile -t COMPREPLY < <(compgen -W "$(grep -oE '^ +(-h,)?--[a-z][a-z0-9-]*' <<<"$help" | grep -oE -- '--.*' | sort -u)" -- "$word")
+    mapfile -t COMPREPLY < <(compgen -W "$(grep -oE '^ +(-[a-z],)?--[a-z][a-z0-9-]*' <<<"$help" | grep -oE -- '--.*' | sort -u)" -- "$word")
   elif [[ ${path[*]} == control ]]; then
     mapfile -t COMPREPLY < <(compgen -W 'state arm rearm disarm reset reload stop' -- "$word")
   else

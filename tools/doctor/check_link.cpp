@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "hal/can/can_interface.h"
 #include "tools/doctor/checks.h"
 
@@ -52,9 +54,8 @@ Finding check_usb(const CheckContext& context) {
              "plug it in and switch it on; lsusb shows what is there");
 }
 
-Finding check_can(const CheckContext& context) {
+Finding check_can(const CheckContext& context, const std::string& name) {
   if (!context.system.is_this_machine()) return amber("can", "not in a recorded tree", "ask on the machine itself");
-  const std::string& name = context.request.can_interface;
   const auto interface = hal::find_can_interface(name);
   if (!interface.ok())
     return red("can", interface.message(), "load the controller's driver; ip link shows what is there");
@@ -80,11 +81,15 @@ std::vector<std::string> bus_interrupt_lines(const CheckContext& context) {
     return name ? lines_of_usb_bus(system, system.read(kUsbDevices + *name + "/busnum").value_or("0"))
                 : std::vector<std::string>{};
   }
-  if (context.request.can_interface.empty()) return {};
-  const std::string controller = "/sys/class/net/" + context.request.can_interface + "/device";
-  // A USB adapter uses the interrupt of that bus's controller.
-  if (const auto bus = system.read(controller + "/../busnum")) return lines_of_usb_bus(system, *bus);
-  return lines_of(system, controller);
+  std::vector<std::string> lines;
+  for (const std::string& interface : context.request.can_interfaces) {
+    const std::string controller = "/sys/class/net/" + interface + "/device";
+    // A USB adapter uses the interrupt of that bus's controller.
+    const auto bus = system.read(controller + "/../busnum");
+    for (std::string& line : bus ? lines_of_usb_bus(system, *bus) : lines_of(system, controller))
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(std::move(line));
+  }
+  return lines;
 }
 
 // Bound to one core, a frame's interrupt waits only for the loop; distributed over several cores, for their other work.

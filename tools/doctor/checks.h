@@ -38,7 +38,7 @@ Finding check_gpio(const CheckContext& context);
 
 // --- the device's link (check_link.cpp)
 Finding check_usb(const CheckContext& context);
-Finding check_can(const CheckContext& context);
+Finding check_can(const CheckContext& context, const std::string& interface);
 Finding check_bus_interrupt(const CheckContext& context);  // core of the controller's interrupt; only if it has one
 // Interrupt line numbers of the device's controller; empty: it has none, or no link was requested.
 std::vector<std::string> bus_interrupt_lines(const CheckContext& context);

@@ -25,7 +25,7 @@ Report examine(const SystemView& system, const Request& request) {
   const CheckContext context{system, request, report.cpu};
   for (const Check check : kAlways) report.findings.push_back(check(context));
   if (request.usb) report.findings.push_back(check_usb(context));
-  if (!request.can_interface.empty()) report.findings.push_back(check_can(context));
+  for (const std::string& interface : request.can_interfaces) report.findings.push_back(check_can(context, interface));
   if (!bus_interrupt_lines(context).empty()) report.findings.push_back(check_bus_interrupt(context));
   if (request.gpio) report.findings.push_back(check_gpio(context));
   return report;

@@ -26,8 +26,8 @@ struct Finding {
 struct Request {
   int cpu{-1};  // the core of the haptic thread; -1: the last one that this process may use
   double rate_Hz{1000};
-  std::string can_interface;  // empty: CAN is not used
-  bool usb{false};            // the device is on USB
+  std::vector<std::string> can_interfaces;  // empty: CAN is not used
+  bool usb{false};                          // the device is on USB
   bool gpio{false};
 };
 

@@ -99,7 +99,9 @@ class BulletEngine final : public Engine {
     states.reserve(cubes_);
     for (std::size_t i = 0; i < cubes_; ++i) {
       const Posed pose = from_bullet(bodies_[i]->getWorldTransform());
-      states.push_back({pose.position, from_bullet(bodies_[i]->getLinearVelocity()), pose.rotation});
+      states.push_back({.position = pose.position,
+                        .velocity = from_bullet(bodies_[i]->getLinearVelocity()),
+                        .rotation = pose.rotation});
     }
     return states;
   }

@@ -145,7 +145,7 @@ class TactusEngine final : public Engine {
     states.reserve(cubes_);
     for (const auto& body : world_.bodies().first(cubes_)) {
       const Posed pose = body.motion.pose;
-      states.push_back({pose.position, body.motion.velocity.linear, pose.rotation});
+      states.push_back({.position = pose.position, .velocity = body.motion.velocity.linear, .rotation = pose.rotation});
     }
     return states;
   }

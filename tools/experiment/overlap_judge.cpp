@@ -38,7 +38,8 @@ void OverlapJudge::judge_terrain(std::uint32_t a) {
                           near);
   double depth = 0;
   for (const std::uint32_t& triangle : near.triangles) {  // each is a patch of its own on rough ground
-    const auto manifold = physics::collide_patch(shapes_[a], poses_[a], from_mesh, mesh, {&triangle, 1}, 0.0, hulls_);
+    const auto manifold =
+        physics::collide_patch({shapes_[a], poses_[a]}, {mesh, from_mesh, {&triangle, 1}}, {.margin = 0.0}, hulls_);
     for (std::uint32_t i = 0; i < manifold.count; ++i) depth = std::max(depth, -manifold.points[i].separation);
   }
   depth_m_[a] = std::max(depth_m_[a], depth);
@@ -48,7 +49,7 @@ void OverlapJudge::judge_terrain(std::uint32_t a) {
 // `b`: kNoBody for a wall or a rod.
 void OverlapJudge::judge_pair(std::uint32_t a, const Shape& shape_b, const Posed& pose_b, std::uint32_t b) {
   physics::AxisCache cache;
-  const auto manifold = physics::collide(shapes_[a], poses_[a], shape_b, pose_b, 0.0, cache, hulls_);
+  const auto manifold = physics::collide({shapes_[a], poses_[a]}, {shape_b, pose_b}, {.margin = 0.0}, cache, hulls_);
   double depth = 0;
   for (std::uint32_t i = 0; i < manifold.count; ++i) depth = std::max(depth, -manifold.points[i].separation);
   const double share = depth / std::min(physics::thickness(shapes_[a]), physics::thickness(shape_b));

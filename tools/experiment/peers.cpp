@@ -132,7 +132,10 @@ std::vector<PeersRow> run_peers(const PeersRequest& request, const Progress& pro
           },
           records);
     const std::size_t first = rows.size();
-    for (std::size_t e = 0; e < records.size(); ++e) rows.push_back(row_of(scene, request.engines[e], records[e]));
+    for (std::size_t e = 0; e < records.size(); ++e) {
+      rows.push_back(row_of(scene, request.engines[e], records[e]));
+      if (scene.terrain) rows.back().slide = slide_error(request.engines[e], request.options);
+    }
     compare(std::span(rows).subspan(first));
   }
   return rows;

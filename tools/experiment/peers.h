@@ -3,16 +3,19 @@
 // Every scene is settled, then timed by steps, in blocks that alternate between the engines, so that disturbances by
 // the machine affect all equally; a block's first steps fill the caches and are not timed. Everything is run several
 // times; the minimum of each step over the runs excludes interruptions. Contacts, speed and quality (quality.h) are
-// sampled at the end of each block. A row that fails a gate is listed but not compared in time.
+// sampled at the end of each block. On triangles an engine is checked against a known answer (known_slide.h), which is
+// shown beside its row. A row that fails a gate is listed but not compared in time.
 // Thread: one, on one core. Units in the names.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tools/experiment/engine.h"
+#include "tools/experiment/known_slide.h"
 #include "tools/experiment/progress.h"
 #include "tools/experiment/quality.h"
 
@@ -32,6 +35,7 @@ struct PeersRow {
   double contacts{0}, touching_pairs{0};
   double residual_speed_rms_m_per_s{0};
   Quality quality;
+  std::optional<SlideError> slide;  // empty: not on triangles
   double allocations_per_step{0};
   // Ratios of medians; 0 if this row or the other is not compared, or there is no other.
   double ratio_to_bullet{0};     // to Bullet at its defaults

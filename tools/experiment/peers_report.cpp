@@ -34,6 +34,7 @@ ordered_json json_of(const std::vector<PeersRow>& rows) {
                     {"travel_m", q.travel_m},
                     {"rod_travel_m", q.rod_travel_m},
                     {"escaped", q.escaped},
+                    {"slide_error", or_null(row.slide ? row.slide->share : 0, row.slide.has_value())},
                     {"allocations_per_step", or_null(row.allocations_per_step, allocations_are_counted())},
                     {"ratio_to_bullet", or_null(row.ratio_to_bullet, row.ratio_to_bullet > 0)},
                     {"ratio_to_best_peer", or_null(row.ratio_to_best_peer, row.ratio_to_best_peer > 0)},
@@ -61,6 +62,7 @@ constexpr CsvColumn kColumns[] = {
     {"travel [m]", "travel_m"},
     {"rod_travel [m]", "rod_travel_m"},
     {"escaped [1]", "escaped"},
+    {"slide_error [1]", "slide_error"},
     {"allocations_per_step [1]", "allocations_per_step"},
     {"ratio_to_bullet [1]", "ratio_to_bullet"},
     {"ratio_to_best_peer [1]", "ratio_to_best_peer"},
@@ -89,6 +91,9 @@ std::string peers_table(const std::vector<PeersRow>& rows) {
         ratio_or_dash(row.ratio_to_bullet), ratio_or_dash(row.ratio_to_best_peer), row.is_compared() ? "pass" : "FAIL");
     if (row.scene != scene) notes += fmt::format("{}\n", row.scene);
     notes += fmt::format("  {:<15} {}\n", row.engine, row.settings);
+    if (row.slide)
+      notes += fmt::format("  {:<15} boxes that slide over triangles end at most {:.1f} % off their known way ({})\n",
+                           "", kPercent * row.slide->share, row.slide->ground);
     if (!row.failure.empty()) notes += fmt::format("  {:<15} DOES NOT COUNT: {}\n", "", row.failure);
     if (!row.missed_gate.empty()) notes += fmt::format("  {:<15} FAILS ITS GATE: {}\n", "", row.missed_gate);
     scene = row.scene;

@@ -19,6 +19,7 @@ class Pace {
  public:
   // `work`: total work, in any unit. `progress` must outlive this.
   Pace(const Progress& progress, double work) : progress_(progress), work_(work) {}
+  Pace(const Progress&& progress, double work) = delete;  // a temporary would not outlive this
   // `done`: of the work, so far.
   void say(const std::string& doing, double done) const;
 

@@ -21,6 +21,9 @@ struct TerrainSpec {
 
 sim::TriangleSoup make_terrain(const TerrainSpec& spec, sim::Random& random);
 
+// Adds two triangles for each cell of a grid, facing +z. The corners go first along x, then along y.
+void add_grid_triangles(std::uint32_t x_cells, std::uint32_t y_cells, sim::TriangleSoup& soup);
+
 // Direction of gravity that is tilted from -z by an angle and turns about z.
 struct TurningGravity {
   double tilt_rad{0}, speed_rad_per_s{0};

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "sim/loader/nearest_word.h"
+#include "rt/text/nearest_word.h"
 
 namespace tactus::exporting {
 namespace {
@@ -20,13 +20,31 @@ struct Table {
   std::string group;
 
   void count(const char* name, std::size_t offset, std::string meaning) {
-    columns.push_back({name, group, "", "", std::move(meaning), ColumnType::kCount, offset});
+    columns.push_back({.name = name,
+                       .group = group,
+                       .unit = "",
+                       .frame = "",
+                       .meaning = std::move(meaning),
+                       .type = ColumnType::kCount,
+                       .offset = offset});
   }
   void number(const char* name, std::size_t offset, std::string meaning) {
-    columns.push_back({name, group, "", "", std::move(meaning), ColumnType::kNumber, offset});
+    columns.push_back({.name = name,
+                       .group = group,
+                       .unit = "",
+                       .frame = "",
+                       .meaning = std::move(meaning),
+                       .type = ColumnType::kNumber,
+                       .offset = offset});
   }
   void real(const char* name, std::size_t offset, const char* unit, const char* meaning) {
-    columns.push_back({name, group, unit, "", meaning, ColumnType::kReal, offset});
+    columns.push_back({.name = name,
+                       .group = group,
+                       .unit = unit,
+                       .frame = "",
+                       .meaning = meaning,
+                       .type = ColumnType::kReal,
+                       .offset = offset});
   }
   // Three columns: name_x_unit, name_y_unit, name_z_unit. `suffix`: the unit as names have it.
   void vector(const char* name, std::size_t offset, const char* unit, const char* suffix, std::string_view frame,
@@ -82,6 +100,8 @@ void add_plan(Table& t) {
            "operator's requests, a sum of: 1 arm, 2 re-arm, 4 disarm, 8 stop line, 16 reset, 32 hold reset, 64 end");
   t.number("sub_steps", offsetof(Row, tick.sub_steps), "sub-steps of the tick, chosen by the governor");
   t.number("adopts", offsetof(Row, tick.adopts), "1: a snapshot of the global world was adopted, a cycle begins");
+  t.number("member_budget", offsetof(Row, tick.member_budget),
+           "where a cycle begins: members that the governor allows in the next one");
 }
 
 void add_command(Table& t) {
@@ -237,7 +257,7 @@ Result<std::vector<Column>> select_columns(std::span<const std::string> words) {
     std::vector<std::string> known = group_names();
     for (const Column& column : all) known.push_back(column.name);
     const std::vector<std::string_view> views(known.begin(), known.end());
-    const auto nearest = sim::nearest_word(word, views);
+    const auto nearest = text::nearest_word(word, views);
     return Status::error(fmt::format("'{}' is no signal{}; accepted: {}, or a column's name", word,
                                      nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest),
                                      fmt::join(group_names(), ", ")));

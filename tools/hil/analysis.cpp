@@ -70,7 +70,8 @@ void RoundTrip::add(const Record& record) noexcept {
     seen_ = true;
   }
   if (record.sent == Sent::kTaken)
-    commands_[record.command % kUnderWay] = {record.command, record.sent_ns, record.state.time_us};
+    commands_[record.command % kUnderWay] = {
+        .sequence = record.command, .sent_ns = record.sent_ns, .sample_us = record.state.time_us};
 }
 
 std::optional<ClockFigures> clock_figures(std::span<const Record> records) {

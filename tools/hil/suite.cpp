@@ -36,10 +36,9 @@ std::size_t SuiteReport::count(Verdict verdict) const noexcept {
       checks.begin(), checks.end(), [&](const CheckReport& report) { return report.finding.verdict == verdict; }));
 }
 
-std::string unknown_checks(const std::vector<std::string>& names) {
+std::string unknown_checks(const std::vector<std::string>& names, std::span<const Check> checks) {
   std::string unknown;
   for (const std::string& name : names) {
-    const auto checks = all_checks();
     if (std::any_of(checks.begin(), checks.end(), [&](const Check& check) { return name == check.name; })) continue;
     unknown += fmt::format("{}'{}'", unknown.empty() ? "" : ", ", name);
   }

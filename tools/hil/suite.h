@@ -39,8 +39,8 @@ struct SuiteHooks {
   std::function<bool()> stop;  // called between two checks
 };
 
-// Message about unknown names; empty if all exist.
-std::string unknown_checks(const std::vector<std::string>& names);
+// The names that are none of these checks, in quotes; empty if all exist.
+std::string unknown_checks(const std::vector<std::string>& names, std::span<const Check> checks);
 
 // The requested checks, in the table's order.
 std::vector<const Check*> chosen_checks(const std::vector<std::string>& only);

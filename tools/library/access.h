@@ -5,7 +5,7 @@
 
 #include "rt/base/result.h"
 #include "tactus/session.h"
-#include "tools/session/session.h"
+#include "tools/session/virtual_run.h"
 
 namespace tactus::library {
 
@@ -21,8 +21,9 @@ struct Access {
   static Error open(Session& session, const Scene& scene, const Options& options, Device* device = nullptr);
   static const sim::Scene& scene(const Scene& scene);  // `scene` must not be empty
   static const std::filesystem::path& file(const Scene& scene);
-  static session::Session& session(Session& session);    // `session` must be open
-  static session::RunSummary summary(Session& session);  // `session` must have been opened; closes the tape
+  static session::Session& session(Session& session);         // `session` must be open
+  static session::VirtualRun& virtual_run(Session& session);  // `session` must be open, in virtual time
+  static session::RunSummary summary(Session& session);       // `session` must have been opened; closes the tape
 };
 
 }  // namespace tactus::library

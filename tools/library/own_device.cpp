@@ -92,32 +92,32 @@ Status OwnDevice::start() {
 }
 
 void OwnDevice::read(haptics::DeviceInput& input) noexcept {
-  ++reads_;
-  DeviceSample sample{last_.position_m, last_.rotation, 0, 0};
+  ++state_.reads;
+  DeviceSample sample{state_.last.position_m, state_.last.rotation, 0, 0};
   const Reading reading = device_.read(sample);
   if (reading == Reading::kFresh) {
-    last_ = sample;
-    ++sample_.sequence;
-    sample_.device_time_ns = static_cast<std::uint64_t>(static_cast<double>(reads_) * period_s_ * 1e9);
-    sample_.device_from_tool = {to_inner(sample.position_m), to_inner(sample.rotation)};
-    sample_.state = state_;
-    sample_.device_fault = sample.fault;
-    sample_.buttons = sample.buttons;
+    state_.last = sample;
+    ++state_.sample.sequence;
+    state_.sample.device_time_ns = static_cast<std::uint64_t>(static_cast<double>(state_.reads) * period_s_ * 1e9);
+    state_.sample.device_from_tool = {to_inner(sample.position_m), to_inner(sample.rotation)};
+    state_.sample.state = state_.state;
+    state_.sample.device_fault = sample.fault;
+    state_.sample.buttons = sample.buttons;
   }
-  input = {static_cast<ReadStatus>(reading), 0, sample_};
+  input = {static_cast<ReadStatus>(reading), 0, state_.sample};
 }
 
 void OwnDevice::write(const haptics::DeviceCommand& command) noexcept {
-  const bool rearms = command.rearm != 0 && rearm_ == 0;
-  rearm_ = command.rearm;
+  const bool rearms = command.rearm != 0 && state_.rearm == 0;
+  state_.rearm = command.rearm;
   if (command.wanted == DeviceState::kBrake)
-    state_ = DeviceState::kBrake;
-  else if (state_ != DeviceState::kBrake || rearms)
-    state_ = command.wanted;
-  sample_.echoed_sequence = command.sequence;
+    state_.state = DeviceState::kBrake;
+  else if (state_.state != DeviceState::kBrake || rearms)
+    state_.state = command.wanted;
+  state_.sample.echoed_sequence = command.sequence;
   DeviceCommand out;
-  out.force_on = state_ == DeviceState::kForce && is_finite(command.wrench);
-  out.brake = state_ == DeviceState::kBrake;
+  out.force_on = state_.state == DeviceState::kForce && is_finite(command.wrench);
+  out.brake = state_.state == DeviceState::kBrake;
   out.clear_fault = rearms;
   if (out.force_on) {
     out.force_N = to_public(command.wrench.force);

@@ -26,16 +26,23 @@ class OwnDevice {
   // Removes the force and stops the device if it was started.
   void finish() noexcept;
 
+  // What the samples and commands so far have left here; the caller's device has a state of its own.
+  struct State {
+    std::uint64_t reads{0};
+    DeviceSample last{};
+    haptics::DeviceSample sample;  // the last fresh one
+    haptics::DeviceState state{haptics::DeviceState::kIdle};
+    std::uint32_t rearm{0};  // of the last command
+  };
+  const State& state() const noexcept { return state_; }
+  void set_state(const State& state) noexcept { state_ = state; }
+
  private:
   Device& device_;
   haptics::DeviceProperties properties_;
   double period_s_;
   bool started_{false};
-  std::uint64_t reads_{0};
-  DeviceSample last_{};
-  haptics::DeviceSample sample_;  // the last fresh sample
-  haptics::DeviceState state_{haptics::DeviceState::kIdle};
-  std::uint32_t rearm_{0};  // of the last command
+  State state_;
 };
 
 static_assert(haptics::HapticDevice<OwnDevice>);

@@ -19,7 +19,7 @@ static_assert(static_cast<std::uint32_t>(Shape::kSphere) == static_cast<std::uin
               static_cast<std::uint32_t>(Shape::kMesh) == static_cast<std::uint32_t>(physics::ShapeKind::kMesh));
 
 // Begins each line of a message with the scene's name.
-Error take(Result<sim::Scene> read, const sim::SceneDiagnostics& said, std::shared_ptr<const void>& scene,
+Error take(Result<sim::Scene> read, const text::Diagnostics& said, std::shared_ptr<const void>& scene,
            std::vector<std::string>& warnings) {
   if (!read.ok()) return {Error::Kind::kFile, read.message()};
   scene = std::make_shared<const sim::Scene>(std::move(read).value());
@@ -46,14 +46,14 @@ const sim::Scene& library::Access::scene(const Scene& scene) {
 const std::filesystem::path& library::Access::file(const Scene& scene) { return scene.file_; }
 
 Error Scene::load(const std::filesystem::path& file) {
-  sim::SceneDiagnostics said;
+  text::Diagnostics said;
   Error error = take(sim::load_scene(file, &said), said, scene_, warnings_);
   if (!error) file_ = file;
   return error;
 }
 
 Error Scene::parse(std::string_view text, std::string_view name) {
-  sim::SceneDiagnostics said;
+  text::Diagnostics said;
   Error error = take(sim::parse_scene(text, name, &said), said, scene_, warnings_);
   if (!error) file_.clear();
   return error;

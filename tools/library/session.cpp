@@ -50,7 +50,9 @@ Summary to_public(const session::RunSummary& from) {
 }  // namespace
 
 Error Access::open(Session& session, const Scene& scene, const Options& options, Device* device) {
+  static std::atomic<std::uint64_t> openings{0};
   auto parts = std::make_unique<Session::Parts>();
+  parts->opening = ++openings;
   auto read = library::run_options(options);
   parts->scene = scene;
   parts->options = options;
@@ -78,6 +80,8 @@ Error Access::open(Session& session, const Scene& scene, const Options& options,
 }
 
 session::Session& Access::session(Session& session) { return *session.parts_->session; }
+
+session::VirtualRun& Access::virtual_run(Session& session) { return *session.parts_->virtual_run; }
 
 session::RunSummary Access::summary(Session& session) {
   session.parts_->end();
@@ -156,6 +160,42 @@ Error Session::reset() {
     error = {Kind::kMachine, "Session::reset: " + status.message()};
   if (error) parts_.reset();
   return in_own_words(error);
+}
+
+struct SavedState::State {
+  std::uint64_t opening{0};  // of the session
+  std::shared_ptr<const session::VirtualRun::Saved> run;
+  std::optional<library::OwnDevice::State> own;
+  Tick last;
+};
+
+Error Session::save(SavedState& saved) const {
+  if (!is_open()) return not_open("save");
+  if (!parts_->virtual_run) return {Kind::kUse, "Session::save: this session is in real time; accepted: virtual time"};
+  auto state = std::make_shared<SavedState::State>();
+  state->opening = parts_->opening;
+  state->run = parts_->virtual_run->save();
+  if (parts_->own != nullptr) state->own = parts_->own->state();
+  state->last = parts_->last;
+  saved.state_ = std::move(state);
+  return {};
+}
+
+Error Session::restore(const SavedState& saved) {
+  if (!is_open()) return not_open("restore");
+  if (!parts_->virtual_run)
+    return {Kind::kUse, "Session::restore: this session is in real time; accepted: virtual time"};
+  if (saved.empty() || saved.state_->opening != parts_->opening)
+    return {Kind::kUse, "Session::restore: the state is not of this session; accepted: what its save() gave"};
+  if (parts_->session->drain != nullptr)
+    return {Kind::kUse, "Session::restore: a tape is being written, and it has no jumps; accepted: without record()"};
+  if (Error error = parts_->start_device()) return error;
+  parts_->virtual_run->restore(*saved.state_->run);
+  if (saved.state_->own) parts_->own->set_state(*saved.state_->own);
+  parts_->last = saved.state_->last;
+  parts_->history_size = 0;
+  parts_->view_is_old = true;
+  return {};
 }
 
 Error Session::close() {

@@ -9,7 +9,7 @@
 #include "tools/caught.h"
 #include "tools/library/access.h"
 #include "tools/library/tick_record.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/session/realtime_run.h"
 
 namespace tactus {
@@ -25,12 +25,12 @@ constexpr std::uint64_t kRecordBytes = (sizeof(Tick) + 16 + 15) / 16 * 16;
 class DenormalsFlushed {
  public:
   DenormalsFlushed() noexcept { set_denormals_flush(); }
-  ~DenormalsFlushed() { _mm_setcsr(before_); }
+  ~DenormalsFlushed() { restore_float_mode(before_); }
   DenormalsFlushed(const DenormalsFlushed&) = delete;
   DenormalsFlushed& operator=(const DenormalsFlushed&) = delete;
 
  private:
-  unsigned before_{_mm_getcsr()};
+  decltype(float_mode()) before_{float_mode()};
 };
 
 }  // namespace

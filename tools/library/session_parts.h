@@ -16,6 +16,7 @@
 namespace tactus {
 
 struct Session::Parts {
+  std::uint64_t opening{0};  // number of the open() in this program: whose a saved state is
   Scene scene;
   Options options;
   session::RunOptions run_options;

@@ -1,7 +1,7 @@
 // The shared memory in which a running controller shows itself: header, text, three frames of bodies and contacts, and
 // a ring of ticks.
 //
-//   Header | text | frame 0 | frame 1 | frame 2 | tick entries
+//   Header | text | state | frame 0 | frame 1 | frame 2 | tick entries
 //
 // A memfd, sealed against shrinking, growing and new writers; the controller writes, watchers map it read-only. Frame n
 // is in slot n mod kFrameSlots, tick n in entry n mod the capacity. Each slot and entry begins with a sequence: 2 n + 1
@@ -22,7 +22,7 @@
 namespace tactus::publication {
 
 inline constexpr std::array<char, 8> kMagic{'T', 'A', 'C', 'T', 'P', 'U', 'B', '\0'};
-inline constexpr std::uint32_t kPublicationVersion = 1;
+inline constexpr std::uint32_t kPublicationVersion = 2;
 inline constexpr std::uint32_t kFrameSlots = 3;
 inline constexpr std::uint32_t kMaxContacts = 4096;
 inline constexpr std::uint32_t kTickEntries = 16384;  // 16 s of 1 kHz; a power of two
@@ -38,6 +38,7 @@ struct Header {
   std::uint64_t ticks_offset{0}, tick_stride{0};
   std::uint32_t tick_entries{0};
   std::uint32_t bodies{0};  // moving bodies of the scene: the length of a frame's arrays
+  std::uint64_t state_offset{0};
   // Written during the run.
   alignas(64) std::uint64_t frames{0};  // complete so far
   std::uint64_t ticks{0};               // same
@@ -45,11 +46,20 @@ struct Header {
 };
 static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 192);
 
+// What the run says of itself, as one JSON object: its verdict, and its fault's tape.
+struct StateSlot {
+  std::uint64_t sequence{0};  // 2 n + 1 while text n is written, 2 n + 2 when it is complete; 0: none yet
+  std::uint64_t bytes{0};
+  std::array<char, 8176> text{};
+};
+static_assert(std::is_trivially_copyable_v<StateSlot> && sizeof(StateSlot) == 8192);
+
 enum RoleBit : std::uint8_t {
-  kIsProxy = 1u << 0,   // the device holds it
-  kIsMember = 1u << 1,  // in the sub-world
-  kIsBorder = 1u << 2,  // a member that touches a moving body outside of the sub-world
-  kIsAsleep = 1u << 3,  // at rest, and not simulated until something comes near
+  kIsProxy = 1u << 0,    // the device holds it
+  kIsMember = 1u << 1,   // in the sub-world
+  kIsBorder = 1u << 2,   // a member that touches a moving body outside of the sub-world
+  kIsAsleep = 1u << 3,   // at rest, and not simulated until something comes near
+  kIsUnknown = 1u << 4,  // of a tape: its pose is not known
 };
 
 // A slot: FrameHead, then arrays of `bodies` entries each by the moving bodies' order of ids, each array rounded up to

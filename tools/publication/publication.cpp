@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <tuple>
 
 #include "rt/base/clock.h"
 #include "rt/tape/tape.h"
+#include "tools/publication/packed.h"
 #include "tools/publication/shared_words.h"
 
 namespace tactus::publication {
@@ -28,7 +28,8 @@ Header header_for(std::size_t bodies, double period_s, std::size_t text_bytes) {
   header.bodies = static_cast<std::uint32_t>(bodies);
   header.text_offset = sizeof(Header);
   header.text_bytes = text_bytes;
-  header.frames_offset = rounded(header.text_offset + text_bytes, kPage);
+  header.state_offset = rounded(header.text_offset + text_bytes);
+  header.frames_offset = rounded(header.state_offset + sizeof(StateSlot), kPage);
   header.frame_stride = rounded(slot_bytes(bodies), kPage);
   header.ticks_offset = header.frames_offset + kFrameSlots * header.frame_stride;
   header.tick_stride = sizeof(TickEntry);
@@ -36,15 +37,6 @@ Header header_for(std::size_t bodies, double period_s, std::size_t text_bytes) {
   header.bytes = rounded(header.ticks_offset + kTickEntries * sizeof(TickEntry), kPage);
   return header;
 }
-
-Position position_of(const Vec3d& p) noexcept {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
-std::int16_t packed(double component) noexcept {
-  return static_cast<std::int16_t>(std::nearbyint(32767.0 * std::clamp(component, -1.0, 1.0)));
-}
-Rotation rotation_of(const Quatd& q) noexcept { return {packed(q.w), packed(q.x), packed(q.y), packed(q.z)}; }
 
 std::string reason() { return strerrordesc_np(errno); }
 
@@ -159,6 +151,19 @@ void Publication::take_bodies(std::span<const std::byte> payload) noexcept {
   write_frame();
 }
 
+void Publication::say(std::string_view state) noexcept {
+  StateSlot slot;
+  if (state.size() > slot.text.size()) return;
+  std::byte* const to = bytes_ + header_.state_offset;
+  slot.bytes = state.size();
+  std::memcpy(slot.text.data(), state.data(), state.size());
+  store_word(to, 2 * states_ + 1);
+  store_words(to + sizeof(std::uint64_t), reinterpret_cast<const std::byte*>(&slot) + sizeof(std::uint64_t),
+              rounded(offsetof(StateSlot, text) + state.size()) - sizeof(std::uint64_t));
+  store_word(to, 2 * states_ + 2);
+  ++states_;
+}
+
 void Publication::stepped(void* self, const sim::GlobalWorld& world) noexcept {
   auto& publication = *static_cast<Publication*>(self);
   if (publication.watchers_.load(std::memory_order_relaxed) == 0) return;
@@ -212,10 +217,8 @@ void Publication::pack_contacts(const sim::GlobalWorld& world) noexcept {
 }
 
 void Publication::add_contact(const physics::Contact& contact, const sim::GlobalWorld& world, double per_s) noexcept {
-  const auto bodies = world.world().bodies();
-  const physics::Body& a = bodies[contact.slot_a];
-  const BodyId b = contact.b_fixed ? world.world().fixed_bodies()[contact.slot_b].id : bodies[contact.slot_b].id;
-  const std::uint32_t place_a = place_of_[a.id], place_b = b < place_of_.size() ? place_of_[b] : kNoPlace;
+  const BodyId a = world.world().bodies()[contact.slot_a].id, b = second_of(contact, world.world());
+  const std::uint32_t place_a = place_of_[a], place_b = b < place_of_.size() ? place_of_[b] : kNoPlace;
   if (place_a >= in_component_.size()) return;
   const bool linked = in_component_[place_a] != 0 || (place_b < in_component_.size() && in_component_[place_b] != 0);
   if (!linked || !contact.touching()) return;
@@ -228,10 +231,7 @@ void Publication::add_contact(const physics::Contact& contact, const sim::Global
       ++head_.left_out;
       continue;
     }
-    const physics::ContactPoint& point = contact.points[i];
-    const Vec3d force = per_s * (point.total_normal_impulse * contact.normal + point.total_friction);
-    const Position f = position_of(force);
-    contacts_.push_back({position_of(a.motion.pose.position + point.from_a), f.x, f.y, f.z, a.id, b});
+    contacts_.push_back(force_at(contact, i, world.world(), per_s));
   }
 }
 

@@ -3,15 +3,16 @@
 // Ticks come from where the tape takes them, frames from the global thread after a step, at most kMaxFrames_Hz a
 // second; with the direct coupling, which has no global world, from the flight recorder. Without a watcher nothing is
 // packed: what it costs is one atomic load. The writer never waits for a reader, and no reader can write. Thread:
-// construction [setup]; tap: the tape's drain; stepped: the global world's thread; watchers: [any]. The haptic thread
-// writes nothing here. Frame: world. Units: SI. Bound: memory by the number of bodies, allocated at creation: 9 MB and
-// 63 bytes a body. Errors: of the operating system, at creation.
+// construction [setup]; tap: the tape's drain; stepped: the global world's thread; watchers: [any]; say: one, normal.
+// The haptic thread writes nothing here. Frame: world. Units: SI. Bound: memory by the number of bodies, allocated at
+// creation: 9 MB and 63 bytes a body. Errors: of the operating system, at creation.
 #pragma once
 
 #include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rt/base/result.h"
@@ -42,6 +43,10 @@ class Publication {
   // For the global world's thread; `self` is the publication.
   static void stepped(void* self, const sim::GlobalWorld& world) noexcept;
 
+  // What the run says of itself (StateSlot), by the thread that attends it. A text that does not fit is left out, and
+  // the one before stays.
+  void say(std::string_view state) noexcept;
+
   std::uint64_t frames() const noexcept { return frames_; }  // written so far
   std::uint64_t ticks() const noexcept { return ticks_; }
 
@@ -62,7 +67,7 @@ class Publication {
   std::byte* bytes_;
   Header header_;
   std::atomic<std::uint32_t> watchers_{0};
-  std::uint64_t frames_{0}, ticks_{0};
+  std::uint64_t frames_{0}, ticks_{0}, states_{0};
   std::optional<TickEntry> pending_;  // written when its times have come, or the next tick
   std::int64_t next_frame_ns_{0};
   BodyId proxy_{kNoBody};

@@ -24,8 +24,9 @@ bool is_consistent(const Header& h, std::uint64_t size) {
   };
   return size < (std::uint64_t{1} << 31) && h.bytes == size && h.bodies < size &&
          inside(h.text_offset, 1, h.text_bytes) && h.frame_stride % 8 == 0 && h.frame_stride >= slot_bytes(h.bodies) &&
-         inside(h.frames_offset, h.frame_stride, kFrameSlots) && h.tick_stride == sizeof(TickEntry) &&
-         h.tick_entries == kTickEntries && inside(h.ticks_offset, h.tick_stride, h.tick_entries);
+         inside(h.state_offset, sizeof(StateSlot), 1) && inside(h.frames_offset, h.frame_stride, kFrameSlots) &&
+         h.tick_stride == sizeof(TickEntry) && h.tick_entries == kTickEntries &&
+         inside(h.ticks_offset, h.tick_stride, h.tick_entries);
 }
 
 }  // namespace
@@ -105,6 +106,18 @@ bool Watcher::copy_frame(std::uint64_t number, Frame& frame) const {
   frame.positions.resize(frame.head.bodies);
   frame.rotations.resize(frame.head.bodies);
   frame.roles.resize(frame.head.bodies);
+  return true;
+}
+
+bool Watcher::read_state(std::string& state) {
+  const std::byte* const from = bytes_ + header_.state_offset;
+  const std::uint64_t before = load_word(from);
+  if (before == state_ || before % 2 != 0) return false;
+  StateSlot slot;
+  load_words(&slot, from, sizeof slot);
+  if (load_word(from) != before || slot.bytes > slot.text.size()) return false;
+  state.assign(slot.text.data(), slot.bytes);
+  state_ = before;
   return true;
 }
 

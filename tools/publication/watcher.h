@@ -43,6 +43,9 @@ class Watcher {
   // The first call begins at the newest tick.
   std::uint64_t read_ticks(std::vector<TickEntry>& ticks, std::size_t most);
 
+  // What the run says of itself (StateSlot), if it is new. False: it is not, or the writer overtook the copy.
+  bool read_state(std::string& state);
+
   std::uint64_t frames_missed() const noexcept { return frames_missed_; }  // written and not read
 
  private:
@@ -54,7 +57,7 @@ class Watcher {
   const std::byte* bytes_;
   Header header_;
   std::string text_;
-  std::uint64_t next_frame_{0}, next_tick_{0}, frames_missed_{0};
+  std::uint64_t next_frame_{0}, next_tick_{0}, frames_missed_{0}, state_{0};
   bool began_{false};
 };
 

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 
 #include "rt/haptics/coupling/snapshot.h"
-#include "sim/loader/scene_load_reader.h"
+#include "rt/text/read_file.h"
+#include "rt/text/table_reader.h"
 #include "sim/model/choice_names.h"
 #include "sim/worker_pool.h"
 #include "tools/doctor/system_view.h"
@@ -20,8 +20,8 @@ constexpr std::size_t kLongestSocket = 107;  // limit of sockaddr_un
 
 class ConfigurationReader {
  public:
-  ConfigurationReader(const sim::TomlNode& root, Configuration& into, std::filesystem::path folder,
-                      const std::optional<std::vector<int>>& cores, sim::SceneDiagnostics& diagnostics)
+  ConfigurationReader(const text::TomlNode& root, Configuration& into, std::filesystem::path folder,
+                      const std::optional<std::vector<int>>& cores, text::Diagnostics& diagnostics)
       : root_(&root, "", diagnostics), c_(into), folder_(std::move(folder)), cores_(cores), diagnostics_(diagnostics) {}
 
   void read() {
@@ -32,7 +32,7 @@ class ConfigurationReader {
     read_cores();
     read_limits();
     read_control();
-    sim::TableReader log = table("log");
+    text::TableReader log = table("log");
     c_.log_interval_s = log.number("interval_s", c_.log_interval_s, {"an interval", 0.1, 3600});
     log.finish();
     root_.finish();
@@ -41,15 +41,15 @@ class ConfigurationReader {
   }
 
  private:
-  sim::TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
+  text::TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
 
-  std::filesystem::path path(sim::TableReader& t, const char* key) {
+  std::filesystem::path path(text::TableReader& t, const char* key) {
     const std::string text = t.text(key, "", kLongestText);
     return text.empty() ? std::filesystem::path() : folder_ / text;
   }
 
   void read_device() {
-    sim::TableReader t = table("device");
+    text::TableReader t = table("device");
     c_.run.device = t.text("name", c_.run.device, kLongestText);
     c_.run.device_file = path(t, "file");
     c_.run.gpio = t.text("gpio", "", kLongestText);
@@ -57,7 +57,7 @@ class ConfigurationReader {
   }
 
   void read_rates() {
-    sim::TableReader t = table("rates");
+    text::TableReader t = table("rates");
     c_.run.rate_Hz = t.number("rate_Hz", c_.run.rate_Hz, {"a rate", 100, 10000});
     const unsigned ratio = t.count("ratio", 10, {"a ratio", 1, 100});
     if (t.has("ratio")) c_.run.ratio = ratio;
@@ -65,7 +65,7 @@ class ConfigurationReader {
   }
 
   void read_cores() {
-    sim::TableReader t = table("cores");
+    text::TableReader t = table("cores");
     const unsigned core = t.count("haptic", 0, {"a core", 0, 4095});
     if (t.has("haptic")) c_.run.cpu = static_cast<int>(core);
     if (t.has("haptic")) must_be_there(t, "haptic", c_.run.cpu);
@@ -81,13 +81,13 @@ class ConfigurationReader {
     t.finish();
   }
 
-  void must_be_there(sim::TableReader& t, const char* key, int cpu) {
+  void must_be_there(text::TableReader& t, const char* key, int cpu) {
     if (!cores_ || std::find(cores_->begin(), cores_->end(), cpu) != cores_->end()) return;
     t.mistake(key, fmt::format("this machine has no core {}", cpu), fmt::format("one of {}", fmt::join(*cores_, ", ")));
   }
 
   void read_limits() {
-    sim::TableReader t = table("limits");
+    text::TableReader t = table("limits");
     const unsigned members = t.count("members", 64, {"a number of members", 1, haptics::kMaxMembers});
     if (t.has("members")) c_.run.members = members;
     c_.budget = path(t, "budget");
@@ -95,7 +95,7 @@ class ConfigurationReader {
   }
 
   void read_control() {
-    sim::TableReader t = table("control");
+    text::TableReader t = table("control");
     c_.socket = t.text("socket", "", kLongestText);
     if (!c_.socket.empty() && (!c_.socket.is_absolute() || c_.socket.native().size() > kLongestSocket))
       t.mistake("socket", fmt::format("'{:.64}' is no place for a socket", c_.socket.string()),
@@ -105,24 +105,24 @@ class ConfigurationReader {
     t.finish();
   }
 
-  sim::TableReader root_;
+  text::TableReader root_;
   Configuration& c_;
   std::filesystem::path folder_;
   const std::optional<std::vector<int>>& cores_;
-  sim::SceneDiagnostics& diagnostics_;
+  text::Diagnostics& diagnostics_;
 };
 
 }  // namespace
 
 ConfigurationReading read_configuration(std::string_view text, std::string_view name,
                                         const std::optional<std::vector<int>>& cores) {
-  sim::SceneDiagnostics diagnostics;
+  text::Diagnostics diagnostics;
   diagnostics.name = std::string(name);
   ConfigurationReading reading;
-  sim::TomlNode root;
+  text::TomlNode root;
   if (text.size() > kMaxConfigurationBytes)
     diagnostics.add({0, 0, "the file", fmt::format("longer than {} bytes", kMaxConfigurationBytes), "a configuration"});
-  else if (sim::read_toml(text, root, diagnostics))
+  else if (text::read_toml(text, root, diagnostics))
     ConfigurationReader(root, reading.configuration, std::filesystem::path(name).parent_path(), cores, diagnostics)
         .read();
   if (!diagnostics.ok()) reading.mistakes = diagnostics.message();
@@ -131,19 +131,13 @@ ConfigurationReading read_configuration(std::string_view text, std::string_view 
 
 ConfigurationReading read_configuration(const std::filesystem::path& path,
                                         const std::optional<std::vector<int>>& cores) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  if (file && !std::filesystem::is_directory(path)) {
-    text.resize(kMaxConfigurationBytes + 1);  // one byte beyond the limit, to detect a longer file
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(file.gcount()));
-  }
-  if (!file.is_open() || file.bad() || std::filesystem::is_directory(path))
+  const auto text = text::read_file(path, kMaxConfigurationBytes);
+  if (!text)
     return {{},
             path.string() +
                 ": the file: cannot be read; accepted: the path of a configuration, such as "
                 "/etc/tactus/tactus.toml"};
-  return read_configuration(text, path.string(), cores);
+  return read_configuration(*text, path.string(), cores);
 }
 
 Result<Configuration> parse_configuration(std::string_view text, std::string_view name) {

@@ -9,9 +9,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -23,7 +26,9 @@
 namespace tactus::service {
 namespace {
 
-constexpr int kLookEvery_ms = 100;  // interval of checking for the end of the run
+constexpr int kLookEvery_ms = 100;                      // interval of checking for the end of the run
+constexpr std::chrono::milliseconds kHandSilence{200};  // after it another one may take the hand
+constexpr double kFarthestWish_m = 10, kFarthestTurn_rad = 100;
 
 class File {
  public:
@@ -234,9 +239,65 @@ std::string ControlServer::answer(const std::string& line) {
     const Status status = reload_(said);
     return status.ok() ? good(said) : bad(status.message());
   }
+  const std::string word = line.substr(0, line.find(' '));
+  const std::string rest = line.size() > word.size() ? line.substr(word.size() + 1) : std::string();
+  for (const char* one : {"play", "pause", "tick", "cycle", "pace"})
+    if (word == one) return answer_pacing(word, rest);
+  if (word == "hand") return answer_hand(rest);
   const bool long_line = line.size() > kLongestEcho;
-  return bad(fmt::format("'{}'{} is no request; accepted: state, arm, rearm, disarm, reset, reload, stop, watch",
-                         line.substr(0, kLongestEcho), long_line ? " and more" : ""));
+  return bad(
+      fmt::format("'{}'{} is no request; accepted: state, arm, rearm, disarm, reset, reload, stop, watch, play, "
+                  "pause, tick, cycle, pace X, hand ID take",
+                  line.substr(0, kLongestEcho), long_line ? " and more" : ""));
+}
+
+std::string ControlServer::answer_pacing(const std::string& word, const std::string& rest) {
+  if (watchable_.pacing == nullptr)
+    return bad("real time cannot be paused, stepped or slowed down; accepted: a run with --virtual-time");
+  Pacing& pacing = *watchable_.pacing;
+  if (word == "pace") {
+    double pace = -1;
+    const auto read = std::from_chars(rest.data(), rest.data() + rest.size(), pace);
+    if (read.ec != std::errc() || read.ptr != rest.data() + rest.size() ||
+        !(pace == 0 || (pace >= kMinPace && pace <= kMaxPace)))
+      return bad(
+          fmt::format("pace: accepted: {:g} to {:g} times real time, or 0 for as fast as it goes", kMinPace, kMaxPace));
+    pacing.pace.store(pace, std::memory_order_relaxed);
+    return good(pace == 0 ? "as fast as it goes" : fmt::format("{:g} times real time", pace));
+  }
+  pacing.playing.store(word == "play", std::memory_order_relaxed);
+  if (word == "tick") pacing.ticks.fetch_add(1, std::memory_order_relaxed);
+  if (word == "cycle") pacing.cycles.fetch_add(1, std::memory_order_relaxed);
+  return good(word == "play" ? "playing" : "paused");
+}
+
+std::string ControlServer::answer_hand(const std::string& rest) {
+  if (watchable_.hand == nullptr) return bad("a real device's hand is a person's; accepted: the simulated device");
+  std::istringstream words(rest);
+  std::uint64_t id = 0;
+  std::string word;
+  if (!(words >> id >> word) || id == 0)
+    return bad("hand: accepted: hand ID take, hand ID rest, hand ID X Y Z RX RY RZ");
+  const auto now = Clock::now();
+  if (hand_holder_ != id && now < hand_until_) return bad("another page has the hand");
+  if (word == "take" || word == "rest") {
+    hand_holder_ = word == "take" ? id : 0;
+    hand_until_ = word == "take" ? now + kHandSilence : now;
+    word == "take" ? watchable_.hand->take() : watchable_.hand->rest();
+    return good(word == "take" ? "the hand is yours" : "the hand rests");
+  }
+  if (hand_holder_ != id) return bad("hand: it is to be taken first");
+  std::istringstream numbers(rest);
+  double wish[6]{};
+  numbers >> id;
+  for (double& number : wish) numbers >> number;
+  if (numbers.fail()) return bad("hand: accepted: six numbers");
+  for (int i = 0; i < 6; ++i)
+    if (!(std::abs(wish[i]) <= (i < 3 ? kFarthestWish_m : kFarthestTurn_rad)))
+      return bad(fmt::format("hand: accepted: up to {:g} m and {:g} rad", kFarthestWish_m, kFarthestTurn_rad));
+  hand_until_ = now + kHandSilence;
+  watchable_.hand->lead({wish[0], wish[1], wish[2]}, {wish[3], wish[4], wish[5]});
+  return good("");
 }
 
 void ControlServer::serve_one(int connection, const std::string& line) {

@@ -4,6 +4,9 @@
 //   rearm     clear a latched fault         disarm    force off
 //   reload    read the configuration again  reset     the scene back to its start, the force off meanwhile
 //   stop      end the run                  watch     pass on the memory that shows the run (tools/publication)
+//   play, pause, tick, cycle, pace X       of a run in virtual time (pacing.h)
+//   hand ID take | rest | X Y Z RX RY RZ   lead the simulated hand: so far from where it was taken [m; rotation vector,
+//                                          rad]. ID: a number of the one who leads; others wait for 0.2 s of silence
 // After "watch" the connection stays open: the run is watched until it closes, and what comes on it is ignored. Anyone
 // who may write to the socket may use all commands: its mode is 0660, in the service's folder. Thread: construction and
 // destruction [setup]; it serves on its own thread of normal priority; tell() from one normal thread. Bound:
@@ -13,6 +16,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -21,6 +25,8 @@
 #include <thread>
 
 #include "rt/base/result.h"
+#include "tools/service/pacing.h"
+#include "tools/session/hand_input.h"
 
 namespace tactus::service {
 
@@ -30,10 +36,12 @@ inline constexpr int kPatience_ms = 1000;
 inline constexpr std::size_t kMaxClients = 16;
 inline constexpr std::size_t kMaxWatchers = 8;
 
-// What "watch" passes on. The server counts the watchers.
+// What a run shows to watchers, and lets its operator move; null: not this run.
 struct Watchable {
-  int descriptor{-1};  // -1: nothing
-  std::atomic<std::uint32_t>* watchers{nullptr};
+  int descriptor{-1};                             // that "watch" passes on; -1: nothing
+  std::atomic<std::uint32_t>* watchers{nullptr};  // counted by the server
+  Pacing* pacing{nullptr};                        // of virtual time
+  session::HandInput* hand{nullptr};              // of the simulated device
 };
 
 class ControlServer {
@@ -64,6 +72,8 @@ class ControlServer {
   };
   ControlServer(Listener listener, std::atomic<std::uint32_t>& requests, std::atomic<bool>& stop, Reload reload,
                 bool can_reset, const Watchable& watchable);
+  std::string answer_pacing(const std::string& word, const std::string& rest);
+  std::string answer_hand(const std::string& rest);
   void serve();
   template <class Connections>
   void serve_round(Connections& connections);
@@ -80,6 +90,8 @@ class ControlServer {
   Watchable watchable_;
   std::uint64_t inode_;  // of the socket that was bound
   std::atomic<bool> closing_{false}, latched_{true};
+  std::uint64_t hand_holder_{0};  // 0: nobody
+  std::chrono::steady_clock::time_point hand_until_{};
   std::mutex mutex_;
   std::string state_{"{}"};
   std::thread thread_;  // last: it uses the others

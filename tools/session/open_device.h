@@ -1,4 +1,4 @@
-// Opens the device of a run (simulated, USB or CAN; none when a tape is replayed) and the lines of --gpio.
+// Opens the device of a run by its class (hal/device_class.h; none when a tape is replayed) and the lines of --gpio.
 //
 // A real device is described by a device file or the scene's profile; before it is driven, its identity, version and
 // limits are compared with that description. Thread: normal, before the loop runs.
@@ -8,18 +8,11 @@
 #include <memory>
 #include <string>
 
-#include "hal/any_device.h"
+#include "hal/device_class.h"
 #include "hal/gpio/gpio_lines.h"
-#include "hal/hand.h"
-#include "hal/simulated_device.h"
-#include "tools/session/device_choice.h"
 #include "tools/session/run_options.h"
 
 namespace tactus::session {
-
-// Reads the identity of the device on `link` now. The returned function reads it again and compares; it must not
-// outlive the link. Errors: one line.
-Result<std::function<Status()>> remember_device(hal::AnyLink& link);
 
 // Placeholder device for a replay: has the device's properties and returns empty input.
 class TapedDevice {
@@ -36,6 +29,7 @@ class TapedDevice {
 // Hardware opened for a run.
 struct Hardware {
   std::unique_ptr<hal::AnyDevice> device;
+  bool real{false};                      // its class keeps real time: it hears IDLE before it is armed
   std::string identity;                  // of a real device, as text; empty otherwise
   std::function<Status()> same_device;   // compares the device with the one opened; null: none
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
@@ -45,7 +39,7 @@ struct Hardware {
 // machine lacks or the device reports, and the remedy.
 Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile);
 
-// Makes the simulated device, or the placeholder for a replay.
+// Makes a device without hardware of the class that the options name, or the placeholder for a replay.
 Result<std::unique_ptr<hal::AnyDevice>> make_simulated(const RunOptions& options, const hal::DeviceProfile& profile,
                                                        const hal::HandModel& hand, const hal::FaultScript& faults);
 

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 #include <sched.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
 #include <thread>
 
 #include "hal/device_words.h"
@@ -104,6 +108,16 @@ std::string fault_line(const LiveStatus& live) {
                                live.device_fault.load(relaxed), live.fault_limits.load(relaxed)});
 }
 
+Status write_fault_tape(const Session& session) {
+  static std::mutex one_writer;  // of the one file
+  const std::lock_guard lock(one_writer);
+  const std::string part = std::string(kFaultTape) + ".part";
+  const Status written = session.drain->dump(part, session.tape_text());
+  if (!written.ok()) return written;
+  if (std::rename(part.c_str(), kFaultTape) == 0) return Status::good();
+  return Status::error(fmt::format("{}: {}", kFaultTape, strerrordesc_np(errno)));
+}
+
 Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, const std::atomic<bool>& stop) {
   const RunOptions& options = session.options;
   loop::PeriodicSettings settings;
@@ -142,6 +156,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
   if (const Status status = session.device->start(); !status.ok()) return status;
   const auto cpu_before = cpu_time_now(settings.setup.cpu);
   if (const Status status = thread.start(settings); !status.ok()) return status;
+  if (hooks.began) hooks.began(thread.setup_report());
   attend(thread, shared, hooks, stop, refusals);
   if (tick.must_end()) end_device(tick, thread);
   thread.stop();
@@ -169,10 +184,8 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
 
   session.close_tape(summary);
   if (summary.fault_latched() || summary.overruns_own_work > 0) {
-    const std::string path = "tactus-fault.tape";
-    const Status dumped = session.drain->dump(
-        path, to_tape_text(options, session.device->properties(), session.scene.name, session.scene.source));
-    (dumped.ok() ? summary.fault_tape : summary.fault_tape_error) = dumped.ok() ? path : dumped.message();
+    const Status dumped = write_fault_tape(session);
+    (dumped.ok() ? summary.fault_tape : summary.fault_tape_error) = dumped.ok() ? kFaultTape : dumped.message();
   }
   return summary;
 }

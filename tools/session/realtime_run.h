@@ -17,6 +17,8 @@ std::string fault_line(const LiveStatus& live);
 struct RealtimeHooks {
   // Called every `look_every` by the calling thread. Returns false to end the run.
   std::function<bool(const LiveStatus&, double elapsed_s)> show;
+  // Called once by the calling thread when the haptic thread runs: what of its set-up succeeded. Optional.
+  std::function<void(const loop::SetupReport&)> began;
   // OperatorBit: requests of the operator since the last call.
   std::function<std::uint32_t()> asked;
   // OperatorBit: requests of other threads; each bit is set by them and cleared when it is read. Optional.
@@ -28,6 +30,12 @@ struct RealtimeHooks {
   RealtimeTaps taps{};
   std::chrono::milliseconds look_every{200};
 };
+
+// Where a fault's last seconds go, in the working directory.
+inline constexpr const char* kFaultTape = "tactus-fault.tape";
+// Writes the flight recorder's last seconds there, in place of an older tape, whose readers keep what they have open.
+// Also during the run, from any thread of normal priority. Error: of the disk, or nothing was recorded yet.
+Status write_fault_tape(const Session& session);
 
 // Returns when the duration is over, or when a hook or `stop` ends the run. Errors: of the operating system or the
 // tape.

@@ -27,7 +27,7 @@ bool RealtimeTick::operator()(const loop::TickTiming& timing) noexcept {
   if (account.overrun) count(*account.overrun);
   session_.count_tick();
   if (taps_.ticked != nullptr) taps_.ticked(taps_.context, driver);
-  show(driver.output());
+  show(timing, driver.output());
   return session_.stats.ticks < most_ticks_ && ended_ticks_ < end_ticks_;
 }
 
@@ -73,27 +73,36 @@ void RealtimeTick::count(loop::OverrunCause cause) noexcept {
   }
 }
 
-void RealtimeTick::show(const loop::TickOutput& out) noexcept {
+void RealtimeTick::show(const loop::TickTiming& timing, const loop::TickOutput& out) noexcept {
   constexpr auto relaxed = std::memory_order_relaxed;
-  live_.ticks.store(session_.stats.ticks, relaxed);
   live_.overruns.store(late_wake + own_work + interrupted, relaxed);
-  live_.late_cycles.store(session_.stats.late_cycles, relaxed);
-  live_.force_N.store(norm(out.command.wrench.force), relaxed);
-  live_.members.store(out.members, relaxed);
-  live_.contacts.store(out.contacts, relaxed);
-  live_.border.store(out.border, relaxed);
-  live_.status.store(out.status, relaxed);
-  const haptics::DeviceSample& sample = session_.driver->sample();
-  live_.device_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
-  live_.device_limits.store(sample.limits, relaxed);
-  if (out.fault == Fault::kNone || sample.device_fault != 0) live_.device_fault.store(sample.device_fault, relaxed);
-  if (static_cast<std::uint32_t>(out.fault) != live_.fault.load(relaxed)) {
-    live_.fault_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
-    live_.fault_limits.store(sample.limits, relaxed);
+  live_.late_wake.store(late_wake, relaxed);
+  live_.own_work.store(own_work, relaxed);
+  live_.interrupted.store(interrupted, relaxed);
+  if (timing.health != nullptr) live_.skipped.store(timing.health->skipped_ticks, relaxed);
+  live_.show(session_, out);
+}
+
+void LiveStatus::show(const Session& session, const loop::TickOutput& out) noexcept {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  ticks.store(session.stats.ticks, relaxed);
+  late_cycles.store(session.stats.late_cycles, relaxed);
+  force_N.store(norm(out.command.wrench.force), relaxed);
+  members.store(out.members, relaxed);
+  contacts.store(out.contacts, relaxed);
+  border.store(out.border, relaxed);
+  status.store(out.status, relaxed);
+  const haptics::DeviceSample& sample = session.driver->sample();
+  device_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
+  device_limits.store(sample.limits, relaxed);
+  if (out.fault == Fault::kNone || sample.device_fault != 0) device_fault.store(sample.device_fault, relaxed);
+  if (static_cast<std::uint32_t>(out.fault) != fault.load(relaxed)) {
+    fault_state.store(static_cast<std::uint32_t>(sample.state), relaxed);
+    fault_limits.store(sample.limits, relaxed);
   }
-  live_.fault_count.store(session_.stats.fault_count, relaxed);
-  live_.fault.store(static_cast<std::uint32_t>(out.fault), relaxed);
-  live_.resets.store(session_.loop->sub_world().epoch(), relaxed);
+  fault_count.store(session.stats.fault_count, relaxed);
+  fault.store(static_cast<std::uint32_t>(out.fault), relaxed);
+  resets.store(session.loop->sub_world().epoch(), relaxed);
 }
 
 }  // namespace tactus::session

@@ -19,9 +19,14 @@ namespace tactus::session {
 // stop by its watchdog.
 inline constexpr double kEnd_s = 2 * loop::kEndFade_s;
 
-// Values for the display during a run. Written by the haptic thread, each independently of the others.
+// Values for the display during a run. Written by the thread that runs the loop, each independently of the others.
 struct LiveStatus {
+  // [rt] Takes the values after a tick, apart from those of the deadlines.
+  void show(const Session& session, const loop::TickOutput& out) noexcept;
+
   std::atomic<std::uint64_t> ticks{0}, overruns{0}, late_cycles{0}, fault_count{0};
+  std::atomic<std::uint64_t> late_wake{0}, own_work{0}, interrupted{0};  // overruns by cause
+  std::atomic<std::uint64_t> skipped{0};                                 // deadlines without a tick
   std::atomic<double> force_N{0};
   std::atomic<std::uint32_t> members{0}, contacts{0}, border{0}, status{0}, fault{0}, resets{0};
   std::atomic<std::uint32_t> device_state{0}, device_fault{0}, device_limits{0};  // reported by the device
@@ -67,7 +72,7 @@ class RealtimeTick {
   std::uint32_t operator_bits() noexcept;
   bool probe_begins(const loop::TickTiming& timing) noexcept;
   void count(loop::OverrunCause cause) noexcept;
-  void show(const loop::TickOutput& out) noexcept;
+  void show(const loop::TickTiming& timing, const loop::TickOutput& out) noexcept;
 
   Session& session_;
   loop::TimedTick<hal::AnyDevice, hal::GpioLines> tick_;

@@ -4,13 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/device_class.h"
 #include "hal/gpio/gpio_options.h"
 #include "rt/haptics/coupling/snapshot.h"
 #include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
 #include "sim/worker_pool.h"
 #include "tools/json_text.h"
-#include "tools/session/device_choice.h"
 #include "tools/session/inject_script.h"
 #include "tools/version/version.h"
 
@@ -97,10 +97,10 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
   if (!o.world_cpus.empty() && o.world_cpus.size() != o.world_threads)
     mistakes.push_back(fmt::format("--world-cpu: {} cores for {} of --world-threads; accepted: as many, or none",
                                    o.world_cpus.size(), o.world_threads));
-  const auto choice = parse_device_choice(o.device);
+  const auto choice = hal::choose_device(o.device);
   const bool taped = o.taped_device.has_value(), given = o.given_device || o.device == kGivenDevice;
   if (!o.given_device && !(taped && given)) look_at(choice.status());
-  const bool real = choice.ok() && choice.value().is_real();
+  const bool real = choice.ok() && choice.value().device_class->real;
   if (o.virtual_time && real && !taped)
     mistakes.push_back(fmt::format("--virtual-time: {} keeps real time; accepted: with --device sim", o.device));
   if (!o.gpio.empty()) look_at(hal::parse_gpio_options(o.gpio).status());
@@ -112,8 +112,6 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
     mistakes.push_back(fmt::format(
         "--inject: faults of the device are for the simulated one, not for {}; accepted: stall, reset, or --device sim",
         o.device));
-  if (!o.device_file.empty() && choice.ok() && !real)
-    mistakes.push_back("--device-file: the simulated device is the scene's profile; accepted: with usb or can");
   return mistakes;
 }
 
@@ -141,6 +139,7 @@ std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& d
   text["members"] = o.members;
   text["inject"] = o.inject;
   text["seed"] = o.seed;
+  text["world_precision"] = sim::name_of(o.world_precision);
   text["virtual_time"] = o.virtual_time;
   text["device"] = o.device;
   text["device_properties"] = properties_to_json(device);
@@ -193,6 +192,10 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   o.members = small("members");
   o.seed = parsed["seed"].get<std::uint64_t>();
   o.inject = word("inject");
+  if (const auto precision = sim::parse_precision(word("world_precision"))) {
+    o.world_precision = *precision;
+    tape.knows_world = true;
+  }
   o.device = word("device");
   const auto properties = parsed.find("device_properties");
   if (properties == parsed.end() || !properties->is_object()) return bad("has no 'device_properties'");

@@ -31,12 +31,12 @@ inline constexpr const char* kGivenDevice = "own";
 
 struct RunOptions {
   std::filesystem::path scene;
-  std::string device{"sim"};          // see device_choice.h
+  std::string device{"sim"};          // see hal/device_class.h
   bool given_device{false};           // the caller supplies the device; `device` is its display name
-  std::filesystem::path device_file;  // describes a real device; empty: the scene's profile is used
+  std::filesystem::path device_file;  // describes the device; empty: the scene's profile is used
   std::string gpio;                   // GPIO lines: e-stop, drive enable, probe, heartbeat; empty: none
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border{physics::BorderMode::kGhost};
+  physics::BorderMode border{physics::kDefaultBorder};
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   sim::Reach reach{sim::Reach::kTwoCycles};
   bool all_members{false};  // every dynamic body a member from tick 0
@@ -79,6 +79,7 @@ struct TapeSettings {
   std::string scene_name, scene_source;
   std::string made_by;                 // version of the program; empty: not recorded
   std::string scene_file, scene_hash;  // path as given when recorded; hash of scene_source
+  bool knows_world{false};             // false: an older tape, without the global world's precision
 };
 Result<TapeSettings> from_tape_text(const std::string& text);
 

@@ -10,7 +10,7 @@
 #include "sim/model/choice_names.h"
 #include "sim/model/scene_effects.h"
 #include "tools/session/arm_gate.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/session/scheme_gains.h"
 
 namespace tactus::session {
@@ -211,15 +211,17 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
                          "; of the world stall@TICK+TICKS; of the operator reset@TICK");
   const bool simulated = hardware.device == nullptr;
   if (simulated) {
-    const auto profile = find_description(scene.device.profile, {});
-    if (!profile.ok()) return Status::error(fmt::format("{}: {}", scene.name, profile.message()));
+    const auto profile = find_description(scene.device.profile, options.device_file);
+    if (!profile.ok())
+      return options.device_file.empty() ? Status::error(fmt::format("{}: {}", scene.name, profile.message()))
+                                         : profile.status();
     auto device = make_simulated(options, profile.value(), make_hand(scene), faults.value());
     if (!device.ok()) return device.status();
     hardware.device = std::move(device).value();
   }
   session->device = std::move(hardware.device);
   session->hand_ = session->device->as<hal::SimulatedDevice>();
-  if (session->device->link_report().has_value()) session->arm_tick_ = kIdleTicks;
+  if (hardware.real || session->device->link_report().has_value()) session->arm_tick_ = kIdleTicks;
   session->device_identity = std::move(hardware.identity);
   session->same_device = std::move(hardware.same_device);
   session->gpio = std::move(hardware.gpio);
@@ -253,8 +255,7 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
 Status Session::record(const std::string& tape_path) {
   std::unique_ptr<loop::TapeWriter> tape;
   if (!tape_path.empty()) {
-    auto created =
-        loop::TapeWriter::create(tape_path, to_tape_text(options, device->properties(), scene.name, scene.source));
+    auto created = loop::TapeWriter::create(tape_path, tape_text());
     if (!created.ok()) return created.status();
     tape = std::move(created).value();
   }
@@ -284,14 +285,14 @@ void Session::close_tape(RunSummary& summary) {
 
 void Session::count_tick() noexcept {
   const loop::TickOutput& out = driver->output();
-  const std::uint32_t ended = driver->synchronised() ? cycle_ticks_ : 0;
+  const std::uint32_t ended = driver->synchronised() ? progress_.cycle_ticks : 0;
   if (driver->synchronised()) {
-    cycle_ticks_ = 0;
+    progress_.cycle_ticks = 0;
     if (driver->restrained()) ++stats.restrained_cycles;
   }
-  ++cycle_ticks_;
+  ++progress_.cycle_ticks;
   stats.add(out, driver->sub_steps(), driver->component(), ended, ratio, driver->sample());
-  latched_ticks_ = out.fault != Fault::kNone ? latched_ticks_ + 1 : 0;
+  progress_.latched_ticks = out.fault != Fault::kNone ? progress_.latched_ticks + 1 : 0;
   start_hand(out);
 }
 
@@ -299,30 +300,45 @@ void Session::count_tick() noexcept {
 // equal.
 void Session::start_hand(const loop::TickOutput& out) noexcept {
   const bool engaged = (out.status & (kNotArmed | kSceneReset)) == 0;
-  if (engaged && !first_engaged_ && options.arm_at_start) first_engaged_ = out.tick;
-  if (!hand_returns_ || (out.status & kSceneReset) != 0) return;
-  hand_returns_ = false;
-  hand_->start_path(static_cast<double>(first_engaged_.value_or(0)) * options.period_s());
+  if (engaged && !progress_.first_engaged && options.arm_at_start) progress_.first_engaged = out.tick;
+  if (!progress_.hand_returns || (out.status & kSceneReset) != 0) return;
+  progress_.hand_returns = false;
+  hand_->start_path(static_cast<double>(progress_.first_engaged.value_or(0)) * options.period_s());
 }
 
 std::uint32_t Session::hold_for_hand(std::uint32_t bits) noexcept {
   if (hand_ == nullptr || global == nullptr) return 0;
-  if ((bits & loop::kReset) != 0 && !hand_returns_) {
-    hand_returns_ = true;
+  if ((bits & loop::kReset) != 0 && !progress_.hand_returns) {
+    progress_.hand_returns = true;
     hand_->return_hand();
   }
-  return hand_returns_ && !hand_->hand_is_back() ? loop::kHoldReset : 0u;
+  return progress_.hand_returns && !hand_->hand_is_back() ? loop::kHoldReset : 0u;
 }
 
 std::uint32_t Session::operator_bits(std::uint32_t asked) noexcept {
+  if (hand_ != nullptr) hand_input.apply(*hand_, scene.device.world_from_device, scene.device.motion_scale);
   std::uint32_t bits = asked | (stats.ticks == arm_tick_ && options.arm_at_start ? loop::kArm : 0u);
-  for (; next_reset_ < resets.size() && resets[next_reset_] <= stats.ticks; ++next_reset_) bits |= loop::kReset;
-  if (options.rearm && latched_ticks_ >= kRearmAfter_s * options.rate_Hz) {
-    latched_ticks_ = 0;
+  for (; progress_.next_reset < resets.size() && resets[progress_.next_reset] <= stats.ticks; ++progress_.next_reset)
+    bits |= loop::kReset;
+  if (options.rearm && progress_.latched_ticks >= kRearmAfter_s * options.rate_Hz) {
+    progress_.latched_ticks = 0;
     bits |= loop::kRearm;
   }
   return bits | hold_for_hand(bits);
 }
+
+bool Session::rest_hand() noexcept {
+  if (hand_ == nullptr) return false;
+  hand_->hold_hand();
+  return true;
+}
+
+std::string overlapped_of(const sim::Scene& scene, const physics::Overlap& overlap) {
+  if (overlap.a == kNoBody || overlap.b == kNoBody) return {};
+  return fmt::format("{} and {}", sim::body_label(scene, overlap.a), sim::body_label(scene, overlap.b));
+}
+
+std::string Session::tape_text() const { return to_tape_text(options, device->properties(), scene.name, scene.source); }
 
 RunSummary Session::summary() const {
   RunSummary summary;
@@ -340,8 +356,7 @@ RunSummary Session::summary() const {
   summary.stats = stats;
   summary.has_global = global != nullptr;
   if (global != nullptr) summary.global = global->statistics();
-  if (const auto& overlap = summary.global.overlap; overlap.a != kNoBody && overlap.b != kNoBody)
-    summary.overlapped = fmt::format("{} and {}", sim::body_label(scene, overlap.a), sim::body_label(scene, overlap.b));
+  summary.overlapped = overlapped_of(scene, summary.global.overlap);
   if (const hal::SimulatedDevice* truth = simulated()) {
     summary.hand_work_J = truth->plant().energy().hand;
     summary.motor_work_J = truth->plant().energy().motors;

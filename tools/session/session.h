@@ -17,6 +17,7 @@
 #include "rt/loop/run_stats.h"
 #include "rt/tape/tape_drain.h"
 #include "sim/snapshot_server.h"
+#include "tools/session/hand_input.h"
 #include "tools/session/inject_script.h"
 #include "tools/session/open_device.h"
 #include "tools/session/run_options.h"
@@ -40,6 +41,8 @@ std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOp
 sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& options,
                                   const haptics::DeviceProperties& device);
 hal::HandModel make_hand(const sim::Scene& scene);
+// For RunSummary::overlapped.
+std::string overlapped_of(const sim::Scene& scene, const physics::Overlap& overlap);
 
 // Who sees a run's records, besides the tape.
 struct Shown {
@@ -72,6 +75,7 @@ class Session {
   std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as are `workers` and `global`
   std::unique_ptr<sim::WorkerPool> workers;     // threads that share the global world's steps
   std::unique_ptr<sim::GlobalWorld> global;
+  HandInput hand_input;                            // a person's wishes of the simulated hand
   Shown shown;                                     // set before record()
   std::unique_ptr<loop::FlightRecorder> recorder;  // null when nothing is recorded
   std::unique_ptr<loop::TapeDrain> drain;
@@ -89,8 +93,24 @@ class Session {
   // The simulated device, with its exact state; null on a real device.
   const hal::SimulatedDevice* simulated() const noexcept { return device->as<hal::SimulatedDevice>(); }
 
+  // [setup] The simulated hand rests where its path begins, until a person takes it. False: the device is a real one.
+  bool rest_hand() noexcept;
+
+  // What a tape of this run begins with: options, device, scene.
+  std::string tape_text() const;
   // The figures common to real-time and virtual runs.
   RunSummary summary() const;
+
+  // Where the run is in its script and its cycle.
+  struct Progress {
+    bool hand_returns{false};
+    std::optional<std::uint64_t> first_engaged;  // tick, of a run that is armed at its start
+    std::size_t next_reset{0};
+    std::uint32_t latched_ticks{0};
+    std::uint32_t cycle_ticks{0};
+  };
+  const Progress& progress() const noexcept { return progress_; }
+  void set_progress(const Progress& progress) noexcept { progress_ = progress; }
 
  private:
   Session() = default;
@@ -98,12 +118,8 @@ class Session {
   void start_hand(const loop::TickOutput& out) noexcept;
 
   hal::SimulatedDevice* hand_{nullptr};  // the simulated device, whose hand restarts at a reset; null on a real device
-  bool hand_returns_{false};
-  std::uint64_t arm_tick_{0};                   // of a run that is armed at its start
-  std::optional<std::uint64_t> first_engaged_;  // tick, of a run that is armed at its start
-  std::size_t next_reset_{0};
-  std::uint32_t latched_ticks_{0};
-  std::uint32_t cycle_ticks_{0};
+  std::uint64_t arm_tick_{0};            // of a run that is armed at its start
+  Progress progress_;
 };
 
 }  // namespace tactus::session

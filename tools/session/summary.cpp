@@ -230,6 +230,144 @@ std::string uneven_text(const RunSummary& s) {
       s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMaxUneven);
 }
 
+json run_json(const RunSummary& s) {
+  return {{"rate_Hz", s.options.rate_Hz},
+          {"ratio", s.ratio},
+          {"ticks", s.stats.ticks},
+          {"duration_s", static_cast<double>(s.stats.ticks) * s.options.period_s()},
+          {"wall_s", s.wall_s},
+          {"coupling", sim::name_of(s.options.coupling)},
+          {"border", sim::name_of(s.options.border)},
+          {"device", s.options.device},
+          {"bodies", s.bodies}};
+}
+
+json gains_json(const RunSummary& s) {
+  return {{"stiffness_N_per_m", s.gains.gains.stiffness_N_per_m},
+          {"damping_Ns_per_m", s.gains.gains.damping_Ns_per_m},
+          {"stiffness_Nm_per_rad", s.gains.gains.stiffness_Nm_per_rad},
+          {"damping_Nms_per_rad", s.gains.gains.damping_Nms_per_rad},
+          {"lowered", s.gains.lowered()}};
+}
+
+json timing_json(const RunSummary& s) {
+  const auto& t = s.timing;
+  json j = {{"wake_up", times_json(t.wake_latency)},
+            {"execution", times_json(t.execution)},
+            {"compute", times_json(s.compute)},
+            {s.simulated() ? "simulated_device" : "device", times_json(s.device)},
+            {"overruns", t.overruns},
+            {"overruns_late_wake", s.overruns_late_wake},
+            {"overruns_interrupted", s.overruns_interrupted},
+            {"overruns_own_work", s.overruns_own_work},
+            {"skipped_ticks", t.skipped_ticks},
+            {"minor_page_faults", t.minor_faults},
+            {"major_page_faults", t.major_faults},
+            {"involuntary_context_switches", t.involuntary_switches}};
+  if (s.stolen_share) j["stolen_share"] = *s.stolen_share;
+  return j;
+}
+
+json sub_world_json(const RunSummary& s) {
+  return {{"members_max", s.stats.members_max},
+          {"members_cap", s.members_cap},
+          {"contacts_max", s.stats.contacts_max},
+          {"points_max", s.stats.points_max},
+          {"pairs_max", s.stats.pairs_max},
+          {"border_contacts_max", s.stats.border_max},
+          {"sub_steps_mean", mean_sub_steps(s)},
+          {"deepest_overlap_m", s.stats.deepest_m},
+          {"deepest_overlap_share", s.stats.deepest_share},
+          {"capacity_bits", s.stats.capacity_bits},
+          {"dropped_entries", s.stats.dropped}};
+}
+
+json global_world_json(const RunSummary& s) {
+  json j = {{"cycles", s.stats.cycles},
+            {"late_cycles", s.stats.late_cycles},
+            {"longest_cycle_ticks", s.stats.cycle_ticks_max},
+            {"dilation_ms", s.dilation_ms()},
+            {"bodies_awake", s.global.awake},
+            {"bodies_awake_max", s.global.most_awake},
+            {"joints_broken", s.global.broken_joints},
+            {"bodies_asleep", s.global.asleep},
+            {"bodies_fell_asleep", s.global.fell_asleep},
+            {"bodies_woke_up", s.global.woke_up},
+            {"stopped_energy_J", s.global.stopped_energy_J},
+            {"contacts_max", s.global.most_contacts},
+            {"component_max", s.stats.component_max},
+            {"resets", s.global.resets},
+            {"joins", s.global.joins},
+            {"leaves", s.global.leaves},
+            {"deepest_overlap_m", s.global.deepest_m},
+            {"capacity_bits", s.global.capacity_bits},
+            {"dropped_entries", s.global.dropped_entries}};
+  const sim::EnergyBalance& balance = s.global.energy;
+  j["energy_book"] = {{"complete", balance.complete},
+                      {"kinetic_max_J", balance.most_kinetic_J},
+                      {"work_on_proxy_J", balance.proxy_work_J},
+                      {"work_put_in_J", balance.work_in_J},
+                      {"unexplained_J", balance.unexplained_J}};
+  j["deepest_overlap_share"] = s.global.overlap.share;
+  j["deepest_share_m"] = s.global.overlap.depth;
+  if (s.global.overlap.share > 0) j["deepest_share_bodies"] = {s.global.overlap.a, s.global.overlap.b};
+  if (s.global_step.count() > 0) j["step"] = times_json(s.global_step);
+  j["uneven_members_most"] = s.global.most_uneven_members;
+  j["uneven_cycles"] = s.global.uneven_cycles;
+  return j;
+}
+
+json hand_json(const RunSummary& s) {
+  return {{"contact_ticks", s.stats.contact_ticks}, {"contact_percent", percent(s.stats.contact_ticks, s.stats.ticks)},
+          {"force_mean_N", mean_force_N(s)},        {"force_max_N", s.stats.force_max_N},
+          {"torque_max_Nm", s.stats.torque_max_Nm}, {"force_step_max_N", s.stats.force_step_max_N}};
+}
+
+json energy_json(const RunSummary& s) {
+  json j = {{"device_port_J", s.stats.device_energy_J},
+            {"passivity_control_J", s.stats.damped_energy_J},
+            {"border",
+             {{"work_on_members_J", s.stats.border_work_J},
+              {"buffer_gain_J", s.stats.buffer_gain_J},
+              {"tank_J", s.stats.border_tank_J}}}};
+  if (s.has_global) {
+    json& border = j["border"];
+    border["global_work_on_members_J"] = s.global.border_work_J;
+    border["imposed_J"] = s.global.imposed_energy_J;
+    border["returned_J"] = s.global.returned_energy_J;
+  }
+  if (s.simulated()) {
+    j["hand_work_J"] = s.hand_work_J;
+    j["motor_work_J"] = s.motor_work_J;
+  }
+  return j;
+}
+
+json conditions_json(const RunSummary& s) {
+  json conditions = json::object();
+  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+    const std::string_view name = name_of(static_cast<StatusBit>(1u << bit));
+    if (!name.empty() && s.stats.status_ticks[bit] > 0) conditions[std::string(name)] = s.stats.status_ticks[bit];
+  }
+  return conditions;
+}
+
+json faults_json(const RunSummary& s) {
+  json faults = json::array();
+  for (const auto& event : s.stats.faults) {
+    faults.push_back({{"tick", event.tick},
+                      {"code", static_cast<std::uint32_t>(event.fault)},
+                      {"text", event.cleared != 0 ? std::string(describe(event.fault)) : fault_text(event)},
+                      {"device_state", hal::name_of(event.device_state)},
+                      {"device_fault", event.device_fault},
+                      {"device_fault_text", hal::describe_device_fault(event.device_fault)},
+                      {"device_limits", event.device_limits},
+                      {"device_limits_text", hal::describe_device_limits(event.device_limits)},
+                      {"rearmed", event.cleared != 0}});
+  }
+  return faults;
+}
+
 }  // namespace
 
 bool RunSummary::fault_latched() const noexcept {
@@ -305,123 +443,21 @@ json to_json(const RunSummary& s) {
   j["exit_code"] = verdict.exit_code();
   j["degraded"] = s.degraded();
   j["real_time"] = s.real_time;
-  j["run"] = {{"rate_Hz", s.options.rate_Hz},
-              {"ratio", s.ratio},
-              {"ticks", s.stats.ticks},
-              {"duration_s", static_cast<double>(s.stats.ticks) * s.options.period_s()},
-              {"wall_s", s.wall_s},
-              {"coupling", sim::name_of(s.options.coupling)},
-              {"border", sim::name_of(s.options.border)},
-              {"device", s.options.device},
-              {"bodies", s.bodies}};
-  j["coupling_gains"] = {{"stiffness_N_per_m", s.gains.gains.stiffness_N_per_m},
-                         {"damping_Ns_per_m", s.gains.gains.damping_Ns_per_m},
-                         {"stiffness_Nm_per_rad", s.gains.gains.stiffness_Nm_per_rad},
-                         {"damping_Nms_per_rad", s.gains.gains.damping_Nms_per_rad},
-                         {"lowered", s.gains.lowered()}};
+  j["run"] = run_json(s);
+  j["coupling_gains"] = gains_json(s);
   if (s.real_time) {
-    const auto& t = s.timing;
-    j["timing"] = {{"wake_up", times_json(t.wake_latency)},
-                   {"execution", times_json(t.execution)},
-                   {"compute", times_json(s.compute)},
-                   {s.simulated() ? "simulated_device" : "device", times_json(s.device)},
-                   {"overruns", t.overruns},
-                   {"overruns_late_wake", s.overruns_late_wake},
-                   {"overruns_interrupted", s.overruns_interrupted},
-                   {"overruns_own_work", s.overruns_own_work},
-                   {"skipped_ticks", t.skipped_ticks},
-                   {"minor_page_faults", t.minor_faults},
-                   {"major_page_faults", t.major_faults},
-                   {"involuntary_context_switches", t.involuntary_switches}};
-    if (s.stolen_share) j["timing"]["stolen_share"] = *s.stolen_share;
+    j["timing"] = timing_json(s);
     if (s.link) j["device_link"] = link_json(s);
     for (const auto& step : s.setup.steps)
       j["setup"].push_back({{"name", step.name}, {"ok", step.ok}, {"message", std::string(step.message())}});
   }
-  j["sub_world"] = {{"members_max", s.stats.members_max},
-                    {"members_cap", s.members_cap},
-                    {"contacts_max", s.stats.contacts_max},
-                    {"points_max", s.stats.points_max},
-                    {"pairs_max", s.stats.pairs_max},
-                    {"border_contacts_max", s.stats.border_max},
-                    {"sub_steps_mean", mean_sub_steps(s)},
-                    {"deepest_overlap_m", s.stats.deepest_m},
-                    {"deepest_overlap_share", s.stats.deepest_share},
-                    {"capacity_bits", s.stats.capacity_bits},
-                    {"dropped_entries", s.stats.dropped}};
+  j["sub_world"] = sub_world_json(s);
   j["governor"] = governor_json(s);
-  if (s.has_global) {
-    j["global_world"] = {{"cycles", s.stats.cycles},
-                         {"late_cycles", s.stats.late_cycles},
-                         {"longest_cycle_ticks", s.stats.cycle_ticks_max},
-                         {"dilation_ms", s.dilation_ms()},
-                         {"bodies_awake", s.global.awake},
-                         {"bodies_awake_max", s.global.most_awake},
-                         {"joints_broken", s.global.broken_joints},
-                         {"bodies_asleep", s.global.asleep},
-                         {"bodies_fell_asleep", s.global.fell_asleep},
-                         {"bodies_woke_up", s.global.woke_up},
-                         {"stopped_energy_J", s.global.stopped_energy_J},
-                         {"contacts_max", s.global.most_contacts},
-                         {"component_max", s.stats.component_max},
-                         {"resets", s.global.resets},
-                         {"joins", s.global.joins},
-                         {"leaves", s.global.leaves},
-                         {"deepest_overlap_m", s.global.deepest_m},
-                         {"capacity_bits", s.global.capacity_bits},
-                         {"dropped_entries", s.global.dropped_entries}};
-    const sim::EnergyBalance& balance = s.global.energy;
-    j["global_world"]["energy_book"] = {{"complete", balance.complete},
-                                        {"kinetic_max_J", balance.most_kinetic_J},
-                                        {"work_on_proxy_J", balance.proxy_work_J},
-                                        {"work_put_in_J", balance.work_in_J},
-                                        {"unexplained_J", balance.unexplained_J}};
-    j["global_world"]["deepest_overlap_share"] = s.global.overlap.share;
-    j["global_world"]["deepest_share_m"] = s.global.overlap.depth;
-    if (s.global.overlap.share > 0)
-      j["global_world"]["deepest_share_bodies"] = {s.global.overlap.a, s.global.overlap.b};
-    if (s.global_step.count() > 0) j["global_world"]["step"] = times_json(s.global_step);
-  }
-  j["hand"] = {
-      {"contact_ticks", s.stats.contact_ticks}, {"contact_percent", percent(s.stats.contact_ticks, s.stats.ticks)},
-      {"force_mean_N", mean_force_N(s)},        {"force_max_N", s.stats.force_max_N},
-      {"torque_max_Nm", s.stats.torque_max_Nm}, {"force_step_max_N", s.stats.force_step_max_N}};
-  j["energy"] = {{"device_port_J", s.stats.device_energy_J},
-                 {"passivity_control_J", s.stats.damped_energy_J},
-                 {"border",
-                  {{"work_on_members_J", s.stats.border_work_J},
-                   {"buffer_gain_J", s.stats.buffer_gain_J},
-                   {"tank_J", s.stats.border_tank_J}}}};
-  if (s.has_global) {
-    json& border = j["energy"]["border"];
-    border["global_work_on_members_J"] = s.global.border_work_J;
-    border["imposed_J"] = s.global.imposed_energy_J;
-    border["returned_J"] = s.global.returned_energy_J;
-    j["global_world"]["uneven_members_most"] = s.global.most_uneven_members;
-    j["global_world"]["uneven_cycles"] = s.global.uneven_cycles;
-  }
-  if (s.simulated()) {
-    j["energy"]["hand_work_J"] = s.hand_work_J;
-    j["energy"]["motor_work_J"] = s.motor_work_J;
-  }
-  json conditions = json::object();
-  for (std::uint32_t bit = 0; bit < 32; ++bit) {
-    const std::string_view name = name_of(static_cast<StatusBit>(1u << bit));
-    if (!name.empty() && s.stats.status_ticks[bit] > 0) conditions[std::string(name)] = s.stats.status_ticks[bit];
-  }
-  j["condition_ticks"] = conditions;
-  j["faults"] = json::array();
-  for (const auto& event : s.stats.faults) {
-    j["faults"].push_back({{"tick", event.tick},
-                           {"code", static_cast<std::uint32_t>(event.fault)},
-                           {"text", event.cleared != 0 ? std::string(describe(event.fault)) : fault_text(event)},
-                           {"device_state", hal::name_of(event.device_state)},
-                           {"device_fault", event.device_fault},
-                           {"device_fault_text", hal::describe_device_fault(event.device_fault)},
-                           {"device_limits", event.device_limits},
-                           {"device_limits_text", hal::describe_device_limits(event.device_limits)},
-                           {"rearmed", event.cleared != 0}});
-  }
+  if (s.has_global) j["global_world"] = global_world_json(s);
+  j["hand"] = hand_json(s);
+  j["energy"] = energy_json(s);
+  j["condition_ticks"] = conditions_json(s);
+  j["faults"] = faults_json(s);
   j["fault_events_dropped"] = s.stats.fault_events_dropped;
   j["arm_refusals"] = s.arm_refusals;
   j["state_hash"] = fmt::format("{:016x}", s.state_hash);

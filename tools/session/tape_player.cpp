@@ -43,17 +43,21 @@ Result<std::unique_ptr<Session>> session_of(const OpenTape& tape) {
   return session;
 }
 
+bool next_record(OpenTape& tape, loop::TapeRecord& record, const OnDamage& damage) {
+  for (loop::TapeRead read; (read = tape.reader->next(record)) != loop::TapeRead::kEnd;) {
+    if (read == loop::TapeRead::kRecord) return true;
+    const std::string what = tape.reader->damage().message();
+    const std::uint64_t lost_bytes = tape.reader->skip_damage(kKinds);
+    if (damage) damage(what, lost_bytes);
+  }
+  return false;
+}
+
 Status walk(OpenTape& tape, const TapeVisitor& visitor) {
   constexpr std::uint64_t kRecordsBetweenProgress = 1024;
   std::error_code ignored;
   const auto size = static_cast<double>(std::filesystem::file_size(tape.path, ignored));
-  loop::TapeRecord record;
-  for (loop::TapeRead read; (read = tape.reader->next(record)) != loop::TapeRead::kEnd;) {
-    if (read == loop::TapeRead::kDamaged) {
-      const std::string what = tape.reader->damage().message();
-      visitor.damage(what, tape.reader->skip_damage(kKinds));
-      continue;
-    }
+  for (loop::TapeRecord record; next_record(tape, record, visitor.damage);) {
     if (const Status status = visitor.record(record); !status.ok()) return prefixed(tape, status.message());
     if (visitor.progress && record.index % kRecordsBetweenProgress == 0)
       visitor.progress(static_cast<double>(record.offset) / size);

@@ -30,10 +30,15 @@ Result<OpenTape> open_tape(const std::string& path);
 // line with the path.
 Result<std::unique_ptr<Session>> session_of(const OpenTape& tape);
 
+using OnDamage = std::function<void(const std::string& what, std::uint64_t lost_bytes)>;
+
+// The next record that can be read; `damage` is called for what cannot be before it. False: the end.
+bool next_record(OpenTape& tape, loop::TapeRecord& record, const OnDamage& damage);
+
 struct TapeVisitor {
   std::function<Status(const loop::TapeRecord& record)> record;  // an error ends the walk
   // Records are missing from here on: what is damaged, and how many bytes were skipped to the next readable record.
-  std::function<void(const std::string& what, std::uint64_t lost_bytes)> damage;
+  OnDamage damage;
   std::function<void(double share)> progress;  // read so far, 0 to 1; may be empty
 };
 
@@ -59,6 +64,8 @@ class TapePlayer {
   void lose_step() noexcept { in_step_ = has_snapshot_ = false; }
 
   const loop::HapticLoop& loop() const noexcept { return *loop_; }
+  // Of the last tick that adopted a snapshot and was played; without the governor's number of members.
+  const haptics::SubWorldReport& report() const noexcept { return *sink_; }
 
  private:
   std::unique_ptr<loop::HapticLoop> loop_;

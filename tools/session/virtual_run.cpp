@@ -30,20 +30,20 @@ const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
   loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick(*session_.driver, 0);
   timed_tick({}, [&]() noexcept { return session_.operator_bits(asked); });
   session_.count_tick();
-  if (session_.drain != nullptr && tick_ % 64 == 0) session_.drain->drain();
-  ++tick_;
+  if (session_.drain != nullptr && clock_.tick % 64 == 0) session_.drain->drain();
+  ++clock_.tick;
   return session_.driver->output();
 }
 
 void VirtualRun::serve_world() {
   if (!server_->has_report()) return;
-  if (!busy_) {
-    busy_ = true;
-    ready_tick_ = tick_ + step_ticks() + stall_ticks();
+  if (!clock_.busy) {
+    clock_.busy = true;
+    clock_.ready_tick = clock_.tick + step_ticks() + stall_ticks();
   }
-  if (tick_ < ready_tick_) return;
+  if (clock_.tick < clock_.ready_tick) return;
   server_->serve();
-  busy_ = false;
+  clock_.busy = false;
 }
 
 std::uint64_t VirtualRun::step_ticks() const {
@@ -54,8 +54,8 @@ std::uint64_t VirtualRun::step_ticks() const {
 
 std::uint64_t VirtualRun::stall_ticks() {
   std::uint64_t ticks = 0;
-  while (next_stall_ < session_.stalls.size() && session_.stalls[next_stall_].at_tick <= tick_)
-    ticks += session_.stalls[next_stall_++].ticks;
+  while (clock_.next_stall < session_.stalls.size() && session_.stalls[clock_.next_stall].at_tick <= clock_.tick)
+    ticks += session_.stalls[clock_.next_stall++].ticks;
   return ticks;
 }
 

@@ -29,17 +29,27 @@ class VirtualRun {
   // One tick; `asked`: OperatorBits in addition to the session's own. Allocates only for a reset and for a tape.
   const loop::TickOutput& tick(std::uint32_t asked = 0);
 
+  // [setup] Everything that the following ticks depend on, a device of the caller's own apart: for restore() of the
+  // same run, or of one of the same scene and options, without a tape. Both copy the whole state, megabytes.
+  struct Saved;
+  std::shared_ptr<const Saved> save() const;
+  void restore(const Saved& saved);
+
  private:
+  struct Clock {
+    std::uint64_t tick{0};
+    std::size_t next_stall{0};
+    std::uint64_t ready_tick{0};  // when the global world has finished the current report
+    bool busy{false};
+  };
+
   void serve_world();
   std::uint64_t step_ticks() const;
   std::uint64_t stall_ticks();
 
   Session& session_;
   std::optional<sim::SnapshotServer> server_;  // none with the direct coupling
-  std::uint64_t tick_{0};
-  std::size_t next_stall_{0};
-  std::uint64_t ready_tick_{0};  // when the global world has finished the current report
-  bool busy_{false};
+  Clock clock_;
 };
 
 // Error: of the threads that share the global world's steps. `observer` may be empty.

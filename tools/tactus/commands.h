@@ -12,8 +12,10 @@ inline constexpr int kExitGood = 0, kExitVerdictBad = 1, kExitBadInput = 2, kExi
 
 CLI::App* add_run_command(CLI::App& program, int& exit_code);
 CLI::App* add_hil_command(CLI::App& program, int& exit_code);
+CLI::App* add_device_command(CLI::App& program, int& exit_code);
 CLI::App* add_replay_command(CLI::App& program, int& exit_code);
 CLI::App* add_export_command(CLI::App& program, int& exit_code);
+CLI::App* add_import_command(CLI::App& program, int& exit_code);
 CLI::App* add_view_command(CLI::App& program, int& exit_code);
 CLI::App* add_scene_command(CLI::App& program, int& exit_code);
 void add_scene_keys_command(CLI::App& scene, int& exit_code);  // below `scene`
@@ -21,6 +23,7 @@ CLI::App* add_doctor_command(CLI::App& program, int& exit_code);
 CLI::App* add_timing_command(CLI::App& program, int& exit_code);
 CLI::App* add_tune_command(CLI::App& program, int& exit_code);
 CLI::App* add_config_command(CLI::App& program, int& exit_code);
+CLI::App* add_sweep_command(CLI::App& program, int& exit_code);
 CLI::App* add_control_command(CLI::App& program, int& exit_code);
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code);
 

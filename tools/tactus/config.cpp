@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "hal/device_file.h"
 #include "sim/loader/scene_load.h"
 #include "tools/doctor/system_view.h"
 #include "tools/json_report.h"
 #include "tools/service/configuration.h"
-#include "tools/session/device_file.h"
 #include "tools/tactus/commands.h"
 #include "tools/timing/budget.h"
 
@@ -48,7 +48,7 @@ std::vector<std::string> problems_of(const ConfigOptions& options, std::string& 
           fmt::format("{}: good; {} on {} at {:g} Hz", options.file,
                       scene.value().title.empty() ? scene.value().name : scene.value().title, run.device, run.rate_Hz);
   }
-  if (!run.device_file.empty()) add(session::load_device_file(run.device_file).message());
+  if (!run.device_file.empty()) add(hal::load_device_file(run.device_file).message());
   if (const auto& budget = reading.configuration.budget; !budget.empty())
     add(timing::load_budget(budget.string()).message());
   return problems;

@@ -54,17 +54,21 @@ int ask(const ControlOptions& options) {
 
 CLI::App* add_control_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<ControlOptions>();
-  CLI::App* control =
-      program.add_subcommand("control", "Asks a running tactus: state, arm, rearm, disarm, reset, reload, stop.");
+  CLI::App* control = program.add_subcommand("control",
+                                             "Asks a running tactus: state, arm, rearm, disarm, reset, reload, stop; "
+                                             "play, pause, tick, cycle in virtual time.");
   control->footer(
       "A run has a socket where its configuration ([control] socket) or --control names one. Who may write to the\n"
       "socket may do all of this. Exit status: 0 done; 1 refused; 3 nobody answers.\n\n"
       "Examples:\n  tactus control state --json\n  tactus control rearm --socket /run/tactus/control");
   control
-      ->add_option("REQUEST", options->request,
-                   "state, arm, rearm, disarm, reset (the scene back to its start), reload, stop")
+      ->add_option(
+          "REQUEST", options->request,
+          "state, arm, rearm, disarm, reset (the scene back to its start), reload, stop; of a run in virtual time\n"
+          "play, pause, tick, cycle")
       ->required()
-      ->check(CLI::IsMember({"state", "arm", "rearm", "disarm", "reset", "reload", "stop"}));
+      ->check(CLI::IsMember(
+          {"state", "arm", "rearm", "disarm", "reset", "reload", "stop", "play", "pause", "tick", "cycle"}));
   control->add_option("--socket", options->socket, "of the run")->capture_default_str();
   control->add_flag("--json", options->json, "the answer as it came: one JSON object on stdout");
   control->callback([options, &exit_code] { exit_code = ask(*options); });

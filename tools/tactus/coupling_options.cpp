@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "sim/model/choice_names.h"
+#include "tools/experiment/coupling/study_fields.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiments.h"
 
@@ -17,18 +19,23 @@ std::vector<std::string> case_names() {
   return names;
 }
 
-// The command line that gives the same figures.
-std::string command_of(const CouplingOptions& o, const experiment::StudyRequest& request) {
-  std::string text = "tactus experiment " + o.name;
-  if (!o.scenes.empty()) text += fmt::format(" --scenes {}", fmt::join(o.scenes, ","));
-  if (!o.borders.empty()) text += fmt::format(" --borders {}", fmt::join(o.borders, ","));
-  if (!o.ratios.empty()) text += fmt::format(" --ratios {}", fmt::join(o.ratios, ","));
-  text += fmt::format(" --seeds {}", request.seeds);
-  for (const std::string& file : o.scene_files) text += " --scene " + file;
-  if (o.whole_s > 0) text += fmt::format(" --whole {:g}", o.whole_s);
-  if (!o.members.empty()) text += fmt::format(" --members {}", fmt::join(o.members, ","));
-  if (o.order != "best-first") text += " --order " + o.order;
-  return text + (o.output.quick ? " --quick" : "");
+// The arguments of `tactus` that give the same figures.
+std::vector<std::string> arguments_of(const CouplingOptions& o, const experiment::StudyRequest& request) {
+  std::vector<std::string> words{"experiment", o.name};
+  const auto add = [&](const char* option, std::string value) {
+    words.push_back(option);
+    words.push_back(std::move(value));
+  };
+  if (!o.scenes.empty()) add("--scenes", fmt::format("{}", fmt::join(o.scenes, ",")));
+  if (!o.borders.empty()) add("--borders", fmt::format("{}", fmt::join(o.borders, ",")));
+  if (!o.ratios.empty()) add("--ratios", fmt::format("{}", fmt::join(o.ratios, ",")));
+  add("--seeds", fmt::format("{}", request.seeds));
+  for (const std::string& file : o.scene_files) add("--scene", file);
+  if (o.whole_s > 0) add("--whole", fmt::format("{}", o.whole_s));
+  if (!o.members.empty()) add("--members", fmt::format("{}", fmt::join(o.members, ",")));
+  if (o.order != "best-first") add("--order", o.order);
+  if (o.output.quick) words.push_back("--quick");
+  return words;
 }
 
 }  // namespace
@@ -61,6 +68,7 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   command.add_option("--order", options.order, "in which the contact graph is cut: best-first or breadth-first")
       ->check(CLI::IsMember({"best-first", "breadth-first"}))
       ->capture_default_str();
+  options.parts.add(command, "scenes and caps");
   options.output.add_csv(command, "writes the rows to this file, units in the header");
   options.output.add_page(command, "them");
   options.output.add_quick(command, "about a minute: two seeds, two windows each, ratios 2, 8 and 16");
@@ -107,23 +115,28 @@ std::vector<experiment::Scheme> schemes_of(const CouplingOptions& options,
   return chosen;
 }
 
-// Windows for each cap on members, one after the other; the properties of a scene are those of the last.
-Result<experiment::StudyReport> run_windows(const CouplingOptions& options, experiment::StudyRequest request) {
-  experiment::StudyReport all;
-  for (const unsigned members : options.members.empty() ? std::vector<unsigned>{0} : options.members) {
-    request.members = members;
-    auto report = experiment::run_coupling_study(request, experiment::terminal_progress());
-    if (!report.ok()) return report;
-    auto rows = std::move(all.rows);
-    rows.insert(rows.end(), report.value().rows.begin(), report.value().rows.end());
-    all = std::move(report).value();
-    all.rows = std::move(rows);
-  }
-  return all;
+std::vector<unsigned> caps_of(const CouplingOptions& options) {
+  return options.members.empty() ? std::vector<unsigned>{0} : options.members;
 }
 
-Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOptions& options,
-                                                            const experiment::StudyRequest& study) {
+// Adds the rows of other scenes, of another cap, or of whole runs; the properties of a scene are those of the last cap.
+void add(const experiment::StudyReport& part, experiment::StudyReport& all) {
+  all.rows.insert(all.rows.end(), part.rows.begin(), part.rows.end());
+  all.whole.insert(all.whole.end(), part.whole.begin(), part.whole.end());
+  for (const auto& scene : part.scenes) {
+    std::erase_if(all.scenes, [&](const auto& other) { return other.name == scene.name; });
+    all.scenes.push_back(scene);
+  }
+  if (part.rows.empty()) return;
+  all.seeds = part.seeds;
+  all.windows = part.windows;
+  all.window_s = part.window_s;
+  all.line_Hz = part.line_Hz;
+}
+
+// `floor`: with the direct run that starts apart, for each scene.
+Result<experiment::StudyReport> run_whole_runs(const CouplingOptions& options, const experiment::StudyRequest& study,
+                                               std::vector<unsigned> caps, bool floor) {
   experiment::WholeRunRequest request;
   for (const auto& one : study.cases) {
     auto scene = experiment::load_case_scene(one);
@@ -133,12 +146,67 @@ Result<std::vector<experiment::WholeRunRow>> run_whole_rows(const CouplingOption
   }
   for (const auto& scheme : study.schemes)
     if (!scheme.direct()) request.schemes.push_back(scheme);
-  if (!options.members.empty()) request.members = options.members;
+  request.members = std::move(caps);
   request.seconds = options.whole_s;
   request.hand_of_direct = !options.output.quick;
-  request.floor = true;
+  request.floor = floor;
   request.order = study.order;
-  return experiment::run_whole(request, experiment::terminal_progress());
+  auto rows = experiment::run_whole(request, experiment::terminal_progress());
+  if (!rows.ok()) return rows.status();
+  experiment::StudyReport report;
+  report.whole = std::move(rows).value();
+  return report;
+}
+
+// A part is the windows of one scene with one cap, in the order of the rows, or the whole runs of one with one.
+std::size_t windows_parts(const CouplingOptions& options, const experiment::StudyRequest& request) {
+  return request.seeds > 0 ? caps_of(options).size() * request.cases.size() : 0;
+}
+std::size_t all_parts(const CouplingOptions& options, const experiment::StudyRequest& request) {
+  return windows_parts(options, request) + (options.whole_s > 0 ? caps_of(options).size() * request.cases.size() : 0);
+}
+
+Result<experiment::StudyReport> run_part(const CouplingOptions& options, experiment::StudyRequest request,
+                                         std::size_t part) {
+  const auto caps = caps_of(options);
+  const std::size_t first_whole = windows_parts(options, request), cases = request.cases.size();
+  if (part < first_whole) {  // cap by cap, all scenes
+    request.members = caps[part / cases];
+    request.cases = {request.cases[part % cases]};
+    return experiment::run_coupling_study(request, experiment::terminal_progress());
+  }
+  const std::size_t k = part - first_whole, cap = k % caps.size();  // scene by scene, all caps
+  request.cases = {request.cases[k / caps.size()]};
+  return run_whole_runs(options, request, {caps[cap]}, cap == 0);
+}
+
+// In the order in which one process after the other would have it.
+Result<experiment::StudyReport> run_elsewhere(const CouplingOptions& options, const experiment::StudyRequest& request) {
+  CouplingOptions there = options;  // workers have files at the same path, and another working directory
+  for (std::string& file : there.scene_files) file = std::filesystem::absolute(file).string();
+  const auto parts =
+      parts_of<experiment::StudyReport>(options.parts, arguments_of(there, request), all_parts(options, request));
+  if (!parts.ok()) return parts.status();
+  experiment::StudyReport all;
+  for (const auto& part : parts.value()) add(part, all);
+  return all;
+}
+
+Result<experiment::StudyReport> run_here(const CouplingOptions& options, experiment::StudyRequest request) {
+  experiment::StudyReport all;
+  for (const unsigned members : caps_of(options)) {
+    if (request.seeds == 0) break;
+    request.members = members;
+    const auto windows = experiment::run_coupling_study(request, experiment::terminal_progress());
+    if (!windows.ok()) return windows.status();
+    add(windows.value(), all);
+  }
+  if (options.whole_s > 0) {
+    const auto whole = run_whole_runs(options, request, caps_of(options), true);
+    if (!whole.ok()) return whole.status();
+    add(whole.value(), all);
+  }
+  return all;
 }
 
 }  // namespace
@@ -157,17 +225,12 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
   request.seeds = options.output.quick ? std::min(2u, options.seeds) : options.seeds;
   request.order = *sim::parse_cut_order(options.order);
   request.quick = options.output.quick;
-  experiment::StudyReport report;
-  if (request.seeds > 0) {
-    auto windows = run_windows(options, request);
-    if (!windows.ok()) return failed(windows.status());
-    report = std::move(windows).value();
-  }
-  if (options.whole_s > 0) {
-    auto whole = run_whole_rows(options, request);
-    if (!whole.ok()) return failed(whole.status());
-    report.whole = std::move(whole).value();
-  }
+  if (options.parts.part >= 0)
+    return print_part(options.parts, options.name, all_parts(options, request),
+                      [&](std::size_t part) { return run_part(options, request, part); });
+  auto result = options.parts.elsewhere() ? run_elsewhere(options, request) : run_here(options, request);
+  if (!result.ok()) return failed(result.status());
+  const experiment::StudyReport report = std::move(result).value();
   const ExperimentText text{
       .name = options.name,
       .table = experiment::study_table(report),
@@ -176,7 +239,8 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
       .csv = fmt::format("{}{}{}", request.seeds > 0 ? experiment::study_csv(report) : std::string(),
                          request.seeds > 0 && !report.whole.empty() ? "\n" : "",
                          report.whole.empty() ? std::string() : experiment::whole_csv(report.whole))};
-  return draw_page(options.output, text, command_of(options, request), print_and_write(options.output, text));
+  const std::string command = fmt::format("tactus {}", fmt::join(arguments_of(options, request), " "));
+  return draw_page(options.output, text, command, print_and_write(options.output, text));
 }
 
 }  // namespace tactus::tools

@@ -7,6 +7,7 @@
 
 #include "tools/experiment/coupling/coupling_study.h"
 #include "tools/tactus/experiment_output.h"
+#include "tools/tactus/experiment_parts.h"
 
 namespace CLI {
 class App;
@@ -21,6 +22,7 @@ struct CouplingOptions {
   unsigned seeds{20};
   double whole_s{0};  // length of whole runs; 0: none
   std::string order{"best-first"};
+  PartOptions parts;
   OutputOptions output;
 };
 

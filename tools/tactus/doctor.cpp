@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "hal/device_class.h"
 #include "tools/doctor/examine.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
@@ -61,15 +62,12 @@ void print_json(const Report& report) {
 }
 
 int examine(DoctorOptions options) {
-  if (options.device.starts_with("can:")) {
-    options.request.can_interface = options.device.substr(4, options.device.find(':', 4) - 4);
-  } else if (options.device == "usb" || options.device.starts_with("usb:")) {
-    options.request.usb = true;
-  } else if (options.device != "sim") {
-    return complain(
-        "tactus doctor: --device: '" + options.device + "' is no device; accepted: sim, usb[:SERIAL], can:IFACE",
-        kExitBadInput);
-  }
+  const auto choice = hal::choose_device(options.device);
+  if (!choice.ok()) return complain("tactus doctor: " + choice.message(), kExitBadInput);
+  const hal::DeviceClass& device_class = *choice.value().device_class;
+  options.request.usb = device_class.usb;
+  if (device_class.can_interfaces != nullptr)
+    options.request.can_interfaces = device_class.can_interfaces(choice.value().address);
   const auto system = doctor::SystemView::open(options.root);
   if (!system.ok()) return complain("tactus doctor: --tree: " + system.message(), kExitBadInput);
   const Report report = doctor::examine(system.value(), options.request);
@@ -97,7 +95,7 @@ CLI::App* add_doctor_command(CLI::App& program, int& exit_code) {
   doctor->add_option("--rate", options->request.rate_Hz, "ticks a second that the link must carry [Hz]")
       ->check(CLI::Range(100.0, 20000.0))
       ->capture_default_str();
-  doctor->add_option("--device", options->device, "sim, usb[:SERIAL] or can:IFACE: looks at its bus, too")
+  doctor->add_option("--device", options->device, hal::accepted_devices() + ": looks at its bus, too")
       ->capture_default_str();
   doctor->add_flag("--gpio", options->request.gpio, "look at the GPIO lines, too");
   doctor->add_option("--tree", options->root,

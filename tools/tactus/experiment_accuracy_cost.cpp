@@ -6,8 +6,10 @@
 #include <memory>
 
 #include "tools/experiment/coupling/accuracy_cost.h"
+#include "tools/experiment/coupling/study_fields.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
+#include "tools/tactus/experiment_parts.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
@@ -17,8 +19,31 @@ struct CostOptions {
   std::vector<std::string> scenes;
   unsigned seeds{3};
   std::vector<unsigned> count;  // hidden: scene and setting whose instructions are counted
+  PartOptions parts;
   OutputOptions output;
 };
+
+// A part is one scene with one hand, of the hands from the second on: the first is measured here, where ticks are
+// timed.
+Result<std::vector<experiment::HandSums>> hands_elsewhere(const CostOptions& options,
+                                                          const experiment::CostRequest& request,
+                                                          const std::vector<std::string>& arguments) {
+  const std::size_t parts = request.cases.size() * (request.seeds - 1);
+  if (!options.parts.elsewhere() || parts == 0) return std::vector<experiment::HandSums>{};
+  return parts_of<experiment::HandSums>(options.parts, arguments, parts);
+}
+
+Result<experiment::HandSums> run_part(const experiment::CostRequest& request, std::size_t part) {
+  const unsigned hands = request.seeds - 1;
+  auto sums = experiment::measure_hand(request.cases[part / hands], static_cast<unsigned>(1 + part % hands),
+                                       request.quick, experiment::terminal_progress());
+  if (sums.ok())
+    for (auto& setting : sums.value()) {
+      setting.ticks_us.clear();
+      setting.global_us.clear();
+    }
+  return sums;
+}
 
 int run_cost(const CostOptions& options) {
   const auto cases = experiment::coupling_cases();
@@ -35,16 +60,22 @@ int run_cost(const CostOptions& options) {
   request.seeds = options.output.quick ? 1 : options.seeds;
   request.quick = options.output.quick;
   if (!options.output.quick) request.program = own_program();
-  const auto report = experiment::run_accuracy_cost(request, experiment::terminal_progress());
+  std::vector<std::string> arguments{"experiment", "accuracy-cost", "--seeds", fmt::format("{}", request.seeds)};
+  if (!options.scenes.empty())
+    arguments.insert(arguments.end(), {"--scenes", fmt::format("{}", fmt::join(options.scenes, ","))});
+  if (options.output.quick) arguments.push_back("--quick");
+  if (options.parts.part >= 0)
+    return print_part(options.parts, "accuracy-cost", request.cases.size() * (request.seeds - 1),
+                      [&](std::size_t part) { return run_part(request, part); });
+  const auto elsewhere = hands_elsewhere(options, request, arguments);
+  if (!elsewhere.ok()) return experiment_failed("accuracy-cost", elsewhere.message());
+  const auto report = experiment::run_accuracy_cost(request, elsewhere.value(), experiment::terminal_progress());
   if (!report.ok()) return experiment_failed("accuracy-cost", report.message());
   const ExperimentText text{.name = "accuracy-cost",
                             .table = experiment::cost_table(report.value()),
                             .json = experiment::cost_json(report.value()),
                             .csv = experiment::cost_csv(report.value())};
-  const std::string command =
-      fmt::format("tactus experiment accuracy-cost{} --seeds {}{}",
-                  options.scenes.empty() ? "" : fmt::format(" --scenes {}", fmt::join(options.scenes, ",")),
-                  request.seeds, options.output.quick ? " --quick" : "");
+  const std::string command = fmt::format("tactus {}", fmt::join(arguments, " "));
   return draw_page(options.output, text, command, print_and_write(options.output, text));
 }
 
@@ -67,7 +98,8 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
       "`energy-loss`: so the error is the solver's and the coupling's. A setting is on the front when no other is\n"
       "as accurate and cheaper in the median. Accuracy is of virtual time, the same everywhere; times are CPU\n"
       "time on this machine. Instructions are of the front and the default, where valgrind is installed; not with\n"
-      "--quick. Whole it takes some twenty minutes.\n\n"
+      "--quick. Whole it takes some twenty minutes. With --workers or --scheduler the first hand alone is timed,\n"
+      "here, when the others have ended.\n\n"
       "Example:\n  tactus experiment accuracy-cost --quick\n"
       "  tactus experiment accuracy-cost --scenes pile,wall --page cost.html");
   command->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")
@@ -76,6 +108,7 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
   command->add_option("--seeds", options->seeds, "hands that press and slide a little differently")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  options->parts.add(*command, "hands but the first");
   options->output.add_csv(*command, "writes every setting to this file, units in the header");
   options->output.add_page(*command, "them");
   command->add_option("--count", options->count, "case and setting, for the count of instructions")

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,6 +11,7 @@
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
+#include "tools/tactus/experiment_parts.h"
 #include "tools/tactus/experiments.h"
 #include "tools/validation/random_world.h"
 #include "tools/validation/report.h"
@@ -24,40 +26,90 @@ struct HardCasesOptions {
   std::vector<double> steps_ms{1, 10};
   std::uint64_t random{0}, first{0};
   bool sub_world{false}, no_peers{false};
+  PartOptions parts;
   OutputOptions output;
 };
 
-// Seeds one after the other; a world that fails a gate is written as a scene file. Worlds whose bodies rotate faster
-// than the integrator is designed for are listed separately.
-int run_random_worlds(const HardCasesOptions& options) {
-  const experiment::Pace pace(experiment::terminal_progress(), static_cast<double>(options.random));
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  std::uint64_t broken = 0;
-  for (std::uint64_t seed = options.first; seed < options.first + options.random; ++seed) {
-    if (seed % 100 == 0)
-      pace.say(fmt::format("seed {}, {} broke a gate", seed, broken), static_cast<double>(seed - options.first));
-    const auto world = hard_cases::make_random_world(seed);
-    const auto run = hard_cases::run_twice(world);
-    if (run.broken_gate.empty()) continue;
-    ++broken;
-    const auto small =
-        hard_cases::shrink(world, [](const auto& less) { return !hard_cases::run_twice(less).broken_gate.empty(); });
-    const std::string path = fmt::format("random-world-{}.toml", seed);
-    if (write_file(path, hard_cases::to_scene(small, run.broken_gate)) != kExitGood) return kExitBadInput;
-    rows.push_back({{"seed", seed}, {"gate", run.broken_gate}, {"file", path}});
-    if (!options.output.json) fmt::print("seed {}: gate broken: {}; {}\n", seed, run.broken_gate, path);
+// A part is the random worlds of so many seeds: seconds of work.
+constexpr std::uint64_t kSeedsInPart = 10;
+std::size_t parts_in(const HardCasesOptions& options) { return (options.random + kSeedsInPart - 1) / kSeedsInPart; }
+
+std::vector<std::string> arguments_of(const HardCasesOptions& options) {
+  std::vector<std::string> words{"experiment", "hard-cases",
+                                 "--random",   fmt::format("{}", options.random),
+                                 "--first",    fmt::format("{}", options.first)};
+  if (options.sub_world) words.push_back("--sub-world");
+  return words;
+}
+
+// Calls take(result) with each result of compute(first seed, number of seeds), in the order of the seeds; the results
+// are computed in this process or by the workers.
+template <class Compute, class Take>
+Status for_each_part(const HardCasesOptions& options, Compute&& compute, Take&& take) {
+  using Part = decltype(compute(options.first, options.random));
+  if (options.parts.elsewhere()) {
+    auto parts = parts_of<Part>(options.parts, arguments_of(options), parts_in(options));
+    if (!parts.ok()) return parts.status();
+    for (Part& part : parts.value()) take(std::move(part));
+    return Status::good();
   }
+  for (std::uint64_t seed = options.first; seed < options.first + options.random; ++seed) take(compute(seed, 1));
+  return Status::good();
+}
+
+template <class Compute>
+int print_seeds(const HardCasesOptions& options, Compute&& compute) {
+  return print_part(options.parts, "hard-cases", parts_in(options), [&](std::size_t part) {
+    const std::uint64_t before = part * kSeedsInPart;
+    return Result(compute(options.first + before, std::min(kSeedsInPart, options.random - before)));
+  });
+}
+
+// A world that fails a gate is written as a scene file. Worlds whose bodies rotate faster than the integrator is
+// designed for are listed separately.
+int run_random_worlds(const HardCasesOptions& options) {
+  if (options.parts.part >= 0) return print_seeds(options, hard_cases::broken_worlds);
+  const experiment::Progress progress = experiment::terminal_progress();
+  const experiment::Pace pace(progress, static_cast<double>(options.random));
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  int exit_code = kExitGood;
+  double done = 0;
+  const auto take = [&](const std::vector<hard_cases::BrokenWorld>& broken) {
+    if (std::fmod(done, 100) == 0) pace.say(fmt::format("{} worlds, {} broke a gate", done, rows.size()), done);
+    done += 1;
+    for (const auto& world : broken) {
+      const std::string path = fmt::format("random-world-{}.toml", world.seed);
+      if (write_file(path, world.scene) != kExitGood) exit_code = kExitBadInput;
+      rows.push_back({{"seed", world.seed}, {"gate", world.gate}, {"file", path}});
+      if (!options.output.json) fmt::print("seed {}: gate broken: {}; {}\n", world.seed, world.gate, path);
+    }
+  };
+  if (const Status status = for_each_part(options, hard_cases::broken_worlds, take); !status.ok())
+    return experiment_failed("hard-cases", status.message());
+  const std::size_t broken = rows.size();
   if (options.output.json)
     fmt::print("{}\n",
                report_text(nlohmann::ordered_json{{"worlds", options.random}, {"broken", broken}, {"rows", rows}}, 2));
   else
     fmt::print("{} of {} random worlds from seed {} broke a gate\n", broken, options.random, options.first);
-  return broken == 0 ? kExitGood : kExitVerdictBad;
+  return exit_code != kExitGood ? exit_code : broken == 0 ? kExitGood : kExitVerdictBad;
 }
 
 // Writes the worst worlds as scene files.
 int run_random_trials(const HardCasesOptions& options) {
-  const auto report = hard_cases::try_random_worlds(options.first, options.random, experiment::terminal_progress());
+  if (options.parts.part >= 0) return print_seeds(options, hard_cases::try_seeds);
+  hard_cases::TrialReport report;
+  report.first = options.first;
+  report.worlds = options.random;
+  const experiment::Progress progress = experiment::terminal_progress();
+  const experiment::Pace pace(progress, static_cast<double>(options.random));
+  const auto take = [&](hard_cases::Trials trials) {
+    report.add(std::move(trials));
+    const std::size_t done = report.rows.size() + report.left_out.size();
+    pace.say(fmt::format("{} worlds, {} collapsed", done, report.collapsed()), static_cast<double>(done));
+  };
+  if (const Status status = for_each_part(options, hard_cases::try_seeds, take); !status.ok())
+    return experiment_failed("hard-cases", status.message());
   const ExperimentText text{.name = "hard-cases",
                             .table = hard_cases::trial_text(report),
                             .json = hard_cases::trial_json(report),
@@ -66,8 +118,7 @@ int run_random_trials(const HardCasesOptions& options) {
   int written = print_and_write(options.output, text);
   for (const auto& trial : report.worst)
     written = std::max(written, write_file(fmt::format("random-world-{}.toml", trial.seed), trial.scene));
-  const std::string command =
-      fmt::format("tactus experiment hard-cases --random {} --first {} --sub-world", options.random, options.first);
+  const std::string command = fmt::format("tactus {}", fmt::join(arguments_of(options), " "));
   return draw_page(options.output, text, command, report.collapsed() == 0 ? written : kExitVerdictBad);
 }
 
@@ -75,6 +126,10 @@ int run_hard_cases(const HardCasesOptions& options) {
   if ((options.sub_world || !options.output.page.empty()) && !(options.sub_world && options.random > 0))
     return complain(
         "tactus experiment hard-cases: --sub-world and --page are of random worlds; accepted: --random N --sub-world",
+        kExitBadInput);
+  if ((options.parts.elsewhere() || options.parts.part >= 0) && options.random == 0)
+    return complain(
+        "tactus experiment hard-cases: --workers and --scheduler are of random worlds; accepted: --random N",
         kExitBadInput);
   if (options.sub_world) return run_random_trials(options);
   if (options.random > 0) return run_random_worlds(options);
@@ -137,6 +192,7 @@ void add_hard_cases(CLI::App& experiment, int& exit_code) {
   command->add_flag("--sub-world", options->sub_world,
                     "each random world with a hand for 5 s, by the sub-world (ghosts, ratio 8) beside direct coupling; "
                     "leaves the ten worst as scene files");
+  options->parts.add(*command, "random worlds");
   options->output.add_page(*command, "the ten worst");
   command->add_flag("--no-peers", options->no_peers, "leaves out the other engines");
   options->output.add_json(*command);

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "tools/experiment/stability/stability_map.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"

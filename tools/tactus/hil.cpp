@@ -10,17 +10,21 @@
 #include <fstream>
 #include <memory>
 
+#include "hal/device_class.h"
+#include "tools/hil/device_suite.h"
 #include "tools/hil/simulated_bench.h"
 #include "tools/hil/suite.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/stop_signals.h"
 
 namespace tactus::tools {
 namespace {
 
 constexpr double kSoak_s = 600;
+constexpr std::string_view kSimulatedName = "sim";
 
-std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM: the suite ends after the check under way
+std::atomic<bool> g_stop{false};  // set by stop_on_signals(): the suite ends after the check under way
 void ask_to_stop(int) { g_stop.store(true); }
 
 struct HilCommand {
@@ -37,10 +41,7 @@ struct HilCommand {
 Status refused(const std::string& text) { return Status::error("tactus hil: " + text); }
 
 Status check_command(const HilCommand& c) {
-  if (c.device.empty())
-    return refused("--device is required; accepted: sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE");
-  if (const std::string unknown = hil::unknown_checks(c.only); !unknown.empty())
-    return refused(fmt::format("--only: {} is no check; accepted: see tactus hil --list", unknown));
+  if (c.device.empty()) return refused("--device is required; accepted: " + hal::accepted_devices());
   if (c.timing != "judge" && c.timing != "report")
     return refused(fmt::format("--timing: '{}' is none; accepted: judge, report", c.timing));
   if (!(c.options.rate_Hz >= 100 && c.options.rate_Hz <= 10000))
@@ -60,8 +61,17 @@ std::uint64_t soak_frames(const HilCommand& c) {
   return asked ? static_cast<std::uint64_t>(std::llround(seconds * c.options.rate_Hz)) : 0;
 }
 
-int list_checks() {
-  for (const hil::Check& check : hil::all_checks()) fmt::print("{:<18} {}\n", check.name, check.what);
+// Of this class: a device with tactus' wire has registers and frames to look at, others have what every device has.
+std::span<const hil::Check> checks_of(const hal::DeviceClass* device_class) {
+  const bool has_wire =
+      device_class == nullptr || device_class->open_link != nullptr || device_class->name == kSimulatedName;
+  return has_wire ? hil::all_checks() : hil::device_checks();
+}
+
+int list_checks(const HilCommand& c) {
+  const auto choice = hal::choose_device(c.device);
+  for (const hil::Check& check : checks_of(choice.ok() ? choice.value().device_class : nullptr))
+    fmt::print("{:<18} {}\n", check.name, check.what);
   return kExitGood;
 }
 
@@ -98,12 +108,70 @@ int finish(const HilCommand& c, const hil::SuiteReport& report) {
   return report.good() ? kExitGood : kExitVerdictBad;
 }
 
+hil::SuiteHooks make_hooks(const HilCommand& c) {
+  stop_on_signals(ask_to_stop);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  hil::SuiteHooks hooks;
+  hooks.stop = [] { return g_stop.load(std::memory_order_relaxed); };
+  hooks.progress = [terminal](const hil::Check& check, double share) {
+    if (terminal) fmt::print(stderr, "\r\033[K  {:<18} {:3.0f} %", check.name, 100 * share);
+  };
+  hooks.done = [terminal, json = c.json](const hil::CheckReport& one) {
+    if (terminal) fmt::print(stderr, "\r\033[K");
+    if (!json) {
+      fmt::print("{}", to_line(one));
+      std::fflush(stdout);
+    }
+  };
+  return hooks;
+}
+
+int run_on_link(HilCommand& c, const hal::DeviceChoice& choice, const hal::DeviceProfile& profile,
+                std::int64_t period_ns) {
+  std::unique_ptr<hal::AnyLink> link;
+  if (choice.device_class->open_link != nullptr) {
+    auto opened = choice.device_class->open_link({choice.address, profile, period_ns, {}, {}});
+    if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
+    link = std::move(opened.value().link);
+  } else {
+    link = std::make_unique<hal::AnyLink>(std::make_unique<hil::SimulatedBench>(profile, period_ns));
+  }
+  const auto provoker = make_provoker(c, link->as<hil::SimulatedBench>());
+  hil::Bench bench(*link, profile, *provoker, c.options);
+  const hil::SuiteRequest request{c.only, may_switch_motors_on(c, choice.device_class->real)};
+  hil::SuiteReport report = run_suite(bench, request, make_hooks(c));
+  report.device = c.device;
+  return finish(c, report);
+}
+
+int run_on_device(HilCommand& c, const hal::DeviceChoice& choice, const hal::DeviceProfile& profile,
+                  std::int64_t period_ns) {
+  // Drives are enabled without torque when they are opened, some families to see that their watchdog works.
+  const bool allowed = may_switch_motors_on(c, choice.device_class->real);
+  if (choice.device_class->real && !allowed)
+    return complain("tactus hil: nothing was opened; agree, or give --yes", kExitMachineCannot);
+  auto opened = choice.device_class->open({choice.address, profile, period_ns, {}, {}});
+  if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
+  if (const Status status = opened.value().device->start(); !status.ok())
+    return complain("tactus hil: " + status.message(), kExitMachineCannot);
+  hil::DeviceUnderTest under_test{*opened.value().device, opened.value().identity, c.options};
+  const hil::SuiteRequest request{c.only, allowed};
+  hil::SuiteReport report = run_device_suite(under_test, request, make_hooks(c));
+  report.device = c.device;
+  return finish(c, report);
+}
+
 int run_hil(HilCommand& c) {
-  if (c.list) return list_checks();
+  if (c.list) return list_checks(c);
   if (const Status status = check_command(c); !status.ok()) return complain(status.message(), kExitBadInput);
-  const auto choice = session::parse_device_choice(c.device);
+  const auto choice = hal::choose_device(c.device);
   if (!choice.ok()) return complain("tactus hil: " + choice.message(), kExitBadInput);
-  if (c.virtual_time && choice.value().is_real())
+  const hal::DeviceClass& device_class = *choice.value().device_class;
+  if (const std::string unknown = hil::unknown_checks(c.only, checks_of(&device_class)); !unknown.empty())
+    return complain(fmt::format("tactus hil: --only: {} is no check; accepted: see tactus hil --list --device {}",
+                                unknown, c.device),
+                    kExitBadInput);
+  if (c.virtual_time && device_class.real)
     return complain(
         fmt::format("tactus hil: --virtual-time: {} keeps real time; accepted: with --device sim", c.device),
         kExitBadInput);
@@ -112,47 +180,19 @@ int run_hil(HilCommand& c) {
 
   c.options.stepped = c.virtual_time;
   c.options.judge_timing = c.timing == "judge";
-  c.options.can = choice.value().kind == session::DeviceKind::kCan;
+  c.options.can = device_class.can_interfaces != nullptr;
   c.options.soak_frames = soak_frames(c);
   c.options.setup.cpu = c.cpu;
   c.options.setup.priority = c.priority;
   const std::int64_t period_ns = std::llround(1e9 / c.options.rate_Hz);
 
-  std::unique_ptr<hal::AnyLink> link;
-  if (choice.value().is_real()) {
-    auto opened = session::open_link(choice.value(), profile.value().description, period_ns);
-    if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
-    link = std::move(opened.value().link);
-  } else {
-    link = std::make_unique<hal::AnyLink>(std::make_unique<hil::SimulatedBench>(profile.value(), period_ns));
-  }
-  const auto provoker = make_provoker(c, link->as<hil::SimulatedBench>());
-  hil::Bench bench(*link, profile.value(), *provoker, c.options);
-  const hil::SuiteRequest request{c.only, may_switch_motors_on(c, choice.value().is_real())};
-
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  hil::SuiteHooks hooks;
-  hooks.stop = [] { return g_stop.load(std::memory_order_relaxed); };
-  hooks.progress = [&](const hil::Check& check, double share) {
-    if (terminal) fmt::print(stderr, "\r\033[K  {:<18} {:3.0f} %", check.name, 100 * share);
-  };
-  hooks.done = [&](const hil::CheckReport& one) {
-    if (terminal) fmt::print(stderr, "\r\033[K");
-    if (!c.json) {
-      fmt::print("{}", to_line(one));
-      std::fflush(stdout);
-    }
-  };
-  hil::SuiteReport report = run_suite(bench, request, hooks);
-  report.device = c.device;
-  return finish(c, report);
+  if (checks_of(&device_class).data() == hil::device_checks().data())
+    return run_on_device(c, choice.value(), profile.value(), period_ns);
+  return run_on_link(c, choice.value(), profile.value(), period_ns);
 }
 
 void add_options(CLI::App& app, HilCommand& c) {
-  app.add_option("--device", c.device,
-                 "usb, usb:SERIAL, can:IFACE, can:IFACE:NODE, or sim: the suite without hardware");
+  app.add_option("--device", c.device, hal::accepted_devices() + "; with sim the suite runs without hardware");
   app.add_option("--device-file", c.device_file, "describes the device; default: --profile");
   app.add_option("--profile", c.profile, "the built-in description to compare with: virtuose6d or desk3d")
       ->capture_default_str();

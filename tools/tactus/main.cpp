@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/loader/nearest_word.h"
+#include "rt/text/nearest_word.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/version/version.h"
@@ -55,11 +55,32 @@ std::string explain_extra(const CLI::App& app, const std::string& extra) {
   }
   const std::string word = extra.substr(0, extra.find('='));
   const std::vector<std::string_view> views(known.begin(), known.end());
-  const auto nearest = sim::nearest_word(word, views);
+  const auto nearest = text::nearest_word(word, views);
   const char* what = is_option ? "no such option" : known.empty() ? "one argument too many" : "no such command";
   return fmt::format("{}: {}: {}{}; accepted: {}", path_of(app), word, what,
                      nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest),
                      known.empty() ? fmt::format("see {} --help", path_of(app)) : joined(known));
+}
+
+std::string explain_other(const CLI::App& app, const std::string& said) {
+  return fmt::format("{}: {}; accepted: see {} --help", path_of(app), said, path_of(app));
+}
+
+// Explains a value that is of another type than the option's: CLI11 says "Could not convert: --ratio = 10.0".
+std::string explain_value(const CLI::App& app, const std::string& said) {
+  const std::string unexplained = explain_other(app, said);
+  const std::size_t name = said.find("--"), equals = said.find(" = ");
+  if (name == std::string::npos || equals == std::string::npos || equals < name) return unexplained;
+  const CLI::Option* option = app.get_option_no_throw(said.substr(name, equals - name));
+  if (option == nullptr) return unexplained;
+  const std::string type = option->get_type_name();
+  const char* accepted = type.starts_with("UINT")    ? "a whole number, 0 or more"
+                         : type.starts_with("INT")   ? "a whole number"
+                         : type.starts_with("FLOAT") ? "a number, such as 0.5"
+                                                     : nullptr;
+  if (accepted == nullptr) return unexplained;
+  return fmt::format("{}: {}: '{}' is none; accepted: {}: {}", path_of(app), option->get_name(),
+                     said.substr(equals + 3), accepted, option->get_description());
 }
 
 int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code) {
@@ -70,9 +91,10 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
   } catch (const CLI::ExtrasError&) {
     const auto extras = program.remaining(true);
     return complain(explain_extra(innermost(program), extras.empty() ? "" : extras.front()), kExitBadInput);
+  } catch (const CLI::ConversionError& error) {
+    return complain(explain_value(innermost(program), error.what()), kExitBadInput);
   } catch (const CLI::ParseError& error) {
-    const std::string path = path_of(innermost(program));
-    return complain(fmt::format("{}: {}; accepted: see {} --help", path, error.what(), path), kExitBadInput);
+    return complain(explain_other(innermost(program), error.what()), kExitBadInput);
   }
   const CLI::App& named = innermost(program);
   const auto subcommands = subcommands_of(named);
@@ -96,8 +118,10 @@ int run_program(int argc, char** argv) {
   int exit_code = kExitGood;
   add_run_command(program, exit_code);
   add_hil_command(program, exit_code);
+  add_device_command(program, exit_code);
   add_replay_command(program, exit_code);
   add_export_command(program, exit_code);
+  add_import_command(program, exit_code);
   add_view_command(program, exit_code);
   add_scene_command(program, exit_code);
   add_doctor_command(program, exit_code);
@@ -106,6 +130,7 @@ int run_program(int argc, char** argv) {
   add_config_command(program, exit_code);
   add_control_command(program, exit_code);
   add_experiment_command(program, exit_code);
+  add_sweep_command(program, exit_code);
   return parse_and_run(program, argc, argv, exit_code);
 }
 

@@ -6,26 +6,34 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "hal/device_class.h"
 #include "sim/model/choice_names.h"
 #include "tactus/tactus.h"
 #include "tools/doctor/system_view.h"
+#include "tools/experiment/shared_files.h"
+#include "tools/export/figures.h"
 #include "tools/json_report.h"
 #include "tools/library/access.h"
-#include "tools/publication/publication.h"
+#include "tools/service/paced_run.h"
 #include "tools/service/run_service.h"
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/shown_run.h"
+#include "tools/tactus/stop_signals.h"
+#include "tools/tactus/viewer_process.h"
 #include "tools/timing/budget.h"
+#include "tools/view/server.h"
 
 namespace tactus::tools {
 namespace {
 
 constexpr double kDefaultVirtual_s = 10;
 
-std::atomic<bool> g_stop{false};  // set by SIGINT and SIGTERM
+std::atomic<bool> g_stop{false};  // set by stop_on_signals()
 void ask_to_stop(int) { g_stop.store(true); }
 
 struct RunCommand {
@@ -35,7 +43,10 @@ struct RunCommand {
   std::string world_cpus;
   std::filesystem::path scene, record, budget, config, control;
   service::Configuration configuration;
-  bool json{false};
+  std::string hand{"script"};
+  double pace{-1};                   // below 0: not given
+  std::vector<std::string> figures;  // COLUMN:HOW
+  bool view{false}, json{false};
 };
 
 // Converts an error of the library to an exit status, by its kind.
@@ -54,10 +65,18 @@ Error complete_options(RunCommand& command) {
         fmt::format("--world-cpu: '{}' is none; accepted: numbers of cores, such as 2 or 1,3-4", command.world_cpus));
   o.world_cpus = *world_cpus;
   o.real_time = !command.virtual_time;
-  if (command.virtual_time && command.duration_s == 0) command.duration_s = kDefaultVirtual_s;
-  if (command.virtual_time && !command.control.empty())
-    return wrong("--control: a virtual clock waits for nobody; accepted: without --virtual-time");
-  return library::Access::check(o, command.duration_s);
+  const bool attended = command.view || !command.control.empty();
+  if (command.pace >= 0 && !(command.virtual_time && attended))
+    return wrong("--pace: real time has its own; accepted: with --virtual-time and --control or --view");
+  if (command.pace > 0 && (command.pace < service::kMinPace || command.pace > service::kMaxPace))
+    return wrong(fmt::format("--pace: accepted: {:g} to {:g} times real time, or 0 for as fast as it goes",
+                             service::kMinPace, service::kMaxPace));
+  if (command.hand == "pointer" && o.device != "sim")
+    return wrong("--hand pointer: a real device's hand is a person's; accepted: with --device sim");
+  if (command.virtual_time && command.duration_s == 0 && !attended) command.duration_s = kDefaultVirtual_s;
+  if (!command.virtual_time && !command.figures.empty())
+    return wrong("--figures: is of virtual time; accepted: with --virtual-time, or `tactus export` of a tape");
+  return library::Access::check(o, attended && command.duration_s == 0 ? kDefaultVirtual_s : command.duration_s);
 }
 
 // On a terminal the next line overwrites this one.
@@ -93,47 +112,51 @@ std::uint32_t asked_on_keyboard() {
   return line[0] == 'r' ? loop::kReset : loop::kRearm;
 }
 
-// What watchers of this run see; null, and said, where the machine has no such memory.
-std::shared_ptr<publication::Publication> make_publication(session::Session& session) {
-  auto made = publication::Publication::create(
-      session.scene, session.options.period_s(),
-      to_tape_text(session.options, session.device->properties(), session.scene.name, session.scene.source));
-  if (!made.ok()) {
-    fmt::print(stderr, "tactus run: nobody can watch: {}\n", made.message());
-    return nullptr;
-  }
-  std::shared_ptr<publication::Publication> publication = std::move(made).value();
-  session.shown = {publication->tap(), &publication->watchers(), publication};
-  return publication;
+// `shown`: null if the machine has no shared memory for watchers.
+service::Watchable watchable_of(session::Session& session, ShownRun* shown) {
+  service::Watchable watchable;
+  if (session.simulated() != nullptr) watchable.hand = &session.hand_input;
+  if (shown != nullptr) shown->add_to(watchable);
+  return watchable;
+}
+
+// Starts the viewer that --view asks for; the control socket is served.
+Status start_viewer(const RunCommand& command, std::unique_ptr<ViewerProcess>& viewer) {
+  if (!command.view) return Status::good();
+  auto started = ViewerProcess::start(command.control);
+  if (!started.ok()) return started.status();
+  viewer = std::move(started).value();
+  return Status::good();
 }
 
 // With a configuration it is a service: events in a log instead of a status line.
 Result<session::RunSummary> run_in_real_time(session::Session& session, const RunCommand& command) {
   const bool json = command.json, logged = !command.config.empty();
-  std::shared_ptr<publication::Publication> publication;  // the service's watchers are of it
+  std::shared_ptr<ShownRun> shown;  // the service's watchers are of it
   std::unique_ptr<service::RunService> service;
   session::RealtimeHooks hooks;
   if (logged || !command.control.empty()) {
     service::Configuration configuration = command.configuration;
     if (!command.control.empty()) configuration.socket = command.control;
-    service::Watchable watchable;
-    if (!configuration.socket.empty()) publication = make_publication(session);
-    if (publication != nullptr) {
-      watchable = {publication->descriptor(), &publication->watchers()};
-      hooks.taps.stepped = &publication::Publication::stepped;
-      hooks.taps.context = publication.get();
+    if (!configuration.socket.empty()) shown = ShownRun::make(session);
+    if (shown != nullptr) {
+      hooks.taps.stepped = &ShownRun::stepped;
+      hooks.taps.context = shown.get();
+      hooks.began = [&](const loop::SetupReport& setup) { shown->take_setup(setup); };
     }
     auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr,
-                                            {session.options.scene, sim::source_hash(session.scene.source)}, watchable);
+                                            {session.options.scene, sim::source_hash(session.scene.source)},
+                                            watchable_of(session, shown.get()));
     if (!opened.ok()) return opened.status();
     service = std::move(opened).value();
   }
+  std::unique_ptr<ViewerProcess> viewer;
+  if (const Status status = start_viewer(command, viewer); !status.ok()) return status;
   // Also without a tape: a fault saves the last seconds.
   session.options.record = command.record;
   if (const Status status = session.record(command.record.string()); !status.ok()) return status;
   session.options.duration_s = command.duration_s;
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
+  stop_on_signals(ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
   const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
   std::uint64_t last_ticks = 0;
@@ -142,6 +165,7 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   if (service != nullptr) hooks.requests = &service->requests();
   hooks.show = [&](const session::LiveStatus& live, double elapsed_s) {
     if (service != nullptr) service->look(live, elapsed_s);
+    if (shown != nullptr) shown->look(live);
     if (logged) return true;
     // Printed in full on its own line when it latches; the status line only shows its number.
     const std::uint64_t faults = live.fault_count.load(std::memory_order_relaxed);
@@ -163,8 +187,25 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
     if (!logged) fmt::print(stderr, "{}tactus run: {}\n", terminal ? "\r\033[K" : "", line);
   };
   auto summary = session::run_realtime(session, hooks, g_stop);
+  if (shown != nullptr && summary.ok()) shown->end(summary.value());
   if (terminal) fmt::print(stderr, "\r\033[K");
   return summary;
+}
+
+// The recorder's tick records, with or without a tape, are what the figures are of.
+Status take_figures(session::Session& inner, const RunCommand& command, std::unique_ptr<exporting::Figures>& figures) {
+  if (command.figures.empty()) return Status::good();
+  auto parsed = exporting::parse_figures(command.figures);
+  if (!parsed.ok()) return Status::error("--figures: " + parsed.message());
+  figures = std::make_unique<exporting::Figures>(std::move(parsed).value(), inner.options.period_s());
+  inner.shown.tap = {[](void* context, std::uint32_t kind, std::span<const std::byte> payload) noexcept {
+                       loop::TickRecord tick;
+                       if (kind != loop::kTickRecord || payload.size() != sizeof tick) return;
+                       std::memcpy(&tick, payload.data(), sizeof tick);
+                       static_cast<exporting::Figures*>(context)->take(tick);
+                     },
+                     figures.get()};
+  return command.record.empty() ? inner.record("") : Status::good();
 }
 
 Result<session::RunSummary> run_in_virtual_time(Session& session, const RunCommand& command) {
@@ -181,6 +222,39 @@ Result<session::RunSummary> run_in_virtual_time(Session& session, const RunComma
   }
   if (terminal) fmt::print(stderr, "\r\033[K");
   return library::Access::summary(session);
+}
+
+// In virtual time with a control socket: watched, and at the pace that is asked for.
+Result<session::RunSummary> run_paced(Session& opened, const RunCommand& command) {
+  session::Session& session = library::Access::session(opened);
+  service::Pacing pacing;
+  pacing.pace.store(command.pace >= 0 ? command.pace : command.view ? 1 : 0);
+  std::atomic<std::uint32_t> requests{0};
+  const auto shown = ShownRun::make(session);
+  service::Watchable watchable = watchable_of(session, shown.get());
+  watchable.pacing = &pacing;
+  auto control =
+      service::ControlServer::open(command.control, requests, g_stop, {}, session.global != nullptr, watchable);
+  if (!control.ok()) return control.status();
+  session.options.record = command.record;
+  if (const Status status = session.record(command.record.string()); !status.ok()) return status;
+  std::unique_ptr<ViewerProcess> viewer;
+  if (const Status status = start_viewer(command, viewer); !status.ok()) return status;
+  stop_on_signals(ask_to_stop);
+  const service::RunName name{session.options.scene, sim::source_hash(session.scene.source)};
+  service::PacedHooks hooks{.pacing = pacing, .requests = requests, .stop = g_stop, .look = {}};
+  if (shown != nullptr) hooks.stepped = &ShownRun::stepped;
+  hooks.context = shown.get();
+  hooks.look = [&](const session::LiveStatus& live, double elapsed_s) {
+    const double rate_Hz = elapsed_s > 0 ? static_cast<double>(live.ticks.load()) / elapsed_s : 0;
+    control.value()->tell(service::state_json(live, elapsed_s, rate_Hz, name));
+    control.value()->tell_latched(live.fault.load() != 0);
+    if (shown != nullptr) shown->look(live);
+  };
+  const auto ticks = static_cast<std::uint64_t>(std::llround(command.duration_s * command.options.rate_Hz));
+  auto summary = service::run_paced(session, library::Access::virtual_run(opened), hooks, ticks);
+  if (shown != nullptr && summary.ok()) shown->end(summary.value());
+  return summary;
 }
 
 // Compares the run with the budget measured on this machine; may lower the cap of members.
@@ -227,12 +301,32 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
   return Status::good();
 }
 
+// Before the run: is there a page, and a socket to watch at?
+int prepare_view(RunCommand& command, std::unique_ptr<PrivateFolder>& folder) {
+  if (!command.view) return kExitGood;
+  const auto files = view::load_files(experiment::shared_file("view"));
+  if (!files.ok()) return complain("tactus run: --view: " + files.message(), kExitMachineCannot);
+  if (!command.control.empty()) return kExitGood;
+  auto made = PrivateFolder::make();
+  if (!made.ok()) return complain("tactus run: --view: " + made.message(), kExitMachineCannot);
+  folder = std::move(made).value();
+  command.control = folder->path() / "control";
+  return kExitGood;
+}
+
+Result<session::RunSummary> run_as_asked(Session& session, const RunCommand& command) {
+  if (!command.virtual_time) return run_in_real_time(library::Access::session(session), command);
+  return command.control.empty() ? run_in_virtual_time(session, command) : run_paced(session, command);
+}
+
 int run_scene(const CLI::App& app, RunCommand& command) {
   if (const Status status = read_configuration(app, command); !status.ok())
     return complain_of_each(status.message(), kExitBadInput);
   if (command.scene.empty())
     return complain("tactus run: SCENE is required; accepted: see tactus run --help", kExitBadInput);
   if (const Error error = complete_options(command)) return complain_of(error);
+  std::unique_ptr<PrivateFolder> folder;  // of the viewer's socket
+  if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
   Scene scene;
   if (const Error error = scene.load(command.scene)) return complain_of(error);
   for (const std::string& line : scene.warnings()) fmt::print(stderr, "{}\n", line);
@@ -245,14 +339,22 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   if (!lowered.empty())
     fmt::print(stderr, "tactus run: {}: the most that --coupling {} bears at ratio {}\n", lowered,
                command.options.coupling, inner.ratio);
-  auto summary = command.virtual_time ? run_in_virtual_time(session, command) : run_in_real_time(inner, command);
+  std::unique_ptr<exporting::Figures> figures;
+  if (const Status status = take_figures(inner, command, figures); !status.ok())
+    return complain("tactus run: " + status.message(), kExitBadInput);
+  if (command.hand == "pointer") (void)inner.rest_hand();
+  auto summary = run_as_asked(session, command);
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
   if (command.json) {
     auto object = to_json(summary.value());
     object["scene_warnings"] = scene.warnings();
+    if (figures != nullptr)
+      for (const auto& [name, value] : figures->values()) object["figures"][name] = value;
     fmt::print("{}\n", report_text(object, 2));
   } else {
     fmt::print("{}", to_text(summary.value()));
+    if (figures != nullptr)
+      for (const auto& [name, value] : figures->values()) fmt::print("  {:<20} {:g}\n", name, value);
   }
   // A service stopped on request exits with success; its log contains the faults of the run.
   if (!command.config.empty() && g_stop.load(std::memory_order_relaxed)) return kExitGood;
@@ -267,8 +369,16 @@ void add_options(CLI::App& app, RunCommand& command) {
       "a deployment's configuration, see `tactus config check --help`: what no option says it says, and the\n"
       "run logs events instead of a status line");
   app.add_option("--control", command.control, "serve `tactus control` at this path");
-  app.add_option("--device", o.device, "sim, usb, usb:SERIAL, can:IFACE or can:IFACE:NODE")->capture_default_str();
-  app.add_option("--device-file", o.device_file, "describes a real device; default: the scene's profile");
+  app.add_flag("--view", command.view, "start a viewer of the run, and print its page's address");
+  app.add_option("--hand", command.hand,
+                 "of the simulated device: script, as the scene says; pointer: it rests until a page's mouse takes it")
+      ->check(CLI::IsMember({"script", "pointer"}))
+      ->capture_default_str();
+  app.add_option("--pace", command.pace,
+                 "of virtual time with --control or --view: 0.01 to 100 times real time, or 0 for as fast as it goes;\n"
+                 "default: 1 with --view, else 0. The results are the same bits");
+  app.add_option("--device", o.device, hal::accepted_devices())->capture_default_str();
+  app.add_option("--device-file", o.device_file, "describes the device; default: the scene's profile");
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
   app.add_option("--coupling", o.coupling,
                  fmt::format("{}. interpolation delays the\n"
@@ -291,7 +401,8 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--rate", o.rate_Hz, "haptic ticks a second [Hz]")->capture_default_str();
   app.add_option("--ratio", o.ratio, "haptic ticks per global step; default: the scene's");
   app.add_option("--members", o.members, "most bodies in the sub-world, the proxy included; default: by the accuracy");
-  app.add_option("--duration", command.duration_s, "seconds to run; default: until stopped, in virtual time 10");
+  app.add_option("--duration", command.duration_s,
+                 "seconds to run; default: until stopped, in virtual time\n10 without --control and --view");
   app.add_option("--cpu", o.cpu, "core of the haptic thread; default: the last one allowed")
       ->check(CLI::Range(0, 1023));
   app.add_option("--world-threads", o.world_threads,
@@ -315,6 +426,10 @@ void add_options(CLI::App& app, RunCommand& command) {
                  "faults, as KIND@TICK[+TICKS][:AMOUNT],...: lost, late, duplicated, corrupted, nan, wild,\n"
                  "teleport, frozen, unplugged, estop; of the world: stall; of the operator: reset@TICK");
   app.add_option("--seed", o.seed, "of what is random in injected faults")->capture_default_str();
+  app.add_option("--figures", command.figures,
+                 "figures of the columns of `tactus export`, as COLUMN:HOW,...: mean, rms, min, max, last, or p99 and\n"
+                 "other percentiles, such as force_z_N:rms; in virtual time")
+      ->delimiter(',');
   app.add_flag("--json", command.json, "one JSON object on stdout, units in the keys");
 }
 
@@ -335,6 +450,7 @@ CLI::App* add_run_command(CLI::App& program, int& exit_code) {
       "  tactus run sim/scenes/pile700.toml --ratio 10 --json\n"
       "  tactus run sim/scenes/pile700.toml --cpu 3 --world-threads 2 --world-cpu 1-2\n"
       "  tactus run sim/scenes/pile700.toml --virtual-time --coupling static\n"
+      "  tactus run sim/scenes/card_house.toml --view --hand pointer\n"
       "  tactus run sim/scenes/stack20.toml --inject lost@1000+20,stall@3000+50 --rearm --record my.tape");
   add_options(*run, *command);
   run->callback([command, run, &exit_code] { exit_code = run_scene(*run, *command); });

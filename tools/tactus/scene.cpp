@@ -24,7 +24,7 @@ struct CheckOptions {
   bool json{false};
 };
 
-ordered_json to_json(const std::vector<sim::Mistake>& mistakes) {
+ordered_json to_json(const std::vector<text::Mistake>& mistakes) {
   ordered_json list = ordered_json::array();
   for (const auto& m : mistakes)
     list.push_back(
@@ -124,7 +124,7 @@ haptics::DeviceProperties device_of(const sim::Scene& scene, double tick_s) {
 }
 
 int check_scene(const CheckOptions& options) {
-  sim::SceneDiagnostics diagnostics;
+  text::Diagnostics diagnostics;
   const auto scene = sim::load_scene(options.file, &diagnostics);
   ordered_json object{{"file", options.file},
                       {"accepted", scene.ok()},

@@ -12,9 +12,9 @@
 namespace tactus::tools {
 namespace {
 
-using sim::AskedKey;
 using sim::SceneKey;
 using sim::SceneTable;
+using text::AskedKey;
 
 struct KeysOptions {
   std::string table;

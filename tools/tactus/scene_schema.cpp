@@ -12,9 +12,9 @@ namespace tactus::tools {
 namespace {
 
 using nlohmann::ordered_json;
-using sim::AskedKey;
 using sim::SceneKey;
 using sim::SceneTable;
+using text::AskedKey;
 
 ordered_json schema_of(const SceneKey& key) {
   ordered_json j;
@@ -118,9 +118,10 @@ ordered_json rules_of(const SceneTable& table) {
     if (either.only_with.empty()) rules.push_back({{"not", both}});
   }
   if (table.name == "[[body]]")
-    rules.push_back({{"if", is("fixed", true)},
-                     {"then", none_of({has("mass_kg"), has("density_kg_per_m3"), has("velocity_m_per_s"),
-                                       has("angular_velocity_rad_per_s")})}});
+    rules.push_back(
+        {{"if", is("fixed", true)},
+         {"then", none_of({has("mass_kg"), has("density_kg_per_m3"), has("velocity_m_per_s"),
+                           has("angular_velocity_rad_per_s"), has("inertia_kg_m2"), has("centre_of_mass_m")})}});
   if (table.name == "[[body]]")
     rules.push_back({{"if", none_of({is("kinematic", true)})}, {"then", none_of({has("path"), has("repeat_path")})}});
   if (table.name == "[hand]")

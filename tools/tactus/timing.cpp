@@ -2,14 +2,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "hal/device_class.h"
 #include "tools/doctor/examine.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/stop_signals.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/report.h"
 #include "tools/timing/trace.h"
@@ -18,7 +19,7 @@
 namespace tactus::tools {
 namespace {
 
-std::atomic<bool> g_stop_timing{false};  // set by SIGINT and SIGTERM
+std::atomic<bool> g_stop_timing{false};  // set by stop_on_signals()
 void ask_to_stop(int) { g_stop_timing.store(true); }
 
 struct TimingCommand {
@@ -76,6 +77,8 @@ std::string command_of(const TimingCommand& command, int cpu) {
   std::string text =
       fmt::format("tactus timing --duration {:g} --rate {:g} --cpu {} --priority {} --ratio {} --load {}", o.duration_s,
                   o.run.rate_Hz, cpu, o.run.priority, o.ratio, command.load);
+  if (o.run.device != "sim") text += " --device " + o.run.device;
+  if (!o.run.device_file.empty()) text += " --device-file " + o.run.device_file.string();
   text += o.run.scene.empty() ? fmt::format(" --members {} --sub-steps {}", o.members, o.sub_steps)
                               : " --scene " + o.run.scene.string();
   if (command.no_bare) text += " --no-bare";
@@ -94,8 +97,7 @@ int run_timing_command(TimingCommand& command) {
   if (o.run.scene.empty()) o.run.members = o.members;
   if (const Status status = timing::check(o); !status.ok())
     return complain("tactus timing: " + status.message(), kExitBadInput);
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
+  stop_on_signals(ask_to_stop);
   const bool terminal = isatty(STDERR_FILENO) != 0;
   timing::TimingProblem problem;
   const auto result =
@@ -121,8 +123,8 @@ int run_timing_command(TimingCommand& command) {
 CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<TimingCommand>();
   timing::TimingOptions& o = command->options;
-  CLI::App* app =
-      program.add_subcommand("timing", "The real loop at its capacity on the simulated device, timed by stage.");
+  CLI::App* app = program.add_subcommand(
+      "timing", "The real loop at its capacity on a device, by default the simulated one, timed by stage.");
   app->footer(
       "Stages: wake (from the deadline to the thread's running), read (the device, simulated here), adopt (guard,\n"
       "snapshot, report), couple, collide (up to the first sweep), solve, write (passivity, limits, the device).\n"
@@ -143,6 +145,10 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
       ->capture_default_str();
   app->add_option("--ratio", o.ratio, "ticks per global step")->check(CLI::Range(1u, 100u))->capture_default_str();
   app->add_option("--scene", o.run.scene, "this scene at its own capacity, instead of the worst case");
+  app->add_option("--device", o.run.device,
+                  hal::accepted_devices() + ". A real one is timed without force, and without the bare timer")
+      ->capture_default_str();
+  app->add_option("--device-file", o.run.device_file, "describes the device; default: the scene's profile");
   app->add_option("--rate", o.run.rate_Hz, "ticks per second [Hz]")->capture_default_str();
   app->add_option("--cpu", o.run.cpu, "core of the haptic thread; default: the last that this process may use");
   app->add_option("--priority", o.run.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")

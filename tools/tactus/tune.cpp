@@ -1,11 +1,11 @@
 // tactus tune SCENE: finds the most accurate setting that this PC can run.
 #include <fmt/format.h>
 
-#include <csignal>
 #include <memory>
 
 #include "sim/loader/scene_load.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/stop_signals.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/load.h"
 #include "tools/tune/tune.h"
@@ -13,7 +13,7 @@
 namespace tactus::tools {
 namespace {
 
-std::atomic<bool> g_stop_tuning{false};  // set by SIGINT and SIGTERM
+std::atomic<bool> g_stop_tuning{false};  // set by stop_on_signals()
 void ask_to_stop(int) { g_stop_tuning.store(true); }
 
 struct TuneCommand {
@@ -43,8 +43,7 @@ int run_tune_command(TuneCommand& command) {
   if (!scene.ok()) return complain_of_each(scene.message(), kExitBadInput);
   command.request.scene = std::move(scene).value();
   if (const int exit_code = keep_budget(command); exit_code != kExitGood) return exit_code;
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
+  stop_on_signals(ask_to_stop);
   if (command.request.quick) command.request.verify_s = 2;
   const auto report = tune::run_tune(command.request, experiment::terminal_progress(), g_stop_tuning);
   if (!report.ok()) return complain("tactus tune: " + report.message(), kExitBadInput);

@@ -1,57 +1,94 @@
 // tactus view: a page on a running controller.
 #include <fmt/format.h>
+
 #include <unistd.h>
 
-#include <csignal>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "tools/experiment/shared_files.h"
 #include "tools/json_report.h"
-#include "tools/service/control_server.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/stop_signals.h"
 #include "tools/view/admission.h"
+#include "tools/view/live_source.h"
 #include "tools/view/server.h"
+#include "tools/view/tape_source.h"
 
 namespace tactus::tools {
 namespace {
 
-std::atomic<bool> g_stop_view{false};  // set by SIGINT and SIGTERM
+std::atomic<bool> g_stop_view{false};  // set by stop_on_signals()
 void ask_to_stop(int) { g_stop_view.store(true); }
 
 struct ViewCommand {
   std::string socket{"/run/tactus/control"};
+  std::string tape, beside, link;
   unsigned port{0};
   bool allow_force{false}, json{false};
 };
 
-int run_view(const ViewCommand& command) {
+// The run behind the socket, or the tapes.
+Result<std::unique_ptr<view::ViewSource>> open_source(const ViewCommand& command,
+                                                      const std::map<std::string, std::string>& files, int& exit_code) {
+  if (command.tape.empty()) {
+    auto live = view::LiveSource::open(command.socket);
+    exit_code = kExitMachineCannot;
+    if (!live.ok()) return live.status();
+    live.value()->show_faults(files);
+    return std::unique_ptr<view::ViewSource>(std::move(live).value());
+  }
+  std::vector<std::string> paths{command.tape};
+  if (!command.beside.empty()) paths.push_back(command.beside);
+  auto tapes = view::TapeSource::open(paths);
+  exit_code = kExitBadInput;
+  if (!tapes.ok()) return tapes.status();
+  return std::unique_ptr<view::ViewSource>(std::move(tapes).value());
+}
+
+std::string source_name(const ViewCommand& command) {
+  if (command.tape.empty()) return command.socket;
+  return command.beside.empty() ? command.tape : command.tape + " beside " + command.beside;
+}
+
+// tactus view SCENE is tactus run SCENE --view: this process becomes the run.
+int run_scene_with_view(const ViewCommand& command, std::vector<std::string> options) {
+  std::vector<std::string> words{"tactus", "run", command.tape, "--view"};
+  if (command.json) words.push_back("--json");
+  words.insert(words.end(), options.begin(), options.end());
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv("/proc/self/exe", arguments.data());
+  return complain(std::string("tactus view: the run cannot be started: ") + strerrordesc_np(errno), kExitMachineCannot);
+}
+
+int run_view(const ViewCommand& command, const std::vector<std::string>& rest) {
+  if (command.tape.ends_with(".toml")) return run_scene_with_view(command, rest);
+  if (!rest.empty())
+    return complain("tactus view: " + rest.front() + ": no option of it; accepted: see tactus view --help",
+                    kExitBadInput);
   const auto fail = [](const std::string& text, int exit_code) { return complain("tactus view: " + text, exit_code); };
   auto files = view::load_files(experiment::shared_file("view"));
   if (!files.ok()) return fail(files.message(), kExitMachineCannot);
-  const auto run = service::watch_control(command.socket);
-  if (!run.ok()) return fail(run.message(), kExitMachineCannot);
-  auto watcher = publication::Watcher::open(run.value().memory);
-  if (!watcher.ok()) return fail(watcher.message(), kExitBadInput);
-  view::ViewSettings settings{static_cast<std::uint16_t>(command.port),
-                              command.allow_force,
-                              run.value().connection,
-                              command.socket,
-                              std::move(files).value(),
+  int exit_code = kExitGood;
+  auto source = open_source(command, files.value(), exit_code);
+  if (!source.ok()) return fail(source.message(), exit_code);
+  view::ViewSettings settings{static_cast<std::uint16_t>(command.port), command.allow_force, std::move(files).value(),
                               view::make_token()};
   if (settings.token.empty()) return fail("the system has no random numbers", kExitMachineCannot);
-  auto server = view::ViewServer::open(std::move(settings), std::move(watcher).value());
+  auto server = view::ViewServer::open(std::move(settings), std::move(source).value());
   if (!server.ok()) return fail(server.message(), kExitMachineCannot);
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
-  const std::string address = server.value()->address();
+  stop_on_signals(ask_to_stop);
+  const std::string address = server.value()->address() + (command.link.empty() ? "" : "&" + command.link);
   fmt::print(stderr, "tactus view: {}\n", address);
   const view::ViewReport report = server.value()->serve(g_stop_view);
-  close(run.value().connection);  // the run is watched until here
   if (command.json) {
     const nlohmann::ordered_json object{{"address", address},
-                                        {"source", command.socket},
+                                        {"source", source_name(command)},
                                         {"frames_sent", report.frames_sent},
                                         {"frames_dropped", report.frames_dropped},
                                         {"bytes", report.bytes},
@@ -70,22 +107,35 @@ int run_view(const ViewCommand& command) {
 
 CLI::App* add_view_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<ViewCommand>();
-  CLI::App* app = program.add_subcommand("view", "A page on a running controller: bodies, contacts, plots.");
+  CLI::App* app = program.add_subcommand("view", "A page on a running controller or a tape: bodies, contacts, plots.");
   app->footer(
       "Prints the page's address, whose fragment is a token of this start; it listens on this machine alone. From\n"
       "another one: ssh -L 8000:127.0.0.1:PORT. At most 4 pages. The run goes on whatever happens to the viewer; it "
       "ends\n"
       "with the run. Pages may disarm and stop; what gives force to a real device needs --allow-force.\n"
-      "Exit status: 0 good; 2 a run of another version; 3 no run answers, no page in this build, the port is in "
-      "use.\n\n"
-      "Example:\n  tactus run sim/scenes/card_house.toml --control c.sock\n  tactus view --socket c.sock");
-  app->add_option("--socket", command->socket, "control socket of the run")->capture_default_str();
+      "A tape is played, scrubbed and stepped; the world outside of the sub-world is rebuilt from it, and where that "
+      "cannot\n"
+      "be, the page says why. Exit status: 0 good; 2 a run of another version, no tape; 3 no run answers, no page in "
+      "this\n"
+      "build, the port is in use.\n\n"
+      "Examples:\n  tactus run sim/scenes/card_house.toml --control c.sock\n  tactus view --socket c.sock\n"
+      "  tactus view my.tape\n  tactus view sim/scenes/card_house.toml --hand pointer\n  tactus view a.tape --beside "
+      "b.tape");
+  CLI::Option* tape = app->add_option(
+      "TAPE", command->tape,
+      "what `tactus run --record` wrote; or a scene, which is run with a viewer: tactus run SCENE --view, with its\n"
+      "options; default: a running controller");
+  app->allow_extras();
+  app->add_option("--beside", command->beside, "a second tape, in step with the first")->needs(tape);
+  app->add_option("--socket", command->socket, "control socket of the run")->capture_default_str()->excludes(tape);
+  app->add_option("--link", command->link,
+                  "begin with a view that a page has in its address behind the token, such as at=2.5&pace=0.1");
   app->add_option("--port", command->port, "on this machine; 0: any that is free")
       ->check(CLI::Range(0u, 65535u))
       ->capture_default_str();
   app->add_flag("--allow-force", command->allow_force, "pages may arm, re-arm and reset a real device");
   app->add_flag("--json", command->json, "one JSON object on stdout, at the end");
-  app->callback([command, &exit_code] { exit_code = run_view(*command); });
+  app->callback([command, app, &exit_code] { exit_code = run_view(*command, app->remaining()); });
   return app;
 }
 

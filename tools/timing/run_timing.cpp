@@ -8,9 +8,11 @@
 #include <cmath>
 #include <thread>
 
+#include "hal/device_class.h"
 #include "rt/base/clock.h"
 #include "sim/loader/scene_load.h"
 #include "tools/caught.h"
+#include "tools/session/find_description.h"
 #include "tools/timing/capacity_scene.h"
 #include "tools/timing/cyclictest.h"
 #include "tools/timing/os_noise.h"
@@ -125,6 +127,14 @@ std::optional<sim::Scene> scene_of(TimingOptions& o, std::string& text, TimingPr
   return std::move(scene).value();
 }
 
+// A real device is timed without force, as nobody asked for any, and without pauses, in which it would miss commands.
+void keep_unforced(TimingOptions& o) {
+  const auto choice = hal::choose_device(o.run.device);
+  if (!choice.ok() || !choice.value().device_class->real) return;
+  o.run.arm_at_start = false;
+  o.bare = false;
+}
+
 }  // namespace
 
 Status check(const TimingOptions& o) {
@@ -136,6 +146,10 @@ Status check(const TimingOptions& o) {
     return Status::error(
         fmt::format("--duration: {:g} s have no window of {:g} s for each; accepted: from {:g} s, with --against",
                     o.duration_s, kAgainstWindow_s, 2 * kAgainstWindow_s));
+  const auto choice = hal::choose_device(o.run.device);
+  if (o.against_cyclictest && choice.ok() && choice.value().device_class->real)
+    return Status::error(
+        fmt::format("--against: {} misses commands in the pauses; accepted: with --device sim", o.run.device));
   return session::check_options(o.run);
 }
 
@@ -143,6 +157,7 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
                                        const std::atomic<bool>& stop, TimingProblem& problem) {
   TimingOptions options = given;
   if (options.run.cpu < 0) options.run.cpu = cores_without(-1).back();
+  keep_unforced(options);
   std::string scene_text;
   auto scene = scene_of(options, scene_text, problem);
   if (!scene) return std::nullopt;
@@ -163,7 +178,11 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
     if (!started.ok()) return fail(false, "--os-noise: " + started.message());
     noise = std::move(started).value();
   }
-  auto session = session::Session::create(std::move(*scene), options.run);
+  const auto profile = session::find_description(scene->device.profile, options.run.device_file);
+  if (!profile.ok()) return fail(true, profile.message());
+  auto hardware = session::open_hardware(options.run, profile.value());
+  if (!hardware.ok()) return fail(false, hardware.message());
+  auto session = session::Session::create(std::move(*scene), options.run, std::move(hardware).value());
   if (!session.ok()) return fail(true, session.message());
   // The real loop has its flight recorder.
   if (const Status status = session.value()->record(""); !status.ok()) return fail(false, status.message());

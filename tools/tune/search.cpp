@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace tactus::tune {
 namespace {
@@ -12,13 +13,17 @@ constexpr unsigned kMaxRounds = 16;
 // the second factor.
 constexpr double kWorth = 0.98, kForNothing = 1.005;
 
-template <class T>
-void add(std::vector<Notch>& notches, const char* factor, const Setting& from, T Setting::*what, T to) {
-  if (from.*what == to) return;
-  Notch notch{factor, fmt::format("{}", from.*what), fmt::format("{}", to), from};
-  notch.setting.*what = to;
+// `what`: a member of Setting, or a function that returns a reference to the part that changes.
+template <class What, class T>
+void add(std::vector<Notch>& notches, const char* factor, const Setting& from, What what, T to) {
+  const T now = std::invoke(what, from);
+  if (now == to) return;
+  Notch notch{factor, fmt::format("{}", now), fmt::format("{}", to), from};
+  std::invoke(what, notch.setting) = to;
   notches.push_back(notch);
 }
+
+constexpr auto kRatioOf = [](auto& setting) -> auto& { return setting.scheme.ratio; };
 
 bool cheaper(const Trial& a, const Trial& b) {
   return a.tick_us_p99 + a.global_us_per_tick < b.tick_us_p99 + b.global_us_per_tick;
@@ -38,8 +43,8 @@ std::vector<Notch> notches_up(const Setting& s, const Limits& limits) {
   const unsigned most = std::min(limits.members, limits.bodies);
   if (s.members < most) add(notches, "members", s, &Setting::members, std::min(2 * s.members, most));
   if (2 * s.members < most) add(notches, "members", s, &Setting::members, most);
-  const auto below = std::lower_bound(kRatios.begin(), kRatios.end(), s.ratio);
-  if (below != kRatios.begin()) add(notches, "ratio", s, &Setting::ratio, *(below - 1));
+  const auto below = std::lower_bound(kRatios.begin(), kRatios.end(), s.scheme.ratio);
+  if (below != kRatios.begin()) add(notches, "ratio", s, kRatioOf, *(below - 1));
   return notches;
 }
 
@@ -50,8 +55,8 @@ std::vector<Notch> notches_down(const Setting& s, const Limits& limits) {
     add(notches, "sub-steps", s, &Setting::sub_steps, sub_steps);
   if (s.relax_sweeps > 1) add(notches, "relax sweeps", s, &Setting::relax_sweeps, 1u);
   add(notches, "members", s, &Setting::members, std::min({std::max(1u, s.members / 2), limits.members, limits.bodies}));
-  const auto above = std::upper_bound(kRatios.begin(), kRatios.end(), s.ratio);
-  if (above != kRatios.end()) add(notches, "ratio", s, &Setting::ratio, *above);
+  const auto above = std::upper_bound(kRatios.begin(), kRatios.end(), s.scheme.ratio);
+  if (above != kRatios.end()) add(notches, "ratio", s, kRatioOf, *above);
   return notches;
 }
 

@@ -9,7 +9,7 @@
 #include "sim/loader/scene_load.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/session/realtime_run.h"
 
 namespace tactus::tune {
@@ -45,7 +45,7 @@ session::RunOptions run_options(const TuneRequest& request, const Setting& setti
   session::RunOptions options = request.run;
   options.rate_Hz = kHapticRate_Hz;
   options.members = setting.members;
-  options.ratio = setting.ratio;
+  options.ratio = setting.scheme.ratio;
   options.duration_s = duration_s;
   return options;
 }
@@ -126,7 +126,7 @@ class Bench {
     experiment::measure_setting(request_.scene, profile_, setting, reference_, ratios_, sums);
     known_.push_back({setting, sums.error.relative(), experiment::median(sums.ticks_us),
                       experiment::quantile(sums.ticks_us, 0.99),
-                      experiment::quantile(sums.global_us, 0.9) / setting.ratio});
+                      experiment::quantile(sums.global_us, 0.9) / setting.scheme.ratio});
     return known_.back();
   }
 
@@ -145,8 +145,8 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
   setting.friction = scene.solver.friction_sweeps;
   setting.contact_Hz = scene.solver.contact_hertz;
   setting.members = std::min(request.run.members != 0 ? request.run.members : scene.members, bodies);
-  setting.ratio = request.run.ratio != 0 ? request.run.ratio : scene.ratio;
-  setting.border = request.run.border;
+  setting.scheme.ratio = request.run.ratio != 0 ? request.run.ratio : scene.ratio;
+  setting.scheme.border = request.run.border;
   setting.order = request.run.order;
   setting.precision = request.run.world_precision;
   return setting;
@@ -200,7 +200,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
   report.core_factor = bench.core_factor;
   const Measure measure = [&](const Setting& setting) {
     pace.say(fmt::format("{} sub-steps, {} relax sweeps, {} members, ratio {}", setting.sub_steps, setting.relax_sweeps,
-                         setting.members, setting.ratio),
+                         setting.members, setting.scheme.ratio),
              kRealWork + kReferenceWork + bench.trials());
     return bench.measure(setting);
   };

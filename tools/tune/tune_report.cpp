@@ -14,7 +14,8 @@ using nlohmann::ordered_json;
 std::string line_of(const char* name, const Trial& t) {
   const Setting& s = t.setting;
   return fmt::format("{:<11} {:>9} {:>6} {:>8} {:>6} {:>12.3f} {:>12.0f} {:>15.0f}\n", name, s.sub_steps,
-                     s.relax_sweeps, s.members, s.ratio, 100 * t.force_error, t.tick_us_p99, t.global_us_per_tick);
+                     s.relax_sweeps, s.members, s.scheme.ratio, 100 * t.force_error, t.tick_us_p99,
+                     t.global_us_per_tick);
 }
 
 bool is_stiffer(const FurtherStep& step, const Trial& chosen) {
@@ -44,28 +45,23 @@ std::string sentence_of(const FurtherStep& step, const Trial& chosen, const Limi
 
 ordered_json to_json(const Trial& t) {
   const Setting& s = t.setting;
-  return {{"sub_steps", s.sub_steps},
-          {"relax_sweeps", s.relax_sweeps},
-          {"contact_Hz", s.contact_Hz},
-          {"members", s.members},
-          {"ratio", s.ratio},
-          {"force_error_rms", t.force_error},
-          {"tick_us_p50", t.tick_us_p50},
-          {"tick_us_p99", t.tick_us_p99},
-          {"global_us_per_tick", t.global_us_per_tick}};
+  return {
+      {"sub_steps", s.sub_steps},     {"relax_sweeps", s.relax_sweeps}, {"contact_Hz", s.contact_Hz},
+      {"members", s.members},         {"ratio", s.scheme.ratio},        {"force_error_rms", t.force_error},
+      {"tick_us_p50", t.tick_us_p50}, {"tick_us_p99", t.tick_us_p99},   {"global_us_per_tick", t.global_us_per_tick}};
 }
 
 }  // namespace
 
 std::string command_of(const TuneReport& report) {
   return fmt::format("tactus run {} --members {} --ratio {}", report.file, report.chosen.setting.members,
-                     report.chosen.setting.ratio);
+                     report.chosen.setting.scheme.ratio);
 }
 
 std::string snippet_of(const TuneReport& report) {
   const Setting& s = report.chosen.setting;
   return fmt::format("[simulation]\nsub_steps = {}\nrelax_sweeps = {}\nmembers = {}\nratio = {}\n", s.sub_steps,
-                     s.relax_sweeps, s.members, s.ratio);
+                     s.relax_sweeps, s.members, s.scheme.ratio);
 }
 
 std::string tune_text(const TuneReport& r) {

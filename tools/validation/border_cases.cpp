@@ -149,7 +149,7 @@ Outcome friction_point(const Setting& setting) {
       contact.member_anchor = contact.line_point = {0, 0, -half};
       contact.impulse_rate = press + 5;
       contact.friction = friction;
-      world.world.border_mode = mode;
+      world.world.border_rule.mode = mode;
       if (mode == physics::BorderMode::kGhost) {  // ghost of an immovable body
         physics::BorderGhost ghost;
         ghost.outside = contact.outside;

@@ -87,7 +87,7 @@ RandomWorld make_random_world(std::uint64_t seed) {
 
 namespace {
 
-constexpr physics::Capacities kCapacities{32, 8, 1024, 256, 0};
+constexpr physics::Capacities kCapacities{.bodies = 32, .fixed_bodies = 8, .pairs = 1024, .contacts = 256};
 
 RandomRun run_once(const RandomWorld& random) {
   CaseWorld world({}, random.contact_hertz, kCapacities);
@@ -240,6 +240,19 @@ std::string to_scene(const RandomWorld& world, const std::string& broken_gate) {
       world.seed, broken_gate, world.ticks, world.held ? "the first body held" : "nothing held",
       in_toml(world.device_speed_m_per_s));
   return to_scene(world, about, {}, kAll);
+}
+
+std::vector<BrokenWorld> broken_worlds(std::uint64_t first, std::uint64_t worlds) {
+  std::vector<BrokenWorld> broken;
+  for (std::uint64_t seed = first; seed < first + worlds; ++seed) {
+    const RandomWorld world = make_random_world(seed);
+    const RandomRun run = run_twice(world);
+    if (run.broken_gate.empty()) continue;
+    const RandomWorld small =
+        shrink(world, [](const RandomWorld& less) { return !run_twice(less).broken_gate.empty(); });
+    broken.push_back({seed, run.broken_gate, to_scene(small, run.broken_gate)});
+  }
+  return broken;
 }
 
 }  // namespace tactus::hard_cases

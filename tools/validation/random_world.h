@@ -58,4 +58,18 @@ std::string to_scene(const RandomWorld& world, const std::string& about, const S
 // Same, with the hand out of reach.
 std::string to_scene(const RandomWorld& world, const std::string& broken_gate);
 
+// A random world that breaks a gate, shrunk, as a scene file.
+struct BrokenWorld {
+  std::uint64_t seed{0};
+  std::string gate, scene;
+};
+// Runs the worlds of some seeds, in order.
+std::vector<BrokenWorld> broken_worlds(std::uint64_t first, std::uint64_t worlds);
+
+template <class Io>
+void fields(Io& io, BrokenWorld& world) {  // for experiment/part_bytes.h
+  auto& [seed, gate, scene] = world;
+  io(seed, gate, scene);
+}
+
 }  // namespace tactus::hard_cases

@@ -49,7 +49,8 @@ Report run(const Request& request, const experiment::Progress& progress) {
       }
   for (const StackSpec& spec : request.peers.empty() ? std::vector<StackSpec>{} : compared_stacks()) {
     for (const double step_s : request.steps_s)
-      report.peers.push_back({spec.name, "tactus", step_s, stack_in_tactus(spec, step_s)});
+      report.peers.push_back(
+          {.stack = spec.name, .engine = "tactus", .step_s = step_s, .state = stack_in_tactus(spec, step_s)});
     for (const auto& kind : request.peers)
       for (const double step_s : request.steps_s) {
         if (progress) progress(fmt::format("{}, {}, {:g} ms", spec.name, kind.name, 1e3 * step_s));

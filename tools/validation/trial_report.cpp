@@ -97,6 +97,11 @@ std::size_t count(const std::vector<RandomTrial>& trials, bool (RandomTrial::*as
 
 }  // namespace
 
+void TrialReport::add(Trials trials) {
+  for (RandomTrial& trial : trials.trials) add(std::move(trial));
+  left_out.insert(left_out.end(), trials.left_out.begin(), trials.left_out.end());
+}
+
 void TrialReport::add(RandomTrial trial) {
   with_border += trial.row.end.size() > trial.row.members;
   standing += trial.row.standing;
@@ -112,20 +117,16 @@ std::size_t TrialReport::still_fallen() const { return count(noted, &RandomTrial
 std::size_t TrialReport::by_chance() const { return count(noted, &RandomTrial::falls_by_chance); }
 std::size_t TrialReport::gain_energy() const { return count(noted, &RandomTrial::gains_energy); }
 
-TrialReport try_random_worlds(std::uint64_t first, std::uint64_t worlds, const experiment::Progress& progress) {
-  TrialReport report;
-  report.first = first;
-  report.worlds = worlds;
-  const experiment::Pace pace(progress, static_cast<double>(worlds));
-  for (std::uint64_t k = 0; k < worlds; ++k) {
-    pace.say(fmt::format("seed {}, {} collapsed", first + k, report.collapsed()), static_cast<double>(k));
-    auto trial = try_random_world(first + k);
+Trials try_seeds(std::uint64_t first, std::uint64_t worlds) {
+  Trials trials;
+  for (std::uint64_t seed = first; seed < first + worlds; ++seed) {
+    auto trial = try_random_world(seed);
     if (trial.ok())
-      report.add(std::move(trial).value());
+      trials.trials.push_back(std::move(trial).value());
     else
-      report.left_out.push_back(first + k);
+      trials.left_out.push_back(seed);
   }
-  return report;
+  return trials;
 }
 
 std::string trial_text(const TrialReport& report) {

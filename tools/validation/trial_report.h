@@ -5,10 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "tools/experiment/progress.h"
+#include "tools/experiment/coupling/study_fields.h"
 #include "tools/validation/random_trial.h"
 
 namespace tactus::hard_cases {
+
+// The trials of some seeds, in order, and those left out.
+struct Trials {
+  std::vector<RandomTrial> trials;
+  std::vector<std::uint64_t> left_out;
+};
+Trials try_seeds(std::uint64_t first, std::uint64_t worlds);
 
 struct TrialReport {
   static constexpr std::size_t kWorst = 10;
@@ -22,13 +29,24 @@ struct TrialReport {
   std::vector<experiment::WholeRunRow> rows;  // of all, without bodies
 
   void add(RandomTrial trial);
+  void add(Trials trials);
   std::size_t collapsed() const;
   std::size_t still_fallen() const;  // of these: a body at rest in the direct run falls
   std::size_t by_chance() const;
   std::size_t gain_energy() const;
 };
 
-TrialReport try_random_worlds(std::uint64_t first, std::uint64_t worlds, const experiment::Progress& progress);
+// --- the members, for experiment/part_bytes.h
+template <class Io>
+void fields(Io& io, RandomTrial& trial) {
+  auto& [seed, scene, row, fixed, fell, still] = trial;
+  io(seed, scene, row, fixed, fell, still);
+}
+template <class Io>
+void fields(Io& io, Trials& trials) {
+  auto& [done, left_out] = trials;
+  io(done, left_out);
+}
 
 std::string trial_text(const TrialReport& report);
 // {"worlds", "collapsed", "noted": [{"seed", "outcome", ...}], "worst": [{"seed", ..., "bodies": [...]}]}.

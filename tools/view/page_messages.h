@@ -1,9 +1,12 @@
-// What a page says, as JSON: {"ack": N} or {"ask": "disarm"}. Anything else is refused, and so is too much of it.
+// What a page says, as JSON: {"ack": N}, {"ask": "disarm"} or {"ask": "seek", "value": 2.5}. Anything else is refused,
+// and so is too much of it.
 //
 // Pure; the caller gives the time. Thread: one. Bound: kLongestMessage bytes, kMaxMessages a second.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,7 +19,9 @@ inline constexpr std::uint32_t kMaxMessages = 250;  // a second
 
 struct PageMessage {
   std::uint32_t acknowledged{0};  // 0: it asks
-  std::string ask;                // disarm, stop, reset, arm, rearm
+  std::string ask;  // disarm, stop, reset, arm, rearm; play, pause, tick, cycle, back, seek, pace; take, rest
+  std::optional<std::array<double, 6>> hand{};  // m, rad: how far the hand is to be from where it was taken
+  double value{0};                              // seek: s of the tape; pace: times real time, 0 as fast as it goes
 };
 
 // Error: one line that says what is accepted.

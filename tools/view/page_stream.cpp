@@ -72,11 +72,17 @@ void PageStream::offer_ticks(const std::vector<publication::TickEntry>& ticks, s
     const auto channels = channels_of(tick);
     ticks_.insert(ticks_.end(), channels.begin(), channels.end());
   }
+  if (!ticks.empty()) newest_woke_ns_ = ticks.back().times.woke_ns;
   const std::size_t waiting = ticks_.size() / kChannels.size();
   if (waiting <= kMaxTicks) return;
   const std::size_t over = waiting - kMaxTicks;
   lost_ticks_ += static_cast<std::uint32_t>(over);
   ticks_.erase(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(over * kChannels.size()));
+}
+
+void PageStream::restart() noexcept {
+  ticks_.clear();
+  restarts_ = true;
 }
 
 void PageStream::acknowledge(std::uint32_t number) noexcept {
@@ -87,15 +93,18 @@ bool PageStream::ready() const noexcept {
   return sent_ - acknowledged_ < kMaxUnacknowledged && (frame_waits_ || !ticks_.empty());
 }
 
-std::string PageStream::take(const publication::Frame& frame) {
+std::string PageStream::take(const publication::Frame& frame, std::int64_t now_ns) {
   WireHeader header;
   header.number = ++sent_;
   header.dropped = dropped_;
   header.lost_ticks = lost_ticks_;
   header.ticks = static_cast<std::uint32_t>(ticks_.size() / kChannels.size());
+  header.flags = restarts_ ? kRestarts : 0u;
+  if (newest_woke_ns_ > 0 && !ticks_.empty())
+    header.tick_age_us = static_cast<float>(1e-3 * static_cast<double>(now_ns - newest_woke_ns_));
   std::string blocks;
   if (frame_waits_) {
-    header.has_frame = 1;
+    header.flags |= kHasFrame;
     header.time_s = frame.head.time_s;
     header.component = frame.head.component;
     header.left_out = frame.head.left_out;
@@ -107,7 +116,7 @@ std::string PageStream::take(const publication::Frame& frame) {
   put(blocks, ticks_.data(), ticks_.size());
   if (frame_waits_) put(blocks, frame.contacts.data(), frame.contacts.size());
   ticks_.clear();
-  frame_waits_ = first_ = false;
+  frame_waits_ = first_ = restarts_ = false;
   std::string message;
   put(message, &header, 1);
   return message + blocks;
@@ -126,8 +135,8 @@ void PageStream::put_bodies(const publication::Frame& frame, WireHeader& header,
   const bool all = state_.size() != bodies;
   std::vector<std::uint32_t> moved;
   if (!all) moved = moved_bodies(frame);
-  header.full = all || 6 * moved.size() > 5 * bodies ? 1 : 0;
-  if (header.full != 0) {
+  if (all || 6 * moved.size() > 5 * bodies) {
+    header.flags |= kIsFull;
     moved.resize(bodies);
     for (std::uint32_t i = 0; i < bodies; ++i) moved[i] = i;
     if (all) state_.assign(bodies, {});

@@ -21,13 +21,15 @@ class PageStream {
   // A new frame of the run is there; take() sends it, unless the next one comes first.
   void offer_frame() noexcept;
   void offer_ticks(const std::vector<publication::TickEntry>& ticks, std::uint64_t lost);
+  // The ticks that follow are of another time: those that wait are forgotten.
+  void restart() noexcept;
   // The page has taken over this message and all before it.
   void acknowledge(std::uint32_t number) noexcept;
 
   // True: there is something new, and the page can take it.
   bool ready() const noexcept;
-  // The next message; `frame` is the run's newest.
-  std::string take(const publication::Frame& frame);
+  // The next message; `frame` is the run's newest, `now_ns` of the monotonic clock.
+  std::string take(const publication::Frame& frame, std::int64_t now_ns);
 
   std::uint32_t dropped() const noexcept { return dropped_; }
 
@@ -41,10 +43,11 @@ class PageStream {
   void put_bodies(const publication::Frame& frame, WireHeader& header, std::string& blocks);
   void put_roles(const publication::Frame& frame, WireHeader& header, std::string& blocks);
 
-  bool frame_waits_{false}, first_{true};
+  bool frame_waits_{false}, first_{true}, restarts_{false};
   std::uint32_t sent_{0}, acknowledged_{0}, dropped_{0}, lost_ticks_{0};
   std::vector<Sent> state_;
-  std::vector<float> ticks_;  // kChannels each
+  std::vector<float> ticks_;        // kChannels each
+  std::int64_t newest_woke_ns_{0};  // of the last of them; 0: not measured
 };
 
 }  // namespace tactus::view

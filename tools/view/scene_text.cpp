@@ -5,6 +5,7 @@
 #include "sim/loader/body_label.h"
 #include "sim/model/choice_names.h"
 #include "tools/json_text.h"
+#include "tools/session/session.h"
 #include "tools/view/wire.h"
 
 namespace tactus::view {
@@ -53,6 +54,15 @@ ordered_json shape_json(const sim::Scene& scene, const physics::Shape& shape) {
   return {};
 }
 
+// How far the proxy may get before the next members are there: with the proxy's own size half the side of the boundary
+// cube. 0: there is none.
+double reach_of(const sim::Scene& scene, const session::RunOptions& options) {
+  const haptics::CouplingTraits traits = haptics::traits_of(options.coupling);
+  if (!traits.global_world || traits.proxy_alone() || !options.taped_device) return 0;
+  const sim::ReachSettings reach = session::global_options(scene, options, *options.taped_device).reach;
+  return sim::reach_of_proxy_m(reach, physics::bounding_radius(scene.bodies[scene.proxy].shape));
+}
+
 }  // namespace
 
 std::string scene_text(const sim::Scene& scene, const session::TapeSettings& settings) {
@@ -83,8 +93,10 @@ std::string scene_text(const sim::Scene& scene, const session::TapeSettings& set
                                 {"border", sim::name_of(o.border)},
                                 {"ratio", o.ratio != 0 ? o.ratio : scene.ratio},
                                 {"period_s", o.period_s()},
+                                {"virtual_time", o.virtual_time},
                                 {"members_cap", o.members != 0 ? o.members : scene.members},
                                 {"proxy", scene.proxy},
+                                {"reach_m", reach_of(scene, o)},
                                 {"channels", channels},
                                 {"shapes", shapes},
                                 {"bodies", bodies}});

@@ -1,7 +1,5 @@
 #include "tools/view/server.h"
 
-#include <sys/socket.h>
-
 #include <utility>  // before asio 1.74: it uses std::exchange without it
 
 #include <boost/asio.hpp>
@@ -9,6 +7,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include <algorithm>
 #include <deque>
 #include <fstream>
 #include <functional>
@@ -17,14 +16,10 @@
 #include <sstream>
 
 #include "rt/base/clock.h"
-#include "sim/loader/scene_load.h"
 #include "tools/json_text.h"
-#include "tools/service/control_server.h"
-#include "tools/session/run_options.h"
 #include "tools/view/admission.h"
 #include "tools/view/page_messages.h"
 #include "tools/view/page_stream.h"
-#include "tools/view/scene_text.h"
 
 namespace tactus::view {
 namespace {
@@ -39,6 +34,7 @@ using Response = http::response<http::string_body>;
 using beast::error_code;
 
 constexpr auto kPollEvery = std::chrono::milliseconds(16);
+constexpr int kLastPolls = 30;  // after which pages that take nothing wait no longer for what was said last
 constexpr auto kPatience = std::chrono::seconds(5);
 constexpr std::size_t kMaxConnections = 64;
 constexpr std::uint32_t kLongestHeader = 8192;
@@ -70,27 +66,26 @@ Response answer(const Request& request, http::status status, std::string body, s
   return response;
 }
 
-// True: the run has closed the connection that it is watched over, as when it was killed.
-bool has_left(int connection) {
-  char byte = 0;
-  return recv(connection, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
-}
-
 class Server;
 
 // A page that is admitted.
 class Page : public std::enable_shared_from_this<Page> {
  public:
-  Page(beast::tcp_stream&& connection, Server& server) : socket_(std::move(connection)), server_(server) {}
+  Page(beast::tcp_stream&& connection, Server& server, std::size_t of)
+      : view(of), socket_(std::move(connection)), server_(server) {}
 
   void accept(const Request& request);
   void send_text(std::string text);
   void send_new();
+  // Of what a source says of itself: a page that is behind gets the newest alone, before any more of the run.
+  void send_status(const std::string& status);
+  bool told_all() const noexcept { return !busy_ && texts_.empty() && status_ == told_; }
   void close() {
     error_code ignored;
     beast::get_lowest_layer(socket_).socket().close(ignored);
   }
 
+  const std::size_t view;
   PageStream stream;
 
  private:
@@ -104,6 +99,7 @@ class Page : public std::enable_shared_from_this<Page> {
   beast::flat_buffer buffer_;
   std::deque<std::string> texts_;
   std::string writing_;
+  std::string status_, told_;  // the newest of the source; the one that the page has
   bool busy_{false}, open_{false};
   MessageRate rate_;
 };
@@ -128,12 +124,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 class Server final : public ViewServer {
  public:
-  Server(ViewSettings settings, std::unique_ptr<publication::Watcher> watcher, std::string scene, bool real_device)
-      : settings_(std::move(settings)),
-        watcher_(std::move(watcher)),
-        scene_(std::move(scene)),
-        real_device_(real_device),
-        timer_(io_) {}
+  Server(ViewSettings settings, std::unique_ptr<ViewSource> source)
+      : settings_(std::move(settings)), source_(std::move(source)), timer_(io_), views_(source_->views()) {}
 
   Status listen();
   std::string address() const override { return "http://127.0.0.1:" + std::to_string(port_) + "/#" + settings_.token; }
@@ -146,10 +138,11 @@ class Server final : public ViewServer {
   void admit(beast::tcp_stream&& stream, const Request& request);
   void joined(const std::shared_ptr<Page>& page);
   void left(const std::shared_ptr<Page>& page);
-  std::string asked(const std::string& ask);
+  Answer asked(const Page* page, const PageMessage& message);
+  void led(const Page* page, const PageMessage& message);
   void count_refused(const std::string& reason) { ++report_.refused[reason]; }
-  const publication::Frame& frame() const { return frame_; }
-  const std::string& scene() const { return scene_; }
+  const publication::Frame& frame(std::size_t view) const { return views_[view].frame; }
+  const std::string& scene(std::size_t view) const { return source_->scene(view); }
   void count_sent(std::size_t bytes) {
     ++report_.frames_sent;
     report_.bytes += bytes;
@@ -160,19 +153,25 @@ class Server final : public ViewServer {
   Status listen_on(const tcp::endpoint& endpoint);
   void accept(tcp::acceptor& acceptor);
   void poll(const std::atomic<bool>& stop);
+  void look(std::size_t view);
   void end_run();
+  std::optional<std::size_t> view_at(const Request& request) const;
+  std::size_t pages_of(std::size_t view) const;
 
   ViewSettings settings_;
-  std::unique_ptr<publication::Watcher> watcher_;
-  std::string scene_;
-  bool real_device_;
+  std::unique_ptr<ViewSource> source_;
   asio::io_context io_{1};
   asio::steady_timer timer_;
+  int last_polls_{0};  // since it was asked to stop
   std::deque<tcp::acceptor> acceptors_;
   std::uint16_t port_{0};
   std::set<std::shared_ptr<Page>> pages_;
-  publication::Frame frame_;
-  bool has_frame_{false};
+  const Page* leads_{nullptr};  // the page that has the hand
+  struct View {
+    publication::Frame frame;
+    bool has_frame{false};
+  };
+  std::vector<View> views_;
   std::vector<publication::TickEntry> ticks_;
   ViewReport report_;
 };
@@ -190,7 +189,7 @@ void Page::accept(const Request& request) {
     if (error) return;
     self->open_ = true;
     self->server_.joined(self);
-    self->send_text(self->server_.scene());
+    self->send_text(self->server_.scene(self->view));
     self->read();
   });
 }
@@ -218,11 +217,16 @@ void Page::took(std::string_view text) {
     server_.count_refused("message");
     return send_text(json_text(nlohmann::json{{"kind", "refused"}, {"said", message.message()}}));
   }
+  if (message.value().hand) return server_.led(this, message.value());
   if (message.value().ask.empty()) {
     stream.acknowledge(message.value().acknowledged);
     return send_new();
   }
-  send_text(server_.asked(message.value().ask));
+  const Answer answer = server_.asked(this, message.value());
+  status_.clear();  // what it knows of the source is told again
+  told_.clear();
+  send_text(json_text(
+      nlohmann::json{{"kind", "answer"}, {"ask", message.value().ask}, {"ok", answer.ok}, {"said", answer.said}}));
 }
 
 void Page::send_text(std::string text) {
@@ -232,16 +236,26 @@ void Page::send_text(std::string text) {
 
 void Page::send_new() { write_next(); }
 
-// Texts first; then the newest of the run, as the page can take it.
+void Page::send_status(const std::string& status) {
+  if (status.empty()) return;
+  status_ = status;
+  write_next();
+}
+
+// Texts first, then what the source says of itself, then the newest of the run, as the page can take it.
 void Page::write_next() {
   if (busy_ || !open_) return;
-  const bool text = !texts_.empty();
-  if (!text && !stream.ready()) return;
-  if (text) {
+  bool text = true;
+  if (!texts_.empty()) {
     writing_ = std::move(texts_.front());
     texts_.pop_front();
+  } else if (status_ != told_) {
+    writing_ = told_ = status_;
+  } else if (!stream.ready()) {
+    return;
   } else {
-    writing_ = stream.take(server_.frame());
+    text = false;
+    writing_ = stream.take(server_.frame(view), MonotonicClock::now_ns());
     server_.count_sent(writing_.size());
   }
   busy_ = true;
@@ -335,25 +349,38 @@ ViewReport Server::serve(const std::atomic<bool>& stop) {
 }
 
 void Server::poll(const std::atomic<bool>& stop) {
-  if (stop.load(std::memory_order_relaxed)) return io_.stop();
-  if (!report_.run_ended && (watcher_->ended() || has_left(settings_.connection))) end_run();
-  if (report_.run_ended && pages_.empty()) return io_.stop();
-  ticks_.clear();
-  const std::uint64_t lost = watcher_->read_ticks(ticks_, kMaxTicks);
-  const bool fresh = watcher_->read_frame(frame_);
-  has_frame_ = has_frame_ || fresh;
-  const auto pages = pages_;  // a page that fails leaves the set
-  for (const auto& page : pages) {
-    const std::uint32_t before = page->stream.dropped();
-    page->stream.offer_ticks(ticks_, lost);
-    if (fresh) page->stream.offer_frame();
-    report_.frames_dropped += page->stream.dropped() - before;
-    page->send_new();
+  const bool stopping = stop.load(std::memory_order_relaxed);
+  if (stopping && last_polls_ > 0) {
+    const bool told = std::ranges::all_of(pages_, [](const auto& page) { return page->told_all(); });
+    if (told || last_polls_ >= kLastPolls) return io_.stop();
   }
+  if (stopping) ++last_polls_;  // a page learns that its run is over
+  if (!report_.run_ended && source_->ended()) end_run();
+  if (report_.run_ended && pages_.empty()) return io_.stop();
+  for (std::size_t view = 0; view < views_.size() && !stopping; ++view) look(view);
+  const std::string status = pages_.empty() ? std::string() : source_->status();
+  const auto pages = pages_;
+  for (const auto& page : pages) page->send_status(status);
   timer_.expires_after(kPollEvery);
   timer_.async_wait([this, &stop](error_code error) {
     if (!error) poll(stop);
   });
+}
+
+void Server::look(std::size_t view) {
+  ticks_.clear();
+  const ViewSource::News news = source_->look(view, ticks_, views_[view].frame);
+  views_[view].has_frame = views_[view].has_frame || news.fresh;
+  const auto pages = pages_;  // a page that fails leaves the set
+  for (const auto& page : pages) {
+    if (page->view != view) continue;
+    const std::uint32_t before = page->stream.dropped();
+    if (news.restarted) page->stream.restart();
+    page->stream.offer_ticks(ticks_, news.lost);
+    if (news.fresh) page->stream.offer_frame();
+    report_.frames_dropped += page->stream.dropped() - before;
+    page->send_new();
+  }
 }
 
 void Server::end_run() {
@@ -381,36 +408,58 @@ std::optional<Response> Server::refuse_page(const Request& request) {
   const Refusal refused = refuse(view_of(request[http::field::host]), view_of(request[http::field::origin]),
                                  view_of(request[http::field::sec_websocket_protocol]), settings_.token);
   if (refused != Refusal::kNone) return refusal(request, http::status::forbidden, std::string(name_of(refused)));
-  if (request.target() != "/run") return refusal(request, http::status::not_found, "path");
-  if (pages_.size() >= kMaxPages) return refusal(request, http::status::service_unavailable, "pages");
+  const std::optional<std::size_t> view = view_at(request);
+  if (!view) return refusal(request, http::status::not_found, "path");
+  if (pages_of(*view) >= kMaxPages) return refusal(request, http::status::service_unavailable, "pages");
   return std::nullopt;
 }
 
+std::optional<std::size_t> Server::view_at(const Request& request) const {
+  if (request.target() == "/run") return 0;
+  if (request.target() == "/beside" && views_.size() > 1) return 1;
+  return std::nullopt;
+}
+
+std::size_t Server::pages_of(std::size_t view) const {
+  return static_cast<std::size_t>(
+      std::count_if(pages_.begin(), pages_.end(), [&](const auto& page) { return page->view == view; }));
+}
+
 void Server::admit(beast::tcp_stream&& stream, const Request& request) {
-  std::make_shared<Page>(std::move(stream), *this)->accept(request);
+  std::make_shared<Page>(std::move(stream), *this, view_at(request).value_or(0))->accept(request);
 }
 
 void Server::joined(const std::shared_ptr<Page>& page) {
   pages_.insert(page);
-  report_.clients_most = std::max(report_.clients_most, pages_.size());
-  if (has_frame_) page->stream.offer_frame();
+  report_.clients_most = std::max(report_.clients_most, pages_of(0));
+  if (views_[page->view].has_frame) page->stream.offer_frame();
+  source_->joined();
 }
 
-void Server::left(const std::shared_ptr<Page>& page) { pages_.erase(page); }
+void Server::left(const std::shared_ptr<Page>& page) {
+  pages_.erase(page);
+  if (leads_ == page.get()) (void)asked(leads_, {.ask = "rest"});
+}
 
-std::string Server::asked(const std::string& ask) {
-  const auto said = [&](bool good, const std::string& text) {
-    return json_text(nlohmann::json{{"kind", "answer"}, {"ask", ask}, {"ok", good}, {"said", text}});
-  };
-  if (real_device_ && gives_force(ask) && !settings_.allow_force) {
+Answer Server::asked(const Page* page, const PageMessage& message) {
+  if (source_->real_device() && gives_force(message.ask) && !settings_.allow_force) {
     count_refused("force");
-    return said(false, "force on a real device is not given from a page; accepted: tactus view --allow-force");
+    return {false, "force on a real device is not given from a page; accepted: tactus view --allow-force"};
   }
-  const auto reply = service::ask_control(settings_.socket, ask);
-  if (!reply.ok()) return said(false, reply.message());
-  const auto object = nlohmann::json::parse(reply.value(), nullptr, /*allow_exceptions=*/false);
-  if (!object.is_object()) return said(false, "the run's answer is no JSON");
-  return said(object.value("ok", false), object.value("said", ""));
+  const bool of_hand = message.ask == "take" || message.ask == "rest";
+  if (of_hand && leads_ != nullptr && leads_ != page) {
+    count_refused("hand");
+    return {false, "another page has the hand"};
+  }
+  const Answer answer = source_->ask(message);
+  if (of_hand && !answer.ok) count_refused("hand");
+  if (of_hand && answer.ok) leads_ = message.ask == "take" ? page : nullptr;
+  return answer;
+}
+
+// Without an answer, unless it is refused: 60 come a second.
+void Server::led(const Page* page, const PageMessage& message) {
+  if (leads_ != page || !source_->ask(message).ok) count_refused("hand");
 }
 
 }  // namespace
@@ -432,15 +481,8 @@ Result<std::map<std::string, std::string>> load_files(const std::filesystem::pat
   return files;
 }
 
-Result<std::unique_ptr<ViewServer>> ViewServer::open(ViewSettings settings,
-                                                     std::unique_ptr<publication::Watcher> watcher) {
-  auto run = session::from_tape_text(watcher->text());
-  if (!run.ok()) return run.status();
-  auto scene = sim::parse_scene(run.value().scene_source, run.value().scene_name);
-  if (!scene.ok()) return Status::error("the run's scene: " + scene.message());
-  const bool real_device = run.value().options.device != "sim";
-  auto server = std::make_unique<Server>(std::move(settings), std::move(watcher),
-                                         scene_text(scene.value(), run.value()), real_device);
+Result<std::unique_ptr<ViewServer>> ViewServer::open(ViewSettings settings, std::unique_ptr<ViewSource> source) {
+  auto server = std::make_unique<Server>(std::move(settings), std::move(source));
   if (const Status status = server->listen(); !status.ok()) return status;
   return std::unique_ptr<ViewServer>(std::move(server));
 }

@@ -1,9 +1,9 @@
-// `tactus view`: serves the page's files over HTTP and the run over a WebSocket, on loopback alone.
+// `tactus view`: serves the page's files over HTTP and a run or tapes over WebSockets, on loopback alone.
 //
-// Files are public; the WebSocket is for admitted pages (admission.h), at most kMaxPages. The run is read about 60
-// times a second, by one thread that also serves; each page has a stream of its own (page_stream.h). What a page asks
-// of the run goes over the run's control socket. The server has no right of the run's: it may end or hang at any time.
-// Thread: one. Bound: kMaxPages pages, 64 HTTP connections of 8 KiB of header and 5 s; the files are in memory.
+// Files are public; the WebSockets /run, and /beside for the second of two tapes, are for admitted pages (admission.h),
+// at most kMaxPages each. The source is looked at about 60 times a second, by one thread that also serves; each page
+// has a stream of its own (page_stream.h). The server has no right of a run's: it may end or hang at any time. Thread:
+// one. Bound: kMaxPages pages, 64 HTTP connections of 8 KiB of header and 5 s; the files are in memory.
 #pragma once
 
 #include <atomic>
@@ -14,20 +14,18 @@
 #include <string>
 
 #include "rt/base/result.h"
-#include "tools/publication/watcher.h"
+#include "tools/view/view_source.h"
 
 namespace tactus::view {
 
-inline constexpr std::size_t kMaxPages = 4;
+inline constexpr std::size_t kMaxPages = 4;  // of each view
 
 // The page's files by path, as "/index.html". Error: the folder has none.
 Result<std::map<std::string, std::string>> load_files(const std::filesystem::path& folder);
 
 struct ViewSettings {
-  std::uint16_t port{0};         // 0: any that is free
-  bool allow_force{false};       // pages may arm, re-arm and reset a real device
-  int connection{-1};            // that the run is watched over; stays the caller's
-  std::filesystem::path socket;  // the run's control socket
+  std::uint16_t port{0};    // 0: any that is free
+  bool allow_force{false};  // pages may arm, re-arm and reset a real device
   std::map<std::string, std::string> files;
   std::string token;
 };
@@ -41,8 +39,8 @@ struct ViewReport {
 
 class ViewServer {
  public:
-  // Listens. Error: the port is in use, or the run's scene cannot be read.
-  static Result<std::unique_ptr<ViewServer>> open(ViewSettings settings, std::unique_ptr<publication::Watcher> watcher);
+  // Listens. Error: the port is in use.
+  static Result<std::unique_ptr<ViewServer>> open(ViewSettings settings, std::unique_ptr<ViewSource> source);
   virtual ~ViewServer() = default;
 
   virtual std::string address() const = 0;  // with the token in its fragment

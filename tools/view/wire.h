@@ -18,12 +18,18 @@
 namespace tactus::view {
 
 inline constexpr std::uint32_t kWireMagic = 0x46434154;  // "TACF"
-inline constexpr std::uint32_t kWireVersion = 1;
+inline constexpr std::uint32_t kWireVersion = 3;
+
+enum WireFlag : std::uint32_t {
+  kHasFrame = 1u << 0,  // bodies, contacts and what is said of them are new; without it ticks alone
+  kRestarts = 1u << 1,  // the ticks begin anew, elsewhere in time: those before are forgotten
+  kIsFull = 1u << 2,    // bodies in their order, without indices
+};
 
 struct WireHeader {
   std::uint32_t magic{kWireMagic}, version{kWireVersion};
   std::uint32_t number{0};  // of the message, from 1: what the page acknowledges
-  std::uint32_t full{0};    // 1: bodies in their order, without indices
+  float tick_age_us{-1};    // from the beginning of the newest tick to the sending; below 0: not measured
   double time_s{0};         // of the world's clock
   std::uint32_t bodies{0}, roles{0}, ticks{0}, contacts{0};
   std::uint32_t dropped{0};     // frames of the run that this page did not get, so far
@@ -31,7 +37,7 @@ struct WireHeader {
   std::uint32_t component{0};   // bodies that contacts connect to the proxy
   std::uint32_t left_out{0};    // contacts that did not fit
   std::uint32_t resets{0};      // of the scene, so far
-  std::uint32_t has_frame{0};   // 1: bodies, contacts and what is said of them are new; 0: ticks alone
+  std::uint32_t flags{0};       // WireFlag
 };
 static_assert(std::is_trivially_copyable_v<WireHeader> && sizeof(WireHeader) == 64);
 

@@ -95,7 +95,10 @@ unsigned CanSocket::receive(int& error) noexcept {
     const canfd_frame& frame = frames_[i];
     CanReceived& received = received_[i];
     received.error = (frame.can_id & CAN_ERR_FLAG) != 0;
-    received.id = frame.can_id & (received.error ? CAN_ERR_MASK : CAN_SFF_MASK);
+    const bool extended = (frame.can_id & CAN_EFF_FLAG) != 0;
+    received.id = frame.can_id & (received.error ? CAN_ERR_MASK
+                                  : extended     ? CAN_EFF_FLAG | CAN_EFF_MASK
+                                                 : CAN_SFF_MASK);
     received.fd = headers_[i].msg_len == CANFD_MTU;
     const std::size_t room = received.fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN;
     received.data = std::as_bytes(std::span(frame.data)).first(frame.len <= room ? frame.len : room);
@@ -127,11 +130,11 @@ bool CanSocket::wait(std::chrono::nanoseconds bound) noexcept {
   return ppoll(&poll, 1, &timeout, nullptr) > 0;
 }
 
-int CanSocket::send(std::uint32_t id, std::span<const std::byte> data) noexcept {
+int CanSocket::send(std::uint32_t id, std::span<const std::byte> data, bool as_fd) noexcept {
   canfd_frame frame{};
   frame.can_id = id;
   frame.len = static_cast<__u8>(data.size());
-  const bool fd = data.size() > CAN_MAX_DLEN;
+  const bool fd = as_fd || data.size() > CAN_MAX_DLEN;
   if (fd) frame.flags = CANFD_BRS;
   std::memcpy(frame.data, data.data(), data.size());
   const std::size_t size = fd ? CANFD_MTU : CAN_MTU;

@@ -33,7 +33,7 @@ struct CanOpenError {
 };
 
 struct CanReceived {
-  std::uint32_t id{0};  // 11 bits; of an error frame: its class bits
+  std::uint32_t id{0};  // 11 bits, or 29 and CAN_EFF_FLAG; of an error frame: its class bits
   bool error{false}, fd{false};
   std::int64_t arrival_ns{0};  // CLOCK_MONOTONIC, from the kernel's stamp when the driver delivered the frame
   std::span<const std::byte> data;
@@ -62,9 +62,10 @@ class CanSocket {
   // Waits until a frame can be read; false if none arrived within the bound.
   bool wait(std::chrono::nanoseconds bound) noexcept;
 
-  // Returns 0, or the error number: ENOBUFS and EAGAIN when the send queue is full, ENETDOWN. More than 8 bytes are
-  // sent as CAN FD with the bit rate switched; their number must be a valid CAN FD length.
-  int send(std::uint32_t id, std::span<const std::byte> data) noexcept;
+  // Returns 0, or the error number: ENOBUFS and EAGAIN when the send queue is full, ENETDOWN. `id`: 11 bits, or 29 and
+  // CAN_EFF_FLAG. More than 8 bytes are sent as CAN FD with the bit rate switched; their number must be a valid CAN FD
+  // length. Fewer are sent so if `fd` says so.
+  int send(std::uint32_t id, std::span<const std::byte> data, bool fd = false) noexcept;
 
   std::uint32_t lost() const noexcept { return lost_; }  // frames that the kernel dropped on a full queue; wraps
   int descriptor() const noexcept { return socket_; }

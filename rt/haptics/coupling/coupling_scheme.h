@@ -47,7 +47,7 @@ struct CouplingTraits {
   LocalModel model{LocalModel::kMembers};
   bool global_world{true};     // false: the haptic side simulates the whole world
   bool members_frozen{false};  // all members but the proxy stay as in the last snapshot
-  bool border{false};          // contacts and joints between members and outside bodies are exchanged (BorderMode)
+  bool border{false};          // contacts and joints between members and outside bodies are exchanged
   bool imposes_motion{true};   // the reported members' motion replaces that in the global world
   DeviceLoad device_load{DeviceLoad::kWrench};
   std::uint32_t proxy_planes{0};  // contact points in a snapshot: those of the proxy with the largest normal force

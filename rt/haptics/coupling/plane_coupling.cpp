@@ -1,5 +1,7 @@
 #include "rt/haptics/coupling/plane_coupling.h"
 
+#include "rt/base/list_bytes.h"
+
 namespace tactus::haptics {
 
 void PlaneCoupling::adopt(std::span<const physics::BorderContact> contacts) noexcept {
@@ -60,8 +62,7 @@ HeldProxy PlaneCoupling::keep(PlaneSet& set, const DeviceTarget& target, const T
 
 void PlaneCoupling::save(ByteWriter& out) const noexcept {
   for (const PlaneSet* set : {&now_, &before_}) {
-    out.put(set->planes.size());
-    out.put_all(set->planes.span());
+    write_list(out, set->planes);
     out.put(set->held);
   }
   out.put(held_);
@@ -70,11 +71,7 @@ void PlaneCoupling::save(ByteWriter& out) const noexcept {
 
 bool PlaneCoupling::restore(ByteReader& in) noexcept {
   for (PlaneSet* set : {&now_, &before_}) {
-    std::uint32_t count = 0;
-    in.get(count);
-    if (!in.ok() || count > kMaxProxyPlanes) return false;
-    set->planes.count = count;
-    in.get_all(set->planes.span());
+    if (!read_list(in, set->planes)) return false;
     in.get(set->held);
   }
   in.get(held_);

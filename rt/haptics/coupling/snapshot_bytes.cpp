@@ -3,24 +3,10 @@
 #include <cmath>
 #include <utility>
 
+#include "rt/base/list_bytes.h"
+
 namespace tactus::haptics {
 namespace {
-
-template <class T, std::uint32_t kCapacity>
-void write_list(ByteWriter& out, const FixedVector<T, kCapacity>& list) noexcept {
-  out.put(list.count);
-  out.put_all(list.span());
-}
-
-template <class T, std::uint32_t kCapacity>
-bool read_list(ByteReader& in, FixedVector<T, kCapacity>& list) noexcept {
-  std::uint32_t count = 0;
-  in.get(count);
-  if (!in.ok() || count > kCapacity) return false;
-  list.count = count;
-  in.get_all(list.span());
-  return in.ok();
-}
 
 bool is_shape_that_moves(const physics::Shape& shape, std::size_t hulls) noexcept {
   return shape.kind < physics::ShapeKind::kPlane || (shape.kind == physics::ShapeKind::kHull && shape.index < hulls);

@@ -18,7 +18,7 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body> 
       border_import_(config.capacities.border_contacts) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
   world_.index_fixed_bodies();
-  world_.border_mode = config.border_mode;
+  world_.border_rule.mode = config.border_mode;
   state_.last_sub_steps = config.step.sub_steps;
   state_.tank.start(border_.budget_at_start_J);
 }
@@ -81,10 +81,11 @@ void SubWorld::forget_world(std::uint32_t epoch) noexcept {
 }
 
 void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
-  for (std::uint32_t slot = members(); slot-- > 0;) {
-    const BodyId id = world_.bodies()[slot].id;
-    if (!std::binary_search(snapshot.members.begin(), snapshot.members.end(), id)) world_.remove(id);
-  }
+  std::array<std::uint8_t, kMaxMembers> leaving;
+  for (std::uint32_t slot = 0; slot < members(); ++slot)
+    leaving[slot] = !std::binary_search(snapshot.members.begin(), snapshot.members.end(), world_.bodies()[slot].id);
+  const auto of_members = std::span<const std::uint8_t>(leaving).first(members());
+  if (std::find(of_members.begin(), of_members.end(), 1) != of_members.end()) world_.remove(of_members);
   for (const auto& joiner : snapshot.joiners) {
     if (physics::Body* member = world_.find(joiner.id)) {
       // Every snapshot contains the frozen members again.
@@ -151,11 +152,11 @@ SubWorldStep SubWorld::step(const DeviceTarget& target, std::uint32_t sub_steps,
 }
 
 WorldLateness SubWorld::apply_lateness() noexcept {
-  world_.border_mode = config_.border_mode;
+  world_.border_rule.mode = config_.border_mode;
   if (!coupling_.global_world) return {};
   const auto late = WorldLateness::in_tick(state_.ticks_in_cycle, config_.ratio, config_.step.dt);
   border_import_.slow_down(late, world_);
-  if (late.border_frozen()) world_.border_mode = physics::BorderMode::kFrozen;
+  if (late.border_frozen()) world_.border_rule.mode = physics::kLateBorder;
   return late;
 }
 
@@ -192,9 +193,9 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
 // Steps the world and books the border's energy.
 physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,
                                          SubWorldStep& result) noexcept {
-  const bool has_budget = coupling_.border && traits_of(world_.border_mode).has_budget;
+  const bool has_budget = coupling_.border && traits_of(world_.border_rule.mode).has_budget;
   const double before_J = border_work_J();
-  if (has_budget) world_.border_budget_J = state_.tank.budget_J(tank_credit_J());
+  if (has_budget) world_.border_rule.budget_J = state_.tank.budget_J(tank_credit_J());
   world_.begin_step(settings);
   (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
   const auto report = world_.finish_step(settings, cut);

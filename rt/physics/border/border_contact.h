@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "rt/base/choice.h"
@@ -71,6 +72,17 @@ constexpr BorderTraits traits_of(BorderMode mode) noexcept {
 inline constexpr std::array kBorderModes{BorderMode::kGhost, BorderMode::kCapped, BorderMode::kReplay,
                                          BorderMode::kFiltered, BorderMode::kFrozen};
 static_assert(lists_every_choice(kBorderModes), "a mode that has traits is not in the list, or twice");
+
+inline constexpr BorderMode kDefaultBorder = BorderMode::kGhost;  // of a run
+
+// The mode while the global world is late: its outside bodies are taken as at rest.
+inline constexpr BorderMode kLateBorder = BorderMode::kFrozen;
+
+// How the border acts in a step.
+struct BorderRule {
+  BorderMode mode{BorderMode::kCapped};
+  double budget_J{std::numeric_limits<double>::max()};  // see BorderSolver::prepare; set before each step
+};
 
 struct BorderContact {
   BodyId member{kNoBody}, outside{kNoBody};

@@ -22,8 +22,8 @@ inline constexpr double kSlowShare = 0.5625;
 void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts,
                            std::span<const Body> bodies, SolverBodies<double> solver_bodies,
                            const BorderStep& step) noexcept {
-  rule_ = traits_of(step.mode);
-  budget_J_ = step.budget_J;
+  rule_ = traits_of(step.rule.mode);
+  budget_J_ = step.rule.budget_J;
   h_ = step.h;
   ghosts_.resize(rule_.ghosts ? static_cast<std::uint32_t>(ghosts.size()) : 0);
   for (std::uint32_t g = 0; g < ghosts_.size(); ++g) {

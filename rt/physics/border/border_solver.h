@@ -21,11 +21,10 @@ namespace tactus::physics {
 
 // What the step asks of the border.
 struct BorderStep {
-  BorderMode mode;
+  BorderRule rule;
   double h;              // s: of a sub-step
   double impulse_scale;  // of the impulses of the last step, for the warm start
   bool friction;
-  double budget_J;  // see BorderSolver::prepare
 };
 
 class BorderSolver {
@@ -33,10 +32,10 @@ class BorderSolver {
   explicit BorderSolver(std::uint32_t border_contacts)  // [setup]
       : rows_(border_contacts), pairs_(border_contacts), ghosts_(border_contacts) {}
 
-  // `step.budget_J`: the energy that the border may put into members in this step; below 0: the energy that it must
-  // take out of them first. In a sub-step that starts without budget the border only takes energy: an approaching ghost
-  // counts as at rest along the normal, friction is limited to what does no work on the member, and so is a replayed
-  // impulse. `bodies`: by slot, ascending ids. A contact whose member is missing exerts nothing.
+  // `step.rule.budget_J`: the energy that the border may put into members in this step; below 0: the energy that it
+  // must take out of them first. In a sub-step that starts without budget the border only takes energy: an approaching
+  // ghost counts as at rest along the normal, friction is limited to what does no work on the member, and so is a
+  // replayed impulse. `bodies`: by slot, ascending ids. A contact whose member is missing exerts nothing.
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, std::span<const Body> bodies,
                SolverBodies<double> solver_bodies, const BorderStep& step) noexcept;
   void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves

@@ -54,7 +54,9 @@ void cut(Polygon& polygon, BeyondOf beyond_of, CrossingId crossing_id, decltype(
     const double shift = beyond[k] <= 0.0 || beyond[next] <= 0.0 ? 0.0 : tolerance;
     const double ratio = (beyond[k] - shift) / (beyond[k] - beyond[next]);
     PointOf<Polygon> point = from;
-    point.u += ratio * (to.u - from.u), point.v += ratio * (to.v - from.v), point.w += ratio * (to.w - from.w);
+    point.u += ratio * (to.u - from.u);
+    point.v += ratio * (to.v - from.v);
+    point.w += ratio * (to.w - from.w);
     point.id = crossing_id(from);
     if (inside) point.line = side;  // from here on the polygon follows the side
     push(polygon, point);
@@ -80,37 +82,50 @@ void merge_neighbours(Polygon& polygon) noexcept {
   polygon.count = kept;
 }
 
-// A point whose separation is at most this may carry load, and is preferred to others [m].
-inline constexpr double kClose = 1e-4;
+// Keeps the points whose separation is at most the margin [m].
+template <class Polygon>
+void keep_within(double margin, Polygon& polygon) noexcept {
+  std::uint32_t within = 0;
+  for (std::uint32_t k = 0; k < polygon.count; ++k)
+    if (polygon.points[k].w <= margin) polygon.points[within++] = polygon.points[k];
+  polygon.count = within;
+}
 
-// Keeps the candidate with the best score. A point of the last step gets `bonus` on its score; of two scores within the
-// tolerance the lower id wins.
+// A point whose separation is at most this may carry load [m].
+inline constexpr double kClose = 1e-4;
+inline constexpr double kCloseFactor = 2.0;  // on the size that such a point adds
+
+// Keeps the candidate with the best score. The score of a point that may carry load is multiplied by `close_factor`; a
+// point of the last step gets `bonus` on its score; of two scores within the tolerance the lower id wins.
 template <class Polygon>
 struct PointChoice {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   const Polygon& polygon;
-  double tolerance, bonus, close_bonus;
+  double tolerance, bonus, close_factor;
   double score{};
   std::uint32_t index{kNone};
 
   void offer(std::uint32_t i, double candidate) noexcept {
     const auto& point = polygon.points[i];
+    if (point.w <= (point.kept ? 2.0 * kClose : kClose)) candidate *= close_factor;
     if (point.kept) candidate += bonus;
-    if (point.w <= (point.kept ? 2.0 * kClose : kClose)) candidate += close_bonus;
     if (index != kNone) {
       const bool better = candidate > score + tolerance;
       const bool equal = candidate >= score - tolerance && polygon.points[i].id < polygon.points[index].id;
       if (!better && !equal) return;
     }
-    score = candidate, index = i;
+    score = candidate;
+    index = i;
   }
 };
 
 // Chooses at most four points: the deepest, the farthest from it, the one with the largest triangle, the one with the
-// largest quadrilateral; points that may carry load first. The points of the last step stay until another is clearly
-// better: in depth by max(20 um, 0.3 of the depth), in size by half of the points' squared span. (With 0.1 in place of
-// 0.3 a heap of 1,000 cubes, stepped by 10 ms, never came to rest: 5e-4 m/s; with these values below 1e-8. 2026-11-22.)
+// largest quadrilateral. A point of the last step stays until another is clearly better: in depth by max(20 um, 0.3 of
+// the depth), in size by a tenth of the points' squared span. (With 0.1 in place of 0.3 a heap of 1,000 cubes, stepped
+// by 10 ms, never came to rest. 2026-11-22.) A point that may carry load counts double in size. A preference that does
+// not depend on the size would choose two points beside each other and leave a corner free: the corner of a card that
+// turns by 10 rad/s moves by 0.6 mm in a millisecond, and no point stops it.
 template <class Polygon>
 void reduce_to_four(Polygon& polygon) noexcept {
   if (polygon.count <= 4) return;
@@ -128,29 +143,29 @@ void reduce_to_four(Polygon& polygon) noexcept {
   double lowest = p[0].w;
   for (std::uint32_t i = 1; i < count; ++i) lowest = std::min(lowest, p[i].w);
   // m: the tolerance is above the noise of a resting contact, the bonus twice the solver's slop.
-  Choice deepest{polygon, 1e-6, std::max(2e-5, -0.3 * lowest), 0.0};
+  Choice deepest{polygon, 1e-6, std::max(2e-5, -0.3 * lowest), 1.0};
   for (std::uint32_t i = 0; i < count; ++i) deepest.offer(i, -p[i].w);
   const std::uint32_t a = deepest.index;
 
   double span = 0.0;
   for (std::uint32_t i = 0; i < count; ++i) span = std::max(span, squared(a, i));
-  const double tolerance = 1e-3 * span, bonus = 0.5 * span, close_bonus = 4.0 * span;
-  Choice farthest{polygon, tolerance, bonus, close_bonus};
+  const double tolerance = 1e-3 * span, bonus = 0.1 * span;
+  Choice farthest{polygon, tolerance, bonus, kCloseFactor};
   for (std::uint32_t i = 0; i < count; ++i)
     if (i != a) farthest.offer(i, squared(a, i));
   const std::uint32_t b = farthest.index;
 
-  Choice third{polygon, tolerance, bonus, close_bonus};
+  Choice third{polygon, tolerance, bonus, kCloseFactor};
   for (std::uint32_t i = 0; i < count; ++i)
     if (i != a && i != b) third.offer(i, std::abs(area(a, b, i)));
   const std::uint32_t c = third.index;
 
   // The point that adds the largest area outside the triangle, across any of its sides.
   const double turn = area(a, b, c) < 0.0 ? -1.0 : 1.0;
-  Choice fourth{polygon, tolerance, bonus, close_bonus};
+  Choice fourth{polygon, tolerance, bonus, kCloseFactor};
   for (std::uint32_t i = 0; i < count; ++i)
     if (i != a && i != b && i != c)
-      fourth.offer(i, std::max({-turn * area(a, b, i), -turn * area(b, c, i), -turn * area(c, a, i)}));
+      fourth.offer(i, std::max({0.0, -turn * area(a, b, i), -turn * area(b, c, i), -turn * area(c, a, i)}));
 
   // In polygon order, so that the order does not depend on which of them was the deepest.
   std::uint32_t chosen[4] = {a, b, c, fourth.index};

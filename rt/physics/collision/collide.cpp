@@ -63,18 +63,13 @@ void collide_ordered(const PairView& pair, Manifold& manifold, AxisCache& cache,
 
 }  // namespace
 
-Manifold collide(const Shape& a, const Posed& world_from_a, const Shape& b, const Posed& world_from_b, double margin,
-                 AxisCache& cache, std::type_identity_t<Hulls> hulls, const LastFeatures& last) noexcept {
+Manifold collide(PosedShape a, PosedShape b, const ManifoldQuery& query, AxisCache& cache, Hulls hulls) noexcept {
   Manifold manifold;
-  if (a.kind <= b.kind) {
-    collide_ordered(PairView{a, b, world_from_a.rotation, world_from_b.rotation,
-                             world_from_b.position - world_from_a.position, margin, last},
-                    manifold, cache, hulls);
+  if (a.shape.kind <= b.shape.kind) {
+    collide_ordered(pair_view(a, b, query), manifold, cache, hulls);
     return manifold;
   }
-  collide_ordered(PairView{b, a, world_from_b.rotation, world_from_a.rotation,
-                           world_from_a.position - world_from_b.position, margin, last},
-                  manifold, cache, hulls);
+  collide_ordered(pair_view(b, a, query), manifold, cache, hulls);
   manifold.normal = -manifold.normal;
   for (std::uint32_t i = 0; i < manifold.count; ++i) std::swap(manifold.points[i].from_a, manifold.points[i].from_b);
   return manifold;

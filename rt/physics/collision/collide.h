@@ -24,6 +24,16 @@ struct PairView {
   const LastFeatures& last;
 };
 
+inline PairView pair_view(PosedShape a, PosedShape b, const ManifoldQuery& query) noexcept {
+  return {.a = a.shape,
+          .b = b.shape,
+          .world_from_a = a.pose.rotation,
+          .world_from_b = b.pose.rotation,
+          .b_from_a = b.pose.position - a.pose.position,
+          .margin = query.margin,
+          .last = query.last};
+}
+
 // Marks the polygon's points that were in the last step's manifold. `type`: the type bits that their ids lack to be
 // features.
 template <class Polygon>
@@ -38,6 +48,10 @@ inline constexpr double kNoDirection = 1e-12;
 // um), an overlap that is not corrected anyway.
 inline constexpr double kFlatTolerance = 1e-5;
 
+// Overlap or gap of two surfaces that counts as flush [m]: what slides past there passes over the other. A resting
+// contact is a few um deep, and one so shallow is no step that stops a body.
+inline constexpr double kFlush = 1e-4;
+
 // --- features and axes of boxes and hulls
 // The two top bits of a feature: its type (see is_of_face).
 inline constexpr std::uint32_t kClosestType = 0u, kFaceAType = 1u << 30, kFaceBType = 2u << 30, kEdgeType = 3u << 30;
@@ -49,16 +63,33 @@ inline constexpr double kParallelSineSquared = 2.5e-5;
 // An axis must beat the preferred one by 5 % and 10 um (the solver's slop): far above noise, too little to be felt.
 inline double axis_preference(double separation) noexcept { return 0.05 * std::abs(separation) + 1e-5; }
 
-// Amount by which an axis of two edges (of any length) must beat a face. Within 8 degrees of the face's normal, the
-// face gives nearly the same contact with more points, and a stack whose contacts alternate between the two never comes
-// to rest: there the preference is ten times as large, so the face may be twice as deep (with five times, a heap of
-// 1,000 cubes at 10 ms did not come to rest, 2026-11-22). An edge contact of the last step needs only half of the
-// preference.
-inline double edge_preference(double face_separation, const Vec3d& face_normal, const Vec3d& edge_axis,
-                              bool last) noexcept {
+// Does an axis of two edges (of any length) point along a face's unit normal, within 8 degrees?
+inline bool is_along_face(const Vec3d& edge_axis, const Vec3d& face_normal) noexcept {
   const double along = dot(edge_axis, face_normal);
-  const bool along_face = along * along > 0.98 * norm_squared(edge_axis);
+  return along * along > 0.98 * norm_squared(edge_axis);
+}
+
+// Amount by which an axis of two edges must beat a face. Along the face's normal, the face gives nearly the same
+// contact with more points, and a stack whose contacts alternate between the two never comes to rest: there the
+// preference is ten times as large, so the face may be twice as deep (with five times, a heap of 1,000 cubes at 10 ms
+// did not come to rest, 2026-11-22). An edge contact of the last step needs only half of the preference.
+inline double edge_preference(double face_separation, bool along_face, bool last) noexcept {
   return axis_preference(face_separation) * (along_face ? 10.0 : last ? 0.5 : 1.0);
+}
+
+// Gives a clipped face the normal of two edges that cross nearly along the face's normal: `cosine` of the angle between
+// the two. A single point where the edges cross would leave the rest of the face free, and a card that turns by 20
+// rad/s moves its far corner by 2 mm in a millisecond. Height times cosine is the separation of the edges at their
+// crossing, and for all other points a lower bound of the distance along the normal. False if the crossing, at
+// `separation`, is not the polygon's lowest point: then the polygon is unchanged, and the edges do not meet above this
+// face.
+template <class Polygon>
+bool tilt_to_edges(double cosine, double separation, Polygon& polygon) noexcept {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::uint32_t k = 0; k < polygon.count; ++k) lowest = smaller(lowest, cosine * polygon.points[k].w);
+  if (!(std::abs(lowest - separation) <= axis_preference(separation))) return false;
+  for (std::uint32_t k = 0; k < polygon.count; ++k) polygon.points[k].w *= cosine;
+  return true;
 }
 
 inline Vec3d direction_or(const Vec3d& v, const Vec3d& fallback) noexcept {
@@ -70,13 +101,20 @@ inline Vec3d direction_or(const Vec3d& v, const Vec3d& fallback) noexcept {
 inline void add_point(const PairView& pair, Manifold& manifold, const Vec3d& mid, double separation,
                       std::uint32_t feature) noexcept {
   if (!(separation <= pair.margin) || manifold.count == kMaxManifoldPoints) return;
-  manifold.points[manifold.count++] = {mid, mid - pair.b_from_a, separation, feature};
+  manifold.points[manifold.count++] = {
+      .from_a = mid, .from_b = mid - pair.b_from_a, .separation = separation, .feature = feature};
 }
 
-// Adds the point between two round surfaces: `on_a`, `on_b` on their skeletons (centre, axis), radius 0 for a box.
-inline void add_round_point(const PairView& pair, Manifold& manifold, const Vec3d& on_a, double radius_a,
-                            const Vec3d& on_b, double radius_b, double separation, std::uint32_t feature) noexcept {
-  const Vec3d surface_a = on_a + manifold.normal * radius_a, surface_b = on_b - manifold.normal * radius_b;
+// A point on the skeleton of a round shape (centre, axis) and the radius around it; 0 for a box.
+struct SkeletonPoint {
+  Vec3d at;
+  double radius;
+};
+
+// Adds the point between two round surfaces.
+inline void add_round_point(const PairView& pair, Manifold& manifold, const SkeletonPoint& on_a,
+                            const SkeletonPoint& on_b, double separation, std::uint32_t feature) noexcept {
+  const Vec3d surface_a = on_a.at + manifold.normal * on_a.radius, surface_b = on_b.at - manifold.normal * on_b.radius;
   add_point(pair, manifold, 0.5 * (surface_a + surface_b), separation, feature);
 }
 

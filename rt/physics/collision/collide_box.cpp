@@ -25,14 +25,26 @@ struct BoxPair {
 
   explicit BoxPair(const PairView& view) noexcept : pair(view) {
     const Axes a = axes_of(view.world_from_a), b = axes_of(view.world_from_b);
-    axis_a[0] = a.x, axis_a[1] = a.y, axis_a[2] = a.z;
-    axis_b[0] = b.x, axis_b[1] = b.y, axis_b[2] = b.z;
+    axis_a[0] = a.x;
+    axis_a[1] = a.y;
+    axis_a[2] = a.z;
+    axis_b[0] = b.x;
+    axis_b[1] = b.y;
+    axis_b[2] = b.z;
     const Vec3d &ha = view.a.half_extents, &hb = view.b.half_extents;
-    h[0] = ha.x, h[1] = ha.y, h[2] = ha.z;
-    h[3] = hb.x, h[4] = hb.y, h[5] = hb.z;
+    h[0] = ha.x;
+    h[1] = ha.y;
+    h[2] = ha.z;
+    h[3] = hb.x;
+    h[4] = hb.y;
+    h[5] = hb.z;
     for (int i = 0; i < 3; ++i) {
-      d_a[i] = dot(axis_a[i], pair.b_from_a), d_b[i] = dot(axis_b[i], pair.b_from_a);
-      for (int j = 0; j < 3; ++j) r[i][j] = dot(axis_a[i], axis_b[j]), abs_r[i][j] = std::abs(r[i][j]);
+      d_a[i] = dot(axis_a[i], pair.b_from_a);
+      d_b[i] = dot(axis_b[i], pair.b_from_a);
+      for (int j = 0; j < 3; ++j) {
+        r[i][j] = dot(axis_a[i], axis_b[j]);
+        abs_r[i][j] = std::abs(r[i][j]);
+      }
     }
   }
 
@@ -61,6 +73,7 @@ struct AxisTest {
   int apart{0};
   double gap{}, sine{1};
   double face[6];  // by code - 1
+  int widest{0};   // code of the best face
   int edge{0};     // best edge axis, or 0
   double edge_separation{};
 };
@@ -82,8 +95,10 @@ AxisTest test_axes(const BoxPair& b) noexcept {
     within = within && test.face[k] <= margin;
     if (test.face[k] > test.face[widest]) widest = k;
   }
+  test.widest = 1 + widest;
   if (!within) {
-    test.apart = 1 + widest, test.gap = test.face[widest];
+    test.apart = test.widest;
+    test.gap = test.face[widest];
     return test;
   }
   for (int i = 0; i < 3; ++i) {
@@ -98,10 +113,15 @@ AxisTest test_axes(const BoxPair& b) noexcept {
           (std::abs(b.d_a[i2] * b.r[i1][j] - b.d_a[i1] * b.r[i2][j]) - reach) / std::sqrt(sine_squared);
       const int code = kFirstEdge + 3 * i + j;
       if (separation > margin) {
-        test.apart = code, test.gap = separation, test.sine = std::sqrt(sine_squared);
+        test.apart = code;
+        test.gap = separation;
+        test.sine = std::sqrt(sine_squared);
         return test;
       }
-      if (test.edge == 0 || separation > test.edge_separation) test.edge = code, test.edge_separation = separation;
+      if (test.edge == 0 || separation > test.edge_separation) {
+        test.edge = code;
+        test.edge_separation = separation;
+      }
     }
   }
   return test;
@@ -125,7 +145,7 @@ void bound_gap(const BoxPair& boxes, const AxisTest& test, Manifold& manifold) n
 // are about as good as the best, the one across which its box is thinnest (the lower code on a tie): if two cards meet
 // edge to edge, their broad faces make the contact, not the narrow ones.
 int choose_face(const BoxPair& boxes, const AxisTest& test, int cached) noexcept {
-  const double best = *std::max_element(test.face, test.face + 6);
+  const double best = test.face[test.widest - 1];
   const auto about_best = [&](int code) noexcept {
     const double separation = test.face[code - 1];
     return !(best > separation + axis_preference(separation));
@@ -136,7 +156,8 @@ int choose_face(const BoxPair& boxes, const AxisTest& test, int cached) noexcept
   for (int code = 1; code < kFirstEdge; ++code) {
     const double h = boxes.h[code - 1];
     if (!about_best(code) || (chosen != 0 && h >= thinnest)) continue;
-    chosen = code, thinnest = h;
+    chosen = code;
+    thinnest = h;
   }
   return chosen;
 }
@@ -184,7 +205,8 @@ ClipPolygon incident_face(const FaceFrame& f) noexcept {
   for (int c = 0; c < 3; ++c) {
     const double side_j = f.h_other[j] * f.column[j][to[c]];
     middle[c] = f.offset[to[c]] + (plus_j ? side_j : -side_j);
-    side_k[c] = f.h_other[k] * f.column[k][to[c]], side_l[c] = f.h_other[l] * f.column[l][to[c]];
+    side_k[c] = f.h_other[k] * f.column[k][to[c]];
+    side_l[c] = f.h_other[l] * f.column[l][to[c]];
   }
   const auto bit = [](bool set, int position) noexcept { return static_cast<unsigned>(set) << position; };
   ClipPolygon polygon;
@@ -206,9 +228,10 @@ ClipPolygon incident_face(const FaceFrame& f) noexcept {
   return polygon;
 }
 
-// Adds up to four of the polygon's points. They are given on the other box's surface; contact points are midway between
-// the surfaces.
+// Adds up to four of the polygon's points within the margin. They are given on the other box's surface; contact points
+// are midway between the surfaces.
 void add_face_points(const BoxPair& boxes, const FaceFrame& f, ClipPolygon& polygon, Manifold& manifold) noexcept {
+  keep_within(boxes.pair.margin, polygon);
   const std::uint32_t face =
       (f.on_a ? kFaceAType : kFaceBType) | static_cast<std::uint32_t>(f.i) << 9 | (f.sign > 0.0 ? 1u << 8 : 0u);
   mark_kept(boxes.pair, face, polygon);
@@ -258,13 +281,7 @@ void add_face_contact(const BoxPair& boxes, int code, double separation, double 
   const double floor = bound > 0.0 ? bound : 0.0, excess = lowest - floor;
   if (polygon.count == 0 || excess > axis_preference(floor))
     return add_closest_point(boxes, f.normal_to_b(), separation, bound, manifold);
-  std::uint32_t kept = 0;
-  for (std::uint32_t n = 0; n < polygon.count; ++n) {
-    ClipPoint p = polygon.points[n];
-    if (excess > 0.0) p.w -= excess;
-    if (p.w <= boxes.pair.margin) polygon.points[kept++] = p;
-  }
-  polygon.count = kept;
+  for (std::uint32_t n = 0; n < polygon.count && excess > 0.0; ++n) polygon.points[n].w -= excess;
   add_face_points(boxes, f, polygon, manifold);
 }
 
@@ -286,15 +303,30 @@ void round_edges(const BoxPair& boxes, const AxisTest& test, int face, Manifold&
     const int code = (face < kFirstFaceB ? kFirstFaceB : 1) + k;
     const Vec3d n = towards_b(boxes, face_axis(boxes, code));
     const double looks = dot(own, n), by = (test.face[code - 1] - test.face[face - 1]) / kRounding;
-    if (looks > kLooks && looks < kParallel && by > deeper) other = n, deeper = by;
+    if (looks > kLooks && looks < kParallel && by > deeper) {
+      other = n;
+      deeper = by;
+    }
   }
   if (deeper > -1.0) manifold.normal = direction_or(own + 0.5 * (1.0 + std::min(deeper, 1.0)) * (other - own), own);
 }
 
-// Adds the midpoint of the closest points of the two edges that face each other along the axis.
-void add_edge_contact(const BoxPair& boxes, int code, double separation, Manifold& manifold) noexcept {
+// Adds the points of two edges that cross nearly along a face's normal `n`: unit, from A to B. False if the edges do
+// not meet above the face.
+bool add_edges_above_face(const BoxPair& boxes, int face, const Vec3d& n, double separation,
+                          Manifold& manifold) noexcept {
+  const FaceFrame f(boxes, face);
+  ClipPolygon polygon = incident_face(f);
+  clip_to_rectangle(polygon, f.h[f.u], f.h[f.v]);
+  if (!tilt_to_edges(dot(n, f.normal_to_b()), separation, polygon)) return false;
+  add_face_points(boxes, f, polygon, manifold);
+  manifold.normal = n;
+  return true;
+}
+
+// Adds the midpoint of the closest points of the two edges that face each other along the axis `n`.
+void add_edge_contact(const BoxPair& boxes, int code, const Vec3d& n, double separation, Manifold& manifold) noexcept {
   const int i = (code - kFirstEdge) / 3, j = (code - kFirstEdge) % 3;
-  const Vec3d n = towards_b(boxes, direction_or(edge_axis(boxes, code), boxes.axis_a[0]));
   Vec3d centre_a, centre_b = boxes.pair.b_from_a;
   std::uint32_t sides = 0;
   for (int k = 0; k < 3; ++k) {
@@ -310,6 +342,22 @@ void add_edge_contact(const BoxPair& boxes, int code, double separation, Manifol
             kEdgeType | static_cast<std::uint32_t>(code) << 6 | sides);
 }
 
+// The face that the other box passes over, or 0: the boxes are apart by `gap`, the largest over all axes, and the other
+// box is flush with that face, within 2 % of the thinner half extent. A contact in front of the face would stop a box
+// that slides from one table onto the next, where it is lower by what it sinks into the first. If it does not pass, the
+// boxes overlap in the next step by what they move in one.
+int flush_face(const BoxPair& boxes, const AxisTest& test, double gap) noexcept {
+  constexpr double kFlushShare = 0.02;
+  constexpr double kAcross = 0.5;  // cosine: the face is none that looks along the axis of the gap
+  if (!(gap > kFlatTolerance)) return 0;
+  const Vec3d n = gap > test.face[test.widest - 1] ? direction_or(edge_axis(boxes, test.edge), boxes.axis_a[0])
+                                                   : face_axis(boxes, test.widest);
+  const double flush = std::min(kFlush, kFlushShare * *std::min_element(boxes.h, boxes.h + 6));
+  for (int code = 1; code < kFirstEdge; ++code)
+    if (std::abs(test.face[code - 1]) <= flush && std::abs(dot(face_axis(boxes, code), n)) < kAcross) return code;
+  return 0;
+}
+
 }  // namespace
 
 void collide_box_box(const PairView& pair, Manifold& manifold, AxisCache& cache) noexcept {
@@ -321,17 +369,24 @@ void collide_box_box(const PairView& pair, Manifold& manifold, AxisCache& cache)
     cache.axis = static_cast<std::uint8_t>(test.apart);
     return;
   }
+  const double widest = test.face[test.widest - 1];
+  const double bound = test.edge != 0 ? std::max(widest, test.edge_separation) : widest;
+  if (const int over = flush_face(boxes, test, bound)) {
+    cache.axis = static_cast<std::uint8_t>(over);
+    return;
+  }
   const int face = choose_face(boxes, test, cached);
   const double face_separation = test.face[face - 1];
-  if (test.edge != 0 &&
-      test.edge_separation > face_separation + edge_preference(face_separation, face_axis(boxes, face),
-                                                               edge_axis(boxes, test.edge), cached >= kFirstEdge)) {
-    cache.axis = static_cast<std::uint8_t>(test.edge);
-    return add_edge_contact(boxes, test.edge, test.edge_separation, manifold);
+  if (test.edge != 0) {
+    const Vec3d axis = edge_axis(boxes, test.edge);
+    const bool along_face = is_along_face(axis, face_axis(boxes, face));
+    if (test.edge_separation > face_separation + edge_preference(face_separation, along_face, cached >= kFirstEdge)) {
+      cache.axis = static_cast<std::uint8_t>(test.edge);
+      const Vec3d n = towards_b(boxes, direction_or(axis, boxes.axis_a[0]));
+      if (along_face && add_edges_above_face(boxes, face, n, test.edge_separation, manifold)) return;
+      return add_edge_contact(boxes, test.edge, n, test.edge_separation, manifold);
+    }
   }
-  double bound = face_separation;
-  for (const double separation : test.face) bound = std::max(bound, separation);
-  if (test.edge != 0) bound = std::max(bound, test.edge_separation);
   cache.axis = static_cast<std::uint8_t>(face);
   add_face_contact(boxes, face, face_separation, bound, manifold);
   round_edges(boxes, test, face, manifold);

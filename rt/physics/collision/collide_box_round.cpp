@@ -64,20 +64,30 @@ double closest_parameter(const CapsuleBox& c) noexcept {
       const double t = (side * c.h[i] - c.centre[i]) / c.half[i];
       if (!(t > low && t < high)) continue;  // also if the axis is parallel to the face
       const double slope = slope_of_distance(c, t);
-      if (slope < 0.0)
-        low = t, slope_low = slope;
-      else
-        high = t, slope_high = slope;
+      if (slope < 0.0) {
+        low = t;
+        slope_low = slope;
+      } else {
+        high = t;
+        slope_high = slope;
+      }
     }
   }
   return low + (high - low) * (-slope_low / (slope_high - slope_low));
 }
 
-// `normal`: box frame, from the box to the capsule. `on_box`: box frame.
-void add_capsule_point(const CapsuleBox& c, Manifold& manifold, const Vec3d& normal, double t, const Vec3d& on_box,
-                       double separation, std::uint32_t feature) noexcept {
-  const Vec3d mid = 0.5 * (c.at(t) - normal * c.radius + on_box);
-  add_point(c.pair, manifold, c.pair.b_from_a + rotate(c.pair.world_from_b, mid), separation, feature);
+// A point of the capsule's axis and the point of the box that it touches.
+struct AxisPoint {
+  double t;
+  Vec3d on_box;       // box frame
+  double separation;  // m, of the surfaces
+};
+
+// `normal`: box frame, from the box to the capsule.
+void add_capsule_point(const CapsuleBox& c, Manifold& manifold, const Vec3d& normal, const AxisPoint& point,
+                       std::uint32_t feature) noexcept {
+  const Vec3d mid = 0.5 * (c.at(point.t) - normal * c.radius + point.on_box);
+  add_point(c.pair, manifold, c.pair.b_from_a + rotate(c.pair.world_from_b, mid), point.separation, feature);
 }
 
 void set_normal(const CapsuleBox& c, Manifold& manifold, const Vec3d& normal) noexcept {
@@ -101,7 +111,8 @@ bool add_face_points(const CapsuleBox& c, Manifold& manifold, int i, double sign
     const double t = k == 0 ? range.low : range.high;
     Vec3d on_box = c.at(t);
     on_box[i] = sign * c.h[i];
-    add_capsule_point(c, manifold, normal, t, on_box, separation[k], one ? kClosest : k == 0 ? kLowEnd : kHighEnd);
+    const std::uint32_t feature = one ? kClosest : k == 0 ? kLowEnd : kHighEnd;
+    add_capsule_point(c, manifold, normal, {.t = t, .on_box = on_box, .separation = separation[k]}, feature);
   }
   return true;
 }
@@ -123,7 +134,8 @@ bool add_edge_points(const CapsuleBox& c, Manifold& manifold, int j, const Vec3d
   }
   set_normal(c, manifold, normal);
   for (int k = 0; k < 2; ++k)
-    add_capsule_point(c, manifold, normal, parameters[k], on_box[k], along[k] - c.radius, k == 0 ? kLowEnd : kHighEnd);
+    add_capsule_point(c, manifold, normal, {.t = parameters[k], .on_box = on_box[k], .separation = along[k] - c.radius},
+                      k == 0 ? kLowEnd : kHighEnd);
   return true;
 }
 
@@ -134,7 +146,10 @@ void collide_outside(const CapsuleBox& c, Manifold& manifold, double t, const Ve
   int inside_slabs = 0, edge = 0;
   for (int i = 0; i < 3; ++i) {
     if (std::abs(normal[i]) > kFaceCosine && add_face_points(c, manifold, i, sign_of(normal[i]), separation)) return;
-    if (gap[i] == 0.0) ++inside_slabs, edge = i;
+    if (gap[i] == 0.0) {
+      ++inside_slabs;
+      edge = i;
+    }
   }
   if (inside_slabs == 1 && add_edge_points(c, manifold, edge, normal)) {
     // Limits the gap of the nearer point to the exact distance.
@@ -146,7 +161,7 @@ void collide_outside(const CapsuleBox& c, Manifold& manifold, double t, const Ve
     return;
   }
   set_normal(c, manifold, normal);
-  add_capsule_point(c, manifold, normal, t, c.at(t) - gap, separation, kClosest);
+  add_capsule_point(c, manifold, normal, {.t = t, .on_box = c.at(t) - gap, .separation = separation}, kClosest);
 }
 
 // The axis intersects the box: the normal is the direction of least penetration among three face and three edge
@@ -156,7 +171,10 @@ void collide_inside(const CapsuleBox& c, Manifold& manifold, double t_closest) n
   double face_separation = 0.0;
   for (int i = 0; i < 3; ++i) {
     const double separation = std::abs(c.centre[i]) - std::abs(c.half[i]) - c.h[i] - c.radius;
-    if (i == 0 || separation > face_separation) face = i, face_separation = separation;
+    if (i == 0 || separation > face_separation) {
+      face = i;
+      face_separation = separation;
+    }
   }
   int edge = -1;
   double edge_separation = face_separation + axis_preference(face_separation);
@@ -168,21 +186,27 @@ void collide_inside(const CapsuleBox& c, Manifold& manifold, double t_closest) n
     Vec3d n = w * (1.0 / length);
     if (dot(n, c.centre) < 0.0) n = -n;
     const double separation = dot(n, c.centre) - dot(abs(n), c.h) - c.radius;
-    if (separation > edge_separation) edge = j, edge_separation = separation, edge_normal = n;
+    if (separation > edge_separation) {
+      edge = j;
+      edge_separation = separation;
+      edge_normal = n;
+    }
   }
   if (edge < 0) {
     const double sign = sign_of(c.centre[face]);
     if (add_face_points(c, manifold, face, sign, 0.0)) return;
     // Rounding left the range empty: uses the axis point that was found inside the box.
     set_normal(c, manifold, unit_axis(face, sign));
-    return add_capsule_point(c, manifold, unit_axis(face, sign), t_closest, c.at(t_closest), face_separation, kClosest);
+    return add_capsule_point(c, manifold, unit_axis(face, sign),
+                             {.t = t_closest, .on_box = c.at(t_closest), .separation = face_separation}, kClosest);
   }
   Vec3d edge_centre{sign_of(edge_normal.x) * c.h.x, sign_of(edge_normal.y) * c.h.y, sign_of(edge_normal.z) * c.h.z};
   edge_centre[edge] = 0.0;
   const Vec3d edge_half = unit_axis(edge, c.h[edge]);
   const auto [s, t] = closest_on_segments(c.half, edge_half, edge_centre - c.centre);
   set_normal(c, manifold, edge_normal);
-  add_capsule_point(c, manifold, edge_normal, s, edge_centre + edge_half * t, edge_separation, kClosest);
+  add_capsule_point(c, manifold, edge_normal,
+                    {.t = s, .on_box = edge_centre + edge_half * t, .separation = edge_separation}, kClosest);
 }
 
 }  // namespace
@@ -212,9 +236,11 @@ void collide_sphere_box(const PairView& pair, Manifold& manifold) noexcept {
 }
 
 void collide_capsule_box(const PairView& pair, Manifold& manifold) noexcept {
-  const CapsuleBox c{pair, rotate_inverse(pair.world_from_b, -pair.b_from_a),
-                     rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)),
-                     pair.b.half_extents, pair.a.radius};
+  const CapsuleBox c{.pair = pair,
+                     .centre = rotate_inverse(pair.world_from_b, -pair.b_from_a),
+                     .half = rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)),
+                     .h = pair.b.half_extents,
+                     .radius = pair.a.radius};
   const double t = closest_parameter(c);
   const Vec3d p = c.at(t), gap = p - clamp_to_box(p, c.h);
   const double distance = norm(gap);

@@ -63,14 +63,21 @@ HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const T
   double lowest = dot(hulls.other.normal(0), down);
   for (std::uint32_t f = 1; f < topology.faces; ++f) {
     const double cosine = dot(hulls.other.normal(f), down);
-    if (cosine < lowest) incident = f, lowest = cosine;
+    if (cosine < lowest) {
+      incident = f;
+      lowest = cosine;
+    }
   }
   HullPolygon polygon;
   for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
     const std::uint32_t vertex = topology.loop_vertices[k];
     const Vec3d p = hulls.other_vertex(vertex);
-    polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p),       dot(n, p) - hulls.ref.offsets[face],
-                                       vertex,           topology.loop_edges[k], false};
+    polygon.points[polygon.count++] = {.u = dot(along.t1, p),
+                                       .v = dot(along.t2, p),
+                                       .w = dot(n, p) - hulls.ref.offsets[face],
+                                       .id = vertex,
+                                       .line = topology.loop_edges[k],
+                                       .kept = false};
   }
   const HullTopology& sides = *hulls.ref.topology;
   const std::uint32_t start = sides.loop_start[face], end = sides.loop_start[face + 1];
@@ -88,10 +95,10 @@ HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const T
 
 // Where no part of a face is opposite the other hull: finds the nearest points by alternating projections. A few rounds
 // suffice, because the gap along any direction is a lower bound of the distance.
-void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const Placed& placed, std::uint32_t face,
-                       double separation, double bound, Manifold& manifold) noexcept {
+void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen, double bound,
+                       Manifold& manifold) noexcept {
   constexpr int kRounds = 4;
-  const Vec3d n_face = hulls.ref.normal(face);
+  const Vec3d n_face = hulls.ref.normal(chosen.face);
   Vec3d on_other = hulls.other_vertex(hulls.other.support(hulls.to_other(-n_face))), on_ref;
   for (int round = 0; round < kRounds; ++round) {
     on_ref = closest_on_hull(hulls.ref, on_other);
@@ -101,18 +108,35 @@ void add_closest_point(const PairView& pair, const RelativeHulls& hulls, const P
   const Vec3d n = direction_or(on_other - on_ref, n_face);
   const double along = hulls.separation_along(n);
   const bool apart = along > 0.0 && along >= bound;
+  const Placed placed(pair, chosen.on_a);
   manifold.normal = placed.normal_to_b(apart ? n : n_face);
   add_point(pair, manifold, placed.point(0.5 * (on_ref + on_other)),
             apart         ? along
             : bound > 0.0 ? bound
-                          : separation,
+                          : chosen.separation,
             kClosestType);
+}
+
+// Adds up to four of the polygon's points within the margin, midway between the surfaces. `along`: of the polygon.
+void add_face_points(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen,
+                     const Tangents<double>& along, HullPolygon& polygon, Manifold& manifold) noexcept {
+  keep_within(pair.margin, polygon);
+  const std::uint32_t type = (chosen.on_a ? kFaceAType : kFaceBType) | chosen.face << 20;
+  mark_kept(pair, type, polygon);
+  reduce_to_four(polygon);
+  const Placed placed(pair, chosen.on_a);
+  const Vec3d n = hulls.ref.normal(chosen.face);
+  manifold.normal = placed.normal_to_b(n);
+  for (std::uint32_t k = 0; k < polygon.count; ++k) {
+    const HullClipPoint& p = polygon.points[k];
+    const Vec3d mid = n * (hulls.ref.offsets[chosen.face] + 0.5 * p.w) + along.t1 * p.u + along.t2 * p.v;
+    add_point(pair, manifold, placed.point(mid), p.w, type | p.id);
+  }
 }
 
 // `bound`: the largest lower bound of the distance that the axes gave; negative if the hulls overlap.
 void add_face_contact(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen, double bound,
                       Manifold& manifold) noexcept {
-  const Placed placed(pair, chosen.on_a);
   const Vec3d n = hulls.ref.normal(chosen.face);
   const Tangents<double> along = tangents_of(n);
   HullPolygon polygon = clipped_face(hulls, chosen.face, along);
@@ -123,23 +147,22 @@ void add_face_contact(const PairView& pair, const RelativeHulls& hulls, const Ch
   // small difference is subtracted from them; with a large one they are not the closest points.
   const double floor = bound > 0.0 ? bound : 0.0, excess = lowest - floor;
   if (polygon.count == 0 || excess > axis_preference(floor))
-    return add_closest_point(pair, hulls, placed, chosen.face, chosen.separation, bound, manifold);
-  std::uint32_t kept = 0;
-  for (std::uint32_t k = 0; k < polygon.count; ++k) {
-    HullClipPoint p = polygon.points[k];
-    if (excess > 0.0) p.w -= excess;
-    if (p.w <= pair.margin) polygon.points[kept++] = p;
-  }
-  polygon.count = kept;
-  const std::uint32_t type = (chosen.on_a ? kFaceAType : kFaceBType) | chosen.face << 20;
-  mark_kept(pair, type, polygon);
-  reduce_to_four(polygon);
-  manifold.normal = placed.normal_to_b(n);
-  for (std::uint32_t k = 0; k < polygon.count; ++k) {
-    const HullClipPoint& p = polygon.points[k];
-    const Vec3d mid = n * (hulls.ref.offsets[chosen.face] + 0.5 * p.w) + along.t1 * p.u + along.t2 * p.v;
-    add_point(pair, manifold, placed.point(mid), p.w, type | p.id);
-  }
+    return add_closest_point(pair, hulls, chosen, bound, manifold);
+  for (std::uint32_t k = 0; k < polygon.count && excess > 0.0; ++k) polygon.points[k].w -= excess;
+  add_face_points(pair, hulls, chosen, along, polygon, manifold);
+}
+
+// Adds the points of two edges that cross nearly along the chosen face's normal; `n`: the edges' axis, unit, from A to
+// B, in the frame of the reference hull. False if the edges do not meet above the face.
+bool add_edges_above_face(const PairView& pair, const RelativeHulls& hulls, const ChosenFace& chosen, const Vec3d& n,
+                          double separation, Manifold& manifold) noexcept {
+  const Vec3d n_face = hulls.ref.normal(chosen.face);
+  const Tangents<double> along = tangents_of(n_face);
+  HullPolygon polygon = clipped_face(hulls, chosen.face, along);
+  if (!tilt_to_edges(std::abs(dot(n, n_face)), separation, polygon)) return false;
+  add_face_points(pair, hulls, chosen, along, polygon, manifold);
+  manifold.normal = rotate(chosen.on_a ? pair.world_from_a : pair.world_from_b, n);
+  return true;
 }
 
 void add_edge_contact(const PairView& pair, const RelativeHulls& ab, const EdgeAxis& axis,
@@ -169,12 +192,12 @@ ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const F
   };
   if (cached.axis == kHullFaceA && cached.a < ab.ref.topology->faces)
     if (const double separation = ab.face_separation(cached.a); about_best(separation))
-      return {true, cached.a, separation};
+      return {.on_a = true, .face = cached.a, .separation = separation};
   if (cached.axis == kHullFaceB && cached.b < ba.ref.topology->faces)
     if (const double separation = ba.face_separation(cached.b); about_best(separation))
-      return {false, cached.b, separation};
-  if (about_best(best_a.separation)) return {true, best_a.face, best_a.separation};
-  return {false, best_b.face, best_b.separation};
+      return {.on_a = false, .face = cached.b, .separation = separation};
+  if (about_best(best_a.separation)) return {.on_a = true, .face = best_a.face, .separation = best_a.separation};
+  return {.on_a = false, .face = best_b.face, .separation = best_b.separation};
 }
 
 }  // namespace
@@ -197,9 +220,12 @@ void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, M
   if (edges.separation > margin) return report_gap(pair, edges.separation, manifold);
   const ChosenFace face = choose_face(ab, ba, best_a, best_b, cached);
   const Vec3d face_normal = face.on_a ? ab.ref.normal(face.face) : ab.to_ref(ba.ref.normal(face.face));
-  if (edges.found && edges.separation > face.separation + edge_preference(face.separation, face_normal, edges.normal,
-                                                                          cached.axis == kHullEdges)) {
+  const bool along_face = edges.found && is_along_face(edges.normal, face_normal);
+  if (edges.found &&
+      edges.separation > face.separation + edge_preference(face.separation, along_face, cached.axis == kHullEdges)) {
     cache = cache_of(kHullEdges, edges.edge, edges.other_edge);
+    const Vec3d n = face.on_a ? edges.normal : ba.to_ref(edges.normal);
+    if (along_face && add_edges_above_face(pair, face.on_a ? ab : ba, face, n, edges.separation, manifold)) return;
     return add_edge_contact(pair, ab, edges, manifold);
   }
   cache = face.on_a ? cache_of(kHullFaceA, face.face, 0) : cache_of(kHullFaceB, 0, face.face);
@@ -220,7 +246,10 @@ void collide_plane_hull(const PairView& pair, const HullView& hull, Manifold& ma
     const double cosine = dot(up_in_hull, hull.normal(f));
     if (!(cosine < least)) continue;
     const auto loop = hull.topology->loop(f);
-    if (std::find(loop.begin(), loop.end(), lowest) != loop.end()) face = f, least = cosine;
+    if (std::find(loop.begin(), loop.end(), lowest) != loop.end()) {
+      face = f;
+      least = cosine;
+    }
   }
   if (face == kMaxHullFaces) return;
   const Tangents<double> along = tangents_of(hull.normal(face));
@@ -228,7 +257,8 @@ void collide_plane_hull(const PairView& pair, const HullView& hull, Manifold& ma
   for (const std::uint8_t i : hull.topology->loop(face)) {
     const Vec3d p = hull.vertex(i);
     if (const double w = height(i); w <= pair.margin)
-      polygon.points[polygon.count++] = {dot(along.t1, p), dot(along.t2, p), w, i, 0, false};
+      polygon.points[polygon.count++] = {
+          .u = dot(along.t1, p), .v = dot(along.t2, p), .w = w, .id = i, .line = 0, .kept = false};
   }
   mark_kept(pair, 0, polygon);
   reduce_to_four(polygon);

@@ -45,7 +45,10 @@ struct Nearest {
   void offer(double t_offered, const Vec3d& on_axis, const Vec3d& point, std::uint32_t on_edge, double than) noexcept {
     const double offered = norm_squared(on_axis - point);
     if (squared >= 0.0 && !(offered < squared && offered < than)) return;
-    t = t_offered, on_hull = point, squared = offered, edge = on_edge;
+    t = t_offered;
+    on_hull = point;
+    squared = offered;
+    edge = on_edge;
   }
 };
 
@@ -136,7 +139,10 @@ void collide_inside(const CapsuleHull& c, Manifold& manifold, const LineRange& i
   double face_separation = 0.0;
   for (std::uint32_t f = 0; f < topology.faces; ++f) {
     const double separation = std::min(c.height(f, -1.0), c.height(f, 1.0)) - c.radius;
-    if (f == 0 || separation > face_separation) face = f, face_separation = separation;
+    if (f == 0 || separation > face_separation) {
+      face = f;
+      face_separation = separation;
+    }
   }
   std::uint32_t edge = kMaxHullEdges;
   double edge_separation = face_separation + axis_preference(face_separation);
@@ -152,7 +158,11 @@ void collide_inside(const CapsuleHull& c, Manifold& manifold, const LineRange& i
     if (!(length > 5e-3 * norm(c.half) * norm(along) && length > kNoDirection * norm(along))) continue;
     const Vec3d n = w * ((dot(w, from) < 0.0 ? -1.0 : 1.0) / length);
     const double separation = dot(n, c.centre - from) - c.radius;
-    if (separation > edge_separation) edge = e, edge_separation = separation, edge_normal = n;
+    if (separation > edge_separation) {
+      edge = e;
+      edge_separation = separation;
+      edge_normal = n;
+    }
   }
   if (edge == kMaxHullEdges) {
     if (add_face_points(c, manifold, face, face_separation)) return;
@@ -181,7 +191,10 @@ void collide_sphere_hull(const PairView& pair, const HullView& hull, Manifold& m
   if (distance > kNoDirection)
     normal = (centre - on_hull) * (1.0 / distance);
   else  // the centre is inside: out through the nearest face
-    distance = highest.height, on_hull = centre - normal * distance;
+  {
+    distance = highest.height;
+    on_hull = centre - normal * distance;
+  }
   manifold.normal = -rotate(pair.world_from_b, normal);
   const Vec3d mid = 0.5 * (centre - normal * radius + on_hull);
   add_point(pair, manifold, pair.b_from_a + rotate(pair.world_from_b, mid), distance - radius, 0);

@@ -2,27 +2,26 @@
 
 namespace tactus::physics {
 
-Manifold collide_patch(const Shape& a, const Posed& world_from_a, const Posed& world_from_mesh, const Mesh& mesh,
-                       std::span<const std::uint32_t> triangles, double margin, std::type_identity_t<Hulls> hulls,
-                       const LastFeatures& last) noexcept {
+Manifold collide_patch(PosedShape a, const PosedPatch& patch, const ManifoldQuery& query, Hulls hulls) noexcept {
   Manifold manifold;
   const Shape none;  // placeholder: the kernels read the mesh, not its shape
-  const PairView pair{
-      a,      none, world_from_a.rotation, world_from_mesh.rotation, world_from_mesh.position - world_from_a.position,
-      margin, last};
-  const PatchView patch{pair, mesh, triangles, rotate_inverse(world_from_mesh.rotation, -pair.b_from_a)};
-  switch (a.kind) {
+  const PairView pair = pair_view(a, {.shape = none, .pose = patch.world_from_mesh}, query);
+  const PatchView view{.pair = pair,
+                       .mesh = patch.mesh,
+                       .triangles = patch.triangles,
+                       .centre = rotate_inverse(pair.world_from_b, -pair.b_from_a)};
+  switch (a.shape.kind) {
     case ShapeKind::kSphere:
-      collide_sphere_patch(patch, manifold);
+      collide_sphere_patch(view, manifold);
       break;
     case ShapeKind::kCapsule:
-      collide_capsule_patch(patch, manifold);
+      collide_capsule_patch(view, manifold);
       break;
     case ShapeKind::kBox:
-      collide_hull_patch(patch, BoxHull(a.half_extents).view(), manifold);
+      collide_hull_patch(view, BoxHull(a.shape.half_extents).view(), manifold);
       break;
     case ShapeKind::kHull:
-      if (a.index < hulls.size()) collide_hull_patch(patch, view_of(hulls[a.index]), manifold);
+      if (a.shape.index < hulls.size()) collide_hull_patch(view, view_of(hulls[a.shape.index]), manifold);
       break;
     case ShapeKind::kPlane:
     case ShapeKind::kMesh:

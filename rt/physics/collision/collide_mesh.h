@@ -16,11 +16,15 @@
 
 namespace tactus::physics {
 
-// `triangles`: triangles of one patch that are near A. Count 0 if nothing is within the margin, or if the centre of A
-// is behind the triangles.
-Manifold collide_patch(const Shape& a, const Posed& world_from_a, const Posed& world_from_mesh, const Mesh& mesh,
-                       std::span<const std::uint32_t> triangles, double margin, std::type_identity_t<Hulls> hulls,
-                       const LastFeatures& last = {}) noexcept;
+// The triangles of one patch that are near a body.
+struct PosedPatch {
+  const Mesh& mesh;
+  const Posed& world_from_mesh;
+  std::span<const std::uint32_t> triangles;
+};
+
+// Count 0 if nothing is within the margin, or if the centre of A is behind the triangles. `hulls`: see collide().
+Manifold collide_patch(PosedShape a, const PosedPatch& patch, const ManifoldQuery& query, Hulls hulls = {}) noexcept;
 
 // --- inside narrow phase
 

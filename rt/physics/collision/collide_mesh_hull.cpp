@@ -3,6 +3,7 @@
 // The contact with the patch's face is the hull's lowest face, clipped to each triangle. At a triangle on the patch's
 // rim, the separating axes of triangle and hull first decide what makes the contact: the face, the rim (then the
 // triangle is clipped to the hull's face, or two edges cross), or a neighbour.
+#include <bit>
 #include <limits>
 
 #include "rt/physics/collision/collide_mesh.h"
@@ -39,11 +40,15 @@ struct TriangleHull {
     middle = (mesh.place(t, 0) + mesh.place(t, 1) + mesh.place(t, 2)) * (1.0 / 3.0);
     for (int i = 0; i < kPadded; ++i) {
       const Vec3d p = mesh.place(t, i < 3 ? i : 0) - middle;
-      x[i] = p.x, y[i] = p.y, z[i] = p.z;
+      x[i] = p.x;
+      y[i] = p.y;
+      z[i] = p.z;
     }
     for (int f = 0; f < kPadded; ++f) {
       const Vec3d n = f == 1 ? -mesh.normals[triangle] : mesh.normals[triangle];
-      nx[f] = n.x, ny[f] = n.y, nz[f] = n.z;
+      nx[f] = n.x;
+      ny[f] = n.y;
+      nz[f] = n.z;
       offsets[f] = larger(larger(dot(n, corner(0)), dot(n, corner(1))), dot(n, corner(2)));
     }
     for (double& reach : edge_reach) reach = std::numeric_limits<double>::infinity();
@@ -91,7 +96,9 @@ class HullOnPatch {
         plane_(patch.mesh.patches[patch.mesh.triangles[patch.triangles[0]].patch]),
         along_(tangents_of(plane_.normal)) {
     const Axes axes = axes_of(conjugate(patch.pair.world_from_b) * patch.pair.world_from_a);
-    column_[0] = axes.x, column_[1] = axes.y, column_[2] = axes.z;
+    column_[0] = axes.x;
+    column_[1] = axes.y;
+    column_[2] = axes.z;
   }
 
   // Returns false if no triangle of the patch can be touched.
@@ -156,7 +163,10 @@ class HullOnPatch {
     std::uint32_t incident = 0;
     double most = dot(hull_.normal(0), down);
     for (std::uint32_t f = 1; f < topology.faces; ++f)
-      if (const double cosine = dot(hull_.normal(f), down); cosine > most) incident = f, most = cosine;
+      if (const double cosine = dot(hull_.normal(f), down); cosine > most) {
+        incident = f;
+        most = cosine;
+      }
     incident_cosine_ = most;
     for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
       const std::uint32_t vertex = topology.loop_vertices[k];
@@ -236,10 +246,15 @@ class HullOnPatch {
       if (ruling == Ruling::kAllowed) note_edges(triangle, ab, shape, edges);
       return ruling;
     }
-    if (!(hull_face.separation > preferred(by_face))) return Ruling::kFace;
-    const Ruling ruling = rule_support(triangle, shape, -to_mesh(hull_.normal(hull_face.face)));
-    if (ruling == Ruling::kAllowed) note_hull_face(triangle, ba, hull_face.face);
-    return ruling;
+    const bool by_hull = hull_face.separation > preferred(by_face), flush = hull_face.separation > -kFlush;
+    if (!by_hull && !flush) return Ruling::kFace;
+    const HullPolygon below = clip_below(ba, hull_face.face);
+    const Vec3d up = -to_mesh(hull_.normal(hull_face.face));
+    Ruling ruling = rule_lowest(triangle, shape, below, up);
+    if (flush && ruling != Ruling::kAllowed) ruling = rule_support(triangle, shape, up);  // what it will pass over
+    if (ruling == Ruling::kAllowed) note_hull_face(triangle, below, hull_face.face);
+    if (by_hull) return ruling;
+    return ruling == Ruling::kFace ? Ruling::kFace : Ruling::kAllowed;  // a neighbour's rim: no point for this face
   }
 
   // Rules on the part of the triangle that is highest along u: a corner, an edge or the whole triangle.
@@ -257,8 +272,8 @@ class HullOnPatch {
     return rule_corner_axis(patch_.mesh, triangle, patch_.mesh.triangles[triangle].corner[top], u);
   }
 
-  // Notes the part of the triangle below the hull's face; the points of triangles under the same face are collected.
-  void note_hull_face(std::uint32_t triangle, const RelativeHulls& ba, std::uint32_t face) noexcept {
+  // The part of the triangle below the hull's face, in the hull's frame; w: the gap between them.
+  HullPolygon clip_below(const RelativeHulls& ba, std::uint32_t face) const noexcept {
     const HullTopology& sides = *hull_.topology;
     const Vec3d n = hull_.normal(face);
     const Tangents<double> along = tangents_of(n);
@@ -277,11 +292,45 @@ class HullOnPatch {
       const double nu = dv * inverse, nv = -du * inverse;
       clip_to_side(polygon, nu, nv, nu * dot(along.t1, from) + nv * dot(along.t2, from), sides.loop_edges[k]);
     }
+    return polygon;
+  }
+
+  // Rules on what carries the hull's face: the lowest points of `below` are a corner, on an edge, or in the triangle.
+  // The triangle's own highest corner may be far from the hull.
+  Ruling rule_lowest(std::uint32_t triangle, const TriangleHull& shape, const HullPolygon& below,
+                     const Vec3d& u) const noexcept {
+    if (below.count == 0) return rule_support(triangle, shape, u);
+    const double level = lowest_of(below) + kFlatTolerance;
+    std::uint32_t common = 7, corner = 0;  // common: bit k if all of the lowest are on edge k
+    for (std::uint32_t i = 0; i < below.count; ++i) {
+      if (!(below.points[i].w <= level)) continue;
+      const std::uint32_t id = below.points[i].id;
+      if (id < kFirstHullCrossing) {
+        corner = id;
+        common &= 1u << id | 1u << (id + 2) % 3;
+      } else {
+        const Crossing crossing(id);
+        common &= crossing.of_two_sides() ? 0u : 1u << crossing.line;
+      }
+    }
+    if (common == 0) return Ruling::kFace;
+    if ((common & (common - 1)) != 0)  // on two edges: a corner
+      return rule_corner_axis(patch_.mesh, triangle, patch_.mesh.triangles[triangle].corner[corner], u);
+    return rule_edge_axis(patch_.mesh, triangle, static_cast<std::uint32_t>(std::countr_zero(common)), u);
+  }
+
+  // Notes the part of the triangle below the hull's face; the points of triangles under the same face are collected.
+  void note_hull_face(std::uint32_t triangle, const HullPolygon& polygon, std::uint32_t face) noexcept {
     const double lowest = lowest_of(polygon);
     if (!(lowest <= patch_.pair.margin)) return;
     const bool same = rim_kind_ == Rim::kHullFace && rim_face_ == face;
     if (!same && rim_kind_ != Rim::kNone && !(lowest < rim_lowest_)) return;
-    if (!same) rim_kind_ = Rim::kHullFace, rim_face_ = face, rim_points_.count = 0, rim_lowest_ = lowest;
+    if (!same) {
+      rim_kind_ = Rim::kHullFace;
+      rim_face_ = face;
+      rim_points_.count = 0;
+      rim_lowest_ = lowest;
+    }
     rim_lowest_ = smaller(rim_lowest_, lowest);
     for (std::uint32_t i = 0; i < polygon.count; ++i) {
       HullClipPoint p = polygon.points[i];
@@ -310,7 +359,9 @@ class HullOnPatch {
     const Vec3d half_a = 0.5 * (a1 - a0), half_b = 0.5 * (b1 - b0);
     const Vec3d middle_a = 0.5 * (a0 + a1), middle_b = 0.5 * (b0 + b1);
     const auto [s, t] = closest_on_segments(half_a, half_b, middle_b - middle_a);
-    rim_kind_ = Rim::kEdges, rim_lowest_ = axis.separation, rim_normal_ = axis.normal;
+    rim_kind_ = Rim::kEdges;
+    rim_lowest_ = axis.separation;
+    rim_normal_ = axis.normal;
     rim_point_ = shape.middle + 0.5 * (middle_a + half_a * s + middle_b + half_b * t);
     rim_feature_ = kEdgePairFeature | axis.other_edge << 18 | (3 * triangle + axis.edge);
   }

@@ -36,7 +36,8 @@ NearestOnTriangle nearest_on_triangle(const Mesh& mesh, std::uint32_t triangle, 
     const Vec3d point = from + along * clamped;
     const double squared = norm_squared(c - point);
     if (!(squared < least)) continue;
-    least = squared, nearest = point;
+    least = squared;
+    nearest = point;
     at_corner = clamped != share;
     feature = at_corner && clamped > 0.0 ? (k == 2 ? 0 : k + 1) : k;
   }
@@ -122,12 +123,17 @@ class CapsuleOnPatch {
     const double low = height(stretch.range.low), high = height(stretch.range.high);
     // One-sided: requires that the capsule's centre, or the whole range, is in front.
     if (!(height(0.0) > 0.0 || (low > 0.0 && high > 0.0))) return;
-    if (!any_face_ || smaller(low, high) < least_height_) face_ = triangle, least_height_ = smaller(low, high);
+    if (!any_face_ || smaller(low, high) < least_height_) {
+      face_ = triangle;
+      least_height_ = smaller(low, high);
+    }
     const auto feature = [&](std::uint32_t edge, std::uint32_t own) noexcept {
       return edge == Stretch::kOwnEnd ? kBodyFeature | own : kCrossingFeature | (3 * triangle + edge);
     };
-    if (!any_face_ || stretch.range.low < low_.t) low_ = {stretch.range.low, low, feature(stretch.low_edge, 1)};
-    if (!any_face_ || stretch.range.high > high_.t) high_ = {stretch.range.high, high, feature(stretch.high_edge, 2)};
+    if (!any_face_ || stretch.range.low < low_.t)
+      low_ = {.t = stretch.range.low, .height = low, .feature = feature(stretch.low_edge, 1)};
+    if (!any_face_ || stretch.range.high > high_.t)
+      high_ = {.t = stretch.range.high, .height = high, .feature = feature(stretch.high_edge, 2)};
     any_face_ = true;
   }
 
@@ -146,7 +152,9 @@ class CapsuleOnPatch {
                                       : rule_edge(mesh, triangle, k, d);
     // At the rim of a face, the face's own range is equally near.
     if (ruling != Ruling::kAllowed) return;
-    edge_distance_ = distance, edge_direction_ = d, edge_point_ = point;
+    edge_distance_ = distance;
+    edge_direction_ = d;
+    edge_point_ = point;
   }
 
   const PatchView& patch_;
@@ -168,7 +176,10 @@ void collide_sphere_patch(const PatchView& patch, Manifold& manifold) noexcept {
   for (const std::uint32_t triangle : patch.triangles) {
     const NearestOnTriangle found = nearest_on_triangle(patch.mesh, triangle, patch.centre);
     if (found.ruling == Ruling::kDropped) continue;
-    if (nearest.ruling == Ruling::kDropped || found.distance < nearest.distance) nearest = found, at = triangle;
+    if (nearest.ruling == Ruling::kDropped || found.distance < nearest.distance) {
+      nearest = found;
+      at = triangle;
+    }
   }
   const double separation = nearest.distance - patch.pair.a.radius;
   if (nearest.ruling == Ruling::kDropped || !(separation <= patch.pair.margin)) return;

@@ -31,7 +31,8 @@ SideBySide side_by_side(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& o
     SideBySide swapped = side_by_side(half_b, half_a, -offset);
     for (int i = 0; i < 2; ++i) {
       const Vec3d on_b = swapped.on_a[i] + offset;
-      swapped.on_a[i] = swapped.on_b[i] + offset, swapped.on_b[i] = on_b;
+      swapped.on_a[i] = swapped.on_b[i] + offset;
+      swapped.on_b[i] = on_b;
     }
     return swapped;
   }
@@ -44,7 +45,8 @@ SideBySide side_by_side(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& o
   SideBySide result{true, {}, {}};
   for (int i = 0; i < 2; ++i) {
     const double s = i == 0 ? low : high, t = std::clamp((s - centre) / reach, -1.0, 1.0);
-    result.on_a[i] = half_a * s, result.on_b[i] = offset + half_b * t;
+    result.on_a[i] = half_a * s;
+    result.on_b[i] = offset + half_b * t;
   }
   return result;
 }
@@ -55,7 +57,7 @@ void collide_sphere_sphere(const PairView& pair, Manifold& manifold) noexcept {
   const double separation = norm(pair.b_from_a) - pair.a.radius - pair.b.radius;
   if (!(separation <= pair.margin)) return;
   manifold.normal = direction_or(pair.b_from_a, Vec3d{0.0, 0.0, 1.0});
-  add_round_point(pair, manifold, {}, pair.a.radius, pair.b_from_a, pair.b.radius, separation, 0);
+  add_round_point(pair, manifold, {{}, pair.a.radius}, {pair.b_from_a, pair.b.radius}, separation, 0);
 }
 
 void collide_sphere_capsule(const PairView& pair, Manifold& manifold) noexcept {
@@ -65,7 +67,7 @@ void collide_sphere_capsule(const PairView& pair, Manifold& manifold) noexcept {
   const double separation = norm(on_b) - pair.a.radius - pair.b.radius;
   if (!(separation <= pair.margin)) return;
   manifold.normal = direction_or(on_b, across(half, half, pair.b_from_a));
-  add_round_point(pair, manifold, {}, pair.a.radius, on_b, pair.b.radius, separation, 0);
+  add_round_point(pair, manifold, {{}, pair.a.radius}, {on_b, pair.b.radius}, separation, 0);
 }
 
 // Two points if the axes are side by side and flat enough for one normal to fit both ends of the range; the gap between
@@ -88,14 +90,14 @@ void collide_capsule_capsule(const PairView& pair, Manifold& manifold) noexcept 
     flat = norm(between) - along[i] <= kFlatTolerance;
   }
   if (!flat) {
-    add_round_point(pair, manifold, on_a, pair.a.radius, on_b, pair.b.radius, separation, kClosest);
+    add_round_point(pair, manifold, {on_a, pair.a.radius}, {on_b, pair.b.radius}, separation, kClosest);
     return;
   }
   // The nearer end gets the exact distance, so that no gap is larger than the true one.
   const int nearer = along[1] < along[0] ? 1 : 0;
   along[nearer] = std::min(along[nearer], separation + radii);
   for (int i = 0; i < 2; ++i)
-    add_round_point(pair, manifold, ends.on_a[i], pair.a.radius, ends.on_b[i], pair.b.radius, along[i] - radii,
+    add_round_point(pair, manifold, {ends.on_a[i], pair.a.radius}, {ends.on_b[i], pair.b.radius}, along[i] - radii,
                     i == 0 ? kLowEnd : kHighEnd);
 }
 

@@ -15,7 +15,9 @@ double Vec3d::*longest_side(const Aabb& box) noexcept {
 }  // namespace
 
 void FixedTree::build(std::span<const Aabb> bounds) noexcept {
-  order_.clear(), unbounded_.clear(), nodes_.clear();
+  order_.clear();
+  unbounded_.clear();
+  nodes_.clear();
   for (std::uint32_t slot = 0; slot < bounds.size(); ++slot) {
     const bool bounded = is_finite(bounds[slot].lower) && is_finite(bounds[slot].upper);
     TACTUS_CHECK((bounded ? order_ : unbounded_).try_push(slot), slot, order_.capacity());

@@ -54,7 +54,8 @@ Vec3d closest_on_hull(const HullView& hull, const Vec3d& point) noexcept {
     const Vec3d on_edge = from + along * t;
     const double distance = norm_squared(point - on_edge);
     if (least >= 0.0 && !(distance < least)) continue;
-    least = distance, best = on_edge;
+    least = distance;
+    best = on_edge;
   }
   return best;
 }

@@ -10,9 +10,18 @@ struct Simplex {
   int count{0};
   Vec3d p[4];
 
-  void keep(const Vec3d& a) noexcept { p[0] = a, count = 1; }
-  void keep(const Vec3d& a, const Vec3d& b) noexcept { p[0] = a, p[1] = b, count = 2; }
-  void keep(const Vec3d& a, const Vec3d& b, const Vec3d& c) noexcept { p[0] = a, p[1] = b, p[2] = c, count = 3; }
+  // Reduce the simplex to one corner, to one edge; return the corner, the point a + t (b - a).
+  Vec3d keep(const Vec3d& a) noexcept {
+    p[0] = a;
+    count = 1;
+    return a;
+  }
+  Vec3d keep(const Vec3d& a, const Vec3d& b, double t) noexcept {
+    p[0] = a;
+    p[1] = b;
+    count = 2;
+    return a + (b - a) * t;
+  }
 };
 
 // Each function returns the point of the simplex nearest to the origin, and reduces the simplex to the points that span
@@ -20,23 +29,23 @@ struct Simplex {
 Vec3d nearest_of_segment(Simplex& simplex) noexcept {
   const Vec3d a = simplex.p[0], b = simplex.p[1], ab = b - a;
   const double along = -dot(a, ab), length_squared = norm_squared(ab);
-  if (along <= 0.0) return simplex.keep(a), a;
-  if (along >= length_squared) return simplex.keep(b), b;
+  if (along <= 0.0) return simplex.keep(a);
+  if (along >= length_squared) return simplex.keep(b);
   return a + ab * (along / length_squared);
 }
 
 Vec3d nearest_of_triangle(Simplex& simplex) noexcept {
   const Vec3d a = simplex.p[0], b = simplex.p[1], c = simplex.p[2], ab = b - a, ac = c - a;
   const double d1 = -dot(ab, a), d2 = -dot(ac, a);
-  if (d1 <= 0.0 && d2 <= 0.0) return simplex.keep(a), a;
+  if (d1 <= 0.0 && d2 <= 0.0) return simplex.keep(a);
   const double d3 = -dot(ab, b), d4 = -dot(ac, b);
-  if (d3 >= 0.0 && d4 <= d3) return simplex.keep(b), b;
+  if (d3 >= 0.0 && d4 <= d3) return simplex.keep(b);
   const double d5 = -dot(ab, c), d6 = -dot(ac, c);
-  if (d6 >= 0.0 && d5 <= d6) return simplex.keep(c), c;
+  if (d6 >= 0.0 && d5 <= d6) return simplex.keep(c);
   const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return simplex.keep(a, b), a + ab * (d1 / (d1 - d3));
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return simplex.keep(a, c), a + ac * (d2 / (d2 - d6));
-  if (va <= 0.0 && d4 >= d3 && d5 >= d6) return simplex.keep(b, c), b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return simplex.keep(a, b, d1 / (d1 - d3));
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return simplex.keep(a, c, d2 / (d2 - d6));
+  if (va <= 0.0 && d4 >= d3 && d5 >= d6) return simplex.keep(b, c, (d4 - d3) / ((d4 - d3) + (d5 - d6)));
   const double whole = 1.0 / (va + vb + vc);
   return a + ab * (vb * whole) + ac * (vc * whole);
 }
@@ -56,7 +65,9 @@ Vec3d nearest_of_tetrahedron(Simplex& simplex) noexcept {
     const Vec3d nearest = nearest_of_triangle(face);
     const double squared = norm_squared(nearest);
     if (least >= 0.0 && !(squared < least)) continue;
-    best = nearest, least = squared, simplex = face;
+    best = nearest;
+    least = squared;
+    simplex = face;
   }
   return best;
 }

@@ -70,12 +70,16 @@ void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t fir
     for (std::uint32_t f = 1; f < faces; ++f)
       if (search.centre.of[f] > search.centre.of[start]) start = f;
   }
-  search.face = start, search.separation = hulls.face_separation(start);
+  search.face = start;
+  search.separation = hulls.face_separation(start);
   for (std::uint32_t f = 0; f < faces; ++f) {
     if (!(search.separation <= margin)) return;  // also if a pose is not finite
     if (f == start || search.centre.of[f] - inner_radius < search.separation) continue;
     const double separation = hulls.face_separation(f);
-    if (separation > search.separation) search.face = f, search.separation = separation;
+    if (separation > search.separation) {
+      search.face = f;
+      search.separation = separation;
+    }
   }
 }
 

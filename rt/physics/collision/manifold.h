@@ -63,14 +63,20 @@ struct LastFeatures {
   }
 };
 
-// Returns the points whose separation is at most `margin` [m]; count 0 if there is none, or if a pose is not finite.
+// Which points of a pair are wanted.
+struct ManifoldQuery {
+  double margin;        // m: points up to this separation
+  LastFeatures last{};  // of the last step
+};
+
+// Returns the points whose separation is at most the margin; count 0 if there is none, or if a pose is not finite.
 // Within the margin a contact is always found, and the least separation is never larger than the distance; between
-// boxes and hulls it may be smaller if they are separated corner to corner.
+// boxes and hulls it may be smaller if they are separated corner to corner. Exception: boxes that are apart, where one
+// ends within 0.1 mm of the other's face and may pass over it (collide_box.cpp).
 // `hulls`: the list to which hull shapes refer; a hull with an index beyond it touches nothing.
 // A plane may be A or B. Two planes never touch; meshes are handled patch by patch in collide_mesh.h. Ties go to the
 // lower feature id. The same input gives the same bits; swapping A and B gives the mirrored manifold only
 // approximately, so callers pass the body with the lower id as A.
-Manifold collide(const Shape& a, const Posed& world_from_a, const Shape& b, const Posed& world_from_b, double margin,
-                 AxisCache& cache, std::type_identity_t<Hulls> hulls = {}, const LastFeatures& last = {}) noexcept;
+Manifold collide(PosedShape a, PosedShape b, const ManifoldQuery& query, AxisCache& cache, Hulls hulls = {}) noexcept;
 
 }  // namespace tactus::physics

@@ -7,6 +7,7 @@
 
 #include "rt/base/wide.h"
 #include "rt/physics/body_frame.h"
+#include "rt/physics/collision/manifold.h"
 #include "rt/physics/collision/motion_bound.h"
 #include "rt/physics/shapes/hull_view.h"
 #include "rt/physics/shapes/mesh.h"
@@ -25,13 +26,14 @@ inline double patch_margin(double closing, const StepSettings& settings) noexcep
 
 class MeshReach {
  public:
-  MeshReach(const Mesh& mesh, const Body& body, const Posed& mesh_from_body, const MotionBound& bound,
-            const Quatd& world_from_mesh, const StepSettings& settings, Hulls hulls) noexcept
+  // `body`: its shape and its pose in the mesh's frame. `bound`: of its motion, in the world.
+  MeshReach(const Mesh& mesh, PosedShape body, const MotionBound& bound, const Quatd& world_from_mesh,
+            const StepSettings& settings, Hulls hulls) noexcept
       : mesh_(mesh),
         shape_(body.shape),
         settings_(settings),
-        axes_(axes_of(mesh_from_body.rotation)),
-        centre_(mesh_from_body.position),
+        axes_(axes_of(body.pose.rotation)),
+        centre_(body.pose.position),
         bound_(bound),
         hull_(body.shape.kind == ShapeKind::kHull ? &hulls[body.shape.index] : nullptr),
         margin_(patch_margin(closing_of(bound, {}, settings), settings)) {

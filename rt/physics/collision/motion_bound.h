@@ -54,17 +54,17 @@ inline double closing_along(const Vec3d& n, const MotionBound& a, const MotionBo
 }
 
 // Distance to a fixed body up to which narrow phase is needed [m].
-inline double margin_to_fixed(const MotionBound& reach, const StepSettings& settings) noexcept {
-  const double closing = std::min(reach.moved + reach.fallen, settings.max_margin);
+inline double margin_to_fixed(const MotionBound& bound, const StepSettings& settings) noexcept {
+  const double closing = std::min(bound.moved + bound.fallen, settings.max_margin);
   return std::max(settings.min_margin, closing + carry_over_margin(settings));
 }
 
 // Growth of a body's bounds [m]: the growths of two bodies sum to at least the margin of their pair. Two bodies fall
 // together, or one of them is supported, so each takes half of the fall, and half of carry_over_margin. `fall`:
 // fall_in_step.
-inline double growth_of(const MotionBound& reach, double fall, const StepSettings& settings) noexcept {
-  const double heavier = std::max(reach.fallen - fall, 0.0);
-  const double closing = std::min(reach.moved + 0.5 * fall + heavier, settings.max_margin);
+inline double growth_of(const MotionBound& bound, double fall, const StepSettings& settings) noexcept {
+  const double heavier = std::max(bound.fallen - fall, 0.0);
+  const double closing = std::min(bound.moved + 0.5 * fall + heavier, settings.max_margin);
   return 0.5 * carry_over_margin(settings) + std::max(0.5 * settings.min_margin, closing);
 }
 
@@ -81,9 +81,9 @@ constexpr Posed unknown_pose() noexcept {
 
 // Fills `shift`, `turned` and `slack`. The motion bound is subtracted from distances of up to `far` [m], over many
 // steps; `slack` covers the rounding error of those subtractions.
-inline void measure_motion(const Posed& before, const Posed& now, double far, MotionBound& reach) noexcept {
+inline void measure_motion(const Posed& before, const Posed& now, double far, MotionBound& bound) noexcept {
   // Unit quaternions: |q - p| = 2 sin(angle / 4), and no axis turns by more than twice that. If q and p have opposite
-  // signs, the bound is far too large, which costs only time.
+  // signs, the result is far too large, which costs only time.
   const Quatd &p = before.rotation, &q = now.rotation;
   const double dw = q.w - p.w, dx = q.x - p.x, dy = q.y - p.y, dz = q.z - p.z;
   const Vec3d shift = now.position - before.position;
@@ -91,15 +91,16 @@ inline void measure_motion(const Posed& before, const Posed& now, double far, Mo
   const double turned = 2.0 * std::sqrt(dw * dw + dx * dx + dy * dy + dz * dz);
   constexpr double unknown = std::numeric_limits<double>::infinity(),
                    rounding = 2.0 * std::numeric_limits<double>::epsilon();
-  reach.shift = {}, reach.turned = reach.slack = 0.0;
+  bound.shift = {};
+  bound.turned = bound.slack = 0.0;
   if (shifted == 0.0 && turned == 0.0) return;
   if (!(shifted < unknown && turned < unknown)) {  // or NaN
-    reach.slack = unknown;
+    bound.slack = unknown;
     return;
   }
-  reach.shift = shift;
-  reach.turned = turned * (1.0 + 8.0 * rounding);
-  reach.slack = 4.0 * rounding * shifted + rounding * far;
+  bound.shift = shift;
+  bound.turned = turned * (1.0 + 8.0 * rounding);
+  bound.slack = 4.0 * rounding * shifted + rounding * far;
 }
 
 }  // namespace tactus::physics

@@ -27,16 +27,22 @@ float rounded_up(double value) noexcept { return -rounded_down(-value); }
 void fill(std::span<const Aabb> bounds, Blocks& blocks) noexcept {
   for (std::uint32_t i = 0; i < bounds.size(); ++i) {
     const Aabb& box = bounds[i];
-    blocks.lower[0][i] = rounded_down(box.lower.x), blocks.upper[0][i] = rounded_up(box.upper.x);
-    blocks.lower[1][i] = rounded_down(box.lower.y), blocks.upper[1][i] = rounded_up(box.upper.y);
-    blocks.lower[2][i] = rounded_down(box.lower.z), blocks.upper[2][i] = rounded_up(box.upper.z);
+    blocks.lower[0][i] = rounded_down(box.lower.x);
+    blocks.upper[0][i] = rounded_up(box.upper.x);
+    blocks.lower[1][i] = rounded_down(box.lower.y);
+    blocks.upper[1][i] = rounded_up(box.upper.y);
+    blocks.lower[2][i] = rounded_down(box.lower.z);
+    blocks.upper[2][i] = rounded_up(box.upper.z);
   }
 }
 
 // Marks the boxes that box `a` may overlap, from the stride of `first` on; the compiler vectorises the loop.
 void mark(Blocks& blocks, std::uint32_t a, std::uint32_t first, std::uint32_t count) noexcept {
   float lower[3], upper[3];
-  for (int k = 0; k < 3; ++k) lower[k] = blocks.lower[k][a], upper[k] = blocks.upper[k][a];
+  for (int k = 0; k < 3; ++k) {
+    lower[k] = blocks.lower[k][a];
+    upper[k] = blocks.upper[k][a];
+  }
   const auto &l = blocks.lower, &u = blocks.upper;
   for (std::uint32_t b = first / kStride * kStride; b < count; ++b)
     blocks.near[b] = static_cast<std::uint32_t>(lower[0] <= u[0][b]) & static_cast<std::uint32_t>(l[0][b] <= upper[0]) &

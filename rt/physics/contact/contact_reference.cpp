@@ -33,15 +33,16 @@ double tolerance_of(PairKey key, const Shape& a, const Shape& b, double most) no
   return whole * (1.0 - static_cast<double>(mixed >> 56) / 512.0);
 }
 
-void keep_reference(const Contact& contact, const BodyFrame& a, const BodyFrame& b, double margin, double tolerance,
-                    double lever_arm, ContactReference& reference) noexcept {
-  reference = {};
-  reference.tolerance = tolerance, reference.margin = margin, reference.lever_arm = lever_arm;
+void store_anchors(const Contact& contact, const BodyFrame& a, const BodyFrame& b,
+                   ContactReference& reference) noexcept {
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const ContactPoint& point = contact.points[i];
-    reference.on_a[0][i] = dot(a.axes.x, point.from_a), reference.on_b[0][i] = dot(b.axes.x, point.from_b);
-    reference.on_a[1][i] = dot(a.axes.y, point.from_a), reference.on_b[1][i] = dot(b.axes.y, point.from_b);
-    reference.on_a[2][i] = dot(a.axes.z, point.from_a), reference.on_b[2][i] = dot(b.axes.z, point.from_b);
+    reference.on_a[0][i] = dot(a.axes.x, point.from_a);
+    reference.on_b[0][i] = dot(b.axes.x, point.from_b);
+    reference.on_a[1][i] = dot(a.axes.y, point.from_a);
+    reference.on_b[1][i] = dot(b.axes.y, point.from_b);
+    reference.on_a[2][i] = dot(a.axes.z, point.from_a);
+    reference.on_b[2][i] = dot(b.axes.z, point.from_b);
     reference.separation[i] = point.separation;
   }
 }
@@ -55,15 +56,20 @@ void carry_over(const ContactReference& reference, const BodyFrame& a, const Bod
     const double x = on_b.x[i] - on_a.x[i] + offset.x, y = on_b.y[i] - on_a.y[i] + offset.y,
                  z = on_b.z[i] - on_a.z[i] + offset.z;
     separation[i] = reference.separation[i] + (n.x * x + n.y * y + n.z * z);
-    on_a.x[i] += 0.5 * x, on_a.y[i] += 0.5 * y, on_a.z[i] += 0.5 * z;
-    on_b.x[i] -= 0.5 * x, on_b.y[i] -= 0.5 * y, on_b.z[i] -= 0.5 * z;
+    on_a.x[i] += 0.5 * x;
+    on_a.y[i] += 0.5 * y;
+    on_a.z[i] += 0.5 * z;
+    on_b.x[i] -= 0.5 * x;
+    on_b.y[i] -= 0.5 * y;
+    on_b.z[i] -= 0.5 * z;
   }
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     ContactPoint& point = contact.points[i];
     point.from_a = {on_a.x[i], on_a.y[i], on_a.z[i]};
     point.from_b = {on_b.x[i], on_b.y[i], on_b.z[i]};
     point.separation = separation[i];
-    point.total_normal_impulse = 0.0, point.total_friction = {};
+    point.total_normal_impulse = 0.0;
+    point.total_friction = {};
   }
 }
 

@@ -37,9 +37,9 @@ constexpr bool is_carried_over(const Shape& a, const Shape& b) noexcept {
 // expire in the same tick.
 double tolerance_of(PairKey key, const Shape& a, const Shape& b, double most) noexcept;
 
-// Fills the reference from a contact that narrow phase just found with that margin.
-void keep_reference(const Contact& contact, const BodyFrame& a, const BodyFrame& b, double margin, double tolerance,
-                    double lever_arm, ContactReference& reference) noexcept;
+// Fills the anchors and separations from a contact that narrow phase just found.
+void store_anchors(const Contact& contact, const BodyFrame& a, const BodyFrame& b,
+                   ContactReference& reference) noexcept;
 
 // True if the contact may be carried over. `moved` [m]: bound of the relative motion since the points were found;
 // `closing` [m]: bound of what this step closes.

@@ -12,7 +12,8 @@ namespace {
 // Not called if the sub-step is unchanged, so that the bits stay the same.
 void scale_impulses(ContactPoint& point, double factor) noexcept {
   point.normal_impulse *= factor;
-  point.tangent_impulse[0] *= factor, point.tangent_impulse[1] *= factor;
+  point.tangent_impulse[0] *= factor;
+  point.tangent_impulse[1] *= factor;
 }
 
 // Nearest point of the contact; `from_a`: from the centre of A.
@@ -89,12 +90,17 @@ ContactTable::ContactTable(const Capacities& capacities)
       order_(std::max(capacities.pairs, capacities.contacts)),
       warm_starts_(capacities.contacts),
       warm_start_order_(capacities.contacts) {
-  visits_.resize(kStretch), searches_.resize(kStretch), manifolds_.resize(kStretch);
+  visits_.resize(kStretch);
+  searches_.resize(kStretch);
+  manifolds_.resize(kStretch);
 }
 
 void ContactTable::clear() noexcept {
-  pairs_.clear(), clear_pairs();
-  contacts_.clear(), references_.clear(), warm_starts_.clear();
+  pairs_.clear();
+  clear_pairs();
+  contacts_.clear();
+  references_.clear();
+  warm_starts_.clear();
 }
 
 void ContactTable::clear_pairs() noexcept {
@@ -143,14 +149,15 @@ void ContactTable::sort_warm_starts() noexcept {
 void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   Pair& pair = pairs_[index];
   const bool with_fixed = pair.key.with_fixed();
-  const MotionBound& a = walk.scene.reach[pair.a];
-  const MotionBound b = with_fixed ? MotionBound{} : walk.scene.reach[pair.b];
+  const MotionBound& a = walk.scene.motion_bounds[pair.a];
+  const MotionBound b = with_fixed ? MotionBound{} : walk.scene.motion_bounds[pair.b];
   const double margin = margin_for(pair.patch.count > 0, closing_of(a, b, walk.settings), walk.settings);
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
   if (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key == pair.key) {
     const Pair& last = last_pairs_[walk.last_pair];
-    pair.gap = last.gap - moved_against(a, b, last.lever_arm), pair.lever_arm = last.lever_arm;
+    pair.gap = last.gap - moved_against(a, b, last.lever_arm);
+    pair.lever_arm = last.lever_arm;
     if (pair.gap > margin) return;
   }
   pair.gap = pair.lever_arm = 0.0;
@@ -164,7 +171,8 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
     if (walk.given < warm_starts_.size() && of(walk.given).key == pair.key) given = &of(walk.given);
   }
   Visit& visit = visits_[walk.visits++];
-  visit.pair = index, visit.old = walk.old_seen;
+  visit.pair = index;
+  visit.old = walk.old_seen;
   if (known && walk.settings.recycle_tolerance_m > 0.0) {
     const ContactReference& reference = walk.old_references[walk.old_seen];
     visit.moved = reference.moved + moved_against(a, b, reference.lever_arm);
@@ -174,8 +182,11 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   }
   visit.search = walk.searches++;
   Search& search = searches_[visit.search];
-  search.pair = index, search.known = known, search.given = given, search.margin = margin;
-  search.last = features_of(known ? &walk.old[walk.old_seen] : nullptr, given);
+  search.pair = index;
+  search.known = known;
+  search.given = given;
+  search.query.margin = margin;
+  search.query.last = features_of(known ? &walk.old[walk.old_seen] : nullptr, given);
   search.axis_cache = known ? walk.old[walk.old_seen].axis_cache : given ? given->axis_cache : AxisCache{};
 }
 
@@ -195,11 +206,12 @@ Manifold ContactTable::compare(const Scene& scene, Search& search) const noexcep
   const Body& a = scene.bodies[pair.a];
   const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
   if (b.shape.kind == ShapeKind::kMesh)
-    return collide_patch(a.shape, a.motion.pose, b.motion.pose, scene.meshes[b.shape.index],
-                         scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count), search.margin, scene.hulls,
-                         search.last);
-  return collide(a.shape, a.motion.pose, b.shape, b.motion.pose, search.margin, search.axis_cache, scene.hulls,
-                 search.last);
+    return collide_patch(posed_shape(a),
+                         {.mesh = scene.meshes[b.shape.index],
+                          .world_from_mesh = b.motion.pose,
+                          .triangles = scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count)},
+                         search.query, scene.hulls);
+  return collide(posed_shape(a), posed_shape(b), search.query, search.axis_cache, scene.hulls);
 }
 
 // Carries the next contact over and updates its points to the bodies' present poses.
@@ -210,9 +222,13 @@ void ContactTable::keep(Walk& walk, const Visit& visit) noexcept {
   walk.old_next = visit.old + 1;
   Contact* contact = place(walk);  // fits: it was there before
   ContactReference& reference = walk.references[walk.written - 1];
-  if (contact != last) *contact = *last, reference = *last_reference;
+  if (contact != last) {
+    *contact = *last;
+    reference = *last_reference;
+  }
   reference.moved = visit.moved;
-  contact->slot_a = pair.a, contact->slot_b = pair.b;
+  contact->slot_a = pair.a;
+  contact->slot_b = pair.b;
   const auto& frame_b = contact->b_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
   carry_over(reference, walk.scene.frames[pair.a], frame_b, *contact);
   if (walk.impulse_scale != 1.0)
@@ -224,7 +240,8 @@ Contact* ContactTable::place(Walk& walk) noexcept {
   if (walk.contacts == walk.old && walk.written == walk.old_next && walk.old_next < walk.old_count) {
     std::copy(walk.contacts, walk.contacts + walk.written, last_.begin());
     std::copy(walk.references, walk.references + walk.written, last_references_.begin());
-    walk.contacts = last_.begin(), walk.references = last_references_.begin();
+    walk.contacts = last_.begin();
+    walk.references = last_references_.begin();
   }
   if (walk.written < contacts_.capacity()) return &walk.contacts[walk.written++];
   beyond_.resize(beyond_.size() + 1);  // fits: there are at most as many contacts as pairs
@@ -236,12 +253,13 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   const bool with_fixed = pair.key.with_fixed();
   // The search was for what the bodies may close in any direction; now the direction is known.
   const MotionBound still{};
-  const MotionBound& bound_b = with_fixed ? still : walk.scene.reach[pair.b];
-  const double closing = closing_along(manifold.normal, walk.scene.reach[pair.a], bound_b, walk.settings);
-  const double margin = std::min(search.margin, margin_for(pair.patch.count > 0, closing, walk.settings));
+  const MotionBound& bound_b = with_fixed ? still : walk.scene.motion_bounds[pair.b];
+  const double closing = closing_along(manifold.normal, walk.scene.motion_bounds[pair.a], bound_b, walk.settings);
+  const double margin = std::min(search.query.margin, margin_for(pair.patch.count > 0, closing, walk.settings));
   drop_points_beyond(margin, manifold);
   if (manifold.count == 0) {
-    pair.gap = manifold.gap, pair.lever_arm = manifold.lever_arm;
+    pair.gap = manifold.gap;
+    pair.lever_arm = manifold.lever_arm;
     return;
   }
   const Body& a = walk.scene.bodies[pair.a];
@@ -250,7 +268,8 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   walk.old_next = visit.old + (search.known ? 1 : 0);
   Contact& contact = *place(walk);
   contact.key = pair.key;
-  contact.slot_a = pair.a, contact.slot_b = pair.b;
+  contact.slot_a = pair.a;
+  contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
   contact.axis_cache = search.axis_cache;
   contact.friction = std::sqrt(a.friction * b.friction);
@@ -260,7 +279,8 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
     const ManifoldPoint& made = manifold.points[i];
     ContactPoint& point = contact.points[i];
     point = {};
-    point.from_a = made.from_a, point.from_b = made.from_b;
+    point.from_a = made.from_a;
+    point.from_b = made.from_b;
     point.separation = made.separation;
     point.feature = made.feature;
   }
@@ -270,9 +290,10 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   reference.tolerance = 0.0;
   if (!(walk.settings.recycle_tolerance_m > 0.0) || !is_carried_over(a.shape, b.shape)) return;
   const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
-  keep_reference(contact, walk.scene.frames[pair.a], frame_b, margin,
-                 tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
-                 std::max(bounding_radius(a.shape), bounding_radius(b.shape)), reference);
+  reference = {.tolerance = tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
+               .margin = margin,
+               .lever_arm = std::max(bounding_radius(a.shape), bounding_radius(b.shape))};
+  store_anchors(contact, walk.scene.frames[pair.a], frame_b, reference);
 }
 
 // Starts the contact with the impulses of the same features in the last step, or else with those given. If a point of
@@ -284,7 +305,8 @@ void ContactTable::start_impulses(const Walk& walk, const Contact* last, const W
   const Tangents<double> now = tangents_of(contact.normal);
   const auto add = [&now](ContactPoint& point, double normal, const Vec3d& friction) noexcept {
     point.normal_impulse += normal;
-    point.tangent_impulse[0] += dot(friction, now.t1), point.tangent_impulse[1] += dot(friction, now.t2);
+    point.tangent_impulse[0] += dot(friction, now.t1);
+    point.tangent_impulse[1] += dot(friction, now.t2);
   };
   const auto point_of = [&contact](std::uint32_t feature) noexcept -> ContactPoint* {
     for (std::uint32_t i = 0; i < contact.count; ++i)
@@ -312,23 +334,25 @@ void ContactTable::start_impulses(const Walk& walk, const Contact* last, const W
 
 // More contacts than capacity: keeps the deepest of contacts_ and beyond_, in the order of keys.
 void ContactTable::keep_deepest(StepReport& report) noexcept {
-  const std::uint32_t room = contacts_.capacity();
+  const std::uint32_t capacity = contacts_.capacity();
   report.capacity_bits |= kContactsFull;
   report.dropped += beyond_.size();
-  const auto at = [&](std::uint32_t i) -> const Contact& { return i < room ? contacts_[i] : beyond_[i - room]; };
-  order_.resize(room + beyond_.size());
+  const auto at = [&](std::uint32_t i) -> const Contact& {
+    return i < capacity ? contacts_[i] : beyond_[i - capacity];
+  };
+  order_.resize(capacity + beyond_.size());
   for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
   // Ties by index, which is the order of keys.
-  std::nth_element(order_.begin(), order_.begin() + room, order_.end(), [&](std::uint32_t i, std::uint32_t j) {
+  std::nth_element(order_.begin(), order_.begin() + capacity, order_.end(), [&](std::uint32_t i, std::uint32_t j) {
     const double s = separation_of(at(i)), t = separation_of(at(j));
     return s != t ? s < t : i < j;
   });
-  order_.resize(room);
+  order_.resize(capacity);
   std::sort(order_.begin(), order_.end());
-  for (std::uint32_t i = 0; i < room; ++i) {  // order_[i] >= i: nothing is overwritten before it was read
+  for (std::uint32_t i = 0; i < capacity; ++i) {  // order_[i] >= i: nothing is overwritten before it was read
     if (order_[i] == i) continue;
     contacts_[i] = at(order_[i]);
-    references_[i] = order_[i] < room ? references_[order_[i]] : ContactReference{};
+    references_[i] = order_[i] < capacity ? references_[order_[i]] : ContactReference{};
   }
 }
 
@@ -369,8 +393,12 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
         take_found(walk, visit, search, manifolds_[visit.search] = compare(scene, search));
     }
   }
-  if (walk.contacts != contacts_.begin()) contacts_.swap(last_), references_.swap(last_references_);
-  contacts_.resize(walk.written), references_.resize(walk.written);
+  if (walk.contacts != contacts_.begin()) {
+    contacts_.swap(last_);
+    references_.swap(last_references_);
+  }
+  contacts_.resize(walk.written);
+  references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
 
   double smallest = 0.0;
@@ -379,7 +407,8 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
     for (std::uint32_t i = 0; i < contact.count; ++i) smallest = std::min(smallest, contact.points[i].separation);
   }
   report.contacts = contacts_.size();
-  report.searched = walk.searched, report.comparisons = walk.comparisons;
+  report.searched = walk.searched;
+  report.comparisons = walk.comparisons;
   report.deepest_m = -smallest;
   warm_starts_.clear();
 }
@@ -406,10 +435,14 @@ void ContactTable::slot_removed(std::uint32_t slot, bool fixed) noexcept {
     if ((!fixed && contact.slot_a == slot) || (b_in_question && contact.slot_b == slot)) continue;
     if (!fixed && contact.slot_a > slot) --contact.slot_a;
     if (b_in_question && contact.slot_b > slot) --contact.slot_b;
-    if (kept != i) contacts_[kept] = contact, references_[kept] = references_[i];
+    if (kept != i) {
+      contacts_[kept] = contact;
+      references_[kept] = references_[i];
+    }
     ++kept;
   }
-  contacts_.resize(kept), references_.resize(kept);
+  contacts_.resize(kept);
+  references_.resize(kept);
 }
 
 void ContactTable::slots_moved(std::span<const std::uint32_t> to) noexcept {
@@ -418,11 +451,16 @@ void ContactTable::slots_moved(std::span<const std::uint32_t> to) noexcept {
     Contact& contact = contacts_[i];
     const std::uint32_t a = to[contact.slot_a], b = contact.b_fixed ? contact.slot_b : to[contact.slot_b];
     if (a == kNoSlot || b == kNoSlot) continue;
-    contact.slot_a = a, contact.slot_b = b;
-    if (kept != i) contacts_[kept] = contact, references_[kept] = references_[i];
+    contact.slot_a = a;
+    contact.slot_b = b;
+    if (kept != i) {
+      contacts_[kept] = contact;
+      references_[kept] = references_[i];
+    }
     ++kept;
   }
-  contacts_.resize(kept), references_.resize(kept);
+  contacts_.resize(kept);
+  references_.resize(kept);
 }
 
 }  // namespace tactus::physics

@@ -49,7 +49,7 @@ class ContactTable {
   struct Scene {
     std::span<const Body> bodies, fixed_bodies;
     std::span<const BodyFrame> frames, fixed_frames;
-    std::span<const MotionBound> reach;
+    std::span<const MotionBound> motion_bounds;
     Hulls hulls{};                                    // referred to by the shapes
     Meshes meshes{};                                  // same
     std::span<const std::uint32_t> mesh_triangles{};  // the list of which PatchTriangles are ranges
@@ -98,8 +98,7 @@ class ContactTable {
     std::uint32_t pair;
     bool known;              // the last step had a contact of the pair
     const WarmStart* given;  // null: none
-    double margin;
-    LastFeatures last;
+    ManifoldQuery query;
     AxisCache axis_cache;
   };
   // Input of a build and its positions in the lists that it merges, all sorted by key.

@@ -64,7 +64,8 @@ void ContinuousCollision::hold_back(StageContext& c) noexcept {
         (near.fixed ? 0.0 : norm(state_b.w) * bounding_radius(b.shape)) + norm(state_a.w) * bounding_radius(a.shape);
     const double reach = c.h * (norm(state_b.v - state_a.v) + turning);
     AxisCache cache;
-    const Manifold manifold = collide(a.shape, pose_now(a, state_a), b.shape, pose_b, reach, cache, setup_.hulls);
+    const Manifold manifold =
+        collide({a.shape, pose_now(a, state_a)}, {b.shape, pose_b}, {.margin = reach}, cache, setup_.hulls);
     for (std::uint32_t i = 0; i < manifold.count; ++i) {
       const ManifoldPoint& point = manifold.points[i];
       const Vec3d& n = manifold.normal;

@@ -5,7 +5,7 @@ namespace {
 
 // Calls `f(effect object)` for every effect in use, in the order of the list.
 template <class Objects, class F>
-void for_each_object(Objects& rooms, F&& f) noexcept {
+void for_each_object(Objects& objects, F&& f) noexcept {
   std::apply(
       [&](auto&... object) noexcept {
         const auto visit = [&](auto& one) noexcept {
@@ -13,7 +13,7 @@ void for_each_object(Objects& rooms, F&& f) noexcept {
         };
         (visit(object), ...);
       },
-      rooms);
+      objects);
 }
 
 }  // namespace

@@ -75,7 +75,11 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
     if (!(speed > kMinSpeed && gap < 2.0 * speed * c.h)) continue;
     const double work = 2.0 * closing_gravity(c, contact) * std::max(0.0, gap);  // twice the work per kilogram
     const double square = row.coefficient * row.coefficient * (speed * speed + work) - work;
-    (void)strikes.try_push({i, speed, std::sqrt(std::max(0.0, square)), mass_of(c, contact, i), 0.0});
+    (void)strikes.try_push({.point = i,
+                            .speed = speed,
+                            .after = std::sqrt(std::max(0.0, square)),
+                            .mass = mass_of(c, contact, i),
+                            .impulse = 0.0});
   }
   if (strikes.empty()) return false;
   for (int pass = 0; pass < kPasses; ++pass)

@@ -51,7 +51,7 @@ void ScriptedMotion::take_hold(StageContext& c) noexcept {
     c.motion[slot].inverse_mass = c.motion[slot].gyroscopic = 0.0;
     c.inverse_inertia[slot] = {};
     const Posed& pose = c.bodies[slot].motion.pose;
-    (void)followers_.try_push({k, slot, pose, pose});
+    (void)followers_.try_push({.script = k, .slot = slot, .start = pose, .now = pose});
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "rt/base/list_bytes.h"
 #include "rt/physics/effects/contact_speed.h"
 
 namespace tactus::physics {
@@ -17,9 +18,13 @@ void Transients::register_stages(StageTable& table) noexcept {
   table.add<&Transients::ring>(Phase::kFinish, *this);
 }
 
+void Transients::save(ByteWriter& out) const noexcept {
+  write_list(out, state_.ringing);
+  write_list(out, state_.touched);
+}
+
 bool Transients::restore(ByteReader& in) noexcept {
-  in.get(state_);
-  const bool good = in.ok() && state_.ringing.count <= kMaxRinging && state_.touched.count <= kMaxTouched;
+  const bool good = read_list(in, state_.ringing) && read_list(in, state_.touched);
   if (!good) state_ = {};
   return good;
 }
@@ -36,7 +41,7 @@ void Transients::look_ahead(StageContext& c) noexcept {
     if (other >= setup_.by_id.size() || setup_.by_id[other].strength_Ns_per_m == 0.0) continue;
     double speed = 0.0;
     for (std::uint32_t i = 0; i < contact.count; ++i) speed = std::max(speed, -separating_speed(c, contact, i));
-    (void)touches_.try_push({k, other, speed});
+    (void)touches_.try_push({.contact = k, .other = other, .speed = speed});
   }
 }
 

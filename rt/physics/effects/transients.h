@@ -39,7 +39,7 @@ class Transients : public Stateless {  // nothing to export: only the hand recei
   void register_stages(StageTable& table) noexcept;
 
   void reset() noexcept { state_ = {}; }
-  void save(ByteWriter& out) const noexcept { out.put(state_); }
+  void save(ByteWriter& out) const noexcept;
   bool restore(ByteReader& in) noexcept;
   std::size_t save_size_bound() const noexcept { return sizeof(state_); }
 

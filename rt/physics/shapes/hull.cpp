@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "rt/base/rotation_axes.h"
 #include "rt/base/wide.h"
+#include "rt/physics/shapes/hull_mass.h"
 
 namespace tactus::physics {
 namespace {
@@ -59,43 +61,30 @@ Principal principal_axes(const SymMat3d& m) noexcept {
         const double c = 1 / std::sqrt(t * t + 1), s = t * c;
         for (int k = 0; k < 3; ++k) {
           const double kp = a[k][p], kq = a[k][q];
-          a[k][p] = c * kp - s * kq, a[k][q] = s * kp + c * kq;
+          a[k][p] = c * kp - s * kq;
+          a[k][q] = s * kp + c * kq;
         }
         for (int k = 0; k < 3; ++k) {
           const double pk = a[p][k], qk = a[q][k];
-          a[p][k] = c * pk - s * qk, a[q][k] = s * pk + c * qk;
+          a[p][k] = c * pk - s * qk;
+          a[q][k] = s * pk + c * qk;
         }
         for (int k = 0; k < 3; ++k) {
           const double kp = v[k][p], kq = v[k][q];
-          v[k][p] = c * kp - s * kq, v[k][q] = s * kp + c * kq;
+          v[k][p] = c * kp - s * kq;
+          v[k][q] = s * kp + c * kq;
         }
       }
     }
     if (sweep == 0 && v[0][0] == 1 && v[1][1] == 1 && v[2][2] == 1) break;
   }
   Principal out;
-  for (int k = 0; k < 3; ++k) out.moment[k] = a[k][k], out.axis[k] = {v[0][k], v[1][k], v[2][k]};
+  for (int k = 0; k < 3; ++k) {
+    out.moment[k] = a[k][k];
+    out.axis[k] = {v[0][k], v[1][k], v[2][k]};
+  }
   out.axis[2] = cross(out.axis[0], out.axis[1]);
   return out;
-}
-
-// Quaternion of the rotation with these columns; computed from the largest of its four components (Shepperd 1978).
-Quatd quat_from_axes(const Vec3d* axis) noexcept {
-  const Vec3d &x = axis[0], &y = axis[1], &z = axis[2];
-  const double four[4] = {1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z, 1 - x.x - y.y + z.z};
-  int largest = 0;
-  for (int k = 1; k < 4; ++k)
-    if (four[k] > four[largest]) largest = k;
-  switch (largest) {
-    case 0:
-      return normalized(Quatd{four[0], y.z - z.y, z.x - x.z, x.y - y.x});
-    case 1:
-      return normalized(Quatd{y.z - z.y, four[1], x.y + y.x, z.x + x.z});
-    case 2:
-      return normalized(Quatd{z.x - x.z, x.y + y.x, four[2], y.z + z.y});
-    default:
-      return normalized(Quatd{x.y - y.x, z.x + x.z, y.z + z.y, four[3]});
-  }
 }
 
 // Newell's normal: that of the plane that fits the loop best.
@@ -117,20 +106,40 @@ void add_planes(Hull& hull) noexcept {
       highest = std::max(highest, dot(n, hull.vertex(i)));
       lowest = std::min(lowest, dot(n, hull.vertex(i)));
     }
-    hull.nx[face] = n.x, hull.ny[face] = n.y, hull.nz[face] = n.z;
+    hull.nx[face] = n.x;
+    hull.ny[face] = n.y;
+    hull.nz[face] = n.z;
     hull.offsets[face] = highest;
     hull.inner_radius = face == 0 ? highest : std::min(hull.inner_radius, highest);
     hull.least_width = face == 0 ? highest - lowest : std::min(hull.least_width, highest - lowest);
     for (const std::uint8_t i : topology.loop(face))
       hull.flatness = std::max(hull.flatness, highest - dot(n, hull.vertex(i)));
   }
-  for (std::uint32_t face = topology.faces; face < kMaxHullFaces; ++face)
-    hull.nx[face] = hull.nx[0], hull.ny[face] = hull.ny[0], hull.nz[face] = hull.nz[0],
+  for (std::uint32_t face = topology.faces; face < kMaxHullFaces; ++face) {
+    hull.nx[face] = hull.nx[0];
+    hull.ny[face] = hull.ny[0];
+    hull.nz[face] = hull.nz[0];
     hull.offsets[face] = hull.offsets[0];
+  }
   for (std::uint32_t e = 0; e < topology.edges; ++e) {
     const double cosine = dot(hull.normal(topology.edge[e].left), hull.normal(topology.edge[e].right));
     hull.edge_reach[e] = 1 / std::sqrt(std::max(0.5 * (1 + cosine), 1e-12));
     hull.largest_reach = std::max(hull.largest_reach, hull.edge_reach[e]);
+  }
+}
+
+// The vertices in the hull's frame, padded, and what encloses them.
+void place_vertices(std::span<const Vec3d> vertices, const Posed& given_from_body, Hull& hull) noexcept {
+  for (std::size_t i = 0; i < kMaxHullVertices; ++i) {
+    const std::size_t from = i < vertices.size() ? i : 0;
+    const Vec3d v = rotate_inverse(given_from_body.rotation, vertices[from] - given_from_body.position);
+    hull.x[i] = v.x;
+    hull.y[i] = v.y;
+    hull.z[i] = v.z;
+    hull.bounding_radius = std::max(hull.bounding_radius, norm(v));
+    const Vec3d reach = abs(v);
+    hull.half_extents = {std::max(hull.half_extents.x, reach.x), std::max(hull.half_extents.y, reach.y),
+                         std::max(hull.half_extents.z, reach.z)};
   }
 }
 
@@ -151,24 +160,32 @@ HullFault make_hull(std::span<const Vec3d> vertices, const HullTopology& topolog
   const Vec3d centre = middle + rough.first * (1 / rough.volume);
   const Moments exact = moments_about(centre, vertices, topology);
   const Principal principal = principal_axes(exact.second);
-  given_from_body = {centre, quat_from_axes(principal.axis)};
+  given_from_body = {centre, quat_from_axes(principal.axis[0], principal.axis[1], principal.axis[2])};
   hull.volume = exact.volume;
   const auto& p = principal.moment;
   hull.inertia_per_kg = Vec3d{p[1] + p[2], p[0] + p[2], p[0] + p[1]} * (1 / exact.volume);
 
-  for (std::size_t i = 0; i < kMaxHullVertices; ++i) {
-    const std::size_t from = i < vertices.size() ? i : 0;
-    const Vec3d v = rotate_inverse(given_from_body.rotation, vertices[from] - centre);
-    hull.x[i] = v.x, hull.y[i] = v.y, hull.z[i] = v.z;
-    hull.bounding_radius = std::max(hull.bounding_radius, norm(v));
-    const Vec3d reach = abs(v);
-    hull.half_extents = {std::max(hull.half_extents.x, reach.x), std::max(hull.half_extents.y, reach.y),
-                         std::max(hull.half_extents.z, reach.z)};
-  }
+  place_vertices(vertices, given_from_body, hull);
   add_planes(hull);
   if (!(hull.inner_radius > 0)) return HullFault::kFlat;
   if (!(hull.flatness <= kFlatShare * hull.bounding_radius)) return HullFault::kNotConvex;
   return HullFault::kNone;
+}
+
+HullFault set_mass_properties(const Vec3d& centre, const SymMat3d& inertia_per_kg, Hull& hull,
+                              Posed& given_from_body) noexcept {
+  std::array<Vec3d, kMaxHullVertices> vertices;
+  const std::uint32_t count = hull.topology.vertices;
+  for (std::uint32_t i = 0; i < count; ++i)
+    vertices[i] = given_from_body.position + rotate(given_from_body.rotation, hull.vertex(i));
+  const Principal principal = principal_axes(inertia_per_kg);
+  given_from_body = {centre, quat_from_axes(principal.axis[0], principal.axis[1], principal.axis[2])};
+  hull.inertia_per_kg = {principal.moment[0], principal.moment[1], principal.moment[2]};
+  hull.bounding_radius = 0;
+  hull.half_extents = {};
+  place_vertices(std::span(vertices).first(count), given_from_body, hull);
+  add_planes(hull);  // lengths and reaches are the same in any frame
+  return hull.inner_radius > 0 ? HullFault::kNone : HullFault::kFlat;
 }
 
 }  // namespace tactus::physics

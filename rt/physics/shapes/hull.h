@@ -102,7 +102,7 @@ constexpr bool HullTopology::close() noexcept {
       }
       if (e == kMaxHullEdges) return false;
       if (e == edges)
-        edge[edges++] = {from, to, static_cast<std::uint8_t>(face), 0xff};
+        edge[edges++] = {.from = from, .to = to, .left = static_cast<std::uint8_t>(face), .right = 0xff};
       else if (edge[e].right == 0xff)
         edge[e].right = static_cast<std::uint8_t>(face);
       else

@@ -69,7 +69,8 @@ struct HullView {
     for (int lane = 1; lane < lanes; ++lane) {
       const std::uint32_t vertex = static_cast<std::uint32_t>(block[lane]) + static_cast<std::uint32_t>(lane);
       if (!(best[lane] > reach) && !(best[lane] == reach && vertex < first)) continue;
-      reach = best[lane], first = vertex;
+      reach = best[lane];
+      first = vertex;
     }
     return first < topology->vertices ? first : 0;  // the padding repeats vertex 0
   }
@@ -130,7 +131,8 @@ inline Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double m
   Aabb box{world_from_body.position, world_from_body.position};
   for (int i = 0; i < 3; ++i) {
     const Extent extent = extent_along(hull, {axes.x[i], axes.y[i], axes.z[i]});
-    box.lower[i] += extent.low - margin, box.upper[i] += extent.high + margin;
+    box.lower[i] += extent.low - margin;
+    box.upper[i] += extent.high + margin;
   }
   return box;
 }
@@ -155,8 +157,11 @@ struct BoxHull {
   double inner_radius;
 
   explicit BoxHull(const Vec3d& h) noexcept : inner_radius(smaller(h.x, smaller(h.y, h.z))) {
-    for (unsigned k = 0; k < 8; ++k)
-      x[k] = (k & 1u) != 0 ? h.x : -h.x, y[k] = (k & 2u) != 0 ? h.y : -h.y, z[k] = (k & 4u) != 0 ? h.z : -h.z;
+    for (unsigned k = 0; k < 8; ++k) {
+      x[k] = (k & 1u) != 0 ? h.x : -h.x;
+      y[k] = (k & 2u) != 0 ? h.y : -h.y;
+      z[k] = (k & 4u) != 0 ? h.z : -h.z;
+    }
     for (int f = 0; f < 8; ++f) offsets[f] = h[f % 6 / 2];
   }
   HullView view() const noexcept {
@@ -165,7 +170,20 @@ struct BoxHull {
                                         nz[8] = {0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0};
     constexpr double k = 1.41421356237309504880;
     static constexpr double reach[12] = {k, k, k, k, k, k, k, k, k, k, k, k};
-    return {&kBoxTopology, x, y, z, nx, ny, nz, offsets, 8, 8, reach, k, inner_radius, 0.0};
+    return {.topology = &kBoxTopology,
+            .x = x,
+            .y = y,
+            .z = z,
+            .nx = nx,
+            .ny = ny,
+            .nz = nz,
+            .offsets = offsets,
+            .padded = 8,
+            .padded_faces = 8,
+            .edge_reach = reach,
+            .largest_reach = k,
+            .inner_radius = inner_radius,
+            .flatness = 0.0};
   }
 };
 

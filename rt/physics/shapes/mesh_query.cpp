@@ -58,7 +58,8 @@ class Nearest {
 }  // namespace
 
 void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept {
-  found.triangles.clear(), found.left_out = 0;
+  found.triangles.clear();
+  found.left_out = 0;
   if (mesh.nodes.empty()) return;
   const Vec3d middle = 0.5 * (box.lower + box.upper);
   Nearest nearest;
@@ -89,14 +90,16 @@ void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noex
       found.left_out += node.count;
       continue;
     }
-    stack[waiting++] = far, stack[waiting++] = near;
+    stack[waiting++] = far;
+    stack[waiting++] = near;
   }
   nearest.list(found);
 }
 
 void choose_triangles(const Mesh& mesh, const Aabb& box, std::span<const std::uint32_t> among,
                       TriangleList& found) noexcept {
-  found.triangles.clear(), found.left_out = 0;
+  found.triangles.clear();
+  found.left_out = 0;
   for (const std::uint32_t triangle : among)
     if (mesh.box_of(triangle).overlaps(box) && !found.triangles.try_push(triangle)) ++found.left_out;
 }

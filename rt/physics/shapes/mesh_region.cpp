@@ -52,19 +52,25 @@ Ruling rule_corner_axis(const Mesh& mesh, std::uint32_t triangle, std::uint32_t 
   const Vec3d& n = mesh.normals[triangle];
   if (is_along_normal(n, u, kAxisSine)) return Ruling::kFace;
   const Vec3d& here = mesh.corners[c];
-  bool blocked = false, falls = false;
+  bool blocked = false, elsewhere = false;
   for (const std::uint32_t other : mesh.triangles_at(c)) {
     if (is_along_normal(mesh.normals[other], u, kAxisSine)) return Ruling::kDropped;
-    for (const std::uint32_t end : mesh.triangles[other].corner) {
-      const Vec3d along = mesh.corners[end] - here;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto& corners = mesh.triangles[other].corner;
+      const std::uint32_t from = corners[k], to = corners[k == 2 ? 0 : k + 1];
+      if (from != c && to != c) continue;
+      const Vec3d along = mesh.corners[from == c ? to : from] - here;
       const double length = norm(along);
       if (!(dot(along, u) > 1e-6 * length)) continue;
       blocked = true;
-      falls = falls || dot(n, along) < -1e-3 * length;
+      // What rises may be a ridge that pushes itself.
+      elsewhere =
+          elsewhere || dot(n, along) < -1e-3 * length ||
+          (mesh.triangles[other].edge[k] == EdgeKind::kConvex && rule_edge_axis(mesh, other, k, u) == Ruling::kAllowed);
     }
   }
   if (!blocked) return dot(n, u) >= -1e-6 ? Ruling::kAllowed : Ruling::kDropped;
-  return falls ? Ruling::kDropped : Ruling::kFace;
+  return elsewhere ? Ruling::kDropped : Ruling::kFace;
 }
 
 }  // namespace tactus::physics

@@ -60,6 +60,12 @@ double volume_of(const Shape& shape) noexcept;
 // Radius of the smallest sphere about the body's origin that encloses the shape [m]; +infinity for a plane.
 double bounding_radius(const Shape& shape) noexcept;
 
+// A shape and where it is: its pose in the frame of a query, the world or a mesh. Refers to both.
+struct PosedShape {
+  const Shape& shape;
+  const Posed& pose;
+};
+
 // Axis-aligned box in the world.
 struct Aabb {
   Vec3d lower, upper;  // m

@@ -257,7 +257,7 @@ TEST_CASE("A world restored from its bytes goes on with the same bits") {
                                   .target = {{0, 0, 0.1}, {}},
                                   .target_velocity = {{0.1, 0, 0}, {}},
                                   .step_impulse = {}};
-  bench->world.border_mode = BorderMode::kReplay;
+  bench->world.border_rule.mode = BorderMode::kReplay;
   BorderContact border;
   border.member = 10;
   border.outside = 99;

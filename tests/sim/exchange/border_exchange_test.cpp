@@ -175,7 +175,7 @@ TEST_CASE("A border point is where the bodies touch, with the normal from the ou
   const std::vector<std::uint8_t> members =
       card_is_member ? std::vector<std::uint8_t>{0, 1} : std::vector<std::uint8_t>{1, 0};
   const auto& bodies = world->bodies();
-  REQUIRE(log.fill(world->contacts(), bodies, start, members, kStep_s, *border) == 0);
+  REQUIRE(log.fill({world->contacts(), bodies, start, kStep_s}, members, false, *border) == 0);
   REQUIRE(border->size() == 4);
   const std::uint32_t member = card_is_member ? 1 : 0, outside = 1 - member;
   double force = 0;
@@ -201,7 +201,9 @@ TEST_CASE("A border point is where the bodies touch, with the normal from the ou
   CHECK(force == Approx(kPress_N).epsilon(0.01));
 }
 
-TEST_CASE("Contacts inside, outside or with static geometry are no border, nor are points that only came near") {
+TEST_CASE(
+    "Contacts inside, outside or with static geometry are no border, nor, but for ghosts, are points that only came "
+    "near") {
   physics::Contact contact;
   contact.slot_a = 0;
   contact.slot_b = 1;
@@ -214,12 +216,16 @@ TEST_CASE("Contacts inside, outside or with static geometry are no border, nor a
   const std::vector<Posed> start(3);
   BorderExchange log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
+  bool near_points = false;
   const auto count = [&](std::vector<std::uint8_t> members) {
-    log.fill(std::span(&contact, 1), bodies, start, members, kStep_s, *border);
+    log.fill({std::span(&contact, 1), bodies, start, kStep_s}, members, near_points, *border);
     return border->size();
   };
   CHECK(count({1, 0, 0}) == 1);
   CHECK(count({0, 1, 0}) == 1);
+  near_points = true;  // for ghosts
+  CHECK(count({1, 0, 0}) == 2);
+  near_points = false;
   CHECK(count({1, 1, 0}) == 0);
   CHECK(count({0, 0, 1}) == 0);
   contact.points[1].separation = -0.001;
@@ -245,9 +251,10 @@ TEST_CASE("When border points do not fit, those that press least are left out an
     }
   }
   bodies[0].id = 0;
+  const std::vector<Posed> start(kContacts + 1);
   BorderExchange log(kContacts + 1, kContacts, 0, kRigid);
   auto border = std::make_unique<Border>();
-  CHECK(log.fill(contacts, bodies, std::vector<Posed>(kContacts + 1), members, kStep_s, *border) == 176);
+  CHECK(log.fill({contacts, bodies, start, kStep_s}, members, false, *border) == 176);
   REQUIRE(border->size() == 1024);
   for (std::uint32_t i = 1; i < 1024; ++i) {
     const auto &last = (*border)[i - 1], &point = (*border)[i];
@@ -264,7 +271,7 @@ TEST_CASE("An outside body that slides to rest is told with its deceleration, on
   const std::vector<std::uint8_t> slab_is_member{1, 0};
   const auto told = [&] {
     step(*world);
-    log.fill(world->contacts(), world->bodies(), world->last_poses(), slab_is_member, kStep_s, *border);
+    log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, slab_is_member, false, *border);
     REQUIRE(log.fill_outside(*world, slab_is_member, kStep_s, kStep_s / 10, border->span(), outside) == 0);
     REQUIRE(outside.size() == 1);
     return outside[0].drive.linear + member_answer(outside[0], border->span()).linear;
@@ -282,7 +289,8 @@ TEST_CASE("An outside body is told as it moved") {
   step(*world);
   BorderExchange log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
-  REQUIRE(log.fill(world->contacts(), world->bodies(), world->last_poses(), kCardIsMember, kStep_s, *border) == 0);
+  REQUIRE(log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, kCardIsMember, false, *border) ==
+          0);
   FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
   REQUIRE(log.fill_outside(*world, kCardIsMember, kStep_s, kStep_s / 10, border->span(), outside) == 0);
   REQUIRE(outside.size() == 1);

@@ -7,7 +7,7 @@
 #include "rt/physics/collision/collide_mesh.h"
 #include "rt/physics/world.h"
 #include "sim/geometry/mesh_builder.h"
-#include "tests/rt/physics/collide_support.h"
+#include "tests/rt/physics/collision/collide_support.h"
 
 namespace tactus::sim::test {
 

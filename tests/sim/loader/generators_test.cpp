@@ -18,7 +18,7 @@ constexpr double kMargin_m = 5e-4;
 
 physics::Manifold touch(const Body& a, const Body& b) {
   physics::AxisCache cache;
-  return physics::collide(a.shape, a.motion.pose, b.shape, b.motion.pose, kMargin_m, cache);
+  return physics::collide(posed_shape(a), posed_shape(b), {.margin = kMargin_m}, cache);
 }
 
 const Body kGround = physics::make_fixed_body(kNoBody, physics::Shape::plane(), 0.5, Posed{});

@@ -44,7 +44,7 @@ struct Folder {
   }
   ~Folder() { std::filesystem::remove_all(path); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(path / name) << text; }
-  Scene load(const std::string& hand, SceneDiagnostics* diagnostics = nullptr) const {
+  Scene load(const std::string& hand, text::Diagnostics* diagnostics = nullptr) const {
     write("x.toml", "[hand]\n" + hand + kProxy);
     auto scene = load_scene(path / "x.toml", diagnostics);
     INFO(scene.message());

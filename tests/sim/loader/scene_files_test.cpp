@@ -34,7 +34,7 @@ TEST_CASE("every scene of the program loads without a mistake or a warning") {
   const auto files = scene_files();
   REQUIRE(files.size() >= 8);
   for (const auto& file : files) {
-    SceneDiagnostics diagnostics;
+    text::Diagnostics diagnostics;
     const auto scene = load_scene(file, &diagnostics);
     INFO(diagnostics.message() << diagnostics.warning_message());
     REQUIRE(scene.ok());

@@ -152,12 +152,12 @@ std::vector<std::string> warnings_for(const std::string& obj, const std::string&
   const Folder folder;
   folder.write("shape.obj", obj);
   folder.write("x.toml", hull("file = \"shape.obj\"\nmass_kg = 1\n" + keys) + kProxy);
-  SceneDiagnostics found;
+  text::Diagnostics found;
   const auto scene = load_scene(folder.path / "x.toml", &found);
   INFO(scene.message());
   REQUIRE(scene.ok());
   // What is taken from the tape is not compared again.
-  SceneDiagnostics again;
+  text::Diagnostics again;
   REQUIRE(parse_scene(scene.value().source, "y", &again).ok());
   CHECK(again.warnings.empty());
   std::vector<std::string> list;
@@ -196,4 +196,35 @@ TEST_CASE("A file whose surface is open is said to be open, with what the hull c
   const auto broken = warnings_for(obj_box({0, 0, 0}, {100, 60, 30}, 0) + "f 1 2 99\n");
   REQUIRE(broken.size() == 1);
   CHECK_THAT(broken[0], Contains("its hull is not compared with its triangles") && Contains(":15: \"99\" is none of"));
+}
+
+TEST_CASE("a hull has the centre of mass and the moments that its body gives, and stays where it is") {
+  const std::string own =
+      "mass_kg = 2\ncentre_of_mass_m = [0.05, 0.12, 0.1]\ninertia_kg_m2 = [0.02, 0.03, 0.04, 0.001, -0.002, 0.003]\n";
+  const Scene scene = good(hull(kCube + own + "position_m = [1, 2, 3]\n"));
+  const auto& body = scene.bodies[1];
+  CHECK(norm(body.motion.pose.position - Vec3d{1.05, 2.12, 3.1}) < 1e-12);
+  // The matrix back from the principal moments, one entry of each kind.
+  const auto entry = [&body](const Vec3d& u, const Vec3d& v) {
+    const Vec3d in_body = rotate_inverse(body.motion.pose.rotation, v);
+    return dot(rotate_inverse(body.motion.pose.rotation, u), scale(body.inertia, in_body));
+  };
+  CHECK(entry({1, 0, 0}, {1, 0, 0}) == Approx(0.02).epsilon(1e-9));
+  CHECK(entry({0, 0, 1}, {0, 0, 1}) == Approx(0.04).epsilon(1e-9));
+  CHECK(entry({1, 0, 0}, {0, 0, 1}) == Approx(-0.002).epsilon(1e-8));
+  const physics::Hull& used = scene.hulls[body.shape.index];
+  for (std::uint32_t i = 0; i < used.topology.vertices; ++i) {
+    const Vec3d corner = body.motion.pose.position + rotate(body.motion.pose.rotation, used.vertex(i)) - Vec3d{1, 2, 3};
+    for (int axis = 0; axis < 3; ++axis) CHECK(std::min(std::abs(corner[axis]), std::abs(corner[axis] - 0.2)) < 1e-12);
+  }
+  // A box may have moments, not products, and what no rigid body has is refused.
+  const std::string box = "[[body]]\nshape = \"box\"\nsize_m = [1, 1, 1]\nmass_kg = 1\ninertia_kg_m2 = ";
+  CHECK(good(box + "[0.1, 0.2, 0.25]\n").bodies[1].inertia.z == 0.25);
+  CHECK_THAT(wrong(box + "[0.1, 0.2, 0.25, 0.01, 0, 0]\n"), Contains("turned axes of inertia need a hull"));
+  CHECK_THAT(wrong(box + "[0.1, 0.1, 0.3]\n"), Contains("no rigid body has these moments"));
+  CHECK_THAT(wrong(box + "[0.1, 0.1]\n"), Contains("is no list of moments"));
+  CHECK_THAT(wrong(hull(kCube + "mass_kg = 1\ncentre_of_mass_m = [0.3, 0, 0]\ninertia_kg_m2 = [1, 1, 1]\n")),
+             Contains("is not inside the hull"));
+  CHECK_THAT(wrong(hull(kCube + "mass_kg = 1\ncentre_of_mass_m = [0.1, 0.1, 0.1]\n")),
+             Contains("no moments of inertia about it"));
 }

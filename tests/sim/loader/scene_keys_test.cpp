@@ -7,8 +7,9 @@
 #include <set>
 #include <sstream>
 
-#include "sim/loader/scene_load_toml.h"
+#include "rt/text/toml.h"
 
+using namespace tactus;
 using namespace tactus::sim;
 
 namespace {
@@ -28,20 +29,21 @@ const SceneKey& key(const SceneTable& t, std::string_view name, std::string_view
 }
 
 // "table key" of everything in a document that the language does not have.
-void collect_unknown(const TomlNode& node, const std::string& where, const std::vector<SceneTable>& language,
+void collect_unknown(const text::TomlNode& node, const std::string& where, const std::vector<SceneTable>& language,
                      std::vector<std::string>& unknown) {
   const SceneTable& t = table(language, where);
-  for (const TomlNode& item : node.items) {
+  for (const text::TomlNode& item : node.items) {
     const bool known =
         std::any_of(t.keys.begin(), t.keys.end(), [&](const auto& k) { return k.asked.key == item.key; });
     if (!known) unknown.push_back(where + " " + item.key);
-    const bool is_list = item.kind == TomlKind::kArray && !item.items.empty() && item.items[0].kind == TomlKind::kTable;
+    const bool is_list =
+        item.kind == text::TomlKind::kArray && !item.items.empty() && item.items[0].kind == text::TomlKind::kTable;
     const std::string below = !where.empty() ? where + " " + item.key
                               : is_list      ? "[[" + item.key + "]]"
                                              : "[" + item.key + "]";
-    if (item.kind == TomlKind::kTable) collect_unknown(item, below, language, unknown);
+    if (item.kind == text::TomlKind::kTable) collect_unknown(item, below, language, unknown);
     if (is_list)
-      for (const TomlNode& entry : item.items) collect_unknown(entry, below, language, unknown);
+      for (const text::TomlNode& entry : item.items) collect_unknown(entry, below, language, unknown);
   }
 }
 
@@ -71,9 +73,9 @@ TEST_CASE("every key of every scene that ships is in the scene language") {
     std::ifstream file(entry.path());
     std::stringstream text;
     text << file.rdbuf();
-    SceneDiagnostics diagnostics;
-    TomlNode root;
-    REQUIRE(read_toml(text.str(), root, diagnostics));
+    text::Diagnostics diagnostics;
+    text::TomlNode root;
+    REQUIRE(text::read_toml(text.str(), root, diagnostics));
     std::vector<std::string> unknown;
     collect_unknown(root, "", language, unknown);
     CHECK(unknown == std::vector<std::string>{});

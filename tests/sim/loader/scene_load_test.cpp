@@ -16,8 +16,8 @@ namespace {
 // Behind the text of a test, so that lines and columns are those of the test's text.
 const std::string kProxy = "\n[proxy]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.1\n";
 
-SceneDiagnostics diagnose(const std::string& text) {
-  SceneDiagnostics diagnostics;
+text::Diagnostics diagnose(const std::string& text) {
+  text::Diagnostics diagnostics;
   const auto scene = parse_scene(text, "x.toml", &diagnostics);
   CHECK(scene.ok() == diagnostics.ok());
   return diagnostics;
@@ -127,7 +127,7 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
     const auto found = diagnose(c.text + kProxy);
     INFO(c.text << "\n-> " << found.message());
     REQUIRE(found.mistakes.size() == 1);
-    const Mistake& m = found.mistakes.front();
+    const text::Mistake& m = found.mistakes.front();
     CHECK(m.line == c.line);
     CHECK(m.column == c.column);
     CHECK(m.where == c.where);
@@ -345,8 +345,8 @@ TEST_CASE("no text exhausts the stack or the memory") {
   std::string keys;
   for (int i = 0; i < 1000; ++i) keys += fmt::format("key{} = 1\n", i);
   const auto found = diagnose(keys + kProxy);
-  CHECK(found.mistakes.size() == kMaxReportedMistakes);
-  CHECK(found.left_out == 1000 - kMaxReportedMistakes);
+  CHECK(found.mistakes.size() == text::kMaxReportedMistakes);
+  CHECK(found.left_out == 1000 - text::kMaxReportedMistakes);
   CHECK_THAT(found.message(), Contains("and 900 more"));
 }
 

@@ -20,8 +20,8 @@ namespace {
 
 const std::string kProxy = "\n[proxy]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.1\n";
 
-SceneDiagnostics diagnose(const std::string& text) {
-  SceneDiagnostics diagnostics;
+text::Diagnostics diagnose(const std::string& text) {
+  text::Diagnostics diagnostics;
   (void)parse_scene(text + kProxy, "x.toml", &diagnostics);
   return diagnostics;
 }

@@ -2,9 +2,7 @@
 // by the kernel, in a process of its own; the same run counts allocations, locks and page faults. On every kind of
 // shape and joint, and in the situations that take another way through the tick: faults, cuts, a late world.
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 
 #include "rt/thread/periodic_thread.h"
 #include "sim/global_thread.h"
+#include "tests/support/forked_trial.h"
 #include "tests/support/rt_guard.h"
 #include "tests/support/syscall_filter.h"
 #include "tests/system/session_bench.h"
@@ -55,6 +54,7 @@ struct Trial {
   double budget{loop::GovernorConfig{}.budget};  // of the period, for the governor
   std::vector<sim::Stall> stalls{};              // of the global world; in real time only
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
+  const char *device{"sim"}, *device_file{""};
   bool watched{false};  // a watcher reads all ticks and frames that the run publishes
 };
 
@@ -140,6 +140,8 @@ void run_child(const Trial& trial, Counts& counts) {
   options.members = trial.members;
   options.coupling = trial.coupling;
   options.inject = trial.inject;
+  options.device = trial.device;
+  options.device_file = trial.device_file;
   options.rearm = true;
   auto session = make_session(scene_file(trial.scene), options);
   loop::GovernorConfig governor = session->governor->config();
@@ -182,21 +184,7 @@ void run_child(const Trial& trial, Counts& counts) {
 }
 
 Counts run_trial(const Trial& trial) {
-  void* const shared = mmap(nullptr, sizeof(Counts), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  REQUIRE(shared != MAP_FAILED);
-  auto& counts = *new (shared) Counts;
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    run_child(trial, counts);
-    _exit(1);
-  }
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  REQUIRE(WIFEXITED(status));
-  REQUIRE(WEXITSTATUS(status) == 0);
-  const Counts result = counts;
-  munmap(shared, sizeof(Counts));
+  const auto result = test::run_forked<Counts>([&](Counts& counts) { run_child(trial, counts); });
   REQUIRE(result.filtered);
   return result;
 }
@@ -249,6 +237,17 @@ TEST_CASE("nor with faults that latch and are taken back", "[no-asan][no-tsan]")
   const Counts counts = run_trial({.ticks = 4'000, .pace = Pace::kAsFastAsItGoes, .inject = inject});
   check_clean(counts, 4'000);
   CHECK(counts.latched > 0);
+}
+
+TEST_CASE("nor on an arm of drives, whole or with faults", "[no-asan][no-tsan]") {
+  const char* const file = GENERATE(TACTUS_SOURCE_DIR "/hal/devices/point_arm_drives.toml",
+                                    TACTUS_SOURCE_DIR "/hal/devices/wristed_arm_moteus.toml");
+  const char* const inject = GENERATE("", "lost/state@1500+30", "frozen@1500+30", "unplugged@1500+30");
+  CAPTURE(file, inject);
+  const Counts counts = run_trial(
+      {.ticks = 4'000, .pace = Pace::kAsFastAsItGoes, .inject = inject, .device = "drives-sim", .device_file = file});
+  check_clean(counts, 4'000);
+  CHECK((counts.latched > 0) == (*inject != 0));
 }
 
 TEST_CASE("nor where the solver is cut, and where the governor leaves out sub-steps and members",

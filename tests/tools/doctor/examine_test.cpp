@@ -272,7 +272,7 @@ TEST_CASE("A device on USB must be there and usable") {
 TEST_CASE("The interrupt of the device's bus is amber while it may come to many cores, and may come to the loop's") {
   const Tree tree;
   Request request;
-  request.can_interface = "can0";
+  request.can_interfaces = {"can0"};
   for (const Finding& finding : tree.examine(request).findings) CHECK(finding.check != "bus-interrupt");  // none shown
   tree.write("sys/class/net/can0/device/irq", "16\n");
   tree.write("proc/irq/16/smp_affinity_list", "0-3\n");
@@ -302,7 +302,7 @@ TEST_CASE("The interrupts of a device on USB are its controller's") {
   tree.write("proc/irq/29/xhci_hcd/none", "");
   CHECK(of(tree.examine(request), "bus-interrupt").commands == "echo 3 > /proc/irq/29/smp_affinity_list");
   request.usb = false;
-  request.can_interface = "can0";  // an adapter on that bus
+  request.can_interfaces = {"can0"};  // an adapter on that bus
   tree.write("sys/devices/pci0/usb1/1-3/busnum", "1\n");
   std::filesystem::create_directories(tree.root / "sys/devices/pci0/usb1/1-3/1-3:1.0");
   std::filesystem::create_directories(tree.root / "sys/class/net/can0");

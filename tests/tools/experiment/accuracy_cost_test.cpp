@@ -57,7 +57,7 @@ TEST_CASE("Accuracy has a price: more sub-steps cost more, and all that was meas
   request.cases = {case_of("chain")};
   request.seeds = 1;
   request.quick = true;
-  const auto report = run_accuracy_cost(request, {});
+  const auto report = run_accuracy_cost(request, {}, {});
   REQUIRE(report.ok());
   const auto json = nlohmann::json::parse(cost_json(report.value()));
   REQUIRE(json["points"].size() == settings_for(load_coupling_case(request.cases[0], 0).value(), 8, true).size());
@@ -80,8 +80,9 @@ TEST_CASE("Accuracy has a price: more sub-steps cost more, and all that was meas
   const auto whole = std::find_if(report.value().points.begin(), report.value().points.end(),
                                   [](const CostPoint& p) { return p.setting.members == 32; });
   REQUIRE(whole != report.value().points.end());
-  const auto frozen = std::find_if(report.value().points.begin(), report.value().points.end(),
-                                   [](const CostPoint& p) { return p.setting.border == physics::BorderMode::kFrozen; });
+  const auto frozen = std::find_if(report.value().points.begin(), report.value().points.end(), [](const CostPoint& p) {
+    return p.setting.scheme.border == physics::BorderMode::kFrozen;
+  });
   REQUIRE(frozen != report.value().points.end());
   CHECK(whole->force_error < frozen->force_error);
 }

@@ -4,7 +4,7 @@
 
 #include "tests/system/session_bench.h"
 #include "tools/experiment/coupling/reference_run.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/session/session.h"
 
 using namespace tactus;

@@ -5,10 +5,18 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tactus/tactus.h"
 
 namespace tactus::test {
+
+// Every coupling, each on a scene that it suits.
+inline const std::vector<std::pair<const char*, const char*>> kSceneForCoupling{
+    {"card_house.toml", "sub-world"}, {"press.toml", "direct"}, {"stack20.toml", "interpolation"},
+    {"wall.toml", "static"},          {"press.toml", "planes"}, {"chain.toml", "sub-world"},
+    {"workshop.toml", "sub-world"}};
 
 inline Scene scene_of(const std::string& name) {
   Scene scene;

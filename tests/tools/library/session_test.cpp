@@ -24,13 +24,7 @@ std::uint64_t hash_of_inner_run(const std::string& name, const std::string& coup
 
 TEST_CASE("a session has the bits of the program's virtual run, for every coupling") {
   constexpr std::uint64_t kTicks = 1200;
-  const auto [scene, coupling] = GENERATE(table<const char*, const char*>({{"card_house.toml", "sub-world"},
-                                                                           {"press.toml", "direct"},
-                                                                           {"stack20.toml", "interpolation"},
-                                                                           {"wall.toml", "static"},
-                                                                           {"press.toml", "planes"},
-                                                                           {"chain.toml", "sub-world"},
-                                                                           {"workshop.toml", "sub-world"}}));
+  const auto [scene, coupling] = GENERATE(from_range(kSceneForCoupling));
   CAPTURE(scene, coupling);
   Options options;
   options.coupling = coupling;

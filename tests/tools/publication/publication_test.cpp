@@ -318,6 +318,43 @@ TEST_CASE("a frame that is read while it is written is whole, or is not read") {
   CHECK(torn == 0);
 }
 
+TEST_CASE("what the run says of itself is read once, whole, and what is too long leaves the text before it") {
+  const auto publication = published(test::scene_file("stack20.toml"));
+  const auto watcher = watching(*publication);
+  std::string state = "none";
+  CHECK_FALSE(watcher->read_state(state));
+  for (const std::string& text : {std::string("{}"), std::string(8176, 'x'), std::string("short")}) {
+    publication->say(text);
+    REQUIRE(watcher->read_state(state));
+    CHECK(state == text);
+    CHECK_FALSE(watcher->read_state(state));
+  }
+  publication->say(std::string(8177, 'y'));
+  CHECK_FALSE(watcher->read_state(state));
+  CHECK(state == "short");
+}
+
+TEST_CASE("what the run says of itself, read while it is written, is whole or is not read") {
+  const auto publication = published(test::scene_file("stack20.toml"));
+  const auto watcher = watching(*publication);
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (int i = 0; i < 20'000; ++i)
+      publication->say(std::string(static_cast<std::size_t>(1 + i % 97), static_cast<char>('a' + i % 26)));
+    done = true;
+  });
+  std::string state;
+  int read = 0;
+  while (!done || read == 0) {
+    if (!watcher->read_state(state)) continue;
+    ++read;
+    REQUIRE(!state.empty());
+    CHECK(state.find_first_not_of(state.front()) == std::string::npos);
+  }
+  writer.join();
+  CHECK(read > 0);
+}
+
 TEST_CASE("the end of the run is seen") {
   const sim::Scene scene = test::scene_text(test::kPressScene);
   auto publication = published(scene);

@@ -45,11 +45,12 @@ struct Bench {
   std::filesystem::path socket = folder.path / "control";
   std::unique_ptr<ControlServer> server = open();
 
-  std::unique_ptr<ControlServer> open() {
-    auto opened = ControlServer::open(socket, requests, stop, [](std::string& said) {
+  std::unique_ptr<ControlServer> open(const Watchable& watchable = {}) {
+    const auto reload = [](std::string& said) {
       said = "nothing changed";
       return Status::good();
-    });
+    };
+    auto opened = ControlServer::open(socket, requests, stop, reload, true, watchable);
     INFO(opened.message());
     REQUIRE(opened.ok());
     return std::move(opened).value();
@@ -155,6 +156,52 @@ TEST_CASE("state is what the run last told, reload what it said") {
   bench.server->tell(R"({"ok":true,"ticks":42})");
   CHECK(bench.ask("state")["ticks"] == 42);
   CHECK(bench.ask("reload")["said"] == "nothing changed");
+}
+
+TEST_CASE("real time is not paused, stepped or slowed down, and virtual time is") {
+  Bench bench;
+  for (const char* line : {"play", "pause", "tick", "cycle", "pace 0.1"}) {
+    const auto refused = bench.ask(line);
+    CHECK(refused["ok"] == false);
+    CHECK_THAT(refused["said"].get<std::string>(),
+               StartsWith("real time cannot be paused") && Contains("; accepted: "));
+  }
+  Pacing pacing;
+  bench.server.reset();
+  bench.server = bench.open({.pacing = &pacing});
+  CHECK(bench.ask("pause")["ok"] == true);
+  CHECK_FALSE(pacing.playing.load());
+  CHECK(bench.ask("tick")["ok"] == true);
+  CHECK(bench.ask("cycle")["ok"] == true);
+  CHECK(pacing.ticks.load() == 1);
+  CHECK(pacing.cycles.load() == 1);
+  CHECK(bench.ask("pace 0.01")["ok"] == true);
+  CHECK(pacing.pace.load() == 0.01);
+  CHECK(bench.ask("pace 0")["ok"] == true);
+  for (const char* line : {"pace", "pace x", "pace 0.001", "pace 101", "pace nan", "pace -1", "pace 1 2"})
+    CHECK(bench.ask(line)["ok"] == false);
+  CHECK(pacing.pace.load() == 0);
+  CHECK(bench.ask("play")["ok"] == true);
+  CHECK(pacing.playing.load());
+}
+
+TEST_CASE("one at a time leads the simulated hand, and nobody a real device's") {
+  Bench bench;
+  CHECK(bench.ask("hand 1 take")["ok"] == false);
+  session::HandInput hand;
+  bench.server.reset();
+  bench.server = bench.open({.hand = &hand});
+  CHECK(bench.ask("hand 1 0 0 0 0 0 0")["ok"] == false);  // not taken
+  CHECK(bench.ask("hand 1 take")["ok"] == true);
+  CHECK(bench.ask("hand 1 0.1 0 -0.2 0 0 0.5")["ok"] == true);
+  const auto second = bench.ask("hand 2 take");
+  CHECK(second["ok"] == false);
+  CHECK(second["said"] == "another page has the hand");
+  for (const char* line : {"hand", "hand 1", "hand 0 take", "hand 1 1 2 3", "hand 1 nan 0 0 0 0 0",
+                           "hand 1 11 0 0 0 0 0", "hand 1 x 0 0 0 0 0", "hand 1 1e999 0 0 0 0 0"})
+    CHECK(bench.ask(line)["ok"] == false);
+  CHECK(bench.ask("hand 1 rest")["ok"] == true);
+  CHECK(bench.ask("hand 2 take")["ok"] == true);
 }
 
 TEST_CASE("what is no request is refused, also where it is long or nothing") {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/system/session_bench.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 
 using namespace tactus;
 using namespace tactus::session;

@@ -18,15 +18,19 @@ struct Model {
     Trial trial;
     trial.setting = s;
     trial.force_error = 0.2 / s.sub_steps + (s.relax_sweeps == 1 ? 0.05 : 0) + 0.5 * (1 - s.members / 64.0) +
-                        0.002 * (s.members < 64 ? s.ratio : 0);
+                        0.002 * (s.members < 64 ? s.scheme.ratio : 0);
     trial.tick_us_p99 = us_per_member_sub_step * s.members * s.sub_steps * (s.relax_sweeps + 1) / 2;
-    trial.global_us_per_tick = global_us / s.ratio;
+    trial.global_us_per_tick = global_us / s.scheme.ratio;
     return trial;
   }
 };
 
 Setting setting(unsigned sub_steps, unsigned relax_sweeps, unsigned members, unsigned ratio) {
-  return {.sub_steps = sub_steps, .relax_sweeps = relax_sweeps, .contact_Hz = 250, .members = members, .ratio = ratio};
+  return {.sub_steps = sub_steps,
+          .relax_sweeps = relax_sweeps,
+          .contact_Hz = 250,
+          .members = members,
+          .scheme = {.ratio = ratio}};
 }
 
 }  // namespace
@@ -66,7 +70,7 @@ TEST_CASE("Where the global world is too slow the ratio rises, and where nothing
   Model slow{.us_per_member_sub_step = 0.1, .global_us = 6000};
   const Found found = search(setting(4, 1, 16, 4), kLimits, std::ref(slow));
   CHECK(found.fits);
-  CHECK(found.best.setting.ratio >= 8);
+  CHECK(found.best.setting.scheme.ratio >= 8);
   Model hopeless{.us_per_member_sub_step = 1e6};
   CHECK_FALSE(search(setting(4, 1, 16, 8), kLimits, std::ref(hopeless)).fits);
 }
@@ -80,7 +84,7 @@ TEST_CASE("A notch changes one factor, stays within the limits and resolves the 
       for (const Notch& notch : notches) {
         const Setting& to = notch.setting;
         CHECK((to.sub_steps != s.sub_steps) + (to.relax_sweeps != s.relax_sweeps) + (to.members != s.members) +
-                  (to.ratio != s.ratio) ==
+                  (to.scheme.ratio != s.scheme.ratio) ==
               1);
         CHECK(to.members <= 20);
         CHECK(to.members >= 1);

@@ -18,7 +18,7 @@ TuneReport made_up() {
   report.scene = "my";
   report.scene_hash = "0123";
   report.limits = {.tick_us = 600, .global_us = 800, .members = 256, .sub_steps = 16, .bodies = 40};
-  report.chosen.setting = {.sub_steps = 8, .relax_sweeps = 2, .contact_Hz = 250, .members = 40, .ratio = 4};
+  report.chosen.setting = {.sub_steps = 8, .relax_sweeps = 2, .contact_Hz = 250, .members = 40, .scheme = {.ratio = 4}};
   report.chosen.tick_us_p99 = 400;
   report.chosen.force_error = 0.02;
   FurtherStep step;

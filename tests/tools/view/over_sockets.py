@@ -11,15 +11,18 @@ import unittest
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from watched_run import Page, Run, Viewer, fetch, page_is_built, skip, wait_for  # noqa: E402
+from types import SimpleNamespace  # noqa: E402
+
+from watched_run import PATIENCE_S, SCENES, Page, Run, Viewer, fetch, page_is_built, skip, wait_for  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))
 
 
 def header_of(message):
-    names = ("magic", "version", "number", "full", "time_s", "bodies", "roles", "ticks", "contacts", "dropped", "lost_ticks",
-             "component", "left_out", "resets", "has_frame")
-    return dict(zip(names, struct.unpack_from("<IIIIdIIIIIIIIII", message)))
+    names = ("magic", "version", "number", "tick_age_us", "time_s", "bodies", "roles", "ticks", "contacts", "dropped", "lost_ticks",
+             "component", "left_out", "resets", "flags")
+    head = dict(zip(names, struct.unpack_from("<IIIfdIIIIIIIIII", message)))
+    return {**head, "has_frame": head["flags"] & 1, "full": head["flags"] & 4}
 
 
 class OverSockets(unittest.TestCase):
@@ -72,9 +75,9 @@ class OverSockets(unittest.TestCase):
         self.assertEqual((scene["name"], moving, len(scene["channels"])), ("card_house", 27, 24))
         ticks, bodies, number = [], 0, 0
         while len(ticks) < 1000:
-            message = page.message()
+            message = self.binary(page)
             head = header_of(message)
-            self.assertEqual((head["magic"], head["version"], head["number"]), (0x46434154, 1, number + 1))
+            self.assertEqual((head["magic"], head["version"], head["number"]), (0x46434154, 3, number + 1))
             number = head["number"]
             indices = 0 if head["full"] or not head["has_frame"] else 4 * head["bodies"]
             blocks = 64 + indices + 20 * head["bodies"] + 4 * head["roles"]
@@ -88,9 +91,12 @@ class OverSockets(unittest.TestCase):
         else:
             self.assertEqual(ticks, sorted(set(ticks)))
         # Without acknowledgement two more come, whatever the time.
-        page.message(), page.message()
-        page.socket.settimeout(1)
-        self.assertRaises(TimeoutError, page.message)
+        self.binary(page), self.binary(page)
+        before = self.run_.ask("state")["ticks"]
+        wait_for(lambda: self.run_.ask("state")["ticks"] > before + 1000, "ticks")
+        page.send('{"ask": "disarm"}')
+        while (text := json.loads(page.message()))["kind"] != "answer":  # what comes until then is text
+            self.assertEqual(text["kind"], "state")
 
     def test_what_a_page_may_not_say(self):
         page = self.page()
@@ -135,7 +141,7 @@ class OverSockets(unittest.TestCase):
         self.assertTrue(self.answer(page, "answer")["ok"])
         self.answer(page, "ended")
         page.close()
-        report = json.loads(self.viewer.process.communicate(timeout=20)[0])
+        report = json.loads(self.viewer.process.communicate(timeout=PATIENCE_S)[0])
         self.assertTrue(report["run_ended"])
         self.assertEqual(report["clients_most"], 1)
 
@@ -154,6 +160,111 @@ class OverSockets(unittest.TestCase):
         summary = self.run_.end()
         self.assertEqual(summary["timing"]["overruns_own_work"], 0)
 
+    def test_the_verdict_is_told_while_it_runs_and_at_the_end_as_the_summary_has_it(self):
+        page = self.page()
+        so_far = page.said("state", ended=False)
+        self.assertIn(so_far["level"], ("good", "degraded", "bad"))
+        self.assertEqual(so_far["fault_tape"], "")
+        page.asks("stop")
+        last = page.said("state", ended=True)
+        summary = self.run_.end()
+        self.assertEqual(last["verdict"], summary["verdict"])
+
+    def test_a_fault_opens_its_last_seconds(self):
+        self.run_.end()
+        self.viewer.end()
+        self.run_ = Run(PROGRAM, "card_house.toml", "--inject", "lost@3000+1000000")
+        self.viewer = Viewer(self.run_)
+        page = self.page()
+        while not (state := page.said("state")).get("fault_page"):
+            pass
+        self.assertEqual((state["level"], state["verdict"][:25]), ("bad", "BAD: a fault is latched: "))
+        self.assertEqual(state["fault_tape"], os.path.join(os.path.realpath(self.run_.folder), "tactus-fault.tape"))
+        fault = SimpleNamespace(port=int(state["fault_page"].split(":")[2].split("/")[0]), token=state["fault_page"].split("#")[1])
+        self.assertNotEqual(fault.token, self.viewer.token)
+        self.pages.append(Page(fault))
+        tape = self.pages[-1].said("tape")["tapes"][0]
+        self.assertEqual(len(tape["faults_s"]), 1)
+        self.assertGreater(tape["faults_s"][0], 3)
+        stranger = Page(SimpleNamespace(port=fault.port, token=self.viewer.token))
+        self.assertEqual(stranger.status, 403)
+        stranger.close()
+
+    def test_four_pages_get_the_same_ticks_and_one_that_takes_nothing_delays_none(self):
+        pages = [self.page() for _ in range(4)]
+        for page in pages:
+            self.assertEqual(json.loads(page.message())["kind"], "scene")
+        frozen, others = pages[0], pages[1:]
+        seen = [dict() for _ in others]
+        before = self.run_.ask("state")["ticks"]
+        for page, ticks in zip(others, seen):
+            while len(ticks) < 2000:
+                self.take_ticks(page, ticks)
+        for page, ticks in zip(others, seen):  # up to the same tick
+            while max(ticks) < max(max(one) for one in seen):
+                self.take_ticks(page, ticks)
+        common = set.intersection(*(set(one) for one in seen))
+        self.assertGreater(len(common), 1000)
+        for tick in common:
+            self.assertEqual(len({one[tick] for one in seen}), 1)
+        self.assertGreater(self.run_.ask("state")["ticks"], before)
+        # Two messages wait in the frozen one, and no more; the next one says how many frames it did not get.
+        first, second = (self.binary(frozen) for _ in range(2))
+        frozen.send(json.dumps({"ack": header_of(second)["number"]}))
+        third = header_of(self.binary(frozen))
+        self.assertEqual([header_of(first)["number"], header_of(second)["number"], third["number"]], [1, 2, 3])
+        self.assertGreater(third["dropped"], 10)
+        for page in pages:
+            page.close()
+        self.assertGreaterEqual(self.viewer.end()["frames_dropped"], third["dropped"])
+        self.assertEqual(self.run_.end()["timing"]["overruns_own_work"], 0)
+
+    @staticmethod
+    def binary(page):
+        while not isinstance(message := page.message(), bytes):
+            pass
+        return message
+
+    def take_ticks(self, page, ticks):
+        """Of the next message, by number: the row's bytes. It is acknowledged."""
+        message = self.binary(page)
+        head = header_of(message)
+        at = 64 + (0 if head["full"] or not head["has_frame"] else 4 * head["bodies"]) + 20 * head["bodies"] + 4 * head["roles"]
+        for row in (message[at + 96 * i:at + 96 * (i + 1)] for i in range(head["ticks"])):
+            ticks[int(struct.unpack_from("<f", row)[0])] = row
+        page.send(json.dumps({"ack": head["number"]}))
+
+    def test_a_viewer_that_stands_still_for_30_s_of_the_run_changes_no_bit_and_goes_on(self):
+        self.viewer.end()
+        self.run_.end()
+        options = ["--virtual-time", "--duration", "60"]
+        plain = json.loads(subprocess.run([PROGRAM, "run", os.path.join(SCENES, "incline.toml"), *options, "--json"],
+                                          capture_output=True, text=True, check=False).stdout)
+        self.run_ = Run(PROGRAM, "incline.toml", *options, "--pace", "1")
+        self.viewer = Viewer(self.run_)
+        page = self.page()
+        page.asks("pause")
+        head = self.until_number(page, 2)
+        os.kill(self.viewer.process.pid, signal.SIGSTOP)
+        before = self.run_.ask("state")["ticks"]
+        self.run_.say("pace 0")
+        self.run_.say("play")
+        wait_for(lambda: self.run_.ask("state")["ticks"] >= before + 30000, "30 s of virtual time")
+        self.run_.say("pause")
+        os.kill(self.viewer.process.pid, signal.SIGCONT)
+        page.send(json.dumps({"ack": head["number"]}))
+        while (late := header_of(self.binary(page)))["lost_ticks"] == 0:
+            page.send(json.dumps({"ack": late["number"]}))
+        self.assertGreater(late["lost_ticks"], 30000 - 16384 - 4096 - 1)  # the ring of the run, and what waits for a page
+        page.send('{"ask": "play"}')
+        summary = json.loads(self.run_.process.communicate(timeout=PATIENCE_S)[0])
+        self.assertEqual(summary["state_hash"], plain["state_hash"])
+
+    def until_number(self, page, number):
+        while (head := header_of(self.binary(page)))["number"] < number:
+            page.send(json.dumps({"ack": head["number"]}))
+        return head
+
     def test_a_run_that_is_killed_is_over_for_its_pages(self):
         page = self.page()
         page.message()
@@ -164,7 +275,7 @@ class OverSockets(unittest.TestCase):
     def test_what_is_missing_is_one_line(self):
         for options, says in ((["--socket", "/nowhere.sock"], "no run answers there"),
                               (["--socket", self.run_.socket, "--port", str(self.viewer.port)], "accepted: --port with a free one")):
-            done = subprocess.run([PROGRAM, "view", *options], capture_output=True, text=True, timeout=20)
+            done = subprocess.run([PROGRAM, "view", *options], capture_output=True, text=True, timeout=PATIENCE_S)
             self.assertEqual(done.returncode, 3)
             self.assertEqual(done.stderr.count("\n"), 1)
             self.assertIn(says, done.stderr)

@@ -41,7 +41,7 @@ std::uint32_t word_at(const std::string& message, std::size_t at) {
 std::string next(PageStream& stream, const publication::Frame& frame) {
   stream.offer_frame();
   REQUIRE(stream.ready());
-  const std::string message = stream.take(frame);
+  const std::string message = stream.take(frame, 0);
   stream.acknowledge(header_of(message).number);
   return message;
 }
@@ -61,7 +61,7 @@ TEST_CASE("a message has exactly the bytes of the format, full at first and of w
   PageStream stream;
   publication::Frame frame = frame_of(5000, 200);
   const std::string first = next(stream, frame);
-  CHECK(header_of(first).full == 1);
+  CHECK((header_of(first).flags & kIsFull) != 0);
   CHECK(header_of(first).bodies == 5000);
   CHECK(first.size() == 64 + 5000 * (12 + 8) + 5000 * 4 + 200 * 32);
   CHECK(next(stream, frame).size() == 64 + 200 * 32);  // nothing moved
@@ -72,7 +72,7 @@ TEST_CASE("a message has exactly the bytes of the format, full at first and of w
   frame.roles[9] = publication::kIsAsleep;
   const std::string delta = next(stream, frame);
   CHECK(delta.size() == 64 + 2 * (4 + 12 + 8) + 4 + 200 * 32);
-  CHECK(header_of(delta).full == 0);
+  CHECK((header_of(delta).flags & kIsFull) == 0);
   CHECK(word_at(delta, 64) == 7);
   CHECK(word_at(delta, 68) == 4000);
   CHECK(word_at(delta, 64 + 2 * 24) == ((std::uint32_t{publication::kIsAsleep} << 24) | 9));
@@ -94,7 +94,7 @@ TEST_CASE("at most two messages are unacknowledged, the newest frame follows, an
   for (std::uint32_t i = 1; i <= 2; ++i) {
     stream.offer_frame();
     REQUIRE(stream.ready());
-    CHECK(header_of(stream.take(frame)).number == i);
+    CHECK(header_of(stream.take(frame, 0)).number == i);
   }
   for (int i = 0; i < 5; ++i) stream.offer_frame();
   CHECK_FALSE(stream.ready());
@@ -103,7 +103,7 @@ TEST_CASE("at most two messages are unacknowledged, the newest frame follows, an
   stream.acknowledge(1);
   REQUIRE(stream.ready());
   frame.positions[0].x = 42;
-  const std::string message = stream.take(frame);
+  const std::string message = stream.take(frame, 0);
   CHECK(header_of(message).number == 3);
   CHECK(header_of(message).dropped == 4);
   CHECK(header_of(message).bodies == 1);
@@ -115,20 +115,34 @@ TEST_CASE(
   const publication::Frame frame = frame_of(1);
   (void)next(stream, frame);
   stream.offer_ticks(ticks_of(17), 3);
-  std::string message = stream.take(frame);
+  std::string message = stream.take(frame, 0);
   WireHeader header = header_of(message);
   CHECK(header.ticks == 17);
   CHECK(header.lost_ticks == 3);
-  CHECK(header.has_frame == 0);
+  CHECK((header.flags & kHasFrame) == 0);
   CHECK(message.size() == 64 + 17 * 4 * kChannels.size());
   float force = 0;
   std::memcpy(&force, message.data() + 64 + 4 * (16 * kChannels.size() + 1), sizeof force);
   CHECK(force == static_cast<float>(0.1 * 16));
   stream.acknowledge(header.number);
   stream.offer_ticks(ticks_of(kMaxTicks + 100), 0);
-  header = header_of(stream.take(frame));
+  header = header_of(stream.take(frame, 0));
   CHECK(header.ticks == kMaxTicks);
   CHECK(header.lost_ticks == 103);
+}
+
+TEST_CASE("ticks of another time forget those that wait, and the page is told once") {
+  PageStream stream;
+  const publication::Frame frame = frame_of(1);
+  stream.offer_ticks(ticks_of(9), 0);
+  stream.restart();
+  stream.offer_ticks(ticks_of(4), 0);
+  std::string message = stream.take(frame, 0);
+  CHECK(header_of(message).ticks == 4);
+  CHECK(header_of(message).flags == kRestarts);
+  stream.acknowledge(header_of(message).number);
+  stream.offer_ticks(ticks_of(1), 0);
+  CHECK(header_of(stream.take(frame, 0)).flags == 0);
 }
 
 TEST_CASE("a page is admitted from this machine, from its own origin, with the token, and no other") {
@@ -154,9 +168,36 @@ TEST_CASE("a page is admitted from this machine, from its own origin, with the t
 TEST_CASE("a page says what it has taken or asks for, anything else is refused and says what is accepted") {
   CHECK(parse_message(R"({"ack": 7})").value().acknowledged == 7);
   CHECK(parse_message(R"({"ask": "disarm"})").value().ask == "disarm");
-  for (const std::string text : {"", "7", "{}", R"({"ack": 0})", R"({"ack": -1})", R"({"ack": 1.5})",
-                                 R"({"ack": 99999999999})", R"({"ack": "1"})", R"({"ask": "fly"})", R"({"ask": 3})",
-                                 R"({"ask": "stop", "ack": 1})", R"({"go": 1})", "[1", "{\"ack\": 1}x", "\xff\xfe"}) {
+  CHECK(parse_message(R"({"ask": "seek", "value": 2.5})").value().value == 2.5);
+  CHECK(parse_message(R"({"hand": [0.1, 0, -0.2, 0, 0, 1]})").value().hand->at(2) == -0.2);
+  CHECK(parse_message(R"({"ask": "pace", "value": 0})").value().ask == "pace");
+  for (const std::string text : {"",
+                                 "7",
+                                 "{}",
+                                 R"({"ack": 0})",
+                                 R"({"ack": -1})",
+                                 R"({"ack": 1.5})",
+                                 R"({"ack": 99999999999})",
+                                 R"({"ack": "1"})",
+                                 R"({"ask": "fly"})",
+                                 R"({"ask": 3})",
+                                 R"({"ask": "stop", "ack": 1})",
+                                 R"({"ask": "seek"})",
+                                 R"({"hand": [1, 2, 3]})",
+                                 R"({"hand": [1, 2, 3, 4, 5, "6"]})",
+                                 R"({"hand": [1e3, 0, 0, 0, 0, 0]})",
+                                 R"({"hand": [0, 0, 0, 0, 0, 0], "ack": 1})",
+                                 R"({"ask": "seek", "value": -1})",
+                                 R"({"ask": "seek", "value": "1"})",
+                                 R"({"ask": "pace", "value": 0.001})",
+                                 R"({"ask": "pace", "value": 1e9})",
+                                 R"({"ask": "play", "value": 1})",
+                                 R"({"ack": 1, "value": 1})",
+                                 R"({"ask": "seek", "value": 1, "x": 1})",
+                                 R"({"go": 1})",
+                                 "[1",
+                                 "{\"ack\": 1}x",
+                                 "\xff\xfe"}) {
     const auto refused = parse_message(text);
     INFO(text);
     REQUIRE_FALSE(refused.ok());

@@ -13,7 +13,7 @@ import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "..", "..", "sim", "scenes")
-PATIENCE_S = 20
+PATIENCE_S = 120
 
 
 def page_is_built(program):
@@ -39,11 +39,18 @@ class Run:
         self.process = subprocess.Popen(
             [program, "run", os.path.join(SCENES, scene), "--control", self.socket, "--priority", "0", "--json", *options],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=self.folder, text=True)
-        wait_for(lambda: os.path.exists(self.socket) and self.ask("state")["ticks"] > 10, "run")
+        wait_for(lambda: os.path.exists(self.socket) and self.ask("state").get("ticks", 0) > 10, "run")
 
     def ask(self, what):
         out = subprocess.run([self.program, "control", what, "--socket", self.socket, "--json"], stdout=subprocess.PIPE, text=True).stdout
         return json.loads(out) if out else {"ticks": 0}
+
+    def say(self, line):
+        """One line of the control socket, as it is."""
+        with socket.socket(socket.AF_UNIX) as connection:
+            connection.connect(self.socket)
+            connection.sendall(line.encode() + b"\n")
+            return json.loads(connection.makefile().readline())
 
     def end(self):
         if self.process.poll() is None:
@@ -53,23 +60,68 @@ class Run:
         return summary
 
 
-class Viewer:
-    """tactus view on a run."""
+class ViewedRun:
+    """A run that starts its own viewer: the address is what it prints."""
 
-    def __init__(self, run, *options):
-        self.process = subprocess.Popen([run.program, "view", "--socket", run.socket, "--json", *options],
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        line = self.process.stderr.readline()
-        assert "http://" in line, line
-        self.address = line[line.index("http://"):].strip()
-        self.token = self.address.split("#")[1]
-        self.port = int(self.address.split(":")[2].split("/")[0])
+    def __init__(self, program, *command):
+        self.folder = tempfile.mkdtemp(prefix="tactus-steered-")
+        self.process = subprocess.Popen([program, *command, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                        cwd=self.folder, text=True)
+        self.address = self.viewer_line()
+        self.token, self.port = self.address.split("#")[1], int(self.address.split(":")[2].split("/")[0])
+
+    def viewer_line(self):
+        for line in self.process.stderr:
+            if "http://" in line:
+                return line[line.index("http://"):].strip()
+        raise AssertionError("no address")
+
+    def kill(self):
+        """Where a test has failed before its end()."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+            self.process.communicate(timeout=3 * PATIENCE_S)
 
     def end(self):
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
+        out, _ = self.process.communicate(timeout=3 * PATIENCE_S)
+        shutil.rmtree(self.folder)
+        return json.loads(out)
+
+
+class AnyViewer:
+    """tactus view with these options."""
+
+    def __init__(self, program, *options):
+        self.process = subprocess.Popen([program, "view", "--json", *options],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        line = self.process.stderr.readline()
+        assert "http://" in line, line
+        self.address = line[line.index("http://"):].strip()
+        self.token = self.address.split("#")[1].split("&")[0]
+        self.port = int(self.address.split(":")[2].split("/")[0])
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGCONT)  # one that stands still would not see the next
+            self.process.send_signal(signal.SIGTERM)
         out, _ = self.process.communicate(timeout=PATIENCE_S)
         return json.loads(out)
+
+
+class Viewer(AnyViewer):
+    """On a run."""
+
+    def __init__(self, run, *options):
+        super().__init__(run.program, "--socket", run.socket, *options)
+
+
+class TapeViewer(AnyViewer):
+    """On a tape, or two."""
+
+    def end(self):
+        return super().end() if self.process.stdout.closed is False else None
 
 
 class Page:
@@ -118,8 +170,35 @@ class Page:
         head = bytes([0x81, 0x80 | size]) if size < 126 else bytes([0x81, 0xfe]) + struct.pack(">H", size)
         self.socket.sendall(head + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(payload)))
 
+    def said(self, kind, **has):
+        """The next text of this kind that has these values; binary messages before it are acknowledged."""
+        while (message := self.message()) is not None:
+            if isinstance(message, bytes):
+                self.send(json.dumps({"ack": struct.unpack_from("<I", message, 8)[0]}))
+                continue
+            text = json.loads(message)
+            if text["kind"] == kind and all(text.get(name) == value for name, value in has.items()):
+                return text
+        raise AssertionError(f"closed without '{kind}'")
+
+    def asks(self, ask, **more):
+        self.send(json.dumps({"ask": ask, **more}))
+        return self.said("answer", ask=ask)
+
     def close(self):
         self.socket.close()
+
+
+def note_of(viewer):
+    """What the page of a tape says of its world, once it is rebuilt or cannot be."""
+    page = Page(viewer)
+    while (message := page.message()) is not None:
+        if isinstance(message, bytes):
+            page.send(json.dumps({"ack": struct.unpack_from("<I", message, 8)[0]}))
+        elif json.loads(message)["kind"] == "tape" and "being rebuilt" not in message:
+            page.close()
+            return json.loads(message)["tapes"][0]["note"]
+    raise AssertionError("closed")
 
 
 def fetch(viewer, path, host=None, method="GET"):

@@ -101,10 +101,42 @@ host_lives() { kill -0 "$host_process" 2>/dev/null; }
 in_force() {
   mark
   report
-  [ "$(value state)" = 2 ] && [ "$(value share)" != 0 ] && return 0
+  pushes_now && return 0
   patience=100
   wait_for force_or_death
   patience=
   said '^force'
 }
 force_or_death() { said '^force' || ! host_lives; }
+# Do the motors push, by the report in $line? A scenario with a bench of its own has its own.
+pushes_now() { [ "$(value state)" = 2 ] && [ "$(value share)" != 0 ]; }
+# under_force NAME: the precondition of every fault.
+under_force() { in_force || { not_ok "$1" "no force before the fault: $(tail -n 1 "$host_log")"; return 1; }; }
+
+# zero_within BENCH NAME KEY LIMIT: since the mark the bench's motors got no force any more, KEY (after, silent) periods
+# later.
+zero_within() {
+  await '^zero' && periods=$(value "$3") || periods=
+  figure "$1-$2" zero "${periods:--1}"
+  [ "${periods:-99999}" -le "$4" ]
+  verdict "$1: $2: no force after ${periods:-no} periods" "more than $4"
+}
+# fault_under_force BENCH NAME LIMIT COMMAND: what the bench is told under force takes the force in LIMIT periods.
+fault_under_force() {
+  under_force "$2" || return
+  mark
+  tell "$4"
+  zero_within "$1" "$2" after "$3"
+}
+
+# hil_verdicts LOG [WHAT]: a line per check of `tactus hil`: its name, good, bad or skipped, what was measured.
+hil_verdicts() {
+  sed -n 's/^ *\([a-z-]*\) *\(good\|bad\|skipped\) */\1 \2 /p' "$1" >/tmp/checks
+  while read -r name word text; do
+    case $word in
+      good) ok "${2:+$2: }hil $name ($text)" ;;
+      bad) not_ok "${2:+$2: }hil $name" "$text" ;;
+      skipped) skip "${2:+$2: }hil $name" "$text" ;;
+    esac
+  done </tmp/checks
+}

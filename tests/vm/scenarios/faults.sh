@@ -15,9 +15,6 @@ brakes() {
   verdict "$1: fades at 3 missed frames, brakes at 10" "fade ${fade:-never}, zero ${zero:-never}, brake $brake"
 }
 
-# under_force NAME: the precondition of every fault.
-under_force() { in_force || { not_ok "$1" "no force before the fault: $(tail -n 1 "$host_log")"; return 1; }; }
-
 under_force force && ok "the hand feels the floor"
 
 if under_force e-stop; then

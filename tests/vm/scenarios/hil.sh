@@ -5,15 +5,7 @@ tactus hil --device "$host" --yes --force 1 --timing report --provoke /bench/pro
   --junit "/out/hil-$link.xml" >"/out/hil-$link.log" 2>&1
 [ $? -le 1 ]
 verdict "hil runs" "$(tail -n 1 "/out/hil-$link.log")"
-# A line per check: its name, good, bad or skipped, what was measured.
-sed -n 's/^ *\([a-z-]*\) *\(good\|bad\|skipped\) */\1 \2 /p' "/out/hil-$link.log" >/tmp/checks
-while read -r name word text; do
-  case $word in
-    good) ok "hil $name ($text)" ;;
-    bad) not_ok "hil $name" "$text" ;;
-    skipped) skip "hil $name" "$text" ;;
-  esac
-done </tmp/checks
+hil_verdicts "/out/hil-$link.log"
 report
 awk -v share="$(value largest_share)" 'BEGIN { exit !(share <= 1) }'
 verdict "no effort beyond the limits in the suite" "$(value largest_share) of the limit"

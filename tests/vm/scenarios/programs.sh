@@ -132,15 +132,7 @@ tactus hil --device "$host" --profile desk3d --rate $((1000000 / period_us)) --o
   --provoke "sh /tmp/provoke-program" >"$report" 2>&1
 [ $? -le 1 ]
 verdict "hil runs" "$(tail -n 1 "$report")"
-# A line per check: its name, good, bad or skipped, what was measured.
-sed -n 's/^ *\([a-z-]*\) *\(good\|bad\|skipped\) */\1 \2 /p' "$report" >/tmp/checks
-while read -r name word text; do
-  case $word in
-    good) ok "hil $name ($text)" ;;
-    bad) not_ok "hil $name" "$text" ;;
-    skipped) skip "hil $name" "$text" ;;
-  esac
-done </tmp/checks
+hil_verdicts "$report"
 
 # --- a configuration that is kept
 

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <span>
 
+#include "rt/base/denormals.h"
 #include "rt/loop/governor.h"
 #include "sim/model/choice_names.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/session/session.h"
 
 namespace tactus::experiment {
@@ -36,7 +39,7 @@ CostPoint point_of(const std::string& scene, const Setting& setting, const Setti
   point.tick_us_p50 = median(sums.ticks_us);
   point.tick_us_p99 = quantile(sums.ticks_us, 0.99);
   point.tick_us_max = quantile(sums.ticks_us, 1);
-  point.global_us_per_tick = median(sums.global_us) / setting.ratio;
+  point.global_us_per_tick = median(sums.global_us) / setting.scheme.ratio;
   return point;
 }
 
@@ -69,9 +72,11 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
       add("contact frequency [Hz]", base.contact_Hz, hertz, [hertz](Setting& s) { s.contact_Hz = hertz; });
   for (const unsigned n : {base.members / 2, base.members * 2, base.members * 4})
     if (n > 0 && n / 2 < bodies) add("members", base.members, n, [n](Setting& s) { s.members = n; });
-  for (const unsigned n : {2u, 4u, 8u, 16u}) add("ratio", base.ratio, n, [n](Setting& s) { s.ratio = n; });
-  for (const auto border : physics::kBorderModes)
-    add("border", sim::name_of(base.border), sim::name_of(border), [border](Setting& s) { s.border = border; });
+  for (const unsigned n : {2u, 4u, 8u, 16u})
+    add("ratio", base.scheme.ratio, n, [n](Setting& s) { s.scheme.ratio = n; });
+  for (const Scheme& other : every_border())
+    add("border", name_of_border(base.scheme), name_of_border(other),
+        [&](Setting& s) { s.scheme.border = other.border; });
   for (const CutOrder order : {CutOrder::kBestFirst, CutOrder::kBreadthFirst})
     add("extraction", sim::name_of(base.order), sim::name_of(order), [order](Setting& s) { s.order = order; });
   add("world precision", sim::name_of(base.precision), sim::name_of(SweepPrecision::kFull),
@@ -86,7 +91,7 @@ Setting default_setting(const sim::Scene& scene, unsigned members) {
   setting.friction = physics::resolve(scene.solver.friction_sweeps, setting.relax_sweeps);
   setting.contact_Hz = scene.solver.contact_hertz;
   setting.members = members;
-  setting.ratio = kDefaultRatio;
+  setting.scheme.ratio = kDefaultRatio;
   return setting;
 }
 
@@ -95,44 +100,79 @@ double work_of(const sim::Scene& scene, const CouplingCase& one, bool quick) {
   return moving_bodies(scene) * (kReferenceWork + static_cast<double>(settings_for(scene, one.members, quick).size()));
 }
 
-Status measure_case(const CostRequest& request, const CouplingCase& one, const Pace& pace, double& done,
-                    CostReport& report) {
-  auto written = load_coupling_case(one, 0);
-  if (!written.ok()) return written.status();
-  const auto profile = session::find_description(written.value().device.profile, {});
-  if (!profile.ok()) return profile.status();
-  const auto settings = settings_for(written.value(), one.members, request.quick);
+std::vector<unsigned> ratios_of(const std::vector<Setting>& settings) {
   std::vector<unsigned> ratios;
   for (const Setting& setting : settings)
-    if (std::find(ratios.begin(), ratios.end(), setting.ratio) == ratios.end()) ratios.push_back(setting.ratio);
-  std::vector<SettingSums> sums(settings.size());
-  std::vector<std::vector<double>> errors(settings.size()), ticks_us(settings.size());  // by seed
-  const double unit = moving_bodies(written.value());
-  for (unsigned seed = 0; seed < request.seeds; ++seed) {
-    auto scene = load_coupling_case(one, seed);
-    if (!scene.ok()) return scene.status();
-    const auto say = [&](const std::string& doing) {
-      pace.say(fmt::format("scene {}, seed {} of {}: {}", one.name, seed + 1, request.seeds, doing), done);
-    };
-    say("reference");
-    const ReferenceRun reference =
-        record_fine(scene.value(), profile.value(), tick_at(HandTimes::kEnd), window_places(request.quick), ratios);
-    done += kReferenceWork * unit;
-    for (std::size_t i = 0; i < settings.size(); ++i) {
-      say(fmt::format("setting {} of {}", i + 1, settings.size()));
-      SettingSums of_seed;
-      measure_setting(scene.value(), profile.value(), settings[i], reference, ratios, of_seed);
-      errors[i].push_back(of_seed.error.relative());
-      ticks_us[i].push_back(median(of_seed.ticks_us));
-      sums[i].add(of_seed);
-      done += unit;
+    if (std::find(ratios.begin(), ratios.end(), setting.scheme.ratio) == ratios.end())
+      ratios.push_back(setting.scheme.ratio);
+  return ratios;
+}
+
+// Called before the reference (setting 0) and before each setting, from 1.
+using BeforeSetting = std::function<void(std::size_t setting, std::size_t settings)>;
+
+Result<HandSums> measure_settings(const CouplingCase& one, unsigned seed, bool quick, const BeforeSetting& before) {
+  // The settings are those of the scene with its first hand.
+  const auto written = load_coupling_case(one, 0), scene = load_coupling_case(one, seed);
+  if (!written.ok()) return written.status();
+  if (!scene.ok()) return scene.status();
+  const auto profile = session::find_description(written.value().device.profile, {});
+  if (!profile.ok()) return profile.status();
+  const auto settings = settings_for(written.value(), one.members, quick);
+  const auto ratios = ratios_of(settings);
+  before(0, settings.size());
+  const ReferenceRun reference =
+      record_fine(scene.value(), profile.value(), tick_at(HandTimes::kEnd), window_places(quick), ratios);
+  HandSums sums(settings.size());
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    before(i + 1, settings.size());
+    measure_setting(scene.value(), profile.value(), settings[i], reference, ratios, sums[i]);
+  }
+  return sums;
+}
+
+// Of one scene, hand by hand.
+struct CaseSums {
+  std::vector<SettingSums> all;
+  std::vector<std::vector<double>> errors, ticks_us;  // by hand
+
+  void add(const HandSums& hand) {
+    all.resize(hand.size());
+    errors.resize(hand.size());
+    ticks_us.resize(hand.size());
+    for (std::size_t i = 0; i < hand.size(); ++i) {
+      errors[i].push_back(hand[i].error.relative());
+      if (!hand[i].ticks_us.empty()) ticks_us[i].push_back(median(hand[i].ticks_us));
+      all[i].add(hand[i]);
     }
+  }
+};
+
+Status measure_case(const CostRequest& request, const CouplingCase& one, std::span<const HandSums> measured,
+                    const Pace& pace, double& done, CostReport& report) {
+  auto written = load_coupling_case(one, 0);
+  if (!written.ok()) return written.status();
+  const auto settings = settings_for(written.value(), one.members, request.quick);
+  const double unit = moving_bodies(written.value());
+  CaseSums sums;
+  for (unsigned seed = 0; seed < request.seeds; ++seed) {
+    if (seed > 0 && !measured.empty()) {
+      sums.add(measured[seed - 1]);
+      continue;
+    }
+    const auto hand = measure_settings(one, seed, request.quick, [&](std::size_t setting, std::size_t settings_in_all) {
+      const std::string doing = setting == 0 ? "reference" : fmt::format("setting {} of {}", setting, settings_in_all);
+      pace.say(fmt::format("scene {}, seed {} of {}: {}", one.name, seed + 1, request.seeds, doing), done);
+      done += setting == 0 ? kReferenceWork * unit : unit;
+    });
+    if (!hand.ok()) return hand.status();
+    sums.add(hand.value());
   }
   const std::size_t first = report.points.size();
   for (std::size_t i = 0; i < settings.size(); ++i) {
-    report.points.push_back(point_of(one.name, settings[i], sums[i]));
-    report.points.back().force_error_by_seed = errors[i];
-    report.points.back().tick_us_by_seed = ticks_us[i];
+    report.points.push_back(point_of(one.name, settings[i], sums.all[i]));
+    report.points.back().force_error_by_seed = sums.errors[i];
+    report.points.back().tick_us_by_seed = sums.ticks_us[i];
   }
   const CostPoint& base = report.points[first];
   for (const Change& change : changes_of(settings[0], moving_bodies(written.value()))) {
@@ -215,19 +255,20 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
   const unsigned bodies = moving_bodies(scene);
   for (const Change& change : changes_of(base, bodies)) add(change.setting);
   if (quick) return settings;
+  const std::vector<Scheme> borders = every_border();
   for (const unsigned sub_steps : {2u, 4u, 8u, 16u})
     for (const unsigned relax_sweeps : {1u, 2u})
       for (const unsigned cap : {members / 2, members, 2 * members})
         for (const unsigned ratio : {4u, 8u, 16u})
-          for (const auto border : std::span(physics::kBorderModes).first(2)) {
+          for (const Scheme& of_border : std::span(borders).first(2)) {
             if (sub_steps < least_sub_steps(base.contact_Hz) || cap == 0 || cap / 2 >= bodies) continue;
             Setting setting = base;
             setting.sub_steps = sub_steps;
             setting.relax_sweeps = relax_sweeps;
             setting.friction = physics::resolve(FrictionSweeps::kAuto, relax_sweeps);
             setting.members = cap;
-            setting.ratio = ratio;
-            setting.border = border;
+            setting.scheme.ratio = ratio;
+            setting.scheme.border = of_border.border;
             add(setting);
           }
   return settings;
@@ -242,21 +283,34 @@ void mark_front(std::vector<CostPoint>& points) {
     });
 }
 
-Result<CostReport> run_accuracy_cost(const CostRequest& request, const Progress& progress) {
+Result<HandSums> measure_hand(const CouplingCase& one, unsigned seed, bool quick, const Progress& progress) {
+  set_denormals_flush();
+  return measure_settings(one, seed, quick, [&](std::size_t setting, std::size_t settings) {
+    if (progress) progress(fmt::format("scene {}, setting {} of {}", one.name, setting, settings));
+  });
+}
+
+Result<CostReport> run_accuracy_cost(const CostRequest& request, const std::vector<HandSums>& measured,
+                                     const Progress& progress) {
   settle_on_core();
   CostReport report;
   report.seeds = request.seeds;
+  report.timed_seeds = measured.empty() ? request.seeds : 1;
   report.period_us = 1e6 / kHapticRate_Hz;
   report.budget_us = loop::GovernorConfig{}.budget * report.period_us;
   double work = 0, done = 0;
   for (const CouplingCase& one : request.cases) {
     const auto scene = load_coupling_case(one, 0);
     if (!scene.ok()) return scene.status();
-    work += request.seeds * work_of(scene.value(), one, request.quick);
+    work += report.timed_seeds * work_of(scene.value(), one, request.quick);
   }
   const Pace pace(progress, work);
-  for (const CouplingCase& one : request.cases)
-    if (const Status status = measure_case(request, one, pace, done, report); !status.ok()) return status;
+  std::span<const HandSums> left(measured);
+  for (const CouplingCase& one : request.cases) {
+    const auto of_case = left.first(measured.empty() ? 0 : request.seeds - 1);
+    left = left.subspan(of_case.size());
+    if (const Status status = measure_case(request, one, of_case, pace, done, report); !status.ok()) return status;
+  }
   mark_front(report.points);
   count_instructions(request, progress, report.points);
   return report;

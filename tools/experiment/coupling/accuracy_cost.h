@@ -45,7 +45,7 @@ struct CostRequest {
 struct CostReport {
   std::vector<CostPoint> points;
   std::vector<Notch> notches;
-  unsigned seeds{0};
+  unsigned seeds{0}, timed_seeds{0};  // hands; those whose ticks were timed, the first ones
   double period_us{0}, budget_us{0};  // of a tick: the whole period, and the governor's budget for computing
 };
 
@@ -55,7 +55,14 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
 // Marks the Pareto-optimal points of each scene in error and median tick.
 void mark_front(std::vector<CostPoint>& points);
 
-Result<CostReport> run_accuracy_cost(const CostRequest& request, const Progress& progress);
+// The sums of each setting on one scene with one hand, in the order of settings_for.
+using HandSums = std::vector<SettingSums>;
+Result<HandSums> measure_hand(const CouplingCase& one, unsigned seed, bool quick, const Progress& progress);
+
+// `measured`: the sums of other processes, scene by scene, for each the hands from the second on; their times are left
+// out. Empty: all hands are measured here.
+Result<CostReport> run_accuracy_cost(const CostRequest& request, const std::vector<HandSums>& measured,
+                                     const Progress& progress);
 
 // Runs under valgrind: the sub-world of a case with one setting (index in settings_for), from rest until the hand
 // presses, then some ticks; only these are counted.

@@ -34,8 +34,8 @@ ordered_json json_of(const std::vector<CostPoint>& points) {
                     {"friction_sweeps", sim::name_of(p.setting.friction)},
                     {"contact_Hz", p.setting.contact_Hz},
                     {"members", p.setting.members},
-                    {"ratio", p.setting.ratio},
-                    {"border", sim::name_of(p.setting.border)},
+                    {"ratio", p.setting.scheme.ratio},
+                    {"border", name_of_border(p.setting.scheme)},
                     {"extraction", sim::name_of(p.setting.order)},
                     {"world_precision", sim::name_of(p.setting.precision)},
                     {"force_error_rms", p.force_error},
@@ -98,17 +98,17 @@ std::string cost_table(const CostReport& report) {
     const Setting& s = p.setting;
     text += fmt::format(
         "  {:>9} {:>5} {:<8} {:>5g} Hz {:>7} {:>5} {:<7} {:<13} {:<9} {:>10.3f} {:>10.5f} {:>9.1f} {:>9.1f} {:>8}\n",
-        s.sub_steps, s.relax_sweeps, sim::name_of(s.friction), s.contact_Hz, s.members, s.ratio, sim::name_of(s.border),
-        sim::name_of(s.order), sim::name_of(s.precision), 100 * p.force_error, p.hold_vibration_N, p.tick_us_p50,
-        p.tick_us_p99, p.is_default ? "default" : "");
+        s.sub_steps, s.relax_sweeps, sim::name_of(s.friction), s.contact_Hz, s.members, s.scheme.ratio,
+        name_of_border(s.scheme), sim::name_of(s.order), sim::name_of(s.precision), 100 * p.force_error,
+        p.hold_vibration_N, p.tick_us_p50, p.tick_us_p99, p.is_default ? "default" : "");
   }
   text += "\nFrom the default, one notch at a time:\n";
   for (const Notch& notch : report.notches) text += fmt::format("  {:<11} {}\n", notch.scene, sentence_of(notch));
   return text + fmt::format(
                     "\n{} seeds. error: RMS(F - F_ref) / RMS(F_ref), the reference being all bodies at 1 kHz with 16 "
-                    "sub-steps and two\nrelax sweeps. us: CPU time of a tick on the haptic side. Shown: the front of "
-                    "error and median tick, and the default.\n",
-                    report.seeds);
+                    "sub-steps and two\nrelax sweeps. us: CPU time of a tick on the haptic side, of {} of them on this "
+                    "machine. Shown: the front of error and\nmedian tick, and the default.\n",
+                    report.seeds, report.timed_seeds);
 }
 
 std::string cost_json(const CostReport& report) {
@@ -128,6 +128,7 @@ std::string cost_json(const CostReport& report) {
   return report_text(ordered_json{{"points", json_of(report.points)},
                                   {"notches", notches},
                                   {"seeds", report.seeds},
+                                  {"timed_seeds", report.timed_seeds},
                                   {"period_us", report.period_us},
                                   {"budget_us", report.budget_us}},
                      2);

@@ -11,7 +11,7 @@
 #include "tools/experiment/coupling/coupled_worlds.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 
 namespace tactus::experiment {
 namespace {

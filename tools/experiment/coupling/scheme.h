@@ -11,8 +11,8 @@ namespace tactus::experiment {
 
 struct Scheme {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border{physics::BorderMode::kGhost};  // if the coupling has one
-  unsigned ratio{8};                                        // ticks per global step
+  physics::BorderMode border{physics::kDefaultBorder};  // if the coupling has one
+  unsigned ratio{8};                                    // ticks per global step
 
   constexpr haptics::CouplingTraits traits() const noexcept { return traits_of(coupling); }
   constexpr bool direct() const noexcept { return !traits().global_world; }

@@ -58,7 +58,7 @@ sim::Scene with(sim::Scene scene, const Setting& setting) {
 
 session::RunOptions options_of(const Setting& setting) {
   session::RunOptions options;
-  Scheme{.border = setting.border, .ratio = setting.ratio}.set(options);
+  setting.scheme.set(options);
   options.order = setting.order;
   options.world_precision = setting.precision;
   options.members = setting.members;
@@ -89,15 +89,16 @@ void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile,
                      const ReferenceRun& reference, std::span<const unsigned> ratios, SettingSums& sums) {
   const sim::Scene solved = with(scene, setting);
   const auto options = options_of(setting);
-  const auto ratio = static_cast<std::size_t>(std::find(ratios.begin(), ratios.end(), setting.ratio) - ratios.begin());
+  const auto ratio =
+      static_cast<std::size_t>(std::find(ratios.begin(), ratios.end(), setting.scheme.ratio) - ratios.begin());
   for (const Window& window : reference.windows) {
     CoupledWorlds worlds(solved, options, profile.properties);
-    worlds.start_from(window.before[ratio], window.now, reference.mean_on_proxy(window.start, setting.ratio));
-    const auto wanted = std::span(reference.force).subspan(window.start, window_ticks(setting.ratio));
+    worlds.start_from(window.before[ratio], window.now, reference.mean_on_proxy(window.start, setting.scheme.ratio));
+    const auto wanted = std::span(reference.force).subspan(window.start, window_ticks(setting.scheme.ratio));
     const auto force = timed_window(worlds, reference, window, wanted.size(), sums);
     sums.error.add(force, wanted);
     std::vector<std::size_t> syncs;
-    for (std::size_t k = setting.ratio; k < wanted.size(); k += setting.ratio) syncs.push_back(k);
+    for (std::size_t k = setting.scheme.ratio; k < wanted.size(); k += setting.scheme.ratio) syncs.push_back(k);
     const auto steps = steps_at(force, wanted, syncs);
     sums.steps.insert(sums.steps.end(), steps.begin(), steps.end());
     if (window.hold) sums.vibration.push_back(band_deviation(difference(force, wanted), kHapticRate_Hz, 20, 500));

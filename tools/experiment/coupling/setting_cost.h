@@ -25,8 +25,8 @@ struct Setting {
   unsigned sub_steps{4}, relax_sweeps{1};
   physics::FrictionSweeps friction{physics::FrictionSweeps::kAuto};
   double contact_Hz{250};
-  unsigned members{64}, ratio{8};
-  physics::BorderMode border{physics::BorderMode::kGhost};
+  unsigned members{64};
+  Scheme scheme;
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};  // of the global world
   friend bool operator==(const Setting&, const Setting&) = default;

@@ -11,7 +11,7 @@
 #include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/force_measures.h"
 #include "tools/experiment/coupling/reference_run.h"
-#include "tools/session/open_link.h"
+#include "tools/session/find_description.h"
 #include "tools/session/scheme_gains.h"
 #include "tools/session/session.h"
 

@@ -5,17 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#if defined(__has_feature)
-#define TACTUS_HAS_FEATURE(feature) __has_feature(feature)
-#else
-#define TACTUS_HAS_FEATURE(feature) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || TACTUS_HAS_FEATURE(address_sanitizer) || \
-    TACTUS_HAS_FEATURE(thread_sanitizer)
-#define TACTUS_COUNTS 0
-#else
-#define TACTUS_COUNTS 1
-#endif
+#include "rt/base/sanitizer.h"
+
+#define TACTUS_COUNTS (!TACTUS_ADDRESS_SANITIZER && !TACTUS_THREAD_SANITIZER)
 
 #if TACTUS_COUNTS
 

@@ -45,6 +45,20 @@ struct Progress {
 /// normal one. It may allocate, print and take long; the haptic thread is not affected.
 using Monitor = std::function<bool(const Progress&)>;
 
+/// State of a session in virtual time, for Session::restore; copies share it. Megabytes for a large scene.
+class SavedState {
+ public:
+  /// Nothing is saved.
+  SavedState() = default;
+  /// True before Session::save.
+  bool empty() const noexcept { return state_ == nullptr; }
+
+ private:
+  friend class Session;
+  struct State;
+  std::shared_ptr<const State> state_;
+};
+
 /// A run of a scene with a device.
 ///
 /// Thread: all calls from one thread at a time, except request() and stop(): any thread may call these two while the
@@ -101,6 +115,16 @@ class Session {
   /// Ends the session and its tape; last(), ticks(), summary() and state_hash() keep their last values.
   /// \return kFile: the tape could not be written completely
   Error close();
+
+  /// Saves everything that the following ticks depend on. A Device of the caller's own saves its state itself. Virtual
+  /// time only.
+  /// \param saved the result
+  /// \return kUse: not open, in real time, or ended
+  Error save(SavedState& saved) const;
+  /// Continues from a state that this session saved, also after reset(); the ticks that follow give the same bits as
+  /// they did then. last() is as it was, ticks() is empty.
+  /// \return kUse: not open, in real time, ended, with a tape, or another session's state
+  Error restore(const SavedState& saved);
 
   /// [any] Requests an action for the next tick.
   void request(Request request) noexcept;

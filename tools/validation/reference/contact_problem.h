@@ -5,7 +5,8 @@
 //   0 <= lambda_n and u_n >= 0, one of them 0;  |lambda_t| <= mu lambda_n, and if u_t is not 0,
 //   lambda_t = -mu lambda_n u_t / |u_t|.
 // Equivalently, with Gamma(u) = (mu |u_t|, 0, 0): u + Gamma(u) in K*, lambda in K, and the two are orthogonal.
-// Impulses of redundant contacts are not unique; the net impulse on each body is, so solutions are compared by it.
+// Impulses of redundant contacts are not unique. The net impulse on each body is, unless it turns while it slides on
+// more than three points, so solutions are compared by it.
 // Offline, double precision. Thread: [setup]. Units: SI. Source: De Saxce, Feng 1998 (bi-potential).
 #pragma once
 

@@ -15,14 +15,16 @@ export const kLegend: readonly { name: string; colour: string; edge: boolean; se
   { name: "fixed", colour: "#d8d2c4", edge: false, see_through: false },
 ];
 const kColour = kLegend.map((entry) => new THREE.Color(entry.colour));
+const kBlack = new THREE.Color("#000000");
 const kPlaneWidth_m = 4;
-const kMostArrows = 4096;
+const kMaxArrows = 4096;
 
 export interface Layers {
   members: boolean;
   outside: boolean;
   fixed: boolean;
   forces: boolean;
+  cube: boolean;
   metresPerNewton: number;
 }
 
@@ -47,6 +49,38 @@ function geometryOf(shape: Shape): THREE.BufferGeometry {
   }
 }
 
+// Half the side of the smallest cube, along the world's axes, that holds the shape [m].
+function halfSide(shape: Shape, rotation: THREE.Quaternion): number {
+  if (shape.kind === "sphere") return shape.radius!;
+  const corners: THREE.Vector3[] = [];
+  if (shape.kind === "box") for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) corners.push(new THREE.Vector3(x * shape.half![0], y * shape.half![1], z * shape.half![2]));
+  if (shape.kind === "capsule") corners.push(new THREE.Vector3(0, 0, shape.half_length), new THREE.Vector3(0, 0, -shape.half_length!));
+  for (let i = 0; i < (shape.points?.length ?? 0); i += 3) corners.push(new THREE.Vector3().fromArray(shape.points!, i));
+  const box = new THREE.Box3().setFromPoints(corners.map((corner) => corner.applyQuaternion(rotation)));
+  const size = box.getSize(new THREE.Vector3());
+  return 0.5 * Math.max(size.x, size.y, size.z) + (shape.radius ?? 0);
+}
+
+// Pose and colour of an instance, from body i of the world's arrays.
+function place(mesh: THREE.InstancedMesh, slot: number, i: number, positions: Float32Array, rotations: Float32Array, colour: THREE.Color): void {
+  const m = mesh.instanceMatrix.array, at = 16 * slot, p = 3 * i, q = 4 * i;
+  const x = rotations[q]!, y = rotations[q + 1]!, z = rotations[q + 2]!, w = rotations[q + 3]!;
+  m[at] = 1 - 2 * (y * y + z * z);
+  m[at + 1] = 2 * (x * y + z * w);
+  m[at + 2] = 2 * (x * z - y * w);
+  m[at + 4] = 2 * (x * y - z * w);
+  m[at + 5] = 1 - 2 * (x * x + z * z);
+  m[at + 6] = 2 * (y * z + x * w);
+  m[at + 8] = 2 * (x * z + y * w);
+  m[at + 9] = 2 * (y * z - x * w);
+  m[at + 10] = 1 - 2 * (x * x + y * y);
+  m[at + 12] = positions[p]!;
+  m[at + 13] = positions[p + 1]!;
+  m[at + 14] = positions[p + 2]!;
+  m[at + 15] = 1;
+  colour.toArray(mesh.instanceColor!.array, 3 * slot);
+}
+
 // The moving bodies of one shape, in three meshes: members, their border's edges, the others.
 interface Group {
   bodies: number[]; // among the moving ones
@@ -68,8 +102,11 @@ export class Scene3d {
   private readonly heads: THREE.InstancedMesh;
   private readonly target: THREE.Mesh;
   private readonly spring: THREE.Line;
+  private readonly cube = new THREE.LineSegments(new THREE.EdgesGeometry(new THREE.BoxGeometry(2, 2, 2)), new THREE.LineBasicMaterial({ color: "#0072b2" }));
   private changed = true;
   highlighted = -1; // id of a body, or -1
+  onMove: (() => void) | null = null; // a person has moved the camera
+  private following = false;
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly world: World) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
@@ -80,14 +117,17 @@ export class Scene3d {
     this.scene.add(light, new THREE.HemisphereLight("#ffffff", "#b0a890", 1.6), this.fixed);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => (this.changed = true));
+    this.controls.addEventListener("change", () => {
+      this.changed = true;
+      if (!this.following) this.onMove?.();
+    });
     world.scene.shapes.forEach((shape, index) => this.addGroup(geometryOf(shape), shape, index));
     const lines = new THREE.BufferGeometry();
-    lines.setAttribute("position", new THREE.BufferAttribute(new Float32Array(6 * kMostArrows), 3));
+    lines.setAttribute("position", new THREE.BufferAttribute(new Float32Array(6 * kMaxArrows), 3));
     this.arrows = new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ color: "#111111" }));
     this.arrows.frustumCulled = false;
     const cone = new THREE.ConeGeometry(0.0015, 0.005, 8).translate(0, -0.0025, 0);
-    this.heads = new THREE.InstancedMesh(cone, new THREE.MeshBasicMaterial({ color: "#111111" }), kMostArrows);
+    this.heads = new THREE.InstancedMesh(cone, new THREE.MeshBasicMaterial({ color: "#111111" }), kMaxArrows);
     this.heads.frustumCulled = false;
     this.target = new THREE.Mesh(
       new THREE.SphereGeometry(0.006, 12, 8),
@@ -98,7 +138,7 @@ export class Scene3d {
       new THREE.LineBasicMaterial({ color: "#cc79a7" }),
     );
     this.spring.frustumCulled = false;
-    this.scene.add(this.arrows, this.heads, this.target, this.spring);
+    this.scene.add(this.arrows, this.heads, this.target, this.spring, this.cube);
     this.lookAtProxy();
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
@@ -147,6 +187,32 @@ export class Scene3d {
     this.controls.update();
   }
 
+  // Where the camera is, and what it looks at [m].
+  get eye(): { eye: [number, number, number]; look: [number, number, number] } {
+    return { eye: this.camera.position.toArray(), look: this.controls.target.toArray() };
+  }
+  lookFrom(eye: [number, number, number], look: [number, number, number]): void {
+    this.following = true;
+    this.camera.position.set(...eye);
+    this.controls.target.set(...look);
+    this.controls.update();
+    this.following = false;
+    this.changed = true;
+  }
+
+  // False: the mouse is the hand's, not the camera's.
+  set orbit(on: boolean) {
+    this.controls.enableRotate = this.controls.enableZoom = on;
+  }
+  // The picture's plane in the world, at the device's target [m].
+  plane(): { right: [number, number, number]; up: [number, number, number]; forward: [number, number, number]; metresPerPixel: number; distance: number } {
+    const axis = (column: number): THREE.Vector3 => new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, column);
+    const forward = axis(2).negate();
+    const distance = Math.max(0.01, this.target.position.clone().sub(this.camera.position).dot(forward));
+    const height = 2 * distance * Math.tan((0.5 * Math.PI * this.camera.fov) / 180);
+    return { right: axis(0).toArray(), up: axis(1).toArray(), forward: forward.toArray(), metresPerPixel: height / Math.max(1, this.canvas.clientHeight), distance };
+  }
+
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
@@ -158,8 +224,6 @@ export class Scene3d {
 
   // Takes the world's state over; draw() shows it.
   update(layers: Layers): void {
-    const matrix = new THREE.Matrix4();
-    const position = new THREE.Vector3(), rotation = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
     const { positions, rotations, roles, moving } = this.world;
     let solids = 0, outsides = 0;
     for (const group of this.groups) {
@@ -168,37 +232,48 @@ export class Scene3d {
       for (const i of group.bodies) {
         const role = roles[i]!;
         const member = (role & Role.member) !== 0;
-        if (member ? !layers.members : !layers.outside) continue;
-        position.fromArray(positions, 3 * i);
-        rotation.fromArray(rotations, 4 * i);
-        matrix.compose(position, rotation, one);
+        if ((role & Role.unknown) !== 0 || (member ? !layers.members : !layers.outside)) continue;
         const kind = (role & Role.proxy) !== 0 ? 0 : (role & Role.border) !== 0 ? 2 : member ? 1 : (role & Role.asleep) !== 0 ? 4 : 3;
         if (member) {
-          group.solid.setMatrixAt(solid, matrix);
-          group.solid.setColorAt(solid++, kColour[kind]!);
+          place(group.solid, solid++, i, positions, rotations, kColour[kind]!);
           group.solidBodies.push(i);
         } else {
-          group.outside.setMatrixAt(outside, matrix);
-          group.outside.setColorAt(outside++, kColour[kind]!);
+          place(group.outside, outside++, i, positions, rotations, kColour[kind]!);
           group.outsideBodies.push(i);
         }
-        if (kind === 2 || moving[i] === this.highlighted) group.edges.setMatrixAt(edge++, matrix);
+        if (kind === 2 || moving[i] === this.highlighted) place(group.edges, edge++, i, positions, rotations, kBlack);
       }
       for (const [mesh, count] of [[group.solid, solid], [group.edges, edge], [group.outside, outside]] as const) {
         mesh.count = count;
         mesh.visible = count > 0;
-        mesh.instanceMatrix.needsUpdate = true;
-        if (mesh.instanceColor !== null) mesh.instanceColor.needsUpdate = true;
+        if (count === 0) continue;
+        // Of what is shown alone: all of three meshes would go to the graphics card in every picture.
+        for (const [attribute, size] of [[mesh.instanceMatrix, 16], [mesh.instanceColor!, 3]] as const) {
+          attribute.clearUpdateRanges();
+          attribute.addUpdateRange(0, size * count);
+          attribute.needsUpdate = true;
+        }
         mesh.boundingSphere = null; // of the poses before: a ray would miss
       }
       solids += solid;
       outsides += outside;
     }
     this.fixed.visible = layers.fixed;
+    this.updateCube(layers);
     this.updateArrows(layers);
     this.canvas.dataset.solid = String(solids);
     this.canvas.dataset.outside = String(outsides);
     this.changed = true;
+  }
+
+  // The boundary cube: what reaches into it can be touched before the next members are there, and is a member already.
+  private updateCube(layers: Layers): void {
+    const { scene, indexOf, positions, rotations } = this.world;
+    const at = indexOf[scene.proxy]!, shape = scene.shapes[scene.bodies[scene.proxy]!.shape]!;
+    this.cube.visible = layers.cube && scene.reach_m > 0;
+    this.cube.position.fromArray(positions, 3 * at);
+    this.cube.scale.setScalar(halfSide(shape, new THREE.Quaternion().fromArray(rotations, 4 * at)) + scene.reach_m);
+    this.canvas.dataset.cube_mm = this.cube.visible ? (1e3 * this.cube.scale.x).toFixed(2) : "none";
   }
 
   private updateArrows(layers: Layers): void {
@@ -207,7 +282,7 @@ export class Scene3d {
     let count = 0;
     if (layers.forces)
       for (const { point, force } of this.world.contacts) {
-        if (count === kMostArrows) break;
+        if (count === kMaxArrows) break;
         const along = new THREE.Vector3(...force).multiplyScalar(layers.metresPerNewton);
         const from = new THREE.Vector3(...point), to = from.clone().add(along);
         line.setXYZ(2 * count, from.x, from.y, from.z);
@@ -223,7 +298,9 @@ export class Scene3d {
     this.canvas.dataset.arrows = String(count);
   }
 
-  setDevice(target: [number, number, number], proxy: [number, number, number]): void {
+  // The device's target and the spring to the proxy, from a tick's channels.
+  showDevice(row: Float32Array): void {
+    const target: [number, number, number] = [row[7]!, row[8]!, row[9]!], proxy: [number, number, number] = [row[4]!, row[5]!, row[6]!];
     this.target.position.set(...target);
     const line = this.spring.geometry.getAttribute("position") as THREE.BufferAttribute;
     line.setXYZ(0, ...target);

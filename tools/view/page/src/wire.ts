@@ -28,19 +28,23 @@ export interface Scene {
   border: string;
   ratio: number;
   period_s: number;
+  virtual_time: boolean;
   members_cap: number;
   proxy: number;
+  reach_m: number; // of the proxy, for the boundary cube; 0: there is none
   channels: { name: string; unit: string }[];
   shapes: Shape[];
   bodies: Body[];
 }
 
-export const Role = { proxy: 1, member: 2, border: 4, asleep: 8 } as const;
+export const Role = { proxy: 1, member: 2, border: 4, asleep: 8, unknown: 16 } as const;
 
 export interface Message {
   number: number;
   full: boolean;
   hasFrame: boolean;
+  restarts: boolean; // the ticks before are of another time
+  tickAge_us: number; // of the newest tick when this was sent; below 0: not measured
   time_s: number;
   dropped: number;
   lostTicks: number;
@@ -57,16 +61,15 @@ export interface Message {
 }
 
 const kMagic = 0x46434154;
-export const kWireVersion = 1;
+export const kWireVersion = 3;
 const kHeaderBytes = 64;
 
 export function parse(buffer: ArrayBuffer, channels: number): Message {
   const head = new DataView(buffer, 0, kHeaderBytes);
   const word = (at: number): number => head.getUint32(at, true);
   if (word(0) !== kMagic || word(4) !== kWireVersion) throw new Error("a message of another version");
-  const full = word(12) === 1;
   const [bodies, roles, ticks, contacts] = [word(24), word(28), word(32), word(36)] as const;
-  const hasFrame = word(60) === 1;
+  const hasFrame = (word(60) & 1) !== 0, full = (word(60) & 4) !== 0;
   let at = kHeaderBytes;
   const take = (bytes: number): number => {
     const from = at;
@@ -78,6 +81,8 @@ export function parse(buffer: ArrayBuffer, channels: number): Message {
     number: word(8),
     full,
     hasFrame,
+    restarts: (word(60) & 2) !== 0,
+    tickAge_us: head.getFloat32(12, true),
     time_s: head.getFloat64(16, true),
     dropped: word(40),
     lostTicks: word(44),

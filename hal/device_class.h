@@ -1,0 +1,81 @@
+// Device classes by name: what `--device NAME[:ADDRESS]` chooses, in a configuration file too.
+//
+// A class is one constant DeviceClass in one file of hal/classes/, and one line in hal/device_list.h. The commands run,
+// timing, hil and doctor then accept its name. Thread: [setup] and normal threads. Units in the names.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/any_device.h"
+#include "hal/any_link.h"
+#include "hal/fault_injection.h"
+#include "hal/hand.h"
+#include "hal/profiles.h"
+
+namespace tactus::hal {
+
+// What a class may use to open its device. The references must be valid during the call only.
+struct DeviceRequest {
+  std::string address;           // the text after the colon; empty: none
+  const DeviceProfile& profile;  // of the device that is expected
+  std::int64_t period_ns{1'000'000};
+  // For classes without hardware: who holds the tool, what goes wrong, and the seed of random faults.
+  const HandModel& hand;
+  const FaultScript& faults;
+  std::uint64_t seed{1};
+};
+
+struct OpenedDevice {
+  std::unique_ptr<AnyDevice> device;
+  std::string identity;                 // as text, for the summary; empty: nothing to tell
+  std::function<Status()> same_device;  // compares the device with the one opened; null: it cannot change
+};
+
+struct OpenedLink {
+  std::unique_ptr<AnyLink> link;
+  std::string name;  // readable: port and serial number, or interface and node
+};
+
+struct DeviceClass {
+  std::string_view name;
+  std::string_view forms;  // what --device accepts, for messages and help: "usb, usb:SERIAL"
+  std::string_view what;   // one line for a list of the classes
+  // It keeps real time and continues after the run: no virtual time, no faults by script, asked before motors move.
+  bool real{false};
+  // What is wrong with the address, without the address itself; good: it is acceptable. Never touches hardware.
+  Status (*check_address)(std::string_view address){nullptr};
+  // Opens the device. Error, one line: what the machine lacks or the device reports, and the remedy.
+  Result<OpenedDevice> (*open)(const DeviceRequest& request){nullptr};
+  // The link alone, of classes that speak firmware/PROTOCOL.md; null for the others. Errors as open().
+  Result<OpenedLink> (*open_link)(const DeviceRequest& request){nullptr};
+  // What `tactus doctor` looks at: USB, or these CAN interfaces. Null: no CAN.
+  bool usb{false};
+  std::vector<std::string> (*can_interfaces)(std::string_view address){nullptr};
+};
+
+// In the order of hal/device_list.h.
+std::span<const DeviceClass* const> device_classes() noexcept;
+
+// Null for an unknown name.
+const DeviceClass* find_device_class(std::string_view name) noexcept;
+
+// "sim, usb, usb:SERIAL, can:IFACE, ...": what --device accepts.
+std::string accepted_devices();
+
+struct DeviceChoice {
+  const DeviceClass* device_class{nullptr};
+  std::string address;
+};
+
+// Splits NAME[:ADDRESS] and checks both. Error, one line: what was given and what is accepted.
+Result<DeviceChoice> choose_device(const std::string& text);
+
+// The check_address of classes without an address.
+Status check_no_address(std::string_view address);
+
+}  // namespace tactus::hal

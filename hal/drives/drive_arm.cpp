@@ -1,0 +1,258 @@
+#include "hal/drives/drive_arm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "firmware/faults.h"
+#include "hal/drives/drive_faults.h"
+
+namespace tactus::hal {
+namespace {
+
+using haptics::DeviceState;
+using haptics::ReadStatus;
+
+constexpr std::uint32_t kFadeMissed = 3, kBrakeMissed = 10;
+constexpr unsigned kSilentPeriods = 10, kEnablingPeriods = 20;
+// An answer belongs to this period if it is younger than this many periods.
+constexpr double kFreshPeriods = 1.5;
+
+std::uint32_t number_of(firmware::Fault fault) noexcept { return static_cast<std::uint32_t>(fault); }
+
+}  // namespace
+
+DriveArm::DriveArm(const DeviceProfile& profile, std::int64_t period_ns, DriveBuses buses)
+    : drives_(profile.description.drives),
+      codec_(&codec_of(drives_.family)),
+      kinematics_(profile.kinematics),
+      properties_(profile.properties),
+      max_effort_(profile.plant.max_effort),
+      period_ns_(period_ns),
+      buses_(std::move(buses)),
+      count_(static_cast<unsigned>(drives_.axes.size())) {
+  properties_.delay_s = static_cast<double>(profile.transport_delay_ticks) * static_cast<double>(period_ns) * 1e-9;
+  const double share = std::min(1.0, static_cast<double>(period_ns) * 1e-9 / drives_.full_effort_s);
+  for (unsigned i = 0; i < count_; ++i) {
+    max_effort_[i] = std::min(max_effort_[i], drives_.axes[i].torque_range_Nm * drives_.axes[i].ratio);
+    max_slope_[i] = share * max_effort_[i];
+  }
+}
+
+DriveArm::~DriveArm() {
+  send_all(DriveAction::kBrake, {});  // no torque: a drive keeps its last command
+  send_all(DriveAction::kDisable, {});
+}
+
+Status DriveArm::start() {
+  ReceivedDriveFrame dropped;
+  for (const auto& bus : buses_)
+    while (bus->receive(dropped)) {}
+  counters_ = {};
+  send_all(DriveAction::kPoll, {});
+  return Status::good();
+}
+
+// --- reading
+
+void DriveArm::read(haptics::DeviceInput& input) noexcept {
+  ++periods_;
+  malformed_ = false;
+  for (unsigned i = 0; i < count_; ++i) axes_[i].answered = false;
+  for (unsigned bus = 0; bus < buses_.size(); ++bus) drain(bus);
+  input.status = status_of_period();
+  if (input.status == ReadStatus::kFresh) {
+    q_ = coordinates();
+    sample_.device_from_tool = kinematics_.pose_of(q_);
+    sample_.echoed_sequence = command_.sequence;
+    ++sample_.sequence;
+    sample_.device_time_ns = periods_ * static_cast<std::uint64_t>(period_ns_);
+    if (state_ == DeviceState::kReset) state_ = DeviceState::kIdle;
+  }
+  watch_drives();
+  watch_commands();
+  sample_.state = state_;
+  sample_.device_fault = fault_;
+  sample_.missed_commands = missed_ > 0 ? missed_ - 1 : 0;
+  input.sample = sample_;
+}
+
+void DriveArm::drain(unsigned bus) noexcept {
+  ReceivedDriveFrame received;
+  for (unsigned i = 0; i < kMaxFrames && buses_[bus]->receive(received); ++i) take(bus, received);
+}
+
+void DriveArm::take(unsigned bus, const ReceivedDriveFrame& received) noexcept {
+  const auto age = static_cast<double>(buses_[bus]->now_ns() - received.arrival_ns);
+  for (unsigned i = 0; i < count_; ++i) {
+    if (drives_.axes[i].bus != bus) continue;
+    DriveAnswer answer = axes_[i].answer;
+    answer.has_position = false;
+    const DriveDecode decoded = codec_->decode(drives_.axes[i], received.frame, answer);
+    if (decoded == DriveDecode::kForeign) continue;
+    if (decoded == DriveDecode::kMalformed) {
+      ++counters_.malformed;
+      malformed_ = true;
+      return;
+    }
+    if (answer.has_position && age < kFreshPeriods * static_cast<double>(period_ns_)) {
+      if (axes_[i].answered) ++counters_.repeated;
+      axes_[i].answered = true;
+    }
+    axes_[i].answer = answer;
+    return;
+  }
+  ++counters_.foreign;
+}
+
+ReadStatus DriveArm::status_of_period() noexcept {
+  for (const auto& bus : buses_) {
+    if (bus->connected()) continue;
+    ++counters_.disconnected;
+    return ReadStatus::kDisconnected;
+  }
+  bool complete = true;
+  for (unsigned i = 0; i < count_; ++i) {
+    axes_[i].silent_periods = axes_[i].answered ? 0 : axes_[i].silent_periods + 1;
+    complete = complete && axes_[i].answered;
+  }
+  if (complete) {
+    ++counters_.fresh;
+    return ReadStatus::kFresh;
+  }
+  ++(malformed_ ? counters_.corrupt : counters_.missing);
+  return malformed_ ? ReadStatus::kCorrupt : ReadStatus::kMissing;
+}
+
+AxisVector DriveArm::coordinates() const noexcept {
+  AxisVector q{};
+  for (unsigned i = 0; i < count_; ++i) {
+    const DriveAxis& axis = drives_.axes[i];
+    q[i] = axis.sign * (axes_[i].answer.position_rad - axis.offset_rad) / axis.ratio;
+  }
+  return q;
+}
+
+void DriveArm::watch_drives() noexcept {
+  if (step_ == Step::kIdle)  // the command that disabled it was lost
+    for (const Axis& axis : axes_)
+      to_disable_ = to_disable_ || (axis.answered && axis.answer.has_mode && axis.answer.mode == DriveMode::kEnabled);
+  if (step_ != Step::kForce && step_ != Step::kEnabling) return;
+  bool all_enabled = true;
+  for (unsigned i = 0; i < count_; ++i) {
+    const Axis& axis = axes_[i];
+    if (axis.answer.has_mode && axis.answer.fault != 0) return brake(kDriveReportsFault + i);
+    if (axis.silent_periods >= kSilentPeriods) return brake(kDriveSilent + i);
+    const bool enabled = !axis.answer.has_mode || axis.answer.mode == DriveMode::kEnabled;
+    if (step_ == Step::kForce && !enabled && axis.answered) return brake(kDriveLeftForce + i);
+    all_enabled = all_enabled && enabled;
+  }
+  if (step_ != Step::kEnabling) return;
+  if (all_enabled) {
+    step_ = Step::kForce;
+    state_ = DeviceState::kForce;
+  } else if (++enabling_periods_ > kEnablingPeriods) {
+    for (unsigned i = 0; i < count_; ++i)
+      if (axes_[i].answer.mode != DriveMode::kEnabled) return brake(kDriveLeftForce + i);
+  }
+}
+
+// Host-side watchdog: the drives' own acts when this process does not.
+void DriveArm::watch_commands() noexcept {
+  if (missed_ <= kBrakeMissed) ++missed_;  // 1: the command that the last write brought
+  const std::uint32_t missed = missed_ - 1;
+  if (missed == 0) return;
+  if (missed >= kBrakeMissed && step_ == Step::kForce) brake(number_of(firmware::Fault::kCommandsLost));
+  const double share =
+      missed < kFadeMissed ? 1.0 : std::max(0.0, static_cast<double>(kBrakeMissed - missed) / (kBrakeMissed - 2));
+  send_step(share);
+}
+
+void DriveArm::brake(std::uint32_t fault) noexcept {
+  if (state_ != DeviceState::kBrake) fault_ = fault;  // the first cause
+  state_ = DeviceState::kBrake;
+  step_ = Step::kBraking;
+  for (Axis& axis : axes_) axis.effort = 0;
+}
+
+// --- writing
+
+void DriveArm::write(const haptics::DeviceCommand& command) noexcept {
+  const bool rearms = command.rearm != 0 && command_.rearm == 0;  // the edge, so that a stuck flag has no effect
+  command_ = command;
+  missed_ = 0;
+  if (!is_finite(command.wrench))
+    brake(number_of(firmware::Fault::kEffortNotFinite));
+  else if (command.wanted == DeviceState::kBrake)
+    brake(0);
+  else if (state_ == DeviceState::kBrake && rearms) {
+    state_ = DeviceState::kIdle;
+    step_ = Step::kClearing;
+    fault_ = 0;
+  } else {
+    choose_step();
+  }
+  send_step(1.0);
+}
+
+// The next step of the way from what the drives do to what is wanted.
+void DriveArm::choose_step() noexcept {
+  if (state_ == DeviceState::kBrake || state_ == DeviceState::kReset) return;
+  if (command_.wanted == DeviceState::kForce) {
+    if (step_ == Step::kForce || step_ == Step::kEnabling) return;
+    step_ = Step::kEnabling;
+    enabling_periods_ = 0;
+    for (unsigned i = 0; i < count_; ++i) {  // what a drive told before says nothing about the enabling
+      axes_[i].effort = 0;
+      axes_[i].answer.fault = 0;
+      axes_[i].answer.has_mode = codec_->tells_enabled;
+      axes_[i].answer.mode = DriveMode::kDisabled;
+    }
+  } else {
+    if (step_ == Step::kForce || step_ == Step::kEnabling)
+      step_ = Step::kLeaving;  // one command without torque, which the drives keep, before they are disabled
+    else
+      step_ = Step::kIdle;
+    state_ = DeviceState::kIdle;
+  }
+}
+
+void DriveArm::send_step(double share) noexcept {
+  AxisVector effort{};
+  if (step_ == Step::kIdle) {
+    if (!std::exchange(to_disable_, false)) return send_all(DriveAction::kPoll, effort);
+    return send_all(DriveAction::kDisable, effort);
+  }
+  to_disable_ = true;
+  if (step_ == Step::kEnabling) return send_all(DriveAction::kEnable, effort);
+  if (step_ == Step::kBraking) return send_all(DriveAction::kBrake, effort);
+  if (step_ == Step::kClearing) return send_all(DriveAction::kClear, effort);
+  if (step_ == Step::kLeaving) return send_all(DriveAction::kTorque, effort);
+  Wrenchd wrench = command_.wrench;
+  const double force = norm(wrench.force), torque = norm(wrench.torque);
+  if (force > properties_.max_force_N) wrench.force = wrench.force * (properties_.max_force_N / force);
+  if (torque > properties_.max_torque_Nm) wrench.torque = wrench.torque * (properties_.max_torque_Nm / torque);
+  const AxisVector wanted = kinematics_.efforts_of(q_, wrench);
+  for (unsigned i = 0; i < count_; ++i) {
+    const double asked = std::clamp(share * wanted[i], -max_effort_[i], max_effort_[i]);
+    // Towards zero an effort may change at once: no harm grows by it.
+    const double low = std::min(0.0, axes_[i].effort) - max_slope_[i];
+    const double high = std::max(0.0, axes_[i].effort) + max_slope_[i];
+    effort[i] = std::clamp(asked, low, high);
+    axes_[i].effort = effort[i];
+  }
+  send_all(DriveAction::kTorque, effort);
+}
+
+void DriveArm::send_all(DriveAction action, const AxisVector& effort) noexcept {
+  for (unsigned i = 0; i < count_; ++i) {
+    const DriveAxis& axis = drives_.axes[i];
+    const DriveFrame frame = codec_->encode(axis, {.action = action,
+                                                   .torque_Nm = axis.sign * effort[i] / axis.ratio,
+                                                   .damping_Nms_per_rad = axis.damping_Nms_per_rad,
+                                                   .round_up = (periods_ & 1) != 0});
+    if (frame.size > 0 && !buses_[axis.bus]->send(frame)) ++counters_.not_sent;
+  }
+}
+
+}  // namespace tactus::hal

@@ -1,0 +1,131 @@
+#include "hal/drives/drive_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/drives/drive_codec.h"
+#include "hal/drives/drive_setup.h"
+#include "hal/kinematics/reach.h"
+
+namespace tactus::hal {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+// A position nearer to the end of its field may wrap or stick, by the drive's firmware.
+constexpr double kUsableRange = 0.9;
+
+bool is_mit(DriveFamily family) noexcept {
+  return family == DriveFamily::kDamiao || family == DriveFamily::kCubeMars || family == DriveFamily::kMiniCheetah;
+}
+
+DriveMistake of_all(const DriveDescription& d, const DeviceDescription& device) {
+  const AxisKinds kinds = axes_of(device.kind);
+  const DriveCodec& codec = codec_of(d.family);
+  if (d.axes.size() != kinds.prismatic + kinds.rotary)
+    return {-1, "axis", fmt::format("{} entries", d.axes.size()),
+            fmt::format("{}, one for each axis in order", kinds.prismatic + kinds.rotary)};
+  if (d.buses.empty() || d.buses.size() > kMaxBuses)
+    return {-1, "buses", fmt::format("{} buses", d.buses.size()), fmt::format("1 to {}", kMaxBuses)};
+  if (codec.needs_fd && d.data_bit_per_s == 0)
+    return {-1, "data_bit_per_s", fmt::format("missing, but {} needs CAN FD", codec.name), "such as 5000000"};
+  if (d.watchdog_s > kLongestWatchdog_s)
+    return {-1, "watchdog_ms", fmt::format("{:g} ms: the drives hold a torque as long", 1e3 * d.watchdog_s),
+            "at most 10; set the drives to it"};
+  return {};
+}
+
+DriveMistake of_identifiers(const DriveDescription& d, unsigned i) {
+  const DriveAxis& axis = d.axes[i];
+  const int at = static_cast<int>(i);
+  const unsigned top = d.family == DriveFamily::kMoteus      ? 127
+                       : d.family == DriveFamily::kOdrive    ? 63
+                       : d.family == DriveFamily::kRobStride ? 127
+                                                             : 0x7fe;
+  if (axis.bus >= d.buses.size()) return {at, "bus", fmt::format("{} is none of the buses", axis.bus), "0 to the last"};
+  if (axis.id < 1 || axis.id > top) return {at, "id", fmt::format("{} is no id", axis.id), fmt::format("1 to {}", top)};
+  if (is_mit(d.family) && axis.answer_id <= axis.id)
+    return {at, "answer_id", fmt::format("{} would outrank the command of another drive", axis.answer_id),
+            "an identifier above those of all commands, another for each drive"};
+  for (unsigned k = 0; k < d.axes.size(); ++k) {
+    const DriveAxis& other = d.axes[k];
+    if (other.bus != axis.bus || k == i) continue;
+    if (other.id == axis.id) return {at, "id", fmt::format("{} is that of axis {}, too", axis.id, k), "one of its own"};
+    if (is_mit(d.family) && (other.answer_id == axis.answer_id || other.id >= axis.answer_id))
+      return {at, "answer_id", fmt::format("{} meets axis {}", axis.answer_id, k),
+              "an identifier above those of all commands, another for each drive"};
+  }
+  return {};
+}
+
+DriveMistake of_gains(const DriveDescription& d, unsigned i) {
+  const DriveAxis& axis = d.axes[i];
+  const DriveCodec& codec = codec_of(d.family);
+  const int at = static_cast<int>(i);
+  if (std::abs(axis.sign) != 1) return {at, "sign", fmt::format("{:g}", axis.sign), "1 or -1"};
+  const auto damping = [&](const char* key, double value) -> DriveMistake {
+    if (value <= 0) return {};
+    if (!codec.damps) return {at, key, fmt::format("{} has no damping of its own", codec.name), "leave it out"};
+    if (value > axis.damping_range_Nms_per_rad)
+      return {at, key, fmt::format("{:g} is beyond the drive's range", value),
+              fmt::format("at most {:g}", axis.damping_range_Nms_per_rad)};
+    return {};
+  };
+  if (auto found = damping("damping_Nms_per_rad", axis.damping_Nms_per_rad); found.key != nullptr) return found;
+  return d.family == DriveFamily::kMoteus ? DriveMistake{}
+                                          : damping("brake_damping_Nms_per_rad", axis.brake_damping_Nms_per_rad);
+}
+
+// The largest distance of each drive's angle from its zero, over the workspace.
+AxisVector farthest_angles(const DeviceProfile& profile) {
+  const DriveDescription& d = profile.description.drives;
+  AxisVector farthest{};
+  for (unsigned k = 0; k <= detail::kDirections; ++k) {
+    const Vec3d place =
+        k < detail::kDirections ? detail::spread_direction(k) * profile.description.workspace_radius_m : Vec3d{};
+    const AxisVector q = coordinates_of(profile.kinematics, {place, {}});
+    for (unsigned i = 0; i < d.axes.size(); ++i) {
+      const DriveAxis& axis = d.axes[i];
+      // The wrist turns to its pitch limit, and half a turn about its other axes, wherever the tool is.
+      const double wrist = i == kPitchAxis ? kPitchLimit_rad : kPi;
+      const double angle = i < 3 ? std::abs(axis.offset_rad + axis.sign * axis.ratio * q[i])
+                                 : std::abs(axis.offset_rad) + axis.ratio * wrist;
+      farthest[i] = std::max(farthest[i], angle);
+    }
+  }
+  return farthest;
+}
+
+DriveMistake of_ranges(const DeviceProfile& profile, unsigned i, double farthest_rad) {
+  const DriveDescription& d = profile.description.drives;
+  const DriveAxis& axis = d.axes[i];
+  const int at = static_cast<int>(i);
+  const double torque = profile.bounds.effort[i] / axis.ratio;
+  if (torque > axis.torque_range_Nm)
+    return {at, "torque_range_Nm",
+            fmt::format("{:g}, but the peak force and torque at the tool need {:.3g} of the drive",
+                        axis.torque_range_Nm, torque),
+            "a stronger drive, a larger ratio, or lower limits"};
+  if (axis.position_range_rad > 0 && farthest_rad > kUsableRange * axis.position_range_rad)
+    return {at, "position_range_rad",
+            fmt::format("{:g}, but the drive turns to {:.3g} in the workspace", axis.position_range_rad, farthest_rad),
+            "at most nine tenths of it are used: another offset, a smaller ratio, or a wider range"};
+  return {};
+}
+
+}  // namespace
+
+DriveMistake find_drive_mistake(const DeviceProfile& profile) {
+  const DriveDescription& d = profile.description.drives;
+  if (auto found = of_all(d, profile.description); found.key != nullptr) return found;
+  const AxisVector farthest = farthest_angles(profile);
+  for (unsigned i = 0; i < d.axes.size(); ++i) {
+    if (auto found = of_identifiers(d, i); found.key != nullptr) return found;
+    if (auto found = of_gains(d, i); found.key != nullptr) return found;
+    if (auto found = of_ranges(profile, i, farthest[i]); found.key != nullptr) return found;
+  }
+  return {};
+}
+
+}  // namespace tactus::hal

@@ -1,0 +1,66 @@
+// One simulated drive: what a drive of the family does with the frames that reach it, quanta and watchdog included.
+//
+// Written from the families' documents (mit_codec.h and its neighbours name them), independent of the host's codec
+// where a byte is decoded or encoded twice. Thread: the owner's; no allocation but by the set-up requests' answers.
+// Units: SI, of the drive's reported shaft.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "hal/drives/drive_axis.h"
+#include "hal/drives/drive_frame.h"
+
+namespace tactus::hal {
+
+// What the drive measures now.
+struct DriveShaft {
+  double position_rad{0}, speed_rad_per_s{0};
+};
+
+class SimulatedDrive {
+ public:
+  SimulatedDrive(DriveFamily family, const DriveAxis& axis) noexcept;
+
+  // A frame from the bus. True: `reply` holds the drive's answer.
+  bool hear(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
+  // Time passes: the watchdog. ODrive: true when an estimate (first) or a heartbeat (then) is to be sent now.
+  void advance(double time_s) noexcept;
+  bool send_cyclic(const DriveShaft& shaft, DriveFrame& frame) noexcept;
+
+  // N m on the shaft at this speed.
+  double torque_Nm(double speed_rad_per_s) const noexcept;
+  // The part of it that was commanded, without the damping.
+  double commanded_Nm() const noexcept { return enabled_ ? torque_ : 0; }
+  bool enabled() const noexcept { return enabled_; }
+
+  // --- faults by command
+  void report_fault(std::uint32_t code) noexcept;  // of the family; it is disabled
+  void disable() noexcept;                         // by itself, without a fault
+  void restart() noexcept;                         // as after a power failure: what was written in RAM is lost
+  void keep_no_watchdog() noexcept { watchdog_works_ = false; }
+  void wrap_position(double by_rad) noexcept { wrapped_by_ = by_rad; }
+  void saturate_speed(bool on) noexcept { speed_saturates_ = on; }
+
+ private:
+  bool hear_mit(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
+  bool hear_damiao_register(const DriveFrame& frame, DriveFrame& reply) noexcept;
+  bool hear_robstride(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
+  bool hear_moteus(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
+  void hear_odrive(const DriveFrame& frame) noexcept;
+  DriveFrame mit_answer(const DriveShaft& shaft) const noexcept;
+  DriveFrame robstride_answer(const DriveShaft& shaft) const noexcept;
+  double seen_position(const DriveShaft& shaft) const noexcept;
+  double seen_speed(const DriveShaft& shaft) const noexcept;
+
+  DriveFamily family_;
+  DriveAxis axis_;
+  bool enabled_{false}, braked_{false}, timed_out_{false}, watchdog_works_{true}, speed_saturates_{false};
+  std::uint32_t fault_{0};
+  double torque_{0}, damping_{0}, wrapped_by_{0};
+  double timeout_s_{0}, silent_s_{0};  // timeout 0: off
+  std::uint32_t control_mode_{2};      // as a Damiao may come from its maker: not MIT
+  double estimate_due_s_{0}, heartbeat_due_s_{0};
+};
+
+}  // namespace tactus::hal

@@ -1,0 +1,104 @@
+#include "hal/falcon/falcon_logic.h"
+
+#include "firmware/faults.h"
+#include "hal/kinematics/reach.h"
+
+namespace tactus::hal {
+namespace {
+
+using haptics::DeviceState;
+using haptics::ReadStatus;
+
+constexpr std::uint32_t kFadeMissed = 3, kBrakeMissed = 10;
+constexpr double kMotorEnd = 4095;
+constexpr std::uint8_t kAllHomed = 7;
+
+std::uint32_t number_of(firmware::Fault fault) noexcept { return static_cast<std::uint32_t>(fault); }
+
+}  // namespace
+
+FalconLogic::FalconLogic(double gain_per_Nm, std::int64_t period_ns)
+    : gain_per_Nm_(gain_per_Nm), period_ns_(period_ns) {
+  const AxisVector quantum{DeltaArm::kCount_rad, DeltaArm::kCount_rad, DeltaArm::kCount_rad, 0, 0, 0};
+  const ReachBounds bounds = bounds_over(DeltaArm(), quantum, {DeltaArm::kReach_m, kFalconForce_N, 0, 1, 0});
+  properties_.has_rotation = false;
+  properties_.workspace_radius_m = DeltaArm::kReach_m;
+  properties_.max_speed_m_per_s = 1.5;
+  properties_.max_force_N = kFalconForce_N;
+  properties_.continuous_force_N = 2.5;  // an estimate, as are mass, damping and friction
+  properties_.max_torque_Nm = properties_.continuous_torque_Nm = 0;
+  properties_.position_quantum_m = bounds.position_quantum_m;
+  properties_.mass_kg = 0.2;
+  properties_.damping_Ns_per_m = 1;
+  properties_.coulomb_friction_N = 0.3;
+  properties_.delay_s = 2e-9 * static_cast<double>(period_ns);  // the port's thread adds a period
+}
+
+void FalconLogic::read(const FalconState* fresh, bool connected, std::uint64_t echoed,
+                       haptics::DeviceInput& input) noexcept {
+  ++periods_;
+  if (missed_ <= kBrakeMissed) ++missed_;  // 1: the command that the last write brought
+  if (missed_ > kBrakeMissed && state_ == DeviceState::kForce) brake(number_of(firmware::Fault::kCommandsLost));
+  input.status = connected ? ReadStatus::kMissing : ReadStatus::kDisconnected;
+  if (fresh != nullptr && connected) {
+    homed_ = fresh->homed == kAllHomed;
+    if (!homed_ && state_ == DeviceState::kForce) brake(number_of(firmware::Fault::kEncoder));
+    AxisVector q{};
+    for (unsigned i = 0; i < 3; ++i)
+      q[i] = DeltaArm::kZeroCount_rad + fresh->counts[i] * DeltaArm::kCount_rad - DeltaArm::centre_angle();
+    Vec3d place = place_;
+    const bool found = DeltaArm::solve(q, place) || (place = {0, 0, 0.125}, DeltaArm::solve(q, place));
+    input.status = found ? ReadStatus::kFresh : ReadStatus::kCorrupt;
+    if (found) {
+      place_ = place;
+      q_ = q;
+      sample_.device_from_tool.position = DeltaArm::device_from_maker(place);
+      ++sample_.sequence;
+      sample_.device_time_ns = periods_ * static_cast<std::uint64_t>(period_ns_);
+      sample_.buttons = fresh->buttons;
+      sample_.echoed_sequence = echoed;
+    }
+  }
+  sample_.state = state_;
+  sample_.device_fault = fault_;
+  sample_.limits = homed_ ? 0u : firmware::bit_of(firmware::Limit::kNotHomed);
+  input.sample = sample_;
+}
+
+void FalconLogic::write(const haptics::DeviceCommand& command) noexcept {
+  const bool rearms = command.rearm != 0 && command_.rearm == 0;  // the edge, so that a stuck flag has no effect
+  command_ = command;
+  missed_ = 0;
+  if (!is_finite(command.wrench)) return brake(number_of(firmware::Fault::kEffortNotFinite));
+  if (command.wanted == DeviceState::kBrake) return brake(0);
+  if (state_ == DeviceState::kBrake) {
+    if (!rearms || !homed_) return;
+    state_ = DeviceState::kIdle;
+    fault_ = 0;
+  }
+  state_ = command.wanted == DeviceState::kForce && homed_ ? DeviceState::kForce : DeviceState::kIdle;
+}
+
+FalconRequest FalconLogic::request() const noexcept {
+  FalconRequest request{.green = state_ == DeviceState::kForce, .blue = homed_, .red = !homed_};
+  if (state_ != DeviceState::kForce) return request;
+  const std::uint32_t missed = missed_ > 0 ? missed_ - 1 : 0;
+  const double fade = missed < kFadeMissed ? 1.0 : static_cast<double>(kBrakeMissed - missed) / (kBrakeMissed - 2);
+  const double size = norm(command_.wrench.force);
+  const double share = fade * (size > kFalconForce_N ? kFalconForce_N / size : 1.0);
+  const AxisVector effort = DeltaArm().efforts_of(q_, {command_.wrench.force * share, {}});
+  // Cut after scaling and with the direction kept: before it, the 16 bits would wrap.
+  double largest = 0;
+  for (unsigned i = 0; i < 3; ++i) largest = std::max(largest, std::abs(gain_per_Nm_ * effort[i]));
+  const double cut = largest > kMotorEnd ? kMotorEnd / largest : 1.0;
+  for (unsigned i = 0; i < 3; ++i)
+    request.motors[i] = static_cast<std::int16_t>(std::lround(-gain_per_Nm_ * effort[i] * cut));
+  return request;
+}
+
+void FalconLogic::brake(std::uint32_t fault) noexcept {
+  if (state_ != DeviceState::kBrake) fault_ = fault;  // the first cause
+  state_ = DeviceState::kBrake;
+}
+
+}  // namespace tactus::hal

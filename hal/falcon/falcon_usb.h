@@ -1,0 +1,36 @@
+// The Falcon's FTDI chip over libusb. Thread: open() [setup]; the rest by one thread, which waits for the bus.
+// Bound: a transfer waits as long as it is told, or kTransfer.
+#pragma once
+
+#include <memory>
+
+#include "hal/falcon/falcon_port.h"
+#include "rt/base/result.h"
+
+struct libusb_context;
+struct libusb_device_handle;
+
+namespace tactus::hal {
+
+class FalconUsb final : public FalconPort {
+ public:
+  static constexpr std::chrono::milliseconds kTransfer{200};
+  static constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xcb48;
+
+  // Errors, one line: none connected, no permission (with the udev rule), in use.
+  static Result<std::unique_ptr<FalconPort>> open();
+  ~FalconUsb() override;
+  FalconUsb(const FalconUsb&) = delete;
+  FalconUsb& operator=(const FalconUsb&) = delete;
+
+  bool control(FtdiRequest request, std::uint16_t value) noexcept override;
+  bool write(std::span<const std::uint8_t> bytes) noexcept override;
+  int read(std::span<std::uint8_t> bytes, std::chrono::milliseconds longest) noexcept override;
+
+ private:
+  FalconUsb() = default;
+  libusb_context* context_{nullptr};
+  libusb_device_handle* handle_{nullptr};
+};
+
+}  // namespace tactus::hal

@@ -1,0 +1,58 @@
+// Force Dimension's library (libdrd, libdhd), loaded when it is asked for: the functions that tactus calls, by name.
+//
+// The library is the user's own: nothing of it is part of tactus, and the declarations here are those of its documented
+// interface. Thread: load() [setup]. The functions may be called by any thread; they wait for the bus.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "rt/base/result.h"
+
+namespace tactus::hal {
+
+struct DhdFunctions {
+  int (*dhdOpenID)(char index);
+  int (*dhdClose)(char id);
+  int (*dhdGetDeviceCount)();
+  const char* (*dhdErrorGetLastStr)();
+  void (*dhdGetSDKVersion)(int* major, int* minor, int* release, int* revision);
+  const char* (*dhdGetSystemName)(char id);
+  int (*dhdGetSystemType)(char id);
+  int (*dhdGetSerialNumber)(unsigned short* serial, char id);
+  bool (*dhdHasWrist)(char id);
+  bool (*dhdHasActiveWrist)(char id);
+  int (*dhdGetPositionAndOrientationFrame)(double* x, double* y, double* z, double matrix[3][3], char id);
+  int (*dhdSetForceAndTorqueAndGripperForce)(double fx, double fy, double fz, double tx, double ty, double tz,
+                                             double gripper, char id);
+  unsigned (*dhdGetButtonMask)(char id);
+  int (*dhdEnableForce)(unsigned char on, char id);
+  int (*dhdSetBrakes)(int on, char id);
+  int (*dhdStop)(char id);
+  int (*dhdGetStatus)(int status[17], char id);
+  int (*dhdEnableExpertMode)();
+  int (*dhdSetTimeGuard)(int min_period_us, char id);
+  int (*dhdSetWatchdog)(unsigned char steps, char id);  // of 125 us; null: a library without it
+  bool (*drdIsInitialized)(char id);                    // null: libdhd alone
+};
+
+class DhdLibrary {
+ public:
+  // `folder`: where the libraries are, or one of them; empty: $FDSDK, $FORCEDIM_SDK, then where the system looks.
+  // Error, one line: where it looked, or which function the library lacks.
+  static Result<std::unique_ptr<DhdLibrary>> load(const std::filesystem::path& folder);
+  ~DhdLibrary();
+  DhdLibrary(const DhdLibrary&) = delete;
+  DhdLibrary& operator=(const DhdLibrary&) = delete;
+
+  const DhdFunctions& functions() const noexcept { return functions_; }
+
+ private:
+  DhdLibrary() = default;
+  Status resolve();
+
+  void* handle_{nullptr};
+  DhdFunctions functions_{};
+};
+
+}  // namespace tactus::hal

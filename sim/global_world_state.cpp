@@ -1,0 +1,62 @@
+// Saves the state of the global world and restores it.
+#include <tuple>
+
+#include "sim/global_world.h"
+
+namespace tactus::sim {
+namespace {
+
+template <class Tie>
+struct CopyOf;
+template <class... T>
+struct CopyOf<std::tuple<T&...>> {
+  using Type = std::tuple<std::remove_const_t<T>...>;
+};
+
+}  // namespace
+
+template <class Self>
+auto GlobalWorld::state_of(Self& self) noexcept {
+  return std::tie(self.stepped_, self.macro_step_s_, self.settings_, self.islands_, self.pair_cache_, self.graph_,
+                  self.approach_, self.border_exchange_, self.buffer_choice_, self.devices_, self.touches_,
+                  self.bounds_, self.free_, self.held_, self.member_slots_, self.velocity_before_, self.regions_,
+                  self.asleep_J_, self.asleep_of_, self.time_s_, self.statistics_);
+}
+
+struct GlobalWorld::Saved {
+  std::vector<std::byte> world;
+  CopyOf<decltype(state_of(std::declval<const GlobalWorld&>()))>::Type rest;
+};
+
+// The buffer grows to the present state's size; the bound at full capacity is far larger.
+std::vector<std::byte> GlobalWorld::saved_world() const {
+  std::vector<std::byte> bytes(1u << 20);
+  ByteWriter out(bytes);
+  for (world_.save(out); !out.ok(); world_.save(out)) {
+    TACTUS_CHECK(bytes.size() < world_.save_size_bound(), bytes.size(), world_.save_size_bound());
+    bytes.resize(2 * bytes.size());
+    out = ByteWriter(bytes);
+  }
+  bytes.resize(out.size());
+  return bytes;
+}
+
+void GlobalWorld::restore_world(std::span<const std::byte> bytes) noexcept {
+  ByteReader in(bytes);
+  const bool whole = world_.restore(in);
+  TACTUS_CHECK(whole, bytes.size(), in.remaining());
+  world_.index_fixed_bodies();
+}
+
+std::shared_ptr<const GlobalWorld::Saved> GlobalWorld::save() const {
+  std::vector<std::byte> world = saved_world();
+  world.shrink_to_fit();  // a copy may be kept for long
+  return std::make_shared<const Saved>(Saved{std::move(world), state_of(*this)});
+}
+
+void GlobalWorld::restore(const Saved& saved) {
+  restore_world(saved.world);
+  state_of(*this) = saved.rest;
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,243 @@
+// A device through a maker's library: Force Dimension's, by a stand-in with the same functions.
+#include <dlfcn.h>
+
+#include <catch2/catch.hpp>
+#include <functional>
+#include <thread>
+
+#include "hal/sdk/dhd_port.h"
+#include "hal/sdk/sdk_device.h"
+#include "tests/hal/sdk/stand_in/dhd.h"
+
+using namespace tactus;
+using namespace tactus::hal;
+using Catch::Matchers::Contains;
+using haptics::DeviceCommand;
+using haptics::DeviceInput;
+using haptics::DeviceState;
+using haptics::ReadStatus;
+
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 1'000'000;
+// Beyond all that a loaded machine does; what is waited for comes after milliseconds.
+constexpr unsigned kPatience = 20'000;
+
+StandIn& truth() {
+  void* const handle = dlopen(TACTUS_STAND_IN_DHD, RTLD_NOW | RTLD_LOCAL);
+  REQUIRE(handle != nullptr);
+  auto* const function = reinterpret_cast<decltype(&stand_in)>(dlsym(handle, "stand_in"));
+  REQUIRE(function != nullptr);
+  return *function();  // the handle stays: the library is not unloaded between two devices
+}
+
+// As it was loaded.
+StandIn& reset() {
+  StandIn& d = truth();
+  d.count = 1;
+  d.type = 33;
+  d.result = 0;
+  d.initialised = true;
+  d.in_use = d.wrist = d.gone = d.refuses_force = d.forces_on = false;
+  d.blocks_us = d.stops = d.closed = d.exchanges = 0;
+  d.turn_rad = 0;
+  for (unsigned i = 0; i < 3; ++i) d.position_m[i] = d.speed_m_per_s[i] = 0;
+  return d;
+}
+
+Result<std::unique_ptr<DhdPort>> open_port() {
+  auto library = DhdLibrary::load(TACTUS_STAND_IN_DHD);
+  REQUIRE(library.ok());
+  return DhdPort::open(std::move(library).value());
+}
+
+std::unique_ptr<SdkDevice> open_device() {
+  auto port = open_port();
+  REQUIRE(port.ok());
+  auto device = SdkDevice::start(std::move(port).value(), kPeriod_ns);
+  REQUIRE(device.ok());
+  return std::move(device).value();
+}
+
+// The haptic thread: one read and one write per period.
+struct Loop {
+  SdkDevice& device;
+  DeviceInput input{};
+  DeviceCommand command{};
+
+  // False: it did not come to that.
+  bool until(const std::function<bool()>& done, bool writes = true) {
+    for (unsigned i = 0; i < kPatience; ++i) {
+      device.read(input);
+      ++command.sequence;
+      if (writes) device.write(command);
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+  bool push(const Vec3d& force_N) {
+    command.wanted = DeviceState::kForce;
+    command.wrench.force = force_N;
+    return until([&] { return input.sample.state == DeviceState::kForce && truth().forces_on; });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("dhd: a library that is not there, or lacks a function, is one line that says which") {
+  const auto nowhere = DhdLibrary::load("/nowhere");
+  REQUIRE_FALSE(nowhere.ok());
+  CHECK_THAT(nowhere.message(), Contains("is not found") && Contains("accepted: dhd:FOLDER"));
+  const auto old = DhdLibrary::load(TACTUS_STAND_IN_DHD_OLD);
+  REQUIRE_FALSE(old.ok());
+  CHECK_THAT(old.message(), Contains("no function dhdGetStatus"));
+}
+
+TEST_CASE("dhd: a device that cannot be used is one line with the reason") {
+  StandIn& d = reset();
+  d.count = 0;
+  CHECK_THAT(open_port().message(), Contains("no Force Dimension device"));
+  d.count = 1;
+  d.in_use = true;
+  CHECK_THAT(open_port().message(), Contains("device is in use"));
+  d.in_use = false;
+  d.type = 60;
+  CHECK_THAT(open_port().message(), Contains("type 60"));
+  d.type = 33;
+  d.initialised = false;
+  CHECK_THAT(open_port().message(), Contains("not initialised"));
+}
+
+TEST_CASE("dhd: opened, it has limits, a watchdog of 10 ms, no time guard and no force, and closed it is stopped") {
+  StandIn& d = reset();
+  {
+    const auto port = open_port();
+    REQUIRE(port.ok());
+    CHECK(port.value()->identity() == "Force Dimension omega.3, serial 1234, SDK 3.17.5");
+    CHECK(port.value()->properties().max_force_N == 12);
+    CHECK_FALSE(port.value()->properties().has_rotation);
+    CHECK(d.watchdog_steps == 80);
+    CHECK(d.time_guard_us == 0);
+    CHECK_FALSE(d.forces_on);
+    d.stops = 0;
+  }
+  CHECK(d.stops == 1);
+  CHECK(d.closed == 1);
+}
+
+TEST_CASE("dhd: forces and places are turned between the frames, with the same work") {
+  StandIn& d = reset();
+  const auto port = open_port();
+  REQUIRE(port.ok());
+  SdkState state;
+  d.position_m[0] = 0.01;
+  d.position_m[1] = 0.02;
+  d.position_m[2] = 0.03;
+  const Wrenchd wrench{{1, 2, 3}, {}};
+  REQUIRE(port.value()->exchange(wrench, state) == SdkResult::kFresh);
+  const Vec3d place{d.position_m[0], d.position_m[1], d.position_m[2]};
+  CHECK(state.device_from_tool.position.x == place.y);
+  CHECK(state.device_from_tool.position.y == -place.x);
+  CHECK(state.device_from_tool.position.z == place.z);
+  const Vec3d force{d.force_N[0], d.force_N[1], d.force_N[2]};
+  CHECK(dot(force, place) == Approx(dot(wrench.force, state.device_from_tool.position)));
+  CHECK(state.buttons == 5);
+}
+
+TEST_CASE("dhd: a wrist that turns about the library's z turns about the device's z") {
+  StandIn& d = reset();
+  d.type = 104;
+  d.wrist = true;
+  d.turn_rad = 0.4;
+  const auto port = open_port();
+  REQUIRE(port.ok());
+  SdkState state;
+  REQUIRE(port.value()->exchange({}, state) == SdkResult::kFresh);
+  const Quatd expected = quat_from_rotation_vector(Vec3d{0, 0, 0.4});
+  CHECK(state.device_from_tool.rotation.w == Approx(expected.w));
+  CHECK(state.device_from_tool.rotation.z == Approx(expected.z));
+}
+
+TEST_CASE("dhd: force reaches the library in FORCE alone, cut to the limit, and IDLE and the end switch it off") {
+  StandIn& d = reset();
+  {
+    const auto device = open_device();
+    CHECK(device->properties().delay_s >= 1e-3);
+    Loop loop{*device};
+    REQUIRE(loop.push({30, 0, 0}));
+    CHECK(loop.until([&] { return std::abs(d.force_N[1] - 12) < 1e-9; }));
+    CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+    loop.command.wanted = DeviceState::kIdle;
+    CHECK(loop.until([&] { return !d.forces_on && d.force_N[1] == 0; }));
+    REQUIRE(loop.push({1, 0, 0}));
+  }
+  CHECK_FALSE(d.forces_on);
+  CHECK(d.force_N[1] == 0);
+}
+
+TEST_CASE("dhd: a loop that stops altogether loses its force, and one that only reads latches fault 1") {
+  StandIn& d = reset();
+  const auto device = open_device();
+  Loop loop{*device};
+  REQUIRE(loop.push({1, 0, 0}));
+  for (unsigned i = 0; i < kPatience && d.forces_on; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK_FALSE(d.forces_on);
+  REQUIRE(loop.push({1, 0, 0}));
+  CHECK(loop.until([&] { return loop.input.sample.device_fault == 1; }, false));
+  CHECK(loop.input.sample.state == DeviceState::kBrake);
+  CHECK(loop.until([&] { return !d.forces_on; }, false));
+}
+
+TEST_CASE("dhd: a device that switches its forces off, or refuses them, is fault 5 until the re-arm") {
+  StandIn& d = reset();
+  const auto device = open_device();
+  Loop loop{*device};
+  REQUIRE(loop.push({1, 0, 0}));
+  d.forces_on = false;
+  d.refuses_force = true;
+  CHECK(loop.until([&] { return loop.input.sample.device_fault == 5; }));
+  d.refuses_force = false;
+  loop.command.wanted = DeviceState::kIdle;
+  loop.command.rearm = 1;
+  CHECK(loop.until([&] { return loop.input.sample.state == DeviceState::kIdle; }));
+  loop.command.rearm = 0;
+  CHECK(loop.push({1, 0, 0}));
+}
+
+TEST_CASE("dhd: an old sample and a call that blocks are missing samples, a lost device is disconnected") {
+  StandIn& d = reset();
+  const auto device = open_device();
+  Loop loop{*device};
+  REQUIRE(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+  d.result = 1;
+  // After 50 ms without a fresh sample it counts as disconnected, on a slow machine before five reads.
+  const auto missing_in_a_row = [&] {
+    unsigned missing = 0;
+    return loop.until([&] {
+      missing = loop.input.status != ReadStatus::kFresh ? missing + 1 : 0;
+      return missing >= 5;
+    });
+  };
+  CHECK(missing_in_a_row());
+  d.result = 0;
+  CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+  d.blocks_us = 50'000;
+  CHECK(missing_in_a_row());
+  d.blocks_us = 0;
+  CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+  d.gone = true;
+  CHECK(loop.until([&] { return loop.input.status == ReadStatus::kDisconnected; }));
+  d.gone = false;
+  CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+}
+
+TEST_CASE("dhd: a library that takes longer than the period allows is refused at the start") {
+  StandIn& d = reset();
+  d.blocks_us = 2'000;
+  auto port = open_port();
+  REQUIRE(port.ok());
+  const auto device = SdkDevice::start(std::move(port).value(), kPeriod_ns);
+  REQUIRE_FALSE(device.ok());
+  CHECK_THAT(device.message(), Contains("us for an exchange; accepted: at most 500"));
+}

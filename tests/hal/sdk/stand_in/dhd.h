@@ -1,0 +1,19 @@
+// The truth behind the stand-in for Force Dimension's library, and its faults. Fields are read and written by the
+// test's thread and the library's: each is atomic by itself.
+#pragma once
+
+#include <atomic>
+
+struct StandIn {
+  std::atomic<int> count{1}, type{33}, result{0};  // result: of a reading; 1: the old sample again, -1: an error
+  std::atomic<bool> in_use{false}, initialised{true}, wrist{false}, gone{false}, refuses_force{false};
+  std::atomic<unsigned> blocks_us{0};
+  std::atomic<bool> forces_on{false};
+  std::atomic<unsigned> stops{0}, closed{0}, exchanges{0};
+  std::atomic<int> time_guard_us{-1}, watchdog_steps{-1};
+  std::atomic<double> turn_rad{0};
+  std::atomic<double> force_N[6]{};
+  double position_m[3]{}, speed_m_per_s[3]{};  // of the library's thread alone
+};
+
+extern "C" StandIn* stand_in();

@@ -1,0 +1,226 @@
+#!/usr/bin/python3
+"""tests/python/sweep_test.py PROGRAM FOLDER: tactus sweep on this machine: the table does not depend on who ran what."""
+import csv
+import glob
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import bench
+
+GAINS = os.path.join(bench.SOURCE, "tools", "examples", "gains.toml")
+SMALL = """
+scene = "press.toml"
+duration_s = 0.02
+seeds = %d
+[keep]
+summary = ["state_hash", "hand/force_max_N"]
+columns = ["force_z_N:rms", "proxy_position_z_m:last"]
+"""
+
+
+class Sweeps(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.scratch = scratch.name
+        shutil.copy(bench.scene("press"), self.at("press.toml"))
+
+    def at(self, name):
+        return os.path.join(self.scratch, name)
+
+    def write(self, name, text):
+        with open(self.at(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.at(name)
+
+    def sweep(self, *arguments, status=0):
+        done = subprocess.run([bench.PROGRAM, "sweep", *map(str, arguments), "--json"], cwd=self.scratch, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return json.loads(done.stdout)
+
+    def read(self, name):
+        with open(self.at(name), "rb") as file:
+            return file.read()
+
+    def test_the_table_is_the_same_for_any_number_of_workers(self):
+        first = self.sweep(GAINS, "--workers", 1, "--csv", "one.csv")
+        self.assertEqual((first["units"], first["done_before"], first["run"], first["failed"]), (12, 0, 12, 0))
+        again = self.sweep(GAINS, "--workers", 3, "--csv", "again.csv")
+        self.assertEqual((again["done_before"], again["run"]), (12, 0))
+        other = self.sweep(GAINS, "--workers", 3, "--folder", "other", "--csv", "three.csv")
+        self.assertEqual((other["run"], other["workers"]), (12, 3))
+        fresh = self.sweep(GAINS, "--workers", 2, "--fresh", "--csv", "fresh.csv")
+        self.assertEqual((fresh["done_before"], fresh["run"]), (0, 12))
+        for name in ("again.csv", "three.csv", "fresh.csv"):
+            self.assertEqual(self.read(name), self.read("one.csv"))
+
+    def test_a_row_has_the_figures_of_its_run(self):
+        self.sweep(GAINS, "--csv", "gains.csv")
+        with open(self.at("gains.csv"), newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 12)
+        row = next(row for row in rows if row["coupling"] == "static" and row["ratio"] == "5" and
+                   row["coupling.stiffness_N_per_m"] == "1500.0")
+        run = bench.run("press", 1, "--coupling", "static", "--ratio", 5, "--figures", "force_z_N:rms")
+        self.assertEqual(row["state_hash"], run["state_hash"])
+        self.assertEqual(float(row["hand/force_max_N"]), run["hand"]["force_max_N"])
+        self.assertEqual(float(row["force_z_N:rms"]), run["figures"]["force_z_N:rms"])
+        self.assertEqual(len({row["state_hash"] for row in rows}), 12)
+
+    def test_list_and_collect(self):
+        sweep = self.write("small.toml", SMALL % 4)
+        listed = subprocess.run([bench.PROGRAM, "sweep", sweep, "--list"], cwd=self.scratch, check=True,
+                                stdout=subprocess.PIPE, text=True).stdout.splitlines()
+        self.assertEqual(len(listed), 4)
+        subprocess.run(listed[2], shell=True, check=True, cwd=self.scratch)
+        part = self.sweep(sweep, "--collect", "--csv", "part.csv", status=1)
+        self.assertEqual((part["units"], part["done_before"], part["run"]), (4, 1, 0))
+        self.assertEqual(self.read("part.csv").count(b"\n"), 2)
+        if shutil.which("parallel"):
+            subprocess.run(["parallel", "--will-cite"], input="\n".join(listed), text=True, check=True, cwd=self.scratch,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        else:
+            for command in listed:
+                subprocess.run(command, shell=True, check=True, cwd=self.scratch)
+        self.sweep(sweep, "--collect", "--csv", "listed.csv")
+        self.sweep(sweep, "--folder", "other", "--csv", "direct.csv")
+        self.assertEqual(self.read("listed.csv"), self.read("direct.csv"))
+
+    def test_a_unit_that_fails_is_a_row_and_the_rest_goes_on(self):
+        sweep = self.write("fails.toml", SMALL % 1 + '[options]\nrate_Hz = [1000, 20]\n')
+        report = self.sweep(sweep, "--csv", "fails.csv", status=1)
+        self.assertEqual((report["units"], report["run"], report["failed"]), (2, 2, 1))
+        with open(self.at("fails.csv"), newline="", encoding="utf-8") as file:
+            good, bad = csv.DictReader(file)
+        self.assertEqual((good["rate_Hz"], good["error"]), ("1000", ""))
+        self.assertIn("--rate", bad["error"])
+        self.assertEqual(bad["state_hash"], "")
+
+    def test_a_unit_whose_process_is_killed_runs_again(self):
+        once = self.at("once")
+        fake = self.write("tactus", f"""#!/bin/sh
+[ "$1" = run ] && [ ! -e {once} ] && touch {once} && kill -9 $$
+exec {bench.PROGRAM} "$@"
+""")
+        os.chmod(fake, 0o755)
+        sweep = self.write("small.toml", SMALL % 2)
+        options = {"program": fake, "file": sweep, "folder": "", "csv": self.at("killed.csv"), "unit": "", "workers": 1,
+                   "fresh": False, "list": False, "collect": False, "scheduler": "", "trust_network": False, "json": True}
+        done = subprocess.run(["/usr/bin/python3", "-m", "tactus.sweep", json.dumps(options)], cwd=self.scratch, check=True,
+                              stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": bench.MODULE})
+        report = json.loads(done.stdout)
+        self.assertEqual((report["run"], report["retried"], report["failed"]), (2, 1, 0))
+        self.sweep(sweep, "--folder", "other", "--csv", "direct.csv")
+        self.assertEqual(self.read("killed.csv"), self.read("direct.csv"))
+
+    def test_ctrl_c_leaves_what_is_done_and_the_same_command_goes_on(self):
+        sweep = self.write("long.toml", (SMALL % 30).replace("0.02", "0.5"))
+        process = subprocess.Popen([bench.PROGRAM, "sweep", sweep, "--workers", "2", "--json"], cwd=self.scratch,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        folder = self.at("long.sweep")
+        until = time.monotonic() + 60
+        while len(glob.glob(os.path.join(folder, "*.json"))) < 3 and time.monotonic() < until:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        out, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn(b"the same command goes on", said)
+        done = json.loads(out)["run"]
+        self.assertTrue(3 <= done < 30, done)
+        files = os.listdir(folder)
+        self.assertEqual((len(files), [name for name in files if name.endswith(".part")]), (done, []))
+        report = self.sweep(sweep, "--csv", "resumed.csv")
+        self.assertEqual((report["done_before"], report["run"]), (done, 30 - done))
+
+    def experiment(self, *arguments, status=0):
+        done = subprocess.run([bench.PROGRAM, "experiment", *map(str, arguments)], cwd=self.scratch, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
+
+    def test_an_experiment_by_workers_has_the_figures_of_one_process(self):
+        shutil.copy(bench.scene("card_house"), self.at("cards.toml"))
+        whole = ("--seeds", 0, "--whole", 1, "--scene", "press.toml", "--scene", "cards.toml", "--members", "8,16",
+                 "--ratios", 8, "--borders", "ghost")
+        for command in (("couplings", "--scenes", "press,peg", "--quick", "--ratios", 16), ("energy-loss", *whole),
+                        ("hard-cases", "--random", 11, "--first", 3, "--sub-world"),
+                        ("hard-cases", "--random", 11, "--first", 5)):
+            with self.subTest(command=" ".join(map(str, command))):
+                alone = self.experiment(*command, "--json").stdout
+                spread = self.experiment(*command, "--json", "--workers", 3).stdout
+                self.assertEqual(json.loads(spread), json.loads(alone))
+        self.assertEqual(glob.glob(self.at("tactus-parts-*")), [])
+
+    def test_a_part_that_fails_or_is_interrupted_is_said(self):
+        said = self.experiment("energy-loss", "--quick", "--part", 99, "--json", status=2)
+        self.assertIn("--part: accepted: 0 to", json.loads(said.stdout)["error"])
+        said = self.experiment("energy-loss", "--quick", "--scheduler", "tcp://10.0.0.1:8786", "--json", status=2)
+        self.assertIn("--trust-network", json.loads(said.stdout)["error"])
+        said = self.experiment("hard-cases", "--workers", 2, "--json", status=2)
+        self.assertIn("--random N", json.loads(said.stdout)["error"])
+
+        command = [bench.PROGRAM, "experiment", "hard-cases", "--random", "200", "--sub-world", "--workers", "2"]
+        process = subprocess.Popen(command, cwd=self.scratch, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   start_new_session=True)
+        until = time.monotonic() + 60
+        while not glob.glob(self.at("tactus-parts-*/[0-9]*")) and time.monotonic() < until:
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)
+        _, text = process.communicate(timeout=60)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertIn(b"the same command goes on", text)
+        self.assertTrue(glob.glob(self.at("tactus-parts-*/[0-9]*")))
+
+    def test_a_scene_that_has_changed_is_another_experiment(self):
+        fake = self.write("tactus", """#!/bin/sh
+case "$*" in *--version*) echo fake;; *"--part 1") exit 2;; *) printf x;; esac
+""")
+        os.chmod(fake, 0o755)
+        options = json.dumps({"program": fake, "arguments": ["--scene", self.at("press.toml")], "parts": 2, "workers": 1,
+                              "scheduler": "", "trust_network": False})
+        for folders, line in ((1, ""), (1, ""), (2, "# changed\n")):
+            with open(self.at("press.toml"), "a", encoding="utf-8") as file:
+                file.write(line)
+            done = subprocess.run(["/usr/bin/python3", "-m", "tactus.sweep.parts", options], cwd=self.scratch, check=False,
+                                  stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": bench.MODULE})
+            self.assertEqual((done.returncode, done.stdout), (1, b"part 1: exit status 2"))
+            self.assertEqual(len(glob.glob(self.at("tactus-parts-*/0"))), folders)
+
+    def test_mistakes_are_lines(self):
+        for text, said in (("scene = 'nowhere.toml'\n[keep]\nsummary = ['a']", "nowhere.toml"),
+                           (SMALL % 1 + "[option]\na = 1", "option: no such key"),
+                           (SMALL % 1 + "[options]\ncouplin = 1", "[options] couplin"),
+                           (SMALL % 1 + "[keys]\n'proxy.mass_kg' = -1", "mass_kg"),
+                           (SMALL % 1 + "[keys]\n'nothing.here' = 1", "[keys] nothing.here"),
+                           (SMALL % 1 + "[keys]\n'proxy.mass_kg' = {from = 1}", "{from = A, to = B, steps = N}"),
+                           ("scene = 'press.toml'", "nothing is kept"), ("scene =", "accepted: a sweep file"),
+                           (SMALL.replace("%d", "'many'"), "seeds: many")):
+            with self.subTest(said=said):
+                report = self.sweep(self.write("wrong.toml", text), status=2)
+                self.assertIn(said, report["error"])
+        sweep = self.write("small.toml", SMALL % 1)
+        self.assertIn("is no unit", self.sweep(sweep, "--unit", "abc", status=2)["error"])
+        self.assertIn("--trust-network", self.sweep(sweep, "--scheduler", "tcp://10.0.0.1:8786", status=2)["error"])
+
+    def test_what_a_unit_costs_beyond_its_run(self):
+        sweep = self.write("small.toml", SMALL % 40)
+        report = self.sweep(sweep, "--workers", 1)
+        began = time.monotonic()
+        for seed in range(40):
+            bench.program("run", self.at("press.toml"), "--virtual-time", "--duration", 0.02, "--seed", seed, "--figures",
+                          "force_z_N:rms")
+        alone_s = time.monotonic() - began
+        print(f"40 units: {report['wall_s'] / 40 * 1e3:.1f} ms each, the runs alone {alone_s / 40 * 1e3:.1f} ms")
+        self.assertEqual(report["run"], 40)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=1)

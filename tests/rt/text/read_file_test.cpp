@@ -1,0 +1,18 @@
+#include "rt/text/read_file.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "tests/support/temporary_file.h"
+
+using tactus::text::read_file;
+
+TEST_CASE("a file is read whole, one above the limit up to a byte more, and what cannot be read is said") {
+  const tactus::test::TemporaryFile file;
+  std::ofstream(file.path()) << "twelve bytes";
+  CHECK(read_file(file.path(), 100) == "twelve bytes");
+  CHECK(read_file(file.path(), 12) == "twelve bytes");
+  CHECK(read_file(file.path(), 5) == "twelve");
+  CHECK_FALSE(read_file(file.path() + ".none", 100).has_value());
+  CHECK_FALSE(read_file("/", 100).has_value());
+}

@@ -1,0 +1,87 @@
+// The suite for devices without tactus' wire: good on the ones that there are, bad on one that does not obey.
+#include <catch2/catch.hpp>
+
+#include "hal/device_class.h"
+#include "tools/hil/device_suite.h"
+#include "tools/session/find_description.h"
+
+using namespace tactus;
+using haptics::DeviceState;
+
+namespace {
+
+hil::HilOptions stepped() {
+  hil::HilOptions options;
+  options.stepped = true;
+  options.force_N = 1;
+  return options;
+}
+
+hal::OpenedDevice open(const char* name, const char* file) {
+  const auto profile = session::find_description("desk3d", std::string(TACTUS_SOURCE_DIR "/hal/devices/") + file);
+  INFO(profile.message());
+  REQUIRE(profile.ok());
+  auto opened = hal::find_device_class(name)->open({{}, profile.value(), 1'000'000, {}, {}});
+  INFO(opened.message());
+  REQUIRE(opened.ok());
+  return std::move(opened).value();
+}
+
+hil::SuiteReport run(hal::OpenedDevice& opened, bool motors_allowed = true) {
+  hil::DeviceUnderTest under_test{*opened.device, opened.identity, stepped()};
+  return run_device_suite(under_test, {{}, motors_allowed}, {});
+}
+
+const hil::CheckReport& check_of(const hil::SuiteReport& report, std::string_view name) {
+  for (const hil::CheckReport& one : report.checks)
+    if (name == one.check->name) return one;
+  FAIL("no such check");
+  return report.checks.front();
+}
+
+// Goes on with its force whatever is wanted, and says so.
+struct Disobedient {
+  haptics::DeviceProperties device_properties;
+  haptics::DeviceSample sample;
+  const haptics::DeviceProperties& properties() const noexcept { return device_properties; }
+  void read(haptics::DeviceInput& input) noexcept {
+    ++sample.sequence;
+    sample.state = DeviceState::kForce;
+    input = {haptics::ReadStatus::kFresh, 0, sample};
+  }
+  void write(const haptics::DeviceCommand& command) noexcept { sample.echoed_sequence = command.sequence; }
+};
+
+}  // namespace
+
+TEST_CASE("hil: an arm of drives on simulated drives is good in every check, and so is the template") {
+  for (const auto& [name, file] : {std::pair{"drives-sim", "point_arm_drives.toml"},
+                                   {"drives-sim", "wristed_arm_moteus.toml"},
+                                   {"falcon-sim", "desk3d.toml"},
+                                   {"example", "desk3d.toml"}}) {
+    CAPTURE(name, file);
+    hal::OpenedDevice opened = open(name, file);
+    const hil::SuiteReport report = run(opened);
+    for (const hil::CheckReport& one : report.checks) {
+      INFO(to_line(one));
+      CHECK(one.finding.verdict == hil::Verdict::kGood);
+    }
+    CHECK(report.checks.size() == hil::device_checks().size());
+  }
+}
+
+TEST_CASE("hil: without the operator's consent no check enables a drive") {
+  hal::OpenedDevice opened = open("drives-sim", "point_arm_drives.toml");
+  const hil::SuiteReport report = run(opened, false);
+  for (const hil::CheckReport& one : report.checks)
+    CHECK(one.finding.verdict ==
+          ((one.check->needs & hil::kMotors) != 0 ? hil::Verdict::kSkipped : hil::Verdict::kGood));
+}
+
+TEST_CASE("hil: a device that keeps its force is bad in every check that wants it to end") {
+  hal::OpenedDevice opened{std::make_unique<hal::AnyDevice>(std::make_unique<Disobedient>()), "disobedient", {}};
+  const hil::SuiteReport report = run(opened);
+  CHECK_FALSE(report.good());
+  for (const char* name : {"enable", "brake", "not-finite", "watchdog"})
+    CHECK(check_of(report, name).finding.verdict == hil::Verdict::kBad);
+}

@@ -1,0 +1,160 @@
+// Hulls and how far they are from what they stand for; meshes, pieces, and files of shapes.
+#include <random>
+
+#include "sim/geometry/hull_builder.h"
+#include "tests/tools/import/import_bench.h"
+#include "tools/import/pieces.h"
+#include "tools/import/rigid_group.h"
+
+using namespace tactus;
+using namespace tactus::test;
+using namespace tactus::scene_import;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double kPi = 3.141592653589793;
+
+#if TACTUS_TEST_HAS_ASSIMP
+constexpr bool kHasAssimp = true;
+#else
+constexpr bool kHasAssimp = false;
+#endif
+constexpr bool kHasHacd = TACTUS_TEST_HAS_HACD;
+
+// Points of an ellipsoid's surface.
+std::vector<Vec3d> on_ellipsoid(const Vec3d& half_axes, int count) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  std::vector<Vec3d> points;
+  for (int i = 0; i < count; ++i)
+    points.push_back(
+        scale(half_axes, normalized_or(Vec3d{normal(random), normal(random), normal(random)}, Vec3d{1, 0, 0})));
+  return points;
+}
+
+double farthest(const std::vector<Vec3d>& points, const std::vector<Vec3d>& hull) {
+  const auto surface = surface_of(hull);
+  REQUIRE(surface.ok());
+  double most = 0;
+  for (const Vec3d& p : points) most = std::max(most, distance_to(p, surface.value()));
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("an ellipsoid's hull is as far from it as it says") {
+  const Vec3d half{0.05, 0.03, 0.02};
+  const HullPoints hull = ellipsoid_hull(half);
+  CHECK(hull.points.size() == 62);
+  const double inward = farthest(on_ellipsoid(half, 3000), hull.points);
+  CHECK(inward <= 1.001 * hull.deviation_m);
+  CHECK(inward > 0.5 * hull.deviation_m);
+  CHECK(hull.deviation_m < 0.04 * half.x);
+}
+
+TEST_CASE("a cylinder's prism has its volume, and is as far from it as it says") {
+  const double radius = 0.03, half_length = 0.05;
+  const HullPoints hull = cylinder_hull(radius, half_length);
+  const auto surface = surface_of(hull.points);
+  REQUIRE(surface.ok());
+  CHECK(solid_of(surface.value()).mass == Approx(2 * kPi * radius * radius * half_length).epsilon(1e-9));
+  double most = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = 2 * kPi * i / 1000;
+    most = std::max(most, distance_to({radius * std::cos(angle), radius * std::sin(angle), 0.01}, surface.value()));
+  }
+  CHECK(most <= hull.deviation_m);
+  CHECK(most > 0.6 * hull.deviation_m);
+}
+
+TEST_CASE("a hull of many vertices is thinned to 64, and says by how much") {
+  const auto points = on_ellipsoid({0.1, 0.1, 0.1}, 2000);
+  const auto hull = hull_of(points);
+  REQUIRE(hull.ok());
+  CHECK(hull.value().points.size() == 64);
+  CHECK(farthest(points, hull.value().points) == Approx(hull.value().deviation_m).epsilon(1e-9));
+  CHECK(hull.value().deviation_m < 0.01);
+  const HullPoints box = box_hull({0.1, 0.2, 0.3});
+  CHECK(hull_of(box.points).value().deviation_m == 0);
+}
+
+TEST_CASE("parts and wholes add up") {
+  const MassProperties a = principal_mass(2, {0.1, 0, 0.3}, normalized(Quatd{1, 0.2, 0.3, -0.1}), {0.01, 0.02, 0.025});
+  const MassProperties b =
+      principal_mass(0.5, {-0.1, 0.2, 0}, normalized(Quatd{1, -0.2, 0, 0.5}), {0.003, 0.004, 0.005});
+  const MassProperties back = (a + b) - b;
+  CHECK(back.mass == Approx(a.mass).epsilon(1e-12));
+  CHECK(norm(back.centre - a.centre) < 1e-12);
+  CHECK(largest_difference(back.inertia, a.inertia) < 1e-12);
+  CHECK_FALSE(is_a_body(principal_mass(1, {}, {}, {1, 1, 3})));
+}
+
+TEST_CASE("an open surface is counted by its edges") {
+  sim::TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}}};
+  CHECK(open_edges(soup) == 3);
+  soup.triangles.push_back({1, 2, 3});
+  CHECK(open_edges(soup) == 0);
+  std::swap(soup.triangles.back()[0], soup.triangles.back()[1]);
+  CHECK(open_edges(soup) == 3);  // inside out
+  CHECK(solid_of(soup).mass != Approx(1.0 / 6));
+}
+
+TEST_CASE("what never moves is taken over: plane, box, mesh, height field, mocap") {
+  TACTUS_NEEDS_COMPILER();
+  const auto made = imported("fixed.xml");
+  const auto scene = loaded(made);
+  CHECK(made.account.bodies == 7);
+  CHECK(made.files.shapes.size() == 2);
+  // Two rows of three cells, two triangles each; the second row's second point is 0.1 m up.
+  CHECK(made.files.shapes[1].second.find(" 0 0.1\n") != std::string::npos);
+  CHECK(scene.meshes.size() == 2);
+  CHECK_THAT(made.files.text, Contains("kinematic = true"));
+  const auto& ball = scene.bodies[2];
+  CHECK(ball.friction == Approx(0.6));
+  CHECK_THAT(made.files.text, Contains("contact_radius_m = 0.0075"));  // 3/2 x 0.003 / 0.6
+  CHECK_THAT(made.files.text, Contains("rolling_friction_m = 0.0002"));
+}
+
+TEST_CASE("defaults, includes and copies are MuJoCo's") {
+  TACTUS_NEEDS_COMPILER();
+  const auto made = imported("included.xml");
+  CHECK(made.account.bodies == 4);
+  CHECK(loaded(made).bodies[1].mass == Approx(0.6).epsilon(1e-12));
+}
+
+TEST_CASE("a concave file becomes its hull, with the gap, or pieces, within the deviation") {
+  TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)");
+  TACTUS_NEEDS(kHasHacd, "no HACD in this build (Debian: libbullet-extras-dev)");
+  auto options = options_for(kModels / "bracket.obj");
+  options.shapes.unit_m = 0.001;
+  const auto whole = imported(options);
+  CHECK(whole.account.bodies == 1);
+  const std::string changed = fmt::format("{}", fmt::join(whole.account.changed, "\n"));
+  CHECK_THAT(changed, Contains("concave"));
+  const auto scene = loaded(whole);
+  CHECK(scene.bodies[1].mass == Approx(1000 * (0.06 * 0.01 + 0.01 * 0.03) * 0.02).epsilon(1e-6));
+
+  options.pieces = {8, 0.0005};
+  const auto divided = imported(options);
+  CHECK(divided.account.bodies >= 2);
+  CHECK(divided.account.bodies <= 8);
+  double mass = 0;
+  for (const auto& body : loaded(divided).bodies) mass += body.mass;
+  CHECK(mass - 0.2 == Approx(scene.bodies[1].mass).epsilon(1e-9));  // the proxy is 0.2 kg
+  options.pieces = {2, 1e-9};
+  CHECK_THAT(refusal(options), Contains("bracket.obj: ") && Contains("; accepted: more --pieces"));
+}
+
+TEST_CASE("nodes of glTF are bodies, y is up, and custom properties count") {
+  TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)");
+  const auto made = imported("blocks.gltf");
+  const auto scene = loaded(made);
+  REQUIRE(scene.bodies.size() == 4);
+  CHECK(scene.bodies[1].mass == Approx(0.3).epsilon(1e-6));
+  CHECK(scene.bodies[1].friction == Approx(0.4).epsilon(1e-6));
+  CHECK(norm(scene.bodies[1].motion.pose.position - Vec3d{0, 0, 0.5}) < 1e-6);
+  CHECK(scene.bodies[2].mass == Approx(1000 * 0.1 * 0.06 * 0.04).epsilon(1e-5));
+  CHECK(norm(scene.bodies[2].motion.pose.position - Vec3d{0.3, -0.1, 0.5}) < 1e-6);
+  CHECK(scene.bodies[3].kind == physics::BodyKind::kFixed);
+}

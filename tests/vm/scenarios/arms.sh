@@ -1,0 +1,132 @@
+# An arm of CAN drives over the kernel's sockets: three MIT drives on one classic bus, or six moteus on two CAN FD buses.
+# The card house at 1 kHz, the hardware-in-the-loop suite, then each fault of a drive while a hand presses on a floor.
+# What counts is what the drives were told to push, in periods of 1 ms.
+. /bench/lib.sh
+case $link in
+  can) file=/bench/point_arm_drives.toml at_host=can0 at_drives=can1 ;;
+  can-fd) file=/bench/wristed_arm_moteus.toml at_host=vcan0,vcan1 at_drives=vcan0,vcan1 ;;
+esac
+if [ "$link" = can-fd ] && [ ! -e /sys/class/net/vcan1 ]; then
+  ip link add vcan1 type vcan
+  ip link set vcan1 mtu 72 up
+fi
+host=drives:$at_host
+arm="--device-file $file"
+
+# start_drives SCENE [OPTION...]: back when they answer.
+start_drives() {
+  [ -p $BENCH_CONTROL ] || mkfifo $BENCH_CONTROL
+  scene=$1
+  shift
+  : >$BENCH_LOG
+  bench_drives $file $at_drives --scene "$scene" "$@" --control $BENCH_CONTROL >$BENCH_LOG 2>&1 &
+  device=$!
+  mark=0
+  await '^ready' || { not_ok drives "they did not start: $(tail -n 1 $BENCH_LOG)"; return 1; }
+}
+stop_drives() { stop_device "drives-$1"; }
+
+pushes_now() { [ "$(value share)" != 0 ] && [ "$(value enabled)" != 0 ]; }
+# a_fault NAME KIND AXIS PERIODS LIMIT
+a_fault() { fault_under_force drives "$1" "$5" "fault $2 $3 $4"; }
+
+# --- the card house
+start_drives /bench/card_house.toml || exit
+for each in $(echo $at_host | tr , ' '); do candump -x -t z "$each" >"/tmp/candump-$each" 2>&1 & done
+tactus run /bench/card_house.toml --device "$host" $arm --duration "${HOUSE_S:-1.2}" >"/out/arm-house-$link.log" 2>&1
+verdict "drives: card house runs at 1000 Hz" "exit status $?; $(tail -n 1 "/out/arm-house-$link.log")"
+killall -q candump
+# How the arm is opened, and frames under force, to be read.
+for each in $(echo $at_host | tr , ' '); do sed -n '1,60p;4001,4060p' "/tmp/candump-$each" >"/out/candump-$each.txt"; done
+contact=$(sed -n 's/^ *in contact *\([0-9.]*\) %.*/\1/p' "/out/arm-house-$link.log")
+awk -v share="${contact:-0}" 'BEGIN { exit !(share >= 30) }'
+verdict "drives: card house is touched (${contact:-0} % of the ticks)" "less than 30 %"
+report
+awk -v share="$(value largest_share)" 'BEGIN { exit !(share > 0 && share <= 1) }'
+verdict "drives: its force reaches the drives, within their range" "$line"
+[ "$(value enabled)" = 0 ]
+verdict "drives: they are disabled when the run has ended" "$line"
+stop_drives house
+
+# --- the suite
+start_drives /bench/press.toml --hand still || exit
+tactus hil --device "$host" $arm --yes --force 1 --timing report \
+  --junit "/out/hil-drives-$link.xml" >"/out/hil-drives-$link.log" 2>&1
+[ $? -le 1 ]
+verdict "drives: hil runs" "$(tail -n 1 "/out/hil-drives-$link.log")"
+hil_verdicts "/out/hil-drives-$link.log" drives
+stop_drives hil
+
+# --- faults
+start_drives /bench/press.toml || exit
+start_host /bench/press.toml $arm --rearm
+under_force force && ok "drives: the hand feels the floor"
+a_fault fault-flag fault-flag 1 1 3
+if [ "$link" = can ]; then
+  a_fault disabled disabled 1 1 3
+elif under_force disabled; then  # each frame to a moteus has the mode in it
+  mark
+  tell 'fault disabled 1 1'
+  sleep 0.2
+  ! said '^zero' && report && [ "$(value enabled)" = 6 ]
+  verdict "drives: disabled: a moteus is enabled again by its next frame" "$line"
+fi
+a_fault no-answer no-answer 1 30 11
+a_fault no-answer-all no-answer all 30 11
+a_fault no-command no-command all 30 11
+a_fault foreign-id foreign-id 1 30 11
+a_fault undefined-id undefined-id 1 30 11
+a_fault short-frame short 1 30 11
+# No drive echoes a number: answers that all come two periods late look like others after a gap of two.
+for fault in twice late; do
+  if under_force $fault; then
+    mark
+    tell "fault $fault all 100"
+    sleep 0.2
+    ! said '^zero' && host_lives
+    verdict "drives: answers come $fault: the force stays" "$line"
+  fi
+done
+if under_force bus-off; then
+  mark
+  # What a driver reports of bus-off comes on vcan alone; on both the bus is then silent.
+  [ "$link" = can ] || cansend vcan0 20000040#0000000000000000
+  ip link set "${at_host%%,*}" down
+  zero_within drives bus-off silent 11
+  sleep 0.3
+  ip link set "${at_host%%,*}" up
+  in_force
+  verdict "drives: bus-off: force again after the re-arm" "$(tail -n 1 "$host_log")"
+fi
+if under_force host-stopped; then
+  mark
+  kill -STOP "$host_process"
+  zero_within drives host-stopped silent 10
+  kill -CONT "$host_process"
+  in_force
+  verdict "drives: host stopped: force again after the re-arm" "$(tail -n 1 "$host_log")"
+fi
+if under_force host-killed; then
+  mark
+  kill -9 "$host_process"
+  zero_within drives host-killed silent 10
+fi
+stop_drives killed
+start_drives /bench/press.toml || exit
+start_host /bench/press.toml $arm --rearm
+a_fault restarted restarted 1 30 11
+if [ "$link" = can ]; then  # a Damiao loses what was written into it
+  sleep 3
+  mark
+  ! said '^force'
+  verdict "drives: a drive that restarted gets no force again" "$line"
+  grep -q 'the drive has restarted' "$host_log"
+  verdict "drives: and the host says why" "$(tail -n 3 "$host_log")"
+fi
+kill -INT "$host_process"
+wait "$host_process"
+report
+[ "$(value enabled)" = 0 ]
+verdict "drives: SIGINT leaves them disabled" "$line"
+cp "$host_log" "/out/host-drives-$link.log"
+stop_drives faults

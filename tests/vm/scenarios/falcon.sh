@@ -1,0 +1,99 @@
+# A Novint Falcon over libusb: its chip and firmware are a USB device of the guest. The image is loaded, the grip homed,
+# the suite and the card house run, each fault and each way out comes while a hand presses on a floor. The device has no
+# watchdog: what counts is that its motors get zeros, and after how many of its periods.
+. /bench/lib.sh
+host=falcon
+# The scenes' coupling is too stiff for what is known of a Falcon's damping, and its workspace of 10 cm is put where the
+# house has its top.
+for scene in press card_house; do
+  awk '/^\[coupling\]/ { here = 1 } /^\[/ && !/^\[coupling\]/ { here = 0 }
+    here && /^stiffness_N_per_m/ { $0 = "stiffness_N_per_m = 250" } here && /^damping_Ns_per_m/ { $0 = "damping_Ns_per_m = 0.5" }
+    /^position_m = \[0, 0, 0.19\]/ { $0 = "position_m = [0, 0, 0.35]" } { print }' /bench/$scene.toml >/tmp/$scene.toml
+done
+head -c 3000 /bin/busybox >/tmp/image.bin
+
+# start_falcon OPTION...: back when the host can find it.
+start_falcon() {
+  [ -p $BENCH_CONTROL ] || mkfifo $BENCH_CONTROL
+  : >$BENCH_LOG
+  bench_falcon "$@" --control $BENCH_CONTROL >$BENCH_LOG 2>&1 &
+  device=$!
+  mark=0
+  await '^ready' || { not_ok falcon "it did not start: $(tail -n 1 $BENCH_LOG)"; return 1; }
+  wait_for falcon_is_there || { not_ok falcon "no host sees it"; return 1; }
+}
+falcon_is_there() { grep -qs FALCON-1 /sys/bus/usb/devices/*/serial; }
+
+pushes_now() { [ "$(value force_N)" != 0 ]; }
+
+# --- from power-on
+start_falcon --scene /tmp/card_house.toml || exit
+tactus hil --device falcon --yes >"/out/falcon-empty.log" 2>&1
+[ $? = 3 ] && grep -q 'no firmware runs in the Falcon' /out/falcon-empty.log
+verdict "falcon: without its firmware it says what is wanted" "$(tail -n 1 /out/falcon-empty.log)"
+tell 'homed 3'
+(sleep 2 && tell 'homed 7') &
+tactus hil --device falcon:/tmp/image.bin --yes --force 1 --timing report --junit /out/hil-falcon.xml >/out/hil-falcon.log 2>&1
+[ $? -le 1 ]
+verdict "falcon: the image is loaded, the grip homed, hil runs" "$(tail -n 1 /out/hil-falcon.log)"
+wait $!
+report
+[ "$(value image)" = 3000 ]
+verdict "falcon: it got each byte of the image" "$line"
+hil_verdicts /out/hil-falcon.log falcon
+stop_device falcon-hil
+
+# --- the card house
+start_falcon --loaded 1 --scene /tmp/card_house.toml || exit
+tactus run /tmp/card_house.toml --device falcon --duration "${HOUSE_S:-1.2}" >/out/falcon-house.log 2>&1
+verdict "falcon: card house runs at 1000 Hz" "exit status $?; $(tail -n 1 /out/falcon-house.log)"
+contact=$(sed -n 's/^ *in contact *\([0-9.]*\) %.*/\1/p' /out/falcon-house.log)
+awk -v share="${contact:-0}" 'BEGIN { exit !(share >= 30) }'
+verdict "falcon: card house is touched (${contact:-0} % of the ticks)" "less than 30 %"
+report
+[ "$(value largest_N)" != 0 ] && [ "$(value force_N)" = 0 ]
+verdict "falcon: its force reaches the motors, and zeros at the end" "$line"
+stop_device falcon-house
+
+# --- ways out
+for way in INT TERM HUP; do
+  start_falcon --loaded 1 --scene /tmp/press.toml || exit
+  start_host /tmp/press.toml
+  if under_force "SIG$way"; then
+    mark
+    kill -$way "$host_process"
+    wait "$host_process"
+    report
+    [ "$(value force_N)" = 0 ]
+    verdict "falcon: SIG$way: zeros before the program ends" "$line"
+  fi
+  stop_device "falcon-$way"
+done
+
+# --- faults
+start_falcon --loaded 1 --scene /tmp/press.toml || exit
+start_host /tmp/press.toml --rearm
+under_force force && ok "falcon: the hand feels the floor"
+fault_under_force falcon homing-lost 20 'homed 3'
+tell 'homed 7'
+if under_force garbage; then
+  mark
+  tell 'garbage 1'
+  sleep 0.3
+  ! said '^zero'
+  verdict "falcon: bytes between the packets: the force stays" "$line"
+  tell 'garbage 0'
+fi
+if under_force unplugged; then
+  mark
+  tell unplug
+  sleep 0.2
+  tell plug
+  sleep 1
+  host_lives && [ -n "$host_process" ]
+  verdict "falcon: unplugged: the host lives and says so" "$(tail -n 1 "$host_log")"
+fi
+kill -INT "$host_process"
+wait "$host_process"
+cp "$host_log" /out/host-falcon.log
+stop_device falcon-faults

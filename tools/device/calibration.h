@@ -1,0 +1,45 @@
+// Signs and offsets of an arm of drives, from the drives' angles while a person holds the tool at known poses, without
+// force.
+//
+// With the tool at its centre the offset of each axis follows. Moves of the tool away from the centre turn the axes to
+// sides that the kinematics foretell: the sign of sum(d theta d q) over the moves is the axis' sign, its size over
+// sum(d q^2) the ratio as the moves show it: no more exact than the person moves, so it is compared, not taken.
+// Thread: normal; pure. Units: rad of the drives' reported shafts, m. Frame: the device's.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/profiles.h"
+
+namespace tactus::device {
+
+// The tool was held there, and the drives told these angles.
+struct HeldPose {
+  Posed device_from_tool;
+  hal::AxisVector angle_rad{};
+};
+
+struct AxisCalibration {
+  double sign{1}, offset_rad{0};
+  double ratio_seen{0};
+  std::string doubt;  // why it is not to be believed; empty: nothing speaks against it
+};
+
+// The poses to hold after the centre: along each axis of the frame, and for an arm with a wrist turned about each.
+std::vector<Posed> calibration_poses(const hal::DeviceProfile& profile);
+// "0.075 m along +x", "turned by 0.5 rad about +z".
+std::string words_of(const Posed& pose);
+
+// Precondition: the profile has drives.
+std::vector<AxisCalibration> calibrate(const hal::DeviceProfile& profile, const hal::AxisVector& centre_rad,
+                                       const std::vector<HeldPose>& moves);
+
+// The largest share of a drive's position range that it turned to; beyond kUsableShare it may wrap. 0: no such range.
+inline constexpr double kUsableShare = 0.9;
+double range_share(const hal::DriveAxis& axis, double low_rad, double high_rad) noexcept;
+
+// The text of a description with these signs and offsets; the other lines do not change.
+std::string with_calibration(const std::string& text, const std::vector<AxisCalibration>& axes);
+
+}  // namespace tactus::device

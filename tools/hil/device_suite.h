@@ -1,0 +1,24 @@
+// The suite for devices that do not speak firmware/PROTOCOL.md (an arm of drives, a maker's own class): what every
+// device must do, asked through HapticDevice alone (hal/README.md, "What a device must do").
+//
+// Zero force throughout, unless the operator allows pushes. The device is left in IDLE. Thread: normal; in real time
+// the exchange runs on a thread of its own, set up as asked.
+#pragma once
+
+#include "hal/any_device.h"
+#include "tools/hil/suite.h"
+
+namespace tactus::hil {
+
+struct DeviceUnderTest {
+  hal::AnyDevice& device;
+  std::string identity;
+  HilOptions options;
+};
+
+std::span<const Check> device_checks() noexcept;
+
+// `request.only`: names of device_checks().
+SuiteReport run_device_suite(DeviceUnderTest& under_test, const SuiteRequest& request, const SuiteHooks& hooks);
+
+}  // namespace tactus::hil

@@ -1,0 +1,41 @@
+// Convex hulls of at most 64 vertices for what is no hull, with the largest deviation between the two surfaces.
+//
+// Units: m. Frame: the shape's own. Thread: any normal one. Bound: points x kMaxHullVertices x faces. Errors: one line,
+// of a solid that is too thin.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rt/base/result.h"
+#include "sim/geometry/mesh_files.h"
+
+namespace tactus::scene_import {
+
+struct HullPoints {
+  std::vector<Vec3d> points;  // the vertices
+  double deviation_m{0};      // the largest distance of a point of one surface to the other; 0: the same surface
+};
+
+// A prism of 32 sides with the cylinder's volume, about z.
+HullPoints cylinder_hull(double radius, double half_length);
+// 62 points along the symmetry axes of an icosahedron, so that all three planes of symmetry stay; half as much of the
+// deviation outside of the surface as inside.
+HullPoints ellipsoid_hull(const Vec3d& half_axes);
+HullPoints capsule_hull(double radius, double half_length);
+HullPoints box_hull(const Vec3d& half_lengths);
+
+// The convex hull of the points, thinned to 64 vertices where it has more: the farthest point first. `deviation_m` is
+// then that between the whole hull and the thinned one.
+Result<HullPoints> hull_of(std::span<const Vec3d> points);
+
+// The surface of the points' hull, as triangles.
+Result<sim::TriangleSoup> surface_of(std::span<const Vec3d> points);
+
+// The largest distance of a point to the first one: half of the diameter to the diameter.
+double extent_of(std::span<const Vec3d> points);
+
+// The distance of a point to the nearest of the triangles.
+double distance_to(const Vec3d& point, const sim::TriangleSoup& surface);
+
+}  // namespace tactus::scene_import

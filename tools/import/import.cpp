@@ -1,0 +1,113 @@
+#include "tools/import/import.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <sstream>
+
+namespace tactus::scene_import {
+namespace {
+
+constexpr double kLeastRadius_m = 1e-4, kLargestRadius_m = 10;
+
+bool is_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (::access((folder + "/" + name).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+std::optional<ImportError> read_model(const ImportOptions& options, Imported& imported, SceneDraft& draft) {
+  const std::string name = options.file.filename().string();
+  std::error_code none;
+  if (!std::filesystem::exists(options.compiler.parent_path() / "mujoco.wasm", none))
+    return ImportError{fmt::format("{}: MJCF and URDF need MuJoCo's compiler, which this build lacks: it was built "
+                                   "without node and npm (Debian: nodejs, npm)",
+                                   name),
+                       true};
+  if (!is_program("node"))
+    return ImportError{fmt::format("{}: MJCF and URDF need the program node (Debian: nodejs)", name), true};
+  const auto model = compile_model(options.compiler, options.file, imported.account);
+  if (model.ok()) {
+    draft = draft_of(model.value(), options.pieces, imported.account);
+    if (draft.title.empty()) draft.title = options.file.stem().string();
+    return {};
+  }
+  // Elements that are refused anyway may be why it does not compile: both are said.
+  if (imported.account.refused.empty()) return ImportError{model.message()};
+  const std::size_t accepted = model.message().rfind("; accepted: ");
+  const std::string what = model.message().substr(0, accepted);
+  imported.account.refuse({"", name, 0, what.starts_with(name + ": ") ? what.substr(name.size() + 2) : what,
+                           "a model that MuJoCo compiles"});
+  return {};
+}
+
+std::optional<ImportError> choose_proxy(const ImportOptions& options, SceneDraft& draft) {
+  draft.proxy.device = options.device;
+  draft.proxy.position = options.proxy_position;
+  if (options.proxy.empty()) return {};
+  const char* end = options.proxy.data() + options.proxy.size();
+  double radius = 0;
+  const auto [read_to, error] = std::from_chars(options.proxy.data(), end, radius);
+  if (error == std::errc() && read_to == end) {
+    if (!(radius >= kLeastRadius_m && radius <= kLargestRadius_m))
+      return ImportError{
+          fmt::format("--proxy {}: no radius; accepted: {} to {} m", options.proxy, kLeastRadius_m, kLargestRadius_m)};
+    draft.proxy.radius_m = radius;
+    return {};
+  }
+  std::string names;
+  for (std::size_t i = 0; i < draft.bodies.size(); ++i) {
+    const DraftBody& body = draft.bodies[i];
+    if (body.role != DraftRole::kMoving) continue;
+    if (body.name == options.proxy) {
+      draft.proxy.body = i;
+      return {};
+    }
+    if (names.size() < 200) names += (names.empty() ? "" : ", ") + body.name;
+  }
+  return ImportError{fmt::format("--proxy {}: no moving body has this name; accepted: a radius in m, or {}",
+                                 options.proxy, names.empty() ? "nothing else" : names)};
+}
+
+}  // namespace
+
+std::optional<ImportError> import_file(const ImportOptions& options, Imported& imported) {
+  Account& account = imported.account;
+  SceneDraft draft;
+  std::string ending = options.file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string name = options.file.filename().string();
+  std::error_code none;
+  const char* source = "MuJoCo's compiler";
+  if (ending == ".sdf" || ending == ".usd" || ending == ".usda" || ending == ".usdc" || ending == ".usdz")
+    return ImportError{fmt::format("{}: {} is not read; accepted: MJCF, URDF, glTF, OBJ, STL", name,
+                                   ending == ".sdf" ? "SDF" : "USD")};
+  if (!std::filesystem::is_regular_file(options.file, none))
+    return ImportError{fmt::format("{}: no such file; accepted: MJCF, URDF, glTF, OBJ, STL", options.file.string())};
+  if (ending == ".xml" || ending == ".mjcf" || ending == ".urdf") {
+    if (auto error = read_model(options, imported, draft)) return error;
+  } else if (ending == ".gltf" || ending == ".glb" || ending == ".obj" || ending == ".stl") {
+    source = "assimp";
+    auto read = read_shapes(options.file, options.shapes, options.pieces, account);
+    if (!read.ok()) return ImportError{read.message(), read.message().find("this build") != std::string::npos};
+    draft = std::move(read).value();
+  } else {
+    return ImportError{
+        fmt::format("{}: no kind that is known; accepted: .xml, .mjcf (MJCF), .urdf, .gltf, .glb, .obj, .stl", name)};
+  }
+  drop(options.drop, account);
+  if (!account.refused.empty()) return {};
+  make_names_unique(draft);
+  if (auto error = choose_proxy(options, draft)) return error;
+  draft.head.push_back(fmt::format("Made by tactus import from {}, by {}.", name, source));
+  for (const std::string& text : account.dropped) draft.head.push_back("Left out by --drop: " + text);
+  imported.files = write_scene(draft, options.stem, account);
+  return {};
+}
+
+}  // namespace tactus::scene_import

@@ -1,0 +1,34 @@
+// A scene from a file of another program: MJCF, URDF (MuJoCo's compiler, in Node), glTF, OBJ, STL (assimp).
+//
+// Thread: the only one of the program. Bound: those of the readers. Errors: one line that needs no account; all else
+// that is refused is in the account, and no scene is made.
+#pragma once
+
+#include "tools/import/shape_source.h"
+
+namespace tactus::scene_import {
+
+struct ImportOptions {
+  std::filesystem::path file, compiler;  // compiler: compile.mjs as installed
+  std::string stem;                      // what shape files' names begin with
+  std::vector<std::string> drop;
+  std::string proxy;  // a body's name, or a radius in m; empty: a sphere of 1 cm
+  std::optional<Vec3d> proxy_position;
+  std::string device{"virtuose6d"};
+  PieceOptions pieces;
+  ShapeOptions shapes;
+};
+
+struct Imported {
+  SceneFiles files;  // empty where something is refused
+  Account account;
+};
+
+// What the error is about: the file, or what this machine lacks.
+struct ImportError {
+  std::string message;
+  bool machine_lacks{false};
+};
+std::optional<ImportError> import_file(const ImportOptions& options, Imported& imported);
+
+}  // namespace tactus::scene_import

@@ -1,0 +1,273 @@
+#include "tools/import/scene_draft.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "rt/base/rotation_vector.h"
+
+namespace tactus::scene_import {
+namespace {
+
+constexpr std::size_t kLongestName = 100;
+constexpr double kAboveEverything_m = 0.01;
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 32 || c == 127 ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+std::string comment(const std::string& text) {
+  std::string out = text;
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, ' ');
+  return "# " + out + "\n";
+}
+
+// -0 as 0, and so without a sign in the text.
+double plain(double x) { return x == 0 ? 0 : x; }
+std::string shown(const Vec3d& v) { return fmt::format("[{}, {}, {}]", plain(v.x), plain(v.y), plain(v.z)); }
+
+std::string shown(const SymMat3d& m) {
+  if (m.xy == 0 && m.xz == 0 && m.yz == 0) return shown(Vec3d{m.xx, m.yy, m.zz});
+  return fmt::format("[{}, {}, {}, {}, {}, {}]", m.xx, m.yy, m.zz, plain(m.xy), plain(m.xz), plain(m.yz));
+}
+
+std::string obj_text(const sim::TriangleSoup& mesh) {
+  std::string text = "# written by tactus import, in metres\n";
+  for (const Vec3d& v : mesh.corners) text += fmt::format("v {} {} {}\n", v.x, v.y, v.z);
+  for (const auto& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return text;
+}
+
+bool moves(const DraftBody& body) { return body.role != DraftRole::kFixed; }
+
+class Writer {
+ public:
+  Writer(const SceneDraft& draft, const std::string& stem) : draft_(draft), stem_(stem) {}
+
+  SceneFiles write(Account& account) {
+    for (const std::string& line : draft_.head) files_.text += comment(line);
+    files_.text += fmt::format("title = {}\neffects = [{}]\n", quoted(draft_.title.substr(0, 200)), effects());
+    if (norm(draft_.gravity) > 0) files_.text += fmt::format("gravity_m_per_s2 = {}\n", shown(draft_.gravity));
+    write_simulation(account);
+    write_proxy(account);
+    for (std::size_t i = 0; i < draft_.bodies.size(); ++i)
+      if (draft_.proxy.body != i) write_body(draft_.bodies[i], "[[body]]");
+    for (const DraftJoint& joint : draft_.joints) write_joint(joint);
+    return std::move(files_);
+  }
+
+ private:
+  std::string effects() const {
+    const auto any = [this](auto holds) { return std::any_of(draft_.bodies.begin(), draft_.bodies.end(), holds); };
+    std::string list;
+    const auto add = [&list](bool used, const char* name) {
+      if (used) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", name);
+    };
+    add(norm(draft_.gravity) > 0, "gravity");
+    add(any([](const DraftBody& b) { return b.friction > 0; }), "friction");
+    add(any([](const DraftBody& b) { return b.role == DraftRole::kMoving && b.shape != DraftShape::kSphere; }),
+        "gyroscopic");
+    add(any([](const DraftBody& b) { return b.role == DraftRole::kKinematic; }), "kinematic");
+    add(!draft_.joints.empty(), "joints");
+    add(any([](const DraftBody& b) { return b.contact_radius_m > 0; }), "torsional");
+    add(any([](const DraftBody& b) { return b.rolling_friction_m > 0; }), "rolling");
+    return list;
+  }
+
+  void line(const char* key, const std::string& value) { files_.text += fmt::format("{} = {}\n", key, value); }
+
+  void write_shape(const DraftBody& body) {
+    switch (body.shape) {
+      case DraftShape::kSphere:
+        line("shape", "\"sphere\"");
+        line("radius_m", fmt::format("{}", body.size.x));
+        break;
+      case DraftShape::kCapsule:
+        line("shape", "\"capsule\"");
+        line("radius_m", fmt::format("{}", body.size.x));
+        line("length_m", fmt::format("{}", 2 * body.size.y));
+        break;
+      case DraftShape::kBox:
+        line("shape", "\"box\"");
+        line("size_m", shown(2 * body.size));
+        break;
+      case DraftShape::kPlane:
+        line("shape", "\"plane\"");
+        break;
+      case DraftShape::kHull:
+        line("shape", "\"hull\"");
+        files_.text += "points_m = [\n";
+        for (const Vec3d& p : body.points) files_.text += fmt::format("  {},\n", shown(p));
+        files_.text += "]\n";
+        break;
+      case DraftShape::kMesh:
+        line("shape", "\"mesh\"");
+        line("file", quoted(file_of(body.mesh)));
+        break;
+    }
+  }
+
+  // Bodies of the same mesh share its file.
+  std::string file_of(const sim::TriangleSoup& mesh) {
+    const std::string content = obj_text(mesh);
+    for (const auto& [name, known] : files_.shapes)
+      if (known == content) return name;
+    files_.shapes.emplace_back(fmt::format("{}_{}.obj", stem_, files_.shapes.size() + 1), content);
+    return files_.shapes.back().first;
+  }
+
+  void write_body(const DraftBody& body, const char* head) {
+    files_.text += fmt::format("\n{}{}", head, body.origin.empty() ? "\n" : "  " + comment(body.origin));
+    const bool is_proxy = head[1] == 'p';
+    if (!is_proxy) line("name", quoted(body.name));
+    write_shape(body);
+    const bool always_fixed = body.shape == DraftShape::kPlane || body.shape == DraftShape::kMesh;
+    if (body.role == DraftRole::kFixed && !always_fixed) line("fixed", "true");
+    if (body.role == DraftRole::kKinematic) line("kinematic", "true");
+    if (body.role == DraftRole::kMoving) {
+      line("mass_kg", fmt::format("{}", body.mass_kg));
+      if (body.inertia) line("inertia_kg_m2", shown(*body.inertia));
+      if (body.centre) line("centre_of_mass_m", shown(*body.centre));
+      if (norm(body.velocity.linear) > 0) line("velocity_m_per_s", shown(body.velocity.linear));
+      if (norm(body.velocity.angular) > 0) line("angular_velocity_rad_per_s", shown(body.velocity.angular));
+    }
+    if (body.friction > 0) line("friction", fmt::format("{}", body.friction));
+    if (body.contact_radius_m > 0) line("contact_radius_m", fmt::format("{}", body.contact_radius_m));
+    if (body.rolling_friction_m > 0) line("rolling_friction_m", fmt::format("{}", body.rolling_friction_m));
+    write_pose(body.pose);
+  }
+
+  void write_pose(const Posed& pose) {
+    if (norm(pose.position) > 0) line("position_m", shown(pose.position));
+    const Vec3d rotation = rotation_vector_of(pose.rotation);
+    if (norm(rotation) > 1e-15) line("rotation_vector_rad", shown(rotation));
+  }
+
+  std::string end_name(const std::string& name) const {
+    return draft_.proxy.body && draft_.bodies[*draft_.proxy.body].name == name ? "proxy" : name;
+  }
+
+  void write_joint(const DraftJoint& joint) {
+    files_.text += fmt::format("\n[[joint]]{}", joint.origin.empty() ? "\n" : "  " + comment(joint.origin));
+    line("kind", quoted(joint.kind));
+    if (!joint.a.empty()) line("a", quoted(end_name(joint.a)));
+    line("b", quoted(end_name(joint.b)));
+    if (joint.kind != "distance") line("position_m", shown(joint.position));
+    if (joint.axis) line("axis", shown(*joint.axis));
+    const bool turns = joint.kind == "hinge";
+    if (joint.low) line(turns ? "low_rad" : "low_m", fmt::format("{}", plain(*joint.low)));
+    if (joint.high) line(turns ? "high_rad" : "high_m", fmt::format("{}", plain(*joint.high)));
+    if (joint.bodies_collide) line("bodies_collide", "true");
+  }
+
+  // Joints give by their load over m w^2, and mechanisms swing with the error of a sub-step: both want short ones.
+  void write_simulation(Account& account) {
+    if (draft_.joints.empty()) return;
+    files_.text += "\n[simulation]\ncontact_hertz_Hz = 1000\nglobal_sub_steps_per_tick = 4\n";
+    account.change(
+        "filled in: [simulation] with contacts and joints of 1000 Hz and four sub-steps a tick, as there are joints");
+  }
+
+  void write_device(const Vec3d& position) {
+    files_.text += "\n[device]\n";
+    line("profile", quoted(draft_.proxy.device));
+    line("position_m", shown(position));
+  }
+
+  void write_proxy(Account& account) {
+    const DraftProxy& proxy = draft_.proxy;
+    if (proxy.body) {
+      const DraftBody& body = draft_.bodies[*proxy.body];
+      write_body(body, "[proxy]");
+      write_device(body.pose.position + rotate(body.pose.rotation, body.centre.value_or(Vec3d{})));
+      account.change(
+          fmt::format("\"{}\" is the proxy: the device holds it, and gravity does not act on it", body.name));
+      return;
+    }
+    const Vec3d position = proxy.position.value_or(above_everything());
+    files_.text += "\n[proxy]\nshape = \"sphere\"\n";
+    line("radius_m", fmt::format("{}", proxy.radius_m));
+    line("mass_kg", fmt::format("{}", proxy.mass_kg));
+    if (effects().find("friction") != std::string::npos) line("friction", fmt::format("{}", proxy.friction));
+    line("position_m", shown(position));
+    write_device(position);
+    account.change(
+        fmt::format("filled in: a proxy of radius {} m and {} kg at [{:.3g}, {:.3g}, {:.3g}] m, the device {} there",
+                    proxy.radius_m, proxy.mass_kg, position.x, position.y, position.z, proxy.device));
+  }
+
+  // Where the proxy touches nothing at the start: over the middle of what moves, above the highest point.
+  Vec3d above_everything() const {
+    Vec3d middle;
+    double count = 0, top = 0;
+    for (const DraftBody& body : draft_.bodies) {
+      if (moves(body)) {
+        middle += body.pose.position;
+        ++count;
+      }
+      top = std::max(top, top_of(body));
+    }
+    if (count > 0) middle = middle * (1 / count);
+    return {middle.x, middle.y, top + draft_.proxy.radius_m + kAboveEverything_m};
+  }
+
+  static double top_of(const DraftBody& body) {
+    const Vec3d up = rotate_inverse(body.pose.rotation, Vec3d{0, 0, 1});
+    double reach = -std::numeric_limits<double>::infinity();
+    switch (body.shape) {
+      case DraftShape::kSphere:
+        return body.pose.position.z + body.size.x;
+      case DraftShape::kCapsule:
+        return body.pose.position.z + body.size.x + body.size.y * std::abs(up.z);
+      case DraftShape::kBox:
+        return body.pose.position.z + dot(body.size, abs(up));
+      case DraftShape::kPlane:
+        return body.pose.position.z;
+      case DraftShape::kHull:
+        for (const Vec3d& p : body.points) reach = std::max(reach, dot(p, up));
+        break;
+      case DraftShape::kMesh:
+        for (const Vec3d& p : body.mesh.corners) reach = std::max(reach, dot(p, up));
+        break;
+    }
+    return body.pose.position.z + reach;
+  }
+
+  const SceneDraft& draft_;
+  const std::string& stem_;
+  SceneFiles files_;
+};
+
+}  // namespace
+
+SceneFiles write_scene(const SceneDraft& draft, const std::string& stem, Account& account) {
+  account.joints = static_cast<unsigned>(draft.joints.size());
+  account.bodies = static_cast<unsigned>(draft.bodies.size() - (draft.proxy.body ? 1 : 0));
+  return Writer(draft, stem).write(account);
+}
+
+void make_names_unique(SceneDraft& draft) {
+  std::set<std::string> used{"proxy"};
+  std::map<std::string, std::string> renamed;  // joints refer to bodies by the names they had
+  for (DraftBody& body : draft.bodies) {
+    const std::string wanted = body.name.empty() ? "body" : body.name.substr(0, kLongestName - 8);
+    std::string name = wanted;
+    for (unsigned n = 2; !used.insert(name).second; ++n) name = fmt::format("{}_{}", wanted, n);
+    renamed.emplace(body.name, name);
+    body.name = name;
+  }
+  for (DraftJoint& joint : draft.joints)
+    for (std::string* end : {&joint.a, &joint.b})
+      if (const auto found = renamed.find(*end); found != renamed.end()) *end = found->second;
+}
+
+}  // namespace tactus::scene_import

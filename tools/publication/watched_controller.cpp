@@ -1,0 +1,35 @@
+#include "tools/publication/watched_controller.h"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "sim/loader/scene_load.h"
+#include "tools/service/control_server.h"
+
+namespace tactus::publication {
+
+Result<std::unique_ptr<WatchedController>> WatchedController::open(const std::filesystem::path& socket) {
+  const auto run = service::watch_control(socket);
+  if (!run.ok()) return run.status();
+  std::unique_ptr<WatchedController> controller(new WatchedController(run.value().connection));
+  auto watcher = Watcher::open(run.value().memory);
+  if (!watcher.ok()) return watcher.status();
+  controller->watcher_ = std::move(watcher).value();
+  auto settings = session::from_tape_text(controller->watcher_->text());
+  if (!settings.ok()) return settings.status();
+  controller->settings_ = std::move(settings).value();
+  auto scene = sim::parse_scene(controller->settings_.scene_source, controller->settings_.scene_name);
+  if (!scene.ok()) return Status::error("the run's scene: " + scene.message());
+  controller->scene_ = std::move(scene).value();
+  return controller;
+}
+
+WatchedController::~WatchedController() { close(connection_); }
+
+bool WatchedController::ended() const {
+  char byte = 0;
+  const bool left = recv(connection_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;  // as when it was killed
+  return left || watcher_->ended();
+}
+
+}  // namespace tactus::publication

@@ -1,0 +1,72 @@
+// A simulated device whose hand follows targets that its owner gives, one a tick: the arm of the scene's profile, with
+// its encoders and the delay of its link, held by the impedance of the scene's [hand]. No link, so no injected faults.
+//
+// Thread: one, in virtual time. Frame: targets, and what the owner is told, in the world; the Device's own interface in
+// the device's. Bound: read() takes the owner's time plus a constant.
+#pragma once
+
+#include <deque>
+#include <functional>
+
+#include "hal/plant.h"
+#include "sim/model/scene.h"
+#include "tactus/device.h"
+
+namespace tactus::python {
+
+struct HandPose {
+  Vector3 position_m{};
+  Quaternion rotation{1, 0, 0, 0};
+};
+
+// What the hand feels when it is asked.
+struct HandAsked {
+  std::uint64_t tick{0};  // whose sample the target leads to
+  HandPose tool;          // as the encoders have it
+  Vector3 force_N{};      // on the hand, as the motors give it now
+  Vector3 torque_Nm{};    // same, about the tool's origin
+};
+
+// Where the hand wants the tool at the end of the coming period; false: where it wanted it before.
+using AskHand = std::function<bool(const HandAsked& asked, HandPose& target)>;
+
+class HandDevice final : public Device {
+ public:
+  // Everything that the next read depends on.
+  struct State {
+    hal::Plant plant;
+    Posed target;                        // device frame
+    std::deque<DeviceCommand> commands;  // on their way to the motors, the oldest first
+    hal::AxisVector effort{};            // of the motors
+    bool brake{false};
+    Wrenchd felt;  // device frame: what `effort` is for
+    std::uint64_t reads{0};
+  };
+
+  HandDevice(const sim::Scene& scene, const hal::DeviceProfile& profile, double period_s, AskHand ask);
+
+  DeviceProperties properties() const override;
+  Error start(double period_s) override;
+  Reading read(DeviceSample& sample) noexcept override;
+  void write(const DeviceCommand& command) noexcept override;
+
+  const State& state() const noexcept { return state_; }
+  void set_state(const State& state) { state_ = state; }
+
+ private:
+  State initial_state() const;
+  Posed measured() const noexcept;  // device frame
+  void advance() noexcept;
+  void apply_next_command() noexcept;
+  HandPose to_world(const Posed& device_from_tool) const noexcept;
+  Posed to_device(const HandPose& pose) const noexcept;
+
+  sim::DevicePlacement placement_;
+  hal::DeviceProfile profile_;
+  hal::HandModel hand_;
+  double period_s_;
+  AskHand ask_;
+  State state_;
+};
+
+}  // namespace tactus::python

@@ -1,0 +1,228 @@
+// tactus.Session's own part: calls, state and views of a Run.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "tools/python/classes.h"
+#include "tools/python/errors.h"
+#include "tools/python/layouts.h"
+#include "tools/python/options.h"
+#include "tools/python/run.h"
+
+namespace py = pybind11;
+
+namespace tactus::python {
+namespace {
+
+// The Run may be another one tomorrow; views stay with the one that they are of.
+class SessionObject {
+ public:
+  SessionObject(const Scene& scene, const py::object& hand, const py::dict& options)
+      : run_(std::make_shared<Run>(scene, hand, options_of(options))) {}
+
+  void replace(const Scene& scene, const py::object& hand, const py::dict& options) {
+    auto next = std::make_shared<Run>(scene, hand, options_of(options));
+    {
+      const Run::Call call(*run_, "replace");
+      run_->leave_views();
+    }
+    run_ = std::move(next);
+  }
+
+  void step(const py::object& ticks) {
+    const Run::Call call(*run_, "step");
+    if (py::isinstance<py::array>(ticks) || PyIndex_Check(ticks.ptr()) == 0) {
+      run_->step(Targets::from(ticks));
+      return;
+    }
+    const py::int_ number = py::reinterpret_steal<py::int_>(PyNumber_Index(ticks.ptr()));
+    const long long count = PyLong_AsLongLong(number.ptr());
+    if (count < 0 || PyErr_Occurred() != nullptr) {
+      PyErr_Clear();
+      raise(Error::Kind::kOption,
+            fmt::format("Session.step: {} ticks; accepted: 0 or more, or an array of targets", shown(ticks)));
+    }
+    run_->step(static_cast<std::uint64_t>(count));
+  }
+
+  void record(const std::filesystem::path& tape) {
+    const Run::Call call(*run_, "record");
+    raise_if(run_->session().record(tape));
+  }
+  void reset() {
+    const Run::Call call(*run_, "reset");
+    run_->reset();
+  }
+  void close() {
+    const Run::Call call(*run_, "close");
+    raise_if(run_->session().close());
+  }
+  Saved save() const {
+    const Run::Call call(*run_, "save");
+    return run_->save();
+  }
+  void restore(const Saved& saved) {
+    const Run::Call call(*run_, "restore");
+    run_->restore(saved);
+  }
+
+  void request(const std::string& word) {
+    static const std::pair<std::string_view, Request> kRequests[] = {{"arm", Request::kArm},
+                                                                     {"rearm", Request::kRearm},
+                                                                     {"disarm", Request::kDisarm},
+                                                                     {"reset_scene", Request::kResetScene}};
+    for (const auto& [name, request] : kRequests)
+      if (name == word) return run_->session().request(request);
+    raise(Error::Kind::kOption,
+          fmt::format("Session.request: '{:.32}' is no request; accepted: arm, rearm, disarm, reset_scene", word));
+  }
+
+  py::array look() {
+    const Run::Call call(*run_, "look");
+    auto ticks = std::make_unique<std::vector<Tick>>(run_->look());
+    const std::span<const Tick> span = *ticks;
+    const py::capsule owner(ticks.release(), [](void* kept) { delete static_cast<std::vector<Tick>*>(kept); });
+    return items_of(tick_type(), span, owner);
+  }
+  std::uint64_t ticks_lost() const { return run_->ticks_lost(); }
+
+  py::object last() const {
+    const Run::Call call(*run_, "last");
+    const Tick& tick = run_->session().last();
+    return py::array(tick_type(), 1, &tick)[py::int_(0)];
+  }
+
+  template <class Field>
+  py::array bodies(Field BodyState::*field, const char* name) {
+    const Run::Call call(*run_, name);
+    run_->show_bodies();
+    return field_of(run_->session().bodies(), field, owner());
+  }
+  py::array roles() {
+    const Run::Call call(*run_, "roles");
+    run_->show_bodies();
+    const auto roles = run_->session().roles();
+    return view_of(py::dtype::of<std::uint8_t>(), {static_cast<py::ssize_t>(roles.size())}, {1}, roles.data(), owner());
+  }
+  py::array members() {
+    const Run::Call call(*run_, "members");
+    run_->show_bodies();
+    return items_of(py::dtype::of<std::uint32_t>(), run_->session().members(), owner());
+  }
+  py::array contacts() {
+    const Run::Call call(*run_, "contacts");
+    run_->show_bodies();
+    return items_of(contact_type(), run_->session().contacts(), owner());
+  }
+  py::array border() {
+    const Run::Call call(*run_, "border");
+    run_->show_bodies();
+    return items_of(border_contact_type(), run_->session().border_contacts(), owner());
+  }
+
+  std::string state_hash() const {
+    const Run::Call call(*run_, "state_hash");
+    return fmt::format("{:016x}", run_->session().state_hash());
+  }
+  std::uint64_t ticks() const { return run_->session().ticks_done(); }
+  double time_s() const { return run_->session().time_s(); }
+  double period_s() const { return run_->session().period_s(); }
+  std::vector<std::string> notes() const {
+    const Run::Call call(*run_, "notes");
+    return run_->session().notes();
+  }
+  Summary summary() const {
+    const Run::Call call(*run_, "summary");
+    return run_->session().summary();
+  }
+  const Scene& scene() const { return run_->session().scene(); }
+
+ private:
+  py::capsule owner() const {
+    return py::capsule(new std::shared_ptr<Run>(run_),
+                       [](void* kept) { delete static_cast<std::shared_ptr<Run>*>(kept); });
+  }
+
+  std::shared_ptr<Run> run_;
+};
+
+void add_views(py::class_<SessionObject>& session) {
+  const auto bodies = [](auto field, const char* name) {
+    return [field, name](SessionObject& self) { return self.bodies(field, name); };
+  };
+  session
+      .def_property_readonly(
+          "position", bodies(&BodyState::position_m, "position"),
+          "(bodies, 3) float64, m, world: the bodies' centres of mass; members as of the last tick, "
+          "the others as of the last global step. A view: read-only, not a copy, it follows the run.")
+      .def_property_readonly("rotation", bodies(&BodyState::rotation, "rotation"),
+                             "(bodies, 4) float64: w, x, y, z, world from body. A view, as position.")
+      .def_property_readonly("velocity", bodies(&BodyState::velocity_m_per_s, "velocity"),
+                             "(bodies, 3) float64, m/s, world: of the centres of mass. A view, as position.")
+      .def_property_readonly("angular_velocity", bodies(&BodyState::angular_velocity_rad_per_s, "angular_velocity"),
+                             "(bodies, 3) float64, rad/s, about the world's axes. A view, as position.")
+      .def_property_readonly("roles", &SessionObject::roles,
+                             "(bodies,) uint8: who simulates each body; 0 fixed, 1 asleep, 2 global, 3 outside, 4 "
+                             "member, 5 border. A view, as position.")
+      .def_property_readonly("members", &SessionObject::members,
+                             "(members,) uint32: numbers of the sub-world's bodies, ascending, as of now.")
+      .def_property_readonly("contacts", &SessionObject::contacts,
+                             "(contacts,) structured: a, b, position_m, normal (from a to b), force_N, friction_N (on "
+                             "b), separation_m; world, mean of the last tick. As of now.")
+      .def_property_readonly("border", &SessionObject::border,
+                             "(contacts,) structured: member, outside, position_m, normal (to the member), force_N, "
+                             "friction_N (on the member); world, mean of the last tick. As of now.");
+}
+
+void add_calls(py::class_<SessionObject>& session) {
+  session
+      .def("step", &SessionObject::step, py::arg("ticks"),
+           "Computes so many ticks, without the GIL; or, with an array of targets for the hand, (ticks, 3) or (ticks, "
+           "7) float64, position in m and rotation w x y z, world, one tick for each row.")
+      .def("record", &SessionObject::record, py::arg("tape"),
+           "Writes a tape of all ticks that follow, until close() or reset(). Before the first tick.")
+      .def("reset", &SessionObject::reset,
+           "Begins anew: the same scene, options and hand, so the same bits. Views stay.")
+      .def("close", &SessionObject::close, "Ends the session and its tape; what it shows keeps its last values.")
+      .def("save", &SessionObject::save, "The state of the run, for restore().")
+      .def("restore", &SessionObject::restore, py::arg("saved"),
+           "Continues from a state that this session saved: the ticks that follow have the same bits as then.")
+      .def("request", &SessionObject::request, py::arg("word"), "For the next tick: arm, rearm, disarm or reset_scene.")
+      .def("look", &SessionObject::look,
+           "The ticks since the last look, oldest first, at most history_ticks: (ticks,) structured, with force_N and "
+           "torque_Nm (on the hand, device frame), proxy_position_m (world), device_energy_J, damped_energy_J, "
+           "border_work_J, border_tank_J, fault, conditions, members, contacts and more.")
+      .def("_replace", &SessionObject::replace)
+      .def("_summary_json", [](const SessionObject& self) { return self.summary().json; });
+}
+
+void add_figures(py::class_<SessionObject>& session) {
+  session
+      .def_property_readonly("last", &SessionObject::last,
+                             "The last tick, with the fields of look(); 0 before the first.")
+      .def_property_readonly("ticks_lost", &SessionObject::ticks_lost,
+                             "Ticks that the last look() missed, because more than history_ticks had passed.")
+      .def_property_readonly("state_hash", &SessionObject::state_hash,
+                             "16 hexadecimal digits: the hash of the sub-world's state, as `tactus run --json` has it.")
+      .def_property_readonly("ticks", &SessionObject::ticks, "Ticks since the start or the last reset.")
+      .def_property_readonly("time_s", &SessionObject::time_s, "Simulated time, s.")
+      .def_property_readonly("period_s", &SessionObject::period_s, "Of a tick, s.")
+      .def_property_readonly("notes", &SessionObject::notes, "What was changed of the options, a line each.")
+      .def_property_readonly(
+          "summary_text", [](const SessionObject& self) { return self.summary().text; },
+          "Statistics and verdict, as `tactus run` prints them.")
+      .def_property_readonly("_scene", &SessionObject::scene);
+}
+
+}  // namespace
+
+void add_session(py::module_& module) {
+  py::class_<Saved>(module, "SavedState", "State of a session, from Session.save.");
+  py::class_<SessionObject> session(module, "Session");
+  session.def(py::init<const Scene&, const py::object&, const py::dict&>());
+  add_calls(session);
+  add_views(session);
+  add_figures(session);
+}
+
+}  // namespace tactus::python

@@ -1,0 +1,133 @@
+// tactus import FILE -o SCENE: a scene from MJCF, URDF, glTF, OBJ or STL, and an account of what became of it.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "sim/loader/scene_load.h"
+#include "tools/experiment/shared_files.h"
+#include "tools/import/import.h"
+#include "tools/json_report.h"
+#include "tools/tactus/commands.h"
+
+namespace tactus::tools {
+namespace {
+
+using nlohmann::ordered_json;
+using scene_import::Account;
+
+struct ImportCommand {
+  std::string file, out;
+  std::vector<double> proxy_position;
+  double deviation_mm{1};
+  bool json{false};
+  scene_import::ImportOptions options;
+};
+
+ordered_json to_json(const Account& account) {
+  ordered_json refused = ordered_json::array();
+  for (const auto& r : account.refused)
+    refused.push_back(
+        {{"kind", r.kind}, {"file", r.file}, {"line", r.line}, {"what", r.what}, {"accepted", r.accepted}});
+  return {{"bodies", account.bodies},   {"joints", account.joints},     {"taken_over", account.taken_over},
+          {"changed", account.changed}, {"left_out", account.left_out}, {"refused", refused}};
+}
+
+int fail(const std::string& text, int exit_code) { return complain("tactus import: " + text, exit_code); }
+
+int write_all(const ImportCommand& command, const scene_import::SceneFiles& files) {
+  const std::filesystem::path folder = std::filesystem::path(command.out).parent_path();
+  for (const auto& [name, text] : files.shapes)
+    if (const int status = write_file((folder / name).string(), text); status != kExitGood) return status;
+  return write_file(command.out, files.text);
+}
+
+int run_import(ImportCommand& command) {
+  auto& options = command.options;
+  const std::filesystem::path out = command.out;
+  if (out.extension() != ".toml")
+    return fail(command.out + ": no name of a scene; accepted: -o NAME.toml", kExitBadInput);
+  options.file = command.file;
+  options.stem = out.stem().string();
+  options.compiler = experiment::shared_file("import/compile.mjs");
+  options.pieces.deviation_m = 1e-3 * command.deviation_mm;
+  if (command.proxy_position.size() == 3)
+    options.proxy_position = Vec3d{command.proxy_position[0], command.proxy_position[1], command.proxy_position[2]};
+  scene_import::Imported imported;
+  if (const auto error = scene_import::import_file(options, imported))
+    return fail(error->message, error->machine_lacks ? kExitMachineCannot : kExitBadInput);
+  const Account& account = imported.account;
+  if (!account.refused.empty()) {
+    const std::string lines = scene_import::lines_of(account.refused);
+    ordered_json object = to_json(account);
+    object["error"] = lines;
+    object["exit_code"] = kExitBadInput;
+    if (command.json) fmt::print("{}\n", report_text(object, 2));
+    fmt::print(stderr, "tactus import: {} {} refused\n{}\n", account.refused.size(),
+               account.refused.size() == 1 ? "thing is" : "things are", lines);
+    return kExitBadInput;
+  }
+  if (const int status = write_all(command, imported.files); status != kExitGood) return status;
+  // What a scene cannot hold, such as a size below 0.1 mm, the loader says, with its line.
+  if (const auto scene = sim::load_scene(command.out); !scene.ok()) {
+    if (command.json) fmt::print("{}\n", report_text(ordered_json{{"error", scene.message()}, {"exit_code", 2}}, 2));
+    fmt::print(stderr, "tactus import: the scene is written, and is not accepted:\n{}\n", scene.message());
+    return kExitBadInput;
+  }
+  if (command.json)
+    fmt::print("{}\n", report_text(to_json(account), 2));
+  else
+    fmt::print("{}: {}\n", command.out, scene_import::text_of(account));
+  return kExitGood;
+}
+
+}  // namespace
+
+CLI::App* add_import_command(CLI::App& program, int& exit_code) {
+  auto command = std::make_shared<ImportCommand>();
+  auto& options = command->options;
+  CLI::App* app = program.add_subcommand("import", "A scene from MJCF, URDF, glTF, OBJ or STL.");
+  app->footer(
+      "MJCF and URDF go through MuJoCo's own compiler, which Node runs: masses, frames and defaults are MuJoCo's. The\n"
+      "account says what was taken over, what was changed and by how much, and what was left out. What a scene cannot\n"
+      "have is refused, all of it in one go, each with file, line and what to do; then nothing is written. No file\n"
+      "outside of FILE's folder is read.\n"
+      "Exit status: 0 good; 2 something is refused, bad usage or file; 3 no node, or a build without the reader.\n\n"
+      "Examples:\n  tactus import gripper.xml -o gripper.toml && tactus scene check gripper.toml\n"
+      "  tactus import arm.urdf -o arm.toml --drop damping,friction-loss --proxy tool\n"
+      "  tactus import bracket.stl -o bracket.toml --unit 0.001 --pieces 16 --deviation 0.5");
+  app->add_option("FILE", command->file, "the model: .xml or .mjcf (MJCF), .urdf, .gltf, .glb, .obj, .stl")->required();
+  app->add_option("-o,--output", command->out, "the scene to write; its shape files are written beside it")->required();
+  app->add_option("--drop", options.drop,
+                  "leave these kinds out instead of refusing them, and say so in the scene's first lines")
+      ->delimiter(',')
+      ->check(CLI::IsMember(scene_import::droppable_kinds()));
+  app->add_option("--proxy", options.proxy,
+                  "what the device holds: the name of a moving body of the model, or the radius of a sphere [m];\n"
+                  "default: a sphere of 0.01 m above the model");
+  app->add_option("--proxy-position", command->proxy_position, "X Y Z of that sphere [m]")->expected(3)->delimiter(',');
+  app->add_option("--device", options.device, "the simulated device: virtuose6d or desk3d")
+      ->check(CLI::IsMember({"virtuose6d", "desk3d"}))
+      ->capture_default_str();
+  app->add_option("--pieces", options.pieces.most,
+                  "divide concave meshes that move into at most this many convex pieces (Bullet's HACD), 2 to 256;\n"
+                  "default: their convex hull, as MuJoCo takes it")
+      ->check(CLI::Range(2u, 256u));
+  app->add_option("--deviation", command->deviation_mm,
+                  "refuse pieces that are further than this from the mesh, on 10,000 points of both surfaces [mm]")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->capture_default_str();
+  app->add_option("--unit", options.shapes.unit_m, "the length that a glTF, OBJ or STL file calls 1 [m]")
+      ->check(CLI::Range(1e-9, 1e3))
+      ->capture_default_str();
+  app->add_option("--density", options.shapes.density_kg_per_m3,
+                  "of bodies from glTF, OBJ and STL that do not say theirs [kg/m3]")
+      ->check(CLI::Range(1e-3, 1e5))
+      ->capture_default_str();
+  app->add_flag("--fixed", options.shapes.fixed, "bodies from glTF, OBJ and STL that say nothing never move");
+  app->add_flag("--json", command->json, "one JSON object on stdout");
+  app->callback([command, &exit_code] { exit_code = run_import(*command); });
+  return app;
+}
+
+}  // namespace tactus::tools

@@ -1,0 +1,96 @@
+// tactus sweep FILE: many runs in virtual time. The work is the Python module's; here are the options.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/json_text.h"
+#include "tools/tactus/commands.h"
+#include "tools/tactus/python_module.h"
+
+namespace tactus::tools {
+namespace {
+
+struct SweepCommand {
+  std::string file, folder, csv, unit, scheduler;
+  unsigned workers{0};
+  bool fresh{false}, list{false}, collect{false}, trust_network{false}, json{false};
+};
+
+// Returns only if it cannot.
+int run_sweep(const SweepCommand& command) {
+  std::error_code none;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none);
+  const std::filesystem::path module = python_module_folder(program);
+  if (module.empty())
+    return complain(
+        "tactus sweep: needs the Python module, which is built where Debian's pybind11-dev and python3-dev are",
+        kExitMachineCannot);
+  setenv("PYTHONPATH", module.c_str(), 1);
+  const nlohmann::ordered_json options{{"program", program.string()},
+                                       {"file", command.file},
+                                       {"folder", command.folder},
+                                       {"csv", command.csv},
+                                       {"unit", command.unit},
+                                       {"workers", command.workers},
+                                       {"fresh", command.fresh},
+                                       {"list", command.list},
+                                       {"collect", command.collect},
+                                       {"scheduler", command.scheduler},
+                                       {"trust_network", command.trust_network},
+                                       {"json", command.json}};
+  const std::string text = json_text(options);
+  execl(kPython, kPython, "-m", "tactus.sweep", text.c_str(), static_cast<char*>(nullptr));
+  return complain(fmt::format("tactus sweep: {}: {}", kPython, std::strerror(errno)), kExitMachineCannot);
+}
+
+}  // namespace
+
+CLI::App* add_sweep_command(CLI::App& program, int& exit_code) {
+  auto command = std::make_shared<SweepCommand>();
+  CLI::App* app =
+      program.add_subcommand("sweep", "Many runs in virtual time: every value with every other, one table.");
+  app->footer(
+      "The file names a scene, and lists of values; every value is run with every other:\n"
+      "  scene = \"press.toml\"              # from the file's folder\n"
+      "  duration_s = 2\n"
+      "  seeds = 3                          # of injected faults: 1, 2, 3; or a list\n"
+      "  [options]                          # of tactus run, as the library names them: coupling, rate_Hz, ratio, ...\n"
+      "  coupling = [\"sub-world\", \"static\"]\n"
+      "  [keys]                             # of the scene; of a list by number, from 1: body.2.mass_kg\n"
+      "  \"coupling.stiffness_N_per_m\" = {from = 500, to = 1500, steps = 3}\n"
+      "  [keep]\n"
+      "  summary = [\"hand/force_max_N\"]    # of the object of tactus run --json\n"
+      "  columns = [\"force_z_N:rms\"]       # as tactus run --figures\n"
+      "Each unit is one process and one file in the sweep's folder, named by the hash of scene, options, version and\n"
+      "instruction set, written whole or not at all: what is done is not done again. A unit that fails is a row with\n"
+      "its message. Ctrl-C leaves what is done; the same command goes on.\n"
+      "Exit status: 0 good; 1 a unit failed or is left; 2 bad usage or file; 3 no Python module.\n\n"
+      "Examples:\n  tactus sweep tools/examples/gains.toml --workers 2 --csv gains.csv\n"
+      "  tactus sweep gains.toml --list | parallel && tactus sweep gains.toml --collect --csv gains.csv");
+  app->add_option("FILE", command->file, "the sweep, a TOML file, see below")->required();
+  app->add_option("--workers", command->workers, "processes at a time on this machine, 1 to 1024; default: one a core")
+      ->check(CLI::Range(1, 1024));
+  app->add_option("--scheduler", command->scheduler,
+                  "run the units on the workers of this scheduler of Dask distributed, such as tcp://127.0.0.1:8786;\n"
+                  "each has tactus at the same path, of the same version and instruction set")
+      ->excludes("--workers");
+  app->add_flag("--trust-network", command->trust_network,
+                "a scheduler runs the code of any client that connects: take one that is neither on loopback nor TLS");
+  app->add_option("--folder", command->folder, "of the results; default: FILE's name with .sweep, in this folder");
+  app->add_option("--csv", command->csv, "write the table of all units that are done into this file");
+  app->add_flag("--fresh", command->fresh, "forget what is done of these units");
+  app->add_flag("--list", command->list, "print the command of each unit that is not done, run nothing");
+  app->add_option("--unit", command->unit, "run this one alone, by its name: what --list prints");
+  app->add_flag("--collect", command->collect, "run nothing, only gather what is done");
+  app->add_flag("--json", command->json, "one JSON object on stdout");
+  app->callback([command, &exit_code] { exit_code = run_sweep(*command); });
+  return app;
+}
+
+}  // namespace tactus::tools

@@ -1,0 +1,58 @@
+#include "tools/tactus/viewer_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <thread>
+
+namespace tactus::tools {
+
+Result<std::unique_ptr<ViewerProcess>> ViewerProcess::start(const std::filesystem::path& socket) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);  // the run's own is for its summary
+  // Ctrl-C is the run's: it ends the viewer.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  std::string program = "tactus", command = "view", option = "--socket", path = socket.string();
+  char* const arguments[] = {program.data(), command.data(), option.data(), path.data(), nullptr};
+  pid_t process = -1;
+  const int error = posix_spawn(&process, "/proc/self/exe", &files, &attributes, arguments, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  if (error != 0) return Status::error(std::string("the viewer cannot be started: ") + strerrordesc_np(error));
+  return std::unique_ptr<ViewerProcess>(new ViewerProcess(process));
+}
+
+ViewerProcess::~ViewerProcess() {
+  kill(process_, SIGTERM);
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i) {
+    if (waitpid(process_, nullptr, WNOHANG) != 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  kill(process_, SIGKILL);
+  (void)waitpid(process_, nullptr, 0);
+}
+
+Result<std::unique_ptr<PrivateFolder>> PrivateFolder::make() {
+  std::error_code error;
+  std::string path = (std::filesystem::temp_directory_path(error) / "tactus-XXXXXX").string();
+  if (error || mkdtemp(path.data()) == nullptr) return Status::error("no folder for a control socket can be made");
+  return std::unique_ptr<PrivateFolder>(new PrivateFolder(path));
+}
+
+PrivateFolder::~PrivateFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+}  // namespace tactus::tools

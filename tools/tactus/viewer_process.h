@@ -1,0 +1,43 @@
+// The viewer of a run as a process of its own: `tactus view --socket`, without the run's privileges and its fate.
+//
+// Thread: main. Bound: a viewer that does not end within a second of being asked is killed.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "rt/base/result.h"
+
+namespace tactus::tools {
+
+class ViewerProcess {
+ public:
+  // Starts it on the socket; it prints its address on standard error. Error: of the operating system.
+  static Result<std::unique_ptr<ViewerProcess>> start(const std::filesystem::path& socket);
+  ~ViewerProcess();
+  ViewerProcess(const ViewerProcess&) = delete;
+  ViewerProcess& operator=(const ViewerProcess&) = delete;
+
+ private:
+  explicit ViewerProcess(pid_t process) : process_(process) {}
+  pid_t process_;
+};
+
+// A folder of this user's alone, for a control socket; removed with the object.
+class PrivateFolder {
+ public:
+  static Result<std::unique_ptr<PrivateFolder>> make();
+  ~PrivateFolder();
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+
+  const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  explicit PrivateFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+}  // namespace tactus::tools

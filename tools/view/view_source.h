@@ -1,0 +1,50 @@
+// What a viewer shows: a running controller (live_source.h), or tapes (tape_source.h).
+//
+// Thread: one, the server's. Bound: a look takes some ms at most.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/publication/watcher.h"
+#include "tools/view/page_messages.h"
+
+namespace tactus::view {
+
+// What a page asked for came to, in words.
+struct Answer {
+  bool ok{false};
+  std::string said;
+};
+
+class ViewSource {
+ public:
+  virtual ~ViewSource() = default;
+
+  // Worlds that are shown beside each other; `view` below counts them.
+  virtual std::size_t views() const { return 1; }
+  // The first message of a page (scene_text.h).
+  virtual const std::string& scene(std::size_t view) const = 0;
+
+  struct News {
+    std::uint64_t lost{0};  // ticks
+    bool fresh{false};      // `frame` is new
+    bool restarted{false};  // the ticks begin anew, elsewhere in time
+  };
+  // What is new since the last look: ticks are appended, the frame is replaced. Called about 60 times a second, for
+  // every view in turn.
+  virtual News look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) = 0;
+  virtual bool ended() { return false; }
+
+  // The state of playing as one JSON object; pages get it when it has changed. Empty: none.
+  virtual std::string status() { return {}; }
+  virtual Answer ask(const PageMessage& message) = 0;
+  // A page has come, and has no tick yet.
+  virtual void joined() {}
+  // Force would reach a person's hand.
+  virtual bool real_device() const { return false; }
+};
+
+}  // namespace tactus::view
