@@ -71,8 +71,9 @@ std::string histogram_text(const std::vector<Curve>& curves, std::int64_t mark_n
 
 namespace {
 
-// Layout, px. Narrow, so that text is still readable in a window of 400 px.
-constexpr double kWidth = 560, kLeft = 96, kRight = 22, kPlotHeight = 300, kLine = 16;
+// Layout, px. Narrow, so that text is still readable in a window of 400 px. On the right, the last tick's label reaches
+// half its width beyond the axis: up to six digits ("100000") of 8 px.
+constexpr double kWidth = 560, kLeft = 96, kRight = 30, kPlotHeight = 300, kLine = 16;
 constexpr std::size_t kWordsBold = 68, kWords = 84;  // characters that fit a line of the sentence, of the rest
 
 // Contrast of text to background at least 4.5 : 1, of curves 3 : 1, in light and dark mode; printed in light mode.
