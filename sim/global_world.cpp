@@ -42,16 +42,25 @@ std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
       std::count_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.kind == kind; }));
 }
 
+// Parts of all bodies that move.
+std::uint32_t count_parts(const Scene& scene) noexcept {
+  std::uint32_t parts = 0;
+  for (const Body& body : scene.bodies)
+    if (body.kind == BodyKind::kDynamic) parts += physics::parts_of(body.shape, scene.compounds);
+  return parts;
+}
+
+// A compound counts as many bodies as it has parts.
 physics::Capacities capacities_for(const Scene& scene) noexcept {
-  const std::uint32_t bodies = count_bodies(scene, BodyKind::kDynamic);
-  physics::Capacities capacities{.bodies = bodies,
+  const std::uint32_t parts = count_parts(scene);
+  physics::Capacities capacities{.bodies = count_bodies(scene, BodyKind::kDynamic),
                                  .fixed_bodies = count_bodies(scene, BodyKind::kFixed),
-                                 .pairs = std::max(kMinPairs, kPairsPerBody * bodies),
-                                 .contacts = std::max(kMinContacts, kContactsPerBody * bodies),
+                                 .pairs = std::max(kMinPairs, kPairsPerBody * parts),
+                                 .contacts = std::max(kMinContacts, kContactsPerBody * parts),
                                  .border_contacts = 0};
   if (scene.meshes.empty()) return capacities;
-  capacities.pairs += kPatchesPerBody * bodies;
-  capacities.mesh_triangles = kTrianglesPerBody * bodies + physics::kMaxBodyTriangles;
+  capacities.pairs += kPatchesPerBody * parts;
+  capacities.mesh_triangles = kTrianglesPerBody * parts + physics::kMaxBodyTriangles;
   return capacities;
 }
 
@@ -80,8 +89,7 @@ std::uint32_t touches_for(const Scene& scene) noexcept {
 
 // A world with all moving and fixed bodies of the scene.
 physics::World world_of(const Scene& scene, const GlobalOptions& options) {
-  physics::World world(capacities_for(scene), scene.hulls, scene.meshes, global_effect_setups(scene),
-                       options.precision);
+  physics::World world(capacities_for(scene), scene.shapes(), global_effect_setups(scene), options.precision);
   for (const auto& body : scene.bodies) TACTUS_CHECK(world.insert(body), body.id, scene.bodies.size());
   world.index_fixed_bodies();
   return world;
@@ -136,8 +144,6 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       settings_(settings_for(scene, options)),
       bounds_settings_(settings_),
       world_(world_of(scene, options)),
-      hulls_(scene.hulls),
-      meshes_(scene.meshes),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
       pair_cache_(capacities_for(scene).bodies, capacities_for(scene).pairs),
       graph_(capacities_for(scene).bodies, touches_for(scene)),

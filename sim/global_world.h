@@ -195,8 +195,6 @@ class GlobalWorld {
   double macro_step_s_{0};     // s: length of the last macro step; the contacts' impulses are over it
   physics::StepSettings settings_, bounds_settings_;  // bounds_settings_: with the sub-steps of the far region
   physics::World world_;
-  physics::Hulls hulls_;
-  physics::Meshes meshes_;
   IslandManager islands_;
   PairCache pair_cache_;
   ContactGraph graph_;

@@ -3,6 +3,8 @@
 
 #include "rt/haptics/coupling/plane_coupling.h"
 #include "rt/haptics/coupling/snapshot_bytes.h"
+#include "rt/physics/collision/collide_parts.h"
+#include "rt/physics/contact/find_contacts.h"
 #include "sim/exchange/mesh_neighbourhood.h"
 #include "sim/exchange/proxy_planes.h"
 #include "sim/global_world.h"
@@ -14,9 +16,12 @@ using physics::Body;
 
 void GlobalWorld::find_touches() noexcept {
   touches_.clear();
-  for (const auto& contact : world_.contacts())
-    if (!contact.b_fixed && contact.touching())
-      touches_.push_back(contact_edge_of(contact, world_.bodies(), islands_.awake()));
+  for (auto contacts = std::as_const(world_).contacts(); !contacts.empty() && !contacts[0].b_fixed;) {
+    const auto of_pair = physics::contacts_of_first_pair(contacts);
+    if (std::any_of(of_pair.begin(), of_pair.end(), [](const physics::Contact& c) { return c.touching(); }))
+      touches_.push_back(contact_edge_of(of_pair, world_.bodies(), islands_.awake()));
+    contacts = contacts.subspan(of_pair.size());
+  }
   if (coupling_.border) add_approaching();
   add_joined();
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
@@ -25,11 +30,19 @@ void GlobalWorld::find_touches() noexcept {
 // Adds edges to bodies that a member will touch before the next choice of members has reached the sub-world.
 void GlobalWorld::add_approaching() noexcept {
   const auto awake = islands_.awake();
-  for (const Approaching& pair : approach_.find(world_, hulls_, slots_of_all_members(), approach_horizon_s())) {
+  const auto bodies = std::as_const(world_).bodies();
+  const Approaching* last = nullptr;
+  for (const Approaching& pair : approach_.find(world_, slots_of_all_members(), approach_horizon_s())) {
+    const bool same_pair = last != nullptr && last->a == pair.a && last->b == pair.b;
+    last = &pair;
+    // Other parts of the two bodies may have an edge already.
+    const auto contacts = physics::find_contacts(world_.contacts(), bodies[pair.a].id, bodies[pair.b].id);
+    if (same_pair || std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.touching(); }))
+      continue;
     if (touches_.size() == touches_.capacity()) return;
     touches_.push_back({.a = awake[pair.a],
                         .b = awake[pair.b],
-                        .point = world_.bodies()[pair.a].motion.pose.position + pair.manifold.points[0].from_a,
+                        .point = bodies[pair.a].motion.pose.position + pair.manifold.points[0].from_a,
                         .normal = pair.manifold.normal,
                         .joined = false});
   }
@@ -72,16 +85,19 @@ void GlobalWorld::find_touches_at_rest() noexcept {
   touches_.clear();
   for (const auto& pair : pairs) {
     const std::uint32_t a = std::min(pair.a, pair.b), b = std::max(pair.a, pair.b);
-    physics::AxisCache cache;
-    const auto manifold = physics::collide(posed_shape(bodies[a]), posed_shape(bodies[b]),
-                                           {.margin = options_.touch_tolerance_m}, cache, hulls_);
-    if (manifold.count == 0 || touches_.size() == touches_.capacity()) continue;
-    Vec3d from_a;
-    for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;
+    Vec3d from_a, normal;
+    std::uint32_t points = 0;
+    physics::for_each_manifold(posed_shape(bodies[a]), posed_shape(bodies[b]), options_.touch_tolerance_m,
+                               world_.shapes(), [&](std::uint32_t, std::uint32_t, const auto& manifold) noexcept {
+                                 if (points == 0) normal = manifold.normal;
+                                 points += manifold.count;
+                                 for (std::uint32_t i = 0; i < manifold.count; ++i) from_a += manifold.points[i].from_a;
+                               });
+    if (points == 0 || touches_.size() == touches_.capacity()) continue;
     touches_.push_back({.a = awake[a],
                         .b = awake[b],
-                        .point = bodies[a].motion.pose.position + from_a * (1.0 / manifold.count),
-                        .normal = manifold.normal,
+                        .point = bodies[a].motion.pose.position + from_a * (1.0 / points),
+                        .normal = normal,
                         .joined = false});
   }
   pairs.clear();
@@ -118,8 +134,8 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.warm_starts.clear();
   next.effects.clear();
   fill_joiners(device, next);
-  fill_near_triangles({.bodies = bodies, .members = members, .proxy = device.proxy}, world_.fixed_bodies(), meshes_,
-                      options_.reach, next);
+  fill_near_triangles({.bodies = bodies, .members = members, .proxy = device.proxy}, world_.fixed_bodies(),
+                      world_.shapes().meshes, options_.reach, next);
   if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
@@ -154,8 +170,8 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
   const StepContacts step{world_.contacts(), std::as_const(world_).bodies(), world_.last_poses(), macro_step_s_};
   next.dropped += border_exchange_.fill(step, members, border_.ghosts, next.border);
   if (!border_.ghosts) return;
-  next.dropped += border_exchange_.add_approaching(approach_.find(world_, hulls_, members, approach_horizon_s()), step,
-                                                   members, next.border);
+  next.dropped += border_exchange_.add_approaching(approach_.find(world_, members, approach_horizon_s()), step, members,
+                                                   next.border);
   next.dropped +=
       border_exchange_.fill_outside(world_, members, macro_step_s_, sub_step_s(), next.border.span(), next.outside);
 }

@@ -18,12 +18,6 @@ double most_along_contact(double radius, const StepSettings& settings) noexcept 
 
 }  // namespace
 
-double half_thickness(const Shape& shape) noexcept {
-  const Vec3d& half = shape.half_extents;
-  const bool round = shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule;
-  return round ? shape.radius : std::min({half.x, half.y, half.z});
-}
-
 std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,
                              std::span<const std::uint8_t> left_out) noexcept {
   const double most = std::min(settings.dt / kShortestPass * (1.0 + 1e-6), static_cast<double>(settings.sub_steps));

@@ -18,9 +18,6 @@
 
 namespace tactus::physics {
 
-// Half of the thinnest side; the radius of a sphere or a capsule [m].
-double half_thickness(const Shape& shape) noexcept;
-
 // At least 1, a divisor of the sub-steps. `left_out`, by slot: 1 if the body's motion is not considered, because
 // another world computes it.
 std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,

@@ -81,7 +81,7 @@ void each_field(Io& io, Wrenchd& w) noexcept {
 template <class Io>
 void each_field(Io& io, Body& b) noexcept {
   fields(io, b.id, b.kind, b.shape.kind, b.shape.radius, b.shape.half_length, b.shape.half_extents);
-  if (b.shape.kind == ShapeKind::kHull || b.shape.kind == ShapeKind::kMesh) fields(io, b.shape.index);
+  if (is_listed(b.shape.kind)) fields(io, b.shape.index);
   fields(io, b.mass, b.inertia, b.friction, b.gravity_scale, b.motion.pose, b.motion.velocity);
 }
 
@@ -127,10 +127,10 @@ void each_field(Io& io, PoseSpring& s) noexcept {
 
 template <class Io>
 void each_field(Io& io, BorderContact& c) noexcept {
-  fields(io, c.member, c.outside, c.feature, c.normal, c.member_anchor, c.impulse_rate, c.friction, c.outside_velocity,
-         c.ghost, c.outside_inverse_mass, c.line_point, c.gap, c.friction_free, c.normal_impulse, c.tangent_impulse[0],
-         c.tangent_impulse[1], c.step_normal_impulse, c.step_tangent_impulse, c.total_normal_impulse,
-         c.total_tangent_impulse, c.work);
+  fields(io, c.member, c.outside, c.feature, c.parts, c.normal, c.member_anchor, c.impulse_rate, c.friction,
+         c.outside_velocity, c.ghost, c.outside_inverse_mass, c.line_point, c.gap, c.friction_free, c.normal_impulse,
+         c.tangent_impulse[0], c.tangent_impulse[1], c.step_normal_impulse, c.step_tangent_impulse,
+         c.total_normal_impulse, c.total_tangent_impulse, c.work);
 }
 
 template <class Io>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/mesh_reach.h"
 #include "rt/physics/shapes/hull_view.h"
 
@@ -20,6 +21,8 @@ bool holds(const BoundedVector<Body>& bodies, std::uint32_t slot, BodyId id) noe
   return slot < bodies.size() && bodies[slot].id == id;
 }
 
+bool is_compound(const Body& body) noexcept { return body.shape.kind == ShapeKind::kCompound; }
+
 // True if the box may reach below the plane: the half space z <= 0 of its frame.
 bool reaches_plane(const Aabb& box, const BodyFrame& plane) noexcept {
   const Vec3d& normal = plane.axes.z;
@@ -30,11 +33,10 @@ bool reaches_plane(const Aabb& box, const BodyFrame& plane) noexcept {
 
 }  // namespace
 
-World::World(const Capacities& capacities, Hulls hulls, Meshes meshes, const EffectSetups& effects,
+World::World(const Capacities& capacities, const ShapeLists& shapes, const EffectSetups& effects,
              SweepPrecision precision)
     : capacities_(capacities),
-      hulls_(hulls),
-      meshes_(meshes),
+      shapes_(shapes),
       bodies_(capacities.bodies),
       fixed_bodies_(capacities.fixed_bodies),
       frozen_(capacities.bodies),
@@ -72,10 +74,7 @@ bool World::refuse(CapacityBit bit) noexcept {
 bool World::insert(const Body& body) noexcept {
   const bool fixed = body.kind == BodyKind::kFixed;
   TACTUS_CHECK(body.id < kFirstPatchId, body.id, kFirstPatchId);
-  TACTUS_CHECK(body.shape.kind != ShapeKind::kHull || body.shape.index < hulls_.size(), body.shape.index,
-               hulls_.size());
-  TACTUS_CHECK(body.shape.kind != ShapeKind::kMesh || (fixed && body.shape.index < meshes_.size()), body.shape.index,
-               meshes_.size());
+  TACTUS_CHECK(is_known(body.shape, fixed, shapes_), static_cast<std::uint32_t>(body.shape.kind), body.shape.index);
   TACTUS_CHECK(is_finite(body.motion.pose) && is_finite(body.motion.velocity), body.id, 0);
   TACTUS_CHECK(fixed || (body.mass > 0.0 && std::isfinite(body.mass)), body.id, body.mass);
   TACTUS_CHECK(
@@ -188,7 +187,7 @@ void World::begin_step(const StepSettings& settings) noexcept {
   bounds_.resize(count);
   motion_bounds_.resize(count);
   frames_.resize(count);
-  const double fall = fall_in_step(settings);
+  const double fall = fall_ = fall_in_step(settings);
   growth_to_fixed_ = growth_to_fixed(fall, settings);
   const auto measure = [&](std::uint32_t i) noexcept {
     const Body& body = bodies_[i];
@@ -207,7 +206,7 @@ void World::begin_step(const StepSettings& settings) noexcept {
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap, bound);
     frames_[i] = BodyFrame::of(body.motion.pose);
     const double growth = growth_of(motion_bounds_[i], fall, settings);
-    bounds_[i] = bounds_of(body.shape, body.motion.pose, growth, hulls_);
+    bounds_[i] = bounds_of(body.shape, body.motion.pose, growth, shapes_.hulls);
   };
   executor_.for_each_range(count, kMinBodies, [&](std::uint32_t i, std::uint32_t end) noexcept {
     for (; i < end; ++i) measure(i);
@@ -229,7 +228,32 @@ void World::add_pairs(StageContext& context) noexcept {
   pair_order_.sort(dynamic_pairs_, bodies_.size());
   context.pairs = &dynamic_pairs_;
   effects_.stages().run(Phase::kPairs, context);
-  for (const auto& [a, b] : dynamic_pairs_) contacts_.add_pair(PairKey::of(bodies_[a].id, bodies_[b].id, false), a, b);
+  for (const auto& [a, b] : dynamic_pairs_) {
+    if (is_compound(bodies_[a]) || is_compound(bodies_[b]))
+      add_part_pairs({a, b}, false, context.settings);
+    else
+      contacts_.add_pair(PairKey::of(bodies_[a].id, bodies_[b].id, false), a, b);
+  }
+}
+
+// Adds one pair for each two parts whose boxes overlap. `fixed`: b is a slot of the fixed bodies; of a plane, the parts
+// that reach it.
+void World::add_part_pairs(const SlotPair& pair, bool fixed, const StepSettings& settings) noexcept {
+  const Body &a = bodies_[pair.a], &b = fixed ? fixed_bodies_[pair.b] : bodies_[pair.b];
+  const auto add = [&](std::uint32_t i, std::uint32_t j) noexcept {
+    contacts_.add_pair(PairKey::of(BodyPart{a.id, i}, BodyPart{b.id, j}, fixed), pair.a, pair.b);
+  };
+  const auto growth_in_step = [&](std::uint32_t slot) noexcept {
+    return growth_of(motion_bounds_[slot], fall_, settings);
+  };
+  const double growth_a = growth_in_step(pair.a) + (fixed ? growth_to_fixed_ : 0.0);
+  const double growth_b = fixed ? 0.0 : growth_in_step(pair.b);
+  if (b.shape.kind != ShapeKind::kPlane)
+    return for_each_near_parts({posed_shape(a), growth_a}, {posed_shape(b), growth_b}, shapes_, add);
+  for (std::uint32_t i = 0; i < parts_of(a.shape, shapes_.compounds); ++i) {
+    const PosedPart part = part_of(posed_shape(a), i, shapes_.compounds);
+    if (reaches_plane(bounds_of(part.shape, part.pose, growth_a, shapes_.hulls), fixed_frames_[pair.b])) add(i, 0);
+  }
 }
 
 void World::index_fixed_bodies() noexcept {
@@ -242,6 +266,8 @@ void World::add_fixed_pair(const SlotPair& pair, const StepSettings& settings, S
   const auto [f, i] = pair;
   if (fixed_bodies_[f].shape.kind == ShapeKind::kMesh)
     add_mesh_pairs(i, f, settings, report);
+  else if (is_compound(bodies_[i]) || is_compound(fixed_bodies_[f]))
+    add_part_pairs({i, f}, true, settings);
   else
     contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
 }
@@ -296,23 +322,36 @@ void World::add_fixed_pairs(StageContext& context) noexcept {
   add_below(fixed_bodies_.size());
 }
 
-// Adds one pair for each patch near the body, with the patch's triangles.
+// Adds one pair for each part of the body and each patch near it, with the patch's triangles.
 void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const StepSettings& settings,
                            StepReport& report) noexcept {
   const Body &body = bodies_[slot], &fixed = fixed_bodies_[fixed_slot];
-  const Mesh& mesh = meshes_[fixed.shape.index];
   const Posed mesh_from_body = relative_pose(fixed.motion.pose, body.motion.pose);
-  const Aabb box = bounds_of(body.shape, mesh_from_body, margin_to_fixed(motion_bounds_[slot], settings), hulls_);
-  const MeshReach reach(mesh, {.shape = body.shape, .pose = mesh_from_body}, motion_bounds_[slot],
-                        fixed.motion.pose.rotation, settings, hulls_);
+  std::uint32_t left_out = 0;
+  for (std::uint32_t i = 0; i < parts_of(body.shape, shapes_.compounds); ++i) {
+    const PosedPart part = part_of({body.shape, mesh_from_body}, i, shapes_.compounds);
+    left_out += add_patch_pairs(part.posed(), {body.id, i}, slot, fixed_slot, settings);
+  }
+  if (left_out == 0) return;
+  report.capacity_bits |= kMeshTrianglesFull;
+  report.dropped += left_out;
+}
+
+// `part`: in the mesh's frame. Returns the number of triangles that did not fit.
+std::uint32_t World::add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t slot, std::uint32_t fixed_slot,
+                                     const StepSettings& settings) noexcept {
+  const Body& fixed = fixed_bodies_[fixed_slot];
+  const Mesh& mesh = shapes_.meshes[fixed.shape.index];
+  const Aabb box = bounds_of(part.shape, part.pose, margin_to_fixed(motion_bounds_[slot], settings), shapes_.hulls);
+  const MeshReach reach(mesh, part, motion_bounds_[slot], fixed.motion.pose.rotation, settings, shapes_.hulls);
   TriangleList near;
-  near_triangles.find(mesh, body.id, fixed.shape.index, box, near);
+  near_triangles.find(mesh, of.body, fixed.shape.index, box, near);
   std::uint32_t left_out = near.left_out;
   PatchTriangles stretch{mesh_triangles_.size(), 0};
   std::uint32_t patch = 0;
   const auto add_pair = [&]() noexcept {
     if (stretch.count > 0)
-      contacts_.add_pair(PairKey::of(body.id, mesh.first_patch_id + patch, true), slot, fixed_slot, stretch);
+      contacts_.add_pair(PairKey::of(of, BodyPart{mesh.first_patch_id + patch, 0}, true), slot, fixed_slot, stretch);
     stretch = {mesh_triangles_.size(), 0};
   };
   for (const std::uint32_t triangle : near.triangles) {
@@ -327,9 +366,7 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const S
       ++left_out;
   }
   add_pair();
-  if (left_out == 0) return;
-  report.capacity_bits |= kMeshTrianglesFull;
-  report.dropped += left_out;
+  return left_out;
 }
 
 StepReport World::finish_step(const StepSettings& settings, const CutPredicate& cut, const CoarseRegion& far) noexcept {
@@ -358,8 +395,7 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
                    .frames = frames_.span(),
                    .fixed_frames = fixed_frames_.span(),
                    .motion_bounds = motion_bounds_.span(),
-                   .hulls = hulls_,
-                   .meshes = meshes_,
+                   .shapes = shapes_,
                    .mesh_triangles = mesh_triangles_.span()},
                   settings, h, impulse_scale, report, executor_);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;

@@ -35,10 +35,10 @@ namespace tactus::physics {
 
 class World {
  public:
-  // [setup] Allocates and touches all memory. `hulls`, `meshes`: the lists to which the bodies' shapes refer; they and
-  // the spans in `effects` must outlive the world and stay unchanged. `precision`: raised to kFull if an effect other
-  // than gravity has stages.
-  explicit World(const Capacities& capacities, Hulls hulls = {}, Meshes meshes = {}, const EffectSetups& effects = {},
+  // [setup] Allocates and touches all memory. `shapes`: the lists to which the bodies' shapes refer; they and the spans
+  // in `effects` must outlive the world and stay unchanged. `precision`: raised to kFull if an effect other than
+  // gravity has stages.
+  explicit World(const Capacities& capacities, const ShapeLists& shapes = {}, const EffectSetups& effects = {},
                  SweepPrecision precision = SweepPrecision::kFull);
   SweepPrecision precision() const noexcept { return solver_ ? SweepPrecision::kFull : SweepPrecision::kSingle; }
 
@@ -67,6 +67,7 @@ class World {
   Body& body(SlotIndex slot) noexcept { return bodies_[number_of(slot)]; }
   const Body& body(SlotIndex slot) const noexcept { return bodies_[number_of(slot)]; }
   std::span<const Body> fixed_bodies() const noexcept { return fixed_bodies_.span(); }  // by id
+  const ShapeLists& shapes() const noexcept { return shapes_; }  // to which the bodies' shapes refer
   // Poses at the start of the last step, by slot; unknown_pose() for bodies inserted since.
   std::span<const Posed> last_poses() const noexcept { return last_poses_.span(); }
 
@@ -142,8 +143,11 @@ class World {
   void add_fixed_pair(const SlotPair& pair, const StepSettings& settings, StepReport& report) noexcept;
   void find_fixed_pairs(const StepSettings& settings, StepReport& report) noexcept;
   void add_fixed_pairs(StageContext& context) noexcept;
+  void add_part_pairs(const SlotPair& pair, bool fixed, const StepSettings& settings) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const StepSettings& settings,
                       StepReport& report) noexcept;
+  std::uint32_t add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t slot, std::uint32_t fixed_slot,
+                                const StepSettings& settings) noexcept;
   void solve(std::span<const std::uint8_t> held, std::span<PoseSpring> springs, const StepSettings& settings,
              double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept;
   void solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
@@ -152,8 +156,7 @@ class World {
   void follow_moves() noexcept;
 
   Capacities capacities_;
-  Hulls hulls_;
-  Meshes meshes_;
+  ShapeLists shapes_;
   Executor executor_;
   BoundedVector<Body> bodies_, fixed_bodies_;  // by id
   BoundedVector<std::uint8_t> frozen_, held_;  // by slot; held_: scratch of a step with a far region
@@ -162,6 +165,7 @@ class World {
   BoundedVector<Aabb> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame> frames_, fixed_frames_;
   BoundedVector<MotionBound> motion_bounds_;  // by slot
+  double fall_{};                             // m: fall_in_step of this step
   double growth_to_fixed_{};                  // m: additional growth of bounds against fixed bodies, in this step
   BoundedVector<Posed> last_poses_;           // by slot: at the start of the last step; unknown_pose() for new bodies
   BoundedVector<std::uint32_t> moved_to_;     // scratch of insert and remove

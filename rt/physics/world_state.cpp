@@ -81,13 +81,11 @@ void World::clear() noexcept {
 
 // Invariants that a world keeps by itself and that bytes from a damaged tape may violate.
 bool World::is_consistent() const noexcept {
-  const std::size_t hulls = hulls_.size(), meshes = meshes_.size();
-  const auto ascending = [hulls, meshes](const BoundedVector<Body>& bodies, BodyKind kind) noexcept {
+  const auto ascending = [this](const BoundedVector<Body>& bodies, BodyKind kind) noexcept {
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
       const Body& b = bodies[i];
-      if (b.id >= kFirstPatchId || b.kind != kind || b.shape.kind > ShapeKind::kMesh) return false;
-      if (b.shape.kind == ShapeKind::kHull && b.shape.index >= hulls) return false;
-      if (b.shape.kind == ShapeKind::kMesh && (kind != BodyKind::kFixed || b.shape.index >= meshes)) return false;
+      if (b.id >= kFirstPatchId || b.kind != kind) return false;
+      if (!is_known(b.shape, kind == BodyKind::kFixed, shapes_)) return false;
       if (i > 0 && bodies[i - 1].id >= b.id) return false;
       if (!is_finite(b.motion.pose) || !is_finite(b.motion.velocity)) return false;
       if (kind == BodyKind::kDynamic && !(b.mass > 0.0 && b.inertia.x > 0.0 && b.inertia.y > 0.0 && b.inertia.z > 0.0))

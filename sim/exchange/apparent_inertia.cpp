@@ -372,6 +372,14 @@ void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint3
                       .momentum = product(inertia, at_point(off_mean(slot), d))});
 }
 
+// Two compounds touch by several contacts, which are consecutive; `from` was reached by the first that touches.
+void ApparentInertia::add_other_parts(Reached& from, const Vec3d& centre) const noexcept {
+  for (std::uint32_t next = from.link + 1; next < contacts_.size(); ++next) {
+    if (contacts_[next].key.of_bodies() != contacts_[from.link].key.of_bodies()) return;
+    if (contacts_[next].touching()) add(from.constraint_stiffness, constraint_stiffness_of(next, centre));
+  }
+}
+
 // Collects the bodies connected to the queried one, then eliminates them from the far end inwards, each into its
 // parent.
 void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
@@ -395,6 +403,7 @@ void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> 
   for (std::size_t i = reached_.size(); i-- > 1;) {
     Reached& from = reached_[i];
     from.constraint_stiffness = constraint_stiffness_of(from.link, centre);
+    add_other_parts(from, centre);
     Reached& to = reached_[from.parent];
     const Felt felt = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
     add(to.inertia, felt.inertia);

@@ -95,6 +95,7 @@ class ApparentInertia {
 
   void collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
   void reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
+  void add_other_parts(Reached& from, const Vec3d& centre) const noexcept;
   void find_joints(const physics::World& world) noexcept;
   // Calls f(link, slot_a, slot_b) for contacts, then joints; a slot is physics::kNoSlot where that side is static.
   template <class F>

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "rt/physics/collision/collide.h"
+#include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/fixed_tree.h"
-#include "rt/physics/contact/find_contact.h"
+#include "rt/physics/contact/find_contacts.h"
 
 namespace tactus::sim {
 namespace {
@@ -24,8 +24,8 @@ Vec3d velocity_at(const Body& body, const Vec3d& point) noexcept {
   return body.motion.velocity.linear + cross(body.motion.velocity.angular, point - body.motion.pose.position);
 }
 
-bool touches_now(const physics::World& world, BodyId a, BodyId b) noexcept {
-  const auto* contact = physics::find_contact(world.contacts(), a, b);
+bool touches_now(const physics::World& world, PairKey key) noexcept {
+  const auto* contact = physics::find_contact(world.contacts(), key);
   return contact != nullptr && contact->touching();
 }
 
@@ -37,8 +37,8 @@ Approach::Approach(std::uint32_t max_bodies) {
   others_.reserve(max_bodies);
 }
 
-std::span<const Approaching> Approach::find(const physics::World& world, physics::Hulls hulls,
-                                            std::span<const std::uint8_t> members, double horizon_s) noexcept {
+std::span<const Approaching> Approach::find(const physics::World& world, std::span<const std::uint8_t> members,
+                                            double horizon_s) noexcept {
   const std::span<const Body> bodies = world.bodies();
   members_.clear();
   others_.clear();
@@ -65,26 +65,39 @@ std::span<const Approaching> Approach::find(const physics::World& world, physics
   }
   for (const Moving& member : members_)
     for (const Moving& other : others_) {
-      const double margin = member.reach_m + other.reach_m;
-      if (margin <= kMinReach_m || !member.box.overlaps(other.box)) continue;
-      const Moving &a = member.slot < other.slot ? member : other, &b = member.slot < other.slot ? other : member;
-      const Body &body_a = bodies[a.slot], &body_b = bodies[b.slot];
-      if (touches_now(world, body_a.id, body_b.id)) continue;
-      physics::AxisCache cache;
-      auto manifold = physics::collide(posed_shape(body_a), posed_shape(body_b), {.margin = margin}, cache, hulls);
-      std::uint32_t meet = 0;
-      for (std::uint32_t i = 0; i < manifold.count; ++i) {
-        const physics::ManifoldPoint point = manifold.points[i];
-        const Vec3d at = body_a.motion.pose.position + point.from_a;
-        const double closing = dot(velocity_at(body_a, at) - velocity_at(body_b, at), manifold.normal);
-        if (point.separation < horizon_s * closing) manifold.points[meet++] = point;
-      }
-      manifold.count = meet;
-      if (meet == 0) continue;
+      if (member.reach_m + other.reach_m <= kMinReach_m || !member.box.overlaps(other.box)) continue;
+      if (member.slot < other.slot)
+        compare(world, member, other, horizon_s);
+      else
+        compare(world, other, member, horizon_s);
       if (found_.size() == kMaxApproaches) return found_;
-      found_.push_back({a.slot, b.slot, manifold});
     }
   return found_;
+}
+
+// Keeps the points of each two parts that will meet.
+void Approach::compare(const physics::World& world, const Moving& a, const Moving& b, double horizon_s) noexcept {
+  const Body &body_a = world.bodies()[a.slot], &body_b = world.bodies()[b.slot];
+  const auto& lists = world.shapes();
+  const physics::PosedShape shape_a = posed_shape(body_a), shape_b = posed_shape(body_b);
+  const double margin = a.reach_m + b.reach_m;
+  physics::for_each_near_parts(
+      {shape_a, a.reach_m}, {shape_b, b.reach_m}, lists, [&](std::uint32_t i, std::uint32_t j) noexcept {
+        if (touches_now(world, PairKey::of(BodyPart{body_a.id, i}, BodyPart{body_b.id, j}, false))) return;
+        physics::AxisCache cache;
+        auto manifold =
+            physics::collide_parts(part_of(shape_a, i, lists.compounds), part_of(shape_b, j, lists.compounds),
+                                   {.margin = margin}, cache, lists.hulls);
+        std::uint32_t meet = 0;
+        for (std::uint32_t k = 0; k < manifold.count; ++k) {
+          const physics::ManifoldPoint point = manifold.points[k];
+          const Vec3d at = body_a.motion.pose.position + point.from_a;
+          const double closing = dot(velocity_at(body_a, at) - velocity_at(body_b, at), manifold.normal);
+          if (point.separation < horizon_s * closing) manifold.points[meet++] = point;
+        }
+        manifold.count = meet;
+        if (meet > 0 && found_.size() < kMaxApproaches) found_.push_back({a.slot, b.slot, i, j, manifold});
+      });
 }
 
 }  // namespace tactus::sim

@@ -18,9 +18,11 @@ namespace tactus::sim {
 
 inline constexpr std::uint32_t kMaxApproaches = 1024;
 
-// A member and another body that will meet, and the points that will: their separation is less than they close.
+// A member and another body that will meet, by one part of each, and the points that will: their separation is less
+// than they close.
 struct Approaching {
-  std::uint32_t a{0}, b{0};  // slots, a < b
+  std::uint32_t a{0}, b{0};            // slots, a < b
+  std::uint32_t part_a{0}, part_b{0};  // parts of the two bodies; the pairs of parts of two bodies are consecutive
   physics::Manifold manifold;
 };
 
@@ -28,9 +30,9 @@ class Approach {
  public:
   explicit Approach(std::uint32_t max_bodies);
 
-  // `members`, by slot of the world: 1 for a member. Pairs that touch are left out. Valid until the next call.
-  std::span<const Approaching> find(const physics::World& world, physics::Hulls hulls,
-                                    std::span<const std::uint8_t> members, double horizon_s) noexcept;
+  // `members`, by slot of the world: 1 for a member. Parts that touch are left out. Valid until the next call.
+  std::span<const Approaching> find(const physics::World& world, std::span<const std::uint8_t> members,
+                                    double horizon_s) noexcept;
 
  private:
   struct Moving {
@@ -38,6 +40,8 @@ class Approach {
     double reach_m;     // bound on a surface point's motion within the horizon
     physics::Aabb box;  // the body's bounds, grown by reach_m
   };
+
+  void compare(const physics::World& world, const Moving& a, const Moving& b, double horizon_s) noexcept;
 
   std::vector<Moving> members_, others_;
   std::vector<Approaching> found_;

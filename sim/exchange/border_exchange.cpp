@@ -1,6 +1,6 @@
 #include "sim/exchange/border_exchange.h"
 
-#include "rt/physics/contact/find_contact.h"
+#include "rt/physics/contact/find_contacts.h"
 
 namespace tactus::sim {
 namespace {
@@ -88,6 +88,7 @@ BorderPoint border_point(const Contact& contact, const physics::ContactPoint& po
   result.member = member.body.id;
   result.outside = outside.body.id;
   result.feature = point.feature;
+  result.parts = contact.key.parts();
   result.normal = member_is_a ? -contact.normal : contact.normal;
   // The lever arms date from the start of the step, so they are rotated into the body with its pose at the start.
   result.member_anchor = rotate_inverse(member.start.rotation, member_is_a ? point.from_a : point.from_b);
@@ -177,7 +178,9 @@ std::uint32_t BorderExchange::add_approaching(std::span<const Approaching> pairs
   const auto& bodies = step.bodies;
   std::uint32_t left_out = 0;
   for (const Approaching& pair : pairs) {
-    if (physics::find_contact(step.contacts, bodies[pair.a].id, bodies[pair.b].id) != nullptr) continue;
+    const PairKey key =
+        PairKey::of(BodyPart{bodies[pair.a].id, pair.part_a}, BodyPart{bodies[pair.b].id, pair.part_b}, false);
+    if (physics::find_contact(step.contacts, key) != nullptr) continue;
     const bool a = members[pair.a] != 0;
     const Body &member = bodies[a ? pair.a : pair.b], &outside = bodies[a ? pair.b : pair.a];
     for (std::uint32_t i = 0; i < pair.manifold.count; ++i) {
@@ -187,6 +190,7 @@ std::uint32_t BorderExchange::add_approaching(std::span<const Approaching> pairs
       point.member = member.id;
       point.outside = outside.id;
       point.feature = found.feature;
+      point.parts = key.parts();
       point.normal = a ? -pair.manifold.normal : pair.manifold.normal;
       point.member_anchor = rotate_inverse(member.motion.pose.rotation, on_member);
       point.friction = std::sqrt(member.friction * outside.friction);
@@ -269,8 +273,8 @@ ImpulseReturn return_impulses(std::span<const BorderReturn> returns, std::span<c
     const bool first_of_pair =
         i == 0 || returns[i - 1].member != entry.member || returns[i - 1].outside != entry.outside;
     if (returned == Return::kChange && first_of_pair) {
-      const Contact* contact = physics::find_contact(world.contacts(), entry.member, entry.outside);
-      if (contact != nullptr) take_back(*contact, *outside, world, result);
+      for (const Contact& contact : physics::find_contacts(world.contacts(), entry.member, entry.outside))
+        take_back(contact, *outside, world, result);
     }
     give(*outside, -entry.tangent_impulse, entry.point, world, result);
   }

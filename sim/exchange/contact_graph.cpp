@@ -1,22 +1,34 @@
 #include "sim/exchange/contact_graph.h"
 
+#include <algorithm>
+
 namespace tactus::sim {
 
-ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const physics::Body> bodies,
+ContactEdge contact_edge_of(std::span<const physics::Contact> contacts, std::span<const physics::Body> bodies,
                             std::span<const BodyIndex> awake) noexcept {
   Vec3d weighted, plain;
-  double weight = 0;
-  for (std::uint32_t i = 0; i < contact.count; ++i) {
-    const auto& point = contact.points[i];
-    weighted += point.total_normal_impulse * point.from_a;
-    weight += point.total_normal_impulse;
-    plain += point.from_a;
+  double weight = 0, hardest = 0;
+  std::uint32_t points = 0;
+  const physics::Contact* hardest_contact = &contacts[0];
+  for (const physics::Contact& contact : contacts) {
+    double here = 0;
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      weighted += point.total_normal_impulse * point.from_a;
+      here += point.total_normal_impulse;
+      plain += point.from_a;
+    }
+    points += contact.count;
+    weight += here;
+    if (here > hardest) hardest_contact = &contact;
+    hardest = std::max(hardest, here);
   }
-  const Vec3d from_a = weight > 0 ? weighted * (1 / weight) : plain * (1.0 / std::max(1u, contact.count));
-  return {.a = awake[contact.slot_a],
-          .b = awake[contact.slot_b],
-          .point = bodies[contact.slot_a].motion.pose.position + from_a,
-          .normal = contact.normal,
+  const Vec3d from_a = weight > 0 ? weighted * (1 / weight) : plain * (1.0 / std::max(1u, points));
+  const std::uint32_t a = contacts[0].slot_a;
+  return {.a = awake[a],
+          .b = awake[contacts[0].slot_b],
+          .point = bodies[a].motion.pose.position + from_a,
+          .normal = hardest_contact->normal,
           .joined = false};
 }
 

@@ -24,9 +24,9 @@ struct ContactEdge {
 };
 
 // The pair's representative contact: mean of its points, weighted by their normal impulses over the step (unweighted if
-// all are 0). `bodies` are the world's, by slot; points move with body A.
-// `bodies`, `awake`: of the contact's world, by slot.
-ContactEdge contact_edge_of(const physics::Contact& contact, std::span<const physics::Body> bodies,
+// all are 0), with the normal of the contact that presses hardest. `contacts`: of one pair of bodies, at least one.
+// `bodies`, `awake`: of the contacts' world, by slot; points move with body A.
+ContactEdge contact_edge_of(std::span<const physics::Contact> contacts, std::span<const physics::Body> bodies,
                             std::span<const BodyIndex> awake) noexcept;
 
 class ContactGraph {

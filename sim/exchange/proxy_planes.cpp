@@ -36,8 +36,8 @@ void fill_proxy_planes(const physics::World& world, BodyId proxy, double step_s,
   }
   if (planes.size() <= most) return;
   std::sort(planes.begin(), planes.end(), [](const BorderPoint& a, const BorderPoint& b) {
-    return std::tuple(-a.impulse_rate_N, a.separation_m, a.outside, a.feature) <
-           std::tuple(-b.impulse_rate_N, b.separation_m, b.outside, b.feature);
+    return std::tuple(-a.impulse_rate_N, a.separation_m, a.outside, a.parts, a.feature) <
+           std::tuple(-b.impulse_rate_N, b.separation_m, b.outside, b.parts, b.feature);
   });
   planes.count = most;
 }

@@ -3,7 +3,7 @@
 // a fixed one here.
 //
 // Thread: the global world's; pure. Frame: world. Units: SI. Bound: `most`; of more, those with the largest normal
-// force are kept, then the nearest, ties by body and feature.
+// force are kept, then the nearest, ties by body, parts and feature.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"

@@ -14,8 +14,8 @@ struct Meaning {
   std::string_view table, key, text, fallback;
 };
 
-// In the order of the documentation. Keys that several tables share are listed once, under the table "body", "surface"
-// or "pose".
+// In the order of the documentation. Keys that several tables share are listed once, under the table "part", "body",
+// "surface" or "pose".
 constexpr Meaning kMeanings[] = {
     {"", "title", "one line for people", ""},
     {"", "effects", "the effects that the scene calls for, by their names; all others cost nothing", "none"},
@@ -92,6 +92,11 @@ constexpr Meaning kMeanings[] = {
     {"[hand] path", "position_m", "the hand's target, world frame", ""},
     {"[hand] path", "rotation_vector_rad", "rotation of the tool, as axis times angle, world frame", ""},
 
+    {"part", "shape", "the part's shape", ""},
+    {"part", "mass_kg", "the part's own mass, if the body has none; or density_kg_per_m3", "none"},
+    {"part", "density_kg_per_m3", "the part's own density, if the body has no mass", "none"},
+    {"part", "position_m", "position of the part in the body's frame", ""},
+    {"part", "rotation_vector_rad", "rotation of the part in the body's frame, as axis times angle", ""},
     {"body", "shape", "the body's shape", ""},
     {"body", "size_m", "full lengths of the edges", ""},
     {"body", "radius_m", "radius", ""},
@@ -101,11 +106,13 @@ constexpr Meaning kMeanings[] = {
     {"body", "file", "file of the points or triangles: .obj or .stl, from the scene's folder",
      "none; a mesh needs one"},
     {"body", "file_unit_m", "the length that the file calls 1: 0.001 for millimetres", ""},
-    {"body", "mass_kg", "mass; or density_kg_per_m3", "none: one of the two"},
+    {"body", "parts", "the shapes of a compound, a table each", ""},
+    {"body", "mass_kg", "mass; or density_kg_per_m3; of a compound shared by volume, unless its parts have theirs",
+     "none: one of the two"},
     {"body", "density_kg_per_m3", "density: mass, centre and inertia are those of the solid", "none: or mass_kg"},
     {"body", "inertia_kg_m2",
-     "moments of inertia about the centre of mass, along the frame's axes: [xx, yy, zz]; of a hull also [xx, yy, zz, "
-     "xy, xz, yz]",
+     "moments of inertia about the centre of mass, along the frame's axes: [xx, yy, zz]; of a hull or a compound also "
+     "[xx, yy, zz, xy, xz, yz]",
      "those of the solid"},
     {"body", "centre_of_mass_m", "centre of mass in the body's frame; with inertia_kg_m2", "the solid's"},
     {"body", "velocity_m_per_s", "velocity at the start, world frame", ""},
@@ -205,6 +212,8 @@ constexpr Purpose kPurposes[] = {
     {"[simulation]", "How both worlds are stepped."},
     {"[proxy]", "The body that the device holds at its centre of mass. Gravity does not act on it."},
     {"[[body]]", "One body. Planes and meshes are fixed."},
+    {"[[body]] parts", "A shape of a compound, in the body's frame."},
+    {"[proxy] parts", "A shape of a compound, in the proxy's frame."},
     {"[[body]] path", "A way point of a kinematic body."},
     {"[[generate]]", "Many bodies: a brick wall, a heap of cubes in a box, a tower, a card house, a row of dominoes."},
     {"[[joint]]", "Holds two bodies to each other, or one to the world."},
@@ -221,7 +230,8 @@ constexpr Purpose kPurposes[] = {
     {"[[mesh_file]]", "In tapes alone: a mesh's file, so that a tape replays without it."},
 };
 
-constexpr std::array kShapes{"sphere", "capsule", "box", "hull", "plane", "mesh"};
+constexpr std::array kShapes{"sphere", "capsule", "box", "hull", "compound", "plane", "mesh"};
+constexpr std::array kPartShapes{"sphere", "capsule", "box", "hull"};
 constexpr std::array kGenerators{"wall", "pile", "tower", "card_house", "domino_row"};
 constexpr std::array kJoints{"fixed", "ball", "hinge", "slider", "distance"};
 
@@ -241,12 +251,25 @@ struct Variant {
   std::string name, text;
 };
 
+void add_part_variants(std::vector<Variant>& all) {
+  const auto add = [&all](const std::string& shape, const std::string& keys) {
+    const std::string parts = fmt::format("shape = \"compound\"\nparts = [{{shape = \"{}\"{}}}]\n", shape, keys);
+    all.push_back({"[[body]] parts", shape, head() + "[[body]]\n" + parts});
+    all.push_back({"[proxy] parts", shape, "[proxy]\n" + parts});
+  };
+  for (const std::string shape : kPartShapes) {
+    if (shape == "hull") add(shape, ", file = \"a.stl\"");
+    add(shape, shape == "hull" ? ", points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]" : "");
+  }
+}
+
 std::vector<Variant> variants() {
   const std::string pointed = "points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]\n";
   std::vector<Variant> all;
   for (const std::string shape : kShapes) {
     std::string text = fmt::format("{}[[body]]\nshape = \"{}\"\n", head(), shape);
     if (shape == "mesh") text += "file = \"a.stl\"\n";
+    if (shape == "compound") text += "parts = [{shape = \"sphere\"}]\n";
     // With points, then with a file: the loader requests only one of the two at a time.
     if (shape == "hull") {
       all.push_back({"[[body]]", shape, text + "file = \"a.stl\"\n"});
@@ -261,9 +284,11 @@ std::vector<Variant> variants() {
         all.push_back({"[proxy]", shape, proxy + "file = \"a.stl\"\n"});
         proxy += pointed;
       }
+      if (shape == "compound") proxy += "parts = [{shape = \"sphere\"}]\n";
       all.push_back({"[proxy]", shape, proxy});
     }
   }
+  add_part_variants(all);
   for (const std::string kind : kGenerators)
     all.push_back({"[[generate]]", kind, fmt::format("{}[[generate]]\nkind = \"{}\"\n", head(), kind)});
   for (const std::string kind : kJoints)
@@ -286,6 +311,10 @@ const Meaning* find_meaning(std::string_view table, std::string_view key) {
 const Meaning* meaning_of(const text::AskedKey& asked) {
   if (const Meaning* own = find_meaning(asked.table, asked.key)) return own;
   const bool is_body = asked.table == "[[body]]" || asked.table == "[proxy]";
+  if (asked.table == "[[body]] parts" || asked.table == "[proxy] parts") {
+    const Meaning* own = find_meaning("part", asked.key);
+    return own != nullptr ? own : find_meaning("body", asked.key);
+  }
   const bool has_surface = is_body || asked.table == "[[generate]]";
   if (is_body)
     if (const Meaning* m = find_meaning("body", asked.key)) return m;
@@ -347,6 +376,8 @@ std::span<const EitherKey> either_keys() noexcept {
                                           {"[proxy]", "", "mass_kg", "density_kg_per_m3", true},
                                           {"[[body]]", "hull", "points_m", "file", true},
                                           {"[proxy]", "hull", "points_m", "file", true},
+                                          {"[[body]] parts", "hull", "points_m", "file", true},
+                                          {"[proxy] parts", "hull", "points_m", "file", true},
                                           {"[hand]", "", "path", "file", false}};
   return kEither;
 }

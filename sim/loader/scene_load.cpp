@@ -10,9 +10,10 @@
 #include "rt/haptics/coupling/snapshot.h"
 #include "rt/text/read_file.h"
 #include "rt/text/table_reader.h"
+#include "sim/loader/scene_load_body.h"
 #include "sim/loader/scene_load_effects.h"
+#include "sim/loader/scene_load_generators.h"
 #include "sim/loader/scene_load_hand.h"
-#include "sim/loader/scene_load_parts.h"
 #include "sim/model/choice_names.h"
 
 namespace tactus::sim {
@@ -30,14 +31,12 @@ class SceneReader {
       : root_(&root, "", diagnostics),
         scene_(scene),
         diagnostics_(diagnostics),
-        hulls_(scene, diagnostics, folder),
-        meshes_(scene, diagnostics, folder),
+        bodies_(scene, diagnostics, folder),
         hand_(scene, diagnostics, folder),
         effects_(scene, diagnostics) {}
 
   void read() {
-    hulls_.read_kept(root_.array("hull_file", kMaxSceneHulls));
-    meshes_.read_kept(root_.array("mesh_file", kMaxSceneBodies));
+    bodies_.read_kept(root_);
     hand_.read_kept(root_.array("motion_file", 1));
     scene_.title = root_.text("title", "", 200);
     effects_.read_list(root_);
@@ -57,7 +56,7 @@ class SceneReader {
     effects_.finish(root_);
     check_card_houses();
   }
-  std::string kept_files() const { return hulls_.kept() + meshes_.kept() + hand_.kept(); }
+  std::string kept_files() const { return bodies_.kept() + hand_.kept(); }
 
  private:
   text::TableReader table(const char* key) { return {root_.table(key), fmt::format("[{}]", key), diagnostics_}; }
@@ -129,7 +128,7 @@ class SceneReader {
     text::TableReader t = table("proxy");
     if (!t.there()) return;
     scene_.proxy = 0;
-    const auto& body = add(read_body(t, BodyRole::kProxy, hulls_, meshes_));
+    const auto& body = add(bodies_.read(t, BodyRole::kProxy));
     check_friction(t, body.friction);
     effects_.set_surface(body.id, effects_.read_surface(t));
     effects_.set_name("proxy", body.id);
@@ -141,7 +140,7 @@ class SceneReader {
     for (const text::TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
       text::TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
-      auto& body = add(read_body(t, BodyRole::kBody, hulls_, meshes_));
+      auto& body = add(bodies_.read(t, BodyRole::kBody));
       check_friction(t, body.friction);
       effects_.set_surface(body.id, effects_.read_surface(t));
       effects_.read_body(t, body);
@@ -196,8 +195,7 @@ class SceneReader {
   text::TableReader root_;
   Scene& scene_;
   text::Diagnostics& diagnostics_;
-  HullReader hulls_;
-  MeshReader meshes_;
+  BodyReader bodies_;
   HandReader hand_;
   EffectReader effects_;
 };

@@ -26,7 +26,7 @@ double face_area(const physics::Hull& hull, std::uint32_t face) {
   return 0.5 * norm(twice);
 }
 
-// Projected area of a convex body, mean over all directions: a quarter of its surface (Cauchy).
+// Projected area, mean over all directions: of a convex shape a quarter of its surface (Cauchy).
 double area_across(const Scene& scene, const physics::Shape& shape) {
   const double r = shape.radius;
   const Vec3d& e = shape.half_extents;
@@ -43,9 +43,16 @@ double area_across(const Scene& scene, const physics::Shape& shape) {
       for (std::uint32_t face = 0; face < hull.topology.faces; ++face) area += face_area(hull, face);
       return 0.25 * area;
     }
-    default:
+    case ShapeKind::kCompound: {  // at most: parts hide each other
+      double area = 0;
+      for (const auto& part : scene.compounds[shape.index].parts) area += area_across(scene, part.shape);
+      return area;
+    }
+    case ShapeKind::kPlane:
+    case ShapeKind::kMesh:
       return 0;
   }
+  return 0;
 }
 
 template <class T>

@@ -127,7 +127,7 @@ std::optional<MeshOfBody> MeshReader::add(text::TableReader& body, const std::st
   next_patch_ += account.patches;
   scene_.mesh_accounts.push_back(account);
   scene_.meshes.push_back(built.value().mesh);
-  scene_.mesh_parts.push_back(built.value().parts);
+  scene_.shape_data.push_back(built.value().parts);
   return MeshOfBody{static_cast<std::uint32_t>(scene_.meshes.size() - 1), built.value().given_from_body};
 }
 

@@ -8,6 +8,7 @@
 
 #include "rt/base/rotation_vector.h"
 #include "rt/physics/collision/collide_mesh.h"
+#include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/manifold.h"
 #include "rt/physics/shapes/mesh_query.h"
 #include "rt/physics/step.h"
@@ -24,6 +25,7 @@ using physics::BodyKind;
 using physics::ShapeKind;
 
 constexpr double kMaxOverlapAtStart_m = 1e-4;
+constexpr double kMargin_m = physics::StepSettings{}.min_margin;  // bodies closer than this touch at the start
 constexpr double kTwoPi = 6.28318530717958647692;
 
 BodyCounts count_bodies(const Scene& scene) {
@@ -50,6 +52,10 @@ BodyCounts count_bodies(const Scene& scene) {
       case ShapeKind::kMesh:
         ++counts.meshes;
         break;
+      case ShapeKind::kCompound:
+        ++counts.compounds;
+        counts.parts += physics::parts_of(body.shape, scene.compounds);
+        break;
     }
   }
   return counts;
@@ -63,40 +69,45 @@ std::vector<EffectReport> report_effects(const Scene& scene) {
   return reports;
 }
 
-void count_contact(const physics::Manifold& manifold, const Body& a, const Body& b, StartContacts& start) {
+void count_contact(const physics::Manifold& manifold, BodyId a, BodyId b, StartContacts& start) {
   if (manifold.count == 0) return;
   ++start.contacts;
   start.points += manifold.count;
   for (std::uint32_t i = 0; i < manifold.count; ++i) {
     if (-manifold.points[i].separation <= start.deepest_m) continue;
     start.deepest_m = -manifold.points[i].separation;
-    start.deepest_a = a.id;
-    start.deepest_b = b.id;
+    start.deepest_a = a;
+    start.deepest_b = b;
   }
 }
 
-// Counts the contacts of one body with a mesh, patch by patch.
-void add_mesh_contacts(const Scene& scene, const Body& a, const Body& b, double margin_m, StartContacts& start) {
+// Counts the contacts of one part of a body with a mesh, patch by patch.
+void add_mesh_contacts(const Scene& scene, const physics::PosedShape& part, BodyId id, const Body& b,
+                       StartContacts& start) {
   const auto& mesh = scene.meshes[b.shape.index];
   physics::TriangleList near;
   physics::find_triangles(
-      mesh, physics::bounds_of(a.shape, physics::relative_pose(b.motion.pose, a.motion.pose), margin_m), near);
+      mesh, physics::bounds_of(part.shape, physics::relative_pose(b.motion.pose, part.pose), kMargin_m), near);
   const auto triangles = near.triangles.span();
   const auto patch_of = [&](std::size_t i) { return mesh.triangles[triangles[i]].patch; };
   for (std::size_t first = 0, end = 0; first < triangles.size(); first = end) {
     while (end < triangles.size() && patch_of(end) == patch_of(first)) ++end;
     const physics::PosedPatch patch{
         .mesh = mesh, .world_from_mesh = b.motion.pose, .triangles = triangles.subspan(first, end - first)};
-    count_contact(physics::collide_patch(posed_shape(a), patch, {.margin = margin_m}, scene.hulls), a, b, start);
+    count_contact(physics::collide_patch(part, patch, {.margin = kMargin_m}, scene.hulls), id, b.id, start);
   }
 }
 
 // Counts the contacts of one pair, a before b by id.
-void add_contact(const Scene& scene, const Body& a, const Body& b, double margin_m, StartContacts& start) {
-  if (b.shape.kind == ShapeKind::kMesh) return add_mesh_contacts(scene, a, b, margin_m, start);
-  physics::AxisCache cache;
-  count_contact(physics::collide(posed_shape(a), posed_shape(b), {.margin = margin_m}, cache, scene.hulls), a, b,
-                start);
+void add_contact(const Scene& scene, const Body& a, const Body& b, StartContacts& start) {
+  if (b.shape.kind == ShapeKind::kMesh) {
+    for (std::uint32_t i = 0; i < physics::parts_of(a.shape, scene.compounds); ++i)
+      add_mesh_contacts(scene, part_of(posed_shape(a), i, scene.compounds).posed(), a.id, b, start);
+    return;
+  }
+  physics::for_each_manifold(
+      posed_shape(a), posed_shape(b), kMargin_m, scene.shapes(),
+      [&](std::uint32_t, std::uint32_t, const auto& manifold) noexcept { count_contact(manifold, a.id, b.id, start); });
 }
 
 // Pairs that a joint keeps from colliding, the lower id first, sorted.
@@ -113,12 +124,11 @@ StartContacts find_start_contacts(const Scene& scene) {
   const auto are_joined = [&joined](const Body& a, const Body& b) {
     return std::binary_search(joined.begin(), joined.end(), std::pair(std::min(a.id, b.id), std::max(a.id, b.id)));
   };
-  const double margin_m = physics::StepSettings{}.min_margin;
   std::vector<const Body*> dynamic, fixed;
   std::vector<physics::Aabb> bounds;
   for (const auto& body : scene.bodies) {
     (body.kind == BodyKind::kFixed ? fixed : dynamic).push_back(&body);
-    if (body.kind != BodyKind::kFixed) bounds.push_back(bounds_of(body.shape, body.motion.pose, 0.5 * margin_m));
+    if (body.kind != BodyKind::kFixed) bounds.push_back(bounds_of(body.shape, body.motion.pose, 0.5 * kMargin_m));
   }
   StartContacts start;
   if (dynamic.empty()) return start;
@@ -131,12 +141,12 @@ StartContacts find_start_contacts(const Scene& scene) {
   });
   for (const auto& pair : pairs) {
     const Body &a = *dynamic[std::min(pair.a, pair.b)], &b = *dynamic[std::max(pair.a, pair.b)];
-    if (!are_joined(a, b)) add_contact(scene, a, b, margin_m, start);
+    if (!are_joined(a, b)) add_contact(scene, a, b, start);
   }
   for (const auto* f : fixed) {
-    const auto box = bounds_of(f->shape, f->motion.pose, 0.5 * margin_m);
+    const auto box = bounds_of(f->shape, f->motion.pose, 0.5 * kMargin_m);
     for (std::size_t i = 0; i < dynamic.size(); ++i)
-      if (box.overlaps(bounds[i]) && !are_joined(*dynamic[i], *f)) add_contact(scene, *dynamic[i], *f, margin_m, start);
+      if (box.overlaps(bounds[i]) && !are_joined(*dynamic[i], *f)) add_contact(scene, *dynamic[i], *f, start);
   }
   return start;
 }

@@ -12,7 +12,7 @@
 #include "rt/haptics/coupling/coupling_gains.h"
 #include "rt/physics/body.h"
 #include "rt/physics/effects/effects.h"
-#include "rt/physics/shapes/mesh.h"
+#include "rt/physics/shapes/shape_lists.h"
 #include "rt/physics/step.h"
 
 namespace tactus::sim {
@@ -127,7 +127,8 @@ struct Scene {
   std::vector<physics::Body> bodies;                    // bodies[i].id == i
   std::vector<physics::Hull> hulls;                     // of the bodies' hull shapes; worlds refer to it
   std::vector<physics::Mesh> meshes;                    // same for meshes; one for each body that has one
-  std::vector<std::shared_ptr<const void>> mesh_parts;  // owns the meshes' data; copies of a scene share it
+  std::vector<physics::Compound> compounds;             // same for compounds
+  std::vector<std::shared_ptr<const void>> shape_data;  // owns what meshes and compounds refer to; copies share it
   std::vector<MeshAccount> mesh_accounts;               // of each mesh
   BodyId proxy{kNoBody};
   DevicePlacement device;
@@ -139,6 +140,9 @@ struct Scene {
   unsigned ratio{10};
   std::vector<GeneratedPart> generated;  // in the order of the file
   std::string source;                    // the text that it was loaded from, with its files' data; stored in the tape
+
+  // Refers to this scene's lists, which must stay unchanged as long as it is used.
+  physics::ShapeLists shapes() const noexcept { return {hulls, meshes, compounds}; }
 };
 
 }  // namespace tactus::sim

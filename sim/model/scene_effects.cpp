@@ -193,7 +193,7 @@ physics::Restitution::Setup setup_of<physics::Restitution>(const Scene& scene, c
 template <>
 physics::ContinuousCollision::Setup setup_of<physics::ContinuousCollision>(const Scene& scene, const InUse& in_use) {
   if (!in_use(&Effects::ccd)) return {};
-  return {.proxy = scene.proxy, .hulls = scene.hulls};
+  return {.proxy = scene.proxy, .shapes = scene.shapes()};
 }
 template <>
 physics::Texture::Setup setup_of<physics::Texture>(const Scene& scene, const InUse& in_use) {

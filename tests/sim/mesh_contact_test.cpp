@@ -254,7 +254,7 @@ TEST_CASE("a box on a mesh table of the size of a table behaves as on a box: on 
   const auto run = [&](bool mesh, const Posed& start, int steps) {
     const BuiltMesh made = built(box_soup(half));
     const std::vector<physics::Mesh> meshes{made.mesh};
-    physics::World world(MeshBench::capacities(), {}, meshes);
+    physics::World world(MeshBench::capacities(), {{}, meshes, {}});
     const auto table = mesh ? Shape::mesh(half, 0) : Shape::box(half);
     world.insert(physics::make_fixed_body(0, table, 0.5, Posed{}));
     world.insert(physics::make_dynamic_body(1, kBox, 1.0, 0.5, start));
@@ -305,7 +305,7 @@ TEST_CASE("a hull on a mesh rests as high as on a plane") {
   hulls.push_back(hull);
   const BuiltMesh made = built(flat_grid(20, 0.017, 4));
   const std::vector<physics::Mesh> meshes{made.mesh};
-  physics::World world(MeshBench::capacities(), hulls, meshes);
+  physics::World world(MeshBench::capacities(), {hulls, meshes, {}});
   world.insert(physics::make_fixed_body(0, Shape::mesh(meshes[0].half_extents, 0), 0.5, Posed{}));
   auto body =
       physics::make_dynamic_body(1, Shape::convex(hull, 0), 1.0, 0.5, Posed{{0.011, 0.007, hull.half_extents.z}, {}});

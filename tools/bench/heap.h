@@ -19,7 +19,7 @@ struct Heap {
   physics::StepReport report;
 
   explicit Heap(std::uint32_t cubes, physics::SweepPrecision precision = physics::SweepPrecision::kFull)
-      : world({.bodies = cubes, .fixed_bodies = 1, .pairs = 16 * cubes + 256, .contacts = 8 * cubes + 256}, {}, {}, {},
+      : world({.bodies = cubes, .fixed_bodies = 1, .pairs = 16 * cubes + 256, .contacts = 8 * cubes + 256}, {}, {},
               precision),
         pair_cache(cubes, 16 * cubes + 256) {
     set_denormals_flush();

@@ -28,7 +28,7 @@ constexpr std::uint32_t kTimedParts = 6;
 class TickedWorld {
  public:
   explicit TickedWorld(const sim::Scene& scene)
-      : world_(capacities_of(scene), scene.hulls, scene.meshes, sim::effect_setups(scene)),
+      : world_(capacities_of(scene), scene.shapes(), sim::effect_setups(scene)),
         grid_(static_cast<std::uint32_t>(scene.bodies.size())) {
     settings_.dt = kTick_s;
     settings_.sub_steps = scene.solver.sub_steps;

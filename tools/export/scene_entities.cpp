@@ -118,6 +118,10 @@ void add_shape(ordered_json& entity, const sim::Scene& scene, const physics::Sha
       return add_hull(entity, pose, scene.hulls[shape.index], colour);
     case physics::ShapeKind::kMesh:
       return add_mesh(entity, pose, scene.meshes[shape.index], colour);
+    case physics::ShapeKind::kCompound:
+      for (const physics::CompoundPart& part : scene.compounds[shape.index].parts)
+        add_shape(entity, scene, part.shape, pose * part.body_from_part, colour);
+      return;
   }
 }
 

@@ -16,7 +16,9 @@ static_assert(static_cast<std::uint32_t>(Shape::kSphere) == static_cast<std::uin
               static_cast<std::uint32_t>(Shape::kBox) == static_cast<std::uint32_t>(physics::ShapeKind::kBox) &&
               static_cast<std::uint32_t>(Shape::kPlane) == static_cast<std::uint32_t>(physics::ShapeKind::kPlane) &&
               static_cast<std::uint32_t>(Shape::kHull) == static_cast<std::uint32_t>(physics::ShapeKind::kHull) &&
-              static_cast<std::uint32_t>(Shape::kMesh) == static_cast<std::uint32_t>(physics::ShapeKind::kMesh));
+              static_cast<std::uint32_t>(Shape::kMesh) == static_cast<std::uint32_t>(physics::ShapeKind::kMesh) &&
+              static_cast<std::uint32_t>(Shape::kCompound) ==
+                  static_cast<std::uint32_t>(physics::ShapeKind::kCompound));
 
 // Begins each line of a message with the scene's name.
 Error take(Result<sim::Scene> read, const text::Diagnostics& said, std::shared_ptr<const void>& scene,
@@ -35,6 +37,22 @@ Error take(Result<sim::Scene> read, const text::Diagnostics& said, std::shared_p
 
 const physics::Body* body_of(const sim::Scene* scene, BodyNumber number) noexcept {
   return scene != nullptr && number < scene->bodies.size() ? &scene->bodies[number] : nullptr;
+}
+
+// Fills the kind and the sizes that such a shape has; `Info`: BodyInfo or PartInfo.
+template <class Info>
+void fill_shape(const physics::Shape& shape, Info& info) noexcept {
+  using enum physics::ShapeKind;
+  info.shape = static_cast<Shape>(shape.kind);
+  if (shape.kind == kSphere || shape.kind == kCapsule) info.radius_m = shape.radius;
+  if (shape.kind == kCapsule) info.half_length_m = shape.half_length;
+  info.half_extents_m = to_public(shape.half_extents);
+}
+
+std::vector<Vector3> corners_of(const physics::Hull& hull) {
+  std::vector<Vector3> corners;
+  for (std::uint32_t i = 0; i < hull.topology.vertices; ++i) corners.push_back(to_public(hull.vertex(i)));
+  return corners;
 }
 
 }  // namespace
@@ -76,10 +94,7 @@ BodyInfo Scene::body(BodyNumber number) const noexcept {
   const physics::Body* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
   if (body == nullptr) return {};
   BodyInfo info;
-  info.shape = static_cast<Shape>(body->shape.kind);
-  info.radius_m = body->shape.kind == physics::ShapeKind::kHull ? 0.0 : body->shape.radius;
-  info.half_length_m = body->shape.half_length;
-  info.half_extents_m = to_public(body->shape.half_extents);
+  fill_shape(body->shape, info);
   info.fixed = body->kind == physics::BodyKind::kFixed;
   info.mass_kg = body->mass;
   info.inertia_kg_m2 = to_public(body->inertia);
@@ -104,12 +119,26 @@ std::vector<Vector3> Scene::corners(BodyNumber number) const {
   if (body == nullptr) return corners;
   const sim::Scene& scene = Access::scene(*this);
   if (body->shape.kind == physics::ShapeKind::kHull) {
-    const physics::Hull& hull = scene.hulls[body->shape.index];
-    for (std::uint32_t i = 0; i < hull.topology.vertices; ++i) corners.push_back(to_public(hull.vertex(i)));
+    corners = corners_of(scene.hulls[body->shape.index]);
   } else if (body->shape.kind == physics::ShapeKind::kMesh) {
     for (const Vec3d& corner : scene.meshes[body->shape.index].corners) corners.push_back(to_public(corner));
   }
   return corners;
+}
+
+std::vector<PartInfo> Scene::parts(BodyNumber number) const {
+  std::vector<PartInfo> parts;
+  const physics::Body* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
+  if (body == nullptr || body->shape.kind != physics::ShapeKind::kCompound) return parts;
+  const sim::Scene& scene = Access::scene(*this);
+  for (const physics::CompoundPart& part : scene.compounds[body->shape.index].parts) {
+    PartInfo& info = parts.emplace_back();
+    fill_shape(part.shape, info);
+    info.position_m = to_public(part.body_from_part.position);
+    info.rotation = to_public(part.body_from_part.rotation);
+    if (part.shape.kind == physics::ShapeKind::kHull) info.corners = corners_of(scene.hulls[part.shape.index]);
+  }
+  return parts;
 }
 
 std::vector<std::array<std::uint32_t, 3>> Scene::triangles(BodyNumber number) const {

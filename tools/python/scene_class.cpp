@@ -26,6 +26,8 @@ std::string_view name_of(Shape shape) {
       return "hull";
     case Shape::kMesh:
       return "mesh";
+    case Shape::kCompound:
+      return "compound";
   }
   return "";
 }
@@ -62,6 +64,22 @@ py::array rows_of(const std::vector<Row>& rows) {
   return py::array_t<Number>(shape, rows.empty() ? nullptr : rows.front().data());
 }
 
+py::list parts(const Scene& scene, std::int64_t index) {
+  py::list list;
+  for (const PartInfo& info : scene.parts(checked(scene, index))) {
+    py::dict part;
+    part["shape"] = name_of(info.shape);
+    part["radius_m"] = info.radius_m;
+    part["half_length_m"] = info.half_length_m;
+    part["half_extents_m"] = info.half_extents_m;
+    part["position_m"] = info.position_m;
+    part["rotation"] = info.rotation;
+    part["corners"] = rows_of(info.corners);
+    list.append(part);
+  }
+  return list;
+}
+
 Scene load(const std::filesystem::path& file) {
   Scene scene;
   raise_if(scene.load(file));
@@ -88,6 +106,7 @@ void add_scene(py::module_& module) {
       .def_property_readonly("proxy", &Scene::proxy)
       .def_property_readonly("hand_duration_s", &Scene::hand_duration_s)
       .def("body", &body)
+      .def("parts", &parts)
       .def("corners",
            [](const Scene& scene, std::int64_t number) { return rows_of(scene.corners(checked(scene, number))); })
       .def("triangles",

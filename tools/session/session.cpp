@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "firmware/faults.h"
 #include "sim/loader/body_label.h"
@@ -68,17 +71,29 @@ physics::StepSettings step_settings(const sim::Scene& scene, const RunOptions& o
   return step;
 }
 
-// Capacities for that many members: a packed cube has up to 26 neighbours, each pair counted once.
+// The parts of that many bodies, those with the most parts.
+std::uint32_t most_parts(const sim::Scene& scene, std::uint32_t members) {
+  std::vector<std::uint32_t> parts;
+  for (const auto& body : scene.bodies)
+    if (body.kind == physics::BodyKind::kDynamic) parts.push_back(physics::parts_of(body.shape, scene.compounds));
+  std::sort(parts.begin(), parts.end(), std::greater<>());
+  if (parts.size() < members) parts.resize(members, 1);
+  return std::accumulate(parts.begin(), parts.begin() + members, 0u);
+}
+
+// Capacities for that many members: a packed cube has up to 26 neighbours, each pair counted once. A compound counts as
+// many members as it has parts.
 physics::Capacities sub_world_capacities(const sim::Scene& scene, std::uint32_t members) {
   physics::Capacities capacities;
+  const std::uint32_t parts = most_parts(scene, members);
   capacities.bodies = members;
   capacities.fixed_bodies = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(fixed_bodies_of(scene).size()));
-  capacities.pairs = 16 * members + 64;
-  capacities.contacts = 10 * members + 32;
+  capacities.pairs = 16 * parts + 64;
+  capacities.contacts = 10 * parts + 32;
   capacities.border_contacts = haptics::kMaxBorderPoints;
   if (!scene.meshes.empty()) {  // a body may touch several patches and be near many triangles
-    capacities.pairs += 16 * members;
-    capacities.mesh_triangles = 64 * members + physics::kMaxBodyTriangles;
+    capacities.pairs += 16 * parts;
+    capacities.mesh_triangles = 64 * parts + physics::kMaxBodyTriangles;
   }
   return capacities;
 }
@@ -175,8 +190,7 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.proxy = scene.proxy;
   sub.step = step_settings(scene, options);
   sub.gains = gains_of(scene, options, device).gains;
-  sub.hulls = scene.hulls;
-  sub.meshes = scene.meshes;
+  sub.shapes = scene.shapes();
   sub.effects = sim::effect_setups(scene);
   sub.capacities = sub_world_capacities(scene, members_of(scene, options));
   return config;

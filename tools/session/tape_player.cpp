@@ -107,8 +107,7 @@ Status TapePlayer::take_keyframe(const loop::TapeRecord& record, bool& same) {
 
 Status TapePlayer::take_snapshot(const loop::TapeRecord& record) {
   ByteReader in(record.payload);
-  const haptics::SubWorldConfig& config = loop_->sub_world().config();
-  if (!haptics::read_snapshot(in, *snapshot_, config.hulls.size(), config.meshes) || in.remaining() != 0)
+  if (!haptics::read_snapshot(in, *snapshot_, loop_->sub_world().config().shapes) || in.remaining() != 0)
     return bad_record(record, "is no snapshot");
   has_snapshot_ = true;
   return Status::good();

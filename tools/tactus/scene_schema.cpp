@@ -95,10 +95,11 @@ void add_variants(const SceneTable& table, ordered_json& rules) {
   }
 }
 
-// Applies a rule only to bodies with mass: a fixed body has none, a kinematic one needs none.
+// Applies a rule only to bodies that need a mass: a fixed body has none, a kinematic one needs none, and that of a
+// compound may be its parts'.
 ordered_json when_it_has_mass(const ordered_json& rule) {
-  const ordered_json without =
-      none_of({is("fixed", true), is("kinematic", true), is("shape", "plane"), is("shape", "mesh")});
+  const ordered_json without = none_of(
+      {is("fixed", true), is("kinematic", true), is("shape", "plane"), is("shape", "mesh"), is("shape", "compound")});
   return {{"if", without}, {"then", rule}};
 }
 
@@ -114,7 +115,7 @@ ordered_json rules_of(const SceneTable& table) {
     if (!either.only_with.empty())
       rules.push_back({{"if", is("shape", std::string(either.only_with))}, {"then", rule}});
     else
-      rules.push_back(table.name == "[[body]]" ? when_it_has_mass(rule) : rule);
+      rules.push_back(table.name == "[[body]]" || table.name == "[proxy]" ? when_it_has_mass(rule) : rule);
     if (either.only_with.empty()) rules.push_back({{"not", both}});
   }
   if (table.name == "[[body]]")

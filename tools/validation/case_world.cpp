@@ -36,8 +36,8 @@ physics::StepSettings settings_of(const Setting& setting, double contact_hertz) 
 }
 
 CaseWorld::CaseWorld(const Setting& setting, double contact_hertz, const physics::Capacities& capacities,
-                     physics::Hulls hulls, physics::Meshes meshes, const physics::EffectSetups& effects)
-    : world(capacities, hulls, meshes, effects), settings(settings_of(setting, contact_hertz)) {
+                     const physics::ShapeLists& shapes, const physics::EffectSetups& effects)
+    : world(capacities, shapes, effects), settings(settings_of(setting, contact_hertz)) {
   set_denormals_flush();
 }
 

@@ -22,7 +22,7 @@ physics::StepSettings settings_of(const Setting& setting, double contact_hertz);
 class CaseWorld {
  public:
   explicit CaseWorld(const Setting& setting, double contact_hertz = 1000, const physics::Capacities& capacities = {},
-                     physics::Hulls hulls = {}, physics::Meshes meshes = {}, const physics::EffectSetups& effects = {});
+                     const physics::ShapeLists& shapes = {}, const physics::EffectSetups& effects = {});
 
   physics::World world;
   physics::StepSettings settings;

@@ -36,7 +36,7 @@ Outcome head_on(const Setting& setting) {
   for (const double e : {1.0, 0.5})
     for (const double ratio : {1.0, 3.0}) {
       const std::array<double, 2> by_id{e, e};
-      CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Restitution>({by_id}));
+      CaseWorld world(setting, 1000, {}, {}, with<physics::Restitution>({by_id}));
       world.settings.gravity = {};
       const double v0 = 1, v1 = -0.6, m0 = 0.2 * ratio, m1 = 0.2;
       world.add_sphere(0, 0.05, m0, 0.5, {-0.2, 0, 0}, {v0, 0, 0});
@@ -53,7 +53,7 @@ Outcome head_on(const Setting& setting) {
 Outcome bouncing_ball(const Setting& setting) {
   const double e = 0.8, radius = 0.05, height = 1;
   const std::array<double, 1> by_id{e};
-  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Restitution>({by_id}));
+  CaseWorld world(setting, 1000, {}, {}, with<physics::Restitution>({by_id}));
   world.add_ground(kGround, 0.5);
   world.add_sphere(0, radius, 0.2, 0.5, {0, 0, radius + height});
   Outcome outcome;
@@ -91,7 +91,7 @@ Outcome newtons_cradle(const Setting& setting) {
   }
   EffectSetups setups = with<physics::Restitution>({by_id});
   std::get<physics::Joints::Setup>(setups) = {rods};
-  CaseWorld world(setting, 1000, {}, {}, {}, setups);
+  CaseWorld world(setting, 1000, {}, {}, setups);
   for (BodyId id = 0; id < 5; ++id) {
     const double a = id == 0 ? angle : 0;
     world.add_sphere(id, radius, mass, 0, {2 * radius * id - length * std::sin(a), 0, length * (1 - std::cos(a))});
@@ -138,7 +138,7 @@ Outcome heavy_top(const Setting& setting) {
   pivot.b = 0;
   pivot.b_from_joint.position = {0, 0, -arm};
   const std::array<Joint, 1> joints{pivot};
-  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::Joints>({joints}));
+  CaseWorld world(setting, 1000, {}, {}, with<physics::Joints>({joints}));
   auto top = physics::make_dynamic_body(0, physics::Shape::sphere(0.02), mass, 0.5,
                                         {{arm, 0, 0}, quat_from_rotation_vector(Vec3d{0, 0.5 * kPi, 0})});
   top.inertia = inertia;
@@ -165,7 +165,7 @@ Outcome heavy_top(const Setting& setting) {
 Outcome spinning_disk(const Setting& setting) {
   const double radius = 0.05, patch = 0.02, mass = 1, friction = 0.3, spin = 20;
   const std::array<physics::ContactPatch, 1> by_id{{{patch, 0}}};
-  CaseWorld world(setting, 1000, {}, {}, {}, with<physics::ContactTorque>({by_id}));
+  CaseWorld world(setting, 1000, {}, {}, with<physics::ContactTorque>({by_id}));
   world.add_ground(kGround, friction);
   world.add_sphere(0, radius, mass, friction, {0, 0, radius});
   world.run(0.5);

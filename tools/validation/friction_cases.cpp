@@ -139,7 +139,7 @@ Wedge press_wedge(double alpha, double friction, double force_N, const Setting& 
   TACTUS_CHECK(built.ok(), points.size(), 0);
   const sim::BuiltHull& hull = built.value();
   const physics::Hull hulls[] = {hull.hull};
-  CaseWorld world(setting, 1000, {}, hulls);
+  CaseWorld world(setting, 1000, {}, {hulls, {}, {}});
   world.settings.gravity = {};
   for (int side = 0; side < 2; ++side) {
     const double turn = (side == 0 ? 1 : -1) * (kPi / 2 - alpha);  // the plane's normal from up to the groove's inside

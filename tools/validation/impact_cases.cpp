@@ -190,7 +190,7 @@ Outcome bad_mesh(const Setting& setting) {
   const physics::Mesh meshes[] = {made.value().mesh};
   physics::Capacities capacities;
   capacities.mesh_triangles = 4096;
-  CaseWorld world(setting, 1000, capacities, {}, meshes);
+  CaseWorld world(setting, 1000, capacities, {{}, meshes, {}});
   world.add(physics::make_fixed_body(kGround, physics::Shape::mesh(meshes[0].half_extents, 0), 0.1,
                                      made.value().given_from_body));
   world.add_box(0, {0.03, 0.02, 0.01}, 0.2, 0.1, {{-0.1, 0.013, 0.01}, quat_from_rotation_vector(Vec3d{0, 0, 0.3})});

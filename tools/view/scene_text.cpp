@@ -14,6 +14,7 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json list_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
+ordered_json list_of(const Quatd& q) { return {q.w, q.x, q.y, q.z}; }
 
 ordered_json hull_json(const physics::Hull& hull) {
   ordered_json points = ordered_json::array(), triangles = ordered_json::array();
@@ -50,6 +51,14 @@ ordered_json shape_json(const sim::Scene& scene, const physics::Shape& shape) {
       return hull_json(scene.hulls[shape.index]);
     case physics::ShapeKind::kMesh:
       return mesh_json(scene.meshes[shape.index]);
+    case physics::ShapeKind::kCompound: {
+      ordered_json parts = ordered_json::array();
+      for (const physics::CompoundPart& part : scene.compounds[shape.index].parts)
+        parts.push_back({{"shape", shape_json(scene, part.shape)},
+                         {"position", list_of(part.body_from_part.position)},
+                         {"rotation", list_of(part.body_from_part.rotation)}});
+      return {{"kind", "compound"}, {"parts", parts}};
+    }
   }
   return {};
 }
@@ -74,11 +83,10 @@ std::string scene_text(const sim::Scene& scene, const session::TapeSettings& set
       shapes.push_back(shape_json(scene, body.shape));
       at = known.insert(known.end(), body.shape);
     }
-    const Quatd& q = body.motion.pose.rotation;
     bodies.push_back(ordered_json{{"shape", at - known.begin()},
                                   {"fixed", body.kind == physics::BodyKind::kFixed},
                                   {"position", list_of(body.motion.pose.position)},
-                                  {"rotation", {q.w, q.x, q.y, q.z}},
+                                  {"rotation", list_of(body.motion.pose.rotation)},
                                   {"label", sim::body_label(scene, body.id)}});
   }
   for (const Channel& channel : kChannels) channels.push_back({{"name", channel.name}, {"unit", channel.unit}});

@@ -1,8 +1,9 @@
 #include "rt/haptics/coupling/border_buffer.h"
 
+#include <algorithm>
 #include <functional>
 
-#include "rt/physics/contact/find_contact.h"
+#include "rt/physics/contact/find_contacts.h"
 
 namespace tactus::haptics {
 
@@ -11,26 +12,35 @@ namespace {
 // A contact whose friction force exceeds this share of its friction limit counts as sliding.
 constexpr double kHolds = 0.95;
 
-// The point of the body at which friction holds it and the proxy together; contact null: no such point.
+// The point of the body at which friction holds it and the proxy together.
 struct Hold {
-  const physics::Contact* contact{nullptr};
-  Vec3d point;  // m, world
+  bool holds{false};
+  Vec3d point;   // m, world
+  Vec3d normal;  // of the contact that presses hardest
 };
 
 Hold hold_between(const physics::World& world, BodyId proxy, physics::SlotIndex slot) noexcept {
   const auto& body = world.body(slot);
-  const auto* contact = physics::find_contact(world.contacts(), proxy, body.id);
-  if (contact == nullptr) return {};
+  const auto contacts = physics::find_contacts(world.contacts(), proxy, body.id);
+  Hold hold;
   Vec3d friction, arm;
-  double pressed = 0;
-  for (std::uint32_t i = 0; i < contact->count; ++i) {
-    const auto& point = contact->points[i];
-    friction += point.total_friction;
-    pressed += point.total_normal_impulse;
-    arm += point.total_normal_impulse * (contact->slot_a == number_of(slot) ? point.from_a : point.from_b);
+  double pressed = 0, hardest = -1, coefficient = 0;
+  for (const auto& contact : contacts) {
+    double here = 0;
+    for (std::uint32_t i = 0; i < contact.count; ++i) {
+      const auto& point = contact.points[i];
+      friction += point.total_friction;
+      here += point.total_normal_impulse;
+      arm += point.total_normal_impulse * (contact.slot_a == number_of(slot) ? point.from_a : point.from_b);
+    }
+    pressed += here;
+    coefficient = contact.friction;  // the same for all contacts of a pair
+    if (here > hardest) hold.normal = contact.normal;
+    hardest = std::max(hardest, here);
   }
-  if (!(norm(friction) < kHolds * contact->friction * pressed)) return {};
-  return {contact, body.motion.pose.position + arm * (1 / pressed)};
+  hold.holds = norm(friction) < kHolds * coefficient * pressed;
+  if (hold.holds) hold.point = body.motion.pose.position + arm * (1 / pressed);
+  return hold;
 }
 
 }  // namespace
@@ -47,9 +57,9 @@ BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId 
     adopted.gained_J -= kinetic_energy(body);
     body.motion = renewed.motion;
     adopted.gained_J += kinetic_energy(body);
-    if (hold.contact == nullptr) continue;
+    if (!hold.holds) continue;
     const Vec3d moved = body.motion.pose * (inverse(before) * hold.point) - hold.point;
-    adopted.proxy_carried += moved - dot(moved, hold.contact->normal) * hold.contact->normal;
+    adopted.proxy_carried += moved - dot(moved, hold.normal) * hold.normal;
     held += 1;
   }
   if (held > 0) adopted.proxy_carried *= 1 / held;

@@ -28,6 +28,7 @@ BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept
   contact.member = point.member;
   contact.outside = point.outside;
   contact.feature = point.feature;
+  contact.parts = point.parts;
   contact.normal = point.normal;
   contact.member_anchor = point.member_anchor;
   contact.impulse_rate = point.impulse_rate_N;
@@ -39,13 +40,17 @@ BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept
   return contact;
 }
 
+bool is_same_point(const BorderContact& p, const BorderContact& q) noexcept {
+  return p.member == q.member && p.outside == q.outside && p.feature == q.feature && p.parts == q.parts;
+}
+
 // Both lists are in the global world's order, so the search starts at `hint`, behind the last match.
 void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, BorderContact& contact) noexcept {
   const auto count = static_cast<std::uint32_t>(former.size());
   for (std::uint32_t i = 0; i < std::min(kSearchWindow, count); ++i) {
     const std::uint32_t at = (hint + i) % count;
     const BorderContact& old = former[at];
-    if (old.member != contact.member || old.outside != contact.outside || old.feature != contact.feature) continue;
+    if (!is_same_point(old, contact)) continue;
     contact.normal_impulse = old.normal_impulse;
     contact.tangent_impulse[0] = old.tangent_impulse[0];
     contact.tangent_impulse[1] = old.tangent_impulse[1];

@@ -28,7 +28,7 @@ using EffectBytes = FixedVector<std::byte, kMaxEffectBytes>;
 struct BorderPoint {
   BodyId member{kNoBody}, outside{kNoBody};
   std::uint32_t feature{0};
-  std::uint32_t padding{0};
+  std::uint32_t parts{0};    // PairKey::parts: which parts of the two bodies touch
   Vec3d normal;              // unit, from the outside body towards the member
   Vec3d member_anchor;       // m, in the member's body frame
   double impulse_rate_N{0};  // normal impulse of the step / its duration
@@ -88,10 +88,10 @@ struct DeviceTarget {
 struct BorderReturn {
   BodyId member{kNoBody}, outside{kNoBody};
   std::uint32_t feature{0};
-  std::uint32_t padding{0};
-  Vec3d point;            // m, world: at the end of the cycle
-  Vec3d normal;           // unit, from the outside body towards the member
-  Vec3d tangent_impulse;  // N s, on the member: the outside body gets the opposite
+  std::uint32_t parts{0};  // PairKey::parts: which parts of the two bodies touch
+  Vec3d point;             // m, world: at the end of the cycle
+  Vec3d normal;            // unit, from the outside body towards the member
+  Vec3d tangent_impulse;   // N s, on the member: the outside body gets the opposite
   double normal_impulse_Ns{0};
 };
 

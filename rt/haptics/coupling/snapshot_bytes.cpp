@@ -8,15 +8,10 @@
 namespace tactus::haptics {
 namespace {
 
-bool is_shape_that_moves(const physics::Shape& shape, std::size_t hulls) noexcept {
-  return shape.kind < physics::ShapeKind::kPlane || (shape.kind == physics::ShapeKind::kHull && shape.index < hulls);
-}
-
-bool is_body(const physics::Body& b, std::size_t hulls) noexcept {
-  return b.id < physics::kFirstPatchId && b.kind == physics::BodyKind::kDynamic &&
-         is_shape_that_moves(b.shape, hulls) && is_finite(b.motion.pose) && is_finite(b.motion.velocity) &&
-         std::isfinite(b.mass) && b.mass > 0 && is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 &&
-         b.inertia.z > 0;
+bool is_body(const physics::Body& b, const physics::ShapeLists& shapes) noexcept {
+  return b.id < physics::kFirstPatchId && b.kind == physics::BodyKind::kDynamic && is_known(b.shape, false, shapes) &&
+         is_finite(b.motion.pose) && is_finite(b.motion.velocity) && std::isfinite(b.mass) && b.mass > 0 &&
+         is_finite(b.inertia) && b.inertia.x > 0 && b.inertia.y > 0 && b.inertia.z > 0;
 }
 
 bool are_near_triangles(const WorldSnapshot& s, physics::Meshes meshes) noexcept {
@@ -37,11 +32,11 @@ bool are_near_triangles(const WorldSnapshot& s, physics::Meshes meshes) noexcept
 }
 
 // Checks the preconditions of the sub-world, so that bytes of a damaged tape never reach its asserts.
-bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes) noexcept {
+bool is_sound(const WorldSnapshot& s, const physics::ShapeLists& shapes) noexcept {
   for (std::uint32_t i = 1; i < s.members.size(); ++i)
     if (s.members[i - 1] >= s.members[i]) return false;
   for (const auto& joiner : s.joiners)
-    if (!is_body(joiner, hulls)) return false;
+    if (!is_body(joiner, shapes)) return false;
   for (const auto& warm_start : s.warm_starts)
     if (warm_start.count > physics::kMaxManifoldPoints) return false;
   for (std::uint32_t i = 0; i < s.buffer.size(); ++i)
@@ -50,7 +45,7 @@ bool is_sound(const WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes)
       return false;
   for (const MemberMotion& body : s.renewed)
     if (!is_finite(body.motion.pose) || !is_finite(body.motion.velocity)) return false;
-  return std::isfinite(s.border_work_J) && are_near_triangles(s, meshes);
+  return std::isfinite(s.border_work_J) && are_near_triangles(s, shapes.meshes);
 }
 
 }  // namespace
@@ -75,7 +70,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   write_list(out, s.effects);
 }
 
-bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics::Meshes meshes) noexcept {
+bool read_snapshot(ByteReader& in, WorldSnapshot& s, const physics::ShapeLists& shapes) noexcept {
   in.get(s.cycle);
   in.get(s.global_time_s);
   in.get(s.dropped);
@@ -86,7 +81,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, std::size_t hulls, physics:
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
          read_list(in, s.buffer) && read_list(in, s.renewed) && read_list(in, s.border) && read_list(in, s.outside) &&
          read_list(in, s.near_regions) && read_list(in, s.near_triangles) && read_list(in, s.effects) &&
-         is_sound(s, hulls, meshes);
+         is_sound(s, shapes);
 }
 
 bool write_effects(const physics::World& world, std::span<const std::uint8_t> inside, EffectBytes& out) noexcept {

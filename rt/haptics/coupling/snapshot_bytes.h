@@ -9,9 +9,9 @@
 namespace tactus::haptics {
 
 void write_snapshot(ByteWriter& out, const WorldSnapshot& snapshot) noexcept;
-// `hulls`: number of the sub-world's hulls; `meshes`: its meshes.
-[[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot, std::size_t hulls = 0,
-                                 physics::Meshes meshes = {}) noexcept;
+// `shapes`: the sub-world's.
+[[nodiscard]] bool read_snapshot(ByteReader& in, WorldSnapshot& snapshot,
+                                 const physics::ShapeLists& shapes = {}) noexcept;
 
 // Exports the state of the world's effects for the bodies `inside` (by slot; empty: all). If it does not fit: false,
 // and `out` is empty.

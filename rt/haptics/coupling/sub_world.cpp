@@ -12,9 +12,9 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body> 
     : config_(config),
       coupling_(traits_of(config.scheme)),
       border_(traits_of(config.border_mode)),
-      world_(config.capacities, config.hulls, config.meshes, config.effects),
-      near_regions_(config.meshes.empty() ? 0 : kMaxNearRegions),
-      near_triangles_(config.meshes.empty() ? 0 : kMaxNearTriangles),
+      world_(config.capacities, config.shapes, config.effects),
+      near_regions_(config.shapes.meshes.empty() ? 0 : kMaxNearRegions),
+      near_triangles_(config.shapes.meshes.empty() ? 0 : kMaxNearTriangles),
       border_import_(config.capacities.border_contacts) {
   for (const auto& body : fixed_bodies) TACTUS_CHECK(world_.insert(body), body.id, fixed_bodies.size());
   world_.index_fixed_bodies();
@@ -116,7 +116,7 @@ void SubWorld::adopt_border(const WorldSnapshot& snapshot) noexcept {
 }
 
 void SubWorld::adopt_near_triangles(const WorldSnapshot& snapshot) noexcept {
-  if (config_.meshes.empty()) return;
+  if (config_.shapes.meshes.empty()) return;
   near_regions_.resize(snapshot.near_regions.size());
   std::copy(snapshot.near_regions.begin(), snapshot.near_regions.end(), near_regions_.begin());
   near_triangles_.resize(snapshot.near_triangles.size());

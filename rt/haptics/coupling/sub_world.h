@@ -30,8 +30,7 @@ struct SubWorldConfig {
   physics::StepSettings step;  // dt: the tick; sub_steps: the maximum, the governor may choose fewer
   CouplingGains gains;         // world units
   physics::Capacities capacities;
-  physics::Hulls hulls;           // of the bodies' shapes; must outlive the sub-world
-  physics::Meshes meshes;         // same
+  physics::ShapeLists shapes;     // of the bodies' shapes; must outlive the sub-world
   physics::EffectSetups effects;  // the data they refer to must outlive the sub-world
 };
 

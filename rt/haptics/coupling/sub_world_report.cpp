@@ -57,7 +57,7 @@ void SubWorld::report_border(SubWorldReport& report) const noexcept {
     const BorderReturn entry{.member = contact.member,
                              .outside = contact.outside,
                              .feature = contact.feature,
-                             .padding = 0,
+                             .parts = contact.parts,
                              .point = pose * contact.member_anchor,
                              .normal = contact.normal,
                              .tangent_impulse = contact.total_tangent_impulse,

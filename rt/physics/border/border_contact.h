@@ -86,7 +86,8 @@ struct BorderRule {
 
 struct BorderContact {
   BodyId member{kNoBody}, outside{kNoBody};
-  std::uint32_t feature{0};  // identifies the contact point within the pair
+  std::uint32_t feature{0};  // with `parts`: identifies the contact point within the pair of bodies
+  std::uint32_t parts{0};    // PairKey::parts
   Vec3d normal;              // unit, world, from the outside body towards the member
   Vec3d member_anchor;       // m, the contact point in the member's body frame
   double impulse_rate{};     // N: impulse of the global step / its length

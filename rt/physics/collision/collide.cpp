@@ -30,6 +30,7 @@ void collide_with_hull(const PairView& pair, Manifold& manifold, AxisCache& cach
       if (pair.a.index < hulls.size()) collide_hulls(pair, view_of(hulls[pair.a.index]), hull, manifold, cache);
       return;
     case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
       return;
   }
 }
@@ -57,7 +58,7 @@ void collide_ordered(const PairView& pair, Manifold& manifold, AxisCache& cache,
       return collide_box_plane(pair, manifold);
     default:
       if (pair.b.kind == kHull) collide_with_hull(pair, manifold, cache, hulls);
-      return;  // or two planes, or a mesh (collide_mesh.h)
+      return;  // or two planes; or a mesh (collide_mesh.h) or a compound (collide_parts.h)
   }
 }
 

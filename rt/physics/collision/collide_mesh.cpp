@@ -25,6 +25,7 @@ Manifold collide_patch(PosedShape a, const PosedPatch& patch, const ManifoldQuer
       break;
     case ShapeKind::kPlane:
     case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
       break;
   }
   return manifold;

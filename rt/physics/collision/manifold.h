@@ -74,7 +74,8 @@ struct ManifoldQuery {
 // boxes and hulls it may be smaller if they are separated corner to corner. Exception: boxes that are apart, where one
 // ends within 0.1 mm of the other's face and may pass over it (collide_box.cpp).
 // `hulls`: the list to which hull shapes refer; a hull with an index beyond it touches nothing.
-// A plane may be A or B. Two planes never touch; meshes are handled patch by patch in collide_mesh.h. Ties go to the
+// A plane may be A or B. Two planes never touch; meshes are handled patch by patch in collide_mesh.h, compounds part
+// by part in collide_parts.h. Ties go to the
 // lower feature id. The same input gives the same bits; swapping A and B gives the mirrored manifold only
 // approximately, so callers pass the body with the lower id as A.
 Manifold collide(PosedShape a, PosedShape b, const ManifoldQuery& query, AxisCache& cache, Hulls hulls = {}) noexcept;

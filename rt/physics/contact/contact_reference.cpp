@@ -29,7 +29,10 @@ struct Lanes {
 
 double tolerance_of(PairKey key, const Shape& a, const Shape& b, double most) noexcept {
   const double whole = std::min(most, 0.01 * std::min(thinnest(a.half_extents), thinnest(b.half_extents)));
-  const std::uint64_t mixed = key.value * 0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio: spreads neighbouring keys
+  const std::uint64_t ids =
+      (static_cast<std::uint64_t>(key.with_fixed()) << 63) | (static_cast<std::uint64_t>(key.low()) << 31) | key.high();
+  const std::uint64_t mixed = (ids ^ (static_cast<std::uint64_t>(key.parts()) << 40)) *
+                              0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio: spreads neighbouring keys
   return whole * (1.0 - static_cast<double>(mixed >> 56) / 512.0);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rt/physics/collision/collide_mesh.h"
+#include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/mesh_reach.h"
 
 namespace tactus::physics {
@@ -190,28 +191,56 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   search.axis_cache = known ? walk.old[walk.old_seen].axis_cache : given ? given->axis_cache : AxisCache{};
 }
 
+// The two bodies of a pair, and which part of each is meant.
+struct ContactTable::Sides {
+  const Body &a, &b;
+  std::uint32_t part_a, part_b;
+  const Shape &shape_a, &shape_b;  // of the parts
+};
+
+ContactTable::Sides ContactTable::sides_of(const Scene& scene, const Pair& pair) const noexcept {
+  const Body& a = scene.bodies[pair.a];
+  const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
+  const bool a_is_low = a.id == pair.key.low();
+  const std::uint32_t part_a = a_is_low ? pair.key.low_part() : pair.key.high_part();
+  const std::uint32_t part_b = a_is_low ? pair.key.high_part() : pair.key.low_part();
+  const Compounds compounds = scene.shapes.compounds;
+  return {a, b, part_a, part_b, part_shape(a.shape, part_a, compounds), part_shape(b.shape, part_b, compounds)};
+}
+
 std::uint32_t ContactTable::comparisons_in(const Scene& scene, const Search& search) const noexcept {
   const Pair& pair = pairs_[search.pair];
-  const Shape& a = scene.bodies[pair.a].shape;
-  const Shape& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b].shape : scene.bodies[pair.b].shape;
+  const Sides sides = sides_of(scene, pair);
+  const Shape &a = sides.shape_a, &b = sides.shape_b;
   if (b.kind == ShapeKind::kMesh) return 1 + pair.patch.count / kTrianglesPerComparison;
   const auto vertices = [&](const Shape& shape) {
-    return shape.kind == ShapeKind::kHull ? scene.hulls[shape.index].topology.vertices : 0;
+    return shape.kind == ShapeKind::kHull ? scene.shapes.hulls[shape.index].topology.vertices : 0;
   };
   return 1 + (vertices(a) + vertices(b)) / kVerticesPerComparison;
 }
 
 Manifold ContactTable::compare(const Scene& scene, Search& search) const noexcept {
   const Pair& pair = pairs_[search.pair];
-  const Body& a = scene.bodies[pair.a];
-  const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  if (b.shape.kind == ShapeKind::kMesh)
-    return collide_patch(posed_shape(a),
-                         {.mesh = scene.meshes[b.shape.index],
+  const ShapeLists& shapes = scene.shapes;
+  const Sides sides = sides_of(scene, pair);
+  const Body &a = sides.a, &b = sides.b;
+  const auto with_patch = [&](PosedShape part) noexcept {
+    return collide_patch(part,
+                         {.mesh = shapes.meshes[b.shape.index],
                           .world_from_mesh = b.motion.pose,
                           .triangles = scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count)},
-                         search.query, scene.hulls);
-  return collide(posed_shape(a), posed_shape(b), search.query, search.axis_cache, scene.hulls);
+                         search.query, shapes.hulls);
+  };
+  const bool is_patch = b.shape.kind == ShapeKind::kMesh;
+  if (a.shape.kind != ShapeKind::kCompound && b.shape.kind != ShapeKind::kCompound)
+    return is_patch ? with_patch(posed_shape(a))
+                    : collide(posed_shape(a), posed_shape(b), search.query, search.axis_cache, shapes.hulls);
+  const PosedPart part_a = part_of(posed_shape(a), sides.part_a, shapes.compounds);
+  const PosedPart part_b = part_of(posed_shape(b), sides.part_b, shapes.compounds);
+  if (!is_patch) return collide_parts(part_a, part_b, search.query, search.axis_cache, shapes.hulls);
+  Manifold manifold = with_patch(part_a.posed());
+  move_to_bodies(part_a, part_b, manifold);
+  return manifold;
 }
 
 // Carries the next contact over and updates its points to the bodies' present poses.
@@ -262,8 +291,8 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
     pair.lever_arm = manifold.lever_arm;
     return;
   }
-  const Body& a = walk.scene.bodies[pair.a];
-  const Body& b = with_fixed ? walk.scene.fixed_bodies[pair.b] : walk.scene.bodies[pair.b];
+  const Sides sides = sides_of(walk.scene, pair);
+  const Body &a = sides.a, &b = sides.b;
   if (search.known) walk.replaced = walk.old[visit.old];
   walk.old_next = visit.old + (search.known ? 1 : 0);
   Contact& contact = *place(walk);
@@ -288,9 +317,9 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   if (walk.written == 0 || &contact != &walk.contacts[walk.written - 1]) return;  // beyond the capacity
   ContactReference& reference = walk.references[walk.written - 1];
   reference.tolerance = 0.0;
-  if (!(walk.settings.recycle_tolerance_m > 0.0) || !is_carried_over(a.shape, b.shape)) return;
+  if (!(walk.settings.recycle_tolerance_m > 0.0) || !is_carried_over(sides.shape_a, sides.shape_b)) return;
   const auto& frame_b = with_fixed ? walk.scene.fixed_frames[pair.b] : walk.scene.frames[pair.b];
-  reference = {.tolerance = tolerance_of(pair.key, a.shape, b.shape, walk.settings.recycle_tolerance_m),
+  reference = {.tolerance = tolerance_of(pair.key, sides.shape_a, sides.shape_b, walk.settings.recycle_tolerance_m),
                .margin = margin,
                .lever_arm = std::max(bounding_radius(a.shape), bounding_radius(b.shape))};
   store_anchors(contact, walk.scene.frames[pair.a], frame_b, reference);

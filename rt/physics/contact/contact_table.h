@@ -21,7 +21,7 @@
 #include "rt/physics/contact/contact_reference.h"
 #include "rt/physics/contact/warm_start.h"
 #include "rt/physics/executor.h"
-#include "rt/physics/shapes/mesh.h"
+#include "rt/physics/shapes/shape_lists.h"
 #include "rt/physics/step.h"
 
 namespace tactus::physics {
@@ -42,7 +42,8 @@ class ContactTable {
   // --- pairs of this step
   void clear_pairs() noexcept;
   // `b` is a slot of the fixed bodies if the key has `with_fixed`. The body with the lower id comes first, a fixed one
-  // second. For a mesh, one pair for each patch: the key has the patch's id, `b` is the slot of the mesh's body.
+  // second. For a mesh, one pair for each patch: the key has the patch's id, `b` is the slot of the mesh's body. For a
+  // compound, one pair for each part that may touch: the key has its index.
   void add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch = {}) noexcept;
 
   // Input of narrow phase, by slot.
@@ -50,8 +51,7 @@ class ContactTable {
     std::span<const Body> bodies, fixed_bodies;
     std::span<const BodyFrame> frames, fixed_frames;
     std::span<const MotionBound> motion_bounds;
-    Hulls hulls{};                                    // referred to by the shapes
-    Meshes meshes{};                                  // same
+    ShapeLists shapes{};                              // referred to by the bodies' shapes
     std::span<const std::uint32_t> mesh_triangles{};  // the list of which PatchTriangles are ranges
   };
   // `sub_step` [s] of this step; `impulse_scale`: this sub-step / the sub-step of the stored impulses, exactly 1 if
@@ -107,6 +107,8 @@ class ContactTable {
   void sort_pairs() noexcept;
   void sort_warm_starts() noexcept;
   void visit(Walk& walk, std::uint32_t index) noexcept;
+  struct Sides;
+  Sides sides_of(const Scene& scene, const Pair& pair) const noexcept;
   std::uint32_t comparisons_in(const Scene& scene, const Search& search) const noexcept;
   Manifold compare(const Scene& scene, Search& search) const noexcept;
   void keep(Walk& walk, const Visit& visit) noexcept;

@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "rt/physics/body_search.h"
-#include "rt/physics/collision/collide.h"
+#include "rt/physics/collision/collide_parts.h"
 
 namespace tactus::physics {
 namespace {
 
 // The device may accelerate the proxy within the step, so the effect is active from this share of the margin on.
 inline constexpr double kSafePart = 0.5;
+constexpr SolverBody<double> kStill{};  // of a fixed body
 
 double surface_speed(const Body& body, const Vec3d& v, const Vec3d& w) noexcept {
   return norm(v) + norm(w) * bounding_radius(body.shape);
@@ -54,31 +55,35 @@ void ContinuousCollision::add(StageContext& c, const Near& near) noexcept {
 }
 
 void ContinuousCollision::hold_back(StageContext& c) noexcept {
-  static constexpr SolverBody<double> still{};
   for (const Near& near : near_) {
     const Body &a = c.bodies[proxy_], &b = near.fixed ? c.fixed_bodies[near.slot] : c.bodies[near.slot];
-    SolverBody<double>& state_a = c.motion[proxy_];
-    const SolverBody<double>& state_b = near.fixed ? still : c.motion[near.slot];
-    const Posed pose_b = near.fixed ? b.motion.pose : pose_now(b, state_b);
+    const SolverBody<double>& state_a = c.motion[proxy_];
+    const SolverBody<double>& state_b = near.fixed ? kStill : c.motion[near.slot];
+    const Posed pose_a = pose_now(a, state_a), pose_b = near.fixed ? b.motion.pose : pose_now(b, state_b);
     const double turning =
         (near.fixed ? 0.0 : norm(state_b.w) * bounding_radius(b.shape)) + norm(state_a.w) * bounding_radius(a.shape);
     const double reach = c.h * (norm(state_b.v - state_a.v) + turning);
-    AxisCache cache;
-    const Manifold manifold =
-        collide({a.shape, pose_now(a, state_a)}, {b.shape, pose_b}, {.margin = reach}, cache, setup_.hulls);
-    for (std::uint32_t i = 0; i < manifold.count; ++i) {
-      const ManifoldPoint& point = manifold.points[i];
-      const Vec3d& n = manifold.normal;
-      const double closing = dot(n, velocity_at(state_a, point.from_a) - velocity_at(state_b, point.from_b));
-      const double excess = closing - std::max(0.0, point.separation) / c.h;
-      if (excess <= 0.0) continue;
-      double inverse = inverse_effective_mass(state_a.inverse_mass, c.inverse_inertia[proxy_], point.from_a, n, n);
-      if (!near.fixed)
-        inverse += inverse_effective_mass(state_b.inverse_mass, c.inverse_inertia[near.slot], point.from_b, n, n);
-      const Vec3d p = (excess * invert_or_zero(inverse)) * n;
-      apply_impulse_at(state_a, c.inverse_inertia[proxy_], point.from_a, -p);
-      if (!near.fixed) apply_impulse_at(c.motion[near.slot], c.inverse_inertia[near.slot], point.from_b, p);
-    }
+    for_each_manifold(
+        {a.shape, pose_a}, {b.shape, pose_b}, reach, setup_.shapes,
+        [&](std::uint32_t, std::uint32_t, const Manifold& manifold) noexcept { hold_back_at(near, manifold, c); });
+  }
+}
+
+void ContinuousCollision::hold_back_at(const Near& near, const Manifold& manifold, StageContext& c) noexcept {
+  SolverBody<double>& state_a = c.motion[proxy_];
+  const SolverBody<double>& state_b = near.fixed ? kStill : c.motion[near.slot];
+  for (std::uint32_t i = 0; i < manifold.count; ++i) {
+    const ManifoldPoint& point = manifold.points[i];
+    const Vec3d& n = manifold.normal;
+    const double closing = dot(n, velocity_at(state_a, point.from_a) - velocity_at(state_b, point.from_b));
+    const double excess = closing - std::max(0.0, point.separation) / c.h;
+    if (excess <= 0.0) continue;
+    double inverse = inverse_effective_mass(state_a.inverse_mass, c.inverse_inertia[proxy_], point.from_a, n, n);
+    if (!near.fixed)
+      inverse += inverse_effective_mass(state_b.inverse_mass, c.inverse_inertia[near.slot], point.from_b, n, n);
+    const Vec3d p = (excess * invert_or_zero(inverse)) * n;
+    apply_impulse_at(state_a, c.inverse_inertia[proxy_], point.from_a, -p);
+    if (!near.fixed) apply_impulse_at(c.motion[near.slot], c.inverse_inertia[near.slot], point.from_b, p);
   }
 }
 

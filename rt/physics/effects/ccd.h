@@ -5,12 +5,13 @@
 // Where it would pass a surface, an impulse on both bodies, as of a contact's speculative row, slows it down so that
 // the sub-step ends at touch. Momentum is kept and kinetic energy falls. For a slow proxy the cost is one comparison.
 // Not against meshes: their triangles are not available here.
-// Units: SI. Thread: [rt], the owner of the World. Bound: B + F boxes a step, kMaxNear pairs a sub-step; beyond that
-// the nearest are tested, and the rest are counted as dropped pairs.
+// Units: SI. Thread: [rt], the owner of the World. Bound: B + F boxes a step, kMaxNear pairs of bodies a sub-step, each
+// of kMaxParts^2 pairs of parts; beyond that the nearest are tested, and the rest are counted as dropped pairs.
 #pragma once
 
+#include "rt/physics/collision/manifold.h"
 #include "rt/physics/effects/stage.h"
-#include "rt/physics/shapes/hull.h"
+#include "rt/physics/shapes/shape_lists.h"
 
 namespace tactus::physics {
 
@@ -20,7 +21,7 @@ class ContinuousCollision : public Stateless {
 
   struct Setup {
     BodyId proxy{kNoBody};
-    Hulls hulls{};  // of the world's shapes. Must outlive the world
+    ShapeLists shapes{};  // of the world's shapes. Must outlive the world
     bool used() const noexcept { return proxy != kNoBody; }
   };
   ContinuousCollision(const Setup& setup, const Capacities&) noexcept : setup_(setup) {}
@@ -36,6 +37,7 @@ class ContinuousCollision : public Stateless {
   void look_around(StageContext& c) noexcept;
   void add(StageContext& c, const Near& near) noexcept;
   void hold_back(StageContext& c) noexcept;
+  void hold_back_at(const Near& near, const Manifold& manifold, StageContext& c) noexcept;
 
   Setup setup_;
   std::uint32_t proxy_{0};              // slot

@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 inline constexpr std::uint32_t kMaxCornerTriangles = 256;
 
 // First id of patches: they appear only in pair keys, no body has one.
-inline constexpr BodyId kFirstPatchId = 0x40000000u;
+inline constexpr BodyId kFirstPatchId = 1u << (kIdBits - 1);
 
 // Fold of the surface across an edge. Below one milliradian it counts as flat.
 enum class EdgeKind : std::uint8_t { kFlat = 0, kConvex = 1, kConcave = 2, kBoundary = 3 };

@@ -35,6 +35,7 @@ Vec3d inertia_of(const Shape& shape, double mass) noexcept {
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
     case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
       break;
   }
   return {};
@@ -53,6 +54,7 @@ double volume_of(const Shape& shape) noexcept {
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
     case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
       break;
   }
   return 0.0;
@@ -62,6 +64,7 @@ double bounding_radius(const Shape& shape) noexcept {
   switch (shape.kind) {
     case ShapeKind::kSphere:
     case ShapeKind::kHull:
+    case ShapeKind::kCompound:
       return shape.radius;
     case ShapeKind::kCapsule:
       return shape.radius + shape.half_length;
@@ -72,6 +75,13 @@ double bounding_radius(const Shape& shape) noexcept {
       break;
   }
   return std::numeric_limits<double>::infinity();
+}
+
+double half_thickness(const Shape& shape) noexcept {
+  const Vec3d& half = shape.half_extents;
+  const bool round = shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule;
+  if (shape.kind == ShapeKind::kCompound) return shape.half_length;
+  return round ? shape.radius : smaller(half.x, smaller(half.y, half.z));
 }
 
 Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) noexcept {
@@ -86,7 +96,8 @@ Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) 
       break;
     case ShapeKind::kBox:
     case ShapeKind::kHull:
-    case ShapeKind::kMesh: {
+    case ShapeKind::kMesh:
+    case ShapeKind::kCompound: {
       const Vec3d& h = shape.half_extents;
       reach = abs(rotate(q, Vec3d{h.x, 0.0, 0.0})) + abs(rotate(q, Vec3d{0.0, h.y, 0.0})) +
               abs(rotate(q, Vec3d{0.0, 0.0, h.z}));

@@ -1,8 +1,8 @@
-// The shapes that bodies have: sphere, capsule, box, convex hull; static plane and triangle mesh.
+// The shapes that bodies have: sphere, capsule, box, convex hull, compound of these; static plane and triangle mesh.
 //
 // Frame: the body's own, origin at the centre of mass, axes along the principal axes. Units: m, kg, kg m^2. Thread:
-// [any]. A plain value: no pointer, no allocation. A hull or mesh is referred to by its index in the world's list
-// (hull.h, mesh.h); what the functions below need of it is copied into the shape.
+// [any]. A plain value: no pointer, no allocation. A hull, mesh or compound is referred to by its index in the
+// world's list (shape_lists.h); what the functions below need of it is copied into the shape.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,28 @@
 
 namespace tactus::physics {
 
-enum class ShapeKind : std::uint32_t { kSphere = 0, kCapsule = 1, kBox = 2, kPlane = 3, kHull = 4, kMesh = 5 };
+enum class ShapeKind : std::uint32_t {
+  kSphere = 0,
+  kCapsule = 1,
+  kBox = 2,
+  kPlane = 3,
+  kHull = 4,
+  kMesh = 5,
+  kCompound = 6
+};
+
+// True for a shape that refers to a list of the world by its index.
+constexpr bool is_listed(ShapeKind kind) noexcept {
+  return kind == ShapeKind::kHull || kind == ShapeKind::kMesh || kind == ShapeKind::kCompound;
+}
 
 struct Shape {
   ShapeKind kind{ShapeKind::kSphere};
-  std::uint32_t index{0};  // hull, mesh: index in the world's list
-  double radius{};         // m: sphere, capsule; hull: of the sphere about the origin that encloses it; 0 otherwise
-  double half_length{};    // m: capsule, half the distance between the cap centres, along body z
-  Vec3d half_extents{};    // m: box; hull, mesh: the box about the origin that encloses it
+  std::uint32_t index{0};  // hull, mesh, compound: index in the world's list
+  double radius{};         // m: sphere, capsule; hull, compound: of the sphere about the origin that encloses it
+  double half_length{};    // m: capsule, half the distance between the cap centres, along body z; compound: half the
+                           // thickness of its thinnest part
+  Vec3d half_extents{};    // m: box; hull, mesh, compound: the box about the origin that encloses it
 
   static constexpr Shape sphere(double radius) noexcept {
     return {.kind = ShapeKind::kSphere, .index = 0, .radius = radius, .half_length = 0.0, .half_extents = {}};
@@ -50,15 +64,18 @@ struct Shape {
   friend constexpr bool operator==(const Shape&, const Shape&) noexcept = default;
 };
 
-// Diagonal of the inertia tensor of a homogeneous body of `mass` [kg m^2]; zero for a plane or mesh, and for a hull:
-// use Hull::inertia_per_kg.
+// Diagonal of the inertia tensor of a homogeneous body of `mass` [kg m^2]; zero for a plane or mesh, and for a hull or
+// compound: use its inertia_per_kg.
 Vec3d inertia_of(const Shape& shape, double mass) noexcept;
 
-// Volume [m^3]; zero for a plane or mesh, and for a hull: use Hull::volume.
+// Volume [m^3]; zero for a plane or mesh, and for a hull or compound: use its volume.
 double volume_of(const Shape& shape) noexcept;
 
 // Radius of the smallest sphere about the body's origin that encloses the shape [m]; +infinity for a plane.
 double bounding_radius(const Shape& shape) noexcept;
+
+// Half of the thinnest side; the radius of a sphere or a capsule; of a compound, of its thinnest part [m].
+double half_thickness(const Shape& shape) noexcept;
 
 // A shape and where it is: its pose in the frame of a query, the world or a mesh. Refers to both.
 struct PosedShape {
@@ -85,8 +102,8 @@ struct Aabb {
   }
 };
 
-// The shape's box at `world_from_body`, grown by `margin` on every side. Unbounded for a plane. For a hull or mesh, the
-// box of its half_extents, so larger than necessary.
+// The shape's box at `world_from_body`, grown by `margin` on every side. Unbounded for a plane. For a hull, mesh or
+// compound, the box of its half_extents, so larger than necessary.
 Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) noexcept;
 
 }  // namespace tactus::physics

@@ -13,7 +13,7 @@ namespace {
 constexpr double kHalf = 0.05;
 
 struct MixedBench : PhysicsBench {
-  MixedBench() { world = World({}, {}, {}, {}, SweepPrecision::kSingle); }
+  MixedBench() { world = World({}, {}, {}, SweepPrecision::kSingle); }
 };
 
 double fastest(const PhysicsBench& bench) {

@@ -210,7 +210,7 @@ struct EffectBench {
   physics::World world;
 
   explicit EffectBench(const physics::EffectSetups& setups)
-      : world(physics::Capacities{64, 2, 256, 256, 0}, physics::Hulls{}, physics::Meshes{}, setups) {}
+      : world(physics::Capacities{64, 2, 256, 256, 0}, physics::ShapeLists{}, setups) {}
   void add_cube(BodyId id, const Vec3d& at) {
     REQUIRE(
         world.insert(physics::make_dynamic_body(id, physics::Shape::box({kHalf, kHalf, kHalf}), kMass, 0.5, {at, {}})));

@@ -70,7 +70,7 @@ struct MeshBench {
   explicit MeshBench(const TriangleSoup& soup, double friction = 0.5, const Posed& world_from_soup = {})
       : MeshBench(built(soup), friction, world_from_soup) {}
   MeshBench(BuiltMesh made, double friction, const Posed& world_from_soup)
-      : parts(made.parts), meshes{made.mesh}, world(capacities(), {}, meshes) {
+      : parts(made.parts), meshes{made.mesh}, world(capacities(), {{}, meshes, {}}) {
     world.insert(physics::make_fixed_body(0, physics::Shape::mesh(meshes[0].half_extents, 0), friction,
                                           world_from_soup * made.given_from_body));
     settings.gravity = {0, 0, -kGravity};

@@ -137,10 +137,13 @@ TEST_CASE("of two keys that stand in each other's place the loader takes one") {
   for (const EitherKey& either : either_keys()) {
     INFO(either.table << ' ' << either.key << ' ' << either.other);
     std::string head = std::string(either.table) + "\n";
+    if (either.table == "[[body]] parts") head = "[[body]]\nshape = \"compound\"\nmass_kg = 1\n[[body.parts]]\n";
+    if (either.table == "[proxy] parts") head = "[proxy]\nshape = \"compound\"\nmass_kg = 1\n[[proxy.parts]]\n";
+    const bool of_part = head.find("parts") != std::string::npos, of_proxy = either.table.starts_with("[proxy]");
     if (either.table != "[hand]" && either.only_with.empty()) head += "shape = \"sphere\"\nradius_m = 0.01\n";
-    if (either.only_with == "hull") head += "shape = \"hull\"\nmass_kg = 1\n";
+    if (either.only_with == "hull") head += of_part ? "shape = \"hull\"\n" : "shape = \"hull\"\nmass_kg = 1\n";
     const auto says = [&](const std::string& keys) {
-      return parse_scene(head + keys + (either.table == "[proxy]" ? "" : proxy), "x.toml").message();
+      return parse_scene(head + keys + (of_proxy ? "" : proxy), "x.toml").message();
     };
     const std::string both = says(written(either.key) + written(either.other)), neither = says("");
     CHECK(both.find("already") != std::string::npos);

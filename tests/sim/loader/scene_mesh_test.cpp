@@ -158,7 +158,7 @@ TEST_CASE("the triangles of a snapshot are those that the tree finds, and they s
   const auto again = std::make_unique<haptics::WorldSnapshot>();
   const auto read = [&](physics::Meshes meshes) {
     ByteReader in(std::span<const std::byte>(bytes).first(out.size()));
-    return haptics::read_snapshot(in, *again, scene.hulls.size(), meshes) && in.remaining() == 0;
+    return haptics::read_snapshot(in, *again, {scene.hulls, meshes, {}}) && in.remaining() == 0;
   };
   REQUIRE(read(scene.meshes));
   CHECK(std::equal(snapshot->near_triangles.begin(), snapshot->near_triangles.end(), again->near_triangles.begin()));
@@ -172,7 +172,7 @@ TEST_CASE("a body that has left its region, or has none, finds the same triangle
   const auto final_hash = [&](bool with_regions) {
     physics::Capacities capacities;
     capacities.mesh_triangles = 4096;
-    physics::World world(capacities, {}, scene.value().meshes);
+    physics::World world(capacities, scene.value().shapes());
     for (const auto& body : scene.value().bodies) world.insert(body);
     std::vector<physics::NearRegion> regions;
     std::vector<std::uint32_t> triangles;

@@ -21,12 +21,13 @@ struct Access;
 
 /// Shape of a body; named as in the text of a scene.
 enum class Shape : std::uint32_t {
-  kSphere = 0,   ///< `radius_m`
-  kCapsule = 1,  ///< `radius_m`, and `half_length_m` from the centre to the centres of its caps, along its own z
-  kBox = 2,      ///< `half_extents_m`
-  kPlane = 3,    ///< half space below its own z = 0
-  kHull = 4,     ///< convex hull of Scene::corners; `half_extents_m` of its bounding box
-  kMesh = 5,     ///< triangle mesh of Scene::corners and Scene::triangles; `half_extents_m` of its bounding box
+  kSphere = 0,    ///< `radius_m`
+  kCapsule = 1,   ///< `radius_m`, and `half_length_m` from the centre to the centres of its caps, along its own z
+  kBox = 2,       ///< `half_extents_m`
+  kPlane = 3,     ///< half space below its own z = 0
+  kHull = 4,      ///< convex hull of Scene::corners; `half_extents_m` of its bounding box
+  kMesh = 5,      ///< triangle mesh of Scene::corners and Scene::triangles; `half_extents_m` of its bounding box
+  kCompound = 6,  ///< several shapes, Scene::parts; `half_extents_m` of its bounding box
 };
 
 /// Properties of a body. Body frame: origin in the centre of mass, axes along the principal axes of inertia.
@@ -41,6 +42,17 @@ struct BodyInfo {
   double friction{0};           ///< Coulomb coefficient; a pair uses the geometric mean of the two
   Vector3 position_m{};         ///< world, at the start
   Quaternion rotation{};        ///< world from body, at the start
+};
+
+/// A part of a compound.
+struct PartInfo {
+  Shape shape{Shape::kSphere};   ///< sphere, capsule, box or hull; determines the meaning of the next three fields
+  double radius_m{0};            ///< m; 0 where the shape has none
+  double half_length_m{0};       ///< m; 0 where the shape has none
+  Vector3 half_extents_m{};      ///< m; 0 where the shape has none
+  Vector3 position_m{};          ///< of its own frame, in the body's frame
+  Quaternion rotation{};         ///< body from part
+  std::vector<Vector3> corners;  ///< of a hull, m, in the part's own frame
 };
 
 /// A valid scene; copies share its data. An empty scene has no bodies and cannot be opened by a session.
@@ -75,6 +87,8 @@ class Scene {
   std::string body_name(BodyNumber number) const;
   /// Corners of a hull or a mesh [m], in the body's own frame; empty for any other shape.
   std::vector<Vector3> corners(BodyNumber number) const;
+  /// Parts of a compound; empty for any other shape.
+  std::vector<PartInfo> parts(BodyNumber number) const;
   /// Triangles of a mesh by their corners, counter-clockwise from outside; empty for any other shape.
   std::vector<std::array<std::uint32_t, 3>> triangles(BodyNumber number) const;
   /// The body that the device holds; 0 for an empty scene.

@@ -29,6 +29,7 @@ class CheckedScene:
     proxy: int
     hand_duration_s: float
     def body(self, number: int) -> dict[str, Any]: ...
+    def parts(self, number: int) -> list[dict[str, Any]]: ...      # of a compound, in the body's frame
     def corners(self, number: int) -> NDArray[np.float64]: ...    # (n, 3), m, body frame
     def triangles(self, number: int) -> NDArray[np.uint32]: ...   # (n, 3), by corner
 

@@ -78,7 +78,8 @@ class Scene(collections.abc.MutableMapping):
             file.write(text)
 
     def checked(self):
-        """The scene as the loader has it: bodies (a count), body(i), corners(i), triangles(i), proxy, title, warnings."""
+        """The scene as the loader has it: bodies (a count), body(i), parts(i), corners(i),
+        triangles(i), proxy, title, warnings."""
         text = self.text
         if self._checked is None or text != self._checked_text:
             self._checked, self._checked_text = _core.CheckedScene.parse(text, self._name), text

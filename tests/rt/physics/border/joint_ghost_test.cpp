@@ -48,7 +48,7 @@ struct Bench {
   StepReport report;
   double border_J{0};
 
-  explicit Bench(JointKind kind) : joints{joint_of(kind)}, world(Capacities{4, 1, 8, 8, 4}, {}, {}, setups()) {
+  explicit Bench(JointKind kind) : joints{joint_of(kind)}, world(Capacities{4, 1, 8, 8, 4}, {}, setups()) {
     REQUIRE(world.insert(body_of(kB)));
   }
   EffectSetups setups() const {

@@ -11,7 +11,7 @@ using namespace tactus::physics::test;
 namespace {
 
 struct HullBench {
-  explicit HullBench(std::vector<Hull> list) : hulls(std::move(list)), world({}, hulls) {
+  explicit HullBench(std::vector<Hull> list) : hulls(std::move(list)), world({}, {hulls, {}, {}}) {
     settings.gravity = {0, 0, -tactus::test::kGravity};
     world.insert(make_fixed_body(100, Shape::plane(), 0.5, {}));
   }

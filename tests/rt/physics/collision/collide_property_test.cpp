@@ -186,6 +186,7 @@ TEST_CASE("Deep overlap, equal centres and extreme sizes give finite unit normal
         return Shape::box({size(), size(), size()});
       case ShapeKind::kPlane:
       case ShapeKind::kHull:
+      case ShapeKind::kCompound:
       case ShapeKind::kMesh:
         break;
     }

@@ -184,6 +184,7 @@ inline Shape random_shape(Random& random, ShapeKind kind) {
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
     case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
       break;
   }
   return Shape::plane();

@@ -41,7 +41,7 @@ Body ball(BodyId id, double mass, const Vec3d& at, const Vec3d& velocity) {
 TEST_CASE("About a source without softening a body goes round in 2 pi sqrt(m r^3 / strength)") {
   const double mass = 0.2, r = 0.5, strength = 0.3, w = std::sqrt(strength / (mass * r * r * r));
   Field field({kNoBody, {0, 0, 1}, strength, 1e-6}, {1.0});
-  World world(Capacities{}, {}, {}, field.setups);
+  World world(Capacities{}, {}, field.setups);
   REQUIRE(world.insert(ball(0, mass, {r, 0, 1}, {0, w * r, 0})));
   const double period = 2 * kPi / w;
   const int steps = static_cast<int>(std::lround(period / field.settings.dt));
@@ -55,7 +55,7 @@ TEST_CASE("About a source without softening a body goes round in 2 pi sqrt(m r^3
 TEST_CASE("Near a softened source a body swings as on a spring of strength / softening^3, one without weight stays") {
   const double mass = 0.2, soft = 0.1, strength = 0.02, w = std::sqrt(strength / (mass * soft * soft * soft));
   Field field({kNoBody, {}, strength, soft}, {1.0, 0.0});
-  World world(Capacities{}, {}, {}, field.setups);
+  World world(Capacities{}, {}, field.setups);
   REQUIRE(world.insert(ball(0, mass, {0.001, 0, 0}, {})));
   REQUIRE(world.insert(ball(1, mass, {0.5, 0, 0}, {})));
   field.run(world, static_cast<int>(std::lround(kPi / w / field.settings.dt)));  // half a period: the other side
@@ -65,7 +65,7 @@ TEST_CASE("Near a softened source a body swings as on a spring of strength / sof
 
 TEST_CASE("A source that is a body is pulled back: momentum stays") {
   Field field({1, {}, 0.5, 0.05}, {1.0, 0.0});
-  World world(Capacities{}, {}, {}, field.setups);
+  World world(Capacities{}, {}, field.setups);
   REQUIRE(world.insert(ball(0, 0.2, {0.5, 0, 0}, {0, 0.3, 0})));
   REQUIRE(world.insert(ball(1, 1, {}, {})));
   const Vec3d before = world.momentum().force;

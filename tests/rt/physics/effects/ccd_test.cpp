@@ -17,7 +17,7 @@ constexpr double kRadius = 0.005, kMass = 0.2;
 struct Range {
   World world;
   StepSettings settings;
-  explicit Range(bool ccd) : world(Capacities{}, {}, {}, setups(ccd)) {}
+  explicit Range(bool ccd) : world(Capacities{}, {}, setups(ccd)) {}
   static EffectSetups setups(bool ccd) {
     EffectSetups all;
     if (ccd) std::get<ContinuousCollision::Setup>(all).proxy = kProxy;

@@ -19,7 +19,7 @@ struct EffectBench {
   World world;
   StepSettings settings;
   explicit EffectBench(const EffectSetups& setups, const Vec3d& gravity = {0, 0, -kGravity})
-      : world(Capacities{}, {}, {}, setups) {
+      : world(Capacities{}, {}, setups) {
     settings.gravity = gravity;
   }
   void add_ground(BodyId id, double friction, double slope_rad = 0) {

@@ -41,7 +41,7 @@ struct JointBench {
   explicit JointBench(std::vector<Joint> given) : joints(std::move(given)) {
     EffectSetups setups;
     std::get<Joints::Setup>(setups) = {joints};
-    world.emplace(Capacities{}, Hulls{}, Meshes{}, setups);
+    world.emplace(Capacities{}, ShapeLists{}, setups);
     settings.gravity = {0, 0, -kGravity};
   }
   void add_box(BodyId id, const Vec3d& half, double mass, const Vec3d& at, const Twistd& velocity = {}) {

@@ -21,7 +21,7 @@ struct Feeler {
   World world;
   StepSettings settings;
   StepReport report;
-  explicit Feeler(const EffectSetups& setups, double height_m = 0) : world(Capacities{}, {}, {}, setups) {
+  explicit Feeler(const EffectSetups& setups, double height_m = 0) : world(Capacities{}, {}, setups) {
     settings.gravity = {0, 0, -kGravity};
     settings.friction = false;
     REQUIRE(

@@ -1,7 +1,8 @@
 // The world in 3-D: one instanced mesh a shape and layer, contact forces as arrows, the spring from device to proxy.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { Role, type Shape } from "./wire";
+import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import { Role, type Part, type Shape } from "./wire";
 import type { World } from "./world";
 
 // Of the Okabe-Ito palette: colour-blind people tell them apart. Members are solid, others see-through, the border has
@@ -28,6 +29,11 @@ export interface Layers {
   metresPerNewton: number;
 }
 
+const rotationOf = (part: Part): THREE.Quaternion => {
+  const [w, x, y, z] = part.rotation;
+  return new THREE.Quaternion(x, y, z, w);
+};
+
 function geometryOf(shape: Shape): THREE.BufferGeometry {
   switch (shape.kind) {
     case "sphere":
@@ -46,19 +52,33 @@ function geometryOf(shape: Shape): THREE.BufferGeometry {
       flat.computeVertexNormals();
       return flat;
     }
+    case "compound":
+      return mergeGeometries(
+        shape.parts!.map((part) => {
+          const own = geometryOf(part.shape), flat = own.index === null ? own : own.toNonIndexed();
+          flat.deleteAttribute("uv");
+          return flat.applyQuaternion(rotationOf(part)).translate(...part.position);
+        }),
+      );
   }
+}
+
+// The smallest box along the world's axes that holds the shape, from the body's centre [m].
+function boundsOf(shape: Shape, rotation: THREE.Quaternion): THREE.Box3 {
+  const box = new THREE.Box3();
+  const hold = (x: number, y: number, z: number): void => void box.expandByPoint(new THREE.Vector3(x, y, z).applyQuaternion(rotation));
+  if (shape.kind === "sphere") hold(0, 0, 0);
+  if (shape.kind === "box") for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) hold(x * shape.half![0], y * shape.half![1], z * shape.half![2]);
+  if (shape.kind === "capsule") for (const z of [-1, 1]) hold(0, 0, z * shape.half_length!);
+  for (let i = 0; i < (shape.points?.length ?? 0); i += 3) hold(shape.points![i]!, shape.points![i + 1]!, shape.points![i + 2]!);
+  for (const part of shape.parts ?? []) box.union(boundsOf(part.shape, rotation.clone().multiply(rotationOf(part))).translate(new THREE.Vector3(...part.position).applyQuaternion(rotation)));
+  return box.expandByScalar(shape.radius ?? 0);
 }
 
 // Half the side of the smallest cube, along the world's axes, that holds the shape [m].
 function halfSide(shape: Shape, rotation: THREE.Quaternion): number {
-  if (shape.kind === "sphere") return shape.radius!;
-  const corners: THREE.Vector3[] = [];
-  if (shape.kind === "box") for (const x of [-1, 1]) for (const y of [-1, 1]) for (const z of [-1, 1]) corners.push(new THREE.Vector3(x * shape.half![0], y * shape.half![1], z * shape.half![2]));
-  if (shape.kind === "capsule") corners.push(new THREE.Vector3(0, 0, shape.half_length), new THREE.Vector3(0, 0, -shape.half_length!));
-  for (let i = 0; i < (shape.points?.length ?? 0); i += 3) corners.push(new THREE.Vector3().fromArray(shape.points!, i));
-  const box = new THREE.Box3().setFromPoints(corners.map((corner) => corner.applyQuaternion(rotation)));
-  const size = box.getSize(new THREE.Vector3());
-  return 0.5 * Math.max(size.x, size.y, size.z) + (shape.radius ?? 0);
+  const size = boundsOf(shape, rotation).getSize(new THREE.Vector3());
+  return 0.5 * Math.max(size.x, size.y, size.z);
 }
 
 // Pose and colour of an instance, from body i of the world's arrays.

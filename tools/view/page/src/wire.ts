@@ -1,12 +1,20 @@
 // What the server sends; tools/view/wire.h has the layout and its units.
 
 export interface Shape {
-  kind: "sphere" | "capsule" | "box" | "plane" | "mesh";
+  kind: "sphere" | "capsule" | "box" | "plane" | "mesh" | "compound";
   radius?: number;
   half_length?: number;
   half?: [number, number, number];
   points?: number[];
   triangles?: number[];
+  parts?: Part[];
+}
+
+// A shape of a compound, in the body's frame.
+export interface Part {
+  shape: Shape;
+  position: [number, number, number];
+  rotation: [number, number, number, number]; // w x y z
 }
 
 export interface Body {

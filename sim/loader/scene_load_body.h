@@ -1,0 +1,61 @@
+// Reads the table of one body of a scene file: its shape, mass and start. Thread: [setup]. Mistakes go to the reader's
+// diagnostics; a wrong value is replaced by a harmless default.
+#pragma once
+
+#include <optional>
+
+#include "rt/text/table_reader.h"
+#include "sim/geometry/compound_builder.h"
+#include "sim/loader/scene_load_hull.h"
+#include "sim/loader/scene_load_mesh.h"
+
+namespace tactus::sim {
+
+enum class BodyRole { kProxy, kBody };
+
+// A shape, and the pose of its frame in the frame of the body's keys: hulls, meshes and compounds are given in any
+// frame.
+struct ReadShape {
+  physics::Shape shape;
+  Posed given_from_body{};
+  std::optional<HullOfBody> hull{};
+};
+
+class BodyReader {
+ public:
+  // `folder`: file names are relative to it; none: no file is opened.
+  BodyReader(Scene& scene, text::Diagnostics& diagnostics, const std::optional<std::filesystem::path>& folder)
+      : scene_(scene),
+        diagnostics_(diagnostics),
+        hulls_(scene, diagnostics, folder),
+        meshes_(scene, diagnostics, folder) {}
+
+  // The [[hull_file]] and [[mesh_file]] tables of the text.
+  void read_kept(text::TableReader& root);
+  // Returns a body without an id. Gravity does not act on the proxy: the device holds it.
+  physics::Body read(text::TableReader& table, BodyRole role);
+  // Text to append to the source, so that it needs no file.
+  std::string kept() const { return hulls_.kept() + meshes_.kept(); }
+
+ private:
+  // Whether the body has a mass of its own, or none, or its parts have theirs.
+  enum class MassFrom { kNothing, kBody, kParts };
+
+  std::optional<ReadShape> read_convex(text::TableReader& table, const std::string& word);
+  std::optional<ReadShape> read_shape(text::TableReader& table, const std::string& word);
+  double volume_of(const physics::Shape& shape) const;
+  Vec3d inertia_of(const physics::Shape& shape, double mass_kg) const;
+  void read_mass_properties(text::TableReader& table, const ReadShape& known, physics::Body& body);
+  void read_motion(text::TableReader& table, physics::Body& body);
+  std::vector<GivenPart> read_parts(text::TableReader& table, MassFrom mass_from);
+  void share_mass(text::TableReader& table, MassFrom mass_from, std::vector<GivenPart>& parts);
+  physics::Shape add_compound(const BuiltCompound& built);
+  physics::Body read_compound(text::TableReader& table, BodyRole role);
+
+  Scene& scene_;
+  text::Diagnostics& diagnostics_;
+  HullReader hulls_;
+  MeshReader meshes_;
+};
+
+}  // namespace tactus::sim
