@@ -16,6 +16,11 @@ double most_along_contact(double radius, const StepSettings& settings) noexcept 
   return std::sqrt(2.0 * settings.slop * radius);
 }
 
+bool rolls(const Shape& shape) noexcept {
+  using enum ShapeKind;
+  return shape.kind == kSphere || shape.kind == kCapsule || shape.kind == kCylinder || shape.kind == kCone;
+}
+
 }  // namespace
 
 std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,
@@ -35,8 +40,7 @@ std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,
   }
   const auto roll = [&](std::uint32_t slot) noexcept {
     const Body& body = bodies[slot];
-    const bool round = body.shape.kind == ShapeKind::kSphere || body.shape.kind == ShapeKind::kCapsule;
-    if (!round || !counts(slot)) return;
+    if (!rolls(body.shape) || !counts(slot)) return;
     const Twistd& v = body.motion.velocity;
     count(settings.dt * std::max(norm(v.linear), norm(v.angular) * body.shape.radius),
           most_along_contact(body.shape.radius, settings));

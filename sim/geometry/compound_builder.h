@@ -12,7 +12,7 @@
 namespace tactus::sim {
 
 struct GivenPart {
-  physics::Shape shape;   // sphere, capsule, box or hull
+  physics::Shape shape;   // any convex shape
   Posed given_from_part;  // of the shape's own frame (its centre of mass, principal axes)
   double mass_kg{0};
   Vec3d inertia_kg_m2;  // of the part alone, about its own centre along its own axes

@@ -99,8 +99,8 @@ constexpr Meaning kMeanings[] = {
     {"part", "rotation_vector_rad", "rotation of the part in the body's frame, as axis times angle", ""},
     {"body", "shape", "the body's shape", ""},
     {"body", "size_m", "full lengths of the edges", ""},
-    {"body", "radius_m", "radius", ""},
-    {"body", "length_m", "from the centre of one cap to that of the other, along z", ""},
+    {"body", "radius_m", "radius; of a cone that of its base", ""},
+    {"body", "length_m", "height, along z; of a capsule from the centre of one cap to that of the other", ""},
     {"body", "points_m", "points whose convex hull the body is; at most 64 vertices remain, at least 0.1 mm thick",
      "none: or file"},
     {"body", "file", "file of the points or triangles: .obj or .stl, from the scene's folder",
@@ -230,8 +230,8 @@ constexpr Purpose kPurposes[] = {
     {"[[mesh_file]]", "In tapes alone: a mesh's file, so that a tape replays without it."},
 };
 
-constexpr std::array kShapes{"sphere", "capsule", "box", "hull", "compound", "plane", "mesh"};
-constexpr std::array kPartShapes{"sphere", "capsule", "box", "hull"};
+constexpr std::array kShapes{"sphere", "capsule", "box", "cylinder", "cone", "hull", "compound", "plane", "mesh"};
+constexpr std::array kPartShapes{"sphere", "capsule", "box", "cylinder", "cone", "hull"};
 constexpr std::array kGenerators{"wall", "pile", "tower", "card_house", "domino_row"};
 constexpr std::array kJoints{"fixed", "ball", "hinge", "slider", "distance"};
 
@@ -269,7 +269,10 @@ std::vector<Variant> variants() {
   for (const std::string shape : kShapes) {
     std::string text = fmt::format("{}[[body]]\nshape = \"{}\"\n", head(), shape);
     if (shape == "mesh") text += "file = \"a.stl\"\n";
-    if (shape == "compound") text += "parts = [{shape = \"sphere\"}]\n";
+    if (shape == "compound") {  // with a mass of its own, then without
+      text += "parts = [{shape = \"sphere\"}]\n";
+      all.push_back({"[[body]]", shape, text + "mass_kg = 1\n"});
+    }
     // With points, then with a file: the loader requests only one of the two at a time.
     if (shape == "hull") {
       all.push_back({"[[body]]", shape, text + "file = \"a.stl\"\n"});
@@ -284,7 +287,10 @@ std::vector<Variant> variants() {
         all.push_back({"[proxy]", shape, proxy + "file = \"a.stl\"\n"});
         proxy += pointed;
       }
-      if (shape == "compound") proxy += "parts = [{shape = \"sphere\"}]\n";
+      if (shape == "compound") {
+        proxy += "parts = [{shape = \"sphere\"}]\n";
+        all.push_back({"[proxy]", shape, proxy + "mass_kg = 1\n"});
+      }
       all.push_back({"[proxy]", shape, proxy});
     }
   }

@@ -101,7 +101,7 @@ Vec3d BodyReader::inertia_of(const Shape& shape, double mass_kg) const {
                                         : physics::inertia_of(shape, mass_kg);
 }
 
-// A sphere, capsule, box or hull. Empty if it is unknown: a mistake has been added.
+// A convex shape. Empty if it is unknown: a mistake has been added.
 std::optional<ReadShape> BodyReader::read_convex(text::TableReader& table, const std::string& word) {
   if (word == "hull") {
     const auto made = hulls_.read(table);
@@ -115,8 +115,13 @@ std::optional<ReadShape> BodyReader::read_convex(text::TableReader& table, const
   table.require("radius_m", "a number");
   const double radius = table.number("radius_m", 0.05, kLength);
   if (word == "sphere") return ReadShape{Shape::sphere(radius)};
-  table.require("length_m", "a number: from the centre of one cap to that of the other");
-  return ReadShape{Shape::capsule(radius, 0.5 * table.number("length_m", 0.1, kLength))};
+  table.require("length_m", word == "capsule" ? "a number: from the centre of one cap to that of the other"
+                                              : "a number: from one end to the other");
+  const double half_length = 0.5 * table.number("length_m", 0.1, kLength);
+  if (word == "cylinder") return ReadShape{Shape::cylinder(radius, half_length)};
+  // The keys' frame has its origin in the middle of the base.
+  if (word == "cone") return ReadShape{Shape::cone(radius, half_length), {{0, 0, 0.5 * half_length}, {}}};
+  return ReadShape{Shape::capsule(radius, half_length)};
 }
 
 std::optional<ReadShape> BodyReader::read_shape(text::TableReader& table, const std::string& word) {
@@ -165,11 +170,11 @@ void BodyReader::read_motion(text::TableReader& table, Body& body) {
 
 Body BodyReader::read(text::TableReader& table, BodyRole role) {
   const bool proxy = role == BodyRole::kProxy;
-  const std::initializer_list<const char*> moving{"sphere", "capsule", "box", "hull", "compound"},
-      all{"box", "sphere", "capsule", "hull", "compound", "plane", "mesh"};
+  const std::initializer_list<const char*> moving{"sphere", "capsule", "box", "cylinder", "cone", "hull", "compound"},
+      all{"box", "sphere", "capsule", "cylinder", "cone", "hull", "compound", "plane", "mesh"};
   std::string word;
-  if (table.require("shape", proxy ? "sphere, capsule, box, hull, compound"
-                                   : "box, sphere, capsule, hull, compound, plane, mesh"))
+  if (table.require("shape", proxy ? "sphere, capsule, box, cylinder, cone, hull, compound"
+                                   : "box, sphere, capsule, cylinder, cone, hull, compound, plane, mesh"))
     word = table.word("shape", "", proxy ? moving : all);
   if (word == "compound") return read_compound(table, role);
   const auto known = word.empty() ? std::nullopt : read_shape(table, word);
@@ -213,8 +218,8 @@ std::vector<GivenPart> BodyReader::read_parts(text::TableReader& table, MassFrom
       continue;
     }
     std::string word;
-    if (t.require("shape", "box, sphere, capsule, hull"))
-      word = t.word("shape", "", {"box", "sphere", "capsule", "hull"});
+    if (t.require("shape", "box, sphere, capsule, cylinder, cone, hull"))
+      word = t.word("shape", "", {"box", "sphere", "capsule", "cylinder", "cone", "hull"});
     const auto known = word.empty() ? std::nullopt : read_convex(t, word);
     if (!known) {
       t.ignore_the_rest();

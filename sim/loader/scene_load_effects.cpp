@@ -35,6 +35,10 @@ double area_across(const Scene& scene, const physics::Shape& shape) {
       return kPi * r * r;
     case ShapeKind::kCapsule:
       return kPi * r * (r + shape.half_length);
+    case ShapeKind::kCylinder:
+      return 0.5 * kPi * r * (r + 2 * shape.half_length);
+    case ShapeKind::kCone:
+      return 0.25 * kPi * r * (r + std::hypot(r, 2 * shape.half_length));
     case ShapeKind::kBox:
       return 2 * (e.x * e.y + e.y * e.z + e.z * e.x);
     case ShapeKind::kHull: {

@@ -43,6 +43,12 @@ BodyCounts count_bodies(const Scene& scene) {
       case ShapeKind::kCapsule:
         ++counts.capsules;
         break;
+      case ShapeKind::kCylinder:
+        ++counts.cylinders;
+        break;
+      case ShapeKind::kCone:
+        ++counts.cones;
+        break;
       case ShapeKind::kPlane:
         ++counts.planes;
         break;

@@ -15,7 +15,7 @@ namespace tactus::sim {
 
 struct BodyCounts {
   unsigned total{0}, dynamic{0}, fixed{0};
-  unsigned boxes{0}, spheres{0}, capsules{0}, planes{0}, hulls{0}, meshes{0}, compounds{0};
+  unsigned boxes{0}, spheres{0}, capsules{0}, planes{0}, hulls{0}, meshes{0}, compounds{0}, cylinders{0}, cones{0};
   unsigned parts{0};  // of the compounds
 };
 

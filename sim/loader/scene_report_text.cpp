@@ -61,7 +61,10 @@ std::string to_text(const SceneReport& r) {
       "bodies\n  {:<12}{}: {} move, {} are fixed; {} boxes, {} spheres, {} capsules, {} hulls, {} planes{}\n", "count",
       r.bodies.total, r.bodies.dynamic, r.bodies.fixed, r.bodies.boxes, r.bodies.spheres, r.bodies.capsules,
       r.bodies.hulls, r.bodies.planes,
-      (r.bodies.compounds > 0 ? fmt::format(", {} compounds of {} parts", r.bodies.compounds, r.bodies.parts) : "") +
+      (r.bodies.cylinders > 0 ? fmt::format(", {} cylinders", r.bodies.cylinders) : "") +
+          (r.bodies.cones > 0 ? fmt::format(", {} cones", r.bodies.cones) : "") +
+          (r.bodies.compounds > 0 ? fmt::format(", {} compounds of {} parts", r.bodies.compounds, r.bodies.parts)
+                                  : "") +
           (r.bodies.meshes > 0 ? fmt::format(", {} meshes", r.bodies.meshes) : ""));
   text += fmt::format("  {:<12}{:g} to {:g} kg, ratio {:.3g}\n", "masses", r.lightest_kg, r.heaviest_kg, r.mass_ratio);
   for (const auto& part : r.generated) text += part_line(part);

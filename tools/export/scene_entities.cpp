@@ -63,15 +63,21 @@ void add_sphere(ordered_json& entity, const Posed& pose, double radius, const Co
       ordered_json{{"pose", pose_json(pose)}, {"size", vector_json({d, d, d})}, {"color", colour_json(colour)}});
 }
 
-void add_capsule(ordered_json& entity, const Posed& pose, const physics::Shape& shape, const Colour& colour) {
-  for (const double end : {-shape.half_length, shape.half_length})
-    add_sphere(entity, {pose * Vec3d{0, 0, end}, pose.rotation}, shape.radius, colour);
+// `top_scale`: 1 for a cylinder, 0 for a cone. `pose`: of its middle.
+void add_cylinder(ordered_json& entity, const Posed& pose, const physics::Shape& shape, double top_scale,
+                  const Colour& colour) {
   const double d = 2 * shape.radius;
   entity["cylinders"].push_back(ordered_json{{"pose", pose_json(pose)},
                                              {"size", vector_json({d, d, 2 * shape.half_length})},
                                              {"bottom_scale", 1.0},
-                                             {"top_scale", 1.0},
+                                             {"top_scale", top_scale},
                                              {"color", colour_json(colour)}});
+}
+
+void add_capsule(ordered_json& entity, const Posed& pose, const physics::Shape& shape, const Colour& colour) {
+  for (const double end : {-shape.half_length, shape.half_length})
+    add_sphere(entity, {pose * Vec3d{0, 0, end}, pose.rotation}, shape.radius, colour);
+  add_cylinder(entity, pose, shape, 1, colour);
 }
 
 void add_triangles(ordered_json& entity, const Posed& pose, ordered_json points, ordered_json indices,
@@ -109,6 +115,10 @@ void add_shape(ordered_json& entity, const sim::Scene& scene, const physics::Sha
       return add_sphere(entity, pose, shape.radius, colour);
     case physics::ShapeKind::kCapsule:
       return add_capsule(entity, pose, shape, colour);
+    case physics::ShapeKind::kCylinder:
+      return add_cylinder(entity, pose, shape, 1, colour);
+    case physics::ShapeKind::kCone:
+      return add_cylinder(entity, {pose * Vec3d{0, 0, 0.5 * shape.half_length}, pose.rotation}, shape, 0, colour);
     case physics::ShapeKind::kBox:
       return add_box(entity, pose, 2.0 * shape.half_extents, colour);
     case physics::ShapeKind::kPlane:

@@ -18,7 +18,10 @@ static_assert(static_cast<std::uint32_t>(Shape::kSphere) == static_cast<std::uin
               static_cast<std::uint32_t>(Shape::kHull) == static_cast<std::uint32_t>(physics::ShapeKind::kHull) &&
               static_cast<std::uint32_t>(Shape::kMesh) == static_cast<std::uint32_t>(physics::ShapeKind::kMesh) &&
               static_cast<std::uint32_t>(Shape::kCompound) ==
-                  static_cast<std::uint32_t>(physics::ShapeKind::kCompound));
+                  static_cast<std::uint32_t>(physics::ShapeKind::kCompound) &&
+              static_cast<std::uint32_t>(Shape::kCylinder) ==
+                  static_cast<std::uint32_t>(physics::ShapeKind::kCylinder) &&
+              static_cast<std::uint32_t>(Shape::kCone) == static_cast<std::uint32_t>(physics::ShapeKind::kCone));
 
 // Begins each line of a message with the scene's name.
 Error take(Result<sim::Scene> read, const text::Diagnostics& said, std::shared_ptr<const void>& scene,
@@ -44,8 +47,9 @@ template <class Info>
 void fill_shape(const physics::Shape& shape, Info& info) noexcept {
   using enum physics::ShapeKind;
   info.shape = static_cast<Shape>(shape.kind);
-  if (shape.kind == kSphere || shape.kind == kCapsule) info.radius_m = shape.radius;
-  if (shape.kind == kCapsule) info.half_length_m = shape.half_length;
+  const bool has_length = shape.kind == kCapsule || shape.kind == kCylinder || shape.kind == kCone;
+  if (shape.kind == kSphere || has_length) info.radius_m = shape.radius;
+  if (has_length) info.half_length_m = shape.half_length;
   info.half_extents_m = to_public(shape.half_extents);
 }
 

@@ -28,6 +28,10 @@ std::string_view name_of(Shape shape) {
       return "mesh";
     case Shape::kCompound:
       return "compound";
+    case Shape::kCylinder:
+      return "cylinder";
+    case Shape::kCone:
+      return "cone";
   }
   return "";
 }

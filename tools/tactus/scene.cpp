@@ -80,6 +80,8 @@ ordered_json to_json(const sim::SceneReport& r) {
             {"planes", r.bodies.planes},
             {"hulls", r.bodies.hulls},
             {"meshes", r.bodies.meshes},
+            {"cylinders", r.bodies.cylinders},
+            {"cones", r.bodies.cones},
             {"compounds", r.bodies.compounds},
             {"parts", r.bodies.parts}}},
           {"meshes", meshes},

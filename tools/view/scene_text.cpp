@@ -43,6 +43,10 @@ ordered_json shape_json(const sim::Scene& scene, const physics::Shape& shape) {
       return {{"kind", "sphere"}, {"radius", shape.radius}};
     case physics::ShapeKind::kCapsule:
       return {{"kind", "capsule"}, {"radius", shape.radius}, {"half_length", shape.half_length}};
+    case physics::ShapeKind::kCylinder:
+      return {{"kind", "cylinder"}, {"radius", shape.radius}, {"half_length", shape.half_length}};
+    case physics::ShapeKind::kCone:
+      return {{"kind", "cone"}, {"radius", shape.radius}, {"half_length", shape.half_length}};
     case physics::ShapeKind::kBox:
       return {{"kind", "box"}, {"half", list_of(shape.half_extents)}};
     case physics::ShapeKind::kPlane:

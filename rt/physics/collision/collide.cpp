@@ -4,13 +4,14 @@
 
 #include <utility>
 
+#include "rt/physics/collision/collide_cylinder.h"
 #include "rt/physics/collision/collide_hull.h"
 
 namespace tactus::physics {
 namespace {
 
 constexpr std::uint32_t pair_of(ShapeKind a, ShapeKind b) noexcept {
-  return static_cast<std::uint32_t>(a) * 8 + static_cast<std::uint32_t>(b);
+  return static_cast<std::uint32_t>(a) * 16 + static_cast<std::uint32_t>(b);
 }
 
 // B is a hull, A any shape.
@@ -31,6 +32,8 @@ void collide_with_hull(const PairView& pair, Manifold& manifold, AxisCache& cach
       return;
     case ShapeKind::kMesh:
     case ShapeKind::kCompound:
+    case ShapeKind::kCylinder:  // ordered behind hulls
+    case ShapeKind::kCone:
       return;
   }
 }
@@ -58,6 +61,7 @@ void collide_ordered(const PairView& pair, Manifold& manifold, AxisCache& cache,
       return collide_box_plane(pair, manifold);
     default:
       if (pair.b.kind == kHull) collide_with_hull(pair, manifold, cache, hulls);
+      if (pair.b.kind == kCylinder || pair.b.kind == kCone) collide_with_cylinder(pair, manifold, cache, hulls);
       return;  // or two planes; or a mesh (collide_mesh.h) or a compound (collide_parts.h)
   }
 }

@@ -1,5 +1,7 @@
 #include "rt/physics/collision/collide_mesh.h"
 
+#include "rt/physics/collision/collide_cylinder.h"
+
 namespace tactus::physics {
 
 Manifold collide_patch(PosedShape a, const PosedPatch& patch, const ManifoldQuery& query, Hulls hulls) noexcept {
@@ -22,6 +24,10 @@ Manifold collide_patch(PosedShape a, const PosedPatch& patch, const ManifoldQuer
       break;
     case ShapeKind::kHull:
       if (a.shape.index < hulls.size()) collide_hull_patch(view, view_of(hulls[a.shape.index]), manifold);
+      break;
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCone:
+      collide_cylinder_patch(view, manifold);
       break;
     case ShapeKind::kPlane:
     case ShapeKind::kMesh:

@@ -18,7 +18,7 @@
 namespace tactus::physics {
 
 struct CompoundPart {
-  Shape shape;  // sphere, capsule, box or hull
+  Shape shape;  // any convex shape
   Posed body_from_part;
   friend constexpr bool operator==(const CompoundPart&, const CompoundPart&) noexcept = default;
 };

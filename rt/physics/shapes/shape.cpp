@@ -18,6 +18,13 @@ Vec3d inertia_of_capsule(double radius, double half_length, double mass) noexcep
   return {across, across, along};
 }
 
+// How far a disk about the origin reaches along each axis of the world; `axis`: its normal, unit.
+Vec3d disk_reach(double radius, const Vec3d& axis) noexcept {
+  Vec3d reach;
+  for (int i = 0; i < 3; ++i) reach[i] = radius * std::sqrt(larger(1.0 - axis[i] * axis[i], 0.0));
+  return reach;
+}
+
 }  // namespace
 
 Vec3d inertia_of(const Shape& shape, double mass) noexcept {
@@ -31,6 +38,16 @@ Vec3d inertia_of(const Shape& shape, double mass) noexcept {
     case ShapeKind::kBox: {
       const Vec3d h2 = scale(shape.half_extents, shape.half_extents);
       return Vec3d{h2.y + h2.z, h2.x + h2.z, h2.x + h2.y} * (mass / 3.0);
+    }
+    case ShapeKind::kCylinder: {
+      const double r2 = shape.radius * shape.radius, l2 = shape.half_length * shape.half_length;
+      const double across = mass * (r2 / 4.0 + l2 / 3.0);
+      return {across, across, mass * r2 / 2.0};
+    }
+    case ShapeKind::kCone: {  // about the centre of mass
+      const double r2 = shape.radius * shape.radius, l2 = shape.half_length * shape.half_length;
+      const double across = mass * 0.15 * (r2 + l2);
+      return {across, across, mass * 0.3 * r2};
     }
     case ShapeKind::kPlane:
     case ShapeKind::kHull:
@@ -49,6 +66,10 @@ double volume_of(const Shape& shape) noexcept {
       return 4.0 / 3.0 * pi * r2 * shape.radius;
     case ShapeKind::kCapsule:
       return pi * r2 * (2.0 * shape.half_length + 4.0 / 3.0 * shape.radius);
+    case ShapeKind::kCylinder:
+      return 2.0 * pi * r2 * shape.half_length;
+    case ShapeKind::kCone:
+      return 2.0 / 3.0 * pi * r2 * shape.half_length;
     case ShapeKind::kBox:
       return 8.0 * shape.half_extents.x * shape.half_extents.y * shape.half_extents.z;
     case ShapeKind::kPlane:
@@ -68,6 +89,12 @@ double bounding_radius(const Shape& shape) noexcept {
       return shape.radius;
     case ShapeKind::kCapsule:
       return shape.radius + shape.half_length;
+    case ShapeKind::kCylinder:
+      return std::sqrt(shape.radius * shape.radius + shape.half_length * shape.half_length);
+    case ShapeKind::kCone: {
+      const double low = 0.5 * shape.half_length;
+      return larger(1.5 * shape.half_length, std::sqrt(shape.radius * shape.radius + low * low));
+    }
     case ShapeKind::kBox:
     case ShapeKind::kMesh:
       return norm(shape.half_extents);
@@ -94,6 +121,21 @@ Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) 
     case ShapeKind::kCapsule:
       reach = abs(rotate(q, Vec3d{0.0, 0.0, shape.half_length})) + Vec3d{shape.radius, shape.radius, shape.radius};
       break;
+    case ShapeKind::kCylinder: {
+      const Vec3d axis = rotate(q, Vec3d{0.0, 0.0, 1.0});
+      reach = abs(axis) * shape.half_length + disk_reach(shape.radius, axis);
+      break;
+    }
+    case ShapeKind::kCone: {
+      const Vec3d axis = rotate(q, Vec3d{0.0, 0.0, 1.0}), base = axis * (-0.5 * shape.half_length),
+                  apex = axis * (1.5 * shape.half_length), rim = disk_reach(shape.radius, axis);
+      Aabb box;
+      for (int i = 0; i < 3; ++i) {
+        box.lower[i] = world_from_body.position[i] + smaller(base[i] - rim[i], apex[i]) - margin;
+        box.upper[i] = world_from_body.position[i] + larger(base[i] + rim[i], apex[i]) + margin;
+      }
+      return box;
+    }
     case ShapeKind::kBox:
     case ShapeKind::kHull:
     case ShapeKind::kMesh:

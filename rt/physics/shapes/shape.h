@@ -1,4 +1,5 @@
-// The shapes that bodies have: sphere, capsule, box, convex hull, compound of these; static plane and triangle mesh.
+// The shapes that bodies have: sphere, capsule, box, cylinder, cone, convex hull, compound of these; static plane and
+// triangle mesh.
 //
 // Frame: the body's own, origin at the centre of mass, axes along the principal axes. Units: m, kg, kg m^2. Thread:
 // [any]. A plain value: no pointer, no allocation. A hull, mesh or compound is referred to by its index in the
@@ -19,7 +20,9 @@ enum class ShapeKind : std::uint32_t {
   kPlane = 3,
   kHull = 4,
   kMesh = 5,
-  kCompound = 6
+  kCompound = 6,
+  kCylinder = 7,
+  kCone = 8,
 };
 
 // True for a shape that refers to a list of the world by its index.
@@ -30,16 +33,32 @@ constexpr bool is_listed(ShapeKind kind) noexcept {
 struct Shape {
   ShapeKind kind{ShapeKind::kSphere};
   std::uint32_t index{0};  // hull, mesh, compound: index in the world's list
-  double radius{};         // m: sphere, capsule; hull, compound: of the sphere about the origin that encloses it
-  double half_length{};    // m: capsule, half the distance between the cap centres, along body z; compound: half the
-                           // thickness of its thinnest part
-  Vec3d half_extents{};    // m: box; hull, mesh, compound: the box about the origin that encloses it
+  double radius{};         // m: sphere, capsule, cylinder, cone (of its base); hull, compound: of the sphere about the
+                           // origin that encloses it
+  double half_length{};    // m: capsule, half the distance between the cap centres, along body z; cylinder, cone: half
+                         // the height, along body z; compound: half the thickness of its thinnest part
+  Vec3d half_extents{};  // m: box; cylinder, cone, hull, mesh, compound: the box about the origin that encloses it
 
   static constexpr Shape sphere(double radius) noexcept {
     return {.kind = ShapeKind::kSphere, .index = 0, .radius = radius, .half_length = 0.0, .half_extents = {}};
   }
   static constexpr Shape capsule(double radius, double half_length) noexcept {
     return {.kind = ShapeKind::kCapsule, .index = 0, .radius = radius, .half_length = half_length, .half_extents = {}};
+  }
+  static constexpr Shape cylinder(double radius, double half_height) noexcept {
+    return {.kind = ShapeKind::kCylinder,
+            .index = 0,
+            .radius = radius,
+            .half_length = half_height,
+            .half_extents = {radius, radius, half_height}};
+  }
+  // The base is at z = -height / 4, the apex at 3 / 4 of the height.
+  static constexpr Shape cone(double radius, double half_height) noexcept {
+    return {.kind = ShapeKind::kCone,
+            .index = 0,
+            .radius = radius,
+            .half_length = half_height,
+            .half_extents = {radius, radius, 1.5 * half_height}};
   }
   static constexpr Shape box(const Vec3d& half_extents) noexcept {
     return {.kind = ShapeKind::kBox, .index = 0, .radius = 0.0, .half_length = 0.0, .half_extents = half_extents};

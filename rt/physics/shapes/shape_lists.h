@@ -20,6 +20,8 @@ inline bool is_known(const Shape& shape, bool fixed, const ShapeLists& lists) no
     case ShapeKind::kSphere:
     case ShapeKind::kCapsule:
     case ShapeKind::kBox:
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCone:
       return true;
     case ShapeKind::kPlane:
       return fixed;

@@ -94,17 +94,30 @@ TEST_CASE("Hops are shortest ways on any graph, and visiting is in their order")
 TEST_CASE("A contact is represented by the mean of its points where the impulses act") {
   const std::vector bodies{physics::make_dynamic_body(0, physics::Shape::sphere(1), 1.0, 0.5, {{10, 0, 0}, {}}),
                            physics::make_dynamic_body(1, physics::Shape::sphere(1), 1.0, 0.5, {{12, 0, 0}, {}})};
-  physics::Contact contact;
+  std::vector<physics::Contact> contacts(1);
+  physics::Contact& contact = contacts[0];
   contact.slot_a = 0;
   contact.slot_b = 1;
   contact.normal = {1, 0, 0};
   contact.count = 2;
   contact.points[0].from_a = {1, 0, 0};
   contact.points[1].from_a = {1, 4, 0};
-  CHECK(sim::contact_edge_of(contact, bodies, test::all_awake(2)).point == Vec3d{11, 2, 0});
+  CHECK(sim::contact_edge_of(contacts, bodies, test::all_awake(2)).point == Vec3d{11, 2, 0});
   contact.points[0].total_normal_impulse = 3;
   contact.points[1].total_normal_impulse = 1;
-  const ContactEdge weighted = sim::contact_edge_of(contact, bodies, test::all_awake(2));
+  const ContactEdge weighted = sim::contact_edge_of(contacts, bodies, test::all_awake(2));
   CHECK(weighted.point == Vec3d{11, 1, 0});
   CHECK(weighted.normal == Vec3d{1, 0, 0});
+
+  // Another part of the two bodies touches, and presses harder.
+  physics::Contact other = contact;
+  other.normal = {0, 0, 1};
+  other.points[0] = {};
+  other.points[0].from_a = {1, 0, 8};
+  other.points[0].total_normal_impulse = 12;
+  other.count = 1;
+  contacts.push_back(other);
+  const ContactEdge both = sim::contact_edge_of(contacts, bodies, test::all_awake(2));
+  CHECK(norm(both.point - Vec3d{11, 0.25, 6}) < 1e-12);
+  CHECK(both.normal == Vec3d{0, 0, 1});
 }

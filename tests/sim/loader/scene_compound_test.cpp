@@ -106,7 +106,7 @@ TEST_CASE("A compound takes given moments and a given centre, and stays where it
   CHECK(norm(body.motion.pose * scene.compounds[0].parts[0].body_from_part.position - Vec3d{0.05, 0.1, 0.15}) < 1e-12);
 }
 
-TEST_CASE("A fixed compound, a kinematic one and a proxy; bodies that are alike share a compound") {
+TEST_CASE("A fixed compound, a kinematic one and a proxy, and bodies that are alike share a compound") {
   const Scene scene = good("effects = [\"kinematic\"]\n" + compound("fixed = true", kHalves) +
                            compound("kinematic = true\nposition_m = [1, 0, 0]", kHalves) +
                            compound("mass_kg = 1\nposition_m = [2, 0, 0]", kHalves));
@@ -123,7 +123,7 @@ TEST_CASE("A fixed compound, a kinematic one and a proxy; bodies that are alike 
 TEST_CASE("Mistakes in a compound are found by part and key") {
   CHECK_THAT(wrong(compound("mass_kg = 1", "")), Contains("[body.1] parts: missing; accepted: [[body.parts]] tables"));
   CHECK_THAT(wrong(compound("mass_kg = 1\nparts = []", "")), Contains("[body.1] parts: are none; accepted: 1 to 128"));
-  CHECK_THAT(wrong(compound("mass_kg = 1\nsize_m = [1, 1, 1]", kHalves)), Contains("[body.1] size_m: unknown key"));
+  CHECK_THAT(wrong(compound("mass_kg = 1\nsize_m = [1, 1, 1]", kHalves)), Contains("[body.1] size_m: not a key"));
   CHECK_THAT(wrong(compound("", kHalves)), Contains("[body.1] parts.1 mass_kg: missing"));
   CHECK_THAT(wrong(compound("mass_kg = 1", box("[1, 1, 1]", "[0, 0, 0]", "mass_kg = 1"))),
              Contains("[body.1] parts.1 mass_kg: the body has a mass already"));
@@ -132,11 +132,11 @@ TEST_CASE("Mistakes in a compound are found by part and key") {
   CHECK_THAT(wrong(compound("mass_kg = 1", kHalves + "[[body.parts]]\nshape = \"mesh\"\n")),
              Contains("[body.1] parts.3 shape: \"mesh\""));
   CHECK_THAT(wrong(compound("mass_kg = 1", kHalves + "[[body.parts]]\nshape = \"sphere\"\nradius = 1\n")),
-             Contains("[body.1] parts.3 radius: unknown key") && Contains("radius_m"));
+             Contains("[body.1] parts.3 radius: not a key") && Contains("radius_m"));
   CHECK_THAT(wrong(compound("mass_kg = 1\ncentre_of_mass_m = [0, 0, 0]", kHalves)),
              Contains("[body.1] centre_of_mass_m: there are no moments of inertia about it"));
   CHECK_THAT(wrong("[[body]]\nshape = \"sphere\"\nradius_m = 1\nmass_kg = 1\n[[body.parts]]\nshape = \"box\"\n"),
-             Contains("[body.1] parts: unknown key"));
+             Contains("[body.1] parts: not a key"));
 }
 
 TEST_CASE("The text of a scene with compounds loads to the same bits") {

@@ -101,7 +101,8 @@ TEST_CASE("Every mistake in a hull says what is wrong and what would do") {
   CHECK_THAT(wrong(hull("file = \"x.obj\"\nmass_kg = 1\n" + kCube)), Contains("there is a file already"));
   CHECK_THAT(wrong(hull(kCube + "file_unit_m = 1\nmass_kg = 1\n")), Contains("there is no file"));
   CHECK_THAT(wrong("[[body]]\nshape = \"torus\"\n"),
-             Contains("\"torus\" is not known") && Contains("box, sphere, capsule, hull, plane, mesh"));
+             Contains("\"torus\" is not known") &&
+                 Contains("box, sphere, capsule, cylinder, cone, hull, compound, plane, mesh"));
 
   const Folder folder;
   const auto loading = [&](const std::string& keys) {

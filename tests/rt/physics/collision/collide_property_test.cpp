@@ -187,6 +187,8 @@ TEST_CASE("Deep overlap, equal centres and extreme sizes give finite unit normal
       case ShapeKind::kPlane:
       case ShapeKind::kHull:
       case ShapeKind::kCompound:
+      case ShapeKind::kCylinder:
+      case ShapeKind::kCone:
       case ShapeKind::kMesh:
         break;
     }

@@ -185,6 +185,8 @@ inline Shape random_shape(Random& random, ShapeKind kind) {
     case ShapeKind::kHull:
     case ShapeKind::kMesh:
     case ShapeKind::kCompound:
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCone:
       break;
   }
   return Shape::plane();

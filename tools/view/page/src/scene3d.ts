@@ -40,6 +40,10 @@ function geometryOf(shape: Shape): THREE.BufferGeometry {
       return new THREE.SphereGeometry(shape.radius!, 20, 14);
     case "capsule":
       return new THREE.CapsuleGeometry(shape.radius!, 2 * shape.half_length!, 6, 16).rotateX(Math.PI / 2);
+    case "cylinder":
+      return new THREE.CylinderGeometry(shape.radius!, shape.radius!, 2 * shape.half_length!, 32).rotateX(Math.PI / 2);
+    case "cone": // its base is a quarter of the height below the centre of mass
+      return new THREE.ConeGeometry(shape.radius!, 2 * shape.half_length!, 32).rotateX(Math.PI / 2).translate(0, 0, 0.5 * shape.half_length!);
     case "box":
       return new THREE.BoxGeometry(2 * shape.half![0], 2 * shape.half![1], 2 * shape.half![2]);
     case "plane":
@@ -72,6 +76,15 @@ function boundsOf(shape: Shape, rotation: THREE.Quaternion): THREE.Box3 {
   if (shape.kind === "capsule") for (const z of [-1, 1]) hold(0, 0, z * shape.half_length!);
   for (let i = 0; i < (shape.points?.length ?? 0); i += 3) hold(shape.points![i]!, shape.points![i + 1]!, shape.points![i + 2]!);
   for (const part of shape.parts ?? []) box.union(boundsOf(part.shape, rotation.clone().multiply(rotationOf(part))).translate(new THREE.Vector3(...part.position).applyQuaternion(rotation)));
+  if (shape.kind === "cylinder" || shape.kind === "cone") {
+    const low = shape.kind === "cone" ? -0.5 * shape.half_length! : -shape.half_length!;
+    for (let i = 0; i < 32; ++i)
+      for (const top of [false, true]) {
+        const radius = top && shape.kind === "cone" ? 0 : shape.radius!, angle = (2 * Math.PI * i) / 32;
+        hold(radius * Math.cos(angle), radius * Math.sin(angle), low + (top ? 2 * shape.half_length! : 0));
+      }
+    return box;
+  }
   return box.expandByScalar(shape.radius ?? 0);
 }
 

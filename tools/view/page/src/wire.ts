@@ -1,7 +1,7 @@
 // What the server sends; tools/view/wire.h has the layout and its units.
 
 export interface Shape {
-  kind: "sphere" | "capsule" | "box" | "plane" | "mesh" | "compound";
+  kind: "sphere" | "capsule" | "box" | "cylinder" | "cone" | "plane" | "mesh" | "compound";
   radius?: number;
   half_length?: number;
   half?: [number, number, number];

@@ -1,0 +1,177 @@
+#include "rt/physics/collision/collide_cylinder.h"
+
+#include <limits>
+
+#include "rt/physics/collision/collide_hull.h"
+#include "rt/physics/collision/simplex.h"
+
+namespace tactus::physics {
+namespace {
+
+constexpr int kMaxRounds = 24;
+
+bool is_round_hull(const Shape& shape) noexcept {
+  return shape.kind == ShapeKind::kCylinder || shape.kind == ShapeKind::kCone;
+}
+
+// Bodies are compared a little smaller than they are, so that those that touch are apart and have a direction.
+constexpr double kSmaller = 0.9;
+
+// A convex shape without its rounding, for the search of the direction from A to B. Frame: world, origin at the centre
+// of A.
+struct Core {
+  const Shape& shape;
+  const HullView* hull;  // of a box or a hull
+  Quatd rotation;
+  Vec3d centre;
+
+  // The point farthest along d.
+  Vec3d support(const Vec3d& d) const noexcept {
+    return centre + rotate(rotation, own_support(rotate_inverse(rotation, d)));
+  }
+
+ private:
+  Vec3d own_support(const Vec3d& d) const noexcept {
+    if (hull != nullptr) return hull->vertex(hull->support(d));
+    if (shape.kind == ShapeKind::kSphere) return {};
+    if (shape.kind == ShapeKind::kCapsule) return {0.0, 0.0, d.z < 0.0 ? -shape.half_length : shape.half_length};
+    const double across = std::sqrt(d.x * d.x + d.y * d.y), r = across > 0.0 ? kSmaller * shape.radius / across : 0.0;
+    const double low = kSmaller * RoundHull::lower_end(shape), high = low + kSmaller * 2.0 * shape.half_length;
+    if (shape.kind == ShapeKind::kCylinder) return {r * d.x, r * d.y, d.z < 0.0 ? low : high};
+    const Vec3d rim{r * d.x, r * d.y, low}, apex{0.0, 0.0, high};
+    return dot(rim, d) > dot(apex, d) ? rim : apex;
+  }
+};
+
+// The shortest way from A to B; where they overlap, from centre to centre. Of any length.
+// Source: Gilbert, Johnson and Keerthi 1988.
+Vec3d direction_between(const Core& a, const Core& b) noexcept {
+  constexpr double kProgress = 1e-12;  // of the squared distance: far above rounding
+  Vec3d nearest = b.centre;
+  Simplex simplex;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double squared = norm_squared(nearest);
+    if (!(squared > kNoDirection * kNoDirection)) return b.centre;
+    const Vec3d point = b.support(-nearest) - a.support(nearest);
+    if (!(squared - dot(nearest, point) > kProgress * squared)) break;
+    simplex.p[simplex.count++] = point;
+    nearest = nearest_of(simplex);
+  }
+  return nearest;
+}
+
+// A pair whose B is a cylinder or a cone; of a hull A, its view.
+struct RoundPair {
+  const PairView& pair;
+  const HullView* hull_a;
+  AxisCache& cache;
+
+  Alignment alignment_a(const Vec3d& to_b) const noexcept {
+    return Alignment::to(rotate_inverse(pair.world_from_a, to_b));
+  }
+  Alignment alignment_b(const Vec3d& to_b) const noexcept {
+    return Alignment::to(rotate_inverse(pair.world_from_b, -to_b));
+  }
+
+  // The manifold with polygons that are turned to each other along `to_b`, world.
+  Manifold collide(const Vec3d& to_b) const noexcept {
+    Manifold manifold;
+    const RoundHull b(pair.b, alignment_b(to_b));
+    if (is_round_hull(pair.a))
+      collide_hulls(pair, RoundHull(pair.a, alignment_a(to_b)).view(), b.view(), manifold, cache);
+    else if (hull_a != nullptr)
+      collide_hulls(pair, *hull_a, b.view(), manifold, cache);
+    else if (pair.a.kind == ShapeKind::kSphere)
+      collide_sphere_hull(pair, b.view(), manifold);
+    else if (pair.a.kind == ShapeKind::kCapsule)
+      collide_capsule_hull(pair, b.view(), manifold);
+    else
+      collide_plane_hull(pair, b.view(), manifold);
+    return manifold;
+  }
+
+  bool is_turned(const Vec3d& before, const Vec3d& now) const noexcept {
+    const auto differ = [](const Alignment& p, const Alignment& q) noexcept {
+      constexpr double kSame = 1e-9;  // one less the cosine: 0.05 mrad
+      return !(p.x * q.x + p.y * q.y > 1.0 - kSame);
+    };
+    return differ(alignment_b(before), alignment_b(now)) ||
+           (is_round_hull(pair.a) && differ(alignment_a(before), alignment_a(now)));
+  }
+};
+
+constexpr int kTurns = 2;
+
+double least_separation(const Manifold& manifold) noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < manifold.count; ++i) least = smaller(least, manifold.points[i].separation);
+  return least;
+}
+
+// First along the shortest way between the bodies, then along the normal that was found, while that is nearer: polygons
+// are inside the bodies, so the nearest result is the best one.
+// The first search has a wider margin, because a rim that is not turned yet may be that much nearer.
+void collide_turned(const PairView& pair, const HullView* hull_a, const Vec3d& to_b, Manifold& manifold,
+                    AxisCache& cache) noexcept {
+  const double error =
+      RoundHull::inscribed_error(pair.b) + (is_round_hull(pair.a) ? RoundHull::inscribed_error(pair.a) : 0.0);
+  const PairView wider{pair.a,   pair.b, pair.world_from_a, pair.world_from_b, pair.b_from_a, pair.margin + error,
+                       pair.last};
+  const RoundPair round{wider, hull_a, cache};
+  manifold = round.collide(to_b);
+  manifold.gap -= error;
+  if (manifold.count == 0) return;
+  Vec3d along = to_b;
+  for (int turns = 0; turns < kTurns && round.is_turned(along, manifold.normal); ++turns) {
+    along = manifold.normal;
+    const Manifold turned = round.collide(along);
+    if (!(least_separation(turned) < least_separation(manifold))) break;
+    manifold = turned;
+  }
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < manifold.count; ++i)
+    if (manifold.points[i].separation <= pair.margin) manifold.points[kept++] = manifold.points[i];
+  manifold.count = kept;
+}
+
+}  // namespace
+
+void collide_with_cylinder(const PairView& pair, Manifold& manifold, AxisCache& cache, Hulls hulls) noexcept {
+  const Core b{pair.b, nullptr, pair.world_from_b, pair.b_from_a};
+  const auto collide_core = [&](const HullView* hull_a) noexcept {
+    collide_turned(pair, hull_a, direction_between({pair.a, hull_a, pair.world_from_a, {}}, b), manifold, cache);
+  };
+  switch (pair.a.kind) {
+    case ShapeKind::kSphere:
+    case ShapeKind::kCapsule:
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCone:
+      return collide_core(nullptr);
+    case ShapeKind::kPlane:
+      return collide_turned(pair, nullptr, rotate(pair.world_from_a, Vec3d{0.0, 0.0, 1.0}), manifold, cache);
+    case ShapeKind::kBox: {
+      const BoxHull box(pair.a.half_extents);
+      const HullView hull = box.view();
+      return collide_core(&hull);
+    }
+    case ShapeKind::kHull: {
+      if (pair.a.index >= hulls.size()) return;
+      const HullView hull = view_of(hulls[pair.a.index]);
+      return collide_core(&hull);
+    }
+    case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
+      return;
+  }
+}
+
+void collide_cylinder_patch(const PatchView& patch, Manifold& manifold) noexcept {
+  if (patch.triangles.empty()) return;
+  const Mesh& mesh = patch.mesh;
+  const Vec3d normal = mesh.patches[mesh.triangles[patch.triangles[0]].patch].normal;
+  const Vec3d in_world = rotate(patch.pair.world_from_b, normal);
+  const RoundHull hull(patch.pair.a, Alignment::to(rotate_inverse(patch.pair.world_from_a, -in_world)));
+  collide_hull_patch(patch, hull.view(), manifold);
+}
+
+}  // namespace tactus::physics
