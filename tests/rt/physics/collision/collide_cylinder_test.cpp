@@ -219,7 +219,7 @@ TEST_CASE("A cylinder rolls down an incline as the formula says, smoothly") {
   CHECK(std::abs(bench.position(1).y) < 1e-3);
 }
 
-TEST_CASE("Cylinders stand on each other, and a cone on its base; a cone that lies rests on its side") {
+TEST_CASE("Cylinders stand on each other, a cone on its base, and a cone that lies on its side") {
   PhysicsBench bench;
   bench.world.insert(make_fixed_body(0, Shape::plane(), 0.5, {}));
   for (BodyId id = 1; id <= 6; ++id)
