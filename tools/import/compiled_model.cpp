@@ -39,6 +39,7 @@ ModelBody body_of(const json& object) {
   body.weld = object.at("weld");
   body.mocap = object.at("mocap");
   body.explicit_inertia = object.at("explicit_inertia");
+  body.pose = {vector_of(object.at("position")), rotation_of(object.at("frame"))};
   body.mass = principal_mass(object.at("mass"), vector_of(object.at("centre")), rotation_of(object.at("axes")),
                              vector_of(object.at("inertia")));
   body.velocity = {vector_of(object.at("velocity")), vector_of(object.at("angular_velocity"))};
@@ -56,8 +57,6 @@ ModelGeom geom_of(const json& object) {
   geom.friction = vector_of(object.at("friction"));
   geom.mesh = object.at("mesh");
   geom.field = object.at("field");
-  geom.mass = object.at("mass");
-  geom.density = object.at("density");
   return geom;
 }
 

@@ -22,6 +22,7 @@ struct Place {
 struct ModelBody : Place {
   int parent{0}, weld{0};  // weld: the first body of those that are held to each other without a joint; 0: the world
   bool mocap{false}, explicit_inertia{false};
+  Posed pose;
   MassProperties mass;
   Twistd velocity;  // of the centre of mass
 };
@@ -33,9 +34,8 @@ struct ModelGeom : Place {
   Posed pose;
   bool touches{false};  // contype or conaffinity is not 0
   int condim{3};
-  Vec3d friction;                // sliding, torsional [m], rolling [m]
-  int mesh{-1}, field{-1};       // index of its mesh, of its height field
-  double mass{-1}, density{-1};  // kg where the file says so, else -1; kg/m^3
+  Vec3d friction;           // sliding, torsional [m], rolling [m]
+  int mesh{-1}, field{-1};  // index of its mesh, of its height field
 };
 
 struct ModelJoint : Place {

@@ -178,32 +178,6 @@ HullPoints ellipsoid_hull(const Vec3d& half_axes) {
   return out;
 }
 
-HullPoints capsule_hull(double radius, double half_length) {
-  HullPoints out;
-  constexpr int kRings = 4, kAround = 8;  // on each cap, with its pole
-  const double grown = 1 / std::cos(kPi / kAround / 2);
-  for (const double side : {-1.0, 1.0}) {
-    out.points.push_back({0, 0, side * (half_length + radius)});
-    for (int ring = 0; ring + 1 < kRings; ++ring)
-      for (int i = 0; i < kAround; ++i) {
-        const double up = ring * 0.5 * kPi / (kRings - 1), around = (i + 0.5 * (ring % 2)) * 2 * kPi / kAround;
-        const double r = grown * radius * std::cos(up);
-        out.points.push_back(
-            {r * std::cos(around), r * std::sin(around), side * (half_length + radius * std::sin(up))});
-      }
-  }
-  out.deviation_m = deviation(out.points, [&](const Vec3d& n) { return radius + half_length * std::abs(n.z); });
-  return out;
-}
-
-HullPoints box_hull(const Vec3d& h) {
-  HullPoints out;
-  for (const double x : {-h.x, h.x})
-    for (const double y : {-h.y, h.y})
-      for (const double z : {-h.z, h.z}) out.points.push_back({x, y, z});
-  return out;
-}
-
 Result<HullPoints> hull_of(std::span<const Vec3d> points) {
   if (points.size() < 4) return Status::error("fewer than 4 points make no solid");
   auto built = sim::build_hull(points);

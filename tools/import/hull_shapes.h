@@ -22,8 +22,6 @@ HullPoints cylinder_hull(double radius, double half_length);
 // 62 points along the symmetry axes of an icosahedron, so that all three planes of symmetry stay; half as much of the
 // deviation outside of the surface as inside.
 HullPoints ellipsoid_hull(const Vec3d& half_axes);
-HullPoints capsule_hull(double radius, double half_length);
-HullPoints box_hull(const Vec3d& half_lengths);
 
 // The convex hull of the points, thinned to 64 vertices where it has more: the farthest point first. `deviation_m` is
 // then that between the whole hull and the thinned one.

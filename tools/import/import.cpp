@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "tools/import/model_to_draft.h"
+
 namespace tactus::scene_import {
 namespace {
 

@@ -51,15 +51,6 @@ MassProperties operator+(const MassProperties& a, const MassProperties& b) {
               scaled(b.mass, parallel_axis(b.centre - centre))};
 }
 
-MassProperties operator-(const MassProperties& whole, const MassProperties& part) {
-  const double mass = whole.mass - part.mass;
-  if (!(mass > 0)) return {};
-  const Vec3d centre = (whole.mass * whole.centre - part.mass * part.centre) * (1 / mass);
-  return {mass, centre,
-          whole.inertia + scaled(-mass, parallel_axis(centre - whole.centre)) + scaled(-1, part.inertia) +
-              scaled(-part.mass, parallel_axis(part.centre - whole.centre))};
-}
-
 // Signed sums over the tetrahedra from the first corner to every triangle (Tonon 2004).
 MassProperties solid_of(const sim::TriangleSoup& soup) {
   if (soup.corners.empty()) return {};

@@ -33,7 +33,6 @@ MassProperties in_frame(const MassProperties& world, const Posed& world_from_fra
 MassProperties in_world(const MassProperties& own, const Posed& world_from_frame);
 
 MassProperties operator+(const MassProperties& a, const MassProperties& b);
-MassProperties operator-(const MassProperties& whole, const MassProperties& part);
 
 // Of a solid of 1 kg/m^3 whose surface are the triangles, exactly; its volume is the mass. At the frame's corners.
 MassProperties solid_of(const sim::TriangleSoup& soup);

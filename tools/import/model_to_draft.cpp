@@ -4,24 +4,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
-#include <set>
 
-#include "rt/physics/shapes/shape.h"
-#include "tools/import/pieces.h"
-#include "tools/import/rigid_group.h"
+#include "rt/base/ids.h"
+#include "tools/import/body_mass.h"
 
 namespace tactus::scene_import {
 namespace {
 
 constexpr double kLargestStartError = 1e-3;  // m, rad: of a loop that is closed by an equality
 constexpr double kLargestFriction = 10;      // what a scene accepts
-constexpr double kNeverReached_m = 1000;     // a distance joint that does nothing but keep its bodies from colliding
 constexpr std::size_t kMaxFixedTriangles = 20'000;
 
 std::string label(const Place& place, const char* what, std::size_t number) {
   return place.name.empty() ? fmt::format("{} {}", what, number) : fmt::format("{} \"{}\"", what, place.name);
+}
+
+// Sliding, torsional [m], rolling [m]: what the dimension of the geom's contacts has.
+Vec3d friction_of(const ModelGeom& geom) {
+  return {geom.condim == 1 ? 0 : geom.friction.x, geom.condim >= 4 ? geom.friction.y : 0,
+          geom.condim >= 6 ? geom.friction.z : 0};
 }
 
 class Translator {
@@ -60,131 +64,106 @@ class Translator {
 
   void sort_in(std::size_t g) {
     const ModelGeom& geom = model_.geoms[g];
-    if (geom.touches) {
+    if (geom.touches)
       touching_[group_of(geom.body)].push_back(g);
-      frictions_.insert(geom.condim == 1 ? 0 : geom.friction.x);
-    } else {
+    else
       ++visual_;
-    }
-  }
-
-  std::string unique_name(const std::string& wanted) {
-    std::string name = wanted.empty() ? "body" : wanted.substr(0, 90);
-    if (names_.insert(name).second) return name;
-    for (unsigned n = 2;; ++n)
-      if (names_.insert(fmt::format("{}_{}", name, n)).second) return fmt::format("{}_{}", name, n);
   }
 
   // --- shapes
 
-  // The shape, pose and surface of a geom; several bodies for a mesh in pieces. Refusals and changes are said.
-  std::vector<DraftBody> shapes_of(std::size_t g, bool fixed) {
+  // The shape of a geom, several of a mesh in pieces; its pose is in the world. Refusals and changes are said.
+  std::vector<DraftPart> parts_of(std::size_t g, bool fixed) {
     const ModelGeom& geom = model_.geoms[g];
-    DraftBody body;
-    body.pose = geom.pose;
-    body.origin = fmt::format("{}{}", geom_label(g), geom.line > 0 ? fmt::format(", line {}", geom.line) : "");
-    set_surface(geom, g, body);
+    DraftPart part;
+    part.pose = geom.pose;
+    part.origin = fmt::format("{}{}", geom_label(g), geom.line > 0 ? fmt::format(", line {}", geom.line) : "");
     if (geom.type == "sphere") {
-      body.shape = DraftShape::kSphere;
-      body.size = {geom.size.x, 0, 0};
+      part.shape = DraftShape::kSphere;
+      part.size = {geom.size.x, 0, 0};
     } else if (geom.type == "capsule") {
-      body.shape = DraftShape::kCapsule;
-      body.size = {geom.size.x, geom.size.y, 0};
+      part.shape = DraftShape::kCapsule;
+      part.size = {geom.size.x, geom.size.y, 0};
     } else if (geom.type == "box") {
-      body.shape = DraftShape::kBox;
-      body.size = geom.size;
+      part.shape = DraftShape::kBox;
+      part.size = geom.size;
     } else if (geom.type == "cylinder") {
-      set_hull(cylinder_hull(geom.size.x, geom.size.y), geom, g, "a prism of 32 sides", body);
+      set_hull(cylinder_hull(geom.size.x, geom.size.y), geom, g, "a prism of 32 sides", part);
     } else if (geom.type == "ellipsoid") {
-      set_hull(ellipsoid_hull(geom.size), geom, g, "a hull of 62 vertices", body);
+      set_hull(ellipsoid_hull(geom.size), geom, g, "a hull of 62 vertices", part);
     } else if (geom.type == "plane" && fixed) {
-      body.shape = DraftShape::kPlane;
+      part.shape = DraftShape::kPlane;
     } else if (geom.type == "mesh") {
-      return mesh_shapes(std::move(body), g, fixed);
+      return fixed ? fixed_mesh(std::move(part), g) : moving_mesh(part, g);
     } else if (geom.type == "hfield" && fixed) {
-      return field_shape(std::move(body), g);
+      return field_part(std::move(part), g);
     } else {
       refuse(geom, "", fmt::format("{} is a {} that moves", geom_label(g), geom.type),
              "planes and height fields of the world; a box that moves");
       return {};
     }
-    return {std::move(body)};
+    return {std::move(part)};
   }
 
-  void set_surface(const ModelGeom& geom, std::size_t g, DraftBody& body) {
-    body.friction = geom.condim == 1 ? 0 : geom.friction.x;
+  // The largest friction of each kind among the geoms, as MuJoCo's pair takes the larger; says so where they differ.
+  void set_friction(const std::vector<std::size_t>& geoms, const std::string& name, DraftBody& body) {
+    Vec3d least = friction_of(model_.geoms[geoms.front()]), most = least;
+    for (const std::size_t g : geoms)
+      for (int k = 0; k < 3; ++k) {
+        least[k] = std::min(least[k], friction_of(model_.geoms[g])[k]);
+        most[k] = std::max(most[k], friction_of(model_.geoms[g])[k]);
+      }
+    const char* const kinds[] = {"sliding", "torsional [m]", "rolling [m]"};
+    std::string differ;
+    for (int k = 0; k < 3; ++k)
+      if (least[k] != most[k])
+        differ += fmt::format("{}{} {:.4g} to {:.4g}", differ.empty() ? "" : ", ", kinds[k], least[k], most[k]);
+    if (!differ.empty())
+      account_.change(
+          fmt::format("{}: its shapes have friction of their own, the compound the largest: {}", name, differ));
+    body.friction = most.x;
     if (body.friction > kLargestFriction) {
-      account_.change(fmt::format("{}: friction {} is {} here", geom_label(g), body.friction, kLargestFriction));
+      account_.change(fmt::format("{}: friction {} is {} here", name, body.friction, kLargestFriction));
       body.friction = kLargestFriction;
     }
     // There: the largest torque over N, a length. Here: that of a disk, 2/3 mu R.
-    if (geom.condim >= 4 && body.friction > 0) body.contact_radius_m = 1.5 * geom.friction.y / body.friction;
-    if (geom.condim >= 6) body.rolling_friction_m = geom.friction.z;
+    if (body.friction > 0) body.contact_radius_m = 1.5 * most.y / body.friction;
+    body.rolling_friction_m = most.z;
   }
 
-  void set_hull(HullPoints hull, const ModelGeom& geom, std::size_t g, const char* what, DraftBody& body) {
-    body.shape = DraftShape::kHull;
-    body.points = std::move(hull.points);
+  void set_hull(HullPoints hull, const ModelGeom& geom, std::size_t g, const char* what, DraftPart& part) {
+    part.shape = DraftShape::kHull;
+    part.points = std::move(hull.points);
     account_.change(fmt::format("{}: the {} is {}, at most {:.3g} mm from its surface", geom_label(g), geom.type, what,
                                 1e3 * hull.deviation_m));
   }
 
-  std::vector<DraftBody> mesh_shapes(DraftBody body, std::size_t g, bool fixed) {
+  std::vector<DraftPart> fixed_mesh(DraftPart part, std::size_t g) {
     const ModelGeom& geom = model_.geoms[g];
-    const ModelMesh& mesh = model_.meshes[static_cast<std::size_t>(geom.mesh)];
-    if (fixed) {
-      if (mesh.soup.triangles.size() > kMaxFixedTriangles) {
-        refuse(geom, "", fmt::format("{} has {} triangles", geom_label(g), mesh.soup.triangles.size()),
-               fmt::format("a mesh of at most {} triangles: make it coarser", kMaxFixedTriangles));
-        return {};
-      }
-      body.shape = DraftShape::kMesh;
-      body.mesh = mesh.soup;
-      account_.change(fmt::format("{}: a fixed mesh is its own surface here, not the convex hull that MuJoCo takes",
-                                  geom_label(g)));
-      return {std::move(body)};
-    }
-    auto hull = hull_of(mesh.soup.corners);
-    if (!hull.ok()) {
-      refuse(geom, "", fmt::format("{}: {}", geom_label(g), hull.message()), "a solid");
+    const sim::TriangleSoup& soup = soup_of(geom);
+    if (soup.triangles.size() > kMaxFixedTriangles) {
+      refuse(geom, "", fmt::format("{} has {} triangles", geom_label(g), soup.triangles.size()),
+             fmt::format("a mesh of at most {} triangles: make it coarser", kMaxFixedTriangles));
       return {};
     }
-    if (hull.value().deviation_m > 0)
-      account_.change(fmt::format("{}: its hull is thinned to {} vertices, at most {:.3g} mm from it", geom_label(g),
-                                  hull.value().points.size(), 1e3 * hull.value().deviation_m));
-    body.shape = DraftShape::kHull;
-    const auto gap = hull_gap(mesh.soup, hull.value());
-    const bool concave = gap.ok() && gap.value() > hull.value().deviation_m + 1e-4;
-    if (concave && options_.most > 1) return in_pieces(std::move(body), g, mesh);
-    if (concave)
-      account_.change(
-          fmt::format("{}: concave; its convex hull is taken, as MuJoCo takes it, with gaps of up to {:.3g} mm; "
-                      "--pieces N divides it",
-                      geom_label(g), 1e3 * gap.value()));
-    body.points = std::move(hull.value().points);
-    return {std::move(body)};
+    part.shape = DraftShape::kMesh;
+    part.mesh = soup;
+    account_.change(
+        fmt::format("{}: a fixed mesh is its own surface here, not the convex hull that MuJoCo takes", geom_label(g)));
+    return {std::move(part)};
   }
 
-  std::vector<DraftBody> in_pieces(DraftBody body, std::size_t g, const ModelMesh& mesh) {
+  std::vector<DraftPart> moving_mesh(const DraftPart& part, std::size_t g) {
     const ModelGeom& geom = model_.geoms[g];
-    auto pieces = decompose(mesh.soup, options_.most, options_.deviation_m);
-    if (!pieces.ok()) {
-      refuse(geom, "", fmt::format("{}: {}", geom_label(g), pieces.message()),
-             "more --pieces, a larger --deviation, or a model that is divided already");
-      return {};
-    }
-    account_.change(fmt::format("{}: divided into {} convex pieces, at most {:.3g} mm from its surface", geom_label(g),
-                                pieces.value().hulls.size(), 1e3 * pieces.value().deviation_m));
-    std::vector<DraftBody> out;
-    for (HullPoints& hull : pieces.value().hulls) {
-      out.push_back(body);
-      out.back().points = std::move(hull.points);
-    }
-    return out;
+    return mesh_parts(soup_of(geom), options_, part, geom_label(g), {"", geom.file, geom.line, "", ""}, account_);
+  }
+
+  const sim::TriangleSoup& soup_of(const ModelGeom& geom) const {
+    return model_.meshes[static_cast<std::size_t>(geom.mesh)].soup;
   }
 
   // The upper surface, triangles as MuJoCo's prisms have them.
-  std::vector<DraftBody> field_shape(DraftBody body, std::size_t g) {
+  std::vector<DraftPart> field_part(DraftPart part, std::size_t g) {
     const ModelGeom& geom = model_.geoms[g];
     const HeightField& field = model_.fields[static_cast<std::size_t>(geom.field)];
     const bool is_surface = field.rows > 1 && field.columns > 1;
@@ -194,82 +173,100 @@ class Translator {
              fmt::format("2 to {}: make it coarser", kMaxFixedTriangles));
       return {};
     }
-    body.shape = DraftShape::kMesh;
+    part.shape = DraftShape::kMesh;
     for (unsigned r = 0; r < field.rows; ++r)
       for (unsigned c = 0; c < field.columns; ++c)
-        body.mesh.corners.push_back({field.half_x * (2.0 * c / (field.columns - 1) - 1),
+        part.mesh.corners.push_back({field.half_x * (2.0 * c / (field.columns - 1) - 1),
                                      field.half_y * (2.0 * r / (field.rows - 1) - 1),
                                      field.height * field.heights[r * field.columns + c]});
     for (unsigned r = 0; r + 1 < field.rows; ++r)
       for (unsigned c = 0; c + 1 < field.columns; ++c) {
         const std::uint32_t at = r * field.columns + c, above = at + field.columns;
-        body.mesh.triangles.push_back({at, at + 1, above + 1});
-        body.mesh.triangles.push_back({at, above + 1, above});
+        part.mesh.triangles.push_back({at, at + 1, above + 1});
+        part.mesh.triangles.push_back({at, above + 1, above});
       }
     account_.left_out.push_back(fmt::format("the base and the sides of {}", geom_label(g)));
-    return {std::move(body)};
+    return {std::move(part)};
   }
 
   // --- bodies
 
   void add_fixed() {
-    for (const std::size_t g : touching_[0])
-      for (DraftBody& body : shapes_of(g, true)) {
-        const ModelGeom& geom = model_.geoms[g];
-        body.role = DraftRole::kFixed;
-        body.name = unique_name(!geom.name.empty() ? geom.name : geom.body > 0 ? body_at(geom.body).name : "fixed");
-        draft_.bodies.push_back(std::move(body));
-      }
+    for (const std::size_t g : touching_[0]) {
+      auto parts = parts_of(g, true);
+      if (parts.empty()) continue;
+      const ModelGeom& geom = model_.geoms[g];
+      DraftBody body;
+      body.role = DraftRole::kFixed;
+      body.name = !geom.name.empty() ? geom.name : geom.body > 0 ? body_at(geom.body).name : "fixed";
+      body.origin = std::move(parts[0].origin);
+      set_parts(std::move(parts), {}, body);
+      set_friction({g}, geom_label(g), body);
+      draft_.bodies.push_back(std::move(body));
+    }
   }
 
   const ModelBody& body_at(int index) const { return model_.bodies[static_cast<std::size_t>(index)]; }
 
   void add_group(int group) {
     const ModelBody& head = body_at(group);
-    RigidGroup made;
-    made.kinematic = head.mocap;
-    made.label = label(head, "body", static_cast<std::size_t>(group));
+    const std::string name = label(head, "body", static_cast<std::size_t>(group));
+    MassProperties whole;
     bool explicit_inertia = true;
     for (const ModelBody& body : model_.bodies)
       if (body.weld == group) {
-        made.whole = made.whole + body.mass;
+        whole = whole + body.mass;
         explicit_inertia = explicit_inertia && (body.explicit_inertia || body.mass.mass == 0);
       }
+    const std::vector<std::size_t>& geoms = touching_[group];
+    if (geoms.empty())
+      return refuse(head, "shapeless", fmt::format("{} has no shape that touches", name),
+                    "a shape of its own, or one body with what it is attached to");
     bool complete = true;
-    for (const std::size_t g : touching_[group]) {
+    std::vector<DraftPart> parts;
+    for (const std::size_t g : geoms) {
       if (!explicit_inertia) complete = check_closed(g) && complete;
-      auto shapes = shapes_of(g, false);
-      complete = complete && !shapes.empty();
-      for (DraftBody& shape : shapes) {
-        shape.name = unique_name(head.name.empty() ? fmt::format("body_{}", group) : head.name);
-        made.parts.push_back({std::move(shape), weight_of(model_.geoms[g], shapes.size())});
-      }
-    }
-    if (made.parts.empty() && complete) {
-      refuse(head, "shapeless", fmt::format("{} has no shape that touches", made.label),
-             "a shape of its own, or one body with what it is attached to");
-      return;
+      auto made = parts_of(g, false);
+      complete = complete && !made.empty();
+      std::ranges::move(made, std::back_inserter(parts));
     }
     if (!complete) return;
-    if (const std::string problem = made.settle(account_); !problem.empty()) {
-      refuse(head, "", fmt::format("{}: {}", made.label, problem), "an <inertial> that fits the shapes");
-      return;
-    }
-    made.set_velocity(head.velocity, head.mass.centre);
-    made.add_to(draft_, collision_guards_);
-    groups_[group] = made.names();
+    if (parts.size() > kMaxParts)
+      return refuse(head, "", fmt::format("{} has {} shapes", name, parts.size()),
+                    fmt::format("at most {} in one body: fewer shapes, or fewer --pieces", kMaxParts));
+    if (!head.mocap && !is_a_body(whole))
+      return refuse(head, "", fmt::format("{}: no rigid body has {:g} kg and its moments", name, whole.mass),
+                    "an <inertial> that fits the shapes");
+    add_body(group, name, whole, std::move(parts));
   }
 
-  // Mass by the file's mass, else by density and volume; for the share of the group's mass alone.
-  double weight_of(const ModelGeom& geom, std::size_t pieces) const {
-    if (geom.mass > 0) return geom.mass / static_cast<double>(pieces);
-    return -geom.density;  // of its volume, which the group knows
+  void add_body(int group, const std::string& name, const MassProperties& whole, std::vector<DraftPart> parts) {
+    const ModelBody& head = body_at(group);
+    const std::size_t count = parts.size();
+    DraftBody body;
+    body.name = head.name.empty() ? fmt::format("body_{}", group) : head.name;
+    body.origin = count > 1 ? fmt::format("{}{}", name, head.line > 0 ? fmt::format(", line {}", head.line) : "")
+                            : std::move(parts[0].origin);
+    if (count > 1)
+      account_.change(fmt::format("{}: {} shapes, one compound body{}", name, count,
+                                  head.mocap ? "" : "; mass, centre and moments exact"));
+    set_parts(std::move(parts), head.pose, body);
+    set_friction(touching_[group], name, body);
+    if (head.mocap) {
+      body.role = DraftRole::kKinematic;
+    } else {
+      set_mass(whole, body);
+      const Twistd& twist = head.velocity;
+      body.velocity = {twist.linear + cross(twist.angular, whole.centre - head.mass.centre), twist.angular};
+    }
+    groups_[group] = draft_.bodies.size();
+    draft_.bodies.push_back(std::move(body));
   }
 
   bool check_closed(std::size_t g) {
     const ModelGeom& geom = model_.geoms[g];
     if (geom.type != "mesh") return true;
-    const std::size_t open = open_edges(model_.meshes[static_cast<std::size_t>(geom.mesh)].soup);
+    const std::size_t open = open_edges(soup_of(geom));
     if (open == 0) return true;
     refuse(geom, "",
            fmt::format("{}: its mesh is open at {} edges, and its mass comes from its volume", geom_label(g), open),
@@ -288,13 +285,12 @@ class Translator {
     return otherwise;
   }
 
-  // The body that stands for a group in joints; empty: the world. False where the group was refused.
-  bool end_of(int group, std::string& name) const {
-    name.clear();
-    if (group == 0) return true;
-    const auto found = groups_.find(group);
-    if (found == groups_.end()) return false;
-    name = found->second.front();
+  // The bodies that two groups are; the world, group 0, can be the first alone. False where one was refused.
+  bool set_ends(int a, int b, DraftJoint& joint) const {
+    const auto first = groups_.find(a), second = groups_.find(b);
+    if ((a != 0 && first == groups_.end()) || second == groups_.end()) return false;
+    if (a != 0) joint.a = first->second;
+    joint.b = second->second;
     return true;
   }
 
@@ -303,7 +299,7 @@ class Translator {
     if (joint.type == "free") return;
     DraftJoint out;
     const int a = group_of(joint.parent), b = group_of(joint.body);
-    if (!end_of(a, out.a) || !end_of(b, out.b)) return;
+    if (!set_ends(a, b, out)) return;
     out.kind = joint.type == "slide" ? "slider" : joint.type;
     out.origin =
         fmt::format("{}{}", label(joint, "joint", j), joint.line > 0 ? fmt::format(", line {}", joint.line) : "");
@@ -311,10 +307,8 @@ class Translator {
     if (joint.type != "ball") out.axis = joint.axis;
     out.bodies_collide = collide(a, b, !model_.parents_filtered || a == 0);
     if (joint.limited && joint.type != "ball" && model_.limits && !set_limits(joint, j, out)) return;
-    const bool guarded = !out.bodies_collide && a != 0;
     draft_.joints.push_back(std::move(out));
     ++joints_[joint.type];
-    if (guarded) guard(a, b);
   }
 
   bool set_limits(const ModelJoint& joint, std::size_t j, DraftJoint& out) {
@@ -337,27 +331,6 @@ class Translator {
     return false;
   }
 
-  // The other pairs of two groups' bodies, which do not collide either.
-  void guard(int a, int b) {
-    const auto& as = groups_.at(a);
-    const auto& bs = groups_.at(b);
-    for (std::size_t i = 0; i < as.size(); ++i)
-      for (std::size_t k = 0; k < bs.size(); ++k)
-        if (i + k > 0) add_guard(as[i], bs[k]);
-  }
-
-  void add_guard(const std::string& a, const std::string& b) {
-    DraftJoint rope;
-    rope.kind = "distance";
-    rope.a = a;
-    rope.b = b;
-    rope.origin = "keeps them from colliding, nothing else";
-    rope.low = 0;
-    rope.high = kNeverReached_m;
-    draft_.joints.push_back(std::move(rope));
-    ++collision_guards_;
-  }
-
   void add_equality(std::size_t e) {
     const ModelEquality& equality = model_.equalities[e];
     if (!equality.active || equality.body_a < 0) return;
@@ -366,7 +339,7 @@ class Translator {
     if (b == 0 || body_at(b).mocap) std::swap(a, b);  // b is the one that moves
     if (b == 0 || body_at(b).mocap) return;
     DraftJoint out;
-    if (!end_of(a, out.a) || !end_of(b, out.b)) return;
+    if (!set_ends(a, b, out)) return;
     const std::string name = label(equality, equality.type.c_str(), e);
     if (equality.error > kLargestStartError) {
       refuse(equality, "",
@@ -397,14 +370,13 @@ class Translator {
     for (const auto& [type, count] : shapes) account_.taken_over.push_back(fmt::format("{}: {}", type, count));
     for (const auto& [type, count] : joints_) account_.taken_over.push_back(fmt::format("{}: {}", type, count));
     if (visual_ > 0) account_.left_out.push_back(fmt::format("shapes that touch nothing (visual): {}", visual_));
-    if (collision_guards_ > 0)
-      account_.change(fmt::format("{} pairs of bodies are kept from colliding by distance joints that do nothing else",
-                                  collision_guards_));
   }
 
   void tell_friction() {
-    if (frictions_.size() < 2) return;
-    const double low = *frictions_.begin(), high = *frictions_.rbegin();
+    if (draft_.bodies.empty()) return;
+    const auto [least, most] = std::ranges::minmax_element(draft_.bodies, {}, &DraftBody::friction);
+    const double low = least->friction, high = most->friction;
+    if (low == high) return;
     account_.change(
         fmt::format("friction of a pair is the larger one there and the geometric mean here: {:.4g} between "
                     "{:.4g} and {:.4g}, not {:.4g}",
@@ -416,11 +388,9 @@ class Translator {
   Account& account_;
   SceneDraft draft_;
   std::map<int, std::vector<std::size_t>> touching_;  // by group
-  std::map<int, std::vector<std::string>> groups_;    // the names of its bodies, the heaviest first
+  std::map<int, std::size_t> groups_;                 // indices of the bodies that they are
   std::map<std::string, unsigned> joints_;
-  std::set<std::string> names_{"proxy"};
-  std::set<double> frictions_;
-  unsigned visual_{0}, collision_guards_{0};
+  unsigned visual_{0};
 };
 
 }  // namespace

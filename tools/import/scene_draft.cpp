@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <set>
 
 #include "rt/base/rotation_vector.h"
@@ -60,7 +59,7 @@ class Writer {
     write_simulation(account);
     write_proxy(account);
     for (std::size_t i = 0; i < draft_.bodies.size(); ++i)
-      if (draft_.proxy.body != i) write_body(draft_.bodies[i], "[[body]]");
+      if (draft_.proxy.body != i) write_body(draft_.bodies[i], "body");
     for (const DraftJoint& joint : draft_.joints) write_joint(joint);
     return std::move(files_);
   }
@@ -74,7 +73,9 @@ class Writer {
     };
     add(norm(draft_.gravity) > 0, "gravity");
     add(any([](const DraftBody& b) { return b.friction > 0; }), "friction");
-    add(any([](const DraftBody& b) { return b.role == DraftRole::kMoving && b.shape != DraftShape::kSphere; }),
+    add(any([](const DraftBody& b) {
+          return b.role == DraftRole::kMoving && (b.compound || b.parts[0].shape != DraftShape::kSphere);
+        }),
         "gyroscopic");
     add(any([](const DraftBody& b) { return b.role == DraftRole::kKinematic; }), "kinematic");
     add(!draft_.joints.empty(), "joints");
@@ -85,20 +86,20 @@ class Writer {
 
   void line(const char* key, const std::string& value) { files_.text += fmt::format("{} = {}\n", key, value); }
 
-  void write_shape(const DraftBody& body) {
-    switch (body.shape) {
+  void write_shape(const DraftPart& part) {
+    switch (part.shape) {
       case DraftShape::kSphere:
         line("shape", "\"sphere\"");
-        line("radius_m", fmt::format("{}", body.size.x));
+        line("radius_m", fmt::format("{}", part.size.x));
         break;
       case DraftShape::kCapsule:
         line("shape", "\"capsule\"");
-        line("radius_m", fmt::format("{}", body.size.x));
-        line("length_m", fmt::format("{}", 2 * body.size.y));
+        line("radius_m", fmt::format("{}", part.size.x));
+        line("length_m", fmt::format("{}", 2 * part.size.y));
         break;
       case DraftShape::kBox:
         line("shape", "\"box\"");
-        line("size_m", shown(2 * body.size));
+        line("size_m", shown(2 * part.size));
         break;
       case DraftShape::kPlane:
         line("shape", "\"plane\"");
@@ -106,12 +107,12 @@ class Writer {
       case DraftShape::kHull:
         line("shape", "\"hull\"");
         files_.text += "points_m = [\n";
-        for (const Vec3d& p : body.points) files_.text += fmt::format("  {},\n", shown(p));
+        for (const Vec3d& p : part.points) files_.text += fmt::format("  {},\n", shown(p));
         files_.text += "]\n";
         break;
       case DraftShape::kMesh:
         line("shape", "\"mesh\"");
-        line("file", quoted(file_of(body.mesh)));
+        line("file", quoted(file_of(part.mesh)));
         break;
     }
   }
@@ -125,12 +126,23 @@ class Writer {
     return files_.shapes.back().first;
   }
 
-  void write_body(const DraftBody& body, const char* head) {
-    files_.text += fmt::format("\n{}{}", head, body.origin.empty() ? "\n" : "  " + comment(body.origin));
-    const bool is_proxy = head[1] == 'p';
+  // A table's first line and where it comes from.
+  void write_head(const std::string& head, const std::string& origin) {
+    files_.text += fmt::format("{}{}", head, origin.empty() ? "\n" : "  " + comment(origin));
+  }
+
+  // `table`: body or proxy.
+  void write_body(const DraftBody& body, const std::string& table) {
+    const bool is_proxy = table == "proxy";
+    files_.text += '\n';
+    write_head(is_proxy ? "[proxy]" : "[[body]]", body.origin);
     if (!is_proxy) line("name", quoted(body.name));
-    write_shape(body);
-    const bool always_fixed = body.shape == DraftShape::kPlane || body.shape == DraftShape::kMesh;
+    if (body.compound)
+      line("shape", "\"compound\"");
+    else
+      write_shape(body.parts[0]);
+    const DraftShape shape = body.parts[0].shape;
+    const bool always_fixed = shape == DraftShape::kPlane || shape == DraftShape::kMesh;
     if (body.role == DraftRole::kFixed && !always_fixed) line("fixed", "true");
     if (body.role == DraftRole::kKinematic) line("kinematic", "true");
     if (body.role == DraftRole::kMoving) {
@@ -144,6 +156,12 @@ class Writer {
     if (body.contact_radius_m > 0) line("contact_radius_m", fmt::format("{}", body.contact_radius_m));
     if (body.rolling_friction_m > 0) line("rolling_friction_m", fmt::format("{}", body.rolling_friction_m));
     write_pose(body.pose);
+    if (!body.compound) return;
+    for (const DraftPart& part : body.parts) {
+      write_head(fmt::format("[[{}.parts]]", table), part.origin);
+      write_shape(part);
+      write_pose(part.pose);
+    }
   }
 
   void write_pose(const Posed& pose) {
@@ -152,16 +170,17 @@ class Writer {
     if (norm(rotation) > 1e-15) line("rotation_vector_rad", shown(rotation));
   }
 
-  std::string end_name(const std::string& name) const {
-    return draft_.proxy.body && draft_.bodies[*draft_.proxy.body].name == name ? "proxy" : name;
+  std::string end_name(std::size_t body) const {
+    return quoted(draft_.proxy.body == body ? "proxy" : draft_.bodies[body].name);
   }
 
   void write_joint(const DraftJoint& joint) {
-    files_.text += fmt::format("\n[[joint]]{}", joint.origin.empty() ? "\n" : "  " + comment(joint.origin));
+    files_.text += '\n';
+    write_head("[[joint]]", joint.origin);
     line("kind", quoted(joint.kind));
-    if (!joint.a.empty()) line("a", quoted(end_name(joint.a)));
-    line("b", quoted(end_name(joint.b)));
-    if (joint.kind != "distance") line("position_m", shown(joint.position));
+    if (joint.a) line("a", end_name(*joint.a));
+    line("b", end_name(joint.b));
+    line("position_m", shown(joint.position));
     if (joint.axis) line("axis", shown(*joint.axis));
     const bool turns = joint.kind == "hinge";
     if (joint.low) line(turns ? "low_rad" : "low_m", fmt::format("{}", plain(*joint.low)));
@@ -187,7 +206,7 @@ class Writer {
     const DraftProxy& proxy = draft_.proxy;
     if (proxy.body) {
       const DraftBody& body = draft_.bodies[*proxy.body];
-      write_body(body, "[proxy]");
+      write_body(body, "proxy");
       write_device(body.pose.position + rotate(body.pose.rotation, body.centre.value_or(Vec3d{})));
       account.change(
           fmt::format("\"{}\" is the proxy: the device holds it, and gravity does not act on it", body.name));
@@ -214,32 +233,32 @@ class Writer {
         middle += body.pose.position;
         ++count;
       }
-      top = std::max(top, top_of(body));
+      for (const DraftPart& part : body.parts) top = std::max(top, top_of(part, body.pose * part.pose));
     }
     if (count > 0) middle = middle * (1 / count);
     return {middle.x, middle.y, top + draft_.proxy.radius_m + kAboveEverything_m};
   }
 
-  static double top_of(const DraftBody& body) {
-    const Vec3d up = rotate_inverse(body.pose.rotation, Vec3d{0, 0, 1});
+  static double top_of(const DraftPart& part, const Posed& pose) {
+    const Vec3d up = rotate_inverse(pose.rotation, Vec3d{0, 0, 1});
     double reach = -std::numeric_limits<double>::infinity();
-    switch (body.shape) {
+    switch (part.shape) {
       case DraftShape::kSphere:
-        return body.pose.position.z + body.size.x;
+        return pose.position.z + part.size.x;
       case DraftShape::kCapsule:
-        return body.pose.position.z + body.size.x + body.size.y * std::abs(up.z);
+        return pose.position.z + part.size.x + part.size.y * std::abs(up.z);
       case DraftShape::kBox:
-        return body.pose.position.z + dot(body.size, abs(up));
+        return pose.position.z + dot(part.size, abs(up));
       case DraftShape::kPlane:
-        return body.pose.position.z;
+        return pose.position.z;
       case DraftShape::kHull:
-        for (const Vec3d& p : body.points) reach = std::max(reach, dot(p, up));
+        for (const Vec3d& p : part.points) reach = std::max(reach, dot(p, up));
         break;
       case DraftShape::kMesh:
-        for (const Vec3d& p : body.mesh.corners) reach = std::max(reach, dot(p, up));
+        for (const Vec3d& p : part.mesh.corners) reach = std::max(reach, dot(p, up));
         break;
     }
-    return body.pose.position.z + reach;
+    return pose.position.z + reach;
   }
 
   const SceneDraft& draft_;
@@ -257,17 +276,11 @@ SceneFiles write_scene(const SceneDraft& draft, const std::string& stem, Account
 
 void make_names_unique(SceneDraft& draft) {
   std::set<std::string> used{"proxy"};
-  std::map<std::string, std::string> renamed;  // joints refer to bodies by the names they had
   for (DraftBody& body : draft.bodies) {
     const std::string wanted = body.name.empty() ? "body" : body.name.substr(0, kLongestName - 8);
-    std::string name = wanted;
-    for (unsigned n = 2; !used.insert(name).second; ++n) name = fmt::format("{}_{}", wanted, n);
-    renamed.emplace(body.name, name);
-    body.name = name;
+    body.name = wanted;
+    for (unsigned n = 2; !used.insert(body.name).second; ++n) body.name = fmt::format("{}_{}", wanted, n);
   }
-  for (DraftJoint& joint : draft.joints)
-    for (std::string* end : {&joint.a, &joint.b})
-      if (const auto found = renamed.find(*end); found != renamed.end()) *end = found->second;
 }
 
 }  // namespace tactus::scene_import

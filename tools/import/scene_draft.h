@@ -17,26 +17,35 @@ namespace tactus::scene_import {
 enum class DraftShape { kSphere, kCapsule, kBox, kPlane, kHull, kMesh };
 enum class DraftRole { kMoving, kFixed, kKinematic };
 
-struct DraftBody {
-  std::string name, origin;  // origin: for a comment, "geom 'head', gripper.xml:42"
-  DraftRole role{DraftRole::kMoving};
+// One shape of a body. What moves has spheres, capsules, boxes and hulls.
+struct DraftPart {
+  std::string origin;  // for a comment: geom "head", line 42
   DraftShape shape{DraftShape::kBox};
   Vec3d size;                 // box: half lengths; sphere: x is the radius; capsule: radius, half length
-  std::vector<Vec3d> points;  // of a hull, in the body's frame
-  sim::TriangleSoup mesh;     // in the body's frame
-  Posed pose;                 // world_from_body; the body's frame is its shape's, not its centre of mass'
+  std::vector<Vec3d> points;  // of a hull, in the part's frame
+  sim::TriangleSoup mesh;     // in the part's frame
+  Posed pose;                 // body_from_part
+};
+
+struct DraftBody {
+  std::string name, origin;  // origin: for a comment
+  DraftRole role{DraftRole::kMoving};
+  std::vector<DraftPart> parts;  // at least one
+  bool compound{false};          // else: one part, in the body's frame
+  Posed pose;                    // world_from_body; a frame of the model, not that of the centre of mass
   double mass_kg{0};
   std::optional<SymMat3d> inertia;  // about the centre of mass, along the frame's axes; none: the solid's
-  std::optional<Vec3d> centre;      // of mass, in the body's frame; hulls alone
+  std::optional<Vec3d> centre;      // of mass, in the body's frame; hulls and compounds alone
   Twistd velocity;                  // of the centre of mass
   double friction{0}, contact_radius_m{0}, rolling_friction_m{0};
 };
 
 struct DraftJoint {
-  std::string kind;  // fixed, ball, hinge, slider, distance
-  std::string a, b;  // names; a may be empty: the world
+  std::string kind;              // fixed, ball, hinge, slider
+  std::optional<std::size_t> a;  // index of the body; none: the world
+  std::size_t b{0};
   std::string origin;
-  Vec3d position;                   // of all but distance
+  Vec3d position;
   std::optional<Vec3d> axis;        // hinge, slider
   std::optional<double> low, high;  // rad or m, of the coordinate, which is 0 at the start
   bool bodies_collide{false};

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "tools/import/model_to_draft.h"
+#include "tools/import/mesh_parts.h"
 
 namespace tactus::scene_import {
 

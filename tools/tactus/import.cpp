@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "rt/base/ids.h"
 #include "sim/loader/scene_load.h"
 #include "tools/experiment/shared_files.h"
 #include "tools/import/import.h"
@@ -110,9 +111,9 @@ CLI::App* add_import_command(CLI::App& program, int& exit_code) {
       ->check(CLI::IsMember({"virtuose6d", "desk3d"}))
       ->capture_default_str();
   app->add_option("--pieces", options.pieces.most,
-                  "divide concave meshes that move into at most this many convex pieces (Bullet's HACD), 2 to 256;\n"
+                  "divide concave meshes that move into at most this many convex pieces (Bullet's HACD), 2 to 128;\n"
                   "default: their convex hull, as MuJoCo takes it")
-      ->check(CLI::Range(2u, 256u));
+      ->check(CLI::Range(2u, kMaxParts));
   app->add_option("--deviation", command->deviation_mm,
                   "refuse pieces that are further than this from the mesh, on 10,000 points of both surfaces [mm]")
       ->check(CLI::Range(0.001, 1000.0))

@@ -8,9 +8,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "rt/physics/body.h"
 #include "sim/loader/scene_load.h"
 #include "tests/support/skip.h"
 #include "tools/import/import.h"
+#include "tools/import/mass_properties.h"
 
 namespace tactus::test {
 
@@ -84,6 +86,10 @@ inline sim::Scene loaded(const scene_import::Imported& made) {
   INFO(scene.message() << "\n" << made.files.text);
   REQUIRE(scene.ok());
   return std::move(scene).value();
+}
+
+inline scene_import::MassProperties mass_of(const physics::Body& body) {
+  return scene_import::principal_mass(body.mass, body.motion.pose.position, body.motion.pose.rotation, body.inertia);
 }
 
 }  // namespace tactus::test

@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <map>
 
-#include "rt/physics/body.h"
+#include "rt/physics/shapes/compound.h"
 #include "tests/tools/import/import_bench.h"
+#include "tools/import/compiled_model.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -22,22 +23,36 @@ std::vector<std::string> names_of(const std::string& text) {
   return names;
 }
 
-MassProperties mass_of(const physics::Body& body) {
-  return scene_import::principal_mass(body.mass, body.motion.pose.position, body.motion.pose.rotation, body.inertia);
-}
-
-// The sums over the bodies whose names are NAME and NAME_2, NAME_3, ...
-std::map<std::string, MassProperties> sums_of(const sim::Scene& scene, const std::string& text) {
-  std::map<std::string, MassProperties> sums;
+// By name.
+std::map<std::string, physics::Body> bodies_of(const sim::Scene& scene, const std::string& text) {
+  std::map<std::string, physics::Body> bodies;
   const auto names = names_of(text);
   REQUIRE(names.size() + 1 == scene.bodies.size());
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::size_t mark = names[i].find('_');
-    const bool part = mark != std::string::npos && std::isdigit(names[i].back()) != 0;
-    sums[part ? names[i].substr(0, mark) : names[i]] =
-        sums[part ? names[i].substr(0, mark) : names[i]] + mass_of(scene.bodies[i + 1]);
+  for (std::size_t i = 0; i < names.size(); ++i) bodies[names[i]] = scene.bodies[i + 1];
+  return bodies;
+}
+
+scene_import::CompiledModel compiled(const std::string& name) {
+  scene_import::Account account;
+  auto model = scene_import::compile_model(compiler(), kModels / name, account);
+  REQUIRE(model.ok());
+  return std::move(model).value();
+}
+
+// A part of a body as MuJoCo has it: kind, size, place; hulls by their centre.
+void check_part(const physics::CompoundPart& part, const Posed& world_from_body, const scene_import::ModelGeom& geom) {
+  const Posed pose = world_from_body * part.body_from_part;
+  CHECK(norm(pose.position - geom.pose.position) < 1e-9);
+  if (geom.type == "cylinder" || geom.type == "mesh") {
+    CHECK(part.shape.kind == physics::ShapeKind::kHull);
+    return;
   }
-  return sums;
+  for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+    CHECK(norm(rotate(pose.rotation, axis) - rotate(geom.pose.rotation, axis)) < 1e-9);
+  const physics::Shape expected = geom.type == "sphere"    ? physics::Shape::sphere(geom.size.x)
+                                  : geom.type == "capsule" ? physics::Shape::capsule(geom.size.x, geom.size.y)
+                                                           : physics::Shape::box(geom.size);
+  CHECK(part.shape == expected);
 }
 
 }  // namespace
@@ -48,26 +63,73 @@ TEST_CASE("imported bodies have the mass, centre and moments that MuJoCo gives t
   CAPTURE(name);
   const auto made = imported(name);
   const auto scene = loaded(made);
-  scene_import::Account account;
-  const auto model = scene_import::compile_model(compiler(), kModels / name, account);
-  REQUIRE(model.ok());
-  auto sums = sums_of(scene, made.files.text);
+  const auto model = compiled(name);
+  auto bodies = bodies_of(scene, made.files.text);
   unsigned compared = 0;
-  for (std::size_t b = 1; b < model.value().bodies.size(); ++b) {
-    const auto& body = model.value().bodies[b];
+  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+    const auto& body = model.bodies[b];
     if (body.weld != static_cast<int>(b) || body.mocap) continue;
     MassProperties whole;
-    for (const auto& other : model.value().bodies)
+    for (const auto& other : model.bodies)
       if (other.weld == static_cast<int>(b)) whole = whole + other.mass;
     CAPTURE(body.name);
-    REQUIRE(sums.count(body.name) == 1);
-    const MassProperties& ours = sums[body.name];
+    REQUIRE(bodies.count(body.name) == 1);
+    const MassProperties ours = mass_of(bodies[body.name]);
     CHECK(ours.mass == Approx(whole.mass).epsilon(1e-9));
     CHECK(norm(ours.centre - whole.centre) < 1e-9);
     CHECK(scene_import::largest_difference(ours.inertia, whole.inertia) < 1e-9 * scene_import::trace(whole.inertia));
     ++compared;
   }
   CHECK(compared >= 2);
+}
+
+TEST_CASE("several shapes of a body are one compound, each part where MuJoCo has its shape") {
+  TACTUS_NEEDS_COMPILER();
+  const auto made = imported("several.xml");
+  const auto scene = loaded(made);
+  const auto model = compiled("several.xml");
+  auto bodies = bodies_of(scene, made.files.text);
+  CHECK(bodies.size() == 4);
+  CHECK(made.account.joints == 0);
+  std::map<std::string, std::size_t> parts;
+  for (const auto& geom : model.geoms) {
+    if (!geom.touches) continue;
+    const auto& head = model.bodies[static_cast<std::size_t>(model.bodies[static_cast<std::size_t>(geom.body)].weld)];
+    CAPTURE(head.name, parts[head.name]);
+    const physics::Body& body = bodies.at(head.name);
+    REQUIRE(body.shape.kind == physics::ShapeKind::kCompound);
+    const auto& compound = scene.compounds[body.shape.index];
+    REQUIRE(parts[head.name] < compound.parts.size());
+    check_part(compound.parts[parts[head.name]++], body.motion.pose, geom);
+  }
+  for (const auto& [name, count] : parts) CHECK(scene.compounds[bodies.at(name).shape.index].parts.size() == count);
+  const std::string changed = fmt::format("{}", fmt::join(made.account.changed, "\n"));
+  CHECK_THAT(changed, Contains("body \"hammer\": 3 shapes, one compound body; mass, centre and moments exact") &&
+                          Contains("body \"tray\": 2 shapes, one compound body\n"));
+  // Friction of the head, the handle and the ring: 0.4, 0.9 with a torsional one, and 1.
+  CHECK_THAT(changed, Contains("body \"hammer\": its shapes have friction of their own, the compound the largest: "
+                               "sliding 0.4 to 1, torsional [m] 0 to 0.01"));
+  CHECK(bodies["hammer"].friction == 1);
+  CHECK_THAT(made.files.text, Contains("contact_radius_m = 0.015\n") && Contains("kinematic = true\n"));
+}
+
+TEST_CASE("a shape keeps its surface where its mass is not central") {
+  TACTUS_NEEDS_COMPILER();
+  const auto made = imported("inertial.xml");
+  const auto scene = loaded(made);
+  const auto model = compiled("inertial.xml");
+  auto bodies = bodies_of(scene, made.files.text);
+  CHECK(bodies["stiff_box"].shape == physics::Shape::box({0.05, 0.05, 0.04}));
+  for (const auto& geom : model.geoms) {
+    const std::string name = model.bodies[static_cast<std::size_t>(geom.body)].name;
+    if (name == "stiff_box") continue;
+    CAPTURE(name);
+    const physics::Body& body = bodies.at(name);
+    REQUIRE(body.shape.kind == physics::ShapeKind::kCompound);
+    REQUIRE(scene.compounds[body.shape.index].parts.size() == 1);
+    check_part(scene.compounds[body.shape.index].parts[0], body.motion.pose, geom);
+  }
+  CHECK(made.account.changed.size() == 1);  // the proxy, filled in
 }
 
 TEST_CASE("a model begins at its first keyframe, with its velocities") {

@@ -78,9 +78,9 @@ double difference(const Path& a, const Path& b) {
 
 }  // namespace
 
-TEST_CASE("a pendulum and a slider move as MuJoCo moves them, to 1 % over 2 s") {
+TEST_CASE("pendulums, also of several shapes, and a slider move as MuJoCo moves them, to 1 % over 2 s") {
   TACTUS_NEEDS_COMPILER();
-  const std::string name = GENERATE("pendulum.xml", "slider.xml");
+  const std::string name = GENERATE("pendulum.xml", "slider.xml", "mallet.xml");
   CAPTURE(name);
   CHECK(difference(path_here(name, 2), path_in_mujoco(name, 2)) < 0.01);
 }

@@ -97,6 +97,34 @@ TEST_CASE("the proxy may be one of the model's bodies, or a sphere of a radius")
   CHECK(sphere.device.profile == "desk3d");
 }
 
+TEST_CASE("the proxy may be a compound, and joints hold it") {
+  TACTUS_NEEDS_COMPILER();
+  auto options = options_for(kModels / "cabinet.urdf");
+  options.proxy = "door";
+  const auto scene = loaded(imported(options));
+  const auto& door = scene.bodies[scene.proxy];
+  CHECK(door.shape.kind == physics::ShapeKind::kCompound);
+  CHECK(door.mass == Approx(1.55).epsilon(1e-12));  // with the knob
+  CHECK(norm(scene.device.world_from_device.position - door.motion.pose.position) < 1e-12);
+  CHECK(std::ranges::count_if(scene.effect_data.joints, [&](const physics::Joint& joint) {
+          return joint.a == scene.proxy || joint.b == scene.proxy;
+        }) == 1);
+}
+
+TEST_CASE("a body of more shapes than a compound has parts is refused") {
+  TACTUS_NEEDS_COMPILER();
+  const Scratch scratch;
+  const auto model = [&](int count) {
+    return options_for(scratch.write(
+        "many.xml", fmt::format("<mujoco><worldbody>\n<body name='chain'><freejoint/><replicate count='{}' "
+                                "offset='.1 0 0'><geom size='.06'/></replicate></body></worldbody></mujoco>",
+                                count)));
+  };
+  CHECK_THAT(refusal(model(129)), Equals("many.xml:2: body \"chain\" has 129 shapes; accepted: at most 128 in one "
+                                         "body: fewer shapes, or fewer --pieces"));
+  CHECK(loaded(imported(model(128))).compounds.at(0).parts.size() == 128);
+}
+
 TEST_CASE("an open mesh is refused where mass comes from its volume") {
   TACTUS_NEEDS_COMPILER();
   const Scratch scratch;

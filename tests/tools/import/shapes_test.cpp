@@ -3,8 +3,8 @@
 
 #include "sim/geometry/hull_builder.h"
 #include "tests/tools/import/import_bench.h"
+#include "tools/import/compiled_model.h"
 #include "tools/import/pieces.h"
-#include "tools/import/rigid_group.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -41,6 +41,23 @@ double farthest(const std::vector<Vec3d>& points, const std::vector<Vec3d>& hull
   return most;
 }
 
+void check_same(const MassProperties& ours, const MassProperties& expected) {
+  CHECK(ours.mass == Approx(expected.mass).epsilon(1e-9));
+  CHECK(norm(ours.centre - expected.centre) < 1e-9);
+  CHECK(largest_difference(ours.inertia, expected.inertia) < 1e-9 * trace(expected.inertia));
+}
+
+// The scene's only body is a compound, and the account says so.
+void check_pieces(const Imported& made, std::size_t most) {
+  const auto scene = loaded(made);
+  REQUIRE(scene.compounds.size() == 1);
+  const std::size_t count = scene.compounds[0].parts.size();
+  CHECK(count >= 2);
+  CHECK(count <= most);
+  CHECK_THAT(fmt::format("{}", fmt::join(made.account.changed, "\n")),
+             Contains(fmt::format("{} shapes, one compound body", count)));
+}
+
 }  // namespace
 
 TEST_CASE("an ellipsoid's hull is as far from it as it says") {
@@ -75,18 +92,24 @@ TEST_CASE("a hull of many vertices is thinned to 64, and says by how much") {
   CHECK(hull.value().points.size() == 64);
   CHECK(farthest(points, hull.value().points) == Approx(hull.value().deviation_m).epsilon(1e-9));
   CHECK(hull.value().deviation_m < 0.01);
-  const HullPoints box = box_hull({0.1, 0.2, 0.3});
-  CHECK(hull_of(box.points).value().deviation_m == 0);
+  const std::vector<Vec3d> corners{{0, 0, 0}, {0.3, 0, 0}, {0, 0.2, 0}, {0, 0, 0.1}};
+  CHECK(hull_of(corners).value().deviation_m == 0);
 }
 
 TEST_CASE("parts and wholes add up") {
   const MassProperties a = principal_mass(2, {0.1, 0, 0.3}, normalized(Quatd{1, 0.2, 0.3, -0.1}), {0.01, 0.02, 0.025});
   const MassProperties b =
       principal_mass(0.5, {-0.1, 0.2, 0}, normalized(Quatd{1, -0.2, 0, 0.5}), {0.003, 0.004, 0.005});
-  const MassProperties back = (a + b) - b;
-  CHECK(back.mass == Approx(a.mass).epsilon(1e-12));
-  CHECK(norm(back.centre - a.centre) < 1e-12);
-  CHECK(largest_difference(back.inertia, a.inertia) < 1e-12);
+  // In any frame, in either order.
+  const Posed frame{{0.3, -0.2, 0.1}, normalized(Quatd{1, 0.4, -0.3, 0.2})};
+  const MassProperties whole = a + b, other = in_world(in_frame(b, frame) + in_frame(a, frame), frame);
+  CHECK(whole.mass == Approx(2.5).epsilon(1e-12));
+  CHECK(norm(whole.centre - (0.8 * a.centre + 0.2 * b.centre)) < 1e-12);
+  CHECK(norm(whole.centre - other.centre) < 1e-12);
+  CHECK(largest_difference(whole.inertia, other.inertia) < 1e-12);
+  // The trace gains twice the reduced mass times the square of the distance.
+  CHECK(trace(whole.inertia) ==
+        Approx(trace(a.inertia) + trace(b.inertia) + 2 * 0.4 * norm_squared(a.centre - b.centre)).epsilon(1e-12));
   CHECK_FALSE(is_a_body(principal_mass(1, {}, {}, {1, 1, 3})));
 }
 
@@ -137,13 +160,30 @@ TEST_CASE("a concave file becomes its hull, with the gap, or pieces, within the 
 
   options.pieces = {8, 0.0005};
   const auto divided = imported(options);
-  CHECK(divided.account.bodies >= 2);
-  CHECK(divided.account.bodies <= 8);
-  double mass = 0;
-  for (const auto& body : loaded(divided).bodies) mass += body.mass;
-  CHECK(mass - 0.2 == Approx(scene.bodies[1].mass).epsilon(1e-9));  // the proxy is 0.2 kg
+  CHECK(divided.account.bodies == 1);
+  check_same(mass_of(loaded(divided).bodies[1]), mass_of(scene.bodies[1]));
+  check_pieces(divided, 8);
   options.pieces = {2, 1e-9};
   CHECK_THAT(refusal(options), Contains("bracket.obj: ") && Contains("; accepted: more --pieces"));
+}
+
+TEST_CASE("a mesh in pieces has the mass, centre and moments that MuJoCo gives the whole") {
+  TACTUS_NEEDS_COMPILER();
+  TACTUS_NEEDS(kHasHacd, "no HACD in this build (Debian: libbullet-extras-dev)");
+  const Scratch scratch;
+  std::filesystem::copy_file(kModels / "bracket.obj", scratch.path / "bracket.obj");
+  auto options = options_for(scratch.write(
+      "bracket.xml",
+      "<mujoco><asset><mesh name='bracket' file='bracket.obj' scale='.001 .001 .001' inertia='exact'/></asset>"
+      "<worldbody><body name='bracket' pos='0 0 1' euler='10 20 30'><freejoint/><geom type='mesh' mesh='bracket'/>"
+      "<geom size='.01' pos='0 0 .1'/></body></worldbody></mujoco>"));
+  options.pieces = {8, 0.0005};
+  const auto made = imported(options);
+  Account account;
+  const auto model = compile_model(compiler(), options.file, account);
+  REQUIRE(model.ok());
+  check_same(mass_of(loaded(made).bodies[1]), model.value().bodies[1].mass);
+  check_pieces(made, 9);
 }
 
 TEST_CASE("nodes of glTF are bodies, y is up, and custom properties count") {

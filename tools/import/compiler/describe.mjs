@@ -69,7 +69,7 @@ export function describe(all) {
     bodies.push({
       name, ...places.of(["body", "link"], name, spec?.info), parent: model.body_parentid[id], weld: model.body_weldid[id],
       mocap: model.body_mocapid[id] >= 0, mass: model.body_mass[id], inertia: part(model.body_inertia, id, 3),
-      centre: part(data.xipos, id, 3), axes: part(data.ximat, id, 9), position: part(data.xpos, id, 3),
+      centre: part(data.xipos, id, 3), axes: part(data.ximat, id, 9), position: part(data.xpos, id, 3), frame: part(data.xmat, id, 9),
       angular_velocity: twist.slice(0, 3), velocity: twist.slice(3), explicit_inertia: spec?.explicitinertial ?? false,
       joints: model.body_jntnum[id], gravity_compensation: model.body_gravcomp[id]});
   }
@@ -83,9 +83,7 @@ export function describe(all) {
       size: part(model.geom_size, id, 3), position: part(data.geom_xpos, id, 3), axes: part(data.geom_xmat, id, 9),
       contype: model.geom_contype[id], conaffinity: model.geom_conaffinity[id], condim: model.geom_condim[id],
       friction: part(model.geom_friction, id, 3), mesh: type === "mesh" ? data_id : -1,
-      field: type === "hfield" ? data_id : -1, mass: geom_specs[id] === undefined || Number.isNaN(geom_specs[id].mass) ? -1 : geom_specs[id].mass,
-      density: geom_specs[id]?.density ?? 1000, shell: (geom_specs[id]?.typeinertia?.value ?? 0) === 1,
-      fluid: model.geom_fluid[12 * id] !== 0});
+      field: type === "hfield" ? data_id : -1, fluid: model.geom_fluid[12 * id] !== 0});
   }
 
   const joints = [];

@@ -1,0 +1,20 @@
+// The frame of a draft's body, and its mass properties: whole and exact, whatever shapes it has.
+//
+// A sphere, a capsule or a box of a scene has its centre of mass in its middle and its principal axes along its own; a
+// hull has its centre inside. A body that has other mass properties is a compound of one part: its surface stays.
+// Units: SI. Frame: as each function says. Thread: any normal one. Bound: linear in the parts; a hull's faces. Errors:
+// none.
+#pragma once
+
+#include "tools/import/scene_draft.h"
+
+namespace tactus::scene_import {
+
+// Takes the parts, whose poses are in the world, into the body. Its frame becomes that of its only part, or
+// `world_from_body` where it has several.
+void set_parts(std::vector<DraftPart> parts, const Posed& world_from_body, DraftBody& body);
+
+// `whole`: in the world; is_a_body. The parts are there.
+void set_mass(const MassProperties& whole, DraftBody& body);
+
+}  // namespace tactus::scene_import
