@@ -147,8 +147,9 @@ void TapeWriter::flush() {
 
 void TapeWriter::fail(const char* what, int error) {
   const auto lost = std::count_if(ends_.begin(), ends_.end(), [this](std::uint64_t end) { return end > written_; });
-  status_ = Status::error(named(path_) + what + " (" + strerrordesc_np(error) + "): it has the first " +
-                          std::to_string(records_ - static_cast<std::uint64_t>(lost)) + " records");
+  const std::uint64_t whole = records_ - static_cast<std::uint64_t>(lost);
+  status_ = Status::error(named(path_) + what + " (" + strerrordesc_np(error) + "): it has " +
+                          (whole == 0 ? "no record" : "the first " + std::to_string(whole) + " records"));
 }
 
 // --- reader
