@@ -102,7 +102,10 @@ Status TapeWriter::write(std::uint32_t kind, std::span<const std::byte> payload)
   start.crc = crc_of_record(start, payload);
   put(bytes_of(start));
   put(payload);
-  if (status_.ok()) ++records_;
+  if (status_.ok()) {
+    ++records_;
+    ends_.push_back(bytes_);
+  }
   return status_;
 }
 
@@ -139,11 +142,14 @@ void TapeWriter::flush() {
     }
   }
   buffer_.clear();
+  ends_.clear();
 }
 
 void TapeWriter::fail(const char* what, int error) {
-  status_ = Status::error(named(path_) + what + " (" + strerrordesc_np(error) + "): it holds " +
-                          std::to_string(records_) + " records or fewer");
+  const auto lost = std::count_if(ends_.begin(), ends_.end(), [this](std::uint64_t end) { return end > written_; });
+  const std::uint64_t whole = records_ - static_cast<std::uint64_t>(lost);
+  status_ = Status::error(named(path_) + what + " (" + strerrordesc_np(error) + "): it has " +
+                          (whole == 0 ? "no record" : "the first " + std::to_string(whole) + " records"));
 }
 
 // --- reader

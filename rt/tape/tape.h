@@ -48,7 +48,8 @@ class TapeWriter {
   TapeWriter(const TapeWriter&) = delete;
   TapeWriter& operator=(const TapeWriter&) = delete;
 
-  // Buffered. The first error is final: nothing is written after it, and every later call returns it.
+  // Buffered. The first error is final: nothing is written after it, and every later call returns it. It says how many
+  // records are whole in the file.
   Status write(std::uint32_t kind, std::span<const std::byte> payload);
   // Writes the buffer and waits for the disk.
   Status close();
@@ -69,6 +70,7 @@ class TapeWriter {
   int file_;
   std::string path_;
   std::vector<std::byte> buffer_;
+  std::vector<std::uint64_t> ends_;  // of the records that end in the buffer: bytes from the file's start
   std::uint64_t bytes_{0}, written_{0}, records_{0};
   Status status_{Status::good()};
 };

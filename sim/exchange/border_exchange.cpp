@@ -1,6 +1,7 @@
 #include "sim/exchange/border_exchange.h"
 
 #include "rt/physics/contact/find_contacts.h"
+#include "rt/physics/contact/pair_friction.h"
 
 namespace tactus::sim {
 namespace {
@@ -193,7 +194,7 @@ std::uint32_t BorderExchange::add_approaching(std::span<const Approaching> pairs
       point.parts = key.parts();
       point.normal = a ? -pair.manifold.normal : pair.manifold.normal;
       point.member_anchor = rotate_inverse(member.motion.pose.rotation, on_member);
-      point.friction = std::sqrt(member.friction * outside.friction);
+      point.friction = physics::pair_friction(member, outside);
       point.outside_point = outside.motion.pose.position + on_outside;
       point.separation_m = found.separation;
       point.outside_inverse_mass =

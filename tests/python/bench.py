@@ -8,6 +8,7 @@ sys.dont_write_bytecode = True
 PROGRAM, MODULE = map(os.path.abspath, sys.argv[1:3])
 SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 SCENES = os.path.join(SOURCE, "sim", "scenes")
+sys.path.append(os.path.join(SOURCE, "tests", "support"))
 
 
 def skip(reason):

@@ -6,14 +6,12 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 import bench
 import numpy as np
 import tactus
-
-PATIENCE_S = 120
+from patience import PATIENCE_S, wait_for
 
 
 class Run:
@@ -26,30 +24,20 @@ class Run:
              "--control", self.socket, "--record", self.tape, *options], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def live(self):
-        end = time.monotonic() + PATIENCE_S
-        while True:
+        def found():
             try:
                 return tactus.Live(self.socket)
             except tactus.MachineError:
-                if self.process.poll() is not None or time.monotonic() > end:
+                if self.process.poll() is not None:
                     raise
-                time.sleep(0.05)
+                return None
+
+        return wait_for(found, "controller")
 
     def kill(self):
         self.process.kill()
         self.process.wait()
         self.process.stderr.close()
-
-
-def wait_for(what):
-    """The first answer that is true."""
-    end = time.monotonic() + PATIENCE_S
-    while time.monotonic() < end:
-        answer = what()
-        if answer:
-            return answer
-        time.sleep(0.02)
-    raise AssertionError(f"{what} said nothing for {PATIENCE_S} s")
 
 
 def first_ticks(live):

@@ -23,6 +23,10 @@ seeds = %d
 summary = ["state_hash", "hand/force_max_N"]
 columns = ["force_z_N:rms", "proxy_position_z_m:last"]
 """
+HAND = """time_s,position_x_m,position_y_m,position_z_m
+0,0,0,0.2155
+1,0,0,0.2075
+"""
 
 
 class Sweeps(unittest.TestCase):
@@ -167,32 +171,112 @@ exec {bench.PROGRAM} "$@"
         said = self.experiment("hard-cases", "--workers", 2, "--json", status=2)
         self.assertIn("--random N", json.loads(said.stdout)["error"])
 
-        command = [bench.PROGRAM, "experiment", "hard-cases", "--random", "200", "--sub-world", "--workers", "2"]
-        process = subprocess.Popen(command, cwd=self.scratch, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   start_new_session=True)
-        until = time.monotonic() + 60
-        while not glob.glob(self.at("tactus-parts-*/[0-9]*")) and time.monotonic() < until:
-            time.sleep(0.02)
-        os.killpg(process.pid, signal.SIGINT)
-        _, text = process.communicate(timeout=60)
-        self.assertNotEqual(process.returncode, 0)
-        self.assertIn(b"the same command goes on", text)
-        self.assertTrue(glob.glob(self.at("tactus-parts-*/[0-9]*")))
+    def workers(self, seed):
+        """The processes of parts of an experiment on random worlds from this seed on."""
+        found = []
+        for path in glob.glob("/proc/[0-9]*/cmdline"):
+            try:
+                with open(path, "rb") as file:
+                    words = file.read().split(b"\0")
+            except OSError:
+                continue
+            if b"--part" in words and str(seed).encode() in words:
+                found.append(path)
+        return found
 
-    def test_a_scene_that_has_changed_is_another_experiment(self):
+    def test_an_interrupted_experiment_ends_its_workers_and_goes_on_later(self):
+        for seed, end in ((7001, lambda process: os.killpg(process.pid, signal.SIGINT)),  # a terminal's Ctrl-C
+                          (7002, lambda process: process.send_signal(signal.SIGINT)),
+                          (7003, lambda process: process.send_signal(signal.SIGTERM)),
+                          (7004, lambda process: process.send_signal(signal.SIGHUP))):
+            with self.subTest(seed=seed):
+                command = [bench.PROGRAM, "experiment", "hard-cases", "--random", "2000", "--first", str(seed), "--workers", "2"]
+                process = subprocess.Popen(command, cwd=self.scratch, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                           start_new_session=True)
+                until = time.monotonic() + 60
+                while not (glob.glob(self.at("tactus-parts-*/[0-9]*")) and self.workers(seed)) and time.monotonic() < until:
+                    time.sleep(0.02)
+                end(process)
+                _, text = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, 1)
+                self.assertEqual(self.workers(seed), [])
+                self.assertRegex(text, b"^tactus experiment hard-cases: interrupted; what is done is in tactus-parts-[0-9a-f]*, "
+                                       b"and the same command goes on\n$")
+                self.assertTrue(glob.glob(self.at("tactus-parts-*/[0-9]*")))
+                shutil.rmtree(glob.glob(self.at("tactus-parts-*"))[0])
+
+    def test_a_killed_experiment_leaves_no_workers(self):
+        process = subprocess.Popen([bench.PROGRAM, "experiment", "hard-cases", "--random", "2000", "--first", "7005",
+                                    "--workers", "2"], cwd=self.scratch, stderr=subprocess.DEVNULL)
+        until = time.monotonic() + 60
+        while not self.workers(7005) and time.monotonic() < until:
+            time.sleep(0.02)
+        process.kill()
+        process.wait()
+        while self.workers(7005) and time.monotonic() < until:
+            time.sleep(0.02)
+        self.assertEqual(self.workers(7005), [])
+
+    def write_scene_of_files(self):
+        """A scene that names a hull's file, a mesh's and the hand's. Returns their names."""
+        with open(bench.scene("press"), encoding="utf-8") as file:
+            text = file.read()
+        self.write("files.toml", text[:text.index("[hand]")] + """
+[[body]]
+shape = "hull"
+file = "stone.obj"
+mass_kg = 0.1
+position_m = [1, 0, 0]
+
+[[body]]
+shape = "mesh"
+file = "ramp.obj"
+position_m = [-2, 0, 0]
+
+[hand]
+file = "hand.csv"
+""")
+        self.write("stone.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        self.write("ramp.obj", "v 0 0 0\nv 0.5 0 0\nv 0 0.5 0.1\nf 1 2 3\n")
+        self.write("hand.csv", HAND)
+        return {"stone.obj": ("0 0 0.1", "0 0 0.12"), "ramp.obj": ("0.5 0.1", "0.5 0.2"), "hand.csv": ("0.2075", "0.2070")}
+
+    def edit(self, name, old, new):
+        text = self.read(name).decode()
+        self.assertEqual(text.count(old), 1)
+        self.write(name, text.replace(old, new))
+
+    def parts_folders(self, scene):
+        """The folders that are there after the parts of this scene ran, of which one fails, so that they stay."""
         fake = self.write("tactus", """#!/bin/sh
 case "$*" in *--version*) echo fake;; *"--part 1") exit 2;; *) printf x;; esac
 """)
         os.chmod(fake, 0o755)
-        options = json.dumps({"program": fake, "arguments": ["--scene", self.at("press.toml")], "parts": 2, "workers": 1,
-                              "scheduler": "", "trust_network": False})
-        for folders, line in ((1, ""), (1, ""), (2, "# changed\n")):
-            with open(self.at("press.toml"), "a", encoding="utf-8") as file:
-                file.write(line)
-            done = subprocess.run(["/usr/bin/python3", "-m", "tactus.sweep.parts", options], cwd=self.scratch, check=False,
-                                  stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": bench.MODULE})
-            self.assertEqual((done.returncode, done.stdout), (1, b"part 1: exit status 2"))
-            self.assertEqual(len(glob.glob(self.at("tactus-parts-*/0"))), folders)
+        options = json.dumps({"program": fake, "arguments": ["experiment", "energy-loss"], "parts": 2, "scenes": [self.at(scene)],
+                              "workers": 1, "scheduler": "", "trust_network": False})
+        done = subprocess.run(["/usr/bin/python3", "-m", "tactus.sweep.parts", options], cwd=self.scratch, check=False,
+                              stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": bench.MODULE})
+        self.assertEqual((done.returncode, done.stdout), (1, b"part 1: exit status 2"))
+        return glob.glob(self.at("tactus-parts-*/0"))
+
+    def test_a_scene_that_has_changed_is_another_experiment(self):
+        self.assertEqual(len(self.parts_folders("press.toml")), 1)
+        self.assertEqual(len(self.parts_folders("press.toml")), 1)
+        self.edit("press.toml", "mass_kg = 100", "mass_kg = 101")
+        self.assertEqual(len(self.parts_folders("press.toml")), 2)
+
+    def test_a_file_that_a_scene_names_has_changed(self):
+        files = self.write_scene_of_files()
+        sweep = self.write("files_sweep.toml", (SMALL % 1).replace("press.toml", "files.toml"))
+        self.assertEqual(self.sweep(sweep)["run"], 1)
+        self.assertEqual(self.sweep(sweep)["done_before"], 1)
+        self.assertEqual(len(self.parts_folders("files.toml")), 1)
+        for folders, (name, (old, new)) in enumerate(files.items(), 2):
+            with self.subTest(file=name):
+                self.edit(name, old, new)
+                self.assertEqual(len(self.parts_folders("files.toml")), folders)
+                report = self.sweep(sweep)
+                self.assertEqual((report["done_before"], report["run"], report["failed"]), (0, 1, 0))
 
     def test_mistakes_are_lines(self):
         for text, said in (("scene = 'nowhere.toml'\n[keep]\nsummary = ['a']", "nowhere.toml"),

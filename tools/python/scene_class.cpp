@@ -109,12 +109,16 @@ void add_scene(py::module_& module) {
       .def_property_readonly("bodies", &Scene::bodies)
       .def_property_readonly("proxy", &Scene::proxy)
       .def_property_readonly("hand_duration_s", &Scene::hand_duration_s)
-      .def("body", &body)
-      .def("parts", &parts)
-      .def("corners",
-           [](const Scene& scene, std::int64_t number) { return rows_of(scene.corners(checked(scene, number))); })
-      .def("triangles",
-           [](const Scene& scene, std::int64_t number) { return rows_of(scene.triangles(checked(scene, number))); });
+      .def("body", &body, py::arg("number"))
+      .def("parts", &parts, py::arg("number"))
+      .def(
+          "corners",
+          [](const Scene& scene, std::int64_t number) { return rows_of(scene.corners(checked(scene, number))); },
+          py::arg("number"))
+      .def(
+          "triangles",
+          [](const Scene& scene, std::int64_t number) { return rows_of(scene.triangles(checked(scene, number))); },
+          py::arg("number"));
 }
 
 }  // namespace tactus::python

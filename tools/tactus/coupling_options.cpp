@@ -8,6 +8,7 @@
 #include "sim/model/choice_names.h"
 #include "tools/experiment/coupling/study_fields.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/coupling_parts.h"
 #include "tools/tactus/experiments.h"
 
 namespace tactus::tools {
@@ -115,100 +116,6 @@ std::vector<experiment::Scheme> schemes_of(const CouplingOptions& options,
   return chosen;
 }
 
-std::vector<unsigned> caps_of(const CouplingOptions& options) {
-  return options.members.empty() ? std::vector<unsigned>{0} : options.members;
-}
-
-// Adds the rows of other scenes, of another cap, or of whole runs; the properties of a scene are those of the last cap.
-void add(const experiment::StudyReport& part, experiment::StudyReport& all) {
-  all.rows.insert(all.rows.end(), part.rows.begin(), part.rows.end());
-  all.whole.insert(all.whole.end(), part.whole.begin(), part.whole.end());
-  for (const auto& scene : part.scenes) {
-    std::erase_if(all.scenes, [&](const auto& other) { return other.name == scene.name; });
-    all.scenes.push_back(scene);
-  }
-  if (part.rows.empty()) return;
-  all.seeds = part.seeds;
-  all.windows = part.windows;
-  all.window_s = part.window_s;
-  all.line_Hz = part.line_Hz;
-}
-
-// `floor`: with the direct run that starts apart, for each scene.
-Result<experiment::StudyReport> run_whole_runs(const CouplingOptions& options, const experiment::StudyRequest& study,
-                                               std::vector<unsigned> caps, bool floor) {
-  experiment::WholeRunRequest request;
-  for (const auto& one : study.cases) {
-    auto scene = experiment::load_case_scene(one);
-    if (!scene.ok()) return scene.status();
-    request.scenes.push_back(std::move(scene).value());
-    request.scenes.back().members = one.members;
-  }
-  for (const auto& scheme : study.schemes)
-    if (!scheme.direct()) request.schemes.push_back(scheme);
-  request.members = std::move(caps);
-  request.seconds = options.whole_s;
-  request.hand_of_direct = !options.output.quick;
-  request.floor = floor;
-  request.order = study.order;
-  auto rows = experiment::run_whole(request, experiment::terminal_progress());
-  if (!rows.ok()) return rows.status();
-  experiment::StudyReport report;
-  report.whole = std::move(rows).value();
-  return report;
-}
-
-// A part is the windows of one scene with one cap, in the order of the rows, or the whole runs of one with one.
-std::size_t windows_parts(const CouplingOptions& options, const experiment::StudyRequest& request) {
-  return request.seeds > 0 ? caps_of(options).size() * request.cases.size() : 0;
-}
-std::size_t all_parts(const CouplingOptions& options, const experiment::StudyRequest& request) {
-  return windows_parts(options, request) + (options.whole_s > 0 ? caps_of(options).size() * request.cases.size() : 0);
-}
-
-Result<experiment::StudyReport> run_part(const CouplingOptions& options, experiment::StudyRequest request,
-                                         std::size_t part) {
-  const auto caps = caps_of(options);
-  const std::size_t first_whole = windows_parts(options, request), cases = request.cases.size();
-  if (part < first_whole) {  // cap by cap, all scenes
-    request.members = caps[part / cases];
-    request.cases = {request.cases[part % cases]};
-    return experiment::run_coupling_study(request, experiment::terminal_progress());
-  }
-  const std::size_t k = part - first_whole, cap = k % caps.size();  // scene by scene, all caps
-  request.cases = {request.cases[k / caps.size()]};
-  return run_whole_runs(options, request, {caps[cap]}, cap == 0);
-}
-
-// In the order in which one process after the other would have it.
-Result<experiment::StudyReport> run_elsewhere(const CouplingOptions& options, const experiment::StudyRequest& request) {
-  CouplingOptions there = options;  // workers have files at the same path, and another working directory
-  for (std::string& file : there.scene_files) file = std::filesystem::absolute(file).string();
-  const auto parts =
-      parts_of<experiment::StudyReport>(options.parts, arguments_of(there, request), all_parts(options, request));
-  if (!parts.ok()) return parts.status();
-  experiment::StudyReport all;
-  for (const auto& part : parts.value()) add(part, all);
-  return all;
-}
-
-Result<experiment::StudyReport> run_here(const CouplingOptions& options, experiment::StudyRequest request) {
-  experiment::StudyReport all;
-  for (const unsigned members : caps_of(options)) {
-    if (request.seeds == 0) break;
-    request.members = members;
-    const auto windows = experiment::run_coupling_study(request, experiment::terminal_progress());
-    if (!windows.ok()) return windows.status();
-    add(windows.value(), all);
-  }
-  if (options.whole_s > 0) {
-    const auto whole = run_whole_runs(options, request, caps_of(options), true);
-    if (!whole.ok()) return whole.status();
-    add(whole.value(), all);
-  }
-  return all;
-}
-
 }  // namespace
 
 int run_coupling_experiment(const CouplingOptions& options, const std::vector<experiment::Scheme>& schemes) {
@@ -226,9 +133,12 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
   request.order = *sim::parse_cut_order(options.order);
   request.quick = options.output.quick;
   if (options.parts.part >= 0)
-    return print_part(options.parts, options.name, all_parts(options, request),
-                      [&](std::size_t part) { return run_part(options, request, part); });
-  auto result = options.parts.elsewhere() ? run_elsewhere(options, request) : run_here(options, request);
+    return print_part(options.parts, options.name, coupling_parts(options, request),
+                      [&](std::size_t part) { return run_coupling_part(options, request, part); });
+  CouplingOptions there = options;  // workers have files at the same path, and another working directory
+  for (std::string& file : there.scene_files) file = std::filesystem::absolute(file).string();
+  auto result = options.parts.elsewhere() ? run_couplings_elsewhere(options, request, arguments_of(there, request))
+                                          : run_couplings_here(options, request);
   if (!result.ok()) return failed(result.status());
   const experiment::StudyReport report = std::move(result).value();
   const ExperimentText text{

@@ -30,7 +30,8 @@ Result<std::vector<experiment::HandSums>> hands_elsewhere(const CostOptions& opt
                                                           const std::vector<std::string>& arguments) {
   const std::size_t parts = request.cases.size() * (request.seeds - 1);
   if (!options.parts.elsewhere() || parts == 0) return std::vector<experiment::HandSums>{};
-  return parts_of<experiment::HandSums>(options.parts, arguments, parts);
+  return parts_of<experiment::HandSums>(
+      options.parts, {.arguments = arguments, .count = parts, .scenes = experiment::files_of(request.cases)});
 }
 
 Result<experiment::HandSums> run_part(const experiment::CostRequest& request, std::size_t part) {

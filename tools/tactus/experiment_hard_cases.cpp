@@ -48,7 +48,8 @@ template <class Compute, class Take>
 Status for_each_part(const HardCasesOptions& options, Compute&& compute, Take&& take) {
   using Part = decltype(compute(options.first, options.random));
   if (options.parts.elsewhere()) {
-    auto parts = parts_of<Part>(options.parts, arguments_of(options), parts_in(options));
+    auto parts =
+        parts_of<Part>(options.parts, {.arguments = arguments_of(options), .count = parts_in(options), .scenes = {}});
     if (!parts.ok()) return parts.status();
     for (Part& part : parts.value()) take(std::move(part));
     return Status::good();

@@ -25,17 +25,22 @@ struct PartOptions {
   bool elsewhere() const { return workers > 0 || !scheduler.empty(); }
 };
 
-// `arguments`: of this program, for the parts; --part K is added. Returns the parts' results, in order. Error, one
-// line: a part failed, or was interrupted (the parts that are done are kept in this folder, for the same command
-// again).
-Result<std::vector<std::string>> run_parts(const PartOptions& options, const std::vector<std::string>& arguments,
-                                           std::size_t count);
+struct PartWork {
+  std::vector<std::string> arguments;  // of this program, for the parts, experiment NAME first; --part K is added
+  std::size_t count{0};
+  std::vector<std::string> scenes;  // paths of the scene files that the parts read
+};
+
+// Returns the parts' results, in order. The parts that are done are kept in this folder until all are, and are not done
+// again by the same command: as long as the program, the arguments, and the scenes with the files that they name are
+// the same. Error, one line: a part failed. An interruption (Ctrl-C, SIGTERM, SIGHUP) ends the workers at once, says
+// that what is done is kept, and ends the program with status 1, as it ends `tactus sweep`.
+Result<std::vector<std::string>> run_parts(const PartOptions& options, const PartWork& work);
 
 // Same, as values.
 template <class T>
-Result<std::vector<T>> parts_of(const PartOptions& options, const std::vector<std::string>& arguments,
-                                std::size_t count) {
-  auto bytes = run_parts(options, arguments, count);
+Result<std::vector<T>> parts_of(const PartOptions& options, const PartWork& work) {
+  auto bytes = run_parts(options, work);
   if (!bytes.ok()) return bytes.status();
   std::vector<T> parts;
   for (const std::string& one : bytes.value()) {

@@ -180,6 +180,8 @@ class Server final : public ViewServer {
 
 void Page::accept(const Request& request) {
   beast::get_lowest_layer(socket_).expires_never();
+  error_code ignored;
+  beast::get_lowest_layer(socket_).socket().set_option(tcp::no_delay(true), ignored);
   socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
   socket_.set_option(websocket::stream_base::decorator(
       [](websocket::response_type& response) { response.set(http::field::sec_websocket_protocol, "tactus"); }));
@@ -457,7 +459,7 @@ Answer Server::asked(const Page* page, const PageMessage& message) {
   return answer;
 }
 
-// Without an answer, unless it is refused: 60 come a second.
+// Without an answer, unless it is refused: up to 125 come a second.
 void Server::led(const Page* page, const PageMessage& message) {
   if (leads_ != page || !source_->ask(message).ok) count_refused("hand");
 }

@@ -1,11 +1,11 @@
 #include "rt/physics/contact/contact_table.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "rt/physics/collision/collide_mesh.h"
 #include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/mesh_reach.h"
+#include "rt/physics/contact/pair_friction.h"
 
 namespace tactus::physics {
 namespace {
@@ -301,7 +301,7 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
   contact.axis_cache = search.axis_cache;
-  contact.friction = std::sqrt(a.friction * b.friction);
+  contact.friction = pair_friction(a, b);
   contact.normal = manifold.normal;
   contact.count = manifold.count;
   for (std::uint32_t i = 0; i < manifold.count; ++i) {

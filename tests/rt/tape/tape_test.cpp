@@ -1,8 +1,10 @@
 #include "rt/tape/tape.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -295,5 +297,52 @@ TEST_CASE("a full disk is told when the tape is made, and stays told", "[loop]")
   TACTUS_NEEDS(access("/dev/full", W_OK) == 0, "there is no /dev/full");
   const auto full = TapeWriter::create("/dev/full", kText);
   REQUIRE(!full.ok());
-  CHECK(contains(full.message(), "No space left"));
+  CHECK(contains(full.message(), "(No space left on device): it has no record"));
+}
+
+namespace {
+
+// Until destroyed no file of this process grows beyond so many bytes.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    before_ = std::signal(SIGXFSZ, SIG_IGN);
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &limit_) == 0);
+    const rlimit lower{.rlim_cur = bytes, .rlim_max = limit_.rlim_max};
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &lower) == 0);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &limit_);
+    std::signal(SIGXFSZ, before_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit limit_{};
+  void (*before_)(int){nullptr};
+};
+
+}  // namespace
+
+TEST_CASE("a tape that grows no more says how many records it has, and has them", "[loop]") {
+  // Ends in the second buffer, within a record; at a record's last byte; in the first buffer.
+  REQUIRE(std::strlen(kText) == 23);
+  constexpr std::size_t kPayload = 1000, kRecord = kPayload + 12, kHeader = 40 + 23 + 4;
+  for (const std::size_t limit : {std::size_t{1'500'000}, kHeader + 1400 * kRecord, kHeader + 3 * kRecord + 1}) {
+    TemporaryFile file;
+    std::string said;
+    {
+      auto made = TapeWriter::create(file.path(), kText);
+      REQUIRE(made.ok());
+      TapeWriter& writer = *made.value();
+      const FileSizeLimit until(limit);
+      for (int i = 0; i < 3000 && writer.write(1, Bytes(kPayload)).ok(); ++i) {}
+      said = writer.close().message();
+    }
+    const std::size_t whole = (limit - kHeader) / kRecord;
+    INFO(said);
+    CHECK(contains(said, ": it has the first " + std::to_string(whole) + " records"));
+    CHECK(read_tape(file.path()).records.size() == whole);
+  }
 }

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """tests/tools/view/in_browser.py PROGRAM: the page of tactus view in Chromium shows what the run has. It begins with the proof
 that WebGL draws; speed is not judged. Exit 77 where there is no browser or no page."""
+import http.server
 import json
 import os
 import shutil
 import sys
+import threading
 import time
 import unittest
 
@@ -26,6 +28,17 @@ def open_browser():
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+
+
+class Blank(http.server.BaseHTTPRequestHandler):
+    """An empty page."""
+
+    def do_GET(self):
+        self.send_response(200)
+        self.end_headers()
+
+    def log_message(self, *words):
+        pass
 
 
 class InBrowser(unittest.TestCase):
@@ -138,6 +151,28 @@ class InBrowser(unittest.TestCase):
         wait_for(lambda: self.text("state").startswith("not connected"), "refusal")
         self.browser.close()
         self.browser.switch_to.window(self.browser.window_handles[0])
+
+    def test_7b_a_page_of_another_origin_can_neither_connect_nor_read(self):
+        """Also with the right token; the same from the page's own origin, so that it is the origin that is refused."""
+        try_both = (
+            "const [port, token, done] = arguments, at = `127.0.0.1:${port}`, said = {};"
+            " const read = fetch(`http://${at}/`).then((r) => r.text()).then((t) => (said.read = t.length > 0), () => (said.read = false));"
+            " const connect = new Promise((end) => { const socket = new WebSocket(`ws://${at}/run`, ['tactus', token]);"
+            " socket.onmessage = () => { said.connected = true; socket.close(); end() }; socket.onclose = () => { said.connected ??= false; end() } });"
+            " Promise.all([read, connect]).then(() => done(said))")
+        arguments = try_both, self.viewer.port, self.viewer.token
+        self.assertEqual(self.browser.execute_async_script(*arguments), {"read": True, "connected": True})
+        other = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Blank)
+        threading.Thread(target=other.serve_forever, daemon=True).start()
+        self.browser.execute_script("window.open('about:blank')")
+        self.browser.switch_to.window(self.browser.window_handles[1])
+        self.browser.get(f"http://127.0.0.1:{other.server_port}/")
+        self.assertEqual(self.browser.execute_async_script(*arguments), {"read": False, "connected": False})
+        self.browser.close()
+        self.browser.switch_to.window(self.browser.window_handles[0])
+        other.shutdown()
+        other.server_close()
+        self.browser.get_log("browser")  # that it was refused: read, so that it is no surprise later
 
     def test_8_buttons_reach_the_run(self):
         self.browser.execute_script("document.querySelector('[data-ask=disarm]').click()")

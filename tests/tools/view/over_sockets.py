@@ -3,10 +3,12 @@
 wrong with a viewer is nothing to the run. Exit 77 where the page is not built."""
 import json
 import os
+import re
 import signal
 import struct
 import subprocess
 import sys
+import tempfile
 import unittest
 
 sys.dont_write_bytecode = True
@@ -144,6 +146,32 @@ class OverSockets(unittest.TestCase):
         report = json.loads(self.viewer.process.communicate(timeout=PATIENCE_S)[0])
         self.assertTrue(report["run_ended"])
         self.assertEqual(report["clients_most"], 1)
+
+    def test_force_on_a_real_device_is_not_given_from_a_page(self):
+        self.viewer.end()
+        self.run_.end()
+        with open(os.path.join(SCENES, "card_house.toml"), encoding="utf-8") as file:
+            scene = re.sub(r"(?m)^stiffness_N_per_m = .*", "stiffness_N_per_m = 250", file.read(), count=1)
+        scene = re.sub(r"(?m)^damping_Ns_per_m = .*", "damping_Ns_per_m = 0.5", scene, count=1)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = os.path.join(folder.name, "soft.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(scene)
+        self.run_ = Run(PROGRAM, path, "--device", "falcon-sim")  # to the viewer it is a device with a person's hand on it
+        self.viewer = Viewer(self.run_)
+        page = self.page()
+        for ask in ("arm", "rearm", "reset"):
+            answer = page.asks(ask)
+            self.assertEqual((answer["ok"], answer["said"]), (
+                False, "force on a real device is not given from a page; accepted: tactus view --allow-force"))
+        self.assertFalse(page.asks("take")["ok"])
+        self.assertTrue(page.asks("disarm")["ok"])
+        page.close()
+        self.assertEqual(self.viewer.end()["refused"], {"force": 3, "hand": 1})
+        self.viewer = Viewer(self.run_, "--allow-force")
+        for ask in ("arm", "rearm", "reset"):
+            self.assertTrue(self.page().asks(ask)["ok"], ask)
 
     def test_a_viewer_that_is_killed_or_hangs_is_nothing_to_the_run(self):
         other = Viewer(self.run_)

@@ -189,9 +189,7 @@ class Steered(unittest.TestCase):
         self.addCleanup(run.kill)
         self.open(run)
         self.stub_gamepad(0, 0, 0, 0)
-        sent = "window.sent = []; const send = WebSocket.prototype.send; WebSocket.prototype.send = function (text) {" \
-               " const hand = JSON.parse(text).hand; if (hand) window.sent.push(hand); return send.call(this, text) }"
-        self.browser.execute_script(sent)
+        self.note_wishes()
         self.click("#take")
         wait_for(lambda: self.text("take") == "let the hand rest", "hand")
         newest = lambda: self.browser.execute_script("return window.sent.slice(-1)[0]")  # noqa: E731
@@ -207,6 +205,56 @@ class Steered(unittest.TestCase):
         wish = newest()
         self.assertGreater(wish[2], 0.5 * math.hypot(*wish[:3]))  # the camera looks down at less than 60 degrees
         wait_for(lambda: self.target()[2] - before[2] > 0.5 * wish[2], "hand that follows")
+        run.end()
+
+    def note_wishes(self):
+        """From now on window.sent has what the page wishes of the hand."""
+        self.browser.execute_script(
+            "window.sent = []; const send = WebSocket.prototype.send; WebSocket.prototype.send = function (text) {"
+            " const hand = JSON.parse(text).hand; if (hand) window.sent.push(hand); return send.call(this, text) }")
+
+    def test_2c_a_wish_goes_out_with_its_event_and_waits_for_no_picture(self):
+        from selenium.webdriver.common.action_chains import ActionChains
+        run = ViewedRun(PROGRAM, "view", CARDS, "--virtual-time", "--hand", "pointer")
+        self.addCleanup(run.kill)
+        self.open(run)
+        self.note_wishes()
+        self.click("#take")
+        wait_for(lambda: self.text("take") == "let the hand rest", "hand")
+        self.browser.execute_script("window.requestAnimationFrame = () => 0")  # after the one that waits, no picture more
+        canvas = self.browser.find_element("id", "canvas")
+        ActionChains(self.browser, duration=0).move_to_element(canvas).click_and_hold().perform()
+        size = 0
+        for _ in range(2):
+            ActionChains(self.browser, duration=0).move_by_offset(30, 0).perform()
+            wish = wait_for(lambda: self.browser.execute_script(
+                "const at = window.sent.slice(-1)[0]; return at && Math.hypot(...at) > 1e-4 + 1.5 * arguments[0] && at", size),
+                "wish of the move")
+            size = math.hypot(*wish)
+        self.assertEqual(wish[3:], [0, 0, 0])
+        run.end()
+
+    def choose(self, selector, value):
+        self.browser.execute_script(
+            "const e = document.querySelector(arguments[0]); if (e.type === 'radio') e.checked = true; else e.value = arguments[1];"
+            " e.dispatchEvent(new Event('change'))", selector, value)
+
+    def test_2d_a_fault_is_caught_with_the_ticks_before_it(self):
+        run = ViewedRun(PROGRAM, "view", CARDS, "--virtual-time", "--inject", "lost@900+1000000", "--pace", "0.02")
+        self.addCleanup(run.kill)
+        self.open(run)
+        self.choose("#window", "1")
+        self.choose("#trigger", "fault")
+        self.choose("input[name=mode][value=trigger]", "")
+        self.choose("#pace", "1")
+        wait_for(lambda: self.text("answer") == "1 times real time", "pace")
+        caught = wait_for(lambda: "750 ticks since" in self.text("caught") and self.text("caught"), "fault")
+        at_s = float(caught.split()[2])
+        self.assertEqual(self.text("fault"), "number 1")  # the link was lost
+        self.assertTrue(0.9 < at_s < 1.0, at_s)
+        times_s = [float(row["time_s"]) for row in csv.DictReader(self.saved("#csv").splitlines())]
+        self.assertAlmostEqual(times_s[0], at_s - 0.25, delta=0.005)  # a quarter of the window
+        self.assertAlmostEqual(times_s[-1], at_s + 0.75, delta=0.005)
         run.end()
 
     def stub_gamepad(self, *axes):

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -13,11 +14,12 @@ import unittest
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import in_browser  # noqa: E402
-from watched_run import SCENES, TapeViewer, skip, wait_for  # noqa: E402
+from watched_run import SCENES, Page, TapeViewer, skip, wait_for  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" else ""
 
 
+MEMBER = 2  # a bit of a role
 CARDS = os.path.join(SCENES, "card_house.toml")
 FAULT = ["--inject", "lost@1500+500"]  # the device is silent for half a second
 
@@ -95,6 +97,37 @@ class Tapes(unittest.TestCase):
         self.click("play")
         wait_for(lambda: self.text("time") == "3.000", "end")
         wait_for(lambda: self.browser.find_element("css selector", "[data-time=play]").text == "play", "pause at the end")
+
+    def test_1b_the_graph_is_that_of_the_contacts_that_were_sent(self):
+        self.open(self.a)
+        wait_for(lambda: "The world outside is rebuilt: " in self.text("note"), "rebuilt world")
+        self.scrub(2.0)
+        self.picture()
+        edges, bodies = self.contacts_near_members()
+        self.assertGreater(len(edges), 10)
+        graph = lambda name: set(self.browser.execute_script(  # noqa: E731
+            "return [...document.querySelectorAll(`#graph [${arguments[0]}]`)].map((e) => e.getAttribute(arguments[0]))", name))
+        wait_for(lambda: graph("data-edge") == edges, f"edges {edges}")
+        self.assertEqual(graph("data-body"), bodies)
+
+    def contacts_near_members(self):
+        """Of the viewer's present moment, by another page's first frame: contacts of moving bodies of which one is a member, or
+        both touch one; and their bodies."""
+        page = Page(self.viewer)
+        scene = json.loads(page.message())
+        while not isinstance(message := page.message(), bytes) or not struct.unpack_from("<I", message, 60)[0] & 1:
+            pass
+        page.close()
+        count, roles, ticks, contacts = struct.unpack_from("<4I", message, 24)
+        moving = [i for i, body in enumerate(scene["bodies"]) if not body["fixed"]]
+        self.assertEqual((count, roles), (len(moving), len(moving)))
+        at = 64 + 20 * count
+        role = {moving[word & 0xffffff]: word >> 24 for (word,) in struct.iter_unpack("<I", message[at:at + 4 * roles])}
+        at += 4 * roles + 96 * ticks
+        pairs = {pair for *_, a, b in struct.iter_unpack("<6f2I", message[at:at + 32 * contacts])
+                 if {a, b} <= set(moving) for pair in [(a, b)]}
+        near = {scene["proxy"]} | {body for pair in pairs if any(role[one] & MEMBER for one in pair) for body in pair}
+        return {f"{a},{b}" for a, b in pairs if {a, b} <= near}, {str(body) for body in near}
 
     def test_2_a_link_brings_the_view_back(self):
         self.open(self.a)

@@ -9,25 +9,15 @@ import struct
 import subprocess
 import sys
 import tempfile
-import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "..", "..", "sim", "scenes")
-PATIENCE_S = 120
+sys.path.append(os.path.join(HERE, "..", "..", "support"))
+from patience import PATIENCE_S, wait_for  # noqa: E402
 
 
 def page_is_built(program):
     return os.path.exists(os.path.join(os.path.dirname(program), "..", "share", "tactus", "view", "index.html"))
-
-
-def wait_for(condition, what):
-    until = time.monotonic() + PATIENCE_S
-    while time.monotonic() < until:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.05)
-    raise AssertionError(f"no {what} within {PATIENCE_S} s")
 
 
 class Run:

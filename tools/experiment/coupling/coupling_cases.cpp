@@ -21,6 +21,10 @@ Vec3d jittered(const Vec3d& way, double share, std::uint64_t& state) {
   return way + Vec3d{x, y, z} * (share * norm(way));
 }
 
+std::filesystem::path path_of(const CouplingCase& one) {
+  return one.own_hand ? std::filesystem::path(one.file) : shared_file("scenes") / one.file;
+}
+
 }  // namespace
 
 std::span<const CouplingCase> coupling_cases() {
@@ -47,8 +51,12 @@ Result<CouplingCase> case_of_file(const std::string& path) {
   return one;
 }
 
-Result<sim::Scene> load_case_scene(const CouplingCase& one) {
-  return sim::load_scene(one.own_hand ? std::filesystem::path(one.file) : shared_file("scenes") / one.file);
+Result<sim::Scene> load_case_scene(const CouplingCase& one) { return sim::load_scene(path_of(one)); }
+
+std::vector<std::string> files_of(std::span<const CouplingCase> cases) {
+  std::vector<std::string> files;
+  for (const CouplingCase& one : cases) files.push_back(path_of(one).string());
+  return files;
 }
 
 Result<sim::Scene> load_coupling_case(const CouplingCase& one, std::uint64_t seed) {

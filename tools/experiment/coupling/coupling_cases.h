@@ -8,6 +8,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "rt/base/result.h"
 #include "sim/model/scene.h"
@@ -33,6 +34,8 @@ struct HandTimes {
 Result<CouplingCase> case_of_file(const std::string& path);
 // The scene of a case as in its file, with its own hand.
 Result<sim::Scene> load_case_scene(const CouplingCase& one);
+// The paths of the cases' scenes.
+std::vector<std::string> files_of(std::span<const CouplingCase> cases);
 // The scene with the case's hand script; every seed except 0 slightly changes where the hand presses and slides.
 Result<sim::Scene> load_coupling_case(const CouplingCase& one, std::uint64_t seed);
 

@@ -1,12 +1,11 @@
 """`tactus sweep`: python3 -m tactus.sweep OPTIONS, a JSON object of the program's."""
 import json
 import os
-import signal
 import sys
 import time
 
 from .. import _core
-from . import local, plan, progress, results, units
+from . import interrupts, local, plan, progress, results, units
 
 BAD, INPUT, MACHINE = 1, 2, 3
 
@@ -106,12 +105,15 @@ class Sweep:
 
 def main():
     options = json.loads(sys.argv[1])
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    interrupts.raise_once()
     try:
         sweep = Sweep(options)
         if options['list']:
             return sweep.list()
         return sweep.one(options['unit']) if options['unit'] else sweep.all()
+    except KeyboardInterrupt:
+        print('tactus sweep: interrupted', file=sys.stderr)
+        return BAD
     except _core.Error as error:
         status = MACHINE if isinstance(error, _core.MachineError) else INPUT
         if options['json']:

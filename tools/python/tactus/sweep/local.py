@@ -11,9 +11,14 @@ def run_local(program, plan_units, workers, take):
     processes = set()
     stopping = False
 
+    def started(process):
+        processes.add(process)
+        if stopping:
+            process.kill()
+
     def run(unit):
         for attempt in range(MOST_RUNS):
-            result = units.run_task(program, unit.task, processes.add)
+            result = units.run_task(program, unit.task, started)
             if stopping or 'killed' not in result:
                 break
         return result, attempt
@@ -26,7 +31,7 @@ def run_local(program, plan_units, workers, take):
     except BaseException:
         stopping = True
         pool.shutdown(wait=False, cancel_futures=True)
-        for process in processes:
+        for process in list(processes):
             process.kill()
         raise
     finally:

@@ -1,18 +1,19 @@
 """The parts of an experiment: python3 -m tactus.sweep.parts OPTIONS, a JSON object of the program's.
 
-Prints each part's length (8 bytes, little end first) and bytes, in order; or, with exit status 1, a line with what went
-wrong. What is done is kept in this folder until all are, and not done again.
+Prints each part's length (8 bytes, little end first) and bytes, in order; or a line with what went wrong, with exit
+status 1, or 130 if it was interrupted. What is done is kept in this folder until all are, and not done again.
 """
 import dataclasses
 import hashlib
 import json
 import os
 import shutil
-import signal
 import sys
 
 from .. import _core
-from . import local, progress, results, units
+from . import interrupts, local, progress, results, units
+
+INTERRUPTED = 130
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Parts:
     def __init__(self, options):
         self.options, self.program = options, options['program']
         self.identity = units.identity_of(self.program)
-        content = json.dumps([options['arguments'], options['parts'], self.identity, *_files_in(options['arguments'])])
+        content = json.dumps([options['arguments'], options['parts'], self.identity, *map(_content_of, options['scenes'])])
         self.folder = f'tactus-parts-{hashlib.sha256(content.encode()).hexdigest()[:16]}'
         self.parts = [Part(str(i), ('part', [*options['arguments'], '--part', str(i)])) for i in range(options['parts'])]
 
@@ -65,24 +66,24 @@ class Parts:
             return file.read()
 
 
-def _files_in(arguments):
-    """The hashes of the files that arguments name: a scene that has changed is another experiment."""
-    for word in filter(os.path.isfile, arguments):
-        with open(word, 'rb') as file:
-            yield hashlib.sha256(file.read()).hexdigest()
+def _content_of(scene):
+    """The hash of a scene, with the data of the files that it names: one that has changed is another experiment."""
+    return hashlib.sha256(_core.CheckedScene.load(scene).text.encode()).hexdigest()
 
 
 def main():
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    parts = Parts(json.loads(sys.argv[1]))
+    interrupts.raise_once()
+    kept = ''
     try:
+        parts = Parts(json.loads(sys.argv[1]))
+        kept = f'what is done is in {parts.folder}, and '
         for result in parts.run():
             sys.stdout.buffer.write(len(result).to_bytes(8, 'little') + result)
         sys.stdout.buffer.flush()
         parts.forget()
     except KeyboardInterrupt:
-        print(f'interrupted; what is done is in {parts.folder}, and the same command goes on', end='')
-        return 1
+        print(f'interrupted; {kept}the same command goes on', end='')
+        return INTERRUPTED
     except (_core.Error, OSError) as error:
         print(str(error).replace('\n', '; '), end='')
         return 1
