@@ -56,6 +56,9 @@ struct DeviceClass {
   // What `tactus doctor` looks at: USB, or these CAN interfaces. Null: no CAN.
   bool usb{false};
   std::vector<std::string> (*can_interfaces)(std::string_view address){nullptr};
+  // What this machine has of that which the class needs, such as a maker's library, as a line for `tactus doctor`;
+  // opens no device. Null: nothing. Error, one line: what is missing.
+  Result<std::string> (*look)(std::string_view address){nullptr};
 };
 
 // In the order of hal/device_list.h.
