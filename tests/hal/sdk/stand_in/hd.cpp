@@ -2,6 +2,7 @@
 // behind them, faults by hd_stand_in(). TACTUS_WITHOUT_CALIBRATION leaves a function out, as another version may.
 #include "tests/hal/sdk/stand_in/hd.h"
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -49,7 +50,11 @@ void step() {
   }
 }
 
+// As a maker's scheduler: ahead of other threads, where that is allowed.
 void schedule() {
+  sched_param priority{};
+  priority.sched_priority = 85;
+  (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
   for (auto next = std::chrono::steady_clock::now(); g_running;) {
     next += std::chrono::milliseconds(1);
     if (g_device.calls && g_callback != nullptr && g_callback(g_context) == 0) g_callback = nullptr;
