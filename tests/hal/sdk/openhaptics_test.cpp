@@ -32,7 +32,8 @@ HdStandIn& truth() {
 // As it was loaded.
 HdStandIn& reset() {
   HdStandIn& d = truth();
-  d.init_error = d.error = d.calibrations = d.blocks_us = d.frames = d.outside_of_frames = d.disabled = d.stopped = 0;
+  d.init_error = d.error = d.calibrations = d.calibrations_in_force = d.blocks_us = d.frames = d.outside_of_frames =
+      d.disabled = d.stopped = 0;
   d.calibration = 0x5000;
   d.rate_Hz = 1000;
   d.output_dof = 3;
@@ -211,6 +212,21 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("openhaptics: a fault ends the force before the haptic thread has read it") {
+  HdStandIn& d = reset();
+  const auto device = open_device();
+  SdkLoop loop{*device};
+  REQUIRE(loop.push({1, 0, 0}, d.forces_on));
+  d.error = 0x0302;
+  for (unsigned i = 0; i < kSdkPatience && d.forces_on; ++i) {
+    ++loop.command.sequence;
+    device->write(loop.command);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  CHECK_FALSE(d.forces_on);
+  CHECK(loop.latches(kSdkConnectionLost));
+}
+
 TEST_CASE("openhaptics: forces that go off by themselves, or are refused, are fault 5 until the re-arm") {
   HdStandIn& d = reset();
   const auto device = open_device();
@@ -238,6 +254,7 @@ TEST_CASE("openhaptics: it is calibrated where it wants to be and gives no force
   d.calibration = 0x5001;
   CHECK(loop.latches(kSdkNotCalibrated));
   CHECK(loop.until([&] { return d.calibrations == 2; }));  // in BRAKE, without force
+  CHECK(d.calibrations_in_force == 0);
   CHECK(loop.rearms());
 }
 

@@ -153,6 +153,7 @@ std::uint32_t hdCheckCalibration() { return g_device.calibration; }
 void hdUpdateCalibration(std::uint32_t style) {
   if (style != 4) return raise(0x0101);
   ++g_device.calibrations;
+  if (g_device.forces_on) ++g_device.calibrations_in_force;
   g_device.calibration = 0x5000;
 }
 void hdStartScheduler() {

@@ -8,6 +8,7 @@ struct HdStandIn {
   std::atomic<unsigned> init_error{0};  // of hdInitDevice
   std::atomic<unsigned> error{0};       // raised at the end of each frame; one of forces switches them off
   std::atomic<unsigned> calibration{0x5000}, calibrations{0};  // what is answered; how often it was updated
+  std::atomic<unsigned> calibrations_in_force{0};
   std::atomic<int> rate_Hz{1000}, output_dof{3}, rates_set{0};
   std::atomic<double> largest_force_N{3.3};
   std::atomic<char> version{'3'};
