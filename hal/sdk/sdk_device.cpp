@@ -154,9 +154,8 @@ void SdkDevice::exchange() noexcept {
   } else if (unasked_ < kBrakeMissed) {
     ++unasked_;
   }
-  const bool asked = newest_.force && unasked_ < kBrakeMissed;
-  if (!asked) reported_ = 0;
-  const bool wants = asked && reported_ == 0;
+  if (!newest_.force) reported_ = 0;  // the haptic thread knows it, or gives no force for another reason
+  const bool wants = newest_.force && unasked_ < kBrakeMissed && reported_ == 0;
   if (wants != forces_ && port_->enable_forces(wants)) forces_ = wants;
   const double share = share_after(unasked_);
   const Wrenchd wrench =
