@@ -1,5 +1,7 @@
 // A stand-in for 3D Systems' library HD, written from its documented interface: the same names, a scheduler, a mass
-// behind them, faults by hd_stand_in(). TACTUS_WITHOUT_CALIBRATION leaves a function out, as another version may.
+// behind them on a spring, faults by hd_stand_in(). TACTUS_STAND_IN_SWAY_MM, of the environment, lets the spring's end
+// go down and up by so much, twice a second, for runs by hand. TACTUS_WITHOUT_CALIBRATION leaves a function out, as
+// another version may.
 #include "tests/hal/sdk/stand_in/hd.h"
 
 #include <pthread.h>
@@ -8,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <deque>
 #include <mutex>
 #include <string_view>
@@ -29,7 +32,7 @@ constexpr std::uint32_t kHandle = 7;
 std::mutex g_errors_mutex;
 std::deque<std::uint32_t> g_errors;  // the newest in front
 double g_speed_mm_per_s[3]{}, g_frame_force_N[3]{}, g_frame_torque_mNm[3]{};
-double g_stamp_s = 0;
+double g_stamp_s = 0, g_sway_mm = 0, g_time_s = 0;
 std::thread g_scheduler;
 std::atomic<bool> g_running{false};
 unsigned (*g_callback)(void*) = nullptr;
@@ -41,8 +44,11 @@ void raise(std::uint32_t code) {
 }
 
 void step() {
+  g_time_s += kStep_s;
+  const double down_mm = 0.5 * g_sway_mm * (1 - std::cos(4 * 3.14159265358979 * g_time_s));
   for (int i = 0; i < 3; ++i) {
-    const double position_m = 1e-3 * g_device.position_mm[i], speed = 1e-3 * g_speed_mm_per_s[i];
+    const double position_m = 1e-3 * (g_device.position_mm[i] + (i == 1 ? down_mm : 0)),
+                 speed = 1e-3 * g_speed_mm_per_s[i];
     const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) - kStiffness_N_per_m * position_m -
                          kDamping_Ns_per_m * speed;
     g_speed_mm_per_s[i] += 1e3 * kStep_s * force / kMass_kg;
@@ -71,6 +77,9 @@ HdStandIn* hd_stand_in() { return &g_device; }
 
 std::uint32_t hdInitDevice(const char* name) {
   for (int i = 0; i < 3; ++i) g_speed_mm_per_s[i] = 0;
+  const char* const sway = std::getenv("TACTUS_STAND_IN_SWAY_MM");
+  g_sway_mm = sway != nullptr ? std::atof(sway) : 0;
+  g_time_s = 0;
   if (name != nullptr && std::string_view(name) != "Left Device") raise(0x0302);
   if (g_device.init_error == 0) return kHandle;
   raise(g_device.init_error);
