@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -32,10 +33,19 @@ constexpr std::size_t kLongestLine = 256;
 std::atomic<bool> g_stop{false};
 void ask_to_stop(int) { g_stop.store(true); }
 
-// Lines of stdin, with a time limit: a force is held meanwhile.
+// Lines of stdin, with a time limit: a force is held meanwhile. Ends early when that force does.
 class Lines {
  public:
   enum class Got { kLine, kLate, kEnd };
+
+  explicit Lines(const hil::HeldForce& force) : force_(force) {}
+
+  // What a person has typed before the question is no answer to it.
+  void forget() {
+    if (isatty(STDIN_FILENO) == 0) return;
+    (void)tcflush(STDIN_FILENO, TCIFLUSH);
+    waiting_.clear();
+  }
 
   Got next(std::string& line, milliseconds longest) {
     const auto began = std::chrono::steady_clock::now();
@@ -45,7 +55,7 @@ class Lines {
         waiting_.erase(0, end + 1);
         return Got::kLine;
       }
-      if (g_stop.load() || waiting_.size() > kLongestLine) return Got::kEnd;
+      if (g_stop.load() || waiting_.size() > kLongestLine || !force_.trouble().ok()) return Got::kEnd;
       if (longest != kForever && std::chrono::steady_clock::now() - began > longest) return Got::kLate;
       pollfd input{STDIN_FILENO, POLLIN, 0};
       if (::poll(&input, 1, 100) <= 0) continue;
@@ -57,6 +67,7 @@ class Lines {
   }
 
  private:
+  const hil::HeldForce& force_;
   std::string waiting_;
 };
 
@@ -68,11 +79,12 @@ struct Ended {
 
 class Conversation {
  public:
-  explicit Conversation(hil::HeldForce& force) : force_(force) {}
+  explicit Conversation(const hil::HeldForce& force) : force_(force), lines_(force) {}
 
   // False: the input ended.
   bool wait_for_enter(const std::string& question) {
     fmt::print(stderr, "{}", question);
+    lines_.forget();
     std::string line;
     return lines_.next(line, kForever) == Lines::Got::kLine;
   }
@@ -100,17 +112,17 @@ class Conversation {
   }
 
  private:
-  hil::HeldForce& force_;
+  const hil::HeldForce& force_;
   Lines lines_;
 };
 
 // Nullopt: `ended` says why.
 std::optional<hil::GainResult> measure(hil::HeldForce& force, hil::ScaleCalibration& pushes, Ended& ended) {
   Conversation person(force);
-  fmt::print(
-      stderr,
-      "Put the scale below the grip, with a cup or some books on it, so that the grip rests on them near the\n"
-      "middle of its reach; switch the scale on and let go of the grip. Nothing pushes before you press Enter.\n");
+  fmt::print(stderr,
+             "Put the scale below the grip, with a cup or some books on it, so that the grip rests on them near the\n"
+             "middle of its reach; switch the scale on and let go of the grip. Nothing pushes before you press Enter; "
+             "Ctrl-C ends it.\n");
   const auto rest_g = person.grams("What does the scale show [g]? ", kForever, ended);
   if (!rest_g) return std::nullopt;
   for (unsigned push = 1; !pushes.done(); ++push) {
