@@ -56,6 +56,13 @@ struct DeviceClass {
   // What `tactus doctor` looks at: USB, or these CAN interfaces. Null: no CAN.
   bool usb{false};
   std::vector<std::string> (*can_interfaces)(std::string_view address){nullptr};
+  // What this machine has of that which the class needs, such as a maker's library, as a line for `tactus doctor`;
+  // opens no device. Null: nothing. Error, one line: what is missing.
+  Result<std::string> (*look)(std::string_view address){nullptr};
+  // Of a device whose motor values per N m its user measures (`tactus hil --calibrate`): those that an address means,
+  // and the address with others. Null: there is nothing to measure.
+  double (*force_gain)(std::string_view address){nullptr};
+  std::string (*with_force_gain)(std::string_view address, double gain_per_Nm){nullptr};
 };
 
 // In the order of hal/device_list.h.

@@ -8,4 +8,5 @@
   X(falcon)                      \
   X(simulated_falcon)            \
   X(dhd)                         \
+  X(openhaptics)                 \
   X(example)

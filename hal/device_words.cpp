@@ -6,6 +6,7 @@
 
 #include "firmware/faults.h"
 #include "hal/drives/drive_faults.h"
+#include "hal/sdk/sdk_faults.h"
 
 namespace tactus::hal {
 namespace {
@@ -65,6 +66,8 @@ std::string describe_device_fault(std::uint32_t number) {
   if (number == 0) return {};
   if (const std::string drive = describe_drive_fault(number); !drive.empty())
     return fmt::format("device fault {}: {}", number, drive);
+  if (const std::string library = describe_sdk_fault(number); !library.empty())
+    return fmt::format("device fault {}: {}", number, library);
   return fmt::format("device fault {}: {}", number, words_of(static_cast<firmware::Fault>(number)));
 }
 

@@ -9,6 +9,12 @@ namespace {
 
 Status any_folder(std::string_view) { return Status::good(); }
 
+Result<std::string> look(std::string_view address) {
+  const auto library = DhdLibrary::load(address);
+  if (!library.ok()) return library.status();
+  return "Force Dimension's library is " + library.value()->path();
+}
+
 Result<OpenedDevice> open(const DeviceRequest& request) {
   auto library = DhdLibrary::load(request.address);
   if (!library.ok()) return library.status();
@@ -28,6 +34,7 @@ const DeviceClass dhd_class{.name = "dhd",
                             .what = "a Force Dimension device, through the maker's library",
                             .real = true,
                             .check_address = any_folder,
-                            .open = open};
+                            .open = open,
+                            .look = look};
 
 }  // namespace tactus::hal

@@ -1,6 +1,6 @@
 // falcon[:FILE[,GAIN]]: a Novint Falcon over USB; FILE is the firmware image that its user has, GAIN the motor values
-// per N m. falcon-sim: a simulated one in the haptic thread. Both have properties of their own: a description has no
-// effect.
+// per N m. falcon-sim[:GAIN]: a simulated one in the haptic thread, whose motors have kFalconGain. Both have properties
+// of their own: a description has no effect.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -20,20 +20,34 @@ struct FalconAddress {
   double gain{kFalconGain};
 };
 
+Status parse_gain(std::string_view digits, double& gain) {
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), gain);
+  const bool whole = error == std::errc() && end == digits.data() + digits.size();
+  if (whole && gain >= kMinGain && gain <= kMaxGain) return Status::good();
+  return Status::error(fmt::format("has no gain from {:g} to {:g}", kMinGain, kMaxGain));
+}
+
 Status parse(std::string_view address, FalconAddress& parsed) {
   const std::size_t comma = address.rfind(',');
   parsed.file = address.substr(0, comma);
   if (comma == std::string_view::npos) return Status::good();
-  const std::string_view digits = address.substr(comma + 1);
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), parsed.gain);
-  const bool whole = error == std::errc() && end == digits.data() + digits.size();
-  if (whole && parsed.gain >= kMinGain && parsed.gain <= kMaxGain) return Status::good();
-  return Status::error(fmt::format("has no gain from {:g} to {:g} after the comma", kMinGain, kMaxGain));
+  return parse_gain(address.substr(comma + 1), parsed.gain);
 }
 
 Status check_address(std::string_view address) {
   FalconAddress parsed;
   return parse(address, parsed);
+}
+
+double gain_of(std::string_view address) {
+  FalconAddress parsed;
+  return parse(address, parsed).ok() ? parsed.gain : kFalconGain;
+}
+
+std::string with_gain(std::string_view address, double gain_per_Nm) {
+  FalconAddress parsed;
+  (void)parse(address, parsed);
+  return fmt::format("{},{:.0f}", parsed.file, gain_per_Nm);
 }
 
 Result<OpenedDevice> open(const DeviceRequest& request) {
@@ -56,9 +70,21 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
   return OpenedDevice{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity), {}};
 }
 
+double simulated_gain_of(std::string_view address) {
+  double gain = kFalconGain;
+  return address.empty() || !parse_gain(address, gain).ok() ? kFalconGain : gain;
+}
+
+Status check_simulated(std::string_view address) {
+  double gain = 0;
+  return address.empty() ? Status::good() : parse_gain(address, gain);
+}
+
+std::string simulated_with_gain(std::string_view, double gain_per_Nm) { return fmt::format("{:.0f}", gain_per_Nm); }
+
 Result<OpenedDevice> open_simulated(const DeviceRequest& request) {
   if (request.faults.count > 0) return Status::error("--inject: falcon-sim takes no faults; accepted: with sim");
-  auto device = std::make_unique<SimulatedFalcon>(request.hand, request.period_ns);
+  auto device = std::make_unique<SimulatedFalcon>(request.hand, request.period_ns, simulated_gain_of(request.address));
   return OpenedDevice{std::make_unique<AnyDevice>(std::move(device)), "simulated Novint Falcon", {}};
 }
 
@@ -71,12 +97,16 @@ const DeviceClass falcon_class{.name = "falcon",
                                .what = "a Novint Falcon on USB, with its user's firmware image",
                                .real = true,
                                .check_address = check_address,
-                               .open = open};
+                               .open = open,
+                               .force_gain = gain_of,
+                               .with_force_gain = with_gain};
 
 const DeviceClass simulated_falcon_class{.name = "falcon-sim",
-                                         .forms = "falcon-sim",
+                                         .forms = "falcon-sim, falcon-sim:GAIN",
                                          .what = "a simulated Novint Falcon",
-                                         .check_address = check_no_address,
-                                         .open = open_simulated};
+                                         .check_address = check_simulated,
+                                         .open = open_simulated,
+                                         .force_gain = simulated_gain_of,
+                                         .with_force_gain = simulated_with_gain};
 
 }  // namespace tactus::hal

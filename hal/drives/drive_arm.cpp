@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "firmware/faults.h"
 #include "hal/drives/drive_faults.h"
 
 namespace tactus::hal {
@@ -13,12 +12,9 @@ namespace {
 using haptics::DeviceState;
 using haptics::ReadStatus;
 
-constexpr std::uint32_t kFadeMissed = 3, kBrakeMissed = 10;
 constexpr unsigned kSilentPeriods = 10, kEnablingPeriods = 20;
 // An answer belongs to this period if it is younger than this many periods.
 constexpr double kFreshPeriods = 1.5;
-
-std::uint32_t number_of(firmware::Fault fault) noexcept { return static_cast<std::uint32_t>(fault); }
 
 }  // namespace
 
@@ -57,6 +53,7 @@ Status DriveArm::start() {
 
 void DriveArm::read(haptics::DeviceInput& input) noexcept {
   ++periods_;
+  states_.begin_period();
   malformed_ = false;
   for (unsigned i = 0; i < count_; ++i) axes_[i].answered = false;
   for (unsigned bus = 0; bus < buses_.size(); ++bus) drain(bus);
@@ -64,16 +61,16 @@ void DriveArm::read(haptics::DeviceInput& input) noexcept {
   if (input.status == ReadStatus::kFresh) {
     q_ = coordinates();
     sample_.device_from_tool = kinematics_.pose_of(q_);
-    sample_.echoed_sequence = command_.sequence;
+    sample_.echoed_sequence = states_.command().sequence;
     ++sample_.sequence;
     sample_.device_time_ns = periods_ * static_cast<std::uint64_t>(period_ns_);
-    if (state_ == DeviceState::kReset) state_ = DeviceState::kIdle;
+    if (states_.state() == DeviceState::kReset) states_.enter(DeviceState::kIdle);
   }
   watch_drives();
   watch_commands();
-  sample_.state = state_;
-  sample_.device_fault = fault_;
-  sample_.missed_commands = missed_ > 0 ? missed_ - 1 : 0;
+  sample_.state = states_.state();
+  sample_.device_fault = states_.fault();
+  sample_.missed_commands = states_.missed();
   input.sample = sample_;
 }
 
@@ -150,7 +147,7 @@ void DriveArm::watch_drives() noexcept {
   if (step_ != Step::kEnabling) return;
   if (all_enabled) {
     step_ = Step::kForce;
-    state_ = DeviceState::kForce;
+    states_.enter(DeviceState::kForce);
   } else if (++enabling_periods_ > kEnablingPeriods) {
     for (unsigned i = 0; i < count_; ++i)
       if (axes_[i].answer.mode != DriveMode::kEnabled) return brake(kDriveLeftForce + i);
@@ -159,18 +156,17 @@ void DriveArm::watch_drives() noexcept {
 
 // Host-side watchdog: the drives' own acts when this process does not.
 void DriveArm::watch_commands() noexcept {
-  if (missed_ <= kBrakeMissed) ++missed_;  // 1: the command that the last write brought
-  const std::uint32_t missed = missed_ - 1;
-  if (missed == 0) return;
-  if (missed >= kBrakeMissed && step_ == Step::kForce) brake(number_of(firmware::Fault::kCommandsLost));
-  const double share =
-      missed < kFadeMissed ? 1.0 : std::max(0.0, static_cast<double>(kBrakeMissed - missed) / (kBrakeMissed - 2));
-  send_step(share);
+  if (states_.missed() == 0) return;
+  if (states_.commands_lost() && step_ == Step::kForce) brake(number_of(firmware::Fault::kCommandsLost));
+  send_step(share_after(states_.missed()));
 }
 
 void DriveArm::brake(std::uint32_t fault) noexcept {
-  if (state_ != DeviceState::kBrake) fault_ = fault;  // the first cause
-  state_ = DeviceState::kBrake;
+  states_.brake(fault);
+  brake_drives();
+}
+
+void DriveArm::brake_drives() noexcept {
   step_ = Step::kBraking;
   for (Axis& axis : axes_) axis.effort = 0;
 }
@@ -178,27 +174,24 @@ void DriveArm::brake(std::uint32_t fault) noexcept {
 // --- writing
 
 void DriveArm::write(const haptics::DeviceCommand& command) noexcept {
-  const bool rearms = command.rearm != 0 && command_.rearm == 0;  // the edge, so that a stuck flag has no effect
-  command_ = command;
-  missed_ = 0;
-  if (!is_finite(command.wrench))
-    brake(number_of(firmware::Fault::kEffortNotFinite));
-  else if (command.wanted == DeviceState::kBrake)
-    brake(0);
-  else if (state_ == DeviceState::kBrake && rearms) {
-    state_ = DeviceState::kIdle;
-    step_ = Step::kClearing;
-    fault_ = 0;
-  } else {
-    choose_step();
+  switch (states_.accept(command)) {
+    case HostStates::Next::kStay:
+      brake_drives();
+      break;
+    case HostStates::Next::kRearmed:
+      step_ = Step::kClearing;
+      break;
+    case HostStates::Next::kFollow:
+      choose_step();
+      break;
   }
   send_step(1.0);
 }
 
 // The next step of the way from what the drives do to what is wanted.
 void DriveArm::choose_step() noexcept {
-  if (state_ == DeviceState::kBrake || state_ == DeviceState::kReset) return;
-  if (command_.wanted == DeviceState::kForce) {
+  if (states_.state() == DeviceState::kReset) return;
+  if (states_.command().wanted == DeviceState::kForce) {
     if (step_ == Step::kForce || step_ == Step::kEnabling) return;
     step_ = Step::kEnabling;
     enabling_periods_ = 0;
@@ -213,7 +206,7 @@ void DriveArm::choose_step() noexcept {
       step_ = Step::kLeaving;  // one command without torque, which the drives keep, before they are disabled
     else
       step_ = Step::kIdle;
-    state_ = DeviceState::kIdle;
+    states_.enter(DeviceState::kIdle);
   }
 }
 
@@ -228,7 +221,7 @@ void DriveArm::send_step(double share) noexcept {
   if (step_ == Step::kBraking) return send_all(DriveAction::kBrake, effort);
   if (step_ == Step::kClearing) return send_all(DriveAction::kClear, effort);
   if (step_ == Step::kLeaving) return send_all(DriveAction::kTorque, effort);
-  Wrenchd wrench = command_.wrench;
+  Wrenchd wrench = states_.command().wrench;
   const double force = norm(wrench.force), torque = norm(wrench.torque);
   if (force > properties_.max_force_N) wrench.force = wrench.force * (properties_.max_force_N / force);
   if (torque > properties_.max_torque_Nm) wrench.torque = wrench.torque * (properties_.max_torque_Nm / torque);

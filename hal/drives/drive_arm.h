@@ -17,8 +17,8 @@
 
 #include "hal/drives/drive_bus.h"
 #include "hal/drives/drive_codec.h"
+#include "hal/host_states.h"
 #include "hal/profiles.h"
-#include "rt/haptics/device.h"
 
 namespace tactus::hal {
 
@@ -70,6 +70,7 @@ class DriveArm {
   void send_step(double share) noexcept;
   void send_all(DriveAction action, const AxisVector& effort) noexcept;
   void brake(std::uint32_t fault) noexcept;
+  void brake_drives() noexcept;
   AxisVector coordinates() const noexcept;
 
   DriveDescription drives_;
@@ -82,11 +83,9 @@ class DriveArm {
   std::array<Axis, kAxisCount> axes_{};
   unsigned count_;
   haptics::DeviceSample sample_;
-  haptics::DeviceCommand command_;
+  HostStates states_{haptics::DeviceState::kReset};
   AxisVector q_{};
-  haptics::DeviceState state_{haptics::DeviceState::kReset};
   Step step_{Step::kIdle};
-  std::uint32_t fault_{0}, missed_{0};
   unsigned enabling_periods_{0};
   std::uint64_t periods_{0};
   bool malformed_{false}, to_disable_{false};

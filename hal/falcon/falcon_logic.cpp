@@ -1,6 +1,5 @@
 #include "hal/falcon/falcon_logic.h"
 
-#include "firmware/faults.h"
 #include "hal/kinematics/reach.h"
 
 namespace tactus::hal {
@@ -9,11 +8,8 @@ namespace {
 using haptics::DeviceState;
 using haptics::ReadStatus;
 
-constexpr std::uint32_t kFadeMissed = 3, kBrakeMissed = 10;
 constexpr double kMotorEnd = 4095;
 constexpr std::uint8_t kAllHomed = 7;
-
-std::uint32_t number_of(firmware::Fault fault) noexcept { return static_cast<std::uint32_t>(fault); }
 
 }  // namespace
 
@@ -37,12 +33,13 @@ FalconLogic::FalconLogic(double gain_per_Nm, std::int64_t period_ns)
 void FalconLogic::read(const FalconState* fresh, bool connected, std::uint64_t echoed,
                        haptics::DeviceInput& input) noexcept {
   ++periods_;
-  if (missed_ <= kBrakeMissed) ++missed_;  // 1: the command that the last write brought
-  if (missed_ > kBrakeMissed && state_ == DeviceState::kForce) brake(number_of(firmware::Fault::kCommandsLost));
+  states_.begin_period();
+  const bool pushes = states_.state() == DeviceState::kForce;
+  if (states_.commands_lost() && pushes) states_.brake(number_of(firmware::Fault::kCommandsLost));
   input.status = connected ? ReadStatus::kMissing : ReadStatus::kDisconnected;
   if (fresh != nullptr && connected) {
     homed_ = fresh->homed == kAllHomed;
-    if (!homed_ && state_ == DeviceState::kForce) brake(number_of(firmware::Fault::kEncoder));
+    if (!homed_ && pushes) states_.brake(number_of(firmware::Fault::kEncoder));
     AxisVector q{};
     for (unsigned i = 0; i < 3; ++i)
       q[i] = DeltaArm::kZeroCount_rad + fresh->counts[i] * DeltaArm::kCount_rad - DeltaArm::centre_angle();
@@ -59,34 +56,25 @@ void FalconLogic::read(const FalconState* fresh, bool connected, std::uint64_t e
       sample_.echoed_sequence = echoed;
     }
   }
-  sample_.state = state_;
-  sample_.device_fault = fault_;
+  sample_.state = states_.state();
+  sample_.device_fault = states_.fault();
   sample_.limits = homed_ ? 0u : firmware::bit_of(firmware::Limit::kNotHomed);
   input.sample = sample_;
 }
 
 void FalconLogic::write(const haptics::DeviceCommand& command) noexcept {
-  const bool rearms = command.rearm != 0 && command_.rearm == 0;  // the edge, so that a stuck flag has no effect
-  command_ = command;
-  missed_ = 0;
-  if (!is_finite(command.wrench)) return brake(number_of(firmware::Fault::kEffortNotFinite));
-  if (command.wanted == DeviceState::kBrake) return brake(0);
-  if (state_ == DeviceState::kBrake) {
-    if (!rearms || !homed_) return;
-    state_ = DeviceState::kIdle;
-    fault_ = 0;
-  }
-  state_ = command.wanted == DeviceState::kForce && homed_ ? DeviceState::kForce : DeviceState::kIdle;
+  if (states_.accept(command, homed_) == HostStates::Next::kStay) return;
+  states_.enter(command.wanted == DeviceState::kForce && homed_ ? DeviceState::kForce : DeviceState::kIdle);
 }
 
 FalconRequest FalconLogic::request() const noexcept {
-  FalconRequest request{.green = state_ == DeviceState::kForce, .blue = homed_, .red = !homed_};
-  if (state_ != DeviceState::kForce) return request;
-  const std::uint32_t missed = missed_ > 0 ? missed_ - 1 : 0;
-  const double fade = missed < kFadeMissed ? 1.0 : static_cast<double>(kBrakeMissed - missed) / (kBrakeMissed - 2);
-  const double size = norm(command_.wrench.force);
-  const double share = fade * (size > kFalconForce_N ? kFalconForce_N / size : 1.0);
-  const AxisVector effort = DeltaArm().efforts_of(q_, {command_.wrench.force * share, {}});
+  const bool pushes = states_.state() == DeviceState::kForce;
+  FalconRequest request{.green = pushes, .blue = homed_, .red = !homed_};
+  if (!pushes) return request;
+  const Vec3d& force = states_.command().wrench.force;
+  const double size = norm(force);
+  const double share = share_after(states_.missed()) * (size > kFalconForce_N ? kFalconForce_N / size : 1.0);
+  const AxisVector effort = DeltaArm().efforts_of(q_, {force * share, {}});
   // Cut after scaling and with the direction kept: before it, the 16 bits would wrap.
   double largest = 0;
   for (unsigned i = 0; i < 3; ++i) largest = std::max(largest, std::abs(gain_per_Nm_ * effort[i]));
@@ -94,11 +82,6 @@ FalconRequest FalconLogic::request() const noexcept {
   for (unsigned i = 0; i < 3; ++i)
     request.motors[i] = static_cast<std::int16_t>(std::lround(-gain_per_Nm_ * effort[i] * cut));
   return request;
-}
-
-void FalconLogic::brake(std::uint32_t fault) noexcept {
-  if (state_ != DeviceState::kBrake) fault_ = fault;  // the first cause
-  state_ = DeviceState::kBrake;
 }
 
 }  // namespace tactus::hal

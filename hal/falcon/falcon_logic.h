@@ -8,7 +8,7 @@
 
 #include "hal/falcon/delta_arm.h"
 #include "hal/falcon/falcon_packet.h"
-#include "rt/haptics/device.h"
+#include "hal/host_states.h"
 
 namespace tactus::hal {
 
@@ -24,22 +24,18 @@ class FalconLogic {
   // One period: the newest state of the device, null if none came.
   void read(const FalconState* fresh, bool connected, std::uint64_t echoed, haptics::DeviceInput& input) noexcept;
   void write(const haptics::DeviceCommand& command) noexcept;
-  // For the device now: without force unless in FORCE. `missed`: periods without a command; fades and ends the force.
+  // For the device now: without force unless in FORCE; missing commands fade it.
   FalconRequest request() const noexcept;
-  std::uint64_t commanded() const noexcept { return command_.sequence; }
+  std::uint64_t commanded() const noexcept { return states_.command().sequence; }
 
  private:
-  void brake(std::uint32_t fault) noexcept;
-
   double gain_per_Nm_;
   std::int64_t period_ns_;
   haptics::DeviceProperties properties_;
   haptics::DeviceSample sample_;
-  haptics::DeviceCommand command_;
+  HostStates states_;
   AxisVector q_{};
   Vec3d place_{0, 0, 0.125};  // maker's frame: where the next search begins
-  haptics::DeviceState state_{haptics::DeviceState::kIdle};
-  std::uint32_t fault_{0}, missed_{0};
   bool homed_{false};
   std::uint64_t periods_{0};
 };

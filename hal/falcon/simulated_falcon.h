@@ -64,8 +64,9 @@ class SimulatedFalconPort final : public FalconPort {
 
 class SimulatedFalcon {
  public:
-  SimulatedFalcon(const HandModel& hand, std::int64_t period_ns)
-      : port_(hand, kFalconGain, period_ns, true), logic_(kFalconGain, period_ns) {
+  // `gain_per_Nm`: what the host takes the motors' gain for, which is kFalconGain.
+  SimulatedFalcon(const HandModel& hand, std::int64_t period_ns, double gain_per_Nm = kFalconGain)
+      : port_(hand, kFalconGain, period_ns, true), logic_(gain_per_Nm, period_ns) {
     FalconState state;
     if (exchange_falcon(port_, {}, scanner_, state, std::chrono::milliseconds(1))) state_ = state;
   }

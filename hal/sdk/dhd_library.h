@@ -6,8 +6,10 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <utility>
 
-#include "rt/base/result.h"
+#include "hal/sdk/shared_library.h"
 
 namespace tactus::hal {
 
@@ -41,17 +43,15 @@ class DhdLibrary {
   // `folder`: where the libraries are, or one of them; empty: $FDSDK, $FORCEDIM_SDK, then where the system looks.
   // Error, one line: where it looked, or which function the library lacks.
   static Result<std::unique_ptr<DhdLibrary>> load(const std::filesystem::path& folder);
-  ~DhdLibrary();
-  DhdLibrary(const DhdLibrary&) = delete;
-  DhdLibrary& operator=(const DhdLibrary&) = delete;
 
   const DhdFunctions& functions() const noexcept { return functions_; }
+  const std::string& path() const noexcept { return library_.path(); }
 
  private:
-  DhdLibrary() = default;
+  explicit DhdLibrary(SharedLibrary library) : library_(std::move(library)) {}
   Status resolve();
 
-  void* handle_{nullptr};
+  SharedLibrary library_;
   DhdFunctions functions_{};
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/host_states.h"
 #include "rt/base/rotation_axes.h"
 
 namespace tactus::hal {
@@ -95,8 +96,8 @@ DhdPort::~DhdPort() {
 bool DhdPort::enable_forces(bool on) noexcept {
   const char id = static_cast<char>(id_);
   const int zeros = f_.dhdSetForceAndTorqueAndGripperForce(0, 0, 0, 0, 0, 0, 0, id);
-  if (!on) return f_.dhdStop(id) == kGood && zeros != -1;
-  return f_.dhdSetBrakes(0, id) != -1 && f_.dhdEnableForce(1, id) == kGood;
+  forces_ = on && f_.dhdSetBrakes(0, id) != -1 && f_.dhdEnableForce(1, id) == kGood;
+  return on ? forces_ : f_.dhdStop(id) == kGood && zeros != -1;
 }
 
 SdkResult DhdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
@@ -119,7 +120,7 @@ SdkResult DhdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
     state.device_from_tool.rotation = {turn.w, axis.x, axis.y, axis.z};
   }
   state.buttons = f_.dhdGetButtonMask(id);
-  state.may_push = status[kForceOn] != 0;
+  if (forces_ && status[kForceOn] == 0) state.fault = number_of(firmware::Fault::kMotorBus);
   const bool whole = is_finite(state.device_from_tool);
   return got == kTimeGuard ? SdkResult::kOld : whole ? SdkResult::kFresh : SdkResult::kError;
 }

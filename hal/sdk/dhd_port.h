@@ -34,6 +34,7 @@ class DhdPort final : public SdkPort {
   std::unique_ptr<DhdLibrary> library_;
   const DhdFunctions& f_;
   int id_{-1};
+  bool forces_{false};
   std::string identity_;
   haptics::DeviceProperties properties_;
 };

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <vector>
 
-#include "firmware/faults.h"
+#include "hal/device_words.h"
 #include "rt/base/clock.h"
 
 namespace tactus::hal {
@@ -16,8 +15,18 @@ using haptics::ReadStatus;
 
 constexpr std::uint32_t kStack_KiB = 512;  // of the library, whose depth is not known
 constexpr int kPriority = 85;
+// For a scheduler to make the trials, beyond their periods; and for its last call.
+constexpr std::int64_t kPatience_ns = 1'000'000'000, kLastCall_ns = 100'000'000, kLook_ns = 1'000'000;
 
-std::uint32_t number_of(firmware::Fault fault) noexcept { return static_cast<std::uint32_t>(fault); }
+// False: `done` did not become true in time.
+template <class Done>
+bool wait_for(std::int64_t longest_ns, Done&& done) {
+  for (const std::int64_t end_ns = MonotonicClock::now_ns() + longest_ns; !done();) {
+    if (MonotonicClock::now_ns() > end_ns) return false;
+    MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + kLook_ns);
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -26,8 +35,14 @@ SdkDevice::SdkDevice(std::unique_ptr<SdkPort> port, std::int64_t period_ns)
 
 Result<std::unique_ptr<SdkDevice>> SdkDevice::start(std::unique_ptr<SdkPort> port, std::int64_t period_ns) {
   std::unique_ptr<SdkDevice> device(new SdkDevice(std::move(port), period_ns));
-  if (Status status = device->measure(); !status.ok()) return status;
   device->publish();
+  if (device->port_->has_scheduler()) {
+    const auto call = [](void* context) noexcept { static_cast<SdkDevice*>(context)->called(); };
+    if (Status status = device->port_->start_calls({call, device.get()}, period_ns); !status.ok()) return status;
+  }
+  if (Status status = device->run_trials(); !status.ok()) return status;
+  if (Status status = device->judge_trials(); !status.ok()) return status;
+  if (device->port_->has_scheduler()) return device;
   const auto body = [](void* context) noexcept { static_cast<SdkDevice*>(context)->work(); };
   if (Status status = device->thread_.start(kStack_KiB, {.cpu = -1, .priority = kPriority}, body, device.get());
       !status.ok())
@@ -37,24 +52,37 @@ Result<std::unique_ptr<SdkDevice>> SdkDevice::start(std::unique_ptr<SdkPort> por
 
 SdkDevice::~SdkDevice() {
   stop_.store(true, std::memory_order_relaxed);
+  if (port_->has_scheduler()) {
+    (void)wait_for(kLastCall_ns, [this] { return finished_.load(std::memory_order_acquire); });
+    port_->stop_calls();
+  }
   thread_.join();
+  if (!finished_.load(std::memory_order_acquire)) finish();
 }
 
-Status SdkDevice::measure() {
-  std::vector<std::int64_t> times_ns;
-  unsigned good = 0;
-  for (unsigned i = 0; i < kTrials; ++i) {
-    SdkState state;
-    const std::int64_t began_ns = MonotonicClock::now_ns();
-    const SdkResult result = port_->exchange({}, state);
-    times_ns.push_back(MonotonicClock::now_ns() - began_ns);
-    if (result != SdkResult::kError) ++good;
-    if (result == SdkResult::kGone) return Status::error("the device does not answer its library");
+Status SdkDevice::run_trials() {
+  if (port_->has_scheduler()) {
+    const auto done = [this] { return trials_.load(std::memory_order_acquire) == kTrials; };
+    if (wait_for(kTrials * period_ns_ + kPatience_ns, done)) return Status::good();
+    return Status::error(
+        fmt::format("the library's scheduler made {} of {} calls; restart the maker's driver, or unplug the device and "
+                    "plug it in again",
+                    trials_.load(std::memory_order_acquire), kTrials));
   }
-  if (2 * good < kTrials)
-    return Status::error(fmt::format("the library refused {} of {} exchanges", kTrials - good, kTrials));
-  std::sort(times_ns.begin(), times_ns.end());
-  const std::int64_t median_ns = times_ns[kTrials / 2], late_ns = times_ns[kTrials * 9 / 10];
+  while (trials_.load(std::memory_order_relaxed) < kTrials) {
+    try_once();
+    if (trial_result_ == SdkResult::kGone) break;
+  }
+  return Status::good();
+}
+
+Status SdkDevice::judge_trials() {
+  if (trial_state_.fault != 0) return Status::error(describe_device_fault(trial_state_.fault));
+  if (trial_result_ == SdkResult::kGone) return Status::error("the device does not answer its library");
+  if (2 * good_trials_ < kTrials)
+    return Status::error(fmt::format("the library refused {} of {} exchanges", kTrials - good_trials_, kTrials));
+  std::sort(trial_ns_.begin(), trial_ns_.end());
+  const std::int64_t median_ns = trial_ns_[kTrials / 2], late_ns = trial_ns_[kTrials * 9 / 10];
   if (median_ns > period_ns_ / 2)
     return Status::error(fmt::format("the library takes {} us for an exchange; accepted: at most {} at this rate",
                                      median_ns / 1000, period_ns_ / 2000));
@@ -65,98 +93,113 @@ Status SdkDevice::measure() {
 // --- the haptic thread
 
 void SdkDevice::publish() noexcept {
-  requests_.writing() = {command_.wrench, state_ == DeviceState::kForce, command_.sequence};
+  const haptics::DeviceCommand& command = states_.command();
+  requests_.writing() = {command.wrench, states_.state() == DeviceState::kForce, command.sequence};
+  const double force = norm(command.wrench.force), torque = norm(command.wrench.torque);
+  Wrenchd& wrench = requests_.writing().wrench;
+  if (force > properties_.max_force_N) wrench.force *= properties_.max_force_N / force;
+  if (torque > properties_.max_torque_Nm) wrench.torque *= properties_.max_torque_Nm / torque;
   requests_.publish();
 }
 
 void SdkDevice::read(haptics::DeviceInput& input) noexcept {
   ++periods_;
-  if (missed_ <= kBrake) ++missed_;  // 1: the command that the last write brought
-  if (missed_ > kBrake && state_ == DeviceState::kForce) {
-    brake(number_of(firmware::Fault::kCommandsLost));
+  states_.begin_period();
+  if (states_.commands_lost() && states_.state() == DeviceState::kForce) {
+    states_.brake(number_of(firmware::Fault::kCommandsLost));
     publish();
   }
-  const Answer* fresh = answers_.take();
-  input.status = gone_.load(std::memory_order_relaxed) ? ReadStatus::kDisconnected
-                 : fresh != nullptr                    ? ReadStatus::kFresh
-                                                       : ReadStatus::kMissing;
-  if (fresh != nullptr) {
-    sample_.device_from_tool = fresh->state.device_from_tool;
-    sample_.buttons = fresh->state.buttons;
-    sample_.echoed_sequence = fresh->echoed;
+  const Answer* answer = answers_.take();
+  silent_ = answer != nullptr ? 0 : std::min(silent_ + 1, kGone);
+  const bool fresh = answer != nullptr && answer->fresh;
+  const bool gone = silent_ == kGone || gone_.load(std::memory_order_relaxed);
+  input.status = gone ? ReadStatus::kDisconnected : fresh ? ReadStatus::kFresh : ReadStatus::kMissing;
+  if (fresh) {
+    sample_.device_from_tool = answer->state.device_from_tool;
+    sample_.buttons = answer->state.buttons;
+    sample_.echoed_sequence = answer->echoed;
     ++sample_.sequence;
     sample_.device_time_ns = periods_ * static_cast<std::uint64_t>(period_ns_);
-    if (!fresh->state.may_push && state_ == DeviceState::kForce) brake(number_of(firmware::Fault::kMotorBus));
   }
-  sample_.state = state_;
-  sample_.device_fault = fault_;
-  sample_.missed_commands = missed_ > 0 ? missed_ - 1 : 0;
+  if (answer != nullptr && answer->state.fault != 0 && states_.state() == DeviceState::kForce)
+    states_.brake(answer->state.fault);
+  sample_.state = states_.state();
+  sample_.device_fault = states_.fault();
+  sample_.missed_commands = states_.missed();
   input.sample = sample_;
 }
 
 void SdkDevice::write(const haptics::DeviceCommand& command) noexcept {
-  const bool rearms = command.rearm != 0 && command_.rearm == 0;  // the edge, so that a stuck flag has no effect
-  command_ = command;
-  missed_ = 0;
-  if (!is_finite(command.wrench)) {
-    command_.wrench = {};
-    brake(number_of(firmware::Fault::kEffortNotFinite));
-  } else if (command.wanted == DeviceState::kBrake) {
-    brake(0);
-  } else if (state_ != DeviceState::kBrake) {
-    state_ = command.wanted == DeviceState::kForce ? DeviceState::kForce : DeviceState::kIdle;
-  } else if (rearms) {
-    state_ = DeviceState::kIdle;
-    fault_ = 0;
-  }
-  const double force = norm(command_.wrench.force), torque = norm(command_.wrench.torque);
-  if (force > properties_.max_force_N) command_.wrench.force *= properties_.max_force_N / force;
-  if (torque > properties_.max_torque_Nm) command_.wrench.torque *= properties_.max_torque_Nm / torque;
+  if (states_.accept(command) == HostStates::Next::kFollow)
+    states_.enter(command.wanted == DeviceState::kForce ? DeviceState::kForce : DeviceState::kIdle);
   publish();
-}
-
-void SdkDevice::brake(std::uint32_t fault) noexcept {
-  if (state_ != DeviceState::kBrake) fault_ = fault;  // the first cause
-  state_ = DeviceState::kBrake;
 }
 
 // --- the library's thread
 
+void SdkDevice::try_once() noexcept {
+  const unsigned trial = trials_.load(std::memory_order_relaxed);
+  const std::int64_t began_ns = MonotonicClock::now_ns();
+  trial_state_ = {};
+  trial_result_ = port_->exchange({}, trial_state_);
+  trial_ns_[trial] = MonotonicClock::now_ns() - began_ns;
+  good_trials_ += trial_result_ != SdkResult::kError;
+  trials_.store(trial + 1, std::memory_order_release);
+}
+
+void SdkDevice::exchange() noexcept {
+  if (const Request* request = requests_.take()) {
+    newest_ = *request;
+    unasked_ = 0;
+  } else if (unasked_ < kBrakeMissed) {
+    ++unasked_;
+  }
+  if (!newest_.force) reported_ = 0;  // the haptic thread knows it, or gives no force for another reason
+  const bool wants = newest_.force && unasked_ < kBrakeMissed && reported_ == 0;
+  if (wants != forces_ && port_->enable_forces(wants)) forces_ = wants;
+  const double share = share_after(unasked_);
+  const Wrenchd wrench =
+      forces_ && wants ? Wrenchd{newest_.wrench.force * share, newest_.wrench.torque * share} : Wrenchd{};
+  Answer answer;
+  const SdkResult result = port_->exchange(wrench, answer.state);
+  answer.fresh = result == SdkResult::kFresh;
+  // Where forces were not asked for, it says nothing that they are off; where they were and the library refused, all.
+  if (wants && reported_ == 0)
+    reported_ = answer.state.fault != 0 ? answer.state.fault : forces_ ? 0 : number_of(firmware::Fault::kMotorBus);
+  answer.state.fault = reported_;
+  lost_ = answer.fresh ? 0 : std::min(lost_ + 1, kGone);
+  gone_.store(result == SdkResult::kGone || lost_ >= kGone, std::memory_order_relaxed);
+  if (!answer.fresh && reported_ == 0) return;
+  answer.echoed = newest_.sequence;
+  answers_.writing() = answer;
+  answers_.publish();
+}
+
+void SdkDevice::finish() noexcept {
+  SdkState last;
+  (void)port_->exchange({}, last);
+  (void)port_->enable_forces(false);
+  finished_.store(true, std::memory_order_release);
+}
+
+// By the library's scheduler.
+void SdkDevice::called() noexcept {
+  if (finished_.load(std::memory_order_relaxed)) return;
+  if (stop_.load(std::memory_order_relaxed)) return finish();
+  if (trials_.load(std::memory_order_relaxed) < kTrials) return try_once();
+  exchange();
+}
+
+// By the device's own thread.
 void SdkDevice::work() noexcept {
-  Request newest;
-  unsigned silent = 0, lost = 0;
-  bool forces = false;
   std::int64_t deadline_ns = MonotonicClock::now_ns();
   while (!stop_.load(std::memory_order_relaxed)) {
-    if (const Request* request = requests_.take()) {
-      newest = *request;
-      silent = 0;
-    } else if (silent < kBrake) {
-      ++silent;
-    }
-    const bool wants = newest.force && silent < kBrake;
-    if (wants != forces && port_->enable_forces(wants)) forces = wants;  // refused: asked for again in the next period
-    const double share = silent < kFade ? 1.0 : static_cast<double>(kBrake - silent) / (kBrake - kFade + 1);
-    const Wrenchd wrench =
-        forces && wants ? Wrenchd{newest.wrench.force * share, newest.wrench.torque * share} : Wrenchd{};
-    Answer answer;
-    const SdkResult result = port_->exchange(wrench, answer.state);
-    // Where forces were not asked for, it says nothing that they are off; where they were and the library refused, all.
-    answer.state.may_push = !wants || (forces && answer.state.may_push);
-    lost = result == SdkResult::kFresh ? 0 : lost + 1;
-    gone_.store(result == SdkResult::kGone || lost >= kGone, std::memory_order_relaxed);
-    if (result == SdkResult::kFresh) {
-      answer.echoed = newest.sequence;
-      answers_.writing() = answer;
-      answers_.publish();
-    }
+    exchange();
     // A call that took longer than a period makes no burst afterwards.
     deadline_ns = std::max(deadline_ns + period_ns_, MonotonicClock::now_ns());
     MonotonicClock::sleep_until_ns(deadline_ns);
   }
-  SdkState last;
-  (void)port_->exchange({}, last);
-  (void)port_->enable_forces(false);
+  finish();
 }
 
 }  // namespace tactus::hal

@@ -1,30 +1,34 @@
-// A device through a maker's library (sdk_port.h): a thread of its own calls the library, the haptic thread exchanges
-// values with it.
+// A device through a maker's library (sdk_port.h): a thread of its own, or the library's, calls the library, and the
+// haptic thread exchanges values with it.
 //
-// The thread makes an exchange per period. If no new request comes for kFade periods it lowers the force, at kBrake it
-// switches the forces off: a library's own watchdog is fed by this thread, so it would not see a loop that stopped. It
-// does so when it ends, too. The age of a sample is the time that an exchange takes, measured at the start, and a
-// period: properties().delay_s, for the gain check. A call that takes longer: no fresh sample, and the loop fades.
-// Faults: 1 commands lost, 4 not finite (firmware/faults.h), 5 the device switched its forces off.
-// Thread: start(), destructor [setup]; read(), write() [rt]: atomic exchanges of values, no lock, no system call.
+// That thread makes an exchange per period. If no new request comes for kFadeMissed periods it lowers the force, at
+// kBrakeMissed it switches the forces off: a library's own watchdog is fed by this thread, so it would not see a loop
+// that stopped. It does so when it ends, too, and at once when the library reports a fault. The age of a sample is the
+// time that an exchange takes, measured at the start, and a period: properties().delay_s, for the gain check. A call
+// that takes longer: no fresh sample, and the loop fades. No call for kGone periods: disconnected.
+// Faults: 1 commands lost, 4 not finite (firmware/faults.h), 5 the device switched its forces off, and those of
+// sdk_faults.h. Thread: start(), destructor [setup]; read(), write() [rt]: atomic exchanges of values, no lock, no
+// system call.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 
+#include "hal/host_states.h"
 #include "hal/sdk/sdk_port.h"
 #include "rt/base/latest_value.h"
-#include "rt/base/result.h"
 #include "rt/thread/realtime_thread.h"
 
 namespace tactus::hal {
 
 class SdkDevice {
  public:
-  static constexpr unsigned kFade = 3, kBrake = 10, kGone = 50;  // periods in a row
-  static constexpr unsigned kTrials = 200;                       // exchanges without force, timed at the start
+  static constexpr unsigned kGone = 50;     // periods in a row
+  static constexpr unsigned kTrials = 200;  // exchanges without force, timed at the start
 
-  // Error: the library refuses exchanges, or they take more than half of a period in the median.
+  // Error, one line: the library refuses exchanges, reports a fault, takes more than half of a period in the median, or
+  // its scheduler does not call.
   static Result<std::unique_ptr<SdkDevice>> start(std::unique_ptr<SdkPort> port, std::int64_t period_ns);
   ~SdkDevice();
   SdkDevice(const SdkDevice&) = delete;
@@ -42,26 +46,42 @@ class SdkDevice {
   };
   struct Answer {
     SdkState state;
+    bool fresh{false};  // false: only the fault counts
     std::uint64_t echoed{0};
   };
 
   SdkDevice(std::unique_ptr<SdkPort> port, std::int64_t period_ns);
-  Status measure();
+  Status run_trials();
+  Status judge_trials();
   void publish() noexcept;
-  void brake(std::uint32_t fault) noexcept;
+  // Of the library's thread.
+  void called() noexcept;
   void work() noexcept;
+  void try_once() noexcept;
+  void exchange() noexcept;
+  void finish() noexcept;
 
   std::unique_ptr<SdkPort> port_;
   std::int64_t period_ns_;
   haptics::DeviceProperties properties_;
+  // Of the haptic thread.
   haptics::DeviceSample sample_;
-  haptics::DeviceCommand command_;
-  haptics::DeviceState state_{haptics::DeviceState::kIdle};
-  std::uint32_t fault_{0}, missed_{0};
+  HostStates states_;
   std::uint64_t periods_{0};
+  unsigned silent_{0};  // periods without an answer, in a row
   LatestValue<Request> requests_;
   LatestValue<Answer> answers_;
-  std::atomic<bool> stop_{false}, gone_{false};
+  // Of the library's thread, and before it starts and after it ended of the owner's.
+  Request newest_;
+  unsigned unasked_{0}, lost_{0};  // periods without a request; without a fresh sample
+  std::uint32_t reported_{0};      // the fault that the library reported, until force is not asked for any more
+  bool forces_{false};
+  std::array<std::int64_t, kTrials> trial_ns_{};
+  unsigned good_trials_{0};
+  SdkState trial_state_;
+  SdkResult trial_result_{SdkResult::kError};
+  std::atomic<unsigned> trials_{0};
+  std::atomic<bool> stop_{false}, finished_{false}, gone_{false};
   loop::RealtimeThread thread_;  // declared last: it uses the other members
 };
 

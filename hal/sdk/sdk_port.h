@@ -4,6 +4,7 @@
 // Thread: one owner, whose calls may wait for the bus. Frame: the device's. Units: SI.
 #pragma once
 
+#include "rt/base/result.h"
 #include "rt/haptics/device.h"
 
 namespace tactus::hal {
@@ -18,16 +19,29 @@ enum class SdkResult : std::uint8_t {
 struct SdkState {
   Posed device_from_tool;
   std::uint32_t buttons{0};
-  bool may_push{true};  // false: the device has switched its forces off by itself
+  std::uint32_t fault{0};  // why the device gives no force: firmware/faults.h, sdk_faults.h; 0: it would, or it does
+};
+
+// Called once a period.
+struct SdkCall {
+  void (*function)(void* context) noexcept {nullptr};
+  void* context{nullptr};
 };
 
 class SdkPort {
  public:
   virtual ~SdkPort() = default;
   virtual const haptics::DeviceProperties& properties() const noexcept = 0;
-  // Sends a wrench and takes a state, in the order that the library wants.
+  // Sends a wrench and takes a state, in the order that the library wants. The fault counts whatever the result is.
   virtual SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept = 0;
   virtual bool enable_forces(bool on) noexcept = 0;  // off: brakes, where the device has some. False: refused
+
+  // A library that makes its exchanges on a thread of its own has a scheduler: `call` runs there, once a period, from
+  // start_calls() to the end of stop_calls(); exchange() and enable_forces() are then called in it. Others are called
+  // by a thread of their device's.
+  virtual bool has_scheduler() const noexcept { return false; }
+  virtual Status start_calls(const SdkCall&, std::int64_t /*period_ns*/) { return Status::good(); }
+  virtual void stop_calls() noexcept {}
 };
 
 }  // namespace tactus::hal

@@ -20,6 +20,7 @@ using haptics::ReadStatus;
 constexpr double kQuiet_s = 2, kPush_s = 0.3;
 constexpr double kMinFresh = 0.999;  // share of the periods at rest
 constexpr unsigned kLongestGap = 2, kBrakePeriods = 12, kSilence = 30;
+constexpr unsigned kGonePeriods = 10;  // without a sample: the loop calls that a lost link
 
 constexpr Check kChecks[] = {
     {"identity", "the device that was opened", kNothing, nullptr},
@@ -47,6 +48,7 @@ class Exchanger {
       for (unsigned i = 0; i < periods; ++i) {
         if (!test_.options.stepped) std::this_thread::sleep_until(deadline += period);
         test_.device.read(input);
+        silent = input.status == ReadStatus::kFresh ? 0 : silent + 1;
         tick(i);
         if (!writes) continue;
         ++command.sequence;
@@ -87,7 +89,7 @@ class Exchanger {
     command.wrench = {};
     command.rearm = 0;
     if (want(DeviceState::kIdle, patience()) == DeviceState::kBrake) rearm();
-    if (input.status != ReadStatus::kFresh) return "the device sends no samples";
+    if (silent >= kGonePeriods) return "the device sends no samples";
     if (input.sample.state == DeviceState::kIdle && input.sample.device_fault == 0) return {};
     return fmt::format("the device is in {}; {}", hal::name_of(input.sample.state),
                        hal::describe_device_fault(input.sample.device_fault));
@@ -96,6 +98,7 @@ class Exchanger {
   DeviceUnderTest& test_;
   haptics::DeviceInput input;
   haptics::DeviceCommand command;
+  unsigned silent{0};  // periods without a sample, in a row
   loop::SetupReport setup;
 };
 

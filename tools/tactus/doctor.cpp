@@ -61,6 +61,11 @@ void print_json(const Report& report) {
   fmt::print("{}\n", report_text(object, 2));
 }
 
+Finding library_finding(const Result<std::string>& look) {
+  if (look.ok()) return {"library", Verdict::kGreen, look.value(), {}, {}};
+  return {"library", Verdict::kRed, look.message(), "install the maker's software, or say where it is", {}};
+}
+
 int examine(DoctorOptions options) {
   const auto choice = hal::choose_device(options.device);
   if (!choice.ok()) return complain("tactus doctor: " + choice.message(), kExitBadInput);
@@ -70,7 +75,10 @@ int examine(DoctorOptions options) {
     options.request.can_interfaces = device_class.can_interfaces(choice.value().address);
   const auto system = doctor::SystemView::open(options.root);
   if (!system.ok()) return complain("tactus doctor: --tree: " + system.message(), kExitBadInput);
-  const Report report = doctor::examine(system.value(), options.request);
+  Report report = doctor::examine(system.value(), options.request);
+  // The library is that of this machine, so another one's tree says nothing about it.
+  if (device_class.look != nullptr && options.root == "/")
+    report.findings.push_back(library_finding(device_class.look(choice.value().address)));
   if (options.json)
     print_json(report);
   else if (options.fix)

@@ -16,6 +16,7 @@
 #include "tools/hil/suite.h"
 #include "tools/session/find_description.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/hil_calibrate.h"
 #include "tools/tactus/stop_signals.h"
 
 namespace tactus::tools {
@@ -29,12 +30,12 @@ void ask_to_stop(int) { g_stop.store(true); }
 
 struct HilCommand {
   hil::HilOptions options;
-  std::string device, profile{"virtuose6d"}, device_file, provoke, junit;
+  std::string device, profile{"virtuose6d"}, device_file, provoke, junit, out;
   std::vector<std::string> only;
   double duration_s{0};
   std::uint64_t soak_frames{0};
   int cpu{-1}, priority{80};
-  bool list{false}, yes{false}, json{false}, soak{false}, virtual_time{false};
+  bool list{false}, yes{false}, json{false}, soak{false}, virtual_time{false}, calibrate{false};
   std::string timing{"judge"};
 };
 
@@ -48,6 +49,7 @@ Status check_command(const HilCommand& c) {
     return refused(fmt::format("--rate: {} is out of range; accepted: 100 to 10000 Hz", c.options.rate_Hz));
   if (!(c.options.force_N >= 0 && c.options.force_N <= 50))
     return refused(fmt::format("--force: {} is out of range; accepted: 0 to 50 N", c.options.force_N));
+  if (!c.out.empty() && !c.calibrate) return refused("--out goes with --calibrate; accepted: --json, --junit FILE");
   if (!(c.duration_s >= 0 && c.duration_s <= 1e6))
     return refused(fmt::format("--duration: {} is out of range; accepted: 0 to 1e6 s", c.duration_s));
   return Status::good();
@@ -161,6 +163,33 @@ int run_on_device(HilCommand& c, const hal::DeviceChoice& choice, const hal::Dev
   return finish(c, report);
 }
 
+// Classes that have a gain to measure.
+std::string accepted_for_calibration() {
+  std::string text;
+  for (const hal::DeviceClass* device_class : hal::device_classes())
+    if (device_class->force_gain != nullptr) text += fmt::format("{}{}", text.empty() ? "" : ", ", device_class->forms);
+  return text;
+}
+
+int run_calibration(HilCommand& c, const hal::DeviceChoice& choice, const hal::DeviceProfile& profile,
+                    std::int64_t period_ns) {
+  const hal::DeviceClass& device_class = *choice.device_class;
+  if (device_class.force_gain == nullptr)
+    return complain(
+        fmt::format("tactus hil: --calibrate: {} has no gain to measure; accepted: {}; for an arm of drives: "
+                    "tactus device calibrate",
+                    c.device, accepted_for_calibration()),
+        kExitBadInput);
+  if (device_class.real && !c.yes && isatty(STDIN_FILENO) == 0)
+    return complain("tactus hil: --calibrate asks a person, and stdin is no terminal; give --yes for a script",
+                    kExitMachineCannot);
+  auto opened = device_class.open({choice.address, profile, period_ns, {}, {}});
+  if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
+  c.options.stepped = !device_class.real;  // who types is the only clock that a simulated one needs
+  hil::DeviceUnderTest under_test{*opened.value().device, opened.value().identity, c.options};
+  return calibrate_gain({choice, under_test, c.out, c.json});
+}
+
 int run_hil(HilCommand& c) {
   if (c.list) return list_checks(c);
   if (const Status status = check_command(c); !status.ok()) return complain(status.message(), kExitBadInput);
@@ -186,6 +215,7 @@ int run_hil(HilCommand& c) {
   c.options.setup.priority = c.priority;
   const std::int64_t period_ns = std::llround(1e9 / c.options.rate_Hz);
 
+  if (c.calibrate) return run_calibration(c, choice.value(), profile.value(), period_ns);
   if (checks_of(&device_class).data() == hil::device_checks().data())
     return run_on_device(c, choice.value(), profile.value(), period_ns);
   return run_on_link(c, choice.value(), profile.value(), period_ns);
@@ -216,6 +246,11 @@ void add_options(CLI::App& app, HilCommand& c) {
                  "judge, or report: show the times and do not judge them, on a machine that is not yours alone")
       ->capture_default_str();
   app.add_flag("--virtual-time", c.virtual_time, "with --device sim: no clock, the same figures every time");
+  app.add_flag(
+      "--calibrate", c.calibrate,
+      "instead of the checks: measure the motor values per N m of a Falcon with a kitchen scale; each push waits\n"
+      "for Enter, 0.5 N first");
+  app.add_option("--out", c.out, "with --calibrate: the configuration (of run --config) whose [device] gets the gain");
   app.add_option("--junit", c.junit, "write the verdicts here as JUnit XML");
   app.add_flag("--json", c.json, "one JSON object on stdout, units in the keys");
 }
@@ -231,7 +266,8 @@ CLI::App* add_hil_command(CLI::App& program, int& exit_code) {
       "0\n"
       "good; 1 a check is bad; 2 bad usage; 3 the device cannot be opened.\n\n"
       "Examples:\n  tactus hil --device usb\n  tactus hil --device can:can0 --only losses,round-trip,watchdog --yes\n"
-      "  tactus hil --device sim --virtual-time --json");
+      "  tactus hil --device sim --virtual-time --json\n"
+      "  tactus hil --device falcon:nvent_firmware.bin --calibrate --out tactus.toml");
   add_options(*hil, *command);
   hil->callback([command, &exit_code] { exit_code = run_hil(*command); });
   return hil;

@@ -2,26 +2,21 @@
 #include <dlfcn.h>
 
 #include <catch2/catch.hpp>
-#include <functional>
-#include <thread>
 
 #include "hal/sdk/dhd_port.h"
-#include "hal/sdk/sdk_device.h"
+#include "tests/hal/sdk/sdk_loop.h"
 #include "tests/hal/sdk/stand_in/dhd.h"
 
 using namespace tactus;
 using namespace tactus::hal;
 using Catch::Matchers::Contains;
-using haptics::DeviceCommand;
-using haptics::DeviceInput;
 using haptics::DeviceState;
 using haptics::ReadStatus;
+using test::kSdkPatience;
+using test::kSdkPeriod_ns;
+using test::SdkLoop;
 
 namespace {
-
-constexpr std::int64_t kPeriod_ns = 1'000'000;
-// Beyond all that a loaded machine does; what is waited for comes after milliseconds.
-constexpr unsigned kPatience = 20'000;
 
 StandIn& truth() {
   void* const handle = dlopen(TACTUS_STAND_IN_DHD, RTLD_NOW | RTLD_LOCAL);
@@ -54,34 +49,10 @@ Result<std::unique_ptr<DhdPort>> open_port() {
 std::unique_ptr<SdkDevice> open_device() {
   auto port = open_port();
   REQUIRE(port.ok());
-  auto device = SdkDevice::start(std::move(port).value(), kPeriod_ns);
+  auto device = SdkDevice::start(std::move(port).value(), kSdkPeriod_ns);
   REQUIRE(device.ok());
   return std::move(device).value();
 }
-
-// The haptic thread: one read and one write per period.
-struct Loop {
-  SdkDevice& device;
-  DeviceInput input{};
-  DeviceCommand command{};
-
-  // False: it did not come to that.
-  bool until(const std::function<bool()>& done, bool writes = true) {
-    for (unsigned i = 0; i < kPatience; ++i) {
-      device.read(input);
-      ++command.sequence;
-      if (writes) device.write(command);
-      if (done()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return false;
-  }
-  bool push(const Vec3d& force_N) {
-    command.wanted = DeviceState::kForce;
-    command.wrench.force = force_N;
-    return until([&] { return input.sample.state == DeviceState::kForce && truth().forces_on; });
-  }
-};
 
 }  // namespace
 
@@ -164,13 +135,13 @@ TEST_CASE("dhd: force reaches the library in FORCE alone, cut to the limit, and 
   {
     const auto device = open_device();
     CHECK(device->properties().delay_s >= 1e-3);
-    Loop loop{*device};
-    REQUIRE(loop.push({30, 0, 0}));
+    SdkLoop loop{*device};
+    REQUIRE(loop.push({30, 0, 0}, d.forces_on));
     CHECK(loop.until([&] { return std::abs(d.force_N[1] - 12) < 1e-9; }));
-    CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+    CHECK(loop.is_fresh());
     loop.command.wanted = DeviceState::kIdle;
     CHECK(loop.until([&] { return !d.forces_on && d.force_N[1] == 0; }));
-    REQUIRE(loop.push({1, 0, 0}));
+    REQUIRE(loop.push({1, 0, 0}, d.forces_on));
   }
   CHECK_FALSE(d.forces_on);
   CHECK(d.force_N[1] == 0);
@@ -179,11 +150,11 @@ TEST_CASE("dhd: force reaches the library in FORCE alone, cut to the limit, and 
 TEST_CASE("dhd: a loop that stops altogether loses its force, and one that only reads latches fault 1") {
   StandIn& d = reset();
   const auto device = open_device();
-  Loop loop{*device};
-  REQUIRE(loop.push({1, 0, 0}));
-  for (unsigned i = 0; i < kPatience && d.forces_on; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  SdkLoop loop{*device};
+  REQUIRE(loop.push({1, 0, 0}, d.forces_on));
+  for (unsigned i = 0; i < kSdkPatience && d.forces_on; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   CHECK_FALSE(d.forces_on);
-  REQUIRE(loop.push({1, 0, 0}));
+  REQUIRE(loop.push({1, 0, 0}, d.forces_on));
   CHECK(loop.until([&] { return loop.input.sample.device_fault == 1; }, false));
   CHECK(loop.input.sample.state == DeviceState::kBrake);
   CHECK(loop.until([&] { return !d.forces_on; }, false));
@@ -192,44 +163,33 @@ TEST_CASE("dhd: a loop that stops altogether loses its force, and one that only 
 TEST_CASE("dhd: a device that switches its forces off, or refuses them, is fault 5 until the re-arm") {
   StandIn& d = reset();
   const auto device = open_device();
-  Loop loop{*device};
-  REQUIRE(loop.push({1, 0, 0}));
+  SdkLoop loop{*device};
+  REQUIRE(loop.push({1, 0, 0}, d.forces_on));
   d.forces_on = false;
   d.refuses_force = true;
-  CHECK(loop.until([&] { return loop.input.sample.device_fault == 5; }));
+  CHECK(loop.latches(5));
   d.refuses_force = false;
-  loop.command.wanted = DeviceState::kIdle;
-  loop.command.rearm = 1;
-  CHECK(loop.until([&] { return loop.input.sample.state == DeviceState::kIdle; }));
-  loop.command.rearm = 0;
-  CHECK(loop.push({1, 0, 0}));
+  CHECK(loop.rearms());
+  CHECK(loop.push({1, 0, 0}, d.forces_on));
 }
 
 TEST_CASE("dhd: an old sample and a call that blocks are missing samples, a lost device is disconnected") {
   StandIn& d = reset();
   const auto device = open_device();
-  Loop loop{*device};
-  REQUIRE(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+  SdkLoop loop{*device};
+  REQUIRE(loop.is_fresh());
   d.result = 1;
-  // After 50 ms without a fresh sample it counts as disconnected, on a slow machine before five reads.
-  const auto missing_in_a_row = [&] {
-    unsigned missing = 0;
-    return loop.until([&] {
-      missing = loop.input.status != ReadStatus::kFresh ? missing + 1 : 0;
-      return missing >= 5;
-    });
-  };
-  CHECK(missing_in_a_row());
+  CHECK(loop.misses_five());
   d.result = 0;
-  CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+  CHECK(loop.is_fresh());
   d.blocks_us = 50'000;
-  CHECK(missing_in_a_row());
+  CHECK(loop.misses_five());
   d.blocks_us = 0;
-  CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+  CHECK(loop.is_fresh());
   d.gone = true;
   CHECK(loop.until([&] { return loop.input.status == ReadStatus::kDisconnected; }));
   d.gone = false;
-  CHECK(loop.until([&] { return loop.input.status == ReadStatus::kFresh; }));
+  CHECK(loop.is_fresh());
 }
 
 TEST_CASE("dhd: a library that takes longer than the period allows is refused at the start") {
@@ -237,7 +197,7 @@ TEST_CASE("dhd: a library that takes longer than the period allows is refused at
   d.blocks_us = 2'000;
   auto port = open_port();
   REQUIRE(port.ok());
-  const auto device = SdkDevice::start(std::move(port).value(), kPeriod_ns);
+  const auto device = SdkDevice::start(std::move(port).value(), kSdkPeriod_ns);
   REQUIRE_FALSE(device.ok());
   CHECK_THAT(device.message(), Contains("us for an exchange; accepted: at most 500"));
 }

@@ -43,6 +43,17 @@ verdict "falcon: it got each byte of the image" "$line"
 hil_verdicts /out/hil-falcon.log falcon
 stop_device falcon-hil
 
+# --- the force gain: the readings of a scale below a Falcon that gives half of what it is taken for, at a hand at rest
+start_falcon --loaded 1 || exit
+printf 'none\n12\n\n38\n\n112\n\n165\n\n216\n12\n' |
+  tactus hil --calibrate --device falcon:,5000 --yes --out /tmp/gain.toml >/out/falcon-gain.log 2>&1
+grep -q '^name = "falcon:,10020"' /tmp/gain.toml
+verdict "falcon: hil --calibrate finds its force gain" "$(tail -n 1 /out/falcon-gain.log)"
+report
+awk -v most="$(value largest_N)" 'BEGIN { exit !(most >= 1.9 && most <= 2.1) }' && [ "$(value force_N)" = 0 ]
+verdict "falcon: the scale's pushes reach 2 N at its motors, and zeros at the end" "$line"
+stop_device falcon-gain
+
 # --- the card house
 start_falcon --loaded 1 --scene /tmp/card_house.toml || exit
 tactus run /tmp/card_house.toml --device falcon --duration "${HOUSE_S:-1.2}" >/out/falcon-house.log 2>&1

@@ -1,0 +1,62 @@
+// The haptic thread of the tests on makers' libraries: one read and one write per period, until something is so.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include "hal/sdk/sdk_device.h"
+
+namespace tactus::test {
+
+inline constexpr std::int64_t kSdkPeriod_ns = 1'000'000;
+// Beyond all that a loaded machine does; what is waited for comes after milliseconds.
+inline constexpr unsigned kSdkPatience = 20'000;
+
+struct SdkLoop {
+  hal::SdkDevice& device;
+  haptics::DeviceInput input{};
+  haptics::DeviceCommand command{};
+
+  // False: it did not come to that.
+  bool until(const std::function<bool()>& done, bool writes = true) {
+    for (unsigned i = 0; i < kSdkPatience; ++i) {
+      device.read(input);
+      ++command.sequence;
+      if (writes) device.write(command);
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+  // FORCE, and `forces_on` of the stand-in.
+  bool push(const Vec3d& force_N, const std::atomic<bool>& forces_on) {
+    command.wanted = haptics::DeviceState::kForce;
+    command.wrench.force = force_N;
+    return until([&] { return input.sample.state == haptics::DeviceState::kForce && forces_on; });
+  }
+  bool is_fresh() {
+    return until([&] { return input.status == haptics::ReadStatus::kFresh; });
+  }
+  // After 50 ms without a fresh sample it counts as disconnected, on a slow machine before five reads.
+  bool misses_five() {
+    unsigned missing = 0;
+    return until([&] {
+      missing = input.status != haptics::ReadStatus::kFresh ? missing + 1 : 0;
+      return missing >= 5;
+    });
+  }
+  bool latches(std::uint32_t fault) {
+    return until([&] { return input.sample.device_fault == fault; });
+  }
+  bool rearms() {
+    command.wanted = haptics::DeviceState::kIdle;
+    command.rearm = 1;
+    const bool idle = until([&] { return input.sample.state == haptics::DeviceState::kIdle; });
+    command.rearm = 0;
+    return idle;
+  }
+};
+
+}  // namespace tactus::test
