@@ -19,13 +19,24 @@ void GlobalWorld::find_touches() noexcept {
       touches_.push_back(contact_edge_of(contact, world_.bodies(), islands_.awake()));
   if (coupling_.border) add_approaching();
   add_joined();
-  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+  build_graph();
 }
 
 // Adds edges to bodies that a member will touch before the next choice of members has reached the sub-world.
 void GlobalWorld::add_approaching() noexcept {
+  for (const Device& device : devices_) add_approaching(device);
+}
+
+void GlobalWorld::add_approaching(const Device& device) noexcept {
   const auto awake = islands_.awake();
-  for (const Approaching& pair : approach_.find(world_, hulls_, slots_of_all_members(), approach_horizon_s())) {
+  // A body of each of two sub-worlds: the first of the devices has found this pair.
+  const auto was_found = [&](const Approaching& pair) noexcept {
+    return std::any_of(std::as_const(devices_).data(), &device, [&](const Device& before) noexcept {
+      return before.extraction.is_member(awake[pair.a]) != before.extraction.is_member(awake[pair.b]);
+    });
+  };
+  for (const Approaching& pair : approach_.find(world_, hulls_, member_slots(device), approach_horizon_s())) {
+    if (was_found(pair)) continue;
     if (touches_.size() == touches_.capacity()) return;
     touches_.push_back({.a = awake[pair.a],
                         .b = awake[pair.b],
@@ -86,18 +97,13 @@ void GlobalWorld::find_touches_at_rest() noexcept {
   }
   pairs.clear();
   add_joined();
-  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+  build_graph();
 }
 
 void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
                                 WorldSnapshot& next) noexcept {
   Device& device = devices_[device_index];
-  free_.fill(1);
-  for (const Device& other : devices_) {
-    if (&other == &device) continue;
-    free_[other.proxy] = 0;
-    for (const BodyIndex member : other.extraction.members()) free_[member] = 0;
-  }
+  find_free_bodies(device);
   if (coupling_.proxy_alone()) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
@@ -119,7 +125,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.effects.clear();
   fill_joiners(device, next);
   fill_near_triangles({.bodies = bodies, .members = members, .proxy = device.proxy}, world_.fixed_bodies(), meshes_,
-                      options_.reach, next);
+                      device.reach, next);
   if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
