@@ -162,7 +162,10 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   for (const FurtherDevice& device : options.more_devices) add_device(scene, device);
   if (devices_.size() > 1) {
     held_bodies_.reserve(islands_.bodies().size());
-    for (Device& device : devices_) device.apart = BodyVector<std::uint32_t>(islands_.bodies().size(), kLongApart);
+    for (Device& device : devices_) {
+      device.apart = BodyVector<std::uint32_t>(islands_.bodies().size(), kLongApart);
+      device.component.reserve(islands_.bodies().size());
+    }
   }
   regions_.resize(devices_.size());
   if (scene.solver.far_sub_steps_per_tick > 0)

@@ -107,6 +107,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   if (coupling_.proxy_alone()) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
+  if (devices_.size() > 1) device.component.assign(graph_.visited().begin(), graph_.visited().end());
 
   next.cycle = cycle;
   next.global_time_s = time_s_;

@@ -53,8 +53,9 @@ TEST_CASE("several hands: what is of one hand alone is refused in one line") {
     CHECK_THAT(output.out, Contains("accepted: "));
     return output.out;
   };
-  CHECK_THAT(refused("--view --virtual-time"), Contains("--view: is of one hand"));
-  CHECK_THAT(refused("--control /tmp/x --virtual-time"), Contains("--control: is of one hand"));
+  CHECK_THAT(refused("--view --virtual-time"), Contains("--view: several hands are watched in real time"));
+  CHECK_THAT(refused("--control /tmp/x --virtual-time"), Contains("--control: several hands"));
+  CHECK_THAT(refused("--hand pointer --virtual-time"), Contains("--hand pointer: several hands"));
   CHECK_THAT(refused("--virtual-time --figures force_z_N:rms"), Contains("--figures: is of one hand"));
   CHECK_THAT(refused("--virtual-time --device sim --device sim --device sim"), Contains("--device: 3 for 2 hands"));
   CHECK_THAT(refused("--virtual-time --device sim --device sim", TACTUS_SOURCE_DIR "/sim/scenes/wall.toml"),

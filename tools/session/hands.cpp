@@ -23,8 +23,6 @@ Result<Hands> Hands::create(const sim::Scene& scene, std::vector<RunOptions> opt
     if (!session.ok()) return Status::error(fmt::format("hand {}: {}", hand + 1, session.message()));
     sessions.push_back(session.value().get());
     result.hands_.push_back(std::move(session).value());
-    // The world starts again for all hands, and waits until all of them want it.
-    if (hand > 0) result[hand].resets = result[0].resets;
   }
   if (const Status status = Session::share_world(sessions); !status.ok()) return status;
   return result;

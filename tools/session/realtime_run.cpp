@@ -142,7 +142,7 @@ class HandRun {
     session_.close_tape(summary);
     if (summary.fault_latched() || summary.overruns_own_work > 0) {
       const Status dumped = write_fault_tape(session_);
-      const std::string path = file_of_hand(kFaultTape, session_.options.hand).string();
+      const std::string path = fault_tape_of(session_).string();
       (dumped.ok() ? summary.fault_tape : summary.fault_tape_error) = dumped.ok() ? path : dumped.message();
     }
     return summary;
@@ -216,10 +216,12 @@ std::string fault_line(const LiveStatus& live) {
                                live.device_fault.load(relaxed), live.fault_limits.load(relaxed)});
 }
 
+std::filesystem::path fault_tape_of(const Session& session) { return file_of_hand(kFaultTape, session.options.hand); }
+
 Status write_fault_tape(const Session& session) {
   static std::mutex one_writer;  // of the one file
   const std::lock_guard lock(one_writer);
-  const std::string path = file_of_hand(kFaultTape, session.options.hand).string();
+  const std::string path = fault_tape_of(session).string();
   const std::string part = path + ".part";
   const Status written = session.drain->dump(part, session.tape_text());
   if (!written.ok()) return written;

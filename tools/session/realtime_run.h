@@ -53,6 +53,7 @@ struct HandsHooks {
 
 // Where a fault's last seconds go, in the working directory; of a further hand: file_of_hand.
 inline constexpr const char* kFaultTape = "tactus-fault.tape";
+std::filesystem::path fault_tape_of(const Session& session);
 // Writes the flight recorder's last seconds there, in place of an older tape, whose readers keep what they have open.
 // Also during the run, from any thread of normal priority. Error: of the disk, or nothing was recorded yet.
 Status write_fault_tape(const Session& session);

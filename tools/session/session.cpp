@@ -280,7 +280,9 @@ Status Session::share_world(std::span<Session* const> hands) {
   const auto pool =
       std::make_shared<sim::WorkerPool>(first.options.world_threads, cpus.empty() ? cpus : cpus.subspan(1));
   world->share_work(*pool);
+  const auto resets = hands.size() > 1 ? std::make_shared<std::atomic<std::uint32_t>>(0) : nullptr;
   for (Session* hand : hands) {
+    hand->resets_of_all = resets;
     hand->global = world;
     hand->workers = pool;
     hand->exchange = std::make_unique<haptics::Exchange>();
@@ -352,11 +354,26 @@ std::uint32_t Session::hold_for_hand(std::uint32_t bits) noexcept {
   return progress_.hand_returns && !hand_->hand_is_back() ? loop::kHoldReset : 0u;
 }
 
+// A request that comes from all hands at once is one: while a reset is in progress, the loop takes no other.
+std::uint32_t Session::share_reset(std::uint32_t bits) noexcept {
+  if (resets_of_all == nullptr) return 0;
+  constexpr auto relaxed = std::memory_order_relaxed;
+  if ((bits & loop::kReset) != 0) {
+    resets_seen_ = resets_of_all->fetch_add(1, relaxed) + 1;
+    return 0;
+  }
+  const std::uint32_t asked = resets_of_all->load(relaxed);
+  if (asked == resets_seen_) return 0;
+  resets_seen_ = asked;
+  return loop::kReset;
+}
+
 std::uint32_t Session::operator_bits(std::uint32_t asked) noexcept {
   if (hand_ != nullptr) hand_input.apply(*hand_, scene.device.world_from_device, scene.device.motion_scale);
   std::uint32_t bits = asked | (stats.ticks == arm_tick_ && options.arm_at_start ? loop::kArm : 0u);
   for (; progress_.next_reset < resets.size() && resets[progress_.next_reset] <= stats.ticks; ++progress_.next_reset)
     bits |= loop::kReset;
+  bits |= share_reset(bits);
   if (options.rearm && progress_.latched_ticks >= kRearmAfter_s * options.rate_Hz) {
     progress_.latched_ticks = 0;
     bits |= loop::kRearm;

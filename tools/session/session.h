@@ -90,6 +90,8 @@ class Session {
   std::unique_ptr<Driver> driver;
   std::vector<WorldStall> stalls;
   std::vector<std::uint64_t> resets;  // ticks in which the script resets the scene
+  // Resets that any of several hands was asked for: the others then ask for one too. Null with one hand.
+  std::shared_ptr<std::atomic<std::uint32_t>> resets_of_all;
   loop::RunStats stats;
 
   // Adds the figures of the driver's last tick to `stats`. The real-time run measures the three stages itself.
@@ -124,9 +126,11 @@ class Session {
   Session() = default;
   void make_driver();
   std::uint32_t hold_for_hand(std::uint32_t bits) noexcept;
+  std::uint32_t share_reset(std::uint32_t bits) noexcept;
   void start_hand(const loop::TickOutput& out) noexcept;
 
   hal::SimulatedDevice* hand_{nullptr};  // the simulated device, whose hand restarts at a reset; null on a real device
+  std::uint32_t resets_seen_{0};         // of resets_of_all
   std::uint64_t arm_tick_{0};            // of a run that is armed at its start
   Progress progress_;
 };

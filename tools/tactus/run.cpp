@@ -24,6 +24,7 @@
 #include "tools/tactus/keyboard.h"
 #include "tools/tactus/run_hands.h"
 #include "tools/tactus/shown_run.h"
+#include "tools/tactus/status_line.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/tactus/viewer_process.h"
 #include "tools/timing/budget.h"
@@ -84,29 +85,6 @@ Error complete_options(RunCommand& command) {
   if (!command.virtual_time && !command.figures.empty())
     return wrong("--figures: is of virtual time; accepted: with --virtual-time, or `tactus export` of a tape");
   return library::Access::check(o, attended && command.duration_s == 0 ? kDefaultVirtual_s : command.duration_s);
-}
-
-// On a terminal the next line overwrites this one.
-void show_live(const session::LiveStatus& live, double elapsed_s, bool terminal, std::uint64_t& last_ticks,
-               double& last_s) {
-  const std::uint64_t ticks = live.ticks.load(std::memory_order_relaxed);
-  const double rate_Hz = elapsed_s > last_s ? static_cast<double>(ticks - last_ticks) / (elapsed_s - last_s) : 0;
-  last_ticks = ticks;
-  last_s = elapsed_s;
-  const std::uint32_t status = live.status.load(std::memory_order_relaxed);
-  std::string notes;
-  for (std::uint32_t bit = 0; bit < 32; ++bit) {
-    const auto name = name_of(static_cast<StatusBit>(1u << bit));
-    if (((status >> bit) & 1u) != 0 && !name.empty()) notes += fmt::format(" {}", name);
-  }
-  const auto fault = static_cast<Fault>(live.fault.load(std::memory_order_relaxed));
-  if (fault != Fault::kNone) notes = fmt::format(" FAULT {} (Enter re-arms)", static_cast<unsigned>(fault));
-  fmt::print(stderr,
-             "{}{:6.1f} s {:5.0f} Hz  force {:5.2f} N  members {:3}  contacts {:3}  border {:3}  overruns {} |{:.80}{}",
-             terminal ? "\r\033[K" : "", elapsed_s, rate_Hz, live.force_N.load(std::memory_order_relaxed),
-             live.members.load(std::memory_order_relaxed), live.contacts.load(std::memory_order_relaxed),
-             live.border.load(std::memory_order_relaxed), live.overruns.load(std::memory_order_relaxed), notes,
-             terminal ? "" : "\n");
 }
 
 // `shown`: null if the machine has no shared memory for watchers.
@@ -319,14 +297,16 @@ Result<session::RunSummary> run_as_asked(Session& session, const RunCommand& com
 // The scene has several hands, or several devices were given: what has been asked for that is of one hand alone.
 std::string not_of_several(const RunCommand& command) {
   const std::pair<bool, const char*> of_one[] = {{!command.config.empty(), "--config"},
-                                                 {!command.control.empty(), "--control"},
-                                                 {command.view, "--view"},
-                                                 {command.hand == "pointer", "--hand pointer"},
                                                  {!command.budget.empty(), "--budget"},
                                                  {!command.options.gpio.empty(), "--gpio"},
                                                  {!command.figures.empty(), "--figures"}};
   for (const auto& [asked, option] : of_one)
     if (asked) return fmt::format("{}: is of one hand; accepted: with a scene that has one, and one --device", option);
+  if (command.virtual_time && (command.view || !command.control.empty() || command.hand == "pointer"))
+    return fmt::format("{}: several hands are watched in real time; accepted: without --virtual-time",
+                       command.view              ? "--view"
+                       : command.control.empty() ? "--hand pointer"
+                                                 : "--control");
   return {};
 }
 
@@ -334,6 +314,8 @@ int run_several(RunCommand& command, const Scene& scene) {
   if (const std::string wrong = not_of_several(command); !wrong.empty())
     return complain("tactus run: " + wrong, kExitBadInput);
   if (command.virtual_time && command.duration_s == 0) command.duration_s = kDefaultVirtual_s;
+  std::unique_ptr<PrivateFolder> folder;  // of the viewers' sockets
+  if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
   auto options = library::run_options(command.options, command.duration_s);
   if (!options.ok()) return complain("tactus run: " + options.message(), kExitBadInput);
   options.value().scene = command.scene;
@@ -341,7 +323,10 @@ int run_several(RunCommand& command, const Scene& scene) {
                     .options = std::move(options).value(),
                     .each = command.each,
                     .record = command.record,
+                    .control = command.control,
                     .warnings = scene.warnings(),
+                    .view = command.view,
+                    .by_pointer = command.hand == "pointer",
                     .json = command.json},
                    g_stop, ask_to_stop);
 }
@@ -394,8 +379,9 @@ void add_options(CLI::App& app, RunCommand& command) {
       "--config", command.config,
       "a deployment's configuration, see `tactus config check --help`: what no option says it says, and the\n"
       "run logs events instead of a status line");
-  app.add_option("--control", command.control, "serve `tactus control` at this path");
-  app.add_flag("--view", command.view, "start a viewer of the run, and print its page's address");
+  app.add_option("--control", command.control, "serve `tactus control` at this path; of a second hand at PATH.2");
+  app.add_flag("--view", command.view,
+               "start a viewer of the run, and print its page's address; of several hands one each");
   app.add_option("--hand", command.hand,
                  "of the simulated device: script, as the scene says; pointer: it rests until a page's mouse takes it")
       ->check(CLI::IsMember({"script", "pointer"}))

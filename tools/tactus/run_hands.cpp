@@ -9,13 +9,18 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/device_class.h"
+#include "sim/loader/scene_load.h"
 #include "tools/json_report.h"
+#include "tools/service/run_service.h"
 #include "tools/session/find_description.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/keyboard.h"
+#include "tools/tactus/shown_run.h"
+#include "tools/tactus/status_line.h"
 #include "tools/tactus/stop_signals.h"
+#include "tools/tactus/viewer_process.h"
 
 namespace tactus::tools {
 namespace {
@@ -44,29 +49,73 @@ Result<std::vector<session::Hardware>> open_devices(const sim::Scene& scene,
   return hardware;
 }
 
-// On a terminal the next line overwrites this one.
-void show_live(std::span<const session::LiveStatus* const> hands, double elapsed_s, bool terminal) {
-  constexpr auto relaxed = std::memory_order_relaxed;
-  std::string text;
-  for (std::size_t hand = 0; hand < hands.size(); ++hand) {
-    const session::LiveStatus& live = *hands[hand];
-    const auto fault = static_cast<Fault>(live.fault.load(relaxed));
-    text +=
-        fmt::format(" | {}: {:5.2f} N  members {:3}  border {:3}  overruns {}{}", hand + 1, live.force_N.load(relaxed),
-                    live.members.load(relaxed), live.border.load(relaxed), live.overruns.load(relaxed),
-                    fault == Fault::kNone ? "" : fmt::format("  FAULT {}", static_cast<unsigned>(fault)));
+// What those who watch one hand have.
+struct Watched {
+  std::shared_ptr<ShownRun> shown;  // null if the machine has no shared memory for watchers
+  std::unique_ptr<service::RunService> service;
+  std::unique_ptr<ViewerProcess> viewer;
+
+  static Result<Watched> open(session::Session& session, const HandsCommand& command, std::atomic<bool>& stop) {
+    Watched watched;
+    service::Configuration configuration;
+    configuration.socket = session::file_of_hand(command.control, session.options.hand);
+    watched.shown = ShownRun::make(session);
+    service::Watchable watchable;
+    if (session.simulated() != nullptr) watchable.hand = &session.hand_input;
+    if (watched.shown != nullptr) watched.shown->add_to(watchable);
+    auto service =
+        service::RunService::open(configuration, {}, stop, /*can_reset=*/true,
+                                  {session.options.scene, sim::source_hash(session.scene.source)}, watchable);
+    if (!service.ok()) return service.status();
+    watched.service = std::move(service).value();
+    if (!command.view) return watched;
+    auto viewer = ViewerProcess::start(configuration.socket);
+    if (!viewer.ok()) return viewer.status();
+    watched.viewer = std::move(viewer).value();
+    return watched;
   }
-  fmt::print(stderr, "{}{:6.1f} s{}{}", terminal ? "\r\033[K" : "", elapsed_s, text, terminal ? "" : "\n");
+
+  void look(const session::LiveStatus& live, double elapsed_s) {
+    service->look(live, elapsed_s);
+    if (shown != nullptr) shown->look(live);
+  }
+};
+using AllWatched = std::vector<Watched>;  // by hand; empty without control sockets
+
+void stepped(void* all, const sim::GlobalWorld& world) noexcept {
+  for (const Watched& watched : *static_cast<AllWatched*>(all))
+    if (watched.shown != nullptr) ShownRun::stepped(watched.shown.get(), world);
+}
+
+session::HandHooks hooks_of(Watched& watched) {
+  session::HandHooks hooks;
+  hooks.requests = &watched.service->requests();
+  if (watched.shown != nullptr)
+    hooks.began = [shown = watched.shown](const loop::SetupReport& setup) { shown->take_setup(setup); };
+  return hooks;
 }
 
 Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands, const HandsCommand& command,
-                                                          const std::atomic<bool>& stop) {
+                                                          std::atomic<bool>& stop) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
+  AllWatched all;
   session::HandsHooks hooks;
+  if (!command.control.empty()) {
+    for (unsigned hand = 0; hand < hands.count(); ++hand) {
+      auto watched = Watched::open(hands[hand], command, stop);
+      if (!watched.ok()) return watched.status();
+      all.push_back(std::move(watched).value());
+    }
+    for (Watched& watched : all) hooks.hands.push_back(hooks_of(watched));
+    hooks.stepped = {&stepped, &all};
+  }
+  // Also without a tape: a fault saves the last seconds.
+  if (const Status status = hands.record(command.record); !status.ok()) return status;
   std::vector<std::uint64_t> faults_told(hands.count(), 0);
   double next_line_s = 0;
   hooks.show = [&](std::span<const session::LiveStatus* const> live, double elapsed_s) {
     for (std::size_t hand = 0; hand < live.size(); ++hand) {
+      if (!all.empty()) all[hand].look(*live[hand], elapsed_s);
       const std::uint64_t faults = live[hand]->fault_count.load(std::memory_order_relaxed);
       const std::string fault = fault_line(*live[hand]);
       if (fault.empty() || faults <= faults_told[hand]) continue;
@@ -85,17 +134,18 @@ Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands,
     fmt::print(stderr, "{}tactus run: {}\n", terminal ? "\r\033[K" : "", line);
   };
   auto summaries = session::run_realtime(hands, hooks, stop);
+  for (std::size_t hand = 0; hand < all.size() && summaries.ok(); ++hand)
+    if (all[hand].shown != nullptr) all[hand].shown->end(summaries.value()[hand]);
   if (terminal) fmt::print(stderr, "\r\033[K");
   return summaries;
 }
 
 Result<std::vector<session::RunSummary>> run(session::Hands& hands, const HandsCommand& command,
-                                             const std::atomic<bool>& stop) {
+                                             std::atomic<bool>& stop) {
   const session::RunOptions& options = command.options;
-  // In real time also without a tape: a fault saves the last seconds.
-  if (!options.virtual_time || !command.record.empty())
-    if (const Status status = hands.record(command.record); !status.ok()) return status;
   if (!options.virtual_time) return run_in_real_time(hands, command, stop);
+  if (!command.record.empty())
+    if (const Status status = hands.record(command.record); !status.ok()) return status;
   const auto ticks = static_cast<std::uint64_t>(std::llround(options.duration_s * options.rate_Hz));
   return session::run_virtual(hands, ticks,
                               [&](const session::Hands&) { return !stop.load(std::memory_order_relaxed); });
@@ -160,6 +210,8 @@ int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_t
       fmt::print(stderr, "tactus run: hand {}: {}: {}\n", hand + 1, lowered_text(summary.gains),
                  lowered_why(summary.options, summary.ratio));
   }
+  for (unsigned hand = 0; hand < hands.value().count() && command.by_pointer; ++hand)
+    (void)hands.value()[hand].rest_hand();
   stop_on_signals(ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
   const auto summaries = run(hands.value(), command, stop);

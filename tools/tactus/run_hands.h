@@ -1,4 +1,5 @@
-// tactus run of a scene with several hands: a device, a haptic thread, a summary and a tape for each.
+// tactus run of a scene with several hands: a device, a haptic thread, a control socket, a page, a summary and a tape
+// for each.
 // Thread: main.
 #pragma once
 
@@ -23,8 +24,10 @@ struct HandsCommand {
   const sim::Scene& scene;
   session::RunOptions options;  // of all hands
   EachHand each;
-  std::filesystem::path record;
-  std::vector<std::string> warnings;  // of the scene
+  std::filesystem::path record, control;  // of the first hand; of the others: session::file_of_hand. Empty: none
+  std::vector<std::string> warnings;      // of the scene
+  bool view{false};                       // a viewer for each control socket
+  bool by_pointer{false};                 // the simulated hands rest until a page's mouse takes them
   bool json{false};
 };
 

@@ -1,4 +1,5 @@
 // Several hands in real time: a haptic thread each, on one global world. What is tested depends on no timing.
+#include <catch2/catch.hpp>
 #include <filesystem>
 
 #include "sim/loader/scene_load.h"
