@@ -13,7 +13,10 @@ constexpr std::chrono::nanoseconds kLongestSleep{5'000'000};
 }  // namespace
 
 GlobalThread::GlobalThread(GlobalWorld& world, haptics::Exchange& exchange, GlobalThreadOptions options)
-    : world_(world), server_(world, exchange), options_(std::move(options)) {}
+    : GlobalThread(world, std::vector{&exchange}, std::move(options)) {}
+
+GlobalThread::GlobalThread(GlobalWorld& world, std::vector<haptics::Exchange*> exchanges, GlobalThreadOptions options)
+    : world_(world), server_(world, std::move(exchanges)), options_(std::move(options)) {}
 
 GlobalThread::~GlobalThread() { stop(); }
 
@@ -40,9 +43,10 @@ void GlobalThread::run() noexcept {
   set_denormals_flush();
   while (!stop_.load(std::memory_order_relaxed)) {
     if (!server_.has_report()) {
-      sleep(options_.poll_period);
+      wait_for_reports();
       continue;
     }
+    waiting_since_ns_ = 0;
     stall_before(server_.next_report());
     const std::int64_t begin_ns = MonotonicClock::now_ns();
     (void)server_.serve();
@@ -54,6 +58,17 @@ void GlobalThread::run() noexcept {
     cycles_.fetch_add(1, std::memory_order_relaxed);
     tell();
   }
+}
+
+void GlobalThread::wait_for_reports() noexcept {
+  const std::int64_t now_ns = MonotonicClock::now_ns();
+  if (!server_.is_waited_for())
+    waiting_since_ns_ = 0;
+  else if (waiting_since_ns_ == 0)
+    waiting_since_ns_ = now_ns;
+  else if (static_cast<double>(now_ns - waiting_since_ns_) > 1e9 * kPatienceSteps * world_.step_s())
+    server_.leave_out_the_missing();
+  sleep(options_.poll_period);
 }
 
 void GlobalThread::tell() const noexcept {

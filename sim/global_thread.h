@@ -1,9 +1,10 @@
 // The thread of the global world: normal priority, on its own core if configured. It polls for reports.
 //
-// It sleeps between polls, so that the haptic thread need not wake it.
-// Thread: start and stop by one normal thread; progress() by any. Units: ns, as named. Bound: a report is read at most
-// one poll period (and the scheduler's delay) after it was published. Errors: start() returns what could not be set;
-// the thread then runs without it.
+// It sleeps between polls, so that the haptic thread need not wake it. With several devices a step waits for all of
+// their reports, but for none longer than kPatienceSteps: a haptic thread that has stopped leaves the others their
+// world. Thread: start and stop by one normal thread; progress() by any. Units: ns, as named. Bound: a report is read
+// at most one poll period (and the scheduler's delay) after it was published. Errors: start() returns what could not be
+// set; the thread then runs without it.
 #pragma once
 
 #include <atomic>
@@ -42,7 +43,12 @@ class GlobalThread {
     std::int64_t last_step_ns{0}, longest_step_ns{0};
   };
 
+  // Steps of the world that a device waits for another's report, before the world goes on without that one.
+  static constexpr double kPatienceSteps = 2;
+
   GlobalThread(GlobalWorld& world, haptics::Exchange& exchange, GlobalThreadOptions options);
+  // One exchange for each of the world's devices, in their order.
+  GlobalThread(GlobalWorld& world, std::vector<haptics::Exchange*> exchanges, GlobalThreadOptions options);
   ~GlobalThread();
   GlobalThread(const GlobalThread&) = delete;
   GlobalThread& operator=(const GlobalThread&) = delete;
@@ -58,6 +64,7 @@ class GlobalThread {
 
  private:
   void run() noexcept;
+  void wait_for_reports() noexcept;
   void tell() const noexcept;
   void stall_before(std::uint64_t report) noexcept;
   void sleep(std::chrono::nanoseconds duration) const noexcept;
@@ -66,6 +73,7 @@ class GlobalThread {
   SnapshotServer server_;
   GlobalThreadOptions options_;
   Histogram step_times_;
+  std::int64_t waiting_since_ns_{0};  // for a report, since another device has reported; 0: not
   std::atomic<std::uint64_t> cycles_{0};
   std::atomic<std::int64_t> last_step_ns_{0}, longest_step_ns_{0};
   std::atomic<bool> stop_{false};

@@ -116,14 +116,18 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
     return Status::error("solver.global_sub_steps_per_tick is 0: give 0.1 or more");
   if (scene.proxy >= scene.bodies.size() || scene.bodies[scene.proxy].kind != BodyKind::kDynamic)
     return Status::error("the scene's proxy must be one of its dynamic bodies");
-  if (coupling.proxy_alone() && !options.more_proxies.empty())
-    return Status::error("the interpolation coupling holds one proxy: use sub-world with several devices");
-  if (options.more_proxies.size() >= physics::kMaxSprings)
-    return Status::error(fmt::format("{} devices asked for: 1 to {} are possible", options.more_proxies.size() + 1,
-                                     physics::kMaxSprings));
-  for (const BodyId proxy : options.more_proxies)
-    if (proxy >= scene.bodies.size() || proxy == scene.proxy || scene.bodies[proxy].kind != BodyKind::kDynamic)
-      return Status::error(fmt::format("body {} is no proxy for a further device: it must be dynamic", proxy));
+  if (coupling.proxy_alone() && !options.more_devices.empty())
+    return Status::error("this coupling holds one proxy: use sub-world with several devices");
+  if (options.extraction.all_members && !options.more_devices.empty())
+    return Status::error(
+        "every body was asked to be a member, but there are several devices, and a body is a member of one");
+  if (options.more_devices.size() >= kMaxHands)
+    return Status::error(
+        fmt::format("{} devices asked for: 1 to {} are possible", options.more_devices.size() + 1, kMaxHands));
+  for (const FurtherDevice& device : options.more_devices)
+    if (device.proxy >= scene.bodies.size() || device.proxy == scene.proxy ||
+        scene.bodies[device.proxy].kind != BodyKind::kDynamic)
+      return Status::error(fmt::format("body {} is no proxy for a further device: it must be dynamic", device.proxy));
   if (options.extraction.cap == 0 || options.extraction.cap > haptics::kMaxMembers)
     return Status::error(
         fmt::format("{} members asked for: 1 to {} are possible", options.extraction.cap, haptics::kMaxMembers));
@@ -159,8 +163,16 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
   velocity_before_.reserve(capacities_for(scene).bodies);
-  add_device(scene, scene.proxy);
-  for (const BodyId proxy : options.more_proxies) add_device(scene, proxy);
+  add_device(scene,
+             {scene.proxy, options.gains, options.reach.max_speed_m_per_s, options.reach.max_angular_speed_rad_per_s});
+  for (const FurtherDevice& device : options.more_devices) add_device(scene, device);
+  if (devices_.size() > 1) {
+    held_bodies_.reserve(islands_.bodies().size());
+    for (Device& device : devices_) {
+      device.apart = BodyVector<std::uint32_t>(islands_.bodies().size(), kLongApart);
+      device.component.reserve(islands_.bodies().size());
+    }
+  }
   regions_.resize(devices_.size());
   if (scene.solver.far_sub_steps_per_tick > 0)
     bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
@@ -175,14 +187,19 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   statistics_.asleep = islands_.asleep();
 }
 
-void GlobalWorld::add_device(const Scene& scene, BodyId id) {
-  const std::optional<BodyIndex> found = islands_.index_of(id);
-  TACTUS_CHECK(found.has_value(), id, scene.bodies.size());
+void GlobalWorld::add_device(const Scene& scene, const FurtherDevice& added) {
+  const std::optional<BodyIndex> found = islands_.index_of(added.proxy);
+  TACTUS_CHECK(found.has_value(), added.proxy, scene.bodies.size());
   const BodyIndex proxy = *found;
+  ReachSettings reach = options_.reach;
+  reach.max_speed_m_per_s = added.max_speed_m_per_s;
+  reach.max_angular_speed_rad_per_s = added.max_angular_speed_rad_per_s;
   devices_.push_back(
-      {.id = id,
+      {.id = added.proxy,
        .proxy = proxy,
-       .extraction = Extraction(options_.extraction, options_.reach, islands_.bodies(), proxy, touches_for(scene)),
+       .extraction = Extraction(options_.extraction, reach, islands_.bodies(), proxy, touches_for(scene)),
+       .gains = added.gains,
+       .reach = reach,
        .reported_proxy = islands_.bodies()[proxy].motion.pose});
   devices_.back().buffer = BodyVector<std::uint8_t>(islands_.bodies().size());
 }
@@ -234,7 +251,7 @@ void GlobalWorld::fill_first(std::uint32_t device, std::uint64_t cycle, std::uin
 }
 
 // Resets the world to the scene's start; the statistics continue.
-void GlobalWorld::reset(const Posed& world_from_proxy) {
+void GlobalWorld::reset(std::span<const SubWorldReport* const> reports) {
   GlobalStatistics statistics = statistics_;
   WorkerPool* const pool = pool_;
   *this = GlobalWorld(*scene_, options_);
@@ -244,11 +261,13 @@ void GlobalWorld::reset(const Posed& world_from_proxy) {
   ++statistics.resets;
   statistics_ = statistics;
   if (pool != nullptr) share_work(*pool);
-  Device& device = devices_[0];
-  world_.body(slot_of(device)).motion = {world_from_proxy, {}};
-  islands_.follow(world_);
-  device.reported_proxy = world_from_proxy;
-  wake_near(device);
+  for (std::size_t d = 0; d < devices_.size(); ++d) {
+    Device& device = devices_[d];
+    world_.body(slot_of(device)).motion = {reports[d]->proxy_start, {}};
+    islands_.follow(world_);
+    device.reported_proxy = reports[d]->proxy_start;
+    wake_near(device);
+  }
 }
 
 // Without impulses in the first snapshot, members that rest on outside bodies would fall for two cycles. So the world
@@ -272,14 +291,31 @@ void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noe
 }
 
 void GlobalWorld::step(const SubWorldReport& report, WorldSnapshot& next) noexcept {
-  if (report.wanted_epoch > epoch() && is_finite(report.proxy_start)) {
-    reset(report.proxy_start);
-    fill_first(0, report.cycle + 1, report.member_budget, next);
+  const SubWorldReport* const from = &report;
+  WorldSnapshot* const to = &next;
+  step({&from, 1}, {&to, 1});
+}
+
+void GlobalWorld::step(std::span<const SubWorldReport* const> reports, std::span<WorldSnapshot* const> next) noexcept {
+  TACTUS_CHECK(reports.size() == devices_.size() && next.size() == devices_.size(), reports.size(), devices_.size());
+  const bool resets = std::all_of(reports.begin(), reports.end(), [this](const SubWorldReport* report) noexcept {
+    return report != nullptr && report->wanted_epoch > epoch() && is_finite(report->proxy_start);
+  });
+  if (resets) {
+    reset(reports);
+    for (std::uint32_t d = 0; d < devices_.size(); ++d)
+      fill_first(d, reports[d]->cycle + 1, reports[d]->member_budget, *next[d]);
     return;
   }
-  if (report.epoch == epoch()) impose(0, report);  // else it was written before a reset
+  for (std::uint32_t d = 0; d < devices_.size(); ++d) {
+    if (reports[d] == nullptr)
+      leave_out(devices_[d]);
+    else if (reports[d]->epoch == epoch())
+      impose(d, *reports[d]);  // else it was written before a reset
+  }
   advance();
-  fill_snapshot(0, report.cycle + 1, report.member_budget, next);
+  for (std::uint32_t d = 0; d < devices_.size(); ++d)
+    if (reports[d] != nullptr) fill_snapshot(d, reports[d]->cycle + 1, reports[d]->member_budget, *next[d]);
 }
 
 void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& report) noexcept {
@@ -314,30 +350,6 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   device.held_by = {mean.force + clamp_norm(kWrenchExtrapolation * (mean.force - before.force), norm(mean.force)),
                     mean.torque + clamp_norm(kWrenchExtrapolation * (mean.torque - before.torque), norm(mean.torque))};
   device.held_before = mean;
-}
-
-void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noexcept {
-  const bool sane = is_finite(report.device.pose) && is_finite(report.device.velocity);
-  device.target = sane ? report.device : haptics::DeviceTarget{};
-}
-
-// Sets the coupling's spring and damper between each proxy and its device, for a macro step that begins `elapsed_s`
-// after the start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy
-// in the global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a
-// force held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
-// couplings hold a wrench (impose).
-void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
-  if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
-  for (std::uint32_t d = 0; d < devices_.size(); ++d) {
-    haptics::DeviceTarget ahead = devices_[d].target;
-    if (ahead.engaged)
-      ahead.pose = {ahead.pose.position + elapsed_s * ahead.velocity.linear,
-                    quat_from_rotation_vector(elapsed_s * ahead.velocity.angular) * ahead.pose.rotation};
-    const physics::SlotIndex slot = slot_of(devices_[d]);
-    physics::PoseSpring spring;
-    haptics::aim_spring(options_.gains, ahead, slot, world_.body(slot).motion.pose, spring);
-    world_.device_spring(d) = spring;
-  }
 }
 
 // Copies pose and velocity of the inner members, bit by bit; with the static coupling only the proxy's, since the other

@@ -5,12 +5,13 @@
 // of buffer bodies (border_buffer.h) goes down. The coupling schemes differ in `impose` and `fill_snapshot`; the direct
 // coupling has no global world. With the effect sleeping, resting islands are removed from the world: island_manager.h.
 // Proxies, members, all bodies connected to them, and all bodies in reach of a proxy are always awake. A device is a
-// proxy with its sub-world; a body is a member of at most one sub-world. With several devices the three parts of a step
-// are called separately: impose for each device, one advance, fill_snapshot for each device. A scene names one proxy,
-// so a session has one device; a separate program may have more (GlobalOptions::more_proxies). Thread: construction
-// [setup]; the rest: one owner, any priority; a step allocates nothing, the first snapshot and a reset do. Frame:
-// world. Units: SI. Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics.
-// Source: the paper, section 2.
+// proxy with its sub-world (GlobalOptions::more_devices). A body is a member of at most one sub-world; for the others
+// it is outside. It stays where it is while it touches that proxy; a body that touches another proxy, and has not
+// touched its own for ExtractionOptions::linger_cycles, is left to the other: sim/global_world_devices.cpp. With
+// several devices a step imposes each report, advances once, and fills each snapshot. Thread: construction [setup]; the
+// rest: one owner, any priority; a step allocates nothing, the first snapshot and a reset do. Frame: world. Units: SI.
+// Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics. Source: the paper,
+// section 2; several displays are its future work.
 #pragma once
 
 #include <memory>
@@ -32,12 +33,20 @@
 
 namespace tactus::sim {
 
+// A device beside the scene's first.
+struct FurtherDevice {
+  BodyId proxy{kNoBody};           // a dynamic body of the scene
+  haptics::CouplingGains gains{};  // as GlobalOptions::gains
+  // m/s, rad/s: as in ReachSettings
+  double max_speed_m_per_s{1}, max_angular_speed_rad_per_s{10};
+};
+
 struct GlobalOptions {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   physics::BorderMode border_mode{physics::BorderMode::kCapped};
   ExtractionOptions extraction;
-  std::vector<BodyId> more_proxies{};  // proxies of further devices: dynamic bodies of the scene
-  ReachSettings reach;                 // includes the ratio and the tick period
+  std::vector<FurtherDevice> more_devices{};
+  ReachSettings reach;  // includes the ratio and the tick period
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
   haptics::CouplingGains gains;    // of the coupling of device and proxy, world units; equal to the haptic side's
   double touch_tolerance_m{1e-4};  // before the first step, bodies at most this far apart count as touching
@@ -57,6 +66,7 @@ struct GlobalStatistics {
   std::uint32_t most_uneven_members{0};
   std::uint64_t uneven_cycles{0};
   std::uint64_t joins{0}, leaves{0};
+  std::uint64_t handed_over{0};      // bodies that one sub-world left to another device
   std::uint64_t dropped_entries{0};  // snapshot entries that did not fit, such as border points and warm starts
   std::uint64_t rejected_states{0};  // members whose reported state was not finite
   std::uint32_t capacity_bits{0};    // physics::CapacityBit
@@ -94,6 +104,11 @@ class GlobalWorld {
   // state, with the proxy at the pose in the report. A reset allocates, and takes as long as a start.
   void step(const haptics::SubWorldReport& report, haptics::WorldSnapshot& next) noexcept;
 
+  // The same for several devices, by device. Null: nothing has come from that device; its proxy is brought to rest, its
+  // members move with the world, and no snapshot is written for it. A reset waits until all devices request it.
+  void step(std::span<const haptics::SubWorldReport* const> reports,
+            std::span<haptics::WorldSnapshot* const> next) noexcept;
+
   // Everything that the following steps depend on. A copy for restore() of a world with the same scene and options.
   struct Saved;
   // [setup] Both allocate.
@@ -114,7 +129,10 @@ class GlobalWorld {
   bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
   // The bodies that contacts connect to the proxy, as of the last snapshot; indices into bodies(), the proxy first.
-  std::span<const BodyIndex> component() const noexcept { return graph_.visited(); }
+  std::span<const BodyIndex> component(std::uint32_t device = 0) const noexcept {
+    return devices_.size() == 1 ? graph_.visited() : std::span(devices_[device].component);
+  }
+  BodyId proxy_of(std::uint32_t device) const noexcept { return devices_[device].id; }
   // s: the time over which the impulses of world().contacts() are summed; 0 before the first step.
   double impulse_s() const noexcept { return macro_step_s_; }
   const GlobalStatistics& statistics() const noexcept { return statistics_; }
@@ -128,11 +146,15 @@ class GlobalWorld {
   std::uint64_t state_hash() const noexcept { return islands_.state_hash(world_.state_hash()); }
 
  private:
+  static constexpr std::uint32_t kLongApart = 1u << 20;
+
   // Bodies go by their BodyIndex; slots are the world's.
   struct Device {
     BodyId id;  // of the proxy
     BodyIndex proxy;
     Extraction extraction;
+    haptics::CouplingGains gains;  // world units
+    ReachSettings reach;
     Posed reported_proxy;               // the proxy's pose at t_n in the sub-world
     Wrenchd held_by{};                  // N, N m: applied to the proxy over the next step
     Wrenchd held_before{};              // N, N m: mean device wrench of the last cycle
@@ -140,12 +162,21 @@ class GlobalWorld {
     bool has_border{false};             // its last snapshot has border points
     double border_work_J{0};            // of outside bodies on its members, in the last step
     BodyVector<std::uint8_t> buffer{};  // 1 if in the buffer of its sub-world (border_buffer.h)
+    // With several devices: steps since the body, or one jointed to it, last touched the proxy; 0: it does. At most
+    // kLongApart.
+    BodyVector<std::uint32_t> apart{};
+    std::vector<BodyIndex> component{};  // with several devices
   };
 
   physics::SlotIndex slot_of(const Device& device) const noexcept;
   std::span<const std::uint8_t> member_slots(const Device& device) noexcept;
   std::span<const std::uint8_t> slots_of_all_members() noexcept;
-  void add_device(const Scene& scene, BodyId proxy);
+  void add_device(const Scene& scene, const FurtherDevice& device);
+  void build_graph() noexcept;
+  void leave_out(Device& device) noexcept;
+  void note_held_bodies(Device& device) noexcept;
+  void find_free_bodies(const Device& device) noexcept;
+  bool must_leave(const Device& device, BodyIndex body) const noexcept;
   void choose_buffer(Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_border(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void wake_for(const haptics::SubWorldReport& report) noexcept;
@@ -171,6 +202,7 @@ class GlobalWorld {
   void find_touches() noexcept;
   void add_joined() noexcept;
   void add_approaching() noexcept;
+  void add_approaching(const Device& device) noexcept;
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
@@ -182,7 +214,7 @@ class GlobalWorld {
   template <class Self>
   static auto state_of(Self& self) noexcept;
 
-  void reset(const Posed& world_from_proxy);
+  void reset(std::span<const haptics::SubWorldReport* const> reports);
   void fill_first(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
                   haptics::WorldSnapshot& next) noexcept;
 
@@ -204,9 +236,10 @@ class GlobalWorld {
   std::vector<Device> devices_;
   std::vector<ContactEdge> touches_;
   std::vector<physics::Aabb> bounds_;
-  BodyVector<std::uint8_t> free_;           // 1 if member of no other device's sub-world
+  BodyVector<std::uint8_t> free_;           // 1 if it may be a member of the sub-world in question
   BodyVector<std::uint8_t> held_;           // 1 if member of a sub-world or kinematic: stays awake
   std::vector<std::uint8_t> member_slots_;  // by slot: 1 if member of the sub-world in question
+  std::vector<BodyIndex> held_bodies_;      // of note_held_bodies
   std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the macro step
   std::vector<physics::Aabb> regions_;      // by device: region in which nothing falls asleep
   double thinnest_m_{0};                    // thickness of the thinnest body

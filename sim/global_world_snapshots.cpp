@@ -24,21 +24,32 @@ void GlobalWorld::find_touches() noexcept {
   }
   if (coupling_.border) add_approaching();
   add_joined();
-  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+  build_graph();
 }
 
 // Adds edges to bodies that a member will touch before the next choice of members has reached the sub-world.
 void GlobalWorld::add_approaching() noexcept {
+  for (const Device& device : devices_) add_approaching(device);
+}
+
+void GlobalWorld::add_approaching(const Device& device) noexcept {
   const auto awake = islands_.awake();
   const auto bodies = std::as_const(world_).bodies();
+  // A body of each of two sub-worlds: the first of the devices has found this pair.
+  const auto was_found = [&](const Approaching& pair) noexcept {
+    return std::any_of(std::as_const(devices_).data(), &device, [&](const Device& before) noexcept {
+      return before.extraction.is_member(awake[pair.a]) != before.extraction.is_member(awake[pair.b]);
+    });
+  };
   const Approaching* last = nullptr;
-  for (const Approaching& pair : approach_.find(world_, slots_of_all_members(), approach_horizon_s())) {
+  for (const Approaching& pair : approach_.find(world_, member_slots(device), approach_horizon_s())) {
     const bool same_pair = last != nullptr && last->a == pair.a && last->b == pair.b;
     last = &pair;
     // Other parts of the two bodies may have an edge already.
     const auto contacts = physics::find_contacts(world_.contacts(), bodies[pair.a].id, bodies[pair.b].id);
     if (same_pair || std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.touching(); }))
       continue;
+    if (was_found(pair)) continue;
     if (touches_.size() == touches_.capacity()) return;
     touches_.push_back({.a = awake[pair.a],
                         .b = awake[pair.b],
@@ -102,21 +113,17 @@ void GlobalWorld::find_touches_at_rest() noexcept {
   }
   pairs.clear();
   add_joined();
-  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+  build_graph();
 }
 
 void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
                                 WorldSnapshot& next) noexcept {
   Device& device = devices_[device_index];
-  free_.fill(1);
-  for (const Device& other : devices_) {
-    if (&other == &device) continue;
-    free_[other.proxy] = 0;
-    for (const BodyIndex member : other.extraction.members()) free_[member] = 0;
-  }
+  find_free_bodies(device);
   if (coupling_.proxy_alone()) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
+  if (devices_.size() > 1) device.component.assign(graph_.visited().begin(), graph_.visited().end());
 
   next.cycle = cycle;
   next.global_time_s = time_s_;
@@ -135,7 +142,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.effects.clear();
   fill_joiners(device, next);
   fill_near_triangles({.bodies = bodies, .members = members, .proxy = device.proxy}, world_.fixed_bodies(),
-                      world_.shapes().meshes, options_.reach, next);
+                      world_.shapes().meshes, device.reach, next);
   if (coupling_.border) {
     fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;

@@ -221,6 +221,19 @@ const TomlNode* TableReader::table(const char* key) {
   return nullptr;
 }
 
+std::span<const TomlNode> TableReader::tables(const char* key, std::size_t most) {
+  if (is_asked_about()) note(key, {.type = AskedKey::Type::kTable});
+  const TomlNode* node = find(key);
+  if (node == nullptr) return {};
+  if (node->kind == TomlKind::kTable) return {node, 1};
+  if (node->kind == TomlKind::kArray && !node->items.empty() && node->items.size() <= most) return node->items;
+  mistake(key,
+          node->kind == TomlKind::kArray ? fmt::format("{} entries", node->items.size())
+                                         : node->shown() + " is not a table",
+          fmt::format("a table: [{0}], or 1 to {1} of them: [[{0}]]", key, most));
+  return {};
+}
+
 std::span<const TomlNode> TableReader::array(const char* key, std::size_t longest) {
   if (is_asked_about()) note(key, {.type = AskedKey::Type::kArray, .high = static_cast<double>(longest)});
   const TomlNode* node = find(key);

@@ -40,6 +40,8 @@ class TableReader {
   Vec3d vector(const char* key, const Vec3d& fallback, const Range& range);  // each component in the range
   Posed pose();                                                              // position_m, rotation_vector_rad
   const TomlNode* table(const char* key);                                    // null where missing or wrong
+  // [key] once, or [[key]] up to `most` times; empty where missing or wrong.
+  std::span<const TomlNode> tables(const char* key, std::size_t most);
   std::span<const TomlNode> array(const char* key, std::size_t longest);
 
   // The key's name in a mistake: "[body.3] mass_kg".

@@ -37,7 +37,7 @@ std::span<const BodyIndex> Extraction::choose(BodySpan<const physics::Body> bodi
     add(Priority::kProxy, 0, proxy_);
     add_close(close, free);
     add_linked(bodies, graph, cap, free);
-    add_former(graph);
+    add_former(graph, free);
     take(cap, graph, free);
     graph.find_component(proxy_);  // again: breadth first has searched from the close bodies too
     count_left_out(cap, graph);
@@ -85,9 +85,9 @@ void Extraction::add_linked(BodySpan<const physics::Body> bodies, ContactGraph& 
 
 // Adds members that no longer qualify, group by group of those that contacts connect: a group stays until its last body
 // has not qualified for linger_cycles, while the cap allows.
-void Extraction::add_former(const ContactGraph& graph) noexcept {
+void Extraction::add_former(const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept {
   for (const BodyIndex first : chosen_) {
-    if (listed_[first] != 0) continue;
+    if (!available(first, free)) continue;
     group_.clear();
     const auto visit = [&](BodyIndex index) noexcept {
       listed_[index] = 1;
@@ -99,7 +99,7 @@ void Extraction::add_former(const ContactGraph& graph) noexcept {
     for (std::size_t head = 0; head < group_.size(); ++head) {
       out = std::min(out, cycles_out_[group_[head]]);
       for (const ContactGraph::Link& link : graph.links(group_[head]))
-        if (was_member_[link.body] != 0 && listed_[link.body] == 0) visit(link.body);
+        if (was_member_[link.body] != 0 && available(link.body, free)) visit(link.body);
     }
     if (out > options_.linger_cycles) continue;
     for (const BodyIndex index : group_) add(Priority::kLingering, -static_cast<double>(out), index);

@@ -46,8 +46,8 @@ class Extraction {
              BodyIndex proxy, std::uint32_t max_touches);
 
   // Chooses the next members, ascending. `world_from_proxy`: centre of the cube. `budget` may lower the cap.
-  // `free`: 1 for bodies of no other sub-world (empty: all). `awake`: the bodies to test for the cube (empty:
-  // all). The first call is not limited by max_joins. Valid until the next call.
+  // `free`: 1 for bodies that may be members (empty: all); a member that may not leaves at once. `awake`: the bodies to
+  // test for the cube (empty: all). The first call is not limited by max_joins. Valid until the next call.
   std::span<const BodyIndex> choose(BodySpan<const physics::Body> bodies, ContactGraph& graph,
                                     const Posed& world_from_proxy, std::uint32_t budget,
                                     BodySpan<const std::uint8_t> free = {},
@@ -80,7 +80,7 @@ class Extraction {
   void add_close(std::span<const CloseBody> close, BodySpan<const std::uint8_t> free) noexcept;
   void add_linked(BodySpan<const physics::Body> bodies, ContactGraph& graph, std::uint32_t cap,
                   BodySpan<const std::uint8_t> free) noexcept;
-  void add_former(const ContactGraph& graph) noexcept;
+  void add_former(const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept;
   void take(std::uint32_t cap, const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept;
   void bring_joined(std::uint32_t cap, const ContactGraph& graph, BodySpan<const std::uint8_t> free) noexcept;
   void take_all(std::uint32_t bodies) noexcept;

@@ -13,9 +13,14 @@ std::string body_label(const Scene& scene, BodyId id) {
   text::TomlNode root;
   if (!text::read_toml(scene.source, root, ignored)) return number;
   const text::TomlNode *proxy = root.find("proxy"), *bodies = root.find("body"), *generated = root.find("generate");
-  if (id == scene.proxy) return proxy == nullptr ? "the proxy" : fmt::format("the proxy (line {})", proxy->line);
-  // Ids: the proxy, then the bodies in the order of the file, then the generated bodies.
-  const std::size_t index = id - 1;
+  // Ids: the proxies, then the bodies in the order of the file, then the generated bodies.
+  if (id < scene.hands()) {
+    const std::string label = scene.hands() == 1 ? "the proxy" : fmt::format("the proxy of hand {}", id + 1);
+    if (proxy != nullptr && proxy->kind == text::TomlKind::kArray)
+      proxy = id < proxy->items.size() ? &proxy->items[id] : nullptr;
+    return proxy == nullptr ? label : fmt::format("{} (line {})", label, proxy->line);
+  }
+  const std::size_t index = id - scene.hands();
   if (bodies != nullptr && index < bodies->items.size()) {
     const text::TomlNode& body = bodies->items[index];
     const text::TomlNode* name = body.find("name");

@@ -37,21 +37,21 @@ class SceneReader {
 
   void read() {
     bodies_.read_kept(root_);
-    hand_.read_kept(root_.array("motion_file", 1));
+    hand_.read_kept(root_.array("motion_file", kMaxHands));
     scene_.title = root_.text("title", "", 200);
     effects_.read_list(root_);
     read_gravity();
     effects_.read_tables(root_);
     read_simulation();
     read_sleeping();
-    read_device();
-    read_coupling();
-    read_proxy();
+    read_proxies();
+    read_devices();
+    read_couplings();
     read_bodies();
     read_generators();
     effects_.read_joints(root_);
     effects_.read_attraction(root_);
-    hand_.read(table("hand"));
+    read_hands();
     root_.finish();
     effects_.finish(root_);
     check_card_houses();
@@ -105,34 +105,78 @@ class SceneReader {
     t.finish();
   }
 
-  void read_device() {
-    text::TableReader t = table("device");
-    scene_.device.profile = t.word("profile", scene_.device.profile, {"virtuose6d", "desk3d"});
-    scene_.device.world_from_device = t.pose();
-    scene_.device.motion_scale = t.number("motion_scale", scene_.device.motion_scale, {"a scale", 0.01, 100});
-    t.finish();
+  // The tables of each hand: [key] once, for all of them if `shared`, or [[key]] once for each. Null: it is absent.
+  std::vector<const text::TomlNode*> tables_of_hands(const char* key, bool shared) {
+    const std::span<const text::TomlNode> nodes = root_.tables(key, kMaxHands);
+    const unsigned hands = scene_.hands();
+    std::vector<const text::TomlNode*> tables(hands, nullptr);
+    if (nodes.empty()) return tables;
+    const bool one_for_all = nodes.size() == 1 && (shared || hands == 1);
+    if (!one_for_all && nodes.size() != hands)
+      root_.mistake(key, fmt::format("{} for {} hands, which are as many as there are proxies", nodes.size(), hands),
+                    fmt::format("[[{}]] {}{} times", key, shared ? "once or " : "", hands));
+    for (unsigned hand = 0; hand < hands; ++hand) {
+      const std::size_t i = one_for_all ? 0 : hand;
+      if (i < nodes.size()) tables[hand] = &nodes[i];
+    }
+    return tables;
   }
 
-  void read_coupling() {
-    text::TableReader t = table("coupling");
-    haptics::CouplingGains& gains = scene_.coupling;
-    gains.stiffness_N_per_m = t.number("stiffness_N_per_m", gains.stiffness_N_per_m, kStiffness);
-    gains.damping_Ns_per_m = t.number("damping_Ns_per_m", gains.damping_Ns_per_m, kDamping);
-    gains.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", gains.stiffness_Nm_per_rad, kStiffness);
-    gains.damping_Nms_per_rad = t.number("damping_Nms_per_rad", gains.damping_Nms_per_rad, kDamping);
-    t.finish();
+  DevicePlacement& device_of(unsigned hand) { return hand == 0 ? scene_.device : scene_.more_hands[hand - 1].device; }
+  haptics::CouplingGains& coupling_of(unsigned hand) {
+    return hand == 0 ? scene_.coupling : scene_.more_hands[hand - 1].coupling;
   }
 
-  void read_proxy() {
+  void read_devices() {
+    const auto tables = tables_of_hands("device", true);
+    for (unsigned hand = 0; hand < tables.size(); ++hand) {
+      text::TableReader t(tables[hand], "[device]", diagnostics_);
+      DevicePlacement& device = device_of(hand);
+      device.profile = t.word("profile", device.profile, {"virtuose6d", "desk3d"});
+      device.world_from_device = t.pose();
+      device.motion_scale = t.number("motion_scale", device.motion_scale, {"a scale", 0.01, 100});
+      t.finish();
+    }
+  }
+
+  void read_couplings() {
+    const auto tables = tables_of_hands("coupling", true);
+    for (unsigned hand = 0; hand < tables.size(); ++hand) {
+      text::TableReader t(tables[hand], "[coupling]", diagnostics_);
+      haptics::CouplingGains& gains = coupling_of(hand);
+      gains.stiffness_N_per_m = t.number("stiffness_N_per_m", gains.stiffness_N_per_m, kStiffness);
+      gains.damping_Ns_per_m = t.number("damping_Ns_per_m", gains.damping_Ns_per_m, kDamping);
+      gains.stiffness_Nm_per_rad = t.number("stiffness_Nm_per_rad", gains.stiffness_Nm_per_rad, kStiffness);
+      gains.damping_Nms_per_rad = t.number("damping_Nms_per_rad", gains.damping_Nms_per_rad, kDamping);
+      t.finish();
+    }
+  }
+
+  void read_hands() {
+    const auto tables = tables_of_hands("hand", false);
+    for (unsigned hand = 0; hand < tables.size(); ++hand)
+      hand_.read({tables[hand], "[hand]", diagnostics_}, hand == 0 ? scene_.hand : scene_.more_hands[hand - 1].hand,
+                 hand == 0 ? scene_.proxy : scene_.more_hands[hand - 1].proxy);
+  }
+
+  // A hand each.
+  void read_proxies() {
     if (!root_.require("proxy", "a table [proxy]: the body that the device holds")) return;
-    text::TableReader t = table("proxy");
-    if (!t.there()) return;
-    scene_.proxy = 0;
-    const auto& body = add(bodies_.read(t, BodyRole::kProxy));
-    check_friction(t, body.friction);
-    effects_.set_surface(body.id, effects_.read_surface(t));
-    effects_.set_name("proxy", body.id);
-    t.finish();
+    bool first = true;
+    for (const text::TomlNode& node : root_.tables("proxy", kMaxHands)) {
+      text::TableReader t(&node, "[proxy]", diagnostics_);
+      if (!t.there()) continue;
+      const auto& body = add(bodies_.read(t, BodyRole::kProxy));
+      if (first)
+        scene_.proxy = body.id;
+      else
+        scene_.more_hands.push_back({.proxy = body.id, .device = {}, .coupling = {}, .hand = {}});
+      first = false;
+      check_friction(t, body.friction);
+      effects_.set_surface(body.id, effects_.read_surface(t));
+      effects_.set_name(body.id == 0 ? "proxy" : fmt::format("proxy{}", body.id + 1), body.id);
+      t.finish();
+    }
   }
 
   void read_bodies() {

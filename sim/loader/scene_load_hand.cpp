@@ -77,8 +77,8 @@ void HandReader::read_kept(std::span<const text::TomlNode> tables) {
   }
 }
 
-void HandReader::read(text::TableReader hand) {
-  HandScript& script = scene_.hand;
+void HandReader::read(text::TableReader hand, HandScript& script, BodyId proxy) {
+  script_ = &script;
   const bool recorded = hand.has("file");
   script.repeat = hand.flag("repeat", !recorded);  // a recording seldom ends at its start
   script.stiffness_N_per_m = hand.number("stiffness_N_per_m", script.stiffness_N_per_m, kStiffness);
@@ -98,7 +98,7 @@ void HandReader::read(text::TableReader hand) {
     unsigned number = 0;
     for (const text::TomlNode& node : hand.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
   }
-  check_path(hand, recorded ? "file" : "path");
+  check_path(hand, recorded ? "file" : "path", proxy);
   hand.finish();
 }
 
@@ -111,7 +111,7 @@ void HandReader::read_waypoint(const text::TomlNode& node, unsigned number) {
   point.position_m = t.vector("position_m", {}, {"a place", -1e4, 1e4});
   t.require("position_m", "[x, y, z]");
   point.rotation_vector_rad = t.vector("rotation_vector_rad", {}, {"a rotation", -10, 10});
-  auto& path = scene_.hand.path;
+  auto& path = script_->path;
   if (path.empty() && point.time_s != 0) t.mistake("time_s", fmt::format("the path begins at {} s", point.time_s), "0");
   if (!path.empty() && point.time_s <= path.back().time_s)
     t.mistake("time_s", fmt::format("{} s is not after {} s", point.time_s, path.back().time_s), "ascending times");
@@ -130,7 +130,7 @@ void HandReader::read_file(text::TableReader& hand) {
     rows = given->second;
   else if (!open_file(hand, name, rows))
     return;
-  scene_.hand.file = name;
+  script_->file = name;
   add_rows(rows);
 }
 
@@ -152,20 +152,21 @@ bool HandReader::open_file(text::TableReader& hand, const std::string& name, std
   if (!motion.value().mistakes.empty()) return false;
   rows = std::move(motion.value().rows);
   kept_ += table_of(name, rows);
+  given_[name] = rows;  // another hand may follow the same motion
   return true;
 }
 
 void HandReader::add_rows(const std::vector<MotionRow>& rows) {
-  auto& path = scene_.hand.path;
+  auto& path = script_->path;
   for (const MotionRow& row : rows)
     path.push_back({row[0], {row[1], row[2], row[3]}, rotation_vector_of(rotation_of(row))});
-  if (scene_.hand.motion != HandMotion::kCubic) return;
+  if (script_->motion != HandMotion::kCubic) return;
   // The velocity at a row is that of the parabola through it and its neighbours, limited against overshoot. At the ends
   // it is 0, or, in a path that repeats, computed from the neighbours across the repeat.
   const std::size_t last = rows.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
     const bool inner = i > 0 && i < last;
-    if (!inner && !scene_.hand.repeat) continue;
+    if (!inner && !script_->repeat) continue;
     const Leg to = inner ? Leg::between(rows[i - 1], rows[i]) : Leg::between(rows[last - 1], rows[last]);
     const Leg from = inner ? Leg::between(rows[i], rows[i + 1]) : Leg::between(rows[0], rows[1]);
     const double share = from.time_s / (to.time_s + from.time_s);
@@ -174,22 +175,21 @@ void HandReader::add_rows(const std::vector<MotionRow>& rows) {
   }
 }
 
-void HandReader::check_path(text::TableReader& hand, const char* key) {
-  auto& path = scene_.hand.path;
-  if (scene_.proxy == kNoBody) return;
-  const Vec3d proxy = scene_.bodies[scene_.proxy].motion.pose.position;
+void HandReader::check_path(text::TableReader& hand, const char* key, BodyId proxy) {
+  auto& path = script_->path;
+  if (proxy == kNoBody) return;
+  const Vec3d start = scene_.bodies[proxy].motion.pose.position;
   if (path.empty()) {
-    path.push_back({0, proxy, {}});  // without a path the hand rests at the proxy
+    path.push_back({0, start, {}});  // without a path the hand rests at the proxy
     return;
   }
   const auto& first = path.front();
   const auto& last = path.back();
-  if (scene_.hand.repeat &&
-      (first.position_m != last.position_m || first.rotation_vector_rad != last.rotation_vector_rad))
+  if (script_->repeat && (first.position_m != last.position_m || first.rotation_vector_rad != last.rotation_vector_rad))
     hand.mistake(key, "repeats, and does not end where it begins", "a last pose like the first, or repeat = false");
-  if (norm(first.position_m - proxy) > 1e-3)
-    hand.warning(key, fmt::format("begins {:.3g} m from the proxy", norm(first.position_m - proxy)),
-                 fmt::format("a first {} at the proxy's position_m", scene_.hand.file.empty() ? "way point" : "row"));
+  if (norm(first.position_m - start) > 1e-3)
+    hand.warning(key, fmt::format("begins {:.3g} m from the proxy", norm(first.position_m - start)),
+                 fmt::format("a first {} at the proxy's position_m", script_->file.empty() ? "way point" : "row"));
 }
 
 }  // namespace tactus::sim

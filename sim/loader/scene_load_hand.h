@@ -1,4 +1,5 @@
-// Reads the [hand] of a scene: way points in the text, or a recorded motion in a file beside it.
+// Reads the [hand] of a scene, or each of its [[hand]]: way points in the text, or a recorded motion in a file beside
+// it.
 //
 // A file's rows are stored at the end of the scene's source as a [[motion_file]] table, as hulls and meshes are, so
 // that a tape replays without the file.
@@ -24,8 +25,8 @@ class HandReader {
 
   // The [[motion_file]] tables of the text.
   void read_kept(std::span<const text::TomlNode> tables);
-  // Call after the scene's proxy has been read.
-  void read(text::TableReader hand);
+  // Call after the proxy that the hand holds has been read.
+  void read(text::TableReader hand, HandScript& script, BodyId proxy);
 
   // Text to append to the source, so that it needs no file.
   const std::string& kept() const { return kept_; }
@@ -35,9 +36,10 @@ class HandReader {
   void read_file(text::TableReader& hand);
   bool open_file(text::TableReader& hand, const std::string& name, std::vector<MotionRow>& rows);
   void add_rows(const std::vector<MotionRow>& rows);
-  void check_path(text::TableReader& hand, const char* key);
+  void check_path(text::TableReader& hand, const char* key, BodyId proxy);
 
   Scene& scene_;
+  HandScript* script_{nullptr};  // that is being read
   text::Diagnostics& diagnostics_;
   std::optional<std::filesystem::path> folder_;
   std::map<std::string, std::vector<MotionRow>> given_;  // from the text

@@ -12,6 +12,7 @@
 #include "rt/haptics/coupling/coupling_gains.h"
 #include "rt/physics/body.h"
 #include "rt/physics/effects/effects.h"
+#include "rt/physics/pose_spring.h"
 #include "rt/physics/shapes/shape_lists.h"
 #include "rt/physics/step.h"
 
@@ -118,6 +119,16 @@ struct MeshAccount {
   unsigned boundary_edges{0};                     // edges of one triangle only: the mesh is open there
 };
 
+// What a hand holds and is held by, with the body that is its proxy.
+struct HandPart {
+  BodyId proxy{kNoBody};
+  DevicePlacement device;
+  haptics::CouplingGains coupling;  // of device and proxy, world units
+  HandScript hand;
+};
+
+inline constexpr unsigned kMaxHands = physics::kMaxSprings;  // of a scene
+
 struct Scene {
   std::string name;   // file stem
   std::string title;  // one line for people
@@ -134,6 +145,7 @@ struct Scene {
   DevicePlacement device;
   haptics::CouplingGains coupling;  // of device and proxy, world units
   HandScript hand;
+  std::vector<HandPart> more_hands;  // beside the one above; at most kMaxHands - 1
   SolverChoice solver;
   SleepingChoice sleeping;
   unsigned members{64};  // cap of the sub-world, the proxy included
@@ -143,6 +155,12 @@ struct Scene {
 
   // Refers to this scene's lists, which must stay unchanged as long as it is used.
   physics::ShapeLists shapes() const noexcept { return {hulls, meshes, compounds}; }
+
+  unsigned hands() const noexcept { return 1 + static_cast<unsigned>(more_hands.size()); }
 };
+
+// The scene as one hand has it: `proxy`, `device`, `coupling` and `hand` are that hand's, and `more_hands` holds the
+// others, so that everything for one hand serves each of several. hand: 0 to hands() - 1; 0 gives the scene itself.
+Scene scene_of_hand(Scene scene, unsigned hand);
 
 }  // namespace tactus::sim

@@ -123,3 +123,61 @@ TEST_CASE("A stall does not keep the thread from stopping") {
   thread.stop();
   SUCCEED();
 }
+
+TEST_CASE("A world of several devices waits for all of them, but not for one that has stopped") {
+  const Scene scene = pile();
+  GlobalOptions two;
+  two.more_devices = {{.proxy = 7}};
+  GlobalWorld world(scene, two);
+  auto one = std::make_unique<haptics::Exchange>(), other = std::make_unique<haptics::Exchange>();
+  SnapshotServer server(world, {one.get(), other.get()});
+  server.publish_first();
+  const auto report = [](haptics::Exchange& exchange, std::uint64_t n) {
+    fill_report(exchange.reports.writing(n), n);
+    exchange.reports.publish(n);
+  };
+  CHECK_FALSE(server.is_waited_for());
+  report(*one, 0);
+  CHECK(server.is_waited_for());
+  CHECK_FALSE(server.serve());
+  report(*other, 0);
+  CHECK(server.serve());
+  REQUIRE(one->snapshots.try_read(1) != nullptr);
+  REQUIRE(other->snapshots.try_read(1) != nullptr);
+
+  report(*one, 1);
+  CHECK_FALSE(server.serve());
+  server.leave_out_the_missing();
+  CHECK(server.serve());
+  report(*one, 2);
+  CHECK(server.serve());
+  CHECK(one->snapshots.try_read(3) != nullptr);
+  CHECK(other->snapshots.try_read(2) == nullptr);  // not before its report
+
+  report(*other, 1);  // it is back: from now on it is waited for
+  report(*one, 3);
+  CHECK(server.serve());
+  CHECK(other->snapshots.try_read(2) != nullptr);
+  report(*one, 4);
+  CHECK_FALSE(server.serve());
+  CHECK(world.statistics().steps == 4);
+}
+
+TEST_CASE("The thread goes on without a device that has stopped") {
+  const Scene scene = pile();
+  GlobalOptions two;
+  two.more_devices = {{.proxy = 7}};
+  GlobalWorld world(scene, two);
+  auto one = std::make_unique<haptics::Exchange>(), other = std::make_unique<haptics::Exchange>();
+  GlobalThread thread(world, {one.get(), other.get()}, {});
+  (void)thread.start();
+  for (std::uint64_t n = 0; n < 5; ++n) {
+    while (one->snapshots.try_read(n) == nullptr) std::this_thread::yield();
+    fill_report(one->reports.writing(n), n);
+    one->reports.publish(n);
+  }
+  while (one->snapshots.try_read(5) == nullptr) std::this_thread::yield();
+  thread.stop();
+  CHECK(thread.progress().cycles == 5);
+  CHECK(other->snapshots.try_read(1) == nullptr);
+}

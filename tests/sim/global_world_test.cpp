@@ -401,8 +401,17 @@ TEST_CASE("Scenes and options that cannot run are refused in one line") {
   options.coupling = CouplingScheme::kDirect;
   CHECK(message(floating(3), options).find("direct") != std::string::npos);
   options.coupling = CouplingScheme::kInterpolation;
-  options.more_proxies = {1};
+  options.more_devices = {{.proxy = 1}};
   CHECK(message(floating(3), options).find("holds one proxy") != std::string::npos);
+  options.coupling = CouplingScheme::kSubWorld;
+  CHECK(message(floating(3), options).empty());
+  options.extraction.all_members = true;
+  CHECK(message(floating(3), options).find("several devices") != std::string::npos);
+  options = {};
+  options.more_devices = {{.proxy = 1}, {.proxy = 2}, {.proxy = 3}, {.proxy = 4}};
+  CHECK(message(floating(5), options).find("5 devices") != std::string::npos);
+  options.more_devices = {{.proxy = 0}};
+  CHECK(message(floating(3), options).find("body 0 is no proxy") != std::string::npos);
   options = {};
   options.extraction.cap = 257;
   CHECK(message(floating(3), options).find("257") != std::string::npos);

@@ -173,12 +173,19 @@ void Publication::stepped(void* self, const sim::GlobalWorld& world) noexcept {
   publication.pack(world);
 }
 
+// Of the hand whose scene this is.
+std::uint32_t Publication::device_in(const sim::GlobalWorld& world) const noexcept {
+  for (std::uint32_t device = 1; device < world.devices(); ++device)
+    if (world.proxy_of(device) == proxy_) return device;
+  return 0;
+}
+
 void Publication::pack(const sim::GlobalWorld& world) noexcept {
   const auto bodies = world.bodies();
   head_ = {.tick = world.statistics().steps,
            .time_s = world.time_s(),
            .bodies = static_cast<std::uint32_t>(std::min<std::size_t>(bodies.size(), header_.bodies)),
-           .component = static_cast<std::uint32_t>(world.component().size()),
+           .component = static_cast<std::uint32_t>(world.component(device_in(world)).size()),
            .resets = world.statistics().resets};
   for (std::uint32_t i = 0; i < head_.bodies; ++i) {
     positions_[i] = position_of(bodies[i].motion.pose.position);
@@ -192,14 +199,14 @@ void Publication::pack(const sim::GlobalWorld& world) noexcept {
 void Publication::pack_roles(const sim::GlobalWorld& world) noexcept {
   std::fill(roles_.begin(), roles_.begin() + head_.bodies, std::uint8_t{kIsAsleep});
   for (const physics::Body& awake : world.world().bodies()) roles_[place_of_[awake.id]] = 0;
-  for (const sim::BodyIndex body : world.extraction().members()) roles_[number_of(body)] |= kIsMember;
+  for (const sim::BodyIndex body : world.extraction(device_in(world)).members()) roles_[number_of(body)] |= kIsMember;
   if (proxy_ < place_of_.size() && place_of_[proxy_] < head_.bodies) roles_[place_of_[proxy_]] |= kIsProxy;
 }
 
 void Publication::pack_contacts(const sim::GlobalWorld& world) noexcept {
   contacts_.clear();
   std::fill(in_component_.begin(), in_component_.end(), std::uint8_t{0});
-  for (const sim::BodyIndex body : world.component())
+  for (const sim::BodyIndex body : world.component(device_in(world)))
     if (number_of(body) < in_component_.size()) in_component_[number_of(body)] = 1;
   const double impulse_s = world.impulse_s();
   const double per_s = impulse_s > 0 ? 1.0 / impulse_s : 0.0;

@@ -57,6 +57,7 @@ class Publication {
   void take_times(std::span<const std::byte> payload) noexcept;
   void take_bodies(std::span<const std::byte> payload) noexcept;
   void write_tick() noexcept;
+  std::uint32_t device_in(const sim::GlobalWorld& world) const noexcept;
   void pack(const sim::GlobalWorld& world) noexcept;
   void pack_roles(const sim::GlobalWorld& world) noexcept;
   void pack_contacts(const sim::GlobalWorld& world) noexcept;

@@ -20,7 +20,9 @@ Result<std::unique_ptr<WatchedController>> WatchedController::open(const std::fi
   controller->settings_ = std::move(settings).value();
   auto scene = sim::parse_scene(controller->settings_.scene_source, controller->settings_.scene_name);
   if (!scene.ok()) return Status::error("the run's scene: " + scene.message());
-  controller->scene_ = std::move(scene).value();
+  const session::RunOptions& options = controller->settings_.options;
+  if (options.hands != scene.value().hands()) return Status::error("the run's scene has other hands than the run");
+  controller->scene_ = sim::scene_of_hand(std::move(scene).value(), options.hand);
   return controller;
 }
 

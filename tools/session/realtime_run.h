@@ -1,5 +1,5 @@
 // Runs a session in real time: the haptic thread on its core, the global world on another thread, and the calling
-// thread for display and keyboard. Thread: main.
+// thread for display and keyboard. With several hands there is a haptic thread for each. Thread: main.
 #pragma once
 
 #include <atomic>
@@ -7,6 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "sim/global_thread.h"
+#include "tools/session/hands.h"
 #include "tools/session/realtime_tick.h"
 
 namespace tactus::session {
@@ -31,8 +33,27 @@ struct RealtimeHooks {
   std::chrono::milliseconds look_every{200};
 };
 
-// Where a fault's last seconds go, in the working directory.
+// Of one hand of several; each as in RealtimeHooks, and optional.
+struct HandHooks {
+  std::function<void(const loop::SetupReport&)> began;
+  std::atomic<std::uint32_t>* requests{nullptr};
+  loop::TickProbe* probe{nullptr};
+  RealtimeTaps taps{};  // without `stepped`
+};
+
+// Of all hands together; each as in RealtimeHooks.
+struct HandsHooks {
+  std::function<bool(std::span<const LiveStatus* const> hands, double elapsed_s)> show;
+  std::function<std::uint32_t()> asked;  // of every hand
+  std::function<void(const std::string&)> say;
+  sim::StepObserver stepped{};
+  std::chrono::milliseconds look_every{200};
+  std::vector<HandHooks> hands{};  // by hand; may be shorter
+};
+
+// Where a fault's last seconds go, in the working directory; of a further hand: file_of_hand.
 inline constexpr const char* kFaultTape = "tactus-fault.tape";
+std::filesystem::path fault_tape_of(const Session& session);
 // Writes the flight recorder's last seconds there, in place of an older tape, whose readers keep what they have open.
 // Also during the run, from any thread of normal priority. Error: of the disk, or nothing was recorded yet.
 Status write_fault_tape(const Session& session);
@@ -40,5 +61,7 @@ Status write_fault_tape(const Session& session);
 // Returns when the duration is over, or when a hook or `stop` ends the run. Errors: of the operating system or the
 // tape.
 Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, const std::atomic<bool>& stop);
+// The same for several hands: a summary for each.
+Result<std::vector<RunSummary>> run_realtime(Hands& hands, const HandsHooks& hooks, const std::atomic<bool>& stop);
 
 }  // namespace tactus::session

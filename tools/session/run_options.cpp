@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hal/device_class.h"
@@ -9,6 +10,7 @@
 #include "rt/haptics/coupling/snapshot.h"
 #include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
+#include "sim/model/scene.h"
 #include "sim/worker_pool.h"
 #include "tools/json_text.h"
 #include "tools/session/inject_script.h"
@@ -64,6 +66,35 @@ std::string properties_from_json(const json& object, haptics::DeviceProperties& 
     device.*member = at->get<double>();
   }
   return {};
+}
+
+// JSON has no infinity: a limit that is none is left out.
+json hand_to_json(const RunOptions& o) {
+  json object{{"number", o.hand}, {"of", o.hands}};
+  const SharedLimits limits = o.shared_limits.value_or(SharedLimits{});
+  if (std::isfinite(limits.stiffness_N_per_m)) object["limit_N_per_m"] = limits.stiffness_N_per_m;
+  if (std::isfinite(limits.stiffness_Nm_per_rad)) object["limit_Nm_per_rad"] = limits.stiffness_Nm_per_rad;
+  return object;
+}
+
+bool hand_from_json(const json& object, RunOptions& o) {
+  if (!object.is_object()) return false;
+  const auto count = [&](const char* key) -> std::uint64_t {
+    const auto at = object.find(key);
+    return at != object.end() && at->is_number_unsigned() ? at->get<std::uint64_t>() : sim::kMaxHands + 1;
+  };
+  if (count("of") > sim::kMaxHands || count("number") >= count("of")) return false;
+  o.hand = static_cast<unsigned>(count("number"));
+  o.hands = static_cast<unsigned>(count("of"));
+  SharedLimits& limits = o.shared_limits.emplace();
+  for (const auto& [key, limit] : {std::pair{"limit_N_per_m", &limits.stiffness_N_per_m},
+                                   std::pair{"limit_Nm_per_rad", &limits.stiffness_Nm_per_rad}}) {
+    const auto at = object.find(key);
+    if (at == object.end()) continue;
+    if (!at->is_number()) return false;
+    *limit = at->get<double>();
+  }
+  return true;
 }
 
 constexpr std::pair<Accuracy, std::string_view> kAccuracies[] = {
@@ -143,6 +174,7 @@ std::string to_tape_text(const RunOptions& o, const haptics::DeviceProperties& d
   text["virtual_time"] = o.virtual_time;
   text["device"] = o.device;
   text["device_properties"] = properties_to_json(device);
+  if (o.hands > 1) text["hand"] = hand_to_json(o);
   text["scene_name"] = scene_name;
   text["scene"] = scene_source;
   return json_text(text);
@@ -191,6 +223,9 @@ Result<TapeSettings> from_tape_text(const std::string& text) {
   o.ratio = small("ratio");
   o.members = small("members");
   o.seed = parsed["seed"].get<std::uint64_t>();
+  if (const auto hand = parsed.find("hand"); hand != parsed.end()) {
+    if (!hand_from_json(*hand, o)) return bad("has a 'hand' that is none");
+  }
   o.inject = word("inject");
   if (const auto precision = sim::parse_precision(word("world_precision"))) {
     o.world_precision = *precision;

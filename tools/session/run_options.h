@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,12 +30,20 @@ std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept;
 // Value of RunOptions::device when a program supplies its own device, also on a tape. Not accepted on the command line.
 inline constexpr const char* kGivenDevice = "own";
 
+// Above these stiffnesses two hands that hold one body are unstable, see shared_limit.h; world units.
+struct SharedLimits {
+  double stiffness_N_per_m{std::numeric_limits<double>::infinity()};
+  double stiffness_Nm_per_rad{std::numeric_limits<double>::infinity()};
+};
+
 struct RunOptions {
   std::filesystem::path scene;
-  std::string device{"sim"};          // see hal/device_class.h
-  bool given_device{false};           // the caller supplies the device; `device` is its display name
-  std::filesystem::path device_file;  // describes the device; empty: the scene's profile is used
-  std::string gpio;                   // GPIO lines: e-stop, drive enable, probe, heartbeat; empty: none
+  unsigned hand{0}, hands{1};  // which of how many hands of the scene these options are of; the first is 0
+  std::optional<SharedLimits> shared_limits;  // of several hands; set by the session, and on its tape
+  std::string device{"sim"};                  // see hal/device_class.h
+  bool given_device{false};                   // the caller supplies the device; `device` is its display name
+  std::filesystem::path device_file;          // describes the device; empty: the scene's profile is used
+  std::string gpio;                           // GPIO lines: e-stop, drive enable, probe, heartbeat; empty: none
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   physics::BorderMode border{physics::kDefaultBorder};
   sim::CutOrder order{sim::CutOrder::kBestFirst};

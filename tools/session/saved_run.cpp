@@ -13,7 +13,8 @@ struct VirtualRun::Saved {
   std::uint64_t next_report{0};
   loop::RunStats stats;
   Session::Progress progress;
-  Clock clock;
+  std::uint64_t tick{0};
+  VirtualWorld::Clock clock;
 };
 
 std::shared_ptr<const VirtualRun::Saved> VirtualRun::save() const {
@@ -31,14 +32,16 @@ std::shared_ptr<const VirtualRun::Saved> VirtualRun::save() const {
                                              0,
                                              session_.stats,
                                              session_.progress(),
-                                             clock_});
+                                             tick_,
+                                             {}});
   if (const hal::SimulatedDevice* device = session_.simulated()) saved->device = *device;
   if (session_.global == nullptr) return saved;
   saved->global = session_.global->save();
   saved->exchange = std::make_unique<haptics::Exchange>();
   saved->exchange->snapshots.copy_from(session_.exchange->snapshots);
   saved->exchange->reports.copy_from(session_.exchange->reports);
-  saved->next_report = server_->next_report();
+  saved->next_report = world_->next_report();
+  saved->clock = world_->clock();
   return saved;
 }
 
@@ -51,12 +54,12 @@ void VirtualRun::restore(const Saved& saved) {
   if (saved.device) *session_.device->as<hal::SimulatedDevice>() = *saved.device;
   session_.stats = saved.stats;
   session_.set_progress(saved.progress);
-  clock_ = saved.clock;
+  tick_ = saved.tick;
   if (session_.global == nullptr) return;
   session_.global->restore(*saved.global);
   session_.exchange->snapshots.copy_from(saved.exchange->snapshots);
   session_.exchange->reports.copy_from(saved.exchange->reports);
-  server_->continue_at(saved.next_report);
+  world_->continue_at(saved.clock, saved.next_report);
 }
 
 }  // namespace tactus::session

@@ -69,12 +69,18 @@ Status refuse_scheme_gains(const sim::Scene& scene, const RunOptions& options, c
       axis.limit > 0 ? fmt::format("use {} = {:g}, a lower --ratio, or the scene without --keep-gains", axis.key,
                                    sim::rounded_down(allowed(axis.limit)))
                      : std::string("no stiffness is stable with that damping: use a lower --ratio or less damping");
-  return Status::error(fmt::format(
-      "{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable with --coupling {} at ratio {}, which "
-      "delays the proxy by {:g} ms; accepted: up to {:.4g} {} ({:g} of the limit {:.4g}); {}",
-      scene.name, axis.name, axis.stiffness, axis.stiffness_unit, axis.damping, axis.damping_unit,
-      sim::name_of(options.coupling), ratio_of(scene, options), 1e3 * ratio_of(scene, options) * options.period_s(),
-      allowed(axis.limit), axis.stiffness_unit, haptics::kAllowedStiffnessShare, axis.limit, instead));
+  const double step_ms = 1e3 * ratio_of(scene, options) * options.period_s();
+  const std::string why =
+      options.hands > 1
+          ? fmt::format("where {} hands hold one body at ratio {}: each feels the other {:g} to {:g} ms late",
+                        options.hands, ratio_of(scene, options), step_ms, 2 * step_ms)
+          : fmt::format("with --coupling {} at ratio {}, which delays the proxy by {:g} ms",
+                        sim::name_of(options.coupling), ratio_of(scene, options), step_ms);
+  return Status::error(
+      fmt::format("{}: [coupling] {} stiffness {:g} {} with damping {:g} {} is not stable {}; accepted: up to {:.4g} "
+                  "{} ({:g} of the limit {:.4g}); {}",
+                  scene.name, axis.name, axis.stiffness, axis.stiffness_unit, axis.damping, axis.damping_unit, why,
+                  allowed(axis.limit), axis.stiffness_unit, haptics::kAllowedStiffnessShare, axis.limit, instead));
 }
 
 }  // namespace
@@ -83,6 +89,13 @@ SchemeGains gains_of(const sim::Scene& scene, const RunOptions& options, const h
   SchemeGains result;
   result.gains = result.asked = scene.coupling;
   result.stiffness_limit_N_per_m = result.stiffness_limit_Nm_per_rad = kNone;
+  if (options.hands > 1 && options.shared_limits) {
+    result.stiffness_limit_N_per_m = options.shared_limits->stiffness_N_per_m;
+    result.stiffness_limit_Nm_per_rad = options.shared_limits->stiffness_Nm_per_rad;
+    result.gains.stiffness_N_per_m = lowered(result.asked.stiffness_N_per_m, result.stiffness_limit_N_per_m);
+    result.gains.stiffness_Nm_per_rad = lowered(result.asked.stiffness_Nm_per_rad, result.stiffness_limit_Nm_per_rad);
+    return result;
+  }
   if (traits_of(options.coupling).model != haptics::LocalModel::kInterpolatedProxy) return result;
   const double s2 = square(scene.device.motion_scale);
   const physics::Body& proxy = scene.bodies[scene.proxy];
@@ -109,6 +122,12 @@ Status check_gains(const sim::Scene& scene, const RunOptions& options, const hap
     if (axis.used < axis.stiffness && (options.keep_gains || axis.limit <= 0))
       return refuse_scheme_gains(scene, options, axis);
   return Status::good();
+}
+
+std::string lowered_why(const RunOptions& options, unsigned ratio) {
+  if (options.hands > 1)
+    return fmt::format("the most that {} hands on one light body bear at ratio {}", options.hands, ratio);
+  return fmt::format("the most that --coupling {} bears at ratio {}", sim::name_of(options.coupling), ratio);
 }
 
 std::string lowered_text(const SchemeGains& found) {

@@ -4,8 +4,8 @@
 // refused as an error of the scene. The interpolation coupling has a lower limit, which falls with the ratio
 // (rt/haptics/interpolation_limit.h). Scenes are written for the sub-world coupling, so with interpolation the
 // stiffness is lowered to the allowed value and the run reports it. With --keep-gains the run is refused instead, and
-// the message states the limit. Thread: normal. Units: SI; gains of the scene are world units, those at the hand are
-// motion_scale^2 of them for translation.
+// the message states the limit. The same holds where several hands may hold one body: shared_limit.h. Thread: normal.
+// Units: SI; gains of the scene are world units, those at the hand are motion_scale^2 of them for translation.
 #pragma once
 
 #include <string>
@@ -36,5 +36,7 @@ Status check_gains(const sim::Scene& scene, const RunOptions& options, const hap
 
 // "stiffness 1500 -> 905 N/m, ...": empty if nothing was lowered.
 std::string lowered_text(const SchemeGains& gains);
+// "the most that ...": why it was.
+std::string lowered_why(const RunOptions& options, unsigned ratio);
 
 }  // namespace tactus::session

@@ -15,6 +15,7 @@
 #include "tools/session/arm_gate.h"
 #include "tools/session/find_description.h"
 #include "tools/session/scheme_gains.h"
+#include "tools/session/shared_limit.h"
 
 namespace tactus::session {
 namespace {
@@ -204,11 +205,23 @@ std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOp
   return loop;
 }
 
-Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions options_in, Hardware hardware) {
+Result<std::unique_ptr<Session>> Session::create(sim::Scene scene, RunOptions options, Hardware hardware) {
+  if (scene.hands() > 1)
+    return Status::error(fmt::format("{}: has {} hands ([[proxy]]); accepted: one here, several with tactus run",
+                                     scene.name, scene.hands()));
+  auto session = create_hand(std::move(scene), std::move(options), std::move(hardware));
+  if (!session.ok()) return session;
+  Session* const only = session.value().get();
+  if (const Status status = share_world({&only, 1}); !status.ok()) return status;
+  return session;
+}
+
+Result<std::unique_ptr<Session>> Session::create_hand(sim::Scene scene_in, RunOptions options_in, Hardware hardware) {
   std::unique_ptr<Session> session(new Session());
   session->scene = std::move(scene_in);
   session->options = std::move(options_in);
   const sim::Scene& scene = session->scene;
+  session->options.hands = session->scene.hands();
   const RunOptions& options = session->options;
   session->ratio = ratio_of(scene, options);
   session->members = members_of(scene, options);
@@ -240,6 +253,12 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   session->same_device = std::move(hardware.same_device);
   session->gpio = std::move(hardware.gpio);
   const haptics::DeviceProperties& device = session->device->properties();
+  if (options.hands > 1) {
+    if (options.coupling != haptics::CouplingScheme::kSubWorld)
+      return Status::error(fmt::format("--coupling {}: is for one hand, and {} has {}; accepted: sub-world",
+                                       sim::name_of(options.coupling), scene.name, options.hands));
+    if (!options.taped_device) session->options.shared_limits = shared_limits(scene, options, device);
+  }
   if (const Status status = check_gains(scene, options, device); !status.ok()) return status;
   if (const Status status = check_frequency(scene, options); !status.ok()) return status;
 
@@ -252,18 +271,38 @@ Result<std::unique_ptr<Session>> Session::create(sim::Scene scene_in, RunOptions
   governor.min_members = std::min(governor.min_members, governor.members);
   session->governor = std::make_unique<loop::Governor>(governor);
 
-  if (traits_of(options.coupling).global_world) {
-    const sim::GlobalOptions global = global_options(scene, options, device);
-    if (const Status status = sim::check_global_options(scene, global); !status.ok()) return status;
-    session->global = std::make_unique<sim::GlobalWorld>(scene, global);
-    const std::span<const int> cpus = options.world_cpus;  // the first is that of the global world's own thread
-    session->workers = std::make_unique<sim::WorkerPool>(options.world_threads, cpus.empty() ? cpus : cpus.subspan(1));
-    session->global->share_work(*session->workers);
-    session->exchange = std::make_unique<haptics::Exchange>();
-  }
-  session->driver =
-      std::make_unique<Driver>(*session->loop, *session->device, *session->governor, session->exchange.get(), nullptr);
+  session->make_driver();
   return session;
+}
+
+void Session::make_driver() {
+  driver = std::make_unique<Driver>(*loop, *device, *governor, exchange.get(), recorder.get());
+}
+
+Status Session::share_world(std::span<Session* const> hands) {
+  Session& first = *hands.front();
+  if (!traits_of(first.options.coupling).global_world) return Status::good();
+  sim::GlobalOptions global = global_options(first.scene, first.options, first.device->properties());
+  for (const Session* other : hands.subspan(1)) {
+    const sim::GlobalOptions own = global_options(other->scene, other->options, other->device->properties());
+    global.more_devices.push_back(
+        {other->scene.proxy, own.gains, own.reach.max_speed_m_per_s, own.reach.max_angular_speed_rad_per_s});
+  }
+  if (const Status status = sim::check_global_options(first.scene, global); !status.ok()) return status;
+  const auto world = std::make_shared<sim::GlobalWorld>(first.scene, global);
+  const std::span<const int> cpus = first.options.world_cpus;  // the first is that of the global world's own thread
+  const auto pool =
+      std::make_shared<sim::WorkerPool>(first.options.world_threads, cpus.empty() ? cpus : cpus.subspan(1));
+  world->share_work(*pool);
+  const auto resets = hands.size() > 1 ? std::make_shared<std::atomic<std::uint32_t>>(0) : nullptr;
+  for (Session* hand : hands) {
+    hand->resets_of_all = resets;
+    hand->global = world;
+    hand->workers = pool;
+    hand->exchange = std::make_unique<haptics::Exchange>();
+    hand->make_driver();
+  }
+  return Status::good();
 }
 
 Status Session::record(const std::string& tape_path) {
@@ -282,7 +321,7 @@ Status Session::record(const std::string& tape_path) {
   settings.tap_only_kind = loop::kBodiesRecord;
   if (global == nullptr && shown.watchers != nullptr) recorder->show_bodies(*shown.watchers);
   drain = std::make_unique<loop::TapeDrain>(recorder->ring(), settings, std::move(tape));
-  driver = std::make_unique<Driver>(*loop, *device, *governor, exchange.get(), recorder.get());
+  make_driver();
   return Status::good();
 }
 
@@ -329,11 +368,26 @@ std::uint32_t Session::hold_for_hand(std::uint32_t bits) noexcept {
   return progress_.hand_returns && !hand_->hand_is_back() ? loop::kHoldReset : 0u;
 }
 
+// A request that comes from all hands at once is one: while a reset is in progress, the loop takes no other.
+std::uint32_t Session::share_reset(std::uint32_t bits) noexcept {
+  if (resets_of_all == nullptr) return 0;
+  constexpr auto relaxed = std::memory_order_relaxed;
+  if ((bits & loop::kReset) != 0) {
+    resets_seen_ = resets_of_all->fetch_add(1, relaxed) + 1;
+    return 0;
+  }
+  const std::uint32_t asked = resets_of_all->load(relaxed);
+  if (asked == resets_seen_) return 0;
+  resets_seen_ = asked;
+  return loop::kReset;
+}
+
 std::uint32_t Session::operator_bits(std::uint32_t asked) noexcept {
   if (hand_ != nullptr) hand_input.apply(*hand_, scene.device.world_from_device, scene.device.motion_scale);
   std::uint32_t bits = asked | (stats.ticks == arm_tick_ && options.arm_at_start ? loop::kArm : 0u);
   for (; progress_.next_reset < resets.size() && resets[progress_.next_reset] <= stats.ticks; ++progress_.next_reset)
     bits |= loop::kReset;
+  bits |= share_reset(bits);
   if (options.rearm && progress_.latched_ticks >= kRearmAfter_s * options.rate_Hz) {
     progress_.latched_ticks = 0;
     bits |= loop::kRearm;

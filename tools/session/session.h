@@ -1,6 +1,7 @@
 // Builds all parts of a run from a scene and the options: the haptic loop with its device, governor and recorder, the
 // global world, and the exchange between them. Real time and virtual time use the same parts; they differ only in which
-// thread calls them, and when.
+// thread calls them, and when. A session is of one hand. With several there is one for each, on one global world:
+// hands.h.
 // Thread: built on a normal thread [setup]; afterwards the haptic thread uses the driver, and the global world's thread
 // uses the global world.
 #pragma once
@@ -54,8 +55,15 @@ struct Shown {
 class Session {
  public:
   // Error, one line: settings that do not fit together, such as gains beyond the device's limit, too many bodies, a bad
-  // script. `hardware`: already opened, see open_device.h; if it has no device, the simulated one is made.
+  // script; or a scene with several hands. `hardware`: already opened, see open_device.h; if it has no device, the
+  // simulated one is made.
   static Result<std::unique_ptr<Session>> create(sim::Scene scene, RunOptions options, Hardware hardware = {});
+  // The session of hand `options.hand`, whose scene `scene` is (sim::scene_of_hand), without a global world: for
+  // share_world, or for a replay.
+  static Result<std::unique_ptr<Session>> create_hand(sim::Scene scene, RunOptions options, Hardware hardware = {});
+  // Makes the global world of these sessions, one for each hand of the scene in their order. The scene of the first is
+  // the world's, so the first must outlive it. Error: options that the world cannot have.
+  static Status share_world(std::span<Session* const> hands);
 
   // Enables recording, and writing a tape. Call before the first tick.
   Status record(const std::string& tape_path);  // empty: history only
@@ -72,9 +80,9 @@ class Session {
   std::function<Status()> same_device;   // see Hardware
   std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
   std::unique_ptr<loop::Governor> governor;
-  std::unique_ptr<haptics::Exchange> exchange;  // null for the direct coupling, as are `workers` and `global`
-  std::unique_ptr<sim::WorkerPool> workers;     // threads that share the global world's steps
-  std::unique_ptr<sim::GlobalWorld> global;
+  std::unique_ptr<haptics::Exchange> exchange;     // null for the direct coupling, as are `workers` and `global`
+  std::shared_ptr<sim::WorkerPool> workers;        // threads that share the global world's steps
+  std::shared_ptr<sim::GlobalWorld> global;        // shared with the other hands
   HandInput hand_input;                            // a person's wishes of the simulated hand
   Shown shown;                                     // set before record()
   std::unique_ptr<loop::FlightRecorder> recorder;  // null when nothing is recorded
@@ -82,6 +90,8 @@ class Session {
   std::unique_ptr<Driver> driver;
   std::vector<WorldStall> stalls;
   std::vector<std::uint64_t> resets;  // ticks in which the script resets the scene
+  // Resets that any of several hands was asked for: the others then ask for one too. Null with one hand.
+  std::shared_ptr<std::atomic<std::uint32_t>> resets_of_all;
   loop::RunStats stats;
 
   // Adds the figures of the driver's last tick to `stats`. The real-time run measures the three stages itself.
@@ -114,10 +124,13 @@ class Session {
 
  private:
   Session() = default;
+  void make_driver();
   std::uint32_t hold_for_hand(std::uint32_t bits) noexcept;
+  std::uint32_t share_reset(std::uint32_t bits) noexcept;
   void start_hand(const loop::TickOutput& out) noexcept;
 
   hal::SimulatedDevice* hand_{nullptr};  // the simulated device, whose hand restarts at a reset; null on a real device
+  std::uint32_t resets_seen_{0};         // of resets_of_all
   std::uint64_t arm_tick_{0};            // of a run that is armed at its start
   Progress progress_;
 };

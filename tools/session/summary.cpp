@@ -134,6 +134,8 @@ std::string global_text(const RunSummary& s) {
   if (s.global.resets > 0) text += fmt::format("  {:<22} {} times anew\n", "scene begun", s.global.resets);
   text += fmt::format("  {:<22} component of the proxy at most {} bodies; {} joins, {} leaves\n", "contact graph",
                       s.stats.component_max, s.global.joins, s.global.leaves);
+  if (s.options.hands > 1)
+    text += fmt::format("  {:<22} {} bodies from one sub-world to another\n", "handed over", s.global.handed_over);
   return text;
 }
 
@@ -314,6 +316,7 @@ json global_world_json(const RunSummary& s) {
   if (s.global_step.count() > 0) j["step"] = times_json(s.global_step);
   j["uneven_members_most"] = s.global.most_uneven_members;
   j["uneven_cycles"] = s.global.uneven_cycles;
+  if (s.options.hands > 1) j["handed_over"] = s.global.handed_over;
   return j;
 }
 
@@ -384,8 +387,10 @@ double RunSummary::dilation_ms() const noexcept {
 
 std::string to_text(const RunSummary& s) {
   const Verdict verdict = judge(s);
-  std::string text =
-      fmt::format("\ntactus run: {} ({})\n", s.scene_title.empty() ? s.scene_name : s.scene_title, verdict.line());
+  const std::string hand =
+      s.options.hands > 1 ? fmt::format("hand {} of {}: ", s.options.hand + 1, s.options.hands) : "";
+  std::string text = fmt::format("\ntactus run: {}{} ({})\n", hand,
+                                 s.scene_title.empty() ? s.scene_name : s.scene_title, verdict.line());
   text += verdict.text();
   text += fmt::format("run                    {} ticks at {:g} Hz, ratio {}, {} coupling, border {}, device {}\n",
                       s.stats.ticks, s.options.rate_Hz, s.ratio, sim::name_of(s.options.coupling),
@@ -393,8 +398,7 @@ std::string to_text(const RunSummary& s) {
   text += fmt::format("made by                tactus {}; scene {}, text {}\n", version(),
                       hal::printable(s.options.scene.string()), s.scene_hash);
   if (s.gains.lowered())
-    text += fmt::format("coupling               {}: the most that {} bears at this ratio\n", lowered_text(s.gains),
-                        sim::name_of(s.options.coupling));
+    text += fmt::format("coupling               {}: {}\n", lowered_text(s.gains), lowered_why(s.options, s.ratio));
   text += link_text(s);
   text += timing_text(s);
   text +=
@@ -436,6 +440,7 @@ json to_json(const RunSummary& s) {
   j["scene"] = s.scene_name;
   j["scene_file"] = s.options.scene.string();
   j["scene_hash"] = s.scene_hash;
+  if (s.options.hands > 1) j["number"] = s.options.hand + 1;  // of the hand
   const Verdict verdict = judge(s);
   j["verdict"] = verdict.line();
   j["level"] = name_of(verdict.level());

@@ -37,8 +37,13 @@ Result<OpenTape> open_tape(const std::string& path) {
 Result<std::unique_ptr<Session>> session_of(const OpenTape& tape) {
   auto scene = sim::parse_scene(tape.settings.scene_source, tape.settings.scene_name);
   if (!scene.ok()) return prefixed(tape, "the scene on the tape: " + scene.message());
-  // Checks everything that the loop is built from, as for a run.
-  auto session = Session::create(std::move(scene).value(), tape.settings.options);
+  const RunOptions& options = tape.settings.options;
+  const unsigned hands = scene.value().hands();
+  if (options.hands != hands)
+    return prefixed(tape, fmt::format("is of one of {} hands, and its scene has {}", options.hands, hands));
+  // Checks everything that the loop is built from, as for a run. The world outside of several hands is not in one tape.
+  auto session = hands == 1 ? Session::create(std::move(scene).value(), options)
+                            : Session::create_hand(sim::scene_of_hand(std::move(scene).value(), options.hand), options);
   if (!session.ok()) return prefixed(tape, session.message());
   return session;
 }

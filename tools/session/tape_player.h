@@ -26,8 +26,8 @@ struct OpenTape {
 // Error, one line with the path: no tape, or a header that this program did not write.
 Result<OpenTape> open_tape(const std::string& path);
 
-// The session that the tape's header describes, never started: its scene, and the loop for a TapePlayer. Error, one
-// line with the path.
+// The session that the tape's header describes, never started: its scene, and the loop for a TapePlayer. Of one hand of
+// several it has no global world. Error, one line with the path.
 Result<std::unique_ptr<Session>> session_of(const OpenTape& tape);
 
 using OnDamage = std::function<void(const std::string& what, std::uint64_t lost_bytes)>;

@@ -14,49 +14,65 @@ double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps
   return predict_ns(loop::CostModel{}, counts, sub_steps);
 }
 
+VirtualWorld::VirtualWorld(Session& first, std::vector<haptics::Exchange*> exchanges)
+    : session_(first), server_(*first.global, std::move(exchanges)) {
+  server_.publish_first();
+}
+
+void VirtualWorld::serve(std::uint64_t tick) {
+  if (!server_.has_report()) return;
+  if (!clock_.busy) {
+    clock_.busy = true;
+    clock_.ready_tick = tick + step_ticks() + stall_ticks(tick);
+  }
+  if (tick < clock_.ready_tick) return;
+  server_.serve();
+  clock_.busy = false;
+}
+
+std::uint64_t VirtualWorld::step_ticks() const {
+  const double cost_ns =
+      global_step_ns(session_.global->statistics(), session_.scene.solver.global_sub_steps(session_.ratio));
+  return static_cast<std::uint64_t>(cost_ns / (session_.options.period_s() * 1e9));
+}
+
+std::uint64_t VirtualWorld::stall_ticks(std::uint64_t tick) {
+  std::uint64_t ticks = 0;
+  while (clock_.next_stall < session_.stalls.size() && session_.stalls[clock_.next_stall].at_tick <= tick)
+    ticks += session_.stalls[clock_.next_stall++].ticks;
+  return ticks;
+}
+
+void VirtualWorld::continue_at(const Clock& clock, std::uint64_t next_report) noexcept {
+  clock_ = clock;
+  server_.continue_at(next_report);
+}
+
 VirtualRun::VirtualRun(Session& session) : session_(session) {
-  if (session.global == nullptr) return;
-  server_.emplace(*session.global, *session.exchange);
-  server_->publish_first();
+  if (session.global != nullptr) world_.emplace(session, std::vector{session.exchange.get()});
 }
 
 Status VirtualRun::check(const Session& session) {
   return session.workers == nullptr ? Status::good() : session.workers->status();
 }
 
-const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
-  if (server_) serve_world();
+namespace {
+
+void tick_of(Session& session, std::uint64_t tick, std::uint32_t asked) {
   // Made here because Session::record replaces the driver.
-  loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick(*session_.driver, 0);
-  timed_tick({}, [&]() noexcept { return session_.operator_bits(asked); });
-  session_.count_tick();
-  if (session_.drain != nullptr && clock_.tick % 64 == 0) session_.drain->drain();
-  ++clock_.tick;
+  loop::TimedTick<hal::AnyDevice, loop::NoLines, loop::VirtualClock> timed_tick(*session.driver, 0);
+  timed_tick({}, [&]() noexcept { return session.operator_bits(asked); });
+  session.count_tick();
+  if (session.drain != nullptr && tick % 64 == 0) session.drain->drain();
+}
+
+}  // namespace
+
+const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
+  if (world_) world_->serve(tick_);
+  tick_of(session_, tick_, asked);
+  ++tick_;
   return session_.driver->output();
-}
-
-void VirtualRun::serve_world() {
-  if (!server_->has_report()) return;
-  if (!clock_.busy) {
-    clock_.busy = true;
-    clock_.ready_tick = clock_.tick + step_ticks() + stall_ticks();
-  }
-  if (clock_.tick < clock_.ready_tick) return;
-  server_->serve();
-  clock_.busy = false;
-}
-
-std::uint64_t VirtualRun::step_ticks() const {
-  const double cost_ns =
-      global_step_ns(session_.global->statistics(), session_.scene.solver.global_sub_steps(session_.ratio));
-  return static_cast<std::uint64_t>(cost_ns / (session_.options.period_s() * 1e9));
-}
-
-std::uint64_t VirtualRun::stall_ticks() {
-  std::uint64_t ticks = 0;
-  while (clock_.next_stall < session_.stalls.size() && session_.stalls[clock_.next_stall].at_tick <= clock_.tick)
-    ticks += session_.stalls[clock_.next_stall++].ticks;
-  return ticks;
 }
 
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer) {
@@ -70,6 +86,23 @@ Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const Tick
   RunSummary summary = session.summary();
   session.close_tape(summary);
   return summary;
+}
+
+Result<std::vector<RunSummary>> run_virtual(Hands& hands, std::uint64_t ticks, const HandsObserver& observer) {
+  set_denormals_flush();
+  if (Status status = VirtualRun::check(hands[0]); !status.ok()) return status;
+  VirtualWorld world(hands[0], hands.exchanges());
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    world.serve(tick);
+    for (unsigned hand = 0; hand < hands.count(); ++hand) tick_of(hands[hand], tick, 0);
+    if (observer && !observer(hands)) break;
+  }
+  std::vector<RunSummary> summaries;
+  for (unsigned hand = 0; hand < hands.count(); ++hand) {
+    summaries.push_back(hands[hand].summary());
+    hands[hand].close_tape(summaries.back());
+  }
+  return summaries;
 }
 
 }  // namespace tactus::session

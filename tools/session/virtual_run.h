@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "tools/session/session.h"
+#include "tools/session/hands.h"
 
 namespace tactus::session {
 
@@ -15,6 +15,34 @@ using TickObserver = std::function<bool(const loop::TickOutput&)>;
 
 // Duration of a global step by the cost table, from its counts [ns]; collision detection included.
 double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps) noexcept;
+
+// The global world on the virtual clock.
+class VirtualWorld {
+ public:
+  // Publishes the first snapshot, G(0), to each of the exchanges. `first`: of the hands, whose script has the stalls.
+  VirtualWorld(Session& first, std::vector<haptics::Exchange*> exchanges);
+
+  // Before each tick, of all hands.
+  void serve(std::uint64_t tick);
+
+  struct Clock {
+    std::size_t next_stall{0};
+    std::uint64_t ready_tick{0};  // when the global world has finished the current report
+    bool busy{false};
+  };
+  const Clock& clock() const noexcept { return clock_; }
+  std::uint64_t next_report() const noexcept { return server_.next_report(); }
+  // [setup] With one hand.
+  void continue_at(const Clock& clock, std::uint64_t next_report) noexcept;
+
+ private:
+  std::uint64_t step_ticks() const;
+  std::uint64_t stall_ticks(std::uint64_t tick);
+
+  Session& session_;
+  sim::SnapshotServer server_;
+  Clock clock_;
+};
 
 // Runs a session tick by tick. The calling thread must flush denormals (rt/base/denormals.h). The session must outlive
 // it.
@@ -36,23 +64,16 @@ class VirtualRun {
   void restore(const Saved& saved);
 
  private:
-  struct Clock {
-    std::uint64_t tick{0};
-    std::size_t next_stall{0};
-    std::uint64_t ready_tick{0};  // when the global world has finished the current report
-    bool busy{false};
-  };
-
-  void serve_world();
-  std::uint64_t step_ticks() const;
-  std::uint64_t stall_ticks();
-
   Session& session_;
-  std::optional<sim::SnapshotServer> server_;  // none with the direct coupling
-  Clock clock_;
+  std::optional<VirtualWorld> world_;  // none with the direct coupling
+  std::uint64_t tick_{0};
 };
 
 // Error: of the threads that share the global world's steps. `observer` may be empty.
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer = {});
+
+// The same for several hands: in each tick one after the other, in their order.
+using HandsObserver = std::function<bool(const Hands& hands)>;
+Result<std::vector<RunSummary>> run_virtual(Hands& hands, std::uint64_t ticks, const HandsObserver& observer = {});
 
 }  // namespace tactus::session

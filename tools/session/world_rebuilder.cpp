@@ -11,6 +11,7 @@ namespace tactus::session {
 std::string why_not_rebuilt(const OpenTape& tape) {
   const RunOptions& options = tape.settings.options;
   if (!haptics::traits_of(options.coupling).global_world) return "the direct coupling has no world outside";
+  if (options.hands > 1) return "the tape is of one hand, and the world outside was moved by others as well";
   if (!tape.settings.knows_world) return "an older tape, without the global world's precision";
   return tape.warning;
 }

@@ -1,7 +1,6 @@
 // tactus run SCENE: runs a scene in real or virtual time.
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -22,7 +21,10 @@
 #include "tools/service/run_service.h"
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/keyboard.h"
+#include "tools/tactus/run_hands.h"
 #include "tools/tactus/shown_run.h"
+#include "tools/tactus/status_line.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/tactus/viewer_process.h"
 #include "tools/timing/budget.h"
@@ -38,6 +40,7 @@ void ask_to_stop(int) { g_stop.store(true); }
 
 struct RunCommand {
   Options options;
+  EachHand each;  // once, or once for each hand
   double duration_s{0};
   bool virtual_time{false};
   std::string world_cpus;
@@ -58,6 +61,11 @@ int complain_of(const Error& error) {
 
 Error complete_options(RunCommand& command) {
   Options& o = command.options;
+  // Of the first hand; run_hands takes them all.
+  if (!command.each.devices.empty()) o.device = command.each.devices.front();
+  if (!command.each.device_files.empty()) o.device_file = command.each.device_files.front();
+  if (!command.each.injects.empty()) o.inject = command.each.injects.front();
+  if (!command.each.cpus.empty()) o.cpu = command.each.cpus.front();
   const auto wrong = [](std::string text) { return Error(Error::Kind::kOption, std::move(text)); };
   const auto world_cpus = doctor::parse_cpu_list(command.world_cpus);
   if (!world_cpus)
@@ -77,39 +85,6 @@ Error complete_options(RunCommand& command) {
   if (!command.virtual_time && !command.figures.empty())
     return wrong("--figures: is of virtual time; accepted: with --virtual-time, or `tactus export` of a tape");
   return library::Access::check(o, attended && command.duration_s == 0 ? kDefaultVirtual_s : command.duration_s);
-}
-
-// On a terminal the next line overwrites this one.
-void show_live(const session::LiveStatus& live, double elapsed_s, bool terminal, std::uint64_t& last_ticks,
-               double& last_s) {
-  const std::uint64_t ticks = live.ticks.load(std::memory_order_relaxed);
-  const double rate_Hz = elapsed_s > last_s ? static_cast<double>(ticks - last_ticks) / (elapsed_s - last_s) : 0;
-  last_ticks = ticks;
-  last_s = elapsed_s;
-  const std::uint32_t status = live.status.load(std::memory_order_relaxed);
-  std::string notes;
-  for (std::uint32_t bit = 0; bit < 32; ++bit) {
-    const auto name = name_of(static_cast<StatusBit>(1u << bit));
-    if (((status >> bit) & 1u) != 0 && !name.empty()) notes += fmt::format(" {}", name);
-  }
-  const auto fault = static_cast<Fault>(live.fault.load(std::memory_order_relaxed));
-  if (fault != Fault::kNone) notes = fmt::format(" FAULT {} (Enter re-arms)", static_cast<unsigned>(fault));
-  fmt::print(stderr,
-             "{}{:6.1f} s {:5.0f} Hz  force {:5.2f} N  members {:3}  contacts {:3}  border {:3}  overruns {} |{:.80}{}",
-             terminal ? "\r\033[K" : "", elapsed_s, rate_Hz, live.force_N.load(std::memory_order_relaxed),
-             live.members.load(std::memory_order_relaxed), live.contacts.load(std::memory_order_relaxed),
-             live.border.load(std::memory_order_relaxed), live.overruns.load(std::memory_order_relaxed), notes,
-             terminal ? "" : "\n");
-}
-
-// Requests by Enter, or r and Enter; none if standard input is closed.
-std::uint32_t asked_on_keyboard() {
-  pollfd in{STDIN_FILENO, POLLIN, 0};
-  if (isatty(STDIN_FILENO) == 0 || poll(&in, 1, 0) <= 0 || (in.revents & POLLIN) == 0) return 0;
-  char line[256];
-  const ssize_t count = read(STDIN_FILENO, line, sizeof line);
-  if (count <= 0) return 0;
-  return line[0] == 'r' ? loop::kReset : loop::kRearm;
 }
 
 // `shown`: null if the machine has no shared memory for watchers.
@@ -286,13 +261,13 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
   Options& o = command.options;
   const auto given = [&](const char* option) { return app.count(option) > 0; };
   if (!given("SCENE")) command.scene = from.scene;
-  if (!given("--device")) o.device = from.device;
-  if (!given("--device-file")) o.device_file = from.device_file;
+  if (!given("--device")) command.each.devices = {from.device};
+  if (!given("--device-file")) command.each.device_files = {from.device_file};
   if (!given("--gpio")) o.gpio = from.gpio;
   if (!given("--rate")) o.rate_Hz = from.rate_Hz;
   if (!given("--ratio")) o.ratio = from.ratio;
   if (!given("--members")) o.members = from.members;
-  if (!given("--cpu")) o.cpu = from.cpu;
+  if (!given("--cpu")) command.each.cpus = {from.cpu};
   if (!given("--priority")) o.priority = from.priority;
   if (!given("--world-threads")) o.world_threads = from.world_threads;
   if (!given("--world-cpu")) command.world_cpus = fmt::format("{}", fmt::join(from.world_cpus, ","));
@@ -319,26 +294,62 @@ Result<session::RunSummary> run_as_asked(Session& session, const RunCommand& com
   return command.control.empty() ? run_in_virtual_time(session, command) : run_paced(session, command);
 }
 
+// The scene has several hands, or several devices were given: what has been asked for that is of one hand alone.
+std::string not_of_several(const RunCommand& command) {
+  const std::pair<bool, const char*> of_one[] = {{!command.config.empty(), "--config"},
+                                                 {!command.budget.empty(), "--budget"},
+                                                 {!command.options.gpio.empty(), "--gpio"},
+                                                 {!command.figures.empty(), "--figures"}};
+  for (const auto& [asked, option] : of_one)
+    if (asked) return fmt::format("{}: is of one hand; accepted: with a scene that has one, and one --device", option);
+  if (command.virtual_time && (command.view || !command.control.empty() || command.hand == "pointer"))
+    return fmt::format("{}: several hands are watched in real time; accepted: without --virtual-time",
+                       command.view              ? "--view"
+                       : command.control.empty() ? "--hand pointer"
+                                                 : "--control");
+  return {};
+}
+
+int run_several(RunCommand& command, const Scene& scene) {
+  if (const std::string wrong = not_of_several(command); !wrong.empty())
+    return complain("tactus run: " + wrong, kExitBadInput);
+  if (command.virtual_time && command.duration_s == 0) command.duration_s = kDefaultVirtual_s;
+  std::unique_ptr<PrivateFolder> folder;  // of the viewers' sockets
+  if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
+  auto options = library::run_options(command.options, command.duration_s);
+  if (!options.ok()) return complain("tactus run: " + options.message(), kExitBadInput);
+  options.value().scene = command.scene;
+  return run_hands({.scene = library::Access::scene(scene),
+                    .options = std::move(options).value(),
+                    .each = command.each,
+                    .record = command.record,
+                    .control = command.control,
+                    .warnings = scene.warnings(),
+                    .view = command.view,
+                    .by_pointer = command.hand == "pointer",
+                    .json = command.json},
+                   g_stop, ask_to_stop);
+}
+
 int run_scene(const CLI::App& app, RunCommand& command) {
   if (const Status status = read_configuration(app, command); !status.ok())
     return complain_of_each(status.message(), kExitBadInput);
   if (command.scene.empty())
     return complain("tactus run: SCENE is required; accepted: see tactus run --help", kExitBadInput);
   if (const Error error = complete_options(command)) return complain_of(error);
-  std::unique_ptr<PrivateFolder> folder;  // of the viewer's socket
-  if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
   Scene scene;
   if (const Error error = scene.load(command.scene)) return complain_of(error);
   for (const std::string& line : scene.warnings()) fmt::print(stderr, "{}\n", line);
+  if (library::Access::scene(scene).hands() > 1 || command.each.devices.size() > 1) return run_several(command, scene);
+  std::unique_ptr<PrivateFolder> folder;  // of the viewer's socket
+  if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
   if (const int exit_code = keep_budget(command, library::Access::scene(scene)); exit_code != kExitGood)
     return exit_code;
   Session session;
   if (const Error error = library::Access::open(session, scene, command.options)) return complain_of(error);
   session::Session& inner = library::Access::session(session);
   const std::string lowered = lowered_text(inner.summary().gains);
-  if (!lowered.empty())
-    fmt::print(stderr, "tactus run: {}: the most that --coupling {} bears at ratio {}\n", lowered,
-               command.options.coupling, inner.ratio);
+  if (!lowered.empty()) fmt::print(stderr, "tactus run: {}: {}\n", lowered, lowered_why(inner.options, inner.ratio));
   std::unique_ptr<exporting::Figures> figures;
   if (const Status status = take_figures(inner, command, figures); !status.ok())
     return complain("tactus run: " + status.message(), kExitBadInput);
@@ -368,8 +379,9 @@ void add_options(CLI::App& app, RunCommand& command) {
       "--config", command.config,
       "a deployment's configuration, see `tactus config check --help`: what no option says it says, and the\n"
       "run logs events instead of a status line");
-  app.add_option("--control", command.control, "serve `tactus control` at this path");
-  app.add_flag("--view", command.view, "start a viewer of the run, and print its page's address");
+  app.add_option("--control", command.control, "serve `tactus control` at this path; of a second hand at PATH.2");
+  app.add_flag("--view", command.view,
+               "start a viewer of the run, and print its page's address; of several hands one each");
   app.add_option("--hand", command.hand,
                  "of the simulated device: script, as the scene says; pointer: it rests until a page's mouse takes it")
       ->check(CLI::IsMember({"script", "pointer"}))
@@ -377,8 +389,12 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--pace", command.pace,
                  "of virtual time with --control or --view: 0.01 to 100 times real time, or 0 for as fast as it goes;\n"
                  "default: 1 with --view, else 0. The results are the same bits");
-  app.add_option("--device", o.device, hal::accepted_devices())->capture_default_str();
-  app.add_option("--device-file", o.device_file, "describes the device; default: the scene's profile");
+  // Each time one value: what follows may be the scene.
+  const auto once_or_each = [](CLI::Option* option) { option->allow_extra_args(false); };
+  const std::string devices = hal::accepted_devices() + ".\nSeveral hands: once for all (sim), or once for each";
+  once_or_each(app.add_option("--device", command.each.devices, devices)->default_str("sim"));
+  once_or_each(app.add_option("--device-file", command.each.device_files,
+                              "describes the device; default: the scene's profile. Several hands: as --device"));
   app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
   app.add_option("--coupling", o.coupling,
                  fmt::format("{}. interpolation delays the\n"
@@ -403,8 +419,9 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--members", o.members, "most bodies in the sub-world, the proxy included; default: by the accuracy");
   app.add_option("--duration", command.duration_s,
                  "seconds to run; default: until stopped, in virtual time\n10 without --control and --view");
-  app.add_option("--cpu", o.cpu, "core of the haptic thread; default: the last one allowed")
-      ->check(CLI::Range(0, 1023));
+  once_or_each(app.add_option("--cpu", command.each.cpus,
+                              "core of the haptic thread; default: the last one allowed. Several hands: once for each")
+                   ->check(CLI::Range(0, 1023)));
   app.add_option("--world-threads", o.world_threads,
                  "threads that share the steps of the global world; the results are the same bits")
       ->capture_default_str();
@@ -417,14 +434,16 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--priority", o.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
       ->capture_default_str();
   app.add_flag("--virtual-time", command.virtual_time, "one thread on a virtual clock: the same bits every time");
-  app.add_option("--record", command.record, "write a tape here, for `tactus replay`");
+  app.add_option("--record", command.record, "write a tape here, for `tactus replay`; of a second hand my.2.tape");
   app.add_option("--budget", command.budget,
                  "hold the run against this file of `tactus timing --certify`: refused on another machine, at a\n"
                  "higher rate or with more sub-steps than measured; with more members it runs with fewer");
   app.add_flag("--rearm", o.rearm, "take a latched fault back by itself after a second; else Enter does");
-  app.add_option("--inject", o.inject,
-                 "faults, as KIND@TICK[+TICKS][:AMOUNT],...: lost, late, duplicated, corrupted, nan, wild,\n"
-                 "teleport, frozen, unplugged, estop; of the world: stall; of the operator: reset@TICK");
+  once_or_each(
+      app.add_option("--inject", command.each.injects,
+                     "faults, as KIND@TICK[+TICKS][:AMOUNT],...: lost, late, duplicated, corrupted, nan, wild,\n"
+                     "teleport, frozen, unplugged, estop; of the world: stall; of the operator: reset@TICK.\n"
+                     "Several hands: once for each; that of the first has the world's and the operator's"));
   app.add_option("--seed", o.seed, "of what is random in injected faults")->capture_default_str();
   app.add_option("--figures", command.figures,
                  "figures of the columns of `tactus export`, as COLUMN:HOW,...: mean, rms, min, max, last, or p99 and\n"
@@ -451,6 +470,7 @@ CLI::App* add_run_command(CLI::App& program, int& exit_code) {
       "  tactus run sim/scenes/pile700.toml --cpu 3 --world-threads 2 --world-cpu 1-2\n"
       "  tactus run sim/scenes/pile700.toml --virtual-time --coupling static\n"
       "  tactus run sim/scenes/card_house.toml --view --hand pointer\n"
+      "  tactus run tools/examples/two_hands.toml --device usb:0001 --device usb:0002 --cpu 2 --cpu 3\n"
       "  tactus run sim/scenes/stack20.toml --inject lost@1000+20,stall@3000+50 --rearm --record my.tape");
   add_options(*run, *command);
   run->callback([command, run, &exit_code] { exit_code = run_scene(*run, *command); });

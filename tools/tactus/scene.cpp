@@ -1,6 +1,7 @@
 // tactus scene check FILE: checks a scene and lists the effects that it uses and their cost.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -127,6 +128,17 @@ haptics::DeviceProperties device_of(const sim::Scene& scene, double tick_s) {
   return properties;
 }
 
+// What further hands make a problem of; what is of the scene has been said.
+void add_further_hands(const sim::Scene& scene, double tick_s, sim::SceneReport& report) {
+  const std::vector<std::string> first = report.problems;
+  for (unsigned hand = 1; hand < scene.hands(); ++hand) {
+    const sim::Scene own = sim::scene_of_hand(scene, hand);
+    for (const std::string& problem : sim::report_on(own, device_of(own, tick_s), tick_s).problems)
+      if (std::find(first.begin(), first.end(), problem) == first.end())
+        report.problems.push_back(fmt::format("hand {}: {}", hand + 1, problem));
+  }
+}
+
 int check_scene(const CheckOptions& options) {
   text::Diagnostics diagnostics;
   const auto scene = sim::load_scene(options.file, &diagnostics);
@@ -142,6 +154,7 @@ int check_scene(const CheckOptions& options) {
   }
   const double tick_s = 1 / options.rate_Hz;
   auto report = sim::report_on(scene.value(), device_of(scene.value(), tick_s), tick_s);
+  add_further_hands(scene.value(), tick_s, report);
   for (const auto& time : experiment::time_effects(scene.value()))
     for (auto& effect : report.effects)
       if (effect.name == time.effect) {

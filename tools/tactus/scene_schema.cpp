@@ -170,6 +170,12 @@ ordered_json scene_schema(const std::vector<SceneTable>& language) {
       (is_list ? own["items"] : own)["properties"][table.name.substr(blank + 1)]["items"] = schema_of(table);
     }
   }
+  for (const char* of_hand : {"proxy", "device", "coupling", "hand"}) {  // a table, or one for each hand
+    ordered_json& own = root["properties"][of_hand];
+    const ordered_json description = own["description"];
+    const ordered_json list{{"type", "array"}, {"items", own}, {"minItems", 1}, {"maxItems", sim::kMaxHands}};
+    own = {{"description", description}, {"anyOf", ordered_json::array({own, list})}};
+  }
   ordered_json effects = ordered_json::array();
   for (const auto& effect : sim::known_effects()) effects.push_back(effect.name);
   root["properties"]["effects"]["items"] = {{"enum", effects}};

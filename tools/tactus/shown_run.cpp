@@ -76,7 +76,7 @@ void ShownRun::take_written() {
   Status written = Status::good();
   if (const Status thrown = caught([&] { written = writing_.get(); }); !thrown.ok()) written = thrown;
   std::error_code error;
-  fault_tape_ = written.ok() ? std::filesystem::absolute(session::kFaultTape, error).string() : "";
+  fault_tape_ = written.ok() ? std::filesystem::absolute(session::fault_tape_of(session_), error).string() : "";
   fault_tape_error_ = written.message();
   faults_told_ = faults_kept_;
 }

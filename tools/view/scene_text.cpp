@@ -1,5 +1,7 @@
 #include "tools/view/scene_text.h"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "sim/loader/body_label.h"
@@ -95,10 +97,14 @@ std::string scene_text(const sim::Scene& scene, const session::TapeSettings& set
   }
   for (const Channel& channel : kChannels) channels.push_back({{"name", channel.name}, {"unit", channel.unit}});
   const session::RunOptions& o = settings.options;
+  const std::string title =
+      o.hands == 1
+          ? scene.title
+          : fmt::format("{}: hand {} of {}", scene.title.empty() ? scene.name : scene.title, o.hand + 1, o.hands);
   return json_text(ordered_json{{"kind", "scene"},
                                 {"wire", kWireVersion},
                                 {"name", scene.name},
-                                {"title", scene.title},
+                                {"title", title},
                                 {"made_by", settings.made_by},
                                 {"device", o.device},
                                 {"coupling", sim::name_of(o.coupling)},

@@ -1,5 +1,6 @@
 // What is wrong with a scene is said with its place; what is right is read as written.
 #include "sim/loader/scene_load.h"
+#include "sim/loader/body_label.h"
 
 #include <fmt/format.h>
 
@@ -306,6 +307,42 @@ TEST_CASE("a card house on too smooth a ground, or of too smooth cards, is a war
   CHECK_THAT(warn(0.3, 0.23), Contains("between cards"));
   CHECK_THAT(warn(0.13, 0.26), Contains("with the ground"));  // sqrt(0.13 x 0.26) = 0.184
   CHECK(warn(0.14, 0.26).empty());                            // sqrt(0.14 x 0.26) = 0.191
+}
+
+TEST_CASE("a scene with several proxies has as many hands, each with its own tables or the one for all") {
+  const std::string ball = "shape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.1\n";
+  const std::string proxies = "[[proxy]]\n" + ball + "[[proxy]]\n" + ball + "position_m = [1, 0, 0]\n";
+  const std::string body = "[[body]]\nname = \"a\"\n" + ball + "position_m = [2, 0, 0]\n";
+  const auto scene =
+      good(proxies + body + "[[device]]\n[[device]]\nposition_m = [1, 0, 0]\n[coupling]\nstiffness_N_per_m = 700\n");
+  REQUIRE(scene.hands() == 2);
+  const auto second = scene_of_hand(scene, 1);
+  CHECK(scene.proxy == 0);
+  CHECK(second.proxy == 1);
+  CHECK(scene.bodies[2].motion.pose.position.x == 2);
+  CHECK(scene.device.world_from_device.position.x == 0);
+  CHECK(second.device.world_from_device.position.x == 1);
+  CHECK(scene.coupling.stiffness_N_per_m == 700);
+  CHECK(second.coupling.stiffness_N_per_m == 700);
+  CHECK(second.hand.path.at(0).position_m.x == 1);  // it rests at its proxy
+  CHECK(scene_of_hand(second, 1).proxy == 0);       // the others are still there
+  CHECK(body_label(scene, 1).starts_with("the proxy of hand 2 (line "));
+  CHECK(body_label(scene, 2).starts_with("'a' (line "));
+  const auto joints = [&](const char* name) {
+    return "effects = [\"joints\"]\n" + proxies + body + "[[joint]]\nkind = \"ball\"\na = \"a\"\nb = \"" + name +
+           "\"\n";
+  };
+  CHECK(good(joints("proxy2")).effect_data.joints.size() == 1);
+  CHECK_THAT(diagnose(joints("proxy3")).message(), Contains("no body is called \"proxy3\""));
+  // What does not go together, a line each.
+  CHECK_THAT(diagnose(proxies + "[hand]\n").message(), Contains("1 for 2 hands") && Contains("[[hand]] 2 times"));
+  CHECK_THAT(diagnose(proxies + "[[device]]\n[[device]]\n[[device]]\n").message(),
+             Contains("3 for 2 hands") && Contains("[[device]] once or 2 times"));
+  CHECK_THAT(diagnose("[[device]]\n[[device]]\n" + kProxy).message(), Contains("2 for 1 hands"));
+  std::string five;
+  for (int i = 0; i < 5; ++i) five += "[[proxy]]\n" + ball;
+  CHECK_THAT(diagnose(five).message(), Contains("proxy: 5 entries") && Contains("[[proxy]]"));
+  CHECK_THAT(diagnose("proxy = 1\n").message(), Contains("proxy: 1 is not a table"));
 }
 
 TEST_CASE("the hand's path begins at the proxy, or there is a warning, without a path the hand rests there") {

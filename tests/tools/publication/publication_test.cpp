@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "rt/base/denormals.h"
+#include "sim/loader/scene_load.h"
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
 #include "tools/publication/shared_words.h"
@@ -102,6 +103,33 @@ TEST_CASE("a frame has the poses, roles and contacts of the global world") {
   CHECK(members == world.extraction().members().size());
   CHECK(proxies == 1);
   CHECK(frame.head.left_out == 0);
+}
+
+TEST_CASE("of several hands each shows its own members and its own graph") {
+  auto scene = sim::load_scene(TACTUS_SOURCE_DIR "/tools/examples/two_hands.toml");
+  REQUIRE(scene.ok());
+  const session::RunOptions options = test::virtual_options();
+  auto hands = session::Hands::create(scene.value(), {options, options}, std::vector<session::Hardware>(2));
+  INFO(hands.message());
+  REQUIRE(hands.ok());
+  REQUIRE(session::run_virtual(hands.value(), 1000).ok());  // both hold the block
+  const sim::GlobalWorld& world = hands.value().world();
+  for (unsigned hand = 0; hand < 2; ++hand) {
+    const auto publication = published(hands.value()[hand].scene);
+    publication->watchers() = 1;
+    Publication::stepped(publication.get(), world);
+    const auto watcher = watching(*publication);
+    Frame frame;
+    REQUIRE(watcher->read_frame(frame));
+    CHECK(frame.head.component == world.component(hand).size());
+    CHECK(number_of(world.component(hand).front()) == hand);
+    for (std::size_t i = 0; i < frame.roles.size(); ++i) {
+      const auto body = static_cast<sim::BodyIndex>(i);
+      CHECK(((frame.roles[i] & kIsMember) != 0) == world.extraction(hand).is_member(body));
+      CHECK(((frame.roles[i] & kIsProxy) != 0) == (i == hand));
+    }
+    CHECK_FALSE(frame.contacts.empty());
+  }
 }
 
 TEST_CASE("contacts carry the weight of what stands") {

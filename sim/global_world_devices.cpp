@@ -1,0 +1,95 @@
+// The devices of a global world: how each holds its proxy, and which sub-world a body belongs to.
+//
+// A body that two proxies hold is a member of one sub-world, so only one loop feels it without delay; to the other it
+// is an outside body, some two cycles late. Between the two loops go states and momentum, never a spring: the spring of
+// each coupling is in one loop alone. Which one is decided by touch, not by influence, so that a body that lies between
+// two hands does not change sides:
+//   - a body belongs to the first sub-world that takes it, the lower device first;
+//   - it stays there while it touches that proxy, whatever else it touches;
+//   - once it has not done so for linger_cycles and touches another proxy, its sub-world leaves it to the other.
+// Bodies that joints connect count as one: they touch a proxy if one of them does. All of it depends on the contacts of
+// the global world alone, in the order of devices and bodies, so the same reports give the same members.
+#include "sim/global_world.h"
+
+namespace tactus::sim {
+
+using haptics::SubWorldReport;
+
+void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noexcept {
+  const bool sane = is_finite(report.device.pose) && is_finite(report.device.velocity);
+  device.target = sane ? report.device : haptics::DeviceTarget{};
+}
+
+// Sets the coupling's spring and damper between each proxy and its device, for a macro step that begins `elapsed_s`
+// after the start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy
+// in the global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a
+// force held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
+// couplings hold a wrench (impose).
+void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
+  if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
+  for (std::uint32_t d = 0; d < devices_.size(); ++d) {
+    haptics::DeviceTarget ahead = devices_[d].target;
+    if (ahead.engaged)
+      ahead.pose = {ahead.pose.position + elapsed_s * ahead.velocity.linear,
+                    quat_from_rotation_vector(elapsed_s * ahead.velocity.angular) * ahead.pose.rotation};
+    const physics::SlotIndex slot = slot_of(devices_[d]);
+    physics::PoseSpring spring;
+    haptics::aim_spring(devices_[d].gains, ahead, slot, world_.body(slot).motion.pose, spring);
+    world_.device_spring(d) = spring;
+  }
+}
+
+// Nothing has come from this device: what it last sent is too old to pull the proxy by.
+void GlobalWorld::leave_out(Device& device) noexcept {
+  device.target = {};
+  device.held_by = {};
+  device.held_before = {};
+}
+
+void GlobalWorld::build_graph() noexcept {
+  graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
+  if (devices_.size() == 1) return;
+  for (Device& device : devices_) note_held_bodies(device);
+}
+
+// Updates `apart`: bodies that touch the proxy, and those that joints connect to them.
+void GlobalWorld::note_held_bodies(Device& device) noexcept {
+  for (const BodyIndex body : device.apart.indices())
+    if (device.apart[body] < kLongApart) ++device.apart[body];
+  held_bodies_.clear();
+  const auto hold = [&](BodyIndex body) noexcept {
+    const bool is_proxy = std::any_of(devices_.begin(), devices_.end(),
+                                      [body](const Device& other) noexcept { return other.proxy == body; });
+    if (is_proxy || device.apart[body] == 0) return;
+    device.apart[body] = 0;
+    held_bodies_.push_back(body);
+  };
+  for (const ContactGraph::Link& link : graph_.links(device.proxy)) hold(link.body);
+  for (std::size_t head = 0; head < held_bodies_.size(); ++head)
+    for (const ContactGraph::Link& link : graph_.links(held_bodies_[head]))
+      if (graph_.touches()[link.touch].joined) hold(link.body);
+}
+
+bool GlobalWorld::must_leave(const Device& device, BodyIndex body) const noexcept {
+  if (device.apart[body] <= options_.extraction.linger_cycles) return false;
+  return std::any_of(devices_.begin(), devices_.end(),
+                     [&](const Device& other) noexcept { return &other != &device && other.apart[body] == 0; });
+}
+
+// Sets free_: no proxy and no member of another device, and no body to be left to another.
+void GlobalWorld::find_free_bodies(const Device& device) noexcept {
+  free_.fill(1);
+  if (devices_.size() == 1) return;
+  for (const Device& other : devices_) {
+    if (&other == &device) continue;
+    free_[other.proxy] = 0;
+    for (const BodyIndex member : other.extraction.members()) free_[member] = 0;
+  }
+  for (const BodyIndex member : device.extraction.members()) {
+    if (member == device.proxy || !must_leave(device, member)) continue;
+    free_[member] = 0;
+    ++statistics_.handed_over;
+  }
+}
+
+}  // namespace tactus::sim

@@ -1,0 +1,231 @@
+#include "tools/tactus/run_hands.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "hal/device_class.h"
+#include "sim/loader/scene_load.h"
+#include "tools/json_report.h"
+#include "tools/service/run_service.h"
+#include "tools/session/find_description.h"
+#include "tools/session/realtime_run.h"
+#include "tools/session/virtual_run.h"
+#include "tools/tactus/commands.h"
+#include "tools/tactus/keyboard.h"
+#include "tools/tactus/shown_run.h"
+#include "tools/tactus/status_line.h"
+#include "tools/tactus/stop_signals.h"
+#include "tools/tactus/viewer_process.h"
+
+namespace tactus::tools {
+namespace {
+
+Status check_count(const char* option, std::size_t given, unsigned hands) {
+  if (given <= 1 || given == hands) return Status::good();
+  return Status::error(fmt::format("{}: {} for {} hands; accepted: one, or one for each", option, given, hands));
+}
+
+const std::string& of_hand(const std::vector<std::string>& values, unsigned hand) {
+  static const std::string none;
+  return values.empty() ? none : values.size() == 1 ? values.front() : values[hand];
+}
+
+Result<std::vector<session::Hardware>> open_devices(const sim::Scene& scene,
+                                                    const std::vector<session::RunOptions>& options) {
+  std::vector<session::Hardware> hardware;
+  for (unsigned hand = 0; hand < scene.hands(); ++hand) {
+    const std::string& name = sim::scene_of_hand(scene, hand).device.profile;
+    const auto profile = session::find_description(name, options[hand].device_file);
+    if (!profile.ok()) return Status::error(fmt::format("hand {}: {}", hand + 1, profile.message()));
+    auto opened = session::open_hardware(options[hand], profile.value());
+    if (!opened.ok()) return Status::error(fmt::format("hand {}: {}", hand + 1, opened.message()));
+    hardware.push_back(std::move(opened).value());
+  }
+  return hardware;
+}
+
+// What those who watch one hand have.
+struct Watched {
+  std::shared_ptr<ShownRun> shown;  // null if the machine has no shared memory for watchers
+  std::unique_ptr<service::RunService> service;
+  std::unique_ptr<ViewerProcess> viewer;
+
+  static Result<Watched> open(session::Session& session, const HandsCommand& command, std::atomic<bool>& stop) {
+    Watched watched;
+    service::Configuration configuration;
+    configuration.socket = session::file_of_hand(command.control, session.options.hand);
+    watched.shown = ShownRun::make(session);
+    service::Watchable watchable;
+    if (session.simulated() != nullptr) watchable.hand = &session.hand_input;
+    if (watched.shown != nullptr) watched.shown->add_to(watchable);
+    auto service =
+        service::RunService::open(configuration, {}, stop, /*can_reset=*/true,
+                                  {session.options.scene, sim::source_hash(session.scene.source)}, watchable);
+    if (!service.ok()) return service.status();
+    watched.service = std::move(service).value();
+    if (!command.view) return watched;
+    auto viewer = ViewerProcess::start(configuration.socket);
+    if (!viewer.ok()) return viewer.status();
+    watched.viewer = std::move(viewer).value();
+    return watched;
+  }
+
+  void look(const session::LiveStatus& live, double elapsed_s) {
+    service->look(live, elapsed_s);
+    if (shown != nullptr) shown->look(live);
+  }
+};
+using AllWatched = std::vector<Watched>;  // by hand; empty without control sockets
+
+void stepped(void* all, const sim::GlobalWorld& world) noexcept {
+  for (const Watched& watched : *static_cast<AllWatched*>(all))
+    if (watched.shown != nullptr) ShownRun::stepped(watched.shown.get(), world);
+}
+
+session::HandHooks hooks_of(Watched& watched) {
+  session::HandHooks hooks;
+  hooks.requests = &watched.service->requests();
+  if (watched.shown != nullptr)
+    hooks.began = [shown = watched.shown](const loop::SetupReport& setup) { shown->take_setup(setup); };
+  return hooks;
+}
+
+Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands, const HandsCommand& command,
+                                                          std::atomic<bool>& stop) {
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  AllWatched all;
+  session::HandsHooks hooks;
+  if (!command.control.empty()) {
+    for (unsigned hand = 0; hand < hands.count(); ++hand) {
+      auto watched = Watched::open(hands[hand], command, stop);
+      if (!watched.ok()) return watched.status();
+      all.push_back(std::move(watched).value());
+    }
+    for (Watched& watched : all) hooks.hands.push_back(hooks_of(watched));
+    hooks.stepped = {&stepped, &all};
+  }
+  // Also without a tape: a fault saves the last seconds.
+  if (const Status status = hands.record(command.record); !status.ok()) return status;
+  std::vector<std::uint64_t> faults_told(hands.count(), 0);
+  double next_line_s = 0;
+  hooks.show = [&](std::span<const session::LiveStatus* const> live, double elapsed_s) {
+    for (std::size_t hand = 0; hand < live.size(); ++hand) {
+      if (!all.empty()) all[hand].look(*live[hand], elapsed_s);
+      const std::uint64_t faults = live[hand]->fault_count.load(std::memory_order_relaxed);
+      const std::string fault = fault_line(*live[hand]);
+      if (fault.empty() || faults <= faults_told[hand]) continue;
+      fmt::print(stderr, "{}tactus run: hand {}: FAULT at {:.1f} s: {}\n", terminal ? "\r\033[K" : "", hand + 1,
+                 elapsed_s, fault);
+      faults_told[hand] = faults;
+    }
+    if (terminal || (!command.json && elapsed_s >= next_line_s)) {
+      show_live(live, elapsed_s, terminal);
+      next_line_s += 2;
+    }
+    return true;
+  };
+  hooks.asked = asked_on_keyboard;
+  hooks.say = [&](const std::string& line) {
+    fmt::print(stderr, "{}tactus run: {}\n", terminal ? "\r\033[K" : "", line);
+  };
+  auto summaries = session::run_realtime(hands, hooks, stop);
+  for (std::size_t hand = 0; hand < all.size() && summaries.ok(); ++hand)
+    if (all[hand].shown != nullptr) all[hand].shown->end(summaries.value()[hand]);
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  return summaries;
+}
+
+Result<std::vector<session::RunSummary>> run(session::Hands& hands, const HandsCommand& command,
+                                             std::atomic<bool>& stop) {
+  const session::RunOptions& options = command.options;
+  if (!options.virtual_time) return run_in_real_time(hands, command, stop);
+  if (!command.record.empty())
+    if (const Status status = hands.record(command.record); !status.ok()) return status;
+  const auto ticks = static_cast<std::uint64_t>(std::llround(options.duration_s * options.rate_Hz));
+  return session::run_virtual(hands, ticks,
+                              [&](const session::Hands&) { return !stop.load(std::memory_order_relaxed); });
+}
+
+nlohmann::json to_json(const std::vector<session::RunSummary>& summaries) {
+  nlohmann::json hands = nlohmann::json::array();
+  std::size_t worst = 0;
+  for (std::size_t hand = 0; hand < summaries.size(); ++hand) {
+    hands.push_back(session::to_json(summaries[hand]));
+    if (session::judge(summaries[hand]).level() > session::judge(summaries[worst]).level()) worst = hand;
+  }
+  nlohmann::json object;
+  for (const char* key : {"scene", "scene_file", "scene_hash", "real_time"}) object[key] = hands[0][key];
+  for (const char* key : {"verdict", "level", "exit_code"}) object[key] = hands[worst][key];
+  object["hands"] = std::move(hands);
+  return object;
+}
+
+}  // namespace
+
+Result<std::vector<session::RunOptions>> options_of_hands(const HandsCommand& command) {
+  const unsigned hands = command.scene.hands();
+  const EachHand& each = command.each;
+  const Status counts[] = {check_count("--device", each.devices.size(), hands),
+                           check_count("--device-file", each.device_files.size(), hands),
+                           check_count("--inject", each.injects.size(), hands),
+                           check_count("--cpu", each.cpus.size(), hands)};
+  for (const Status& status : counts)
+    if (!status.ok()) return Status::error(fmt::format("{}: {}", command.scene.name, status.message()));
+  std::vector<session::RunOptions> options(hands, command.options);
+  for (unsigned hand = 0; hand < hands; ++hand) {
+    session::RunOptions& o = options[hand];
+    if (!each.devices.empty()) o.device = of_hand(each.devices, hand);
+    o.device_file = of_hand(each.device_files, hand);
+    o.inject = hand < each.injects.size() ? each.injects[hand] : "";
+    o.cpu = hand < each.cpus.size() ? each.cpus[hand] : -1;
+    if (const Status status = session::check_options(o); !status.ok())
+      return Status::error(fmt::format("hand {}: {}", hand + 1, status.message()));
+    const auto choice = hal::choose_device(o.device);
+    const bool taken = std::any_of(options.begin(), options.begin() + hand,
+                                   [&](const session::RunOptions& other) { return other.device == o.device; });
+    if (taken && choice.ok() && choice.value().device_class->real)
+      return Status::error(
+          fmt::format("--device {}: serves one hand, and this is of two; accepted: each its own, such "
+                      "as usb:SERIAL, or sim",
+                      o.device));
+  }
+  return options;
+}
+
+int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_to_stop)(int)) {
+  const auto options = options_of_hands(command);
+  if (!options.ok()) return complain("tactus run: " + options.message(), kExitBadInput);
+  auto hardware = open_devices(command.scene, options.value());
+  if (!hardware.ok()) return complain("tactus run: " + hardware.message(), kExitMachineCannot);
+  auto hands = session::Hands::create(command.scene, options.value(), std::move(hardware).value());
+  if (!hands.ok()) return complain("tactus run: " + hands.message(), kExitBadInput);
+  for (unsigned hand = 0; hand < hands.value().count(); ++hand) {
+    const session::RunSummary summary = hands.value()[hand].summary();
+    if (summary.gains.lowered())
+      fmt::print(stderr, "tactus run: hand {}: {}: {}\n", hand + 1, lowered_text(summary.gains),
+                 lowered_why(summary.options, summary.ratio));
+  }
+  for (unsigned hand = 0; hand < hands.value().count() && command.by_pointer; ++hand)
+    (void)hands.value()[hand].rest_hand();
+  stop_on_signals(ask_to_stop);
+  std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
+  const auto summaries = run(hands.value(), command, stop);
+  if (!summaries.ok()) return complain("tactus run: " + summaries.message(), kExitMachineCannot);
+  if (command.json) {
+    auto object = to_json(summaries.value());
+    object["scene_warnings"] = command.warnings;
+    fmt::print("{}\n", report_text(object, 2));
+  } else {
+    for (const session::RunSummary& summary : summaries.value()) fmt::print("{}", session::to_text(summary));
+  }
+  int exit_code = kExitGood;
+  for (const session::RunSummary& summary : summaries.value()) exit_code = std::max(exit_code, summary.exit_code());
+  return exit_code;
+}
+
+}  // namespace tactus::tools
