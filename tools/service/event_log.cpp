@@ -27,6 +27,7 @@ void EventLog::event(Level level, const std::string& name, Fields fields, double
     return;
   }
   std::string line = with_level_ ? fmt::format("<{}>{}", static_cast<int>(level), name) : name;
+  if (hand_ > 0) line += fmt::format(" hand={}", hand_);
   for (const auto& [key, value] : fields) line += fmt::format(" {}={}", key, quoted(value));
   if (seen.suppressed > 0) line += fmt::format(" suppressed={}", seen.suppressed);
   seen = {now_s, 0};

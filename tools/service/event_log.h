@@ -26,6 +26,8 @@ class EventLog {
   // Rate-limited by its name.
   void event(Level level, const std::string& name, Fields fields, double now_s);
   void set_interval(double interval_s) { interval_s_ = interval_s; }
+  // Of several hands: the number of the one that the events are of, a field of every line.
+  void set_hand(unsigned number) { hand_ = number; }
 
   // True if standard error goes to a journal, as reported by systemd.
   static bool to_journal();
@@ -38,6 +40,7 @@ class EventLog {
   std::FILE* out_;
   bool with_level_;
   double interval_s_;
+  unsigned hand_{0};  // 0: there is one
   std::map<std::string, Seen> seen_;
 };
 

@@ -15,6 +15,7 @@ namespace tactus::service {
 struct RunName {
   std::filesystem::path scene;
   std::string scene_hash;  // of its text
+  unsigned hand{0};        // of several hands, from 1; 0: there is one
 };
 
 // One JSON object: version, scene, ticks, rate, force, members, contacts, overruns, late cycles, conditions, fault.

@@ -20,7 +20,9 @@ RunService::RunService(const Configuration& configuration, std::filesystem::path
       rearm_(configuration.run.rearm),
       log_interval_s_(configuration.log_interval_s),
       log_(stderr, EventLog::to_journal(), configuration.log_interval_s),
-      monitor_(log_, name_) {}
+      monitor_(log_, name_) {
+  log_.set_hand(name_.hand);
+}
 
 Result<std::unique_ptr<RunService>> RunService::open(const Configuration& configuration,
                                                      const std::filesystem::path& file, std::atomic<bool>& stop,

@@ -63,9 +63,9 @@ struct Watched {
     service::Watchable watchable;
     if (session.simulated() != nullptr) watchable.hand = &session.hand_input;
     if (watched.shown != nullptr) watched.shown->add_to(watchable);
-    auto service =
-        service::RunService::open(configuration, {}, stop, /*can_reset=*/true,
-                                  {session.options.scene, sim::source_hash(session.scene.source)}, watchable);
+    auto service = service::RunService::open(
+        configuration, {}, stop, /*can_reset=*/true,
+        {session.options.scene, sim::source_hash(session.scene.source), session.options.hand + 1}, watchable);
     if (!service.ok()) return service.status();
     watched.service = std::move(service).value();
     if (!command.view) return watched;

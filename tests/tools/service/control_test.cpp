@@ -274,6 +274,10 @@ TEST_CASE("an event comes once in its interval, with how often it was held back,
   CHECK(lines ==
         "overruns count=1\nfault text=\"no \\\"link\\\" now\"\noverruns count=4 suppressed=2\noverruns count=5\n");
   CHECK(written([](EventLog& log) { log.event(Level::kNotice, "x", {}, 0); }, true) == "<5>x\n");
+  CHECK(written([](EventLog& log) {
+          log.set_hand(2);
+          log.event(Level::kNotice, "x", {{"a", "1"}}, 0);
+        }) == "x hand=2 a=1\n");
 }
 
 TEST_CASE("the monitor tells what changed, and that the loop is alive") {
