@@ -14,8 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr Limits kLimits{};
-constexpr const char* kHeap = "--max-old-space-size=1024";  // MB, of JavaScript; that of WebAssembly is kLimits'
+constexpr const char* kHeap = "--max-old-space-size=1024";  // MB, of JavaScript; that of WebAssembly is the limits'
 
 Vec3d vector_of(const json& list) { return {list.at(0), list.at(1), list.at(2)}; }
 
@@ -164,8 +163,8 @@ void read_account(const json& answer, Account& account) {
 }  // namespace
 
 Result<CompiledModel> compile_model(const std::filesystem::path& program, const std::filesystem::path& file,
-                                    Account& account) {
-  auto text = run_program({"node", kHeap, program.string(), file.string()}, kLimits);
+                                    const Limits& limits, Account& account) {
+  auto text = run_program({"node", kHeap, program.string(), file.string()}, limits);
   if (!text.ok()) return Status::error(fmt::format("{}: {}", file.filename().string(), text.message()));
   try {
     const json answer = json::parse(text.value());

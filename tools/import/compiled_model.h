@@ -10,6 +10,7 @@
 #include "rt/base/result.h"
 #include "sim/geometry/mesh_files.h"
 #include "tools/import/account.h"
+#include "tools/import/limited_process.h"
 #include "tools/import/mass_properties.h"
 
 namespace tactus::scene_import {
@@ -80,8 +81,8 @@ struct CompiledModel {
 };
 
 // Runs the compiler, `program`: compile.mjs, beside its wasm. Refusals and what is left out go to `account`; where the
-// model could be compiled, it is returned even then, so that the caller can find more.
+// model could be compiled, it is returned even then, so that the caller can find more. `limits`: of the compiler.
 Result<CompiledModel> compile_model(const std::filesystem::path& program, const std::filesystem::path& file,
-                                    Account& account);
+                                    const Limits& limits, Account& account);
 
 }  // namespace tactus::scene_import

@@ -33,7 +33,7 @@ std::optional<ImportError> read_model(const ImportOptions& options, Imported& im
                        true};
   if (!is_program("node"))
     return ImportError{fmt::format("{}: MJCF and URDF need the program node (Debian: nodejs)", name), true};
-  const auto model = compile_model(options.compiler, options.file, imported.account);
+  const auto model = compile_model(options.compiler, options.file, options.compiler_limits, imported.account);
   if (model.ok()) {
     draft = draft_of(model.value(), options.pieces, imported.account);
     if (draft.title.empty()) draft.title = options.file.stem().string();

@@ -4,6 +4,7 @@
 // that is refused is in the account, and no scene is made.
 #pragma once
 
+#include "tools/import/limited_process.h"
 #include "tools/import/shape_source.h"
 
 namespace tactus::scene_import {
@@ -17,6 +18,7 @@ struct ImportOptions {
   std::string device{"virtuose6d"};
   PieceOptions pieces;
   ShapeOptions shapes;
+  Limits compiler_limits{};  // of the compiler's process
 };
 
 struct Imported {

@@ -34,7 +34,7 @@ std::map<std::string, physics::Body> bodies_of(const sim::Scene& scene, const st
 
 scene_import::CompiledModel compiled(const std::string& name) {
   scene_import::Account account;
-  auto model = scene_import::compile_model(compiler(), kModels / name, account);
+  auto model = scene_import::compile_model(compiler(), kModels / name, {}, account);
   REQUIRE(model.ok());
   return std::move(model).value();
 }

@@ -180,7 +180,7 @@ TEST_CASE("a mesh in pieces has the mass, centre and moments that MuJoCo gives t
   options.pieces = {8, 0.0005};
   const auto made = imported(options);
   Account account;
-  const auto model = compile_model(compiler(), options.file, account);
+  const auto model = compile_model(compiler(), options.file, {}, account);
   REQUIRE(model.ok());
   check_same(mass_of(loaded(made).bodies[1]), model.value().bodies[1].mass);
   check_pieces(made, 9);
