@@ -33,7 +33,7 @@ double width_px(const std::string& svg) {
 }  // namespace
 
 TEST_CASE("the labels of the time axis lie within the plot, for ticks of a microsecond to ten seconds") {
-  for (std::uint64_t latest_ns = 1'000; latest_ns <= 10'000'000'000; latest_ns *= 10) {
+  for (std::int64_t latest_ns = 1'000; latest_ns <= 10'000'000'000; latest_ns *= 10) {
     INFO("the latest tick took " << latest_ns << " ns");
     Histogram times;
     times.record(700);

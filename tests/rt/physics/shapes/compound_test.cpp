@@ -231,7 +231,8 @@ TEST_CASE("Every two parts within the margin have a contact in the world, wherev
     bench.run(1);
     for (const auto& [key, separation] : touching) {
       const auto contacts = bench.world.contacts();
-      const bool found = std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) { return c.key == key; });
+      const bool found =
+          std::any_of(contacts.begin(), contacts.end(), [wanted = key](const Contact& c) { return c.key == wanted; });
       INFO("step " << i << ", bodies " << key.low() << " and " << key.high() << ", parts " << key.low_part() << " and "
                    << key.high_part() << ", separation " << separation);
       REQUIRE(found);
