@@ -480,6 +480,7 @@ void GlobalWorld::advance() noexcept {
   s.most_pairs = std::max(s.most_pairs, report.pairs);
   s.most_contacts = std::max(s.most_contacts, report.contacts);
   s.capacity_bits |= report.capacity_bits;
+  s.dropped_entries += report.dropped;
   s.deepest_m = std::max(s.deepest_m, report.deepest_m);
 }
 

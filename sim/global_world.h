@@ -67,7 +67,7 @@ struct GlobalStatistics {
   std::uint64_t uneven_cycles{0};
   std::uint64_t joins{0}, leaves{0};
   std::uint64_t handed_over{0};      // bodies that one sub-world left to another device
-  std::uint64_t dropped_entries{0};  // snapshot entries that did not fit, such as border points and warm starts
+  std::uint64_t dropped_entries{0};  // what did not fit: pairs, contacts, triangles of a step, entries of a snapshot
   std::uint64_t rejected_states{0};  // members whose reported state was not finite
   std::uint32_t capacity_bits{0};    // physics::CapacityBit
   // Energy at the border, with sign.

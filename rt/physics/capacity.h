@@ -9,10 +9,10 @@
 namespace tactus::physics {
 
 struct Capacities {
-  std::uint32_t bodies{256};         // dynamic bodies; beyond: `insert` refuses
-  std::uint32_t fixed_bodies{64};    // static geometry; beyond: `insert` refuses
-  std::uint32_t pairs{2048};         // overlapping boxes; beyond: pairs with the highest keys are dropped
-  std::uint32_t contacts{512};       // manifolds; beyond: the deepest are kept, ties by lower pair key
+  std::uint32_t bodies{256};       // dynamic bodies; beyond: `insert` refuses
+  std::uint32_t fixed_bodies{64};  // static geometry; beyond: `insert` refuses
+  std::uint32_t pairs{2048};    // overlapping boxes; beyond: pairs of moving bodies with the highest keys are dropped
+  std::uint32_t contacts{512};  // manifolds; beyond: the deepest are kept, ties by lower pair key
   std::uint32_t border_contacts{0};  // contacts with bodies of another world; beyond: `add` refuses
   std::uint32_t mesh_triangles{
       0};  // near moving bodies, in one step; beyond: those of the highest body ids are dropped

@@ -38,17 +38,20 @@ std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,
     const double speed = norm(v.linear) + norm(v.angular) * bounding_radius(bodies[i].shape);
     if (counts(i)) count(settings.dt * speed, kMotionInPass * half_thickness(bodies[i].shape));
   }
-  const auto roll = [&](std::uint32_t slot) noexcept {
+  // `part`: the shape of the body that touches.
+  const auto roll = [&](std::uint32_t slot, std::uint32_t part) noexcept {
     const Body& body = bodies[slot];
-    if (!rolls(body.shape) || !counts(slot)) return;
+    const Shape& shape = part_shape(body.shape, part, world.shapes().compounds);
+    if (!rolls(shape) || !counts(slot)) return;
     const Twistd& v = body.motion.velocity;
-    count(settings.dt * std::max(norm(v.linear), norm(v.angular) * body.shape.radius),
-          most_along_contact(body.shape.radius, settings));
+    count(settings.dt * std::max(norm(v.linear), norm(v.angular) * shape.radius),
+          most_along_contact(shape.radius, settings));
   };
   for (const Contact& contact : world.contacts()) {
     if (!contact.touching()) continue;
-    roll(contact.slot_a);
-    if (!contact.b_fixed) roll(contact.slot_b);
+    const std::uint32_t a = contact.slot_a;
+    roll(a, contact.key.part_of(bodies[a].id));
+    if (!contact.b_fixed) roll(contact.slot_b, contact.key.part_of(bodies[contact.slot_b].id));
   }
   const auto top = static_cast<std::uint32_t>(most);
   std::uint32_t macro_steps = std::min(top, static_cast<std::uint32_t>(std::ceil(needed)));

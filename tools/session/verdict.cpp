@@ -133,6 +133,19 @@ Ruling border_of(const RunSummary& s) {
           "more --members, a lower --ratio, or --border capped"};
 }
 
+std::string capacity_words(std::uint32_t bits) {
+  static constexpr std::pair<std::uint32_t, const char*> kWords[] = {{physics::kBodiesFull, "bodies"},
+                                                                     {physics::kFixedBodiesFull, "fixed bodies"},
+                                                                     {physics::kPairsFull, "pairs"},
+                                                                     {physics::kContactsFull, "contacts"},
+                                                                     {physics::kBorderContactsFull, "border contacts"},
+                                                                     {physics::kMeshTrianglesFull, "mesh triangles"}};
+  std::string words;
+  for (const auto& [bit, word] : kWords)
+    if ((bits & bit) != 0) words += (words.empty() ? "" : ", ") + std::string(word);
+  return words.empty() ? "entries" : words;
+}
+
 Ruling capacity_of(const RunSummary& s) {
   const std::uint32_t bits = s.stats.capacity_bits | (s.has_global ? s.global.capacity_bits : 0u);
   const std::uint64_t dropped = s.stats.dropped + (s.has_global ? s.global.dropped_entries : 0u);
@@ -142,7 +155,7 @@ Ruling capacity_of(const RunSummary& s) {
           bits != 0 ? std::max(1.0, static_cast<double>(dropped)) : 0.0,
           0,
           kInfinite,
-          fmt::format("a capacity was exceeded (bits {:#x}): {} entries were left out", bits, dropped),
+          fmt::format("a capacity was exceeded, of {}: {} entries were left out", capacity_words(bits), dropped),
           "fewer --members, or a scene with fewer contacts in one place"};
 }
 

@@ -102,6 +102,36 @@ struct RoundPair {
 
 constexpr int kTurns = 2;
 
+// Moves points on the facet of a round body to its middle, where the body itself is touched: the edges are up to
+// radius * kFacet beside it, and a body would drive itself away on one of them, or be braked by two. `self`: from that
+// body's centre.
+void centre_on_facet(const Quatd& rotation, const Alignment& alignment, double radius, Vec3d ManifoldPoint::*self,
+                     Manifold& manifold) noexcept {
+  const Vec3d across = rotate(rotation, Vec3d{-alignment.y, alignment.x, 0.0});
+  for (std::uint32_t i = 0; i < manifold.count; ++i) {
+    ManifoldPoint& point = manifold.points[i];
+    const double beside = dot(point.*self, across);
+    if (!(std::abs(beside) <= 2.0 * radius * round_hull::kFacet)) continue;
+    point.from_a -= beside * across;
+    point.from_b -= beside * across;
+  }
+}
+
+// Of points that are the same now, keeps the deepest.
+void merge_points(Manifold& manifold) noexcept {
+  constexpr double kSame = 1e-7;  // m
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < manifold.count; ++i) {
+    std::uint32_t same = 0;
+    while (same < kept && norm(manifold.points[same].from_a - manifold.points[i].from_a) > kSame) ++same;
+    if (same == kept)
+      manifold.points[kept++] = manifold.points[i];
+    else
+      manifold.points[same].separation = smaller(manifold.points[same].separation, manifold.points[i].separation);
+  }
+  manifold.count = kept;
+}
+
 double least_separation(const Manifold& manifold) noexcept {
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t i = 0; i < manifold.count; ++i) least = smaller(least, manifold.points[i].separation);
@@ -123,11 +153,15 @@ void collide_turned(const PairView& pair, const HullView* hull_a, const Vec3d& t
   if (manifold.count == 0) return;
   Vec3d along = to_b;
   for (int turns = 0; turns < kTurns && round.is_turned(along, manifold.normal); ++turns) {
-    along = manifold.normal;
-    const Manifold turned = round.collide(along);
+    const Manifold turned = round.collide(manifold.normal);
     if (!(least_separation(turned) < least_separation(manifold))) break;
+    along = manifold.normal;
     manifold = turned;
   }
+  centre_on_facet(pair.world_from_b, round.alignment_b(along), pair.b.radius, &ManifoldPoint::from_b, manifold);
+  if (is_round_hull(pair.a))
+    centre_on_facet(pair.world_from_a, round.alignment_a(along), pair.a.radius, &ManifoldPoint::from_a, manifold);
+  merge_points(manifold);
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < manifold.count; ++i)
     if (manifold.points[i].separation <= pair.margin) manifold.points[kept++] = manifold.points[i];
@@ -170,8 +204,10 @@ void collide_cylinder_patch(const PatchView& patch, Manifold& manifold) noexcept
   const Mesh& mesh = patch.mesh;
   const Vec3d normal = mesh.patches[mesh.triangles[patch.triangles[0]].patch].normal;
   const Vec3d in_world = rotate(patch.pair.world_from_b, normal);
-  const RoundHull hull(patch.pair.a, Alignment::to(rotate_inverse(patch.pair.world_from_a, -in_world)));
-  collide_hull_patch(patch, hull.view(), manifold);
+  const Alignment alignment = Alignment::to(rotate_inverse(patch.pair.world_from_a, -in_world));
+  collide_hull_patch(patch, RoundHull(patch.pair.a, alignment).view(), manifold);
+  centre_on_facet(patch.pair.world_from_a, alignment, patch.pair.a.radius, &ManifoldPoint::from_a, manifold);
+  merge_points(manifold);
 }
 
 }  // namespace tactus::physics

@@ -1,5 +1,7 @@
 #include "rt/physics/contact/contact_row.h"
 
+#include <algorithm>
+
 namespace tactus::physics {
 namespace {
 
@@ -48,8 +50,15 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
                                           const SweepRule<LaneOf<V>>& rule) noexcept {
   const SymBlock<V>& w = c.w_normal;
   const V zero(0), inverse_h(rule.inverse_h), slop(rule.slop), most_push(-rule.max_push_speed);
-  const V mass_scale(rule.softness.mass_scale), impulse_scale(rule.softness.impulse_scale);
-  const V bias_rate(rule.softness.mass_scale * rule.softness.bias_rate);
+  V mass_scale(rule.softness.mass_scale), impulse_scale(rule.softness.impulse_scale);
+  V bias_rate(rule.softness.mass_scale * rule.softness.bias_rate);
+  if (kBias && c.any_shared != 0) {
+    const auto shared = c.share > V(1);
+    const V whole = mass_scale + c.share * impulse_scale;
+    mass_scale = select(shared, mass_scale / whole, mass_scale);
+    impulse_scale = select(shared, c.share * impulse_scale / whole, impulse_scale);
+    bias_rate = select(shared, mass_scale * V(rule.softness.bias_rate), bias_rate);
+  }
   NormalPart<V> sum;
   for (std::uint32_t k = 0; k < c.points; ++k) {
     const std::uint32_t i = kBackwards ? c.points - 1 - k : k;
@@ -205,10 +214,35 @@ TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from)
 
 }  // namespace
 
+namespace {
+
+bool presses(const Contact& contact) noexcept {
+  for (std::uint32_t i = 0; i < contact.count; ++i)
+    if (contact.points[i].normal_impulse > 0.0 || contact.points[i].separation <= 0.0) return true;
+  return false;
+}
+
+// How many contacts press between the two bodies of this one, which are consecutive.
+std::uint32_t share_of(std::span<const Contact> contacts, std::uint32_t index) noexcept {
+  const PairKey bodies = contacts[index].key.of_bodies();
+  std::uint32_t share = 0;
+  for (std::uint32_t i = index; i < contacts.size() && contacts[i].key.of_bodies() == bodies; ++i)
+    share += presses(contacts[i]) ? 1 : 0;
+  for (std::uint32_t i = index; i > 0 && contacts[i - 1].key.of_bodies() == bodies; --i)
+    share += presses(contacts[i - 1]) ? 1 : 0;
+  return std::max(share, 1u);
+}
+
+}  // namespace
+
 template <class V>
-void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
+void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, std::span<const Contact> contacts,
                const SolverBodies<LaneOf<V>>& bodies) noexcept {
   using T = LaneOf<V>;
+  const Contact& contact = contacts[index];
+  const std::uint32_t share = share_of(contacts, index);
+  set_lane(row.share, lane, static_cast<T>(share));
+  row.any_shared |= share > 1 ? 1 : 0;
   const auto as_lane = [](double x) noexcept { return static_cast<T>(x); };
   row.a[lane] = contact.slot_a;
   row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
@@ -351,11 +385,11 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   TACTUS_SWEEP(V, false, kFixed, true, false)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, true)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, false)
-#define TACTUS_INSTANTIATE(V)                                                 \
-  template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact&, \
-                          const SolverBodies<LaneOf<V>>&) noexcept;           \
-  template void complete<V>(ContactRow<V>&) noexcept;                         \
-  TACTUS_SWEEPS(V, false)                                                     \
+#define TACTUS_INSTANTIATE(V)                                                           \
+  template void fill_lane(ContactRow<V>&, int, std::uint32_t, std::span<const Contact>, \
+                          const SolverBodies<LaneOf<V>>&) noexcept;                     \
+  template void complete<V>(ContactRow<V>&) noexcept;                                   \
+  TACTUS_SWEEPS(V, false)                                                               \
   TACTUS_SWEEPS(V, true)
 TACTUS_INSTANTIATE(double)
 TACTUS_INSTANTIATE(float)

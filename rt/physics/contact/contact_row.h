@@ -22,6 +22,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "rt/physics/contact/body_lanes.h"
 #include "rt/physics/contact/contact.h"
@@ -43,6 +44,7 @@ struct alignas(64) ContactRow {
   std::uint32_t a[kWidth], b[kWidth];  // slots; b is not read if B is fixed
   std::uint32_t contact[kWidth];       // index among the contacts
   std::uint32_t used, points;          // lanes in use; largest number of points of a lane
+  std::uint32_t any_shared;            // 1 if a lane's `share` is above 1
   Vec3<V> n, t1, t2;
   Vec3<V> c_a, c_b;  // m, the plane's centre from the bodies' centres, at the start of the step
   V inverse_mass_a, inverse_mass_b;
@@ -51,6 +53,7 @@ struct alignas(64) ContactRow {
   V x[kPoints], y[kPoints];   // m, in the plane, along t1 and t2
   V separation[kPoints];      // m, at the start of the step
   V gap[kPoints];             // m, as of the last relax sweep; at first the separation
+  V share;                    // contacts that press between the same two bodies: 1 but for compounds (softness.h)
   V normal_mass[kPoints];     // kg
   V normal_impulse[kPoints];  // N s, of this sub-step
 
@@ -78,9 +81,9 @@ struct SweepRule {
 };
 
 // --- filling a row: every lane with a contact, then `complete`. A row with empty lanes must be cleared before.
-// The contacts are in double, whatever V is.
+// The contacts are in double, whatever V is. `contacts`: all of the step; `index`: of the lane's.
 template <class V>
-void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
+void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, std::span<const Contact> contacts,
                const SolverBodies<LaneOf<V>>& bodies) noexcept;
 template <class V>
 void complete(ContactRow<V>& row) noexcept;

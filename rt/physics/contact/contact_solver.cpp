@@ -51,7 +51,7 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
       const std::uint32_t left = count - (r - row) * kWidth;
       if (left < kWidth) rows_.all[r] = ContactRow<V>{};
       rows_.all[r].used = std::min<std::uint32_t>(left, kWidth);
-      rows_.all[r].points = 0;
+      rows_.all[r].points = rows_.all[r].any_shared = 0;
     }
     row += rows;
   }
@@ -75,7 +75,7 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
   for (auto& row : singles_.all) {
     row.used = 1;
-    row.points = 0;
+    row.points = row.any_shared = 0;
   }
 
   // Assigns each contact to the next lane of its colour; then the rows are filled in their order.
@@ -97,7 +97,7 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   }
   for_each_row([contacts, bodies](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane)
-      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
+      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts, bodies);
     // Empty lanes read the bodies of the first lane and write nothing.
     for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane) {
       row.a[lane] = row.a[0];

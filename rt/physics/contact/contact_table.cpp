@@ -111,19 +111,22 @@ void ContactTable::clear_pairs() noexcept {
   pairs_dropped_ = 0;
 }
 
-// When the list is full, the pairs form a heap with the highest key on top, which is the next to be dropped.
+// When the list is full, the pairs form a heap with the next to be dropped on top: the pair of moving bodies with the
+// highest key, and pairs with fixed bodies last, so that nothing falls through the ground while others are crowded.
 void ContactTable::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
   const Pair pair{key, a, b, patch};
   if (pairs_.try_push(pair)) return;
   ++pairs_dropped_;
   if (pairs_.empty()) return;
-  const auto lower_key = [](const Pair& p, const Pair& q) { return p.key < q.key; };
-  if (!pairs_are_heap_) std::make_heap(pairs_.begin(), pairs_.end(), lower_key);
+  const auto kept_before = [](const Pair& p, const Pair& q) {
+    return p.key.with_fixed() != q.key.with_fixed() ? p.key.with_fixed() : p.key < q.key;
+  };
+  if (!pairs_are_heap_) std::make_heap(pairs_.begin(), pairs_.end(), kept_before);
   pairs_are_heap_ = true;
-  if (!(key < pairs_[0].key)) return;
-  std::pop_heap(pairs_.begin(), pairs_.end(), lower_key);
+  if (!kept_before(pair, pairs_[0])) return;
+  std::pop_heap(pairs_.begin(), pairs_.end(), kept_before);
   pairs_[pairs_.size() - 1] = pair;
-  std::push_heap(pairs_.begin(), pairs_.end(), lower_key);
+  std::push_heap(pairs_.begin(), pairs_.end(), kept_before);
 }
 
 // Keys are distinct after duplicates are removed, and duplicates are equal, so the result does not depend on the input

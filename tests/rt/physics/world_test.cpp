@@ -203,6 +203,20 @@ TEST_CASE("Beyond the capacity of pairs those with the highest keys are dropped"
   }
 }
 
+TEST_CASE("Beyond the capacity of pairs those with fixed bodies stay, so that nothing falls through the ground") {
+  Capacities capacities;
+  capacities.pairs = 8;
+  PhysicsBench bench(capacities);
+  bench.add_ground(0, 0.5);
+  for (BodyId id = 1; id <= 6; ++id) bench.add_sphere(id, 0.05, 0.2, 0.5, {0.0999 * id, 0, 0.0499});
+  bench.step();
+  CHECK(bench.report.capacity_bits == kPairsFull);
+  CHECK(bench.report.dropped == 3);
+  std::uint32_t grounded = 0;
+  for (const Contact& contact : bench.world.contacts()) grounded += contact.b_fixed ? 1 : 0;
+  CHECK(grounded == 6);
+}
+
 TEST_CASE("Beyond the capacity of contacts the deepest are kept, ties by the lower key") {
   Capacities capacities;
   capacities.contacts = 3;

@@ -219,6 +219,22 @@ TEST_CASE("A cylinder rolls down an incline as the formula says, smoothly") {
   CHECK(std::abs(bench.position(1).y) < 1e-3);
 }
 
+TEST_CASE("A cylinder that lies on a level box stays there, and one that rolls keeps its speed") {
+  for (const double speed : {0.0, 0.01, 0.25}) {
+    PhysicsBench bench;
+    bench.settings.gravity = {0, 0, -kGravity};
+    const double r = 0.01;
+    bench.world.insert(make_fixed_body(0, Shape::box({0.05, 0.8, 0.01}), 0.5, {{0, 0, -0.01}, {}}));
+    Body drum = make_dynamic_body(1, Shape::cylinder(r, 0.1), 0.3, 0.5, {{0, 0, r}, turn({0, 1, 0}, 0.5 * kPi)});
+    drum.motion.velocity = {{0, speed, 0}, {-speed / r, 0, 0}};
+    bench.world.insert(drum);
+    bench.run_seconds(2);
+    CAPTURE(speed);
+    CHECK(bench.velocity(1).linear.y == Approx(speed).epsilon(0.01).margin(1e-6));
+    CHECK(bench.position(1).y == Approx(2 * speed).epsilon(0.01).margin(1e-6));
+  }
+}
+
 TEST_CASE("Cylinders stand on each other, a cone on its base, and a cone that lies on its side") {
   PhysicsBench bench;
   bench.world.insert(make_fixed_body(0, Shape::plane(), 0.5, {}));

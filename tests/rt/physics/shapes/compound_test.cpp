@@ -145,17 +145,64 @@ TEST_CASE("Two halves in one body fall and rest as the whole box does") {
   const Parts halves = box_of_two_halves(half);
   const Vec3d whole = inertia_of(Shape::box(half), 1);
   CHECK(norm(halves.compound.inertia_per_kg - whole) < 1e-12);
-  Bench bench({halves.compound});
-  bench.add(floor_at(9));
-  for (BodyId id = 0; id < 5; ++id) bench.add(id, 0, 0.3, {{0, 0, half.z + 2 * half.z * id}, {}});
-  bench.run(3000);
+  Bench bench({halves.compound}), plain({});
+  for (Bench* b : {&bench, &plain}) b->add(floor_at(9));
   for (BodyId id = 0; id < 5; ++id) {
-    const Vec3d expected{0, 0, half.z + 2 * half.z * id};
-    CHECK(norm(bench.pose(id).position - expected) < 1e-4);
+    const Posed start{{0, 0, half.z + 2 * half.z * id}, {}};
+    bench.add(id, 0, 0.3, start);
+    plain.add(make_dynamic_body(id, Shape::box(half), 0.3, 0.5, start));
+  }
+  bench.run(3000);
+  plain.run(3000);
+  for (BodyId id = 0; id < 5; ++id) {  // as stiff, though it stands on twice as many contacts
+    CAPTURE(id, bench.pose(id).position.z - plain.pose(id).position.z);
+    CHECK(norm(bench.pose(id).position - plain.pose(id).position) < 2e-5 * (id + 1));
   }
   CHECK(bench.world.kinetic_energy() < 1e-12);
-  CHECK(deepest(bench.world) < 5e-5);
+  CHECK(deepest(bench.world) < 1.5 * deepest(plain.world));
   CHECK(bench.report.contacts >= 5 * 2);  // each half has its own
+}
+
+TEST_CASE("Tall stacks of compounds come to rest, of few parts or many, as stacks of boxes do") {
+  // A block of n slices, and one on four legs.
+  const auto slices = [](int n) {
+    std::vector<CompoundPart> parts;
+    for (int i = 0; i < n; ++i)
+      parts.push_back({Shape::box({0.04 / n, 0.04, 0.04}), {{0.04 * ((2 * i + 1.0) / n - 1), 0, 0}, {}}});
+    return Parts(parts);
+  };
+  const Shape leg = Shape::box({0.01, 0.01, 0.04});
+  const Parts legs({{leg, {{-0.03, -0.03, 0}, {}}},
+                    {leg, {{0.03, -0.03, 0}, {}}},
+                    {leg, {{-0.03, 0.03, 0}, {}}},
+                    {leg, {{0.03, 0.03, 0}, {}}}});
+  for (const Parts& parts : {slices(2), slices(3), slices(4), legs}) {
+    CAPTURE(parts.parts.size());
+    Bench bench({parts.compound});
+    bench.settings.dt = 0.01;  // as in the global world
+    bench.settings.sub_steps = 10;
+    bench.settings.contact_hertz = 200;
+    bench.add(floor_at(99));
+    for (BodyId id = 0; id < 8; ++id) bench.add(id, 0, 0.2, {{0, 0, 0.04 + 0.08 * id}, {}});
+    bench.run(400);
+    CHECK(bench.world.kinetic_energy() < 1e-9);
+    for (BodyId id = 0; id < 8; ++id) CHECK(norm(bench.pose(id).position - Vec3d{0, 0, 0.04 + 0.08 * id}) < 2e-3);
+  }
+}
+
+// Known: eight slices beside each other keep shaking (4e-5 J).
+TEST_CASE("Tall stacks of compounds of many slices come to rest", "[!shouldfail]") {
+  std::vector<CompoundPart> parts;
+  for (int i = 0; i < 8; ++i) parts.push_back({Shape::box({0.005, 0.04, 0.04}), {{0.005 * (2 * i - 7), 0, 0}, {}}});
+  const Parts slices(parts);
+  Bench bench({slices.compound});
+  bench.settings.dt = 0.01;
+  bench.settings.sub_steps = 10;
+  bench.settings.contact_hertz = 200;
+  bench.add(floor_at(99));
+  for (BodyId id = 0; id < 8; ++id) bench.add(id, 0, 0.2, {{0, 0, 0.04 + 0.08 * id}, {}});
+  bench.run(400);
+  CHECK(bench.world.kinetic_energy() < 1e-9);
 }
 
 TEST_CASE("What is hollow is hollow: a ball falls through a tube and rests on the ground inside") {
