@@ -36,8 +36,8 @@ struct Shape {
   double radius{};         // m: sphere, capsule, cylinder, cone (of its base); hull, compound: of the sphere about the
                            // origin that encloses it
   double half_length{};    // m: capsule, half the distance between the cap centres, along body z; cylinder, cone: half
-                         // the height, along body z; compound: half the thickness of its thinnest part
-  Vec3d half_extents{};  // m: box; cylinder, cone, hull, mesh, compound: the box about the origin that encloses it
+                           // the height, along body z; compound: half the thickness of its thinnest part
+  Vec3d half_extents{};    // m: box; cylinder, cone, hull, mesh, compound: the box about the origin that encloses it
 
   static constexpr Shape sphere(double radius) noexcept {
     return {.kind = ShapeKind::kSphere, .index = 0, .radius = radius, .half_length = 0.0, .half_extents = {}};
