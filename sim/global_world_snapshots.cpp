@@ -18,8 +18,7 @@ void GlobalWorld::find_touches() noexcept {
   touches_.clear();
   for (auto contacts = std::as_const(world_).contacts(); !contacts.empty() && !contacts[0].b_fixed;) {
     const auto of_pair = physics::contacts_of_first_pair(contacts);
-    if (std::any_of(of_pair.begin(), of_pair.end(), [](const physics::Contact& c) { return c.touching(); }))
-      touches_.push_back(contact_edge_of(of_pair, world_.bodies(), islands_.awake()));
+    if (physics::any_touching(of_pair)) touches_.push_back(contact_edge_of(of_pair, world_.bodies(), islands_.awake()));
     contacts = contacts.subspan(of_pair.size());
   }
   if (coupling_.border) add_approaching();
@@ -47,9 +46,7 @@ void GlobalWorld::add_approaching(const Device& device) noexcept {
     last = &pair;
     // Other parts of the two bodies may have an edge already.
     const auto contacts = physics::find_contacts(world_.contacts(), bodies[pair.a].id, bodies[pair.b].id);
-    if (same_pair || std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.touching(); }))
-      continue;
-    if (was_found(pair)) continue;
+    if (same_pair || physics::any_touching(contacts) || was_found(pair)) continue;
     if (touches_.size() == touches_.capacity()) return;
     touches_.push_back({.a = awake[pair.a],
                         .b = awake[pair.b],

@@ -105,6 +105,14 @@ inline void add_point(const PairView& pair, Manifold& manifold, const Vec3d& mid
       .from_a = mid, .from_b = mid - pair.b_from_a, .separation = separation, .feature = feature};
 }
 
+// Keeps the points whose separation is at most the margin [m], in their order.
+inline void drop_points_beyond(double margin, Manifold& manifold) noexcept {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < manifold.count; ++i)
+    if (manifold.points[i].separation <= margin) manifold.points[kept++] = manifold.points[i];
+  manifold.count = kept;
+}
+
 // A point on the skeleton of a round shape (centre, axis) and the radius around it; 0 for a box.
 struct SkeletonPoint {
   Vec3d at;

@@ -162,10 +162,7 @@ void collide_turned(const PairView& pair, const HullView* hull_a, const Vec3d& t
   if (is_round_hull(pair.a))
     centre_on_facet(pair.world_from_a, round.alignment_a(along), pair.a.radius, &ManifoldPoint::from_a, manifold);
   merge_points(manifold);
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < manifold.count; ++i)
-    if (manifold.points[i].separation <= pair.margin) manifold.points[kept++] = manifold.points[i];
-  manifold.count = kept;
+  drop_points_beyond(pair.margin, manifold);
 }
 
 }  // namespace

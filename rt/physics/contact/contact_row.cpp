@@ -1,7 +1,5 @@
 #include "rt/physics/contact/contact_row.h"
 
-#include <algorithm>
-
 namespace tactus::physics {
 namespace {
 
@@ -214,35 +212,10 @@ TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from)
 
 }  // namespace
 
-namespace {
-
-bool presses(const Contact& contact) noexcept {
-  for (std::uint32_t i = 0; i < contact.count; ++i)
-    if (contact.points[i].normal_impulse > 0.0 || contact.points[i].separation <= 0.0) return true;
-  return false;
-}
-
-// How many contacts press between the two bodies of this one, which are consecutive.
-std::uint32_t share_of(std::span<const Contact> contacts, std::uint32_t index) noexcept {
-  const PairKey bodies = contacts[index].key.of_bodies();
-  std::uint32_t share = 0;
-  for (std::uint32_t i = index; i < contacts.size() && contacts[i].key.of_bodies() == bodies; ++i)
-    share += presses(contacts[i]) ? 1 : 0;
-  for (std::uint32_t i = index; i > 0 && contacts[i - 1].key.of_bodies() == bodies; --i)
-    share += presses(contacts[i - 1]) ? 1 : 0;
-  return std::max(share, 1u);
-}
-
-}  // namespace
-
 template <class V>
-void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, std::span<const Contact> contacts,
+void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
                const SolverBodies<LaneOf<V>>& bodies) noexcept {
   using T = LaneOf<V>;
-  const Contact& contact = contacts[index];
-  const std::uint32_t share = share_of(contacts, index);
-  set_lane(row.share, lane, static_cast<T>(share));
-  row.any_shared |= share > 1 ? 1 : 0;
   const auto as_lane = [](double x) noexcept { return static_cast<T>(x); };
   row.a[lane] = contact.slot_a;
   row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
@@ -385,11 +358,11 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   TACTUS_SWEEP(V, false, kFixed, true, false)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, true)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, false)
-#define TACTUS_INSTANTIATE(V)                                                           \
-  template void fill_lane(ContactRow<V>&, int, std::uint32_t, std::span<const Contact>, \
-                          const SolverBodies<LaneOf<V>>&) noexcept;                     \
-  template void complete<V>(ContactRow<V>&) noexcept;                                   \
-  TACTUS_SWEEPS(V, false)                                                               \
+#define TACTUS_INSTANTIATE(V)                                                 \
+  template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact&, \
+                          const SolverBodies<LaneOf<V>>&) noexcept;           \
+  template void complete<V>(ContactRow<V>&) noexcept;                         \
+  TACTUS_SWEEPS(V, false)                                                     \
   TACTUS_SWEEPS(V, true)
 TACTUS_INSTANTIATE(double)
 TACTUS_INSTANTIATE(float)

@@ -22,7 +22,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "rt/physics/contact/body_lanes.h"
 #include "rt/physics/contact/contact.h"
@@ -81,9 +80,9 @@ struct SweepRule {
 };
 
 // --- filling a row: every lane with a contact, then `complete`. A row with empty lanes must be cleared before.
-// The contacts are in double, whatever V is. `contacts`: all of the step; `index`: of the lane's.
+// The contacts are in double, whatever V is. The lane's `share` is the caller's to set.
 template <class V>
-void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, std::span<const Contact> contacts,
+void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
                const SolverBodies<LaneOf<V>>& bodies) noexcept;
 template <class V>
 void complete(ContactRow<V>& row) noexcept;

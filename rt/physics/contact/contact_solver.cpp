@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rt/physics/contact/find_contacts.h"
+
 namespace tactus::physics {
 namespace {
 
@@ -23,6 +25,24 @@ void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
     scale(row.tangent_impulse[0][i]);
     scale(row.tangent_impulse[1][i]);
   }
+}
+
+bool presses(const Contact& contact) noexcept {
+  for (std::uint32_t i = 0; i < contact.count; ++i)
+    if (contact.points[i].normal_impulse > 0.0 || contact.points[i].separation <= 0.0) return true;
+  return false;
+}
+
+// How many contacts of two bodies press, at least 1 (softness.h).
+std::uint32_t share_among(std::span<const Contact> of_pair) noexcept {
+  return std::max(1u, static_cast<std::uint32_t>(std::count_if(of_pair.begin(), of_pair.end(), presses)));
+}
+
+template <class V>
+void assign(ContactRow<V>& row, std::uint32_t lane, std::uint32_t contact, std::uint32_t share) noexcept {
+  row.contact[lane] = contact;
+  set_lane(row.share, static_cast<int>(lane), static_cast<LaneOf<V>>(share));
+  row.any_shared |= share > 1 ? 1 : 0;
 }
 
 }  // namespace
@@ -86,18 +106,25 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   }
   lane_of_moving[ContactColours::kLeftOver] = 0;
   lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
+  std::size_t pair_end = 0;  // of the contacts of the same two bodies
+  std::uint32_t share = 1;
   for (std::uint32_t k = 0; k < contacts.size(); ++k) {
+    if (k == pair_end) {
+      const auto of_pair = contacts_of_first_pair(contacts.subspan(k));
+      pair_end += of_pair.size();
+      share = share_among(of_pair);
+    }
     const std::uint8_t colour = colours_.of(k);
     if (colour == ContactColours::kNotSolved) continue;
     const std::uint32_t place = (contacts[k].b_fixed ? lane_of_fixed : lane_of_moving)[colour]++;
     if (colour == ContactColours::kLeftOver)
-      singles_.all[place].contact[0] = k;
+      assign(singles_.all[place], 0, k, share);
     else
-      rows_.all[place / kWidth].contact[place % kWidth] = k;
+      assign(rows_.all[place / kWidth], place % kWidth, k, share);
   }
   for_each_row([contacts, bodies](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane)
-      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts, bodies);
+      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
     // Empty lanes read the bodies of the first lane and write nothing.
     for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane) {
       row.a[lane] = row.a[0];

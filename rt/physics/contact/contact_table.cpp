@@ -37,13 +37,6 @@ double margin_for(bool with_patch, double closing, const StepSettings& settings)
                     : std::max(settings.min_margin, closing + carry_over_margin(settings));
 }
 
-void drop_points_beyond(double margin, Manifold& manifold) noexcept {
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < manifold.count; ++i)
-    if (manifold.points[i].separation <= margin) manifold.points[kept++] = manifold.points[i];
-  manifold.count = kept;
-}
-
 double separation_of(const Contact& contact) noexcept {
   double least = contact.points[0].separation;
   for (std::uint32_t i = 1; i < contact.count; ++i) least = std::min(least, contact.points[i].separation);
@@ -204,9 +197,7 @@ struct ContactTable::Sides {
 ContactTable::Sides ContactTable::sides_of(const Scene& scene, const Pair& pair) const noexcept {
   const Body& a = scene.bodies[pair.a];
   const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  const bool a_is_low = a.id == pair.key.low();
-  const std::uint32_t part_a = a_is_low ? pair.key.low_part() : pair.key.high_part();
-  const std::uint32_t part_b = a_is_low ? pair.key.high_part() : pair.key.low_part();
+  const std::uint32_t part_a = pair.key.part_of(a.id), part_b = pair.key.part_of(b.id);  // of a patch: 0
   const Compounds compounds = scene.shapes.compounds;
   return {a, b, part_a, part_b, part_shape(a.shape, part_a, compounds), part_shape(b.shape, part_b, compounds)};
 }

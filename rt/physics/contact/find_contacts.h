@@ -10,11 +10,17 @@
 
 namespace tactus::physics {
 
+// The contacts from this key on.
+inline std::span<const Contact> contacts_from(std::span<const Contact> contacts, PairKey key) noexcept {
+  return {std::lower_bound(contacts.begin(), contacts.end(), key,
+                           [](const Contact& contact, const PairKey& k) { return contact.key < k; }),
+          contacts.end()};
+}
+
 // The contact of two parts; null if there is none.
 inline const Contact* find_contact(std::span<const Contact> contacts, PairKey key) noexcept {
-  const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
-                                   [](const Contact& contact, const PairKey& k) { return contact.key < k; });
-  return at != contacts.end() && at->key == key ? &*at : nullptr;
+  const auto found = contacts_from(contacts, key);
+  return !found.empty() && found[0].key == key ? &found[0] : nullptr;
 }
 
 // The contacts from the first on that are of the same two bodies.
@@ -26,10 +32,12 @@ inline std::span<const Contact> contacts_of_first_pair(std::span<const Contact> 
 
 inline std::span<const Contact> find_contacts(std::span<const Contact> contacts, BodyId a, BodyId b) noexcept {
   const PairKey key = PairKey::of(a, b, false);
-  const auto first = std::lower_bound(contacts.begin(), contacts.end(), key,
-                                      [](const Contact& contact, const PairKey& k) { return contact.key < k; });
-  if (first == contacts.end() || first->key.of_bodies() != key) return {};
-  return contacts_of_first_pair({first, contacts.end()});
+  const auto found = contacts_from(contacts, key);
+  return !found.empty() && found[0].key.of_bodies() == key ? contacts_of_first_pair(found) : std::span<const Contact>{};
+}
+
+inline bool any_touching(std::span<const Contact> contacts) noexcept {
+  return std::any_of(contacts.begin(), contacts.end(), [](const Contact& contact) { return contact.touching(); });
 }
 
 }  // namespace tactus::physics
