@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "rt/physics/macro_steps.h"
-
 namespace tactus::physics {
 
 double thickness(const Shape& shape) noexcept {

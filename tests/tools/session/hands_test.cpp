@@ -271,7 +271,7 @@ TEST_CASE("A hand whose device is unplugged leaves what both hold to the other")
   });
   CHECK(bench.summaries[0].stats.fault_count == 0);
   CHECK(bench.summaries[1].stats.fault_count == 1);
-  CHECK(most_N < 1.1 * in_series(0.02));  // it loses its resistance, and gets no blow
+  CHECK(most_N < 1.1 * in_series(0.02));  // the resistance ends, without an impact
   CHECK(std::abs(bench.force(0).x) < 2 * kDryFriction_N);
   CHECK(bench.part_m() < -0.03);  // drawn along
 }
