@@ -194,11 +194,11 @@ def random_worlds():
              **{k: [0.0, 0.05, 0.05, 1.0, 0.0, 0.0, 0.0] for k in ("start", "direct", "sub_world")}}
     away = {**copy.deepcopy(body), "id": 2, "fell": False, "sub_world": [None] * 7, "direct": [900.0, 0, 0, 1, 0, 0, 0]}
     noted = {"seed": 3, "outcome": "collapses", "fell": [1], "still": [], "members": 2, "standing": 7, "fallen": 1, "lost": False,
-             "off_share": 2.4717251340206805, "energy_gain_share": 0.02116820740923751, "force_error": 0.8099198820251405,
+             "start_overlap_share": 0.6, "off_share": 2.4717251340206805, "energy_gain_share": 0.02116820740923751, "force_error": 0.8099198820251405,
              "force_rms_N": 1.789278016686211}
     floor = {"shape": "plane", "pose": [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]}
     return {"worlds": 20, "first": 0, "ratio": 8, "seconds": 5.0, "left_out": [11], "with_border": 19, "standing_bodies": 60,
-            "collapsed": 1, "still_fallen": 0, "by_chance": 2, "gain_energy": 0,
+            "collapsed": 1, "still_fallen": 0, "overlapping": 1, "by_chance": 2, "gain_energy": 0,
             "noted": [noted, {**noted, "seed": 4, "off_share": None, "energy_gain_share": None, "force_error": 3e9}],
             "worst": [{**noted, "bodies": [proxy, body, away], "fixed": [floor]}]}
 

@@ -114,6 +114,8 @@ def answer(data):
     if tried <= 0:
         return "No random world was tried: none of those asked for can be made into a scene."
     fallen = f", {data['still_fallen']} of them by a body that stood still in the direct run" if data["collapsed"] else ""
+    if data["overlapping"]:
+        fallen += f", {data['overlapping']} of them in worlds whose bodies overlap by more than half at the start"
     return (f"{data['collapsed']} of {tried} random worlds collapse{'s' if data['collapsed'] == 1 else ''} with the sub-world at "
             f"ratio {data['ratio']} where the direct coupling leaves them standing{fallen}; {data['gain_energy']} "
             f"gain{'s' if data['gain_energy'] == 1 else ''} energy.")
@@ -123,8 +125,8 @@ def random_page(data, page, what):
     page.answer(answer(data))
     page.text(f"In {data['by_chance']} more a body falls that another direct run does not leave there either. Worlds by seed, from "
               f"{data['first']}, each with a hand for {exact(data['seconds'])} s: sub-world with ghosts beside direct coupling "
-              "from the same start. A world collapses where a body falls that stands in the direct run and in a second direct run "
-              "that starts 1 µm apart; what comes to rest there after a way counts too. "
+              "from the same start. A world collapses where a body falls that stands in three direct runs: the same, one that starts "
+              "1 µm apart and one of twice as many sub-steps; what comes to rest there after a way counts too. "
               f"{data['with_border']} worlds have bodies outside of the sub-world; {count(data['standing_bodies'])} bodies stand in "
               f"the direct runs. Left out, since no scene file can be made of them: {len(data['left_out'])}.")
     if data["worst"]:

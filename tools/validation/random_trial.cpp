@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "rt/physics/overlap.h"
 #include "sim/loader/scene_load.h"
 #include "tools/validation/case_world.h"
 #include "tools/validation/draw.h"
@@ -138,10 +139,10 @@ ScriptedHand random_hand(const RandomWorld& world, Draw& random) {
   return hand;
 }
 
-experiment::WholeRunRequest request_of(sim::Scene scene) {
+experiment::WholeRunRequest request_of(sim::Scene scene, const experiment::Scheme& scheme) {
   experiment::WholeRunRequest request;
   request.scenes.push_back(std::move(scene));
-  request.schemes = {{.ratio = kTrialRatio}};
+  request.schemes = {scheme};
   request.seconds = kTrial_s;
   request.keep_bodies = true;
   return request;
@@ -151,6 +152,18 @@ sim::Scene shaken(sim::Scene scene, Draw& random) {
   for (Body& body : scene.bodies)
     if (body.kind == BodyKind::kDynamic) body.motion.pose.position += random.vector(CollapseRule::kApart_m);
   return scene;
+}
+
+sim::Scene finer(sim::Scene scene) {
+  scene.solver.sub_steps *= CollapseRule::kFinerSteps;
+  return scene;
+}
+
+double overlap_at_start(const RandomWorld& random) {
+  CaseWorld world({}, random.contact_hertz);
+  for (const Body& body : random.bodies) world.add(body);
+  world.step();
+  return physics::deepest_overlap(world.world).share;
 }
 
 bool contains(const std::vector<BodyId>& ids, BodyId id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
@@ -170,14 +183,15 @@ double RandomTrial::gain() const noexcept {
   return (row.energy_gain_J - row.direct_energy_gain_J) / (row.energy_at_play_J + row.direct_kinetic_J);
 }
 
-std::vector<BodyId> fallen_beside_both(const experiment::WholeRunRow& row, const experiment::WholeRunRow& apart) {
+std::vector<BodyId> fallen_beside_all(const experiment::WholeRunRow& row,
+                                      std::span<const experiment::WholeRunRow> others) {
   using experiment::judge_standing;
-  const auto first = judge_standing(row.start, row.direct_end, row.end).fell;
-  const auto second = judge_standing(apart.start, apart.direct_end, row.end).fell;
-  const auto differ = judge_standing(row.start, row.direct_end, apart.direct_end).fell;
-  std::vector<BodyId> fell;
-  for (const BodyId id : first)
-    if (contains(second, id) && !contains(differ, id)) fell.push_back(id);
+  std::vector<BodyId> fell = judge_standing(row.start, row.direct_end, row.end).fell;
+  for (const auto& other : others) {
+    const auto here = judge_standing(other.start, other.direct_end, row.end).fell;
+    const auto differ = judge_standing(row.start, row.direct_end, other.direct_end).fell;
+    std::erase_if(fell, [&](BodyId id) { return !contains(here, id) || contains(differ, id); });
+  }
   return fell;
 }
 
@@ -205,14 +219,19 @@ Result<RandomTrial> try_random_world(std::uint64_t seed) {
   const sim::Scene& scene = parsed.value();
   for (const Body& body : scene.bodies)
     if (body.kind == BodyKind::kFixed) trial.fixed.push_back(body);
-  auto rows = experiment::run_whole(request_of(scene), {});
+  trial.start_overlap = overlap_at_start(world);
+  auto rows = experiment::run_whole(request_of(scene, {.ratio = kTrialRatio}), {});
   if (!rows.ok()) return rows.status();
   trial.row = std::move(rows.value().front());
   const auto& row = trial.row;
   if (row.fallen == 0) return trial;
-  auto apart = experiment::run_whole(request_of(shaken(scene, random)), {});
-  if (!apart.ok()) return apart.status();
-  trial.fell = fallen_beside_both(row, apart.value().front());
+  std::vector<experiment::WholeRunRow> others;
+  for (const sim::Scene& other : {shaken(scene, random), finer(scene)}) {
+    auto direct = experiment::run_whole(request_of(other, experiment::kDirectScheme), {});
+    if (!direct.ok()) return direct.status();
+    others.push_back(std::move(direct.value().front()));
+  }
+  trial.fell = fallen_beside_all(row, others);
   trial.still = stood_still(trial.fell, row);
   return trial;
 }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,16 +15,22 @@
 
 namespace tactus::hard_cases {
 
-// A world collapses if a body falls that stands both in the direct run and in a second direct run, in which every body
-// starts displaced by up to kApart_m in each coordinate; or if the force exceeds all bounds. A body that also falls in
-// one of the two direct runs is not counted, because its fall is not caused by the border. Definition of standing:
-// experiment::StandingRule.
+// A world collapses if a body falls that stands in all three direct runs, or if the force exceeds all bounds. The
+// second direct run starts with every body displaced by up to kApart_m in each coordinate; the third takes kFinerSteps
+// times as many sub-steps. A body that falls in one of them is not counted: the direct run does not say where it ends.
+// Definition of standing: experiment::StandingRule.
+//
+// Collapses in worlds that start with an overlap above kMostOverlap of the thinner body are counted, and counted
+// separately too: a run of such a scene is bad by the rule `overlap` of tools/session/verdict.h with any coupling,
+// because contacts may resolve it to the far side.
 //
 // Counted separately, not as a collapse: a run that gains more energy than the direct run by kMaxGain of the energy at
 // play. That is the hand's work, plus the weight of each body times its extent, plus the direct run's largest kinetic
 // energy.
 struct CollapseRule {
   static constexpr double kApart_m = 1e-6;
+  static constexpr unsigned kFinerSteps = 2;
+  static constexpr double kMostOverlap = 0.5;
   static constexpr double kMaxGain = 0.1;
 };
 
@@ -35,19 +42,23 @@ struct RandomTrial {
   std::string scene;            // TOML, as `tactus run` and `tactus experiment energy-loss --scene` take it
   experiment::WholeRunRow row;  // with its bodies
   std::vector<physics::Body> fixed;
-  std::vector<BodyId> fell;   // bodies that stand in both direct runs and not here
+  double start_overlap{0};    // deepest overlap at the start / thickness of the thinner body
+  std::vector<BodyId> fell;   // bodies that stand in all direct runs and not here
   std::vector<BodyId> still;  // of these: at rest at the start, and still there at the end of the direct run
 
   bool lost() const noexcept { return !row.stands && row.fallen == 0; }  // by its force
   bool still_falls() const noexcept { return !still.empty(); }
   bool collapses() const noexcept { return !fell.empty() || lost(); }
+  bool collapses_overlapping() const noexcept { return collapses() && start_overlap > CollapseRule::kMostOverlap; }
   bool falls_by_chance() const noexcept { return !row.stands && !collapses(); }
   double gain() const noexcept;  // energy gain beyond the direct run's, as a share of the energy at play
   bool gains_energy() const noexcept { return !(gain() <= CollapseRule::kMaxGain); }
 };
 
-// Bodies that stand in the direct runs of both rows and not in the run of `row`. Both rows must have kept their bodies.
-std::vector<BodyId> fallen_beside_both(const experiment::WholeRunRow& row, const experiment::WholeRunRow& apart);
+// Bodies that stand in the direct run of `row` and in the `other` direct runs, and not in the run of `row`. All rows
+// must have kept their bodies.
+std::vector<BodyId> fallen_beside_all(const experiment::WholeRunRow& row,
+                                      std::span<const experiment::WholeRunRow> others);
 
 // Sort order: first worlds in which a resting body falls, then other collapses, then the rest; within each by the
 // largest displacement of a standing body, or by the energy gain.

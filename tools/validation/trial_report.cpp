@@ -18,6 +18,7 @@ RandomTrial figures_of(const RandomTrial& trial) {
   RandomTrial figures;
   figures.seed = trial.seed;
   figures.row = trial.row;
+  figures.start_overlap = trial.start_overlap;
   figures.fell = trial.fell;
   figures.still = trial.still;
   auto& row = figures.row;
@@ -30,6 +31,7 @@ RandomTrial figures_of(const RandomTrial& trial) {
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
 
 const char* outcome_of(const RandomTrial& trial) {
+  if (trial.collapses_overlapping()) return "collapses, overlapping from the start";
   if (trial.still_falls()) return "collapses: what stood still falls";
   if (trial.collapses()) return "collapses";
   if (trial.falls_by_chance()) return "falls by chance";
@@ -46,6 +48,7 @@ ordered_json figures_json(const RandomTrial& trial) {
           {"standing", row.standing},
           {"fallen", row.fallen},
           {"lost", trial.lost()},
+          {"start_overlap_share", number(trial.start_overlap)},
           {"off_share", number(row.pose_off_share)},
           {"energy_gain_share", number(trial.gain())},
           {"force_error", number(row.force_error)},
@@ -114,6 +117,7 @@ void TrialReport::add(RandomTrial trial) {
 
 std::size_t TrialReport::collapsed() const { return count(noted, &RandomTrial::collapses); }
 std::size_t TrialReport::still_fallen() const { return count(noted, &RandomTrial::still_falls); }
+std::size_t TrialReport::overlapping() const { return count(noted, &RandomTrial::collapses_overlapping); }
 std::size_t TrialReport::by_chance() const { return count(noted, &RandomTrial::falls_by_chance); }
 std::size_t TrialReport::gain_energy() const { return count(noted, &RandomTrial::gains_energy); }
 
@@ -141,13 +145,14 @@ std::string trial_text(const TrialReport& report) {
   for (const RandomTrial& trial : report.noted) line(trial);
   text += "\nthe worst:\n";
   for (const RandomTrial& trial : report.worst) line(trial);
-  return text + fmt::format(
-                    "\n{} random worlds from seed {}, {} of them with a border; {} bodies stand in the direct runs\n"
-                    "{} worlds collapse, in {} of them falls what stood still; in {} a body falls by chance; {} gain "
-                    "energy; {} left out, too fast for a "
-                    "scene file\n",
-                    report.worlds, report.first, report.with_border, report.standing, report.collapsed(),
-                    report.still_fallen(), report.by_chance(), report.gain_energy(), report.left_out.size());
+  return text +
+         fmt::format(
+             "\n{} random worlds from seed {}, {} of them with a border; {} bodies stand in the direct runs\n"
+             "{} worlds collapse, in {} of them falls what stood still; {} of them start with bodies that overlap by "
+             "more than half; in {} a body falls by chance; {} gain energy; {} left out, too fast for a scene file\n",
+             report.worlds, report.first, report.with_border, report.standing, report.collapsed(),
+             report.still_fallen(), report.overlapping(), report.by_chance(), report.gain_energy(),
+             report.left_out.size());
 }
 
 std::string trial_json(const TrialReport& report) {
@@ -163,6 +168,7 @@ std::string trial_json(const TrialReport& report) {
                                   {"standing_bodies", report.standing},
                                   {"collapsed", report.collapsed()},
                                   {"still_fallen", report.still_fallen()},
+                                  {"overlapping", report.overlapping()},
                                   {"by_chance", report.by_chance()},
                                   {"gain_energy", report.gain_energy()},
                                   {"noted", noted},

@@ -32,6 +32,7 @@ struct TrialReport {
   void add(Trials trials);
   std::size_t collapsed() const;
   std::size_t still_fallen() const;  // of these: a body at rest in the direct run falls
+  std::size_t overlapping() const;   // of these: the world starts with an overlap that no run may have
   std::size_t by_chance() const;
   std::size_t gain_energy() const;
 };
@@ -39,8 +40,8 @@ struct TrialReport {
 // --- the members, for experiment/part_bytes.h
 template <class Io>
 void fields(Io& io, RandomTrial& trial) {
-  auto& [seed, scene, row, fixed, fell, still] = trial;
-  io(seed, scene, row, fixed, fell, still);
+  auto& [seed, scene, row, fixed, start_overlap, fell, still] = trial;
+  io(seed, scene, row, fixed, start_overlap, fell, still);
 }
 template <class Io>
 void fields(Io& io, Trials& trials) {

@@ -174,7 +174,9 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
       soft.mass_scale = 1.0 / (1.0 + row.own_share * soft.impulse_scale / soft.mass_scale);
       soft.impulse_scale = 1.0 - soft.mass_scale;
     }
-    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop), -rule.max_push_speed);
+    // The limit of a contact in one world, with the scaled softness: a deep overlap pushes with the same force in both.
+    const double most = rule.max_push_speed * soft.mass_scale / rule.softness.mass_scale;
+    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop), -most);
   }
   const double u = dot(row.n, slip(row, body));
   const double wanted =

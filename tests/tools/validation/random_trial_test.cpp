@@ -36,20 +36,22 @@ RandomTrial trial_of(std::uint64_t seed, unsigned fallen, std::vector<BodyId> fe
 
 }  // namespace
 
-TEST_CASE("a body has fallen where two direct runs hold it up and the sub-world run does not") {
-  experiment::WholeRunRow row, apart;
-  row.start = apart.start = spheres_at({1, 1, 1, 1});
-  row.direct_end = spheres_at({1, 1, 1, 0.9});    // the last falls in direct coupling too
-  row.end = spheres_at({1, 0.9, 0.9, 0.8});       // the sub-world: only the first stands
-  apart.direct_end = spheres_at({1, 1, 0.9, 1});  // started 1 um apart: the third falls
-  CHECK(fallen_beside_both(row, apart) == std::vector<BodyId>{1});
+TEST_CASE("a body has fallen where all direct runs hold it up and the sub-world run does not") {
+  experiment::WholeRunRow row, apart, finer;
+  row.start = apart.start = finer.start = spheres_at({1, 1, 1, 1, 1});
+  row.direct_end = spheres_at({1, 1, 1, 0.9, 1});    // the fourth falls in direct coupling too
+  row.end = spheres_at({1, 0.9, 0.9, 0.8, 0.9});     // the sub-world: only the first stands
+  apart.direct_end = spheres_at({1, 1, 0.9, 1, 1});  // started 1 um apart: the third falls
+  finer.direct_end = spheres_at({1, 1, 1, 1, 0.9});  // twice as many sub-steps: the last falls
+  CHECK(fallen_beside_all(row, std::vector{apart, finer}) == std::vector<BodyId>{1});
+  CHECK(fallen_beside_all(row, std::vector{apart}) == std::vector<BodyId>{1, 4});
   row.end = row.direct_end;
-  CHECK(fallen_beside_both(row, apart).empty());
+  CHECK(fallen_beside_all(row, std::vector{apart, finer}).empty());
 }
 
 TEST_CASE("a report of random worlds counts what collapses apart from chance and from gains, the worst first") {
   TrialReport report;
-  report.worlds = 6;
+  report.worlds = 7;
   report.add(trial_of(1, 0, {}, 0.1));
   report.add(trial_of(2, 2, {}, 9));   // by chance, and farther off than what collapses
   report.add(trial_of(3, 1, {7}, 2));  // collapses
@@ -60,17 +62,22 @@ TEST_CASE("a report of random worlds counts what collapses apart from chance and
   RandomTrial gains = trial_of(5, 0, {}, 0);
   gains.row.energy_gain_J = 0.2;
   report.add(gains);
-  CHECK(report.collapsed() == 3);
+  RandomTrial overlapping = trial_of(7, 1, {5}, 0.7);
+  overlapping.start_overlap = 0.6;
+  report.add(overlapping);
+  CHECK(report.collapsed() == 4);
+  CHECK(report.overlapping() == 1);
   CHECK(report.still_fallen() == 1);
   CHECK(report.by_chance() == 1);
   CHECK(report.gain_energy() == 1);
-  CHECK(report.standing == 18);
+  CHECK(report.standing == 21);
   std::vector<std::uint64_t> order;
   for (const RandomTrial& trial : report.worst) order.push_back(trial.seed);
-  CHECK(order == std::vector<std::uint64_t>{6, 4, 3, 2, 5, 1});
+  CHECK(order == std::vector<std::uint64_t>{6, 4, 3, 7, 2, 5, 1});
   const auto json = nlohmann::json::parse(trial_json(report));
-  CHECK(json["collapsed"] == 3);
-  CHECK(json["noted"].size() == 5);
+  CHECK(json["collapsed"] == 4);
+  CHECK(json["overlapping"] == 1);
+  CHECK(json["noted"].size() == 6);
   CHECK(json["noted"][0]["outcome"] == "falls by chance");
   CHECK(json["noted"][1]["outcome"] == "collapses");
   CHECK(json["worst"][0]["fell"] == std::vector<BodyId>{5});
@@ -107,11 +114,18 @@ TEST_CASE("random worlds with a sub-world: in a few that have bodies at its bord
   }
 }
 
-// 0: a plate of 1000 kg on a capsule of 493 kg, both outside, beside a member of 207 kg. 116: the global step alone
-// lets a capsule of 4 g slide that leans on a wall and stands in steps of 1 ms. 153: a ball of 1 g that touches 1000
-// kg.
+// Two light balls jammed between walls, overlapping by 37 mm, which the limited correction speed pushes apart. With
+// another limit at the ghost than in the global world they rolled up the walls, by 90 mm in 5 s.
+TEST_CASE("random worlds with a sub-world: balls jammed with a deep overlap at the border stay") {
+  const auto trial = try_random_world(284);
+  REQUIRE(trial.ok());
+  CHECK(trial.value().row.fallen == 0);
+}
+
+// Bodies of 1 mm beside the border: a capsule that is struck (119), one that is turned by 30 degrees (359), a cube that
+// another one reaches (627).
 TEST_CASE("random worlds with a sub-world: those in which what stood still falls", "[!shouldfail]") {
-  for (const std::uint64_t seed : {0u, 116u, 153u}) {
+  for (const std::uint64_t seed : {119u, 359u, 627u}) {
     const auto trial = try_random_world(seed);
     REQUIRE(trial.ok());
     INFO("seed " << seed << ": " << trial.value().still.size() << " fell that stood still");
