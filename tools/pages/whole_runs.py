@@ -13,11 +13,19 @@ def gained(row):
     return (energies[0] - energies[1]) / energies[2] if all(map(is_number, energies)) and energies[2] > 0 else math.nan
 
 
+def direct_twin(row):
+    """The words for a second direct run; None for a run of a coupling."""
+    if row["started_apart_m"] > 0:
+        return "1 µm apart"
+    return f"{row['sub_steps_times']} × sub-steps" if row["sub_steps_times"] > 1 else None
+
+
 def whole_sentences(rows):
     """One for each coupling and border, over all ratios and hands."""
     sentences = []
-    for name in unique(name_of(r, False) for r in rows if r["started_apart_m"] == 0):
-        mine = [r for r in rows if name_of(r, False) == name and r["started_apart_m"] == 0]
+    coupled = [r for r in rows if direct_twin(r) is None]
+    for name in unique(name_of(r, False) for r in coupled):
+        mine = [r for r in coupled if name_of(r, False) == name]
         felt = [r for r in mine if is_number(r["force_rms_N"]) and r["force_rms_N"] > 0]
         fallen = unique(f"{html.escape(r['scene'])} at ratio {r['ratio']}" for r in mine if not r["stands"])
         runs = len(unique((r["scene"], r["ratio"]) for r in mine))
@@ -32,21 +40,21 @@ def whole_sentences(rows):
 def whole_runs(rows, page):
     page.head(f"Whole runs of {exact(rows[0]['seconds'])} s")
     page.text("From rest, with the scene's own hand. One run each: no spread.")
-    tested = [r for r in rows if r["started_apart_m"] == 0 and r["hand"] == "closed"]
+    tested = [r for r in rows if direct_twin(r) is None and r["hand"] == "closed"]
     several = len(unique((r["scene"], r["members"]) for r in tested)) > len(unique(r["scene"] for r in tested))
     names = unique(name_of(r, several) for r in tested)
     ratios = sorted(unique(r["ratio"] for r in tested))
     index_of = {name: i for i, name in enumerate(names)}
-    apart = [r for r in rows if r["started_apart_m"] > 0]
-    scale = figure.Scale([times(r["force_error"], 100) for r in tested + apart], floor=0.01, cap=1000,
+    twins = [r for r in rows if direct_twin(r) is not None]
+    scale = figure.Scale([times(r["force_error"], 100) for r in tested + twins], floor=0.01, cap=1000,
                          also=[100 * NOTICED], far=math.inf)
     panels = []
     for scene in unique(r["scene"] for r in tested):
         panel = figure.Panel(scene, "ratio [ticks per global step]", "force error [%]")
         panel.line(100 * NOTICED, "7 %")
-        for r in apart:
+        for r in twins:
             if r["scene"] == scene and is_number(r["force_error"]):
-                panel.line(scale.place(100 * r["force_error"])[0], "1 um apart", ls=figure.FLOOR_DASHES)
+                panel.line(scale.place(100 * r["force_error"])[0], direct_twin(r), ls=figure.FLOOR_DASHES)
         series = {}
         for r in (r for r in tested if r["scene"] == scene):
             value = times(r["force_error"], 100)
@@ -55,12 +63,12 @@ def whole_runs(rows, page):
         panels.append(panel.drawn(f"{page.title} whole"))
     legend = figure.series_keys(names) + [(figure.key(theme.INK, "x"), "a body does not stand at the end"),
                                           (figure.key(ls=figure.LIMIT_DASHES), "7 %: a hand notices"),
-                                          (figure.key(ls=figure.FLOOR_DASHES), "two direct runs that start 1 µm apart")]
+                                          (figure.key(ls=figure.FLOOR_DASHES), "the direct run beside one that starts 1 µm apart, and beside one of finer steps")]
     if panels:
         page.figure(panels, "Force error over the whole run, RMS(F − F<sub>direct</sub>) / RMS(F<sub>direct</sub>), the hand in "
                     "the run's own loop.", legend)
     page.table([Column("scene", "the world", "t"), Column("coupling", "the scheme; 1 µm apart: a direct run whose proxy starts "
-                                                          "1 µm aside", "t"),
+                                                          "1 µm aside; 2 × sub-steps: a direct run of as many", "t"),
                 Column("border", "how members feel the outside", "t"), Column("ratio", "haptic ticks per global step"),
                 Column("members", "cap of the sub-world"), Column("hand", "closed: its arm in the loop of the run; direct: the "
                                                                   "arm's motion of the direct run", "t"),
@@ -68,7 +76,7 @@ def whole_runs(rows, page):
                 Column("off at end", "the farthest body from where the direct run has it, mm"), Column("off at most", "the same at any synchronisation, mm"),
                 Column("drift", "off at end, less the same at three quarters, mm"), Column("kinetic / work", "kinetic energy over the hand's work and the potential energy that was released"),
                 Column("energy gained", "beyond the direct run, of the energy at play"), Column("stands", "every body, at the end")],
-               [[r["scene"], "1 µm apart" if r["started_apart_m"] > 0 else r["coupling"], r["border"], r["ratio"], r["members"],
+               [[r["scene"], direct_twin(r) or r["coupling"], r["border"], r["ratio"], r["members"],
                  r["hand"], share(r["force_error"]), " / ".join(share(q).replace(" %", "") for q in r["force_error_by_quarter"]),
                  number(times(r["pose_off_m"], 1e3)), number(times(r["pose_off_most_m"], 1e3)), number(times(r["drift_m"], 1e3)),
                  number(r["kinetic_over_work"]), share(gained(r)),

@@ -35,7 +35,8 @@ inline constexpr const char* kWholeRunsHelp =
     "0.5 rad against it; what the direct run itself drops, turns over or leaves faster than 1 cm/s does not count.\n"
     "gain: kinetic and potential energy beyond the start and the hand's work, less the direct run's, of the energy at\n"
     "play (the hand's work and each body's weight times its extent). The row '1 um apart' is a direct run whose proxy\n"
-    "starts 1 um aside: less than it is off by cannot be told from chance. --seeds 0 leaves the windows out.\n";
+    "starts 1 um aside: less than it is off by cannot be told from chance. The row '2x sub-steps' is a direct run of\n"
+    "as many: by that the direct run itself is not known better. --seeds 0 leaves the windows out.\n";
 
 void add_coupling_options(CLI::App& command, CouplingOptions& options);
 

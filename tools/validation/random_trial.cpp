@@ -154,11 +154,6 @@ sim::Scene shaken(sim::Scene scene, Draw& random) {
   return scene;
 }
 
-sim::Scene finer(sim::Scene scene) {
-  scene.solver.sub_steps *= CollapseRule::kFinerSteps;
-  return scene;
-}
-
 double overlap_at_start(const RandomWorld& random) {
   CaseWorld world({}, random.contact_hertz);
   for (const Body& body : random.bodies) world.add(body);
@@ -226,7 +221,8 @@ Result<RandomTrial> try_random_world(std::uint64_t seed) {
   const auto& row = trial.row;
   if (row.fallen == 0) return trial;
   std::vector<experiment::WholeRunRow> others;
-  for (const sim::Scene& other : {shaken(scene, random), finer(scene)}) {
+  for (const sim::Scene& other :
+       {shaken(scene, random), experiment::with_finer_steps(scene, CollapseRule::kFinerSteps)}) {
     auto direct = experiment::run_whole(request_of(other, experiment::kDirectScheme), {});
     if (!direct.ok()) return direct.status();
     others.push_back(std::move(direct.value().front()));

@@ -29,7 +29,7 @@ namespace tactus::hard_cases {
 // energy.
 struct CollapseRule {
   static constexpr double kApart_m = 1e-6;
-  static constexpr unsigned kFinerSteps = 2;
+  static constexpr unsigned kFinerSteps = experiment::WholeRunRequest::kFinerSteps;
   static constexpr double kMostOverlap = 0.5;
   static constexpr double kMaxGain = 0.1;
 };

@@ -101,7 +101,7 @@ TEST_CASE("A link that hangs across the border is felt as in the direct run") {
   }
 }
 
-TEST_CASE("How far two direct runs go apart that start 1 um apart stands beside the coupled runs, once for a scene") {
+TEST_CASE("How far direct runs go apart, from 1 um aside and with finer steps, stands beside the coupled runs, once") {
   auto scene = sim::load_scene(TACTUS_SOURCE_DIR "/tests/border/table.toml");
   REQUIRE(scene.ok());
   WholeRunRequest request;
@@ -112,14 +112,21 @@ TEST_CASE("How far two direct runs go apart that start 1 um apart stands beside 
   request.floor = true;
   const auto rows = run_whole(request, {});
   REQUIRE(rows.ok());
-  REQUIRE(rows.value().size() == 3);
+  REQUIRE(rows.value().size() == 4);
   const WholeRunRow& floor = rows.value()[0];
   CHECK(floor.apart_m == 1e-6);
   CHECK(floor.scheme.coupling == haptics::CouplingScheme::kDirect);
   CHECK(floor.pose_off_most_m >= 0.5e-6);  // the proxy's own microns
   CHECK(floor.pose_off_most_m < 1e-4);
   CHECK(floor.stands);
-  CHECK(rows.value()[1].apart_m == 0);
+  const WholeRunRow& finer = rows.value()[1];
+  CHECK(finer.apart_m == 0);
+  CHECK(finer.sub_steps_times == 2);
+  CHECK(finer.scheme.coupling == haptics::CouplingScheme::kDirect);
+  CHECK(finer.pose_off_most_m > 0);
+  CHECK(finer.pose_off_most_m < 1e-4);
+  CHECK(rows.value()[2].apart_m == 0);
+  CHECK(rows.value()[2].sub_steps_times == 1);
 }
 
 TEST_CASE("A run is the same bit by bit when it is run again, in either hand") {

@@ -244,22 +244,35 @@ class DirectRun {
   Trace trace_;
 };
 
-WholeRunRow floor_row(const sim::Scene& scene, const DirectRun& own, const hal::DeviceProfile& profile,
-                      const WholeRunRequest& request) {
-  sim::Scene aside = scene;
-  aside.bodies[aside.proxy].motion.pose.position.x += WholeRunRequest::kApart_m;
-  const DirectRun apart(aside, own.gains(), profile, request);
-  WholeRunRow row = row_of(own.whole(), apart.trace(), own.trace());
-  row.scene = scene.name;
+// The direct run of `other` beside the direct run `own`.
+WholeRunRow direct_row(const sim::Scene& other, const DirectRun& own, const hal::DeviceProfile& profile,
+                       const WholeRunRequest& request) {
+  const DirectRun run(other, own.gains(), profile, request);
+  WholeRunRow row = row_of(own.whole(), run.trace(), own.trace());
+  row.scene = other.name;
   row.scheme = kDirectScheme;
   row.seconds = request.seconds;
-  row.apart_m = WholeRunRequest::kApart_m;
   row.members = static_cast<unsigned>(own.trace().end.size());
   row.gains = own.gains();
   return row;
 }
 
+void add_floor(const sim::Scene& scene, const DirectRun& own, const hal::DeviceProfile& profile,
+               const WholeRunRequest& request, std::vector<WholeRunRow>& rows) {
+  sim::Scene other = scene;
+  other.bodies[other.proxy].motion.pose.position.x += WholeRunRequest::kApart_m;
+  rows.push_back(direct_row(other, own, profile, request));
+  rows.back().apart_m = WholeRunRequest::kApart_m;
+  rows.push_back(direct_row(with_finer_steps(scene, WholeRunRequest::kFinerSteps), own, profile, request));
+  rows.back().sub_steps_times = WholeRunRequest::kFinerSteps;
+}
+
 }  // namespace
+
+sim::Scene with_finer_steps(sim::Scene scene, unsigned times) {
+  scene.solver.sub_steps *= times;
+  return scene;
+}
 
 Standing judge_standing(std::span<const Body> start, std::span<const Body> direct_end, std::span<const Body> end) {
   Standing result;
@@ -286,15 +299,15 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
   double work = 0, done = 0;
   for (const sim::Scene& scene : request.scenes)
     work += static_cast<double>(scene.bodies.size() *
-                                ((request.floor ? 2 : 1) + request.schemes.size() * request.members.size()));
+                                ((request.floor ? 4 : 1) + request.schemes.size() * request.members.size()));
   const Pace pace(progress, work);
   for (const sim::Scene& scene : request.scenes) {
     const auto profile = session::find_description(scene.device.profile, {});
     if (!profile.ok()) return profile.status();
     pace.say(fmt::format("scene {}, direct", scene.name), done);
     const DirectRun own(scene, scene.coupling, profile.value(), request);
-    done += static_cast<double>(scene.bodies.size() * (request.floor ? 2 : 1));
-    if (request.floor) rows.push_back(floor_row(scene, own, profile.value(), request));
+    done += static_cast<double>(scene.bodies.size() * (request.floor ? 4 : 1));
+    if (request.floor) add_floor(scene, own, profile.value(), request, rows);
     for (const unsigned members : request.members)
       for (const Scheme& scheme : request.schemes) {
         pace.say(fmt::format("scene {}, ratio {}", scene.name, scheme.ratio), done);

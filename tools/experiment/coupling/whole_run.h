@@ -27,10 +27,12 @@ struct WholeRunRequest {
   std::vector<unsigned> members{0};  // caps; 0: the scene's
   double seconds{10};
   bool hand_of_direct{false};  // also with the direct run's hand
-  // Compares, first for each scene, the direct run with another whose proxy starts displaced by kApart_m. Smaller
-  // errors of a coupling than this divergence are not significant.
+  // Compares, first for each scene, the direct run with two others: one whose proxy starts displaced by kApart_m, and
+  // one of kFinerSteps times as many sub-steps. Smaller errors of a coupling than the first divergence are chance; than
+  // the second, the direct run itself is not known better.
   bool floor{false};
   static constexpr double kApart_m = 1e-6;
+  static constexpr unsigned kFinerSteps = 2;
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   bool keep_bodies{false};  // at the start and at the end of both runs, in the rows
 };
@@ -63,6 +65,7 @@ struct WholeRunRow {
   double seconds{0};
   bool closed_hand{true};
   double apart_m{0};                            // above 0: a direct run that started displaced by this
+  unsigned sub_steps_times{1};                  // above 1: a direct run of so many times as many sub-steps
   double force_error{0};                        // RMS(F - F_direct) / RMS(F_direct), over the whole run
   std::array<double, 4> force_error_quarter{};  // per quarter, relative to the RMS of F_direct over the whole run
   double force_rms_N{0};                        // of the direct run
@@ -84,6 +87,9 @@ struct WholeRunRow {
   // If the request keeps them: the moving bodies, in the order of their ids.
   std::vector<physics::Body> start, end, direct_end;
 };
+
+// The scene with `times` as many sub-steps in a tick; its global step is unchanged.
+sim::Scene with_finer_steps(sim::Scene scene, unsigned times);
 
 // Error, one line: a scene does not fit the schemes.
 Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const Progress& progress);

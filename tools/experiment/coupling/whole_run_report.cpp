@@ -20,6 +20,7 @@ constexpr CsvColumn kColumns[] = {
     {"stiffness [N/m]", "stiffness_N_per_m"},
     {"seconds [s]", "seconds"},
     {"started_apart [m]", "started_apart_m"},
+    {"sub_steps_times [1]", "sub_steps_times"},
     {"hand", "hand"},
     {"force_error [1]", "force_error"},
     {"force_error_q1 [1]", "force_error_by_quarter/0"},
@@ -43,6 +44,12 @@ constexpr CsvColumn kColumns[] = {
     {"stands", "stands"},
 };
 
+std::string name_of_run(const WholeRunRow& row) {
+  if (row.apart_m > 0) return "1 um apart";
+  if (row.sub_steps_times > 1) return fmt::format("{}x sub-steps", row.sub_steps_times);
+  return std::string(sim::name_of(row.scheme.coupling));
+}
+
 }  // namespace
 
 std::string whole_table(std::span<const WholeRunRow> rows) {
@@ -57,10 +64,10 @@ std::string whole_table(std::span<const WholeRunRow> rows) {
         "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
         "{:>9.3f} "
         "{:>9.3f} {:>7}\n",
-        r.scene, (r.apart_m > 0 ? "1 um apart" : sim::name_of(r.scheme.coupling)), name_of_border(r.scheme),
-        r.scheme.ratio, r.members, r.gains.stiffness_N_per_m, r.closed_hand ? "closed" : "direct", 100 * r.force_error,
-        quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m, 100 * r.pose_off_share, 1e3 * r.drift_m,
-        1e3 * r.deepest_m, r.kinetic_over_work, 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
+        r.scene, name_of_run(r), name_of_border(r.scheme), r.scheme.ratio, r.members, r.gains.stiffness_N_per_m,
+        r.closed_hand ? "closed" : "direct", 100 * r.force_error, quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m,
+        100 * r.pose_off_share, 1e3 * r.drift_m, 1e3 * r.deepest_m, r.kinetic_over_work,
+        100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
         r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
   }
   return text;
@@ -83,6 +90,7 @@ ordered_json whole_rows_json(std::span<const WholeRunRow> rows) {
     ordered_json one = run_json(row.scene, row.scheme, row.members, row.gains);
     one["seconds"] = row.seconds;
     one["started_apart_m"] = row.apart_m;
+    one["sub_steps_times"] = row.sub_steps_times;
     one["hand"] = row.closed_hand ? "closed" : "direct";
     one["force_error"] = row.force_error;
     one["force_error_by_quarter"] = row.force_error_quarter;
