@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "rt/haptics/coupling/snapshot_bytes.h"
 #include "rt/physics/macro_steps.h"
 #include "sim/model/scene_effects.h"
+#include "sim/model/world_capacities.h"
 
 namespace tactus::sim {
 namespace {
@@ -26,43 +28,6 @@ constexpr unsigned kPredictionSteps = 5;
 constexpr double kWrenchExtrapolation = 0.9;
 // With more bodies awake, a step is taken in one macro step.
 constexpr std::size_t kMaxBodiesInMacroSteps = 500;
-
-// A packed cube has 26 neighbours, 13 pairs to each body, and touches 6, 3 contacts to each body: room for 1.2 and 2.7
-// times that.
-constexpr std::uint32_t kPairsPerBody = 16;
-constexpr std::uint32_t kContactsPerBody = 8;
-constexpr std::uint32_t kMinPairs = 256;
-constexpr std::uint32_t kMinContacts = 256;
-// On a mesh: patches near a body, and triangles near a body.
-constexpr std::uint32_t kPatchesPerBody = 16;
-constexpr std::uint32_t kTrianglesPerBody = 64;
-
-std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
-  return static_cast<std::uint32_t>(
-      std::count_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.kind == kind; }));
-}
-
-// Parts of all bodies that move.
-std::uint32_t count_parts(const Scene& scene) noexcept {
-  std::uint32_t parts = 0;
-  for (const Body& body : scene.bodies)
-    if (body.kind == BodyKind::kDynamic) parts += physics::parts_of(body.shape, scene.compounds);
-  return parts;
-}
-
-// A compound counts as many bodies as it has parts.
-physics::Capacities capacities_for(const Scene& scene) noexcept {
-  const std::uint32_t parts = count_parts(scene);
-  physics::Capacities capacities{.bodies = count_bodies(scene, BodyKind::kDynamic),
-                                 .fixed_bodies = count_bodies(scene, BodyKind::kFixed),
-                                 .pairs = std::max(kMinPairs, kPairsPerBody * parts),
-                                 .contacts = std::max(kMinContacts, kContactsPerBody * parts),
-                                 .border_contacts = 0};
-  if (scene.meshes.empty()) return capacities;
-  capacities.pairs += kPatchesPerBody * parts;
-  capacities.mesh_triangles = kTrianglesPerBody * parts + physics::kMaxBodyTriangles;
-  return capacities;
-}
 
 physics::StepSettings settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
   physics::StepSettings settings;
@@ -131,7 +96,7 @@ Status check_global_options(const Scene& scene, const GlobalOptions& options) {
   if (options.extraction.cap == 0 || options.extraction.cap > haptics::kMaxMembers)
     return Status::error(
         fmt::format("{} members asked for: 1 to {} are possible", options.extraction.cap, haptics::kMaxMembers));
-  const std::uint32_t bodies = count_bodies(scene, BodyKind::kDynamic);
+  const std::uint32_t bodies = capacities_for(scene).bodies;
   if (options.extraction.all_members && bodies > haptics::kMaxMembers)
     return Status::error(
         fmt::format("every body was asked to be a member, but the scene has {} moving bodies and a "

@@ -47,8 +47,18 @@ std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,
     count(settings.dt * std::max(norm(v.linear), norm(v.angular) * shape.radius),
           most_along_contact(shape.radius, settings));
   };
+  // A body that slides over a fixed round one: its contact goes around that one, as far as the body moves there.
+  const auto slide = [&](const Contact& contact) noexcept {
+    const Body &body = bodies[contact.slot_a], &fixed = world.fixed_bodies()[contact.slot_b];
+    const Shape& shape = part_shape(fixed.shape, contact.key.part_of(fixed.id), world.shapes().compounds);
+    if (!rolls(shape) || !counts(contact.slot_a)) return;
+    const Twistd& v = body.motion.velocity;
+    count(settings.dt * (norm(v.linear) + norm(v.angular) * bounding_radius(body.shape)),
+          most_along_contact(shape.radius, settings));
+  };
   for (const Contact& contact : world.contacts()) {
     if (!contact.touching()) continue;
+    if (contact.b_fixed) slide(contact);
     const std::uint32_t a = contact.slot_a;
     roll(a, contact.key.part_of(bodies[a].id));
     if (!contact.b_fixed) roll(contact.slot_b, contact.key.part_of(bodies[contact.slot_b].id));

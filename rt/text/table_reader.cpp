@@ -101,7 +101,11 @@ bool TableReader::require(const char* key, const char* accepted_text) {
 }
 
 void TableReader::refuse(const char* key, std::string what, std::string accepted_text) {
-  if (find(key) != nullptr) mistake(key, std::move(what), std::move(accepted_text));
+  const std::size_t known = known_.size();
+  if (find(key) != nullptr)
+    mistake(key, std::move(what), std::move(accepted_text));
+  else
+    known_.resize(known);  // no key that is accepted
 }
 
 double TableReader::number(const char* key, double fallback, const Range& range) {

@@ -138,7 +138,8 @@ void BodyReader::read_mass_properties(text::TableReader& table, const ReadShape&
   if (!known.hull) {
     if (!inertia) return;
     if (inertia->xy != 0 || inertia->xz != 0 || inertia->yz != 0)
-      table.mistake(kInertia, "turned axes of inertia need a hull", "[xx, yy, zz]; or shape = \"hull\"");
+      table.mistake(kInertia, "turned axes of inertia need a hull or a compound",
+                    "[xx, yy, zz]; or shape = \"hull\" or \"compound\"");
     body.inertia = {inertia->xx, inertia->yy, inertia->zz};
     return;
   }
@@ -182,6 +183,7 @@ Body BodyReader::read(text::TableReader& table, BodyRole role) {
     table.ignore_the_rest();
     return harmless_body();
   }
+  table.refuse("parts", fmt::format("a {} has none", word), "no such key; or shape = \"compound\"");
   const Shape& shape = known->shape;
   const double friction = table.number("friction", 0, kFriction);
   const Posed pose = table.pose() * known->given_from_body;
@@ -206,8 +208,10 @@ Body BodyReader::read(text::TableReader& table, BodyRole role) {
 // parts have their own.
 std::vector<GivenPart> BodyReader::read_parts(text::TableReader& table, MassFrom mass_from) {
   std::vector<GivenPart> parts;
+  const std::size_t mistakes = diagnostics_.mistakes.size();
   const auto nodes = table.array("parts", kMaxParts);
-  if (table.require("parts", "[[body.parts]] tables: the shapes that the body has") && nodes.empty())
+  const bool is_list = diagnostics_.mistakes.size() == mistakes;
+  if (table.require("parts", "[[body.parts]] tables: the shapes that the body has") && is_list && nodes.empty())
     table.mistake("parts", "are none", fmt::format("1 to {} parts", kMaxParts));
   bool known_all = !nodes.empty();
   unsigned number = 0;

@@ -16,6 +16,7 @@
 #include "sim/loader/body_label.h"
 #include "sim/model/rounded_down.h"
 #include "sim/model/scene_effects.h"
+#include "sim/model/world_capacities.h"
 
 namespace tactus::sim {
 namespace {
@@ -105,7 +106,7 @@ void add_mesh_contacts(const Scene& scene, const physics::PosedShape& part, Body
 }
 
 // Counts the contacts of one pair, a before b by id.
-void add_contact(const Scene& scene, const Body& a, const Body& b, StartContacts& start) {
+void add_contacts_of(const Scene& scene, const Body& a, const Body& b, StartContacts& start) {
   if (b.shape.kind == ShapeKind::kMesh) {
     for (std::uint32_t i = 0; i < physics::parts_of(a.shape, scene.compounds); ++i)
       add_mesh_contacts(scene, part_of(posed_shape(a), i, scene.compounds).posed(), a.id, b, start);
@@ -114,6 +115,15 @@ void add_contact(const Scene& scene, const Body& a, const Body& b, StartContacts
   physics::for_each_manifold(
       posed_shape(a), posed_shape(b), kMargin_m, scene.shapes(),
       [&](std::uint32_t, std::uint32_t, const auto& manifold) noexcept { count_contact(manifold, a.id, b.id, start); });
+}
+
+void add_contact(const Scene& scene, const Body& a, const Body& b, StartContacts& start) {
+  const unsigned before = start.contacts;
+  add_contacts_of(scene, a, b, start);
+  if (start.contacts - before <= start.most) return;
+  start.most = start.contacts - before;
+  start.most_a = a.id;
+  start.most_b = b.id;
 }
 
 // Pairs that a joint keeps from colliding, the lower id first, sorted.
@@ -241,6 +251,12 @@ void find_problems(const Scene& scene, bool device_rotates, SceneReport& report)
     problem(fmt::format("{} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
                         body_label(scene, report.start.deepest_a), body_label(scene, report.start.deepest_b),
                         report.start.deepest_m, kMaxOverlapAtStart_m));
+  if (report.start.contacts > report.capacity.global_contacts)
+    problem(
+        fmt::format("{} contacts at the start, {} of them between {} and {}; accepted: at most {}, beyond which the "
+                    "shallowest are left out (give these bodies fewer parts, or move them apart)",
+                    report.start.contacts, report.start.most, body_label(scene, report.start.most_a),
+                    body_label(scene, report.start.most_b), report.capacity.global_contacts));
   const HandReport& hand = report.hand;
   if (hand.farthest_m > hand.workspace_radius_m)
     problem(
@@ -299,6 +315,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.capacity.contacts_per_body = static_cast<double>(report.start.contacts) / std::max(1u, report.bodies.dynamic);
   report.capacity.sub_world_contacts =
       static_cast<unsigned>(std::ceil(report.capacity.contacts_per_body * report.capacity.members_possible));
+  report.capacity.global_contacts = capacities_for(scene).contacts;
   report.capacity.global_sub_steps = scene.solver.global_sub_steps(scene.ratio);
   find_problems(scene, device.has_rotation, report);
   return report;

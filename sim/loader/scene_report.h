@@ -34,6 +34,8 @@ struct StartContacts {
   unsigned contacts{0}, points{0};  // pairs of bodies no further apart than the solver's margin
   double deepest_m{0};              // largest overlap; 0: none
   BodyId deepest_a{kNoBody}, deepest_b{kNoBody};
+  unsigned most{0};  // contacts of the pair that has the most: of parts, if it has a compound
+  BodyId most_a{kNoBody}, most_b{kNoBody};
 };
 
 // Static penetration of a contact with effective mass m under a load F: F / (m w^2), w = 2 pi x the contact frequency.
@@ -61,6 +63,7 @@ struct CapacityReport {
   unsigned member_cap{0}, members_possible{0};  // members_possible: dynamic bodies, at most the cap
   double contacts_per_body{0};                  // at the start
   unsigned sub_world_contacts{0};               // members_possible x contacts_per_body, rounded up: an estimate
+  unsigned global_contacts{0};                  // room for contacts in the global world
   unsigned global_sub_steps{0};                 // of one global step
 };
 

@@ -115,6 +115,7 @@ ordered_json to_json(const sim::SceneReport& r) {
             {"members_possible", r.capacity.members_possible},
             {"contacts_per_body", r.capacity.contacts_per_body},
             {"sub_world_contacts", r.capacity.sub_world_contacts},
+            {"global_contacts", r.capacity.global_contacts},
             {"global_sub_steps", r.capacity.global_sub_steps}}},
           {"problems", r.problems}};
 }

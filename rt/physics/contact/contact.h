@@ -23,8 +23,9 @@ struct ContactPoint {
 
 struct Contact {
   PairKey key;
-  std::uint32_t slot_a{0}, slot_b{0};  // of the world's bodies; of a fixed body: among the fixed bodies
-  bool b_fixed{false};                 // true: B is a fixed body. A fixed body is always B.
+  std::uint32_t slot_a{0}, slot_b{0};   // of the world's bodies; of a fixed body: among the fixed bodies
+  bool b_fixed{false};                  // true: B is a fixed body. A fixed body is always B.
+  bool rolls_a{false}, rolls_b{false};  // true: touched on a surface of revolution (contact_row.h); never carried over
   AxisCache axis_cache;
   double friction{};
   Vec3d normal;  // from A to B

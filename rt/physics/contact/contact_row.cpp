@@ -19,14 +19,26 @@ struct GapChange {
   V gap, slope_1, slope_2;
 };
 
+// The part of the inverse rotation's change of `n` that is of second order: absent where a body rolls. `side`: 0 A, 1
+// B.
+template <class V>
+Vec3<V> second_order_turn(const ContactRow<V>& c, const Quat<V>& turned, std::uint32_t side) noexcept {
+  V rolls(0);
+  for (int lane = 0; lane < kLanes<V>; ++lane)
+    set_lane(rolls, lane, static_cast<LaneOf<V>>(c.rolling >> (2 * static_cast<std::uint32_t>(lane) + side) & 1u));
+  return (V(2) * rolls) * cross(turned.vec(), cross(turned.vec(), c.n));
+}
+
 template <bool kFixed, class V>
 TACTUS_INLINE GapChange<V> gap_change(const ContactRow<V>& c, const BodyLanes<V>& a, const BodyLanes<V>& b) noexcept {
   // n . (R r - r) = (R^T n - n) . r: rotates the normal back once instead of every point forward.
-  const Vec3<V> turn_a = rotate_inverse(a.delta_rotation, c.n) - c.n;
+  Vec3<V> turn_a = rotate_inverse(a.delta_rotation, c.n) - c.n;
+  if (c.rolling != 0) turn_a -= second_order_turn(c, a.delta_rotation, 0);
   V gap = -dot(c.n, a.delta_position) - dot(turn_a, c.c_a);
   Vec3<V> turn = -turn_a;
   if constexpr (!kFixed) {
-    const Vec3<V> turn_b = rotate_inverse(b.delta_rotation, c.n) - c.n;
+    Vec3<V> turn_b = rotate_inverse(b.delta_rotation, c.n) - c.n;
+    if (c.rolling != 0) turn_b -= second_order_turn(c, b.delta_rotation, 1);
     gap += dot(c.n, b.delta_position) + dot(turn_b, c.c_b);
     turn += turn_b;
   }
@@ -220,6 +232,7 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   row.a[lane] = contact.slot_a;
   row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
   row.contact[lane] = index;
+  row.rolling |= ((contact.rolls_a ? 1u : 0u) | (contact.rolls_b ? 2u : 0u)) << (2 * static_cast<std::uint32_t>(lane));
   set(row.n, lane, number_cast<T>(contact.normal));
   set_lane(row.friction, lane, as_lane(contact.friction));
   set_lane(row.inverse_mass_a, lane, bodies.motion[contact.slot_a].inverse_mass);

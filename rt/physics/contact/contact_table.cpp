@@ -6,6 +6,7 @@
 #include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/mesh_reach.h"
 #include "rt/physics/contact/pair_friction.h"
+#include "rt/physics/contact/rolling_side.h"
 
 namespace tactus::physics {
 namespace {
@@ -294,6 +295,8 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   contact.slot_a = pair.a;
   contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
+  contact.rolls_a = touches_on_side(a, sides.part_a, walk.scene.shapes.compounds, manifold.normal);
+  contact.rolls_b = touches_on_side(b, sides.part_b, walk.scene.shapes.compounds, manifold.normal);
   contact.axis_cache = search.axis_cache;
   contact.friction = pair_friction(a, b);
   contact.normal = manifold.normal;

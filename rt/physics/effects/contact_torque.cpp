@@ -1,8 +1,31 @@
 #include "rt/physics/effects/contact_torque.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace tactus::physics {
+namespace {
+
+// The line through the points of a contact: its unit direction in the contact's plane; empty if a point is more than
+// `beside` [m] off it.
+std::optional<Vec3d> line_of(const Contact& contact, double beside) noexcept {
+  Vec3d along;
+  for (std::uint32_t i = 1; i < contact.count; ++i) {
+    const Vec3d way = contact.points[i].from_a - contact.points[0].from_a;
+    if (norm_squared(way) > norm_squared(along)) along = way;
+  }
+  along -= dot(along, contact.normal) * contact.normal;
+  const double length = norm(along);
+  if (!(length > beside)) return std::nullopt;
+  along = along * (1.0 / length);
+  const Vec3d across = cross(contact.normal, along);
+  for (std::uint32_t i = 1; i < contact.count; ++i)
+    if (!(std::abs(dot(across, contact.points[i].from_a - contact.points[0].from_a)) <= beside)) return std::nullopt;
+  return along;
+}
+
+}  // namespace
 
 void ContactTorque::register_stages(StageTable& table) noexcept {
   table.add<&ContactTorque::list>(Phase::kPrepare, *this);
@@ -15,16 +38,25 @@ void ContactTorque::list(StageContext& c) noexcept {
   rows_.clear();
   for (std::uint32_t k = 0; k < c.contacts.size(); ++k) {
     const Contact& contact = c.contacts[k];
-    if (contact.count != 1) continue;
     const ContactPatch a = patch_of(c.bodies[contact.slot_a].id);
     const ContactPatch b = patch_of(contact.b_fixed ? c.fixed_bodies[contact.slot_b].id : c.bodies[contact.slot_b].id);
     const double radius = std::max(a.radius_m, b.radius_m), rolling = std::max(a.rolling_m, b.rolling_m);
-    const double pressed = contact.points[0].normal_impulse;
+    double pressed = 0.0;
+    for (std::uint32_t i = 0; i < contact.count; ++i) pressed += contact.points[i].normal_impulse;
     if ((radius == 0.0 && rolling == 0.0) || pressed == 0.0) continue;
     SymMat3d turning = c.inverse_inertia[contact.slot_a];
     if (!contact.b_fixed) turning = turning + c.inverse_inertia[contact.slot_b];
     Row row;
     row.contact = k;
+    if (contact.count > 1) {
+      const auto line = line_of(contact, rolling);
+      if (!line) continue;
+      row.t1 = *line;
+      row.roll_mass = invert_or_zero(dot(turning * row.t1, row.t1));
+      row.most_roll = rolling * pressed;
+      (void)rows_.try_push(row);
+      continue;
+    }
     const auto [t1, t2] = tangents_of(contact.normal);
     row.t1 = t1;
     row.t2 = t2;

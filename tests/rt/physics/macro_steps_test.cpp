@@ -65,3 +65,13 @@ TEST_CASE("A ball that rolls goes on by sqrt(2 slop r) in a macro step, one that
   const std::uint8_t left_out[] = {1};
   CHECK(macro_steps_of(bench.world, bench.settings, left_out) == 1);
 }
+
+TEST_CASE("A box that slides over a fixed ball goes on by sqrt(2 slop r of the ball) in a macro step") {
+  const double radius = 0.02, along = std::sqrt(2 * 1e-5 * radius);
+  auto bench = bench_of(0.01, 40);
+  bench.world.insert(make_fixed_body(1, Shape::sphere(radius), 0.5, {}));
+  bench.add_box(0, {0.1, 0.1, 0.1}, 0.2, 0.5, {{0, 0, radius + 0.1}, {}});
+  bench.step();
+  bench.velocity(0) = {{3.5 * along / 0.01, 0, 0}, {}};
+  CHECK(macro_steps_of(bench.world, bench.settings) == 4);
+}

@@ -1,4 +1,5 @@
 // Compounds in scene files: mass, centre and moments of the parts together, and every mistake with its place.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "sim/loader/scene_load.h"
@@ -136,7 +137,54 @@ TEST_CASE("Mistakes in a compound are found by part and key") {
   CHECK_THAT(wrong(compound("mass_kg = 1\ncentre_of_mass_m = [0, 0, 0]", kHalves)),
              Contains("[body.1] centre_of_mass_m: there are no moments of inertia about it"));
   CHECK_THAT(wrong("[[body]]\nshape = \"sphere\"\nradius_m = 1\nmass_kg = 1\n[[body.parts]]\nshape = \"box\"\n"),
-             Contains("[body.1] parts: not a key"));
+             Contains("[body.1] parts: a sphere has none; accepted: no such key; or shape = \"compound\"") &&
+                 !Contains("did you mean"));
+  CHECK_THAT(wrong("[[body]]\nshape = \"sphere\"\nradius_m = 1\nmass_kg = 1\nspin = 1\n"), !Contains("parts"));
+}
+
+TEST_CASE("More contacts at the start than the world has room for are a problem, in one line with the pair") {
+  // Two mats of 40 bars, one across the other: 1600 contacts, where 80 parts have room for 640.
+  const auto mats = [](int bars) {
+    std::string text;
+    for (const bool across : {false, true}) {
+      std::string parts;
+      for (int i = 0; i < bars; ++i) {
+        const std::string at = std::to_string(0.02 * i - 0.4);
+        parts +=
+            across ? box("[0.01, 1, 0.01]", "[" + at + ", 0, 0.01]") : box("[1, 0.01, 0.01]", "[0, " + at + ", 0]");
+      }
+      text += compound("mass_kg = 1", parts);
+    }
+    return text;
+  };
+  const SceneReport many = report_on(good(mats(40)), {}, 1e-3), few = report_on(good(mats(10)), {}, 1e-3);
+  CHECK(many.start.contacts == 1600);
+  CHECK(many.capacity.global_contacts == 8 * 81);
+  const auto of_room = [](const SceneReport& report) {
+    return std::count_if(report.problems.begin(), report.problems.end(), [](const std::string& text) {
+      return text.find("contacts at the start") != std::string::npos;
+    });
+  };
+  REQUIRE(of_room(many) == 1);
+  CHECK_FALSE(many.good());
+  CHECK_THAT(to_text(many), Contains("1600 contacts at the start, 1600 of them between") &&
+                                Contains("at most 648, beyond which the shallowest are left out"));
+  CHECK(of_room(few) == 0);
+}
+
+TEST_CASE(
+    "A list of parts that is none, or too long, is one mistake, and moments of a cylinder name what may have more") {
+  std::string many;
+  for (int i = 0; i < 129; ++i) many += box("[0.1, 0.1, 0.1]", "[0, 0, 0]");
+  for (const std::string& text :
+       {wrong(compound("mass_kg = 1", many)), wrong(compound("mass_kg = 1\nparts = {}", ""))}) {
+    CAPTURE(text);
+    CHECK_THAT(text, Contains("[body.1] parts: ") && Contains("an array of at most 128"));
+    CHECK_THAT(text, !Contains("are none"));
+  }
+  CHECK_THAT(wrong("[[body]]\nshape = \"cylinder\"\nradius_m = 1\nlength_m = 1\nmass_kg = 1\n"
+                   "inertia_kg_m2 = [1, 1, 1, 0.1, 0, 0]\n"),
+             Contains("need a hull or a compound") && Contains("or shape = \"hull\" or \"compound\""));
 }
 
 TEST_CASE("The text of a scene with compounds loads to the same bits") {

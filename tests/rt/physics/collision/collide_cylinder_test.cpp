@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
+#include "rt/physics/contact/rolling_side.h"
 #include "rt/physics/world.h"
 #include "tests/support/physics_bench.h"
 
@@ -233,6 +235,49 @@ TEST_CASE("A cylinder that lies on a level box stays there, and one that rolls k
     CHECK(bench.velocity(1).linear.y == Approx(speed).epsilon(0.01).margin(1e-6));
     CHECK(bench.position(1).y == Approx(2 * speed).epsilon(0.01).margin(1e-6));
   }
+}
+
+TEST_CASE("A cylinder rolls straight at any speed that a hand gives it, and does not sink") {
+  for (const std::uint32_t sub_steps : {1u, 2u, 4u})
+    for (const double speed : {1.0, 2.5, 5.0})
+      for (const bool box : {false, true}) {
+        CAPTURE(sub_steps, speed, box);
+        const double r = 0.03;
+        PhysicsBench bench;
+        bench.settings.sub_steps = sub_steps;
+        if (box)
+          bench.world.insert(make_fixed_body(0, Shape::box({20, 1, 0.1}), 0.5, {{0, 0, -0.1}, {}}));
+        else
+          bench.add_ground(0, 0.5);
+        Body drum = make_dynamic_body(1, Shape::cylinder(r, 0.05), 0.3, 0.5, {{0, 0, r}, kLying});
+        drum.motion.velocity = {{speed, 0, 0}, {0, speed / r, 0}};
+        bench.world.insert(drum);
+        bench.run_seconds(3);
+        const Vec3d& v = bench.velocity(1).linear;
+        CHECK(std::abs(std::atan2(v.y, v.x)) < 2e-4);  // rad; before: 0.25 to 3
+        CHECK(norm(v) == Approx(speed).epsilon(1e-3));
+        CHECK(bench.position(1).z == Approx(r).margin(3e-5));  // its weight, on the contacts' stiffness; before: 120 um
+      }
+}
+
+TEST_CASE("The wheels of an axle roll as a cylinder does, and a wheel beside the centre of its body does not") {
+  const Shape wheel = Shape::cylinder(0.03, 0.01);
+  const Quatd upright = kLying;
+  const std::vector<CompoundPart> parts{{wheel, {{0, 0, -0.05}, {}}}, {wheel, {{0, 0, 0.05}, {}}}};
+  Compound axle;
+  axle.parts = parts;
+  axle.half_extents = {0.03, 0.03, 0.06};
+  axle.bounding_radius = 0.07;
+  const std::vector<Compound> list{axle};
+  const Body body = make_dynamic_body(1, compound_shape(list[0], 0), 0.3, 0.5, {{0, 0, 0.03}, upright});
+  CHECK(touches_on_side(body, 0, list, {0, 0, 1}));
+  CHECK(touches_on_side(body, 1, list, {0, 0, 1}));
+  CHECK_FALSE(touches_on_side(body, 0, list, {0, 1, 0}));  // on its flat end
+  const std::vector<CompoundPart> aside{{wheel, {{0.1, 0, 0}, {}}}};
+  Compound beside = axle;
+  beside.parts = aside;
+  const std::vector<Compound> other{beside};
+  CHECK_FALSE(touches_on_side(body, 0, other, {0, 0, 1}));
 }
 
 TEST_CASE("Cylinders stand on each other, a cone on its base, and a cone that lies on its side") {

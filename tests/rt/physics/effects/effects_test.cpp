@@ -237,3 +237,26 @@ TEST_CASE("Rolling: 5/7 g sin on an incline without the effect, 5/7 g d / r agai
     CHECK(norm(bench.motion(1).pose.position - at) < 1e-5);
   }
 }
+
+TEST_CASE("A cylinder on a line of two points is slowed by 2/3 g d / r, and what lies on a face is not touched") {
+  const double radius = 0.1, d = 0.002;
+  const std::vector<ContactPatch> by_id{{}, {0, d}, {0, d}};
+  const auto rolled = [&](bool resisted) {
+    EffectBench bench(resisted ? with<ContactTorque>({by_id}) : EffectSetups{});
+    bench.add_ground(0, 0.8);
+    const Quatd lying = quat_from_rotation_vector(Vec3d{0.5 * kPi, 0, 0});
+    auto drum = make_dynamic_body(1, Shape::cylinder(radius, 0.1), 0.5, 0.8, {{0, 0, radius}, lying});
+    drum.motion.velocity = {{1, 0, 0}, {0, 1 / radius, 0}};
+    REQUIRE(bench.world.insert(drum));
+    auto box = make_dynamic_body(2, Shape::box({0.05, 0.05, 0.05}), 0.5, 0.2, {{0, 1, 0.05}, {}});
+    box.motion.velocity = {{2, 0, 0}, {0, 0, 3}};
+    REQUIRE(bench.world.insert(box));
+    bench.run(1000);
+    return std::pair(bench.motion(1), bench.motion(2));
+  };
+  const auto free = rolled(false), slowed = rolled(true);
+  CHECK(free.first.velocity.linear.x == Approx(1).epsilon(5e-3));
+  // I = m r^2 / 2: (3/2) m r a = -m g d.
+  CHECK(slowed.first.velocity.linear.x == Approx(1 - 2.0 / 3 * kGravity * d / radius).epsilon(5e-3));
+  CHECK(slowed.second == free.second);
+}

@@ -1,0 +1,24 @@
+// Does a contact touch a body on a surface of revolution, so that a turn about the axis moves no point of it along the
+// normal? Frame: world. Units: m. Thread: [any]; pure.
+#pragma once
+
+#include "rt/physics/body.h"
+#include "rt/physics/shapes/compound.h"
+
+namespace tactus::physics {
+
+// True for the side and the rim of a cylinder or a cone; not for its flat end, on which it tilts as a box does: there
+// the normal is within 45 degrees of the axis. A part of a compound counts if the body's centre is nearer to the part's
+// axis than its surface is: in a turn by t one rule is wrong by (distance) (1 - cos t), the other by
+// (radius) (1 - cos t).
+inline bool touches_on_side(const Body& body, std::uint32_t part, Compounds compounds, const Vec3d& normal) noexcept {
+  const ShapeKind kind = part_shape(body.shape, part, compounds).kind;
+  if (kind != ShapeKind::kCylinder && kind != ShapeKind::kCone) return false;
+  const PosedPart posed = part_of({.shape = body.shape, .pose = body.motion.pose}, part, compounds);
+  const Vec3d axis = rotate(posed.pose.rotation, Vec3d{0.0, 0.0, 1.0});
+  const double along = dot(axis, normal);
+  const Vec3d beside = posed.from_body - dot(posed.from_body, axis) * axis;
+  return along * along < 0.5 && norm_squared(beside) < posed.shape.radius * posed.shape.radius;
+}
+
+}  // namespace tactus::physics
