@@ -30,6 +30,13 @@ std::string accepted_devices() {
   return text;
 }
 
+std::string described_devices() {
+  std::string text;
+  for (const DeviceClass* device_class : device_classes())
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "\n", device_class->forms, device_class->what);
+  return text;
+}
+
 Result<DeviceChoice> choose_device(const std::string& text) {
   const std::size_t colon = text.find(':');
   const DeviceClass* device_class = find_device_class(std::string_view(text).substr(0, colon));

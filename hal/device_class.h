@@ -73,6 +73,8 @@ const DeviceClass* find_device_class(std::string_view name) noexcept;
 
 // "sim, usb, usb:SERIAL, can:IFACE, ...": what --device accepts.
 std::string accepted_devices();
+// A line for each class, for help: what --device accepts and what device that is.
+std::string described_devices();
 
 struct DeviceChoice {
   const DeviceClass* device_class{nullptr};

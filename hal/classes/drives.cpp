@@ -110,7 +110,7 @@ const DeviceClass drives_class{.name = "drives",
 
 const DeviceClass simulated_drives_class{.name = "drives-sim",
                                          .forms = "drives-sim",
-                                         .what = "such an arm on simulated drives",
+                                         .what = "an arm of simulated CAN drives",
                                          .check_address = check_no_address,
                                          .open = open_simulated};
 

@@ -30,7 +30,7 @@
 
 namespace tactus::haptics {
 
-// Energy that the coupling's springs hold now: 1/2 K e^2. It is the hand's to get back and not activity.
+// Energy that the coupling's springs hold now: 1/2 K e^2. The hand may take it back: it is not generated energy.
 struct StoredEnergy {
   double translation_J{0}, rotation_J{0};
 };

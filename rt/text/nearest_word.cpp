@@ -1,6 +1,7 @@
 #include "rt/text/nearest_word.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace tactus::text {
@@ -10,19 +11,20 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
   const std::string_view stem = word.substr(0, word.find('_'));
   constexpr std::size_t kOtherStem = 1000;  // larger than any distance
   std::string_view best;
-  std::size_t best_distance = kOtherStem + word.size() / 2 + 1;  // beyond: no suggestion
-  std::vector<std::size_t> row;
+  std::size_t best_distance = kOtherStem + (word.size() + 1) / 2;  // no suggestion from here on
+  std::vector<std::size_t> row, before, before_that;  // of the table: after i + 1, i and i - 1 letters of `word`
   for (const auto candidate : known) {
-    // Levenshtein's distance, one row of the table at a time.
+    // Damerau's distance (optimal string alignment): two neighbours that changed places count as one change.
     row.resize(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
     for (std::size_t i = 0; i < word.size(); ++i) {
-      std::size_t diagonal = row[0];
+      before_that = std::exchange(before, row);
       row[0] = i + 1;
       for (std::size_t j = 0; j < candidate.size(); ++j) {
-        const std::size_t changed = diagonal + (word[i] == candidate[j] ? 0 : 1);
-        diagonal = row[j + 1];
-        row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
+        const std::size_t changed = before[j] + (word[i] == candidate[j] ? 0 : 1);
+        row[j + 1] = std::min({changed, row[j] + 1, before[j + 1] + 1});
+        if (i > 0 && j > 0 && word[i] == candidate[j - 1] && word[i - 1] == candidate[j])
+          row[j + 1] = std::min(row[j + 1], before_that[j - 1] + 1);
       }
     }
     // A key without its unit is a common mistake: stiffness for stiffness_N_per_m.

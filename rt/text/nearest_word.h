@@ -8,7 +8,8 @@
 namespace tactus::text {
 
 // The word of `known` with the fewest changes to `word`, ties to the first; a known word that starts with `word` counts
-// as one change. Empty if more than half of `word` would have to change.
+// as one change. Two neighbours that changed places are one change. Empty if half of `word` or more would have to
+// change.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
 }  // namespace tactus::text

@@ -246,7 +246,8 @@ std::span<const TomlNode> TableReader::array(const char* key, std::size_t longes
   mistake(key,
           node->kind == TomlKind::kArray ? fmt::format("{} entries", node->items.size())
                                          : node->shown() + " is not an array",
-          fmt::format("an array of at most {}", longest));
+          node->kind == TomlKind::kTable ? fmt::format("[[{}]] for each, at most {}", key, longest)
+                                         : fmt::format("an array of at most {}", longest));
   return {};
 }
 

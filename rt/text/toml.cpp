@@ -92,6 +92,28 @@ std::string_view line_of(std::string_view text, unsigned number) {
   return text.substr(0, text.find('\n'));
 }
 
+constexpr const char* kValues = "a number such as 0.5, true or false, text in quotes, or a list [1, 2, 3]";
+
+// The mistake in words of TOML's user, for a parser's description that speaks of its own state; else empty.
+std::optional<Mistake> plain_words(std::string_view description, std::string_view line,
+                                   const toml::source_position& at) {
+  const auto says = [description](std::string_view words) { return description.find(words) != description.npos; };
+  line = trimmed(line);
+  if (says("cannot redefine existing")) {
+    if (!line.empty() && line.front() == '[') {
+      const std::string name(line.substr(0, line.rfind(']') + 1));
+      return Mistake{at.line, 1, name, "stands here a second time",
+                     fmt::format("once; of what there may be several, each begins with [{}]", name)};
+    }
+    return Mistake{at.line, 1, std::string(trimmed(line.substr(0, line.find('=')))), "is set a second time", "once"};
+  }
+  if (says("parsing string") && says("control characters"))
+    return Mistake{at.line, at.column, "the file", "a text without its closing quote", "\"text\""};
+  if (says("could not determine value type"))
+    return Mistake{at.line, at.column, "the file", "no value begins like this", kValues};
+  return std::nullopt;
+}
+
 // A mistake for a line `key = value` whose value is invalid; empty if that is not the mistake.
 std::optional<Mistake> bad_value(std::string_view line, const toml::source_position& at) {
   const std::size_t equals = line.find('=');
@@ -102,7 +124,6 @@ std::optional<Mistake> bad_value(std::string_view line, const toml::source_posit
   const bool plain = std::all_of(line.begin(), line.end(), is_plain);
   if (!plain || key.empty() || key.size() > 60 || value.size() > 60 || value.find_first_of("\"'[{") == 0)
     return std::nullopt;
-  constexpr const char* kValues = "a number such as 0.5, true or false, text in quotes, or a list [1, 2, 3]";
   if (value.empty()) return Mistake{at.line, at.column, key, "has no value", kValues};
   std::string lower = value;
   for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -119,8 +140,11 @@ std::optional<toml::table> parse_text(std::string_view text, Diagnostics& diagno
     toml::parse_result parsed = toml::parse(text);
     if (parsed) return std::move(parsed).table();
     const auto& at = parsed.error().source().begin;
-    Mistake mistake{at.line, at.column, "the file", std::string(parsed.error().description()), "TOML 1.0"};
-    diagnostics.add(bad_value(line_of(text, at.line), at).value_or(std::move(mistake)));
+    const std::string_view line = line_of(text, at.line), description = parsed.error().description();
+    std::optional<Mistake> mistake = bad_value(line, at);
+    if (!mistake || description.find("redefine") != description.npos)
+      if (auto plain = plain_words(description, line, at)) mistake = std::move(plain);
+    diagnostics.add(mistake.value_or(Mistake{at.line, at.column, "the file", std::string(description), "TOML 1.0"}));
   } catch (const TomlAssertion&) {
     diagnostics.add({breaking_line(text), 1, "the file", "a key or a bracket that is not complete", "TOML 1.0"});
   }

@@ -142,7 +142,7 @@ TEST_CASE("command queue: frames come once and in order, of more than it holds t
 }
 
 TEST_CASE("storage: what was stored last is loaded by the next start, and nothing where there is no file",
-          "[firmware]") {
+          "[firmware][threads]") {
   namespace fs = std::filesystem;
   const std::string path = (fs::temp_directory_path() / ("tactus_storage_" + std::to_string(getpid()))).string();
   fs::remove(path);

@@ -75,6 +75,8 @@ TEST_CASE("every class has a name of its own, its forms begin with it, and it ca
     CHECK(names.insert(device_class->name).second);
     CHECK(device_class->forms.starts_with(device_class->name));
     CHECK_FALSE(device_class->what.empty());
+    CHECK(described_devices().find(std::string(device_class->forms) + ": " + std::string(device_class->what)) !=
+          std::string::npos);
     CHECK(find_device_class(device_class->name) == device_class);
     REQUIRE(device_class->check_address != nullptr);
     REQUIRE(device_class->open != nullptr);

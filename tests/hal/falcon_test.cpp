@@ -179,7 +179,8 @@ bool becomes(const std::atomic<bool>& flag, bool wanted) {
 
 }  // namespace
 
-TEST_CASE("falcon: its thread ends the force when the loop stops, and when the device is closed", "[no-tsan]") {
+TEST_CASE("falcon: its thread ends the force when the loop stops, and when the device is closed",
+          "[no-tsan][threads]") {
   std::atomic<bool> has_force{false};
   auto started = FalconDevice::start(std::make_unique<WatchedPort>(has_force), kFalconGain, kPeriod_ns);
   REQUIRE(started.ok());

@@ -394,7 +394,7 @@ TEST_CASE("a pushing host and a holding hand come to rest at F / k, friction apa
   CHECK(rig.device.plant().hand_wrench().force.x == Approx(-8.0).margin(0.2001));
 }
 
-TEST_CASE("two devices with the same arguments and commands give the same bits", "[determinism]") {
+TEST_CASE("two devices with the same arguments and commands give the same bits") {
   const std::string faults = "corrupted@100+50:2,wild@300+50,late@400+20:3";
   Rig a(faults, 2), b(faults, 2);
   for (int i = 0; i < 2000; ++i) {

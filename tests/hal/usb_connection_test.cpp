@@ -24,7 +24,7 @@ TEST_CASE("USB: a device is described by serial, port and speed, and by what is 
   CHECK(describe(info) == "serial unknown, port 1-2.4, high speed (no permission)");
 }
 
-TEST_CASE("USB: where no device is, opening one is an error of one line that names its numbers", "[hal]") {
+TEST_CASE("USB: where no device is, opening one is an error of one line that names its numbers", "[hal][threads]") {
   const auto link = UsbLink::open({.device = nobody()});
   REQUIRE_FALSE(link.ok());
   // A system without any USB is an error too, of libusb's.
@@ -35,7 +35,7 @@ TEST_CASE("USB: where no device is, opening one is an error of one line that nam
   CHECK(link.message().find('\n') == std::string::npos);
 }
 
-TEST_CASE("USB: where no device is, the list is empty or says why there is none", "[hal]") {
+TEST_CASE("USB: where no device is, the list is empty or says why there is none", "[hal][threads]") {
   const auto list = enumerate_usb(nobody());
   if (list.ok()) {
     CHECK(list.value().empty());

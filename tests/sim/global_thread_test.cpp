@@ -80,7 +80,7 @@ Trail run_in_two_threads(const GlobalThreadOptions& options, GlobalThread::Progr
 
 }  // namespace
 
-TEST_CASE("The thread gives the same snapshots as one thread does, stalled or not") {
+TEST_CASE("The thread gives the same snapshots as one thread does, stalled or not", "[threads]") {
   set_denormals_flush();
   const Trail expected = run_in_one_thread();
   GlobalThreadOptions options;
@@ -93,7 +93,7 @@ TEST_CASE("The thread gives the same snapshots as one thread does, stalled or no
   CHECK(progress.longest_step_ns >= progress.last_step_ns);
 }
 
-TEST_CASE("A CPU that is not there is reported, and the thread runs elsewhere") {
+TEST_CASE("A CPU that is not there is reported, and the thread runs elsewhere", "[threads]") {
   const Scene scene = pile();
   GlobalWorld world(scene, {});
   auto exchange = std::make_unique<haptics::Exchange>();
@@ -110,7 +110,7 @@ TEST_CASE("A CPU that is not there is reported, and the thread runs elsewhere") 
   CHECK(thread.progress().cycles == 1);
 }
 
-TEST_CASE("A stall does not keep the thread from stopping") {
+TEST_CASE("A stall does not keep the thread from stopping", "[threads]") {
   const Scene scene = pile();
   GlobalWorld world(scene, {});
   auto exchange = std::make_unique<haptics::Exchange>();
@@ -163,7 +163,7 @@ TEST_CASE("A world of several devices waits for all of them, but not for one tha
   CHECK(world.statistics().steps == 4);
 }
 
-TEST_CASE("The thread goes on without a device that has stopped") {
+TEST_CASE("The thread goes on without a device that has stopped", "[threads]") {
   const Scene scene = pile();
   GlobalOptions two;
   two.more_devices = {{.proxy = 7}};

@@ -56,7 +56,7 @@ Trace run(const Scene& scene, std::uint32_t threads, int steps) {
 
 }  // namespace
 
-TEST_CASE("every index is in one range, whatever the number of threads and of indices") {
+TEST_CASE("every index is in one range, whatever the number of threads and of indices", "[threads]") {
   set_denormals_flush();
   const std::uint32_t threads = GENERATE(1u, 2u, 3u, 5u);
   WorkerPool pool(threads);
@@ -75,7 +75,7 @@ TEST_CASE("every index is in one range, whatever the number of threads and of in
   }
 }
 
-TEST_CASE("no range is shorter than the grain") {
+TEST_CASE("no range is shorter than the grain", "[threads]") {
   set_denormals_flush();
   WorkerPool pool(4);
   for (std::uint32_t count = 1; count < 100; ++count) {
@@ -89,7 +89,7 @@ TEST_CASE("no range is shorter than the grain") {
 }
 
 // The caller takes ranges that nobody has begun: what it finds done when it returns is all of it, whoever did it.
-TEST_CASE("what is written before is seen by every range, and what ranges write is seen after") {
+TEST_CASE("what is written before is seen by every range, and what ranges write is seen after", "[threads]") {
   set_denormals_flush();
   WorkerPool pool(3);
   std::vector<std::uint64_t> in(64), out(64);
@@ -104,7 +104,7 @@ TEST_CASE("what is written before is seen by every range, and what ranges write 
   }
 }
 
-TEST_CASE("the global world's bits do not depend on how many threads share its steps") {
+TEST_CASE("the global world's bits do not depend on how many threads share its steps", "[threads]") {
   set_denormals_flush();
   const Scene scene = stirred_heap(320);
   constexpr int kSteps = 25;

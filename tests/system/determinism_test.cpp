@@ -104,7 +104,7 @@ TEST_CASE("a recorded virtual run replays with the same bits, whatever the coupl
   CHECK(report.value().state_hash == summary.state_hash);
 }
 
-TEST_CASE("a recorded real-time run replays with the same bits") {
+TEST_CASE("a recorded real-time run replays with the same bits", "[threads]") {
   const TemporaryFile tape;
   session::RunOptions options = virtual_options();
   options.virtual_time = false;

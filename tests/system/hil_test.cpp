@@ -197,7 +197,7 @@ TEST_CASE("hil: a check that leaves the device in BRAKE for good is bad, whateve
   CHECK_THAT(finding.reason, Contains("e-stop"));
 }
 
-TEST_CASE("hil: on the loop's own thread every period is a record") {
+TEST_CASE("hil: on the loop's own thread every period is a record", "[threads]") {
   hil::HilOptions options;
   options.quiet_s = 0.3;
   options.judge_timing = false;

@@ -93,7 +93,8 @@ TEST_CASE("an unplugged device latches a fault, and what its link counted is in 
   CHECK_THAT(text, !Contains("by the motors"));  // nobody knows it of a real device
 }
 
-TEST_CASE("a real-time run leaves its device in IDLE without fault, ended by its duration or stopped under force") {
+TEST_CASE("a real-time run leaves its device in IDLE without fault, ended by its duration or stopped under force",
+          "[threads]") {
   const bool stopped = GENERATE(false, true);
   LinkedRun linked;
   linked.session->options.duration_s = stopped ? 30 : 1.5;
@@ -120,7 +121,7 @@ TEST_CASE("a real-time run leaves its device in IDLE without fault, ended by its
   CHECK(device.fault() == firmware::Fault::kNone);
 }
 
-TEST_CASE("a device whose register changed in a run is not armed again, and why is said once") {
+TEST_CASE("a device whose register changed in a run is not armed again, and why is said once", "[threads]") {
   LinkedRun linked;
   linked.session->options.duration_s = 30;
   std::atomic<bool> stop{false};
@@ -172,7 +173,8 @@ TEST_CASE("a built-in description is found by its name, one in a file by its pat
   CHECK_FALSE(session::find_description("desk3d", "/nowhere.toml").ok());
 }
 
-TEST_CASE("a real-time run on a device behind a link counts every tick and names the link's figures in JSON") {
+TEST_CASE("a real-time run on a device behind a link counts every tick and names the link's figures in JSON",
+          "[threads]") {
   LinkedRun linked;
   linked.session->options.duration_s = 0.3;
   std::atomic<bool> stop{false};

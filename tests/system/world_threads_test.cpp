@@ -5,7 +5,7 @@ using namespace tactus;
 using namespace tactus::test;
 using Catch::Matchers::Contains;
 
-TEST_CASE("a virtual run gives the same bits for any number of world threads") {
+TEST_CASE("a virtual run gives the same bits for any number of world threads", "[threads]") {
   const auto hashes_with = [](unsigned threads) {
     session::RunOptions options = virtual_options();
     options.world_threads = threads;
@@ -34,7 +34,7 @@ TEST_CASE("world threads and their cores have to go together") {
   }
 }
 
-TEST_CASE("a core that is not there ends a run with one line that names it") {
+TEST_CASE("a core that is not there ends a run with one line that names it", "[threads]") {
   session::RunOptions options = virtual_options();
   options.world_threads = 2;
   options.world_cpus = {0, 1023};

@@ -425,8 +425,10 @@ std::string to_text(const RunSummary& s) {
     text += fmt::format("capacity               exceeded (bits {:#x}), {} entries left out\n", s.stats.capacity_bits,
                         s.stats.dropped);
   if (!s.tape.empty())
-    text += fmt::format("tape                   {} ({:.1f} MB), {} records dropped\n", s.tape,
-                        static_cast<double>(s.tape_bytes) * 1e-6, s.tape_dropped);
+    text += fmt::format(
+        "tape                   {} ({}), {} records dropped\n", s.tape,
+        s.tape_fault.empty() ? fmt::format("{:.1f} MB", static_cast<double>(s.tape_bytes) * 1e-6) : "incomplete",
+        s.tape_dropped);
   if (!s.tape_fault.empty())
     text += fmt::format("  {:<20} {}; {} ticks are not on it\n", "tape fault", s.tape_fault, s.tape_lost_ticks);
   if (!s.fault_tape.empty()) text += fmt::format("flight recorder        {}\n", s.fault_tape);

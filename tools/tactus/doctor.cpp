@@ -103,7 +103,7 @@ CLI::App* add_doctor_command(CLI::App& program, int& exit_code) {
   doctor->add_option("--rate", options->request.rate_Hz, "ticks a second that the link must carry [Hz]")
       ->check(CLI::Range(100.0, 20000.0))
       ->capture_default_str();
-  doctor->add_option("--device", options->device, hal::accepted_devices() + ": looks at its bus, too")
+  doctor->add_option("--device", options->device, "looks at its bus, too:\n" + hal::described_devices())
       ->capture_default_str();
   doctor->add_flag("--gpio", options->request.gpio, "look at the GPIO lines, too");
   doctor->add_option("--tree", options->root,

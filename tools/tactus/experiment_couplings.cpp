@@ -14,21 +14,22 @@ void add_couplings(CLI::App& experiment, int& exit_code) {
   CLI::App* command = experiment.add_subcommand("couplings", "The coupling schemes on the same hand motion.");
   command->footer(
       "direct: all bodies at the haptic rate. sub-world: the paper's method. static: the proxy moves among frozen\n"
-      "members. interpolation: the device feels the global world's proxy, interpolated, and holds it there by a "
-      "spring\n"
-      "that the global step solves; K is the most that it bears at the ratio, where the scene's is more (marked !), "
-      "and\n"
-      "the direct run beside it has the same. plane, planes: a plane with friction for the contact that presses most,\n"
-      "or for each contact point, new ones blended in over a cycle. linearised: the force and its Jacobian. Errors "
-      "are\n"
-      "against the direct coupling, over windows of 25 cycles, at least 200 ms, that start from its state. stable is "
-      "judged with the hand\n"
-      "in the loop, the device's own encoder and delay: no force beyond 1.5 times the direct coupling's peak and 1 N\n"
-      "more; while the hand holds, no more than 0.2 N of shaking beyond its own, and at least half its force (nothing "
-      "has\n"
-      "given way); at the end every body stands, and there never is more energy than the direct run has by 10 % of "
+      "members. interpolation: the device feels the global world's proxy, interpolated over a cycle; a spring holds "
+      "that\n"
+      "proxy to the device, as part of the global step. K: its stiffness, marked ! where the scene's is not stable at\n"
+      "this ratio and the largest stable one stands in for it, in the direct run beside it too. plane, planes: a "
+      "plane\n"
+      "with friction for the contact that presses most, or for each contact point, new ones blended in over a cycle.\n"
+      "linearised: the force and its Jacobian.\n"
+      "Errors are against direct coupling, over windows of 25 cycles (at least 200 ms) that start from its state.\n"
+      "stable: a second run has the hand in the loop, with the device's encoder and delay. Its force stays below 1.5 "
+      "times\n"
+      "the direct coupling's peak plus 1 N. While the hand holds, the force shakes by at most 0.2 N more than with "
+      "direct\n"
+      "coupling and keeps at least half of that one's mean. At the end every body stands, and the energy never exceeds "
       "the\n"
-      "energy at play. Both words as with --whole, below. Virtual time: the same options, the same figures.\n" +
+      "direct run's by more than 10 % of the energy at play ('stands' and 'energy at play' as with --whole, below).\n"
+      "Virtual time: the same options give the same figures.\n" +
       std::string(kWholeRunsHelp) +
       "\nExample:\n  tactus experiment couplings --quick\n  tactus experiment couplings --csv couplings.csv --page "
       "couplings.html");

@@ -13,14 +13,15 @@ void add_energy_loss(CLI::App& experiment, int& exit_code) {
   CLI::App* command =
       experiment.add_subcommand("energy-loss", "Energy and force errors of the sub-world, by border and ratio.");
   command->footer(
-      "The sub-world at each ratio, with each border, beside the same scene with direct coupling: the same hand "
-      "motion,\n"
-      "windows that start from the direct run's state. loss and gain are of the kinetic energy of all "
-      "bodies\n"
-      "(*: at rest, of that and what the coupling's spring holds; --json and --csv have the two other readings); "
-      "positive both, and a window that won does not hide one that "
-      "lost.\n"
-      "A window is 25 cycles, at least 200 ms.\n" +
+      "Compares the sub-world, at each ratio and with each border, with direct coupling of the same scene: the same "
+      "hand\n"
+      "motion, in windows of 25 cycles (at least 200 ms) that start from the direct run's state. loss and gain: "
+      "energy\n"
+      "below and above the direct run's, each summed over the windows by itself, so that a gain in one cannot hide a "
+      "loss\n"
+      "in another; as a share of the kinetic energy of all bodies (*: at rest, of that and the energy in the "
+      "coupling's\n"
+      "spring; --json and --csv have both other readings).\n" +
       std::string(kWholeRunsHelp) +
       "For windows, '1 um apart' is how far two direct runs go apart that start so: less cannot be told from chance. "
       "Virtual time:\n"

@@ -222,7 +222,7 @@ int run_hil(HilCommand& c) {
 }
 
 void add_options(CLI::App& app, HilCommand& c) {
-  app.add_option("--device", c.device, hal::accepted_devices() + "; with sim the suite runs without hardware");
+  app.add_option("--device", c.device, hal::described_devices());
   app.add_option("--device-file", c.device_file, "describes the device; default: --profile");
   app.add_option("--profile", c.profile, "the built-in description to compare with: virtuose6d or desk3d")
       ->capture_default_str();

@@ -391,7 +391,7 @@ void add_options(CLI::App& app, RunCommand& command) {
                  "default: 1 with --view, else 0. The results are the same bits");
   // Each time one value: what follows may be the scene.
   const auto once_or_each = [](CLI::Option* option) { option->allow_extra_args(false); };
-  const std::string devices = hal::accepted_devices() + ".\nSeveral hands: once for all (sim), or once for each";
+  const std::string devices = hal::described_devices() + "\nSeveral hands: once for all (sim), or once for each";
   once_or_each(app.add_option("--device", command.each.devices, devices)->default_str("sim"));
   once_or_each(app.add_option("--device-file", command.each.device_files,
                               "describes the device; default: the scene's profile. Several hands: as --device"));

@@ -146,7 +146,7 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
   app->add_option("--ratio", o.ratio, "ticks per global step")->check(CLI::Range(1u, 100u))->capture_default_str();
   app->add_option("--scene", o.run.scene, "this scene at its own capacity, instead of the worst case");
   app->add_option("--device", o.run.device,
-                  hal::accepted_devices() + ". A real one is timed without force, and without the bare timer")
+                  hal::described_devices() + "\nA real one is timed without force, and without the bare timer")
       ->capture_default_str();
   app->add_option("--device-file", o.run.device_file, "describes the device; default: the scene's profile");
   app->add_option("--rate", o.run.rate_Hz, "ticks per second [Hz]")->capture_default_str();
@@ -159,8 +159,8 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
   app->add_flag("--no-bare", command->no_bare, "the loop all the time, without the bare timer");
   app->add_flag(
       "--os-noise", o.os_noise,
-      "name what took the core from a late tick, as the kernel's osnoise events have it. As root; on kernels\n"
-      "before 6.2 a thread of the kernel's then wakes on that core once a second");
+      "names what ran on the core when a tick was late, from the kernel's osnoise events. Needs root. On kernels\n"
+      "before 6.2 this wakes a kernel thread on the measured core once a second");
   app->add_option(
          "--against", command->against,
          "cyclictest: in turns with that program (Debian: rt-tests), 10 s each, on the same core, at the same\n"

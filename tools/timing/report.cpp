@@ -37,8 +37,9 @@ std::string verdict_line(const TimingResult& r) {
   for (const VerdictRow& row : r.rows) {
     if (row.good() || row.ours != bad) continue;
     if (row.found.empty())
-      return bad ? "BAD: the program did not keep its own promise"
-                 : "THE MACHINE: the program lost no tick to its own work, the machine did not keep up";
+      return fmt::format("{}: {} {:.1f}, at most {:.1f}{}{}{}", bad ? "BAD" : "THE MACHINE", row.figure, row.measured,
+                         row.limit, row.unit.empty() ? "" : " ", row.unit,
+                         bad ? "" : "; the program lost no tick to its own work");
     if (found.empty()) found = row.found;
   }
   return (bad ? "BAD: " : "DEGRADED: ") + found;

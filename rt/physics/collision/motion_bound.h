@@ -32,8 +32,8 @@ inline double fall_in_step(const StepSettings& settings) noexcept {
          settings.dt;
 }
 
-// What a step may take from a distance: `advance` of it by the centres' velocities. Gravity counts once: two bodies
-// fall together, or one of them is supported.
+// Upper bound of the decrease of two bodies' distance in a step [m], of which `advance` by the centres' velocities.
+// Gravity counts once: two bodies fall together, or one of them is supported.
 inline double closing_with(double advance, const MotionBound& a, const MotionBound& b,
                            const StepSettings& settings) noexcept {
   return std::min(advance + (a.rest + b.rest) + larger(a.fallen, b.fallen), settings.max_margin);

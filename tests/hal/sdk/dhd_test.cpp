@@ -130,7 +130,8 @@ TEST_CASE("dhd: a wrist that turns about the library's z turns about the device'
   CHECK(state.device_from_tool.rotation.z == Approx(expected.z));
 }
 
-TEST_CASE("dhd: force reaches the library in FORCE alone, cut to the limit, and IDLE and the end switch it off") {
+TEST_CASE("dhd: force reaches the library in FORCE alone, cut to the limit, and IDLE and the end switch it off",
+          "[threads]") {
   StandIn& d = reset();
   {
     const auto device = open_device();
@@ -147,7 +148,7 @@ TEST_CASE("dhd: force reaches the library in FORCE alone, cut to the limit, and 
   CHECK(d.force_N[1] == 0);
 }
 
-TEST_CASE("dhd: a loop that stops altogether loses its force, and one that only reads latches fault 1") {
+TEST_CASE("dhd: a loop that stops altogether loses its force, and one that only reads latches fault 1", "[threads]") {
   StandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
@@ -160,7 +161,7 @@ TEST_CASE("dhd: a loop that stops altogether loses its force, and one that only 
   CHECK(loop.until([&] { return !d.forces_on; }, false));
 }
 
-TEST_CASE("dhd: a device that switches its forces off, or refuses them, is fault 5 until the re-arm") {
+TEST_CASE("dhd: a device that switches its forces off, or refuses them, is fault 5 until the re-arm", "[threads]") {
   StandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
@@ -173,7 +174,7 @@ TEST_CASE("dhd: a device that switches its forces off, or refuses them, is fault
   CHECK(loop.push({1, 0, 0}, d.forces_on));
 }
 
-TEST_CASE("dhd: an old sample and a call that blocks are missing samples, a lost device is disconnected") {
+TEST_CASE("dhd: an old sample and a call that blocks are missing samples, a lost device is disconnected", "[threads]") {
   StandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};

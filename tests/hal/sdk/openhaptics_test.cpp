@@ -90,7 +90,8 @@ TEST_CASE("openhaptics: a device that cannot be used is one line with the reason
   CHECK_THAT(open_port().message(), Contains("make no sense (0 N, 0.88 N for long"));
 }
 
-TEST_CASE("openhaptics: opened, it has the library's limits, no force, and closed it is stopped and let go") {
+TEST_CASE("openhaptics: opened, it has the library's limits, no force, and closed it is stopped and let go",
+          "[threads]") {
   HdStandIn& d = reset();
   d.forces_on = true;
   {
@@ -154,8 +155,8 @@ TEST_CASE("openhaptics: a pose that jumps or is none is not fresh, and the next 
   CHECK(port.value()->exchange({}, state) == SdkResult::kError);
 }
 
-TEST_CASE(
-    "openhaptics: force reaches the library in FORCE alone, cut to the limit, and IDLE and the end switch it off") {
+TEST_CASE("openhaptics: force reaches the library in FORCE alone, cut to the limit, and IDLE and the end switch it off",
+          "[threads]") {
   HdStandIn& d = reset();
   {
     const auto device = open_device();
@@ -173,7 +174,8 @@ TEST_CASE(
   CHECK(d.outside_of_frames == 0);
 }
 
-TEST_CASE("openhaptics: a loop that stops altogether loses its force, and one that only reads latches fault 1") {
+TEST_CASE("openhaptics: a loop that stops altogether loses its force, and one that only reads latches fault 1",
+          "[threads]") {
   HdStandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
@@ -186,8 +188,8 @@ TEST_CASE("openhaptics: a loop that stops altogether loses its force, and one th
   CHECK(loop.until([&] { return !d.forces_on; }, false));
 }
 
-TEST_CASE(
-    "openhaptics: what the library reports is a fault in words, latched until the re-arm, without force at once") {
+TEST_CASE("openhaptics: what the library reports is a fault in words, latched until the re-arm, without force at once",
+          "[threads]") {
   HdStandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
@@ -212,7 +214,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("openhaptics: a fault ends the force before the haptic thread has read it") {
+TEST_CASE("openhaptics: a fault ends the force before the haptic thread has read it", "[threads]") {
   HdStandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
@@ -231,7 +233,7 @@ TEST_CASE("openhaptics: a fault ends the force before the haptic thread has read
   CHECK(loop.latches(kSdkConnectionLost));
 }
 
-TEST_CASE("openhaptics: forces that go off by themselves, or are refused, are fault 5 until the re-arm") {
+TEST_CASE("openhaptics: forces that go off by themselves, or are refused, are fault 5 until the re-arm", "[threads]") {
   HdStandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
@@ -244,7 +246,8 @@ TEST_CASE("openhaptics: forces that go off by themselves, or are refused, are fa
   CHECK(loop.push({1, 0, 0}, d.forces_on));
 }
 
-TEST_CASE("openhaptics: it is calibrated where it wants to be and gives no force, and in FORCE that is a fault") {
+TEST_CASE("openhaptics: it is calibrated where it wants to be and gives no force, and in FORCE that is a fault",
+          "[threads]") {
   HdStandIn& d = reset();
   d.calibration = 0x5002;  // a person has to do something
   const auto refused = start();
@@ -262,7 +265,7 @@ TEST_CASE("openhaptics: it is calibrated where it wants to be and gives no force
   CHECK(loop.rearms());
 }
 
-TEST_CASE("openhaptics: a call that blocks is missing samples, a clock that runs backwards a fault") {
+TEST_CASE("openhaptics: a call that blocks is missing samples, a clock that runs backwards a fault", "[threads]") {
   HdStandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
@@ -279,8 +282,8 @@ TEST_CASE("openhaptics: a call that blocks is missing samples, a clock that runs
   CHECK(loop.is_fresh());
 }
 
-TEST_CASE(
-    "openhaptics: a scheduler that calls no more is a device that is not there, and the end does not wait for it") {
+TEST_CASE("openhaptics: a scheduler that calls no more is a device that is not there, and the end does not wait for it",
+          "[threads]") {
   HdStandIn& d = reset();
   {
     const auto device = open_device();
@@ -293,7 +296,8 @@ TEST_CASE(
   CHECK(d.force_N[0] == 0);
 }
 
-TEST_CASE("openhaptics: a scheduler of another rate, that never calls or is too slow is refused at the start") {
+TEST_CASE("openhaptics: a scheduler of another rate, that never calls or is too slow is refused at the start",
+          "[threads]") {
   HdStandIn& d = reset();
   d.rate_Hz = 500;
   CHECK_THAT(start().message(), Contains("runs at 500 Hz; accepted: --rate 500"));

@@ -51,7 +51,7 @@ void check_nothing_freed_in_flight() {
 
 }  // namespace
 
-TEST_CASE("USB: endpoints that are halted when the link opens are cleared, and frames flow") {
+TEST_CASE("USB: endpoints that are halted when the link opens are cleared, and frames flow", "[threads]") {
   reset_fake_usb();
   change_fake_usb([](FakeUsb& usb) { usb.in_halted = usb.out_halted = true; });
   auto link = opened();
@@ -63,7 +63,7 @@ TEST_CASE("USB: endpoints that are halted when the link opens are cleared, and f
   check_nothing_freed_in_flight();
 }
 
-TEST_CASE("USB: an endpoint that halts while frames flow is cleared, without an end of the connection") {
+TEST_CASE("USB: an endpoint that halts while frames flow is cleared, without an end of the connection", "[threads]") {
   reset_fake_usb();
   auto link = opened();
   for (int round = 0; round < 10; ++round) {
@@ -80,7 +80,7 @@ TEST_CASE("USB: an endpoint that halts while frames flow is cleared, without an 
   check_nothing_freed_in_flight();
 }
 
-TEST_CASE("USB: an endpoint that halts again and again ends the connection, and the next one clears it") {
+TEST_CASE("USB: an endpoint that halts again and again ends the connection, and the next one clears it", "[threads]") {
   reset_fake_usb();
   auto link = opened();
   REQUIRE(states_flow());
@@ -94,7 +94,7 @@ TEST_CASE("USB: an endpoint that halts again and again ends the connection, and 
   check_nothing_freed_in_flight();
 }
 
-TEST_CASE("USB: a link may be closed at any moment of a halt, a lost device or a new connection") {
+TEST_CASE("USB: a link may be closed at any moment of a halt, a lost device or a new connection", "[threads]") {
   for (int round = 0; round < 30; ++round) {
     reset_fake_usb();
     auto link = opened();
@@ -112,7 +112,7 @@ TEST_CASE("USB: a link may be closed at any moment of a halt, a lost device or a
   }
 }
 
-TEST_CASE("USB: a connection whose transfers are refused is given up and made anew") {
+TEST_CASE("USB: a connection whose transfers are refused is given up and made anew", "[threads]") {
   reset_fake_usb();
   auto link = opened();
   change_fake_usb([](FakeUsb& usb) { usb.submit_fails = true; });
@@ -126,7 +126,8 @@ TEST_CASE("USB: a connection whose transfers are refused is given up and made an
 }
 
 TEST_CASE(
-    "USB: another device in the place of the one that was pulled is refused by its serial, and not called unplugged") {
+    "USB: another device in the place of the one that was pulled is refused by its serial, and not called unplugged",
+    "[threads]") {
   reset_fake_usb();
   auto link = opened();
   change_fake_usb([](FakeUsb& usb) { usb.plugged = false; });

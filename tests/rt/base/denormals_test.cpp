@@ -4,7 +4,7 @@
 #include <limits>
 #include <thread>
 
-TEST_CASE("after set_denormals_flush a thread's denormal results and inputs are zero", "[base]") {
+TEST_CASE("after set_denormals_flush a thread's denormal results and inputs are zero", "[base][threads]") {
   std::thread([] {
     volatile double smallest = std::numeric_limits<double>::min(), denormal = std::numeric_limits<double>::denorm_min();
     volatile double half = smallest * 0.5;

@@ -113,7 +113,7 @@ TEST_CASE("the guard counts locks taken and waits on conditions", "[base]") {
         }).locks == 2);
 }
 
-TEST_CASE("the guard counts its own thread only", "[base]") {
+TEST_CASE("the guard counts its own thread only", "[base][threads]") {
   TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   std::unique_ptr<int> made_elsewhere;
   std::thread other;

@@ -223,7 +223,8 @@ TEST_CASE("a disk that takes no more ends the tape alone, and the ticks that are
   CHECK(drain.counts().records == all.size());
 }
 
-TEST_CASE("the drain's own thread takes everything while the producer runs, and dumps meanwhile are whole", "[loop]") {
+TEST_CASE("the drain's own thread takes everything while the producer runs, and dumps meanwhile are whole",
+          "[loop][threads]") {
   const TemporaryFile file, dump;
   Ring ring(1 << 16);
   TapeDrain drain(ring, settings_of(1 << 14), tape_at(file.path()));

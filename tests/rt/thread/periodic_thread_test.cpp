@@ -241,7 +241,7 @@ PeriodicSettings gentle() {
 }  // namespace
 
 TEST_CASE("the thread sets itself up, ticks on its own stack with signals blocked, and ends when the tick says",
-          "[loop]") {
+          "[loop][threads]") {
   const std::thread::id here = std::this_thread::get_id();
   std::atomic<int> wrong{0};
   std::atomic<std::uint64_t> last_deadline{0};
@@ -272,7 +272,7 @@ TEST_CASE("the thread sets itself up, ticks on its own stack with signals blocke
   CHECK(sigismember(&blocked, SIGINT) == 0);
 }
 
-TEST_CASE("stop ends the loop and may be followed by a new start with new counters", "[loop]") {
+TEST_CASE("stop ends the loop and may be followed by a new start with new counters", "[loop][threads]") {
   std::atomic<std::uint64_t> ticks{0};
   auto tick = [&](const TickTiming&) noexcept {
     ++ticks;
@@ -292,7 +292,7 @@ TEST_CASE("stop ends the loop and may be followed by a new start with new counte
   }
 }
 
-TEST_CASE("faults that the tick causes are in the health counters", "[loop]") {
+TEST_CASE("faults that the tick causes are in the health counters", "[loop][threads]") {
   constexpr std::size_t kPages = 50;
   const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   void* mapping = mmap(nullptr, kPages * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

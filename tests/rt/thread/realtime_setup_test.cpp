@@ -93,7 +93,7 @@ bool contains(std::string_view text, std::string_view part) { return text.find(p
 
 }  // namespace
 
-TEST_CASE("the report has each step once, in its order, and no line is empty", "[loop]") {
+TEST_CASE("the report has each step once, in its order, and no line is empty", "[loop][threads]") {
   CpuAwake awake;
   SetupReport report;
   std::thread([&] { report = setup_realtime(modest(), awake); }).join();
@@ -111,7 +111,7 @@ TEST_CASE("the report has each step once, in its order, and no line is empty", "
   CHECK(report.find("kernel")->ok == report.preempt_rt);
 }
 
-TEST_CASE("a thread that asks for no privileges is degraded, not silently normal", "[loop]") {
+TEST_CASE("a thread that asks for no privileges is degraded, not silently normal", "[loop][threads]") {
   CpuAwake awake;
   SetupReport report;
   std::thread([&] { report = setup_realtime(modest(), awake); }).join();
@@ -232,7 +232,7 @@ TEST_CASE("a cpu or a priority that does not exist is refused, with what is acce
   CHECK(failed == 0);
 }
 
-TEST_CASE("the stack that was asked for is touched: using it later faults no more", "[loop]") {
+TEST_CASE("the stack that was asked for is touched: using it later faults no more", "[loop][threads]") {
   struct Answer {
     bool ok{false};
     std::uint64_t faults{0};
@@ -258,7 +258,7 @@ TEST_CASE("the stack that was asked for is touched: using it later faults no mor
   if (test::RtGuard::available()) CHECK(answer.faults == 0);
 }
 
-TEST_CASE("a stack smaller than what shall be touched is a failed step, not a crash", "[loop]") {
+TEST_CASE("a stack smaller than what shall be touched is a failed step, not a crash", "[loop][threads]") {
   SetupReport report;
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);

@@ -43,7 +43,8 @@ struct Visit {
 
 }  // namespace
 
-TEST_CASE("a real-time thread runs its body once, set up, with signals blocked, on the stack asked for", "[loop]") {
+TEST_CASE("a real-time thread runs its body once, set up, with signals blocked, on the stack asked for",
+          "[loop][threads]") {
   RealtimeThread thread;
   Visit visit;
   visit.thread = &thread;
@@ -67,7 +68,7 @@ TEST_CASE("a real-time thread runs its body once, set up, with signals blocked, 
   CHECK(sigismember(&blocked, SIGINT) == 0);  // the caller's are as they were
 }
 
-TEST_CASE("a thread that was joined starts again, and one that never started joins at once", "[loop]") {
+TEST_CASE("a thread that was joined starts again, and one that never started joins at once", "[loop][threads]") {
   RealtimeThread thread;
   thread.join();
   int calls = 0;
@@ -81,7 +82,7 @@ TEST_CASE("a thread that was joined starts again, and one that never started joi
   }
 }
 
-TEST_CASE("a real-time thread that goes waits for its body", "[loop]") {
+TEST_CASE("a real-time thread that goes waits for its body", "[loop][threads]") {
   bool ended = false;
   {
     RealtimeThread thread;

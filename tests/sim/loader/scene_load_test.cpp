@@ -123,7 +123,11 @@ TEST_CASE("every kind of mistake is named with its line, column, key and what is
       {box("kinematic = False"), 4, 13, "kinematic", "False is no value, did you mean false?", "true, false"},
       {box("mass_kg = 1,5"), 4, 12, "mass_kg", "1,5 is no value", "a number such as 0.5"},
       {"title = \"a\"\n# b\n[\n", 3, 1, "the file", "not complete", "TOML"},
-      {"title = \"a\"\ntitle = \"b\"", 2, 9, "the file", "redefine", "TOML"},
+      {"title = \"a\"\ntitle = \"b\"", 2, 1, "title", "is set a second time", "once"},
+      {"[simulation]\n[simulation]\nratio = 4", 2, 1, "[simulation]", "a second time", "begins with [[simulation]]"},
+      {"[body]\nshape = \"box\"", 1, 1, "body", "a table is not an array", "[[body]] for each"},
+      {"title = \"a\neffects = []", 1, 11, "the file", "a text without its closing quote", "\"text\""},
+      {"effects = [gravity]", 1, 12, "the file", "no value begins like this", "text in quotes"},
   };
   for (const Case& c : cases) {
     const auto found = diagnose(c.text + kProxy);

@@ -146,7 +146,7 @@ TEST_CASE("gain: the force is held in FORCE, and ends in IDLE, by a fault, and w
   }
 }
 
-TEST_CASE("gain: in real time a thread holds the force, and leaves the device in IDLE") {
+TEST_CASE("gain: in real time a thread holds the force, and leaves the device in IDLE", "[threads]") {
   hal::AnyDevice device(std::make_unique<hal::SimulatedFalcon>(hal::HandModel(), 1'000'000));
   DeviceUnderTest under_test{device, {}, {}};
   {

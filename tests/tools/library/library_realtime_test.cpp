@@ -21,7 +21,7 @@ Options real_time() {
 
 }  // namespace
 
-TEST_CASE("a run in real time shows each of its ticks to the monitor, once and in order") {
+TEST_CASE("a run in real time shows each of its ticks to the monitor, once and in order", "[threads]") {
   Options options = real_time();
   options.history_ticks = 20'000;
   Session session = session_of(scene_of("press.toml"), options);
@@ -59,7 +59,7 @@ TEST_CASE("a run in real time shows each of its ticks to the monitor, once and i
   CHECK(session.ticks().size() == 50);
 }
 
-TEST_CASE("a monitor or another thread ends a run, and a short history says what it lacks") {
+TEST_CASE("a monitor or another thread ends a run, and a short history says what it lacks", "[threads]") {
   Options options = real_time();
   options.history_ticks = 2;
   Session session = session_of(scene_of("press.toml"), options);
@@ -88,7 +88,7 @@ TEST_CASE("a monitor or another thread ends a run, and a short history says what
   CHECK(session.ticks_done() > 0);
 }
 
-TEST_CASE("a recorded run that ends with a fault leaves its last seconds beside it, and says where") {
+TEST_CASE("a recorded run that ends with a fault leaves its last seconds beside it, and says where", "[threads]") {
   namespace fs = std::filesystem;
   const fs::path before = fs::current_path(), folder = fs::temp_directory_path() / "tactus-fault-tape-test";
   fs::create_directories(folder);

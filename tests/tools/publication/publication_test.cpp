@@ -305,7 +305,7 @@ TEST_CASE("whatever a header's numbers are, nothing outside of the memory is rea
   CHECK(accepted > 0);  // such as another period
 }
 
-TEST_CASE("a frame that is read while it is written is whole, or is not read") {
+TEST_CASE("a frame that is read while it is written is whole, or is not read", "[threads]") {
   const sim::Scene scene = test::scene_file("pile250.toml");
   const auto publication = published(scene);
   publication->watchers() = 1;
@@ -362,7 +362,7 @@ TEST_CASE("what the run says of itself is read once, whole, and what is too long
   CHECK(state == "short");
 }
 
-TEST_CASE("what the run says of itself, read while it is written, is whole or is not read") {
+TEST_CASE("what the run says of itself, read while it is written, is whole or is not read", "[threads]") {
   const auto publication = published(test::scene_file("stack20.toml"));
   const auto watcher = watching(*publication);
   std::atomic<bool> done{false};

@@ -101,7 +101,7 @@ class SlowClients {
 
 }  // namespace
 
-TEST_CASE("who is slow to ask keeps nobody from disarming, however many they are") {
+TEST_CASE("who is slow to ask keeps nobody from disarming, however many they are", "[threads]") {
   // One after the other they would take longer than whoever asks waits.
   for (const int count : {8, 3 * static_cast<int>(kMaxClients)}) {
     Bench bench;
@@ -111,7 +111,7 @@ TEST_CASE("who is slow to ask keeps nobody from disarming, however many they are
   }
 }
 
-TEST_CASE("a socket whose run is busy is not taken away from it, nor one that is another run's by now") {
+TEST_CASE("a socket whose run is busy is not taken away from it, nor one that is another run's by now", "[threads]") {
   Bench bench;
   {
     const SlowClients slow(bench.socket, 8);
@@ -126,7 +126,7 @@ TEST_CASE("a socket whose run is busy is not taken away from it, nor one that is
   bench.server = std::move(other);
 }
 
-TEST_CASE("a run that ends takes no new work, and disarms all the same") {
+TEST_CASE("a run that ends takes no new work, and disarms all the same", "[threads]") {
   Bench bench;
   CHECK(bench.ask("stop")["ok"] == true);
   for (const char* request : {"arm", "rearm", "reset", "reload"}) CHECK(bench.ask(request)["ok"] == false);
@@ -134,7 +134,7 @@ TEST_CASE("a run that ends takes no new work, and disarms all the same") {
   CHECK(bench.ask("disarm")["ok"] == true);
 }
 
-TEST_CASE("requests become operator bits, each once, and stop sets the flag") {
+TEST_CASE("requests become operator bits, each once, and stop sets the flag", "[threads]") {
   Bench bench;
   CHECK(bench.ask("arm")["ok"] == true);
   CHECK(bench.requests.exchange(0) == loop::kArm);
@@ -151,14 +151,14 @@ TEST_CASE("requests become operator bits, each once, and stop sets the flag") {
   CHECK(bench.stop.load());
 }
 
-TEST_CASE("state is what the run last told, reload what it said") {
+TEST_CASE("state is what the run last told, reload what it said", "[threads]") {
   Bench bench;
   bench.server->tell(R"({"ok":true,"ticks":42})");
   CHECK(bench.ask("state")["ticks"] == 42);
   CHECK(bench.ask("reload")["said"] == "nothing changed");
 }
 
-TEST_CASE("real time is not paused, stepped or slowed down, and virtual time is") {
+TEST_CASE("real time is not paused, stepped or slowed down, and virtual time is", "[threads]") {
   Bench bench;
   for (const char* line : {"play", "pause", "tick", "cycle", "pace 0.1"}) {
     const auto refused = bench.ask(line);
@@ -185,7 +185,7 @@ TEST_CASE("real time is not paused, stepped or slowed down, and virtual time is"
   CHECK(pacing.playing.load());
 }
 
-TEST_CASE("one at a time leads the simulated hand, and nobody a real device's") {
+TEST_CASE("one at a time leads the simulated hand, and nobody a real device's", "[threads]") {
   Bench bench;
   CHECK(bench.ask("hand 1 take")["ok"] == false);
   session::HandInput hand;
@@ -204,7 +204,7 @@ TEST_CASE("one at a time leads the simulated hand, and nobody a real device's") 
   CHECK(bench.ask("hand 2 take")["ok"] == true);
 }
 
-TEST_CASE("what is no request is refused, also where it is long or nothing") {
+TEST_CASE("what is no request is refused, also where it is long or nothing", "[threads]") {
   Bench bench;
   for (const std::string& line : {std::string("fly"), std::string(), std::string(10 * kLongestLine, 'x')}) {
     const auto answer = ask_control(bench.socket, line);
@@ -216,7 +216,7 @@ TEST_CASE("what is no request is refused, also where it is long or nothing") {
   CHECK(bench.requests.load() == loop::kArm);
 }
 
-TEST_CASE("an answer is JSON whatever was asked, and repeats at most 64 bytes of it") {
+TEST_CASE("an answer is JSON whatever was asked, and repeats at most 64 bytes of it", "[threads]") {
   Bench bench;
   const std::string long_line = std::string(kLongestEcho, 'x') + "yy";
   for (const std::string& line : {std::string("\xff\xfe\x80"), std::string("\xc3"), std::string(3, '\0'), long_line}) {
@@ -227,7 +227,7 @@ TEST_CASE("an answer is JSON whatever was asked, and repeats at most 64 bytes of
   }
 }
 
-TEST_CASE("what a reload throws is its answer, and the server goes on") {
+TEST_CASE("what a reload throws is its answer, and the server goes on", "[threads]") {
   const Folder folder;
   std::atomic<std::uint32_t> requests{0};
   std::atomic<bool> stop{false};
@@ -240,7 +240,7 @@ TEST_CASE("what a reload throws is its answer, and the server goes on") {
   CHECK(ask_control(folder.path / "control", "arm").ok());
 }
 
-TEST_CASE("the socket is the group's, is taken over from a dead run and never from a living one") {
+TEST_CASE("the socket is the group's, is taken over from a dead run and never from a living one", "[threads]") {
   Bench bench;
   struct stat status {};
   REQUIRE(stat(bench.socket.c_str(), &status) == 0);
@@ -365,7 +365,7 @@ TEST_CASE("systemd is told over its socket, and nobody where there is none") {
   unsetenv("WATCHDOG_PID");
 }
 
-TEST_CASE("watch passes a descriptor on and counts who holds the connection, and other requests go on") {
+TEST_CASE("watch passes a descriptor on and counts who holds the connection, and other requests go on", "[threads]") {
   const Folder folder;
   std::atomic<std::uint32_t> requests{0}, watchers{0};
   std::atomic<bool> stop{false};
@@ -406,7 +406,7 @@ TEST_CASE("watch passes a descriptor on and counts who holds the connection, and
   close(memory);
 }
 
-TEST_CASE("a run that shows nothing says so to a watcher, and no run is one line") {
+TEST_CASE("a run that shows nothing says so to a watcher, and no run is one line", "[threads]") {
   Bench bench;
   const auto nothing = watch_control(bench.socket);
   REQUIRE_FALSE(nothing.ok());

@@ -31,7 +31,7 @@ session::RunOptions quick() {
 
 }  // namespace
 
-TEST_CASE("Two hands in real time: every tick of both is on its tape and replays with the same bits") {
+TEST_CASE("Two hands in real time: every tick of both is on its tape and replays with the same bits", "[threads]") {
   const test::TemporaryFile first;
   const std::string paths[] = {first.path(), session::file_of_hand(first.path(), 1)};
   session::Hands hands = hands_of(quick());
@@ -69,7 +69,7 @@ TEST_CASE("Two hands in real time: every tick of both is on its tape and replays
   (void)std::remove(paths[1].c_str());
 }
 
-TEST_CASE("A stop ends all hands, and a request reaches all of them") {
+TEST_CASE("A stop ends all hands, and a request reaches all of them", "[threads]") {
   session::Hands hands = hands_of([] {
     session::RunOptions options = quick();
     options.duration_s = 0;

@@ -53,7 +53,8 @@ TEST_CASE("the verdict so far is the one of the summary, rule by rule") {
   }
 }
 
-TEST_CASE("ticks, steps and readings from three threads at a time: every tick is counted, and readings only grow") {
+TEST_CASE("ticks, steps and readings from three threads at a time: every tick is counted, and readings only grow",
+          "[threads]") {
   const auto session = test::make_session(test::scene_file("card_house.toml"), test::virtual_options());
   RunningSummary running(*session);
   constexpr std::uint64_t kTicks = 20'000;

@@ -55,6 +55,14 @@ TEST_CASE("the report's verdict says in words what a rule of a run found") {
   CHECK_THAT(to_text(r), Contains("bodies 3 and 7 overlapped by 1.00 mm, 20 %") && Contains("degraded\n"));
 }
 
+TEST_CASE("the report's verdict names the figure that is beyond its limit, and the limit") {
+  TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
+  for (std::uint64_t i = 0; i < 400; ++i) r.books.add_loop(i == 200 ? woken_late(i, 900'000) : usual_tick(i));
+  r.books.finish();
+  r.rows = judge(r.books);
+  CHECK_THAT(to_text(r), Contains("THE MACHINE: wake-up, worst 905.0, at most 500.0 us; the program lost no tick"));
+}
+
 TEST_CASE("deadlines are judged by the same figure as in a run") {
   TickStatistics books({kPeriod_ns, 0, 10});
   for (std::uint64_t i = 0; i < 400; ++i) books.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));

@@ -64,7 +64,7 @@ PageMessage asking(const std::string& what, double value = 0) { return {.ask = w
 
 }  // namespace
 
-TEST_CASE("a tick that is scrubbed to is the tick that playing shows, and its signals are the tape's") {
+TEST_CASE("a tick that is scrubbed to is the tick that playing shows, and its signals are the tape's", "[threads]") {
   const test::TemporaryFile tape;
   record_run(tape.path(), 2600);
   const auto played = shown(tape.path()), scrubbed = shown(tape.path());
@@ -87,7 +87,7 @@ TEST_CASE("a tick that is scrubbed to is the tick that playing shows, and its si
   }
 }
 
-TEST_CASE("all bodies of a tape are where they were, and have their roles") {
+TEST_CASE("all bodies of a tape are where they were, and have their roles", "[threads]") {
   const test::TemporaryFile tape;
   record_run(tape.path(), 1000);
   const auto show = shown(tape.path());
@@ -110,7 +110,7 @@ TEST_CASE("all bodies of a tape are where they were, and have their roles") {
   CHECK(frame.positions[0].z == static_cast<float>(proxy.z));
 }
 
-TEST_CASE("the forces that a tape shows hold the bodies up") {
+TEST_CASE("the forces that a tape shows hold the bodies up", "[threads]") {
   const test::TemporaryFile tape;
   session::RunOptions options = test::virtual_options();
   options.coupling = haptics::CouplingScheme::kDirect;
@@ -133,7 +133,7 @@ TEST_CASE("the forces that a tape shows hold the bodies up") {
   CHECK(show->history().cycles() == 0);
 }
 
-TEST_CASE("a damaged tape is shown before and after the damage, and its world up to it") {
+TEST_CASE("a damaged tape is shown before and after the damage, and its world up to it", "[threads]") {
   const test::TemporaryFile tape;
   session::RunOptions few = test::virtual_options();
   few.members = 9;
@@ -156,7 +156,8 @@ TEST_CASE("a damaged tape is shown before and after the damage, and its world up
   CHECK(std::count(frame.roles.begin(), frame.roles.end(), std::uint8_t{publication::kIsUnknown}) == 0);
 }
 
-TEST_CASE("a tape that is cut off is shown up to there, and what is none is refused as replay refuses it") {
+TEST_CASE("a tape that is cut off is shown up to there, and what is none is refused as replay refuses it",
+          "[threads]") {
   const test::TemporaryFile tape, foreign;
   record_run(tape.path(), 2000);
   std::ifstream whole(tape.path(), std::ios::binary);
@@ -173,7 +174,7 @@ TEST_CASE("a tape that is cut off is shown up to there, and what is none is refu
   CHECK_FALSE(TapeSource::open({"/nowhere.tape"}).ok());
 }
 
-TEST_CASE("the tape of a fault begins in the middle: members are shown, and the reason") {
+TEST_CASE("the tape of a fault begins in the middle: members are shown, and the reason", "[threads]") {
   const test::TemporaryFile tape, dumped;
   session::RunOptions options = test::virtual_options();
   auto session = test::make_session(test::scene_file("card_house.toml"), options);
@@ -199,7 +200,7 @@ TEST_CASE("the tape of a fault begins in the middle: members are shown, and the 
   CHECK((frame.roles[0] & publication::kIsProxy) != 0);
 }
 
-TEST_CASE("two tapes keep step: the clock plays, stops, steps, goes back and slows down") {
+TEST_CASE("two tapes keep step: the clock plays, stops, steps, goes back and slows down", "[threads]") {
   const test::TemporaryFile a, b;
   record_run(a.path(), 1500);
   session::RunOptions direct = test::virtual_options();

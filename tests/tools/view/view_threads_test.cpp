@@ -51,7 +51,7 @@ std::string fetch(const std::string& address, const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("a fault's tape is served at an address of its own, the next fault's in its place") {
+TEST_CASE("a fault's tape is served at an address of its own, the next fault's in its place", "[threads]") {
   const test::TemporaryFile first, second;
   record_run(first.path(), 300);
   record_run(second.path(), 300);
